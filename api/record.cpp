@@ -156,7 +156,7 @@ Recording& Recording::operator=(Recording&& other) noexcept = default;
 
 void Recording::finish(bool complete) {
     api::entered(ErrorCode::record, [&] {
-        if (!impl_) throw Error(ErrorCode::state, "the recording is over");
+        if (!impl_) throw Error(ErrorCode::state, "the recording has ended");
         const std::unique_ptr<Impl> ending = std::move(impl_);
         ending->finish(complete);
     });

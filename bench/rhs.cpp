@@ -105,8 +105,8 @@ void label(benchmark::State& run, const double* values, std::size_t count, const
 /// Instructions, flops and flops per second of one iteration. Counted once per row, though a row is run several times.
 void count(benchmark::State& run, const std::string& row, const std::function<void()>& body, double peak = 0.0) {
     static std::map<std::string, bench::Counted> known;
-    const char* wanted = std::getenv("BENCH_COUNT");
-    if (wanted != nullptr && std::string(wanted) == "0") return;
+    const char* requested = std::getenv("BENCH_COUNT");
+    if (requested != nullptr && std::string(requested) == "0") return;
     if (!known.contains(row)) known[row] = bench::count(body).value_or(bench::Counted{});
     const bench::Counted counted = known[row];
     if (counted.instructions == 0) return;

@@ -102,11 +102,11 @@ double microseconds(const std::function<void()>& action) {
 }
 
 /// Iterations of `work` that take that long on a quiet processor: the least of many tries.
-long length_of(double wanted) {
+long length_of(double target) {
     Work probe{1.0, 20000};
     double least = 1e9;
     for (int i = 0; i < 200; ++i) least = std::min(least, microseconds([&] { work(&probe, 0); }));
-    return static_cast<long>(wanted / least * static_cast<double>(probe.length));
+    return static_cast<long>(target / least * static_cast<double>(probe.length));
 }
 
 /// A counter that others read, on lines of its own.

@@ -17,31 +17,31 @@
 namespace {
 
 struct Outcome {
-    double wanted = 0.0, begin = 0.0, end = 0.0, clamping = 0.0;
+    double target = 0.0, begin = 0.0, end = 0.0, clamping = 0.0;
     std::string error;
 };
 
 /// PI controller of the ratio by the clamping force S_1.
 class RatioController {
 public:
-    RatioController(double wanted, double clamping) : wanted_(wanted), clamping_(clamping) {}
+    RatioController(double target, double clamping) : target_(target), clamping_(clamping) {}
     /// The clamping force for the next period. @param ratio now   @param period [s]
     double operator()(double ratio, double period) {
-        const double error = (ratio - wanted_) / wanted_;
+        const double error = (ratio - target_) / target_;
         integral_ += error * period;
         return std::clamp(clamping_ + 2e5 * error + 4e7 * integral_, 5e3, 60e3);
     }
 
 private:
-    double wanted_, clamping_, integral_ = 0.0;
+    double target_, clamping_, integral_ = 0.0;
 };
 
-Outcome hold_ratio(const cvtflow::Scene& scene, double wanted, int periods) {
-    Outcome outcome{wanted, 0.0, 0.0, 0.0, ""};
+Outcome hold_ratio(const cvtflow::Scene& scene, double target, int periods) {
+    Outcome outcome{target, 0.0, 0.0, 0.0, ""};
     try {
         cvtflow::Simulation simulation(scene);  // on this thread alone
         constexpr double period = 1e-3;
-        RatioController controller(wanted, simulation.input(cvtflow::Input::clamping_driving));
+        RatioController controller(target, simulation.input(cvtflow::Input::clamping_driving));
         const std::size_t ratio = simulation.find_channel("ratio");
         const double begin = simulation.time();
         outcome.begin = simulation.channel(ratio)[0];
@@ -71,12 +71,12 @@ int main(int argc, char** argv) try {
             team.emplace_back([&, k] { outcomes[static_cast<std::size_t>(k)] = hold_ratio(scene, 1.0 + 0.002 * k, periods); });
         }
     }
-    std::printf("thread   wanted    at start  after %d ms   clamping S_1\n", periods);
+    std::printf("thread   target    at start  after %d ms   clamping S_1\n", periods);
     int failed = 0;
     for (std::size_t k = 0; k < outcomes.size(); ++k) {
         const Outcome& o = outcomes[k];
         if (o.error.empty()) {
-            std::printf("%6zu   %.4f    %.4f    %.4f      %8.0f N\n", k, o.wanted, o.begin, o.end, o.clamping);
+            std::printf("%6zu   %.4f    %.4f    %.4f      %8.0f N\n", k, o.target, o.begin, o.end, o.clamping);
         } else {
             std::printf("%6zu   %s\n", k, o.error.c_str());
         }

@@ -38,7 +38,7 @@ void log_notices(cvtflow_simulation& handle) {
     }
 }
 
-/// Runs `action` and tells the log what came of it.
+/// Runs `action` and logs its errors.
 template <class Action>
 void logged(cvtflow_simulation& handle, Action&& action) {
     try {
@@ -220,7 +220,7 @@ cvtflow_code cvtflow_on_output(cvtflow_simulation* simulation, double interval, 
         std::function<void(Simulation&)> callback;
         if (function != nullptr) {
             callback = [=](Simulation&) {
-                if (function(simulation, user) != 0) throw Error(ErrorCode::callback, "the callback on output asked to stop");
+                if (function(simulation, user) != 0) throw Error(ErrorCode::callback, "the callback on output requested the end");
             };
         }
         api::given(simulation, "simulation").simulation.on_output(interval, std::move(callback));
@@ -234,7 +234,8 @@ cvtflow_code cvtflow_on_transition(cvtflow_simulation* simulation, cvtflow_trans
         if (function != nullptr) {
             callback = [=](Simulation&, const Transition& t) {
                 const cvtflow_transition now{sizeof now, t.pin, t.tip, t.from, t.to, 0, t.time};
-                if (function(simulation, &now, user) != 0) throw Error(ErrorCode::callback, "the callback on a transition asked to stop");
+                if (function(simulation, &now, user) != 0)
+                    throw Error(ErrorCode::callback, "the callback on a transition requested the end");
             };
         }
         api::given(simulation, "simulation").simulation.on_transition(std::move(callback));

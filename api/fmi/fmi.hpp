@@ -19,7 +19,7 @@ enum FmiStatus : int { fmi_ok = 0, fmi_warning = 1, fmi_discard = 2, fmi_error =
 
 namespace cvtflow::fmi {
 
-/// Where an instance stands in the standard's state machine.
+/// State of an instance in the standard's state machine.
 enum class Stage { instantiated, initialising, stepping, terminated };
 
 /// What an importer holds: the instance and its way to the importer's log.

@@ -1,4 +1,4 @@
-/// What FMI 3.0 has and this FMU does not offer. Importers look for all of it.
+/// Functions of FMI 3.0 that this FMU does not support. Importers require all symbols.
 
 #include "api/fmi/fmi.hpp"
 

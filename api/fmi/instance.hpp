@@ -12,7 +12,7 @@
 
 namespace cvtflow::fmi {
 
-/// Everything that a later instance of the same FMU needs to go on bitwise.
+/// Everything that a later instance of the same FMU needs for a bitwise continuation.
 struct Snapshot {
     std::map<std::string, double> parameters;  ///< that differ from the scene's
     double start = 0.0, now = 0.0;             ///< communication points [s]
@@ -37,7 +37,7 @@ public:
     void finish_initialisation();
     void reset();
 
-    /// All values of a variable, appended. @throws Error (argument) for a reference that is none
+    /// All values of a variable, appended. @throws Error (argument) for an unknown reference
     void get(std::uint32_t reference, std::vector<double>& values);
     /// value [unit of the variable]. @throws Error (argument) for outputs, and for parameters after the initialisation
     void set(std::uint32_t reference, double value);
@@ -50,7 +50,7 @@ public:
     [[nodiscard]] Snapshot snapshot();
     void restore(const Snapshot& snapshot);
     [[nodiscard]] double now() const noexcept { return now_; }
-    /// What a user should know, one line each.
+    /// Warnings, one line each.
     [[nodiscard]] std::vector<std::string> notices() { return simulation().notices(); }
 
 private:

@@ -12,7 +12,7 @@ class Bytes {
 public:
     explicit Bytes(std::span<const std::byte> rest) : rest_(rest) {}
     [[nodiscard]] std::span<const std::byte> take(std::size_t size) {
-        if (rest_.size() < size) throw Error(ErrorCode::state, "saved state of an FMU: it ends too early");
+        if (rest_.size() < size) throw Error(ErrorCode::state, "saved state of an FMU: truncated");
         const auto taken = rest_.first(size);
         rest_ = rest_.subspan(size);
         return taken;
@@ -56,7 +56,7 @@ std::vector<std::byte> Snapshot::bytes() const {
 Snapshot Snapshot::from_bytes(std::span<const std::byte> bytes) {
     Bytes rest(bytes);
     if (std::memcmp(rest.take(magic.size()).data(), magic.data(), magic.size()) != 0)
-        throw Error(ErrorCode::state, "saved state of an FMU: these bytes are none");
+        throw Error(ErrorCode::state, "saved state of an FMU: malformed");
     Snapshot made;
     made.start = rest.value<double>();
     made.now = rest.value<double>();

@@ -25,7 +25,7 @@ struct Variable {
 /// By value reference.
 using Variables = std::map<std::uint32_t, Variable>;
 
-/// @throws Error (argument) for lines that are none
+/// @throws Error (argument) for malformed lines
 [[nodiscard]] Variables read_variables(const std::string& path);
 
 /// All bytes of a file. @throws Error (argument)

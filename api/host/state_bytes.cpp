@@ -55,7 +55,7 @@ public:
     void operator()(bool& value) {
         std::uint8_t byte = 0;
         (*this)(byte);
-        if (byte > 1) reject("a flag is neither set nor not");
+        if (byte > 1) reject("it contains an invalid flag");
         value = byte != 0;
     }
     void operator()(std::optional<double>& value) {
@@ -120,7 +120,7 @@ std::vector<std::byte> write_state_bytes(const StateRecord& record) {
 
 void check_state_bytes(std::span<const std::byte> bytes) {
     const std::size_t frame = magic.size() + sizeof(std::uint64_t);
-    if (bytes.size() < frame || std::memcmp(bytes.data(), magic.data(), magic.size()) != 0) reject("these bytes are none of this version");
+    if (bytes.size() < frame || std::memcmp(bytes.data(), magic.data(), magic.size()) != 0) reject("it is not a state of this version");
     std::uint64_t written = 0;
     std::memcpy(&written, bytes.data() + bytes.size() - sizeof written, sizeof written);
     if (written != checksum(bytes.first(bytes.size() - sizeof written))) reject("it is damaged");
@@ -131,7 +131,7 @@ StateRecord read_state_bytes(std::span<const std::byte> bytes) {
     Reader reader(bytes.subspan(magic.size(), bytes.size() - magic.size() - sizeof(std::uint64_t)));
     StateRecord record;
     visit(reader, record);
-    if (!reader.empty()) reject("it is longer than it says");
+    if (!reader.empty()) reject("it has trailing bytes");
     return record;
 }
 

@@ -35,7 +35,7 @@ auto translated(ErrorCode otherwise, Action&& action) -> decltype(action()) {
 }
 
 /// Every entry point of the interface: what `action` returns in the default floating-point environment; what it throws, translated.
-/// Reading a number rounds as the environment says, so scenes count as much as steps.
+/// Reading a number rounds as the environment is set, so this also applies to scenes.
 template <class Action>
 auto entered(ErrorCode otherwise, Action&& action) -> decltype(action()) {
     const FloatingDefaults defaults;

@@ -19,7 +19,7 @@ namespace py = pybind11;
 /// The interpreter's lock is given up while this lives: the action must touch nothing of Python's.
 using Released = py::gil_scoped_release;
 
-/// How long Python may wait until somebody looks for its signals [s].
+/// Time between two checks for Python's signals [s].
 inline constexpr double between_looks = 0.05;
 
 /// A simulation, and how fast it goes: Python checks for signals after spans of whole output intervals that take about a twentieth of a

@@ -29,7 +29,7 @@ def version():
 
 
 def metadata():
-    """Metadata 2.1; name, description and requirements are those of pyproject.toml, read where Python can (3.11)."""
+    """Metadata 2.1; name, description and requirements come from pyproject.toml if Python can read it (3.11)."""
     try:
         import tomllib
 
@@ -74,7 +74,7 @@ def contents(folder):
     """Name in the wheel and file, for everything that the package holds."""
     package = folder / "python" / PACKAGE
     if not list(package.glob("_cvtflow*.so")):
-        raise RuntimeError("cvtflow: no Python module was built; CMake's output says what is missing (Debian: python3-dev, pybind11-dev)")
+        raise RuntimeError("cvtflow: no Python module was built; CMake's output lists what is missing (Debian: python3-dev, pybind11-dev)")
     for file in sorted(package.iterdir()):
         if file.is_file():
             yield f"{PACKAGE}/{file.name}", file
@@ -120,7 +120,7 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
 
 
 def build_sdist(sdist_directory, config_settings=None):
-    """What git tracks."""
+    """Files that git tracks."""
     name = f"{PACKAGE}-{version()}"
     files = subprocess.run(["git", "-C", str(TOP), "ls-files", "-z"], check=True, capture_output=True, text=True).stdout.split("\0")
     with tarfile.open(pathlib.Path(sdist_directory) / f"{name}.tar.gz", "w:gz") as archive:

@@ -49,10 +49,10 @@ void raise(const Error& error) {
 
 void bind_errors(py::module_& module) {
     const py::handle base(PyExc_RuntimeError);
-    classes()[0] = new_class(module, "Error", "Everything that can go wrong; `code` says what.", base);
+    classes()[0] = new_class(module, "Error", "Base of all errors; `code` identifies the kind.", base);
     const py::handle error(classes().at(0));
     const py::handle fault(
-        new_class(module, "Fault", "The simulation cannot go on from here; it stands at its last accepted step.", error));
+        new_class(module, "Fault", "The simulation cannot continue; its state is that of the last accepted step.", error));
     const py::handle value(PyExc_ValueError), memory(PyExc_MemoryError);
     for (int code = 1; code <= last_code; ++code) {
         const std::string name = error_name(static_cast<ErrorCode>(code));

@@ -36,7 +36,7 @@ py::array_t<double> array_of(std::vector<double> values, std::size_t width) {
 
 PYBIND11_MODULE(_cvtflow, module) {
     using namespace cvtflow::python;
-    module.doc() = "The C++ interface of cvtflow. Import cvtflow, which adds what is easier in Python.";
+    module.doc() = "The C++ interface of cvtflow. Import cvtflow instead, which adds a Python interface.";
     bind_errors(module);
     bind_scene(module);
     bind_values(module);
@@ -45,12 +45,12 @@ PYBIND11_MODULE(_cvtflow, module) {
     module.def(
         "quantity", &cvtflow::quantity, pybind11::arg("text"), pybind11::arg("unit"),
         "A quantity with its unit, in SI: quantity(\"0.1 ms\", \"s\") is 1e-4. unit: SI unit that is expected, \"1\" for a plain number.");
-    module.def("library_version", &cvtflow::library_version, "Version of the library that is loaded.");
+    module.def("library_version", &cvtflow::library_version, "Version of the loaded library.");
     module.def(
         "shutdown",
         [] {
             const Released released;
             return cvtflow::shutdown();
         },
-        "Ends the worker threads that simulations of this process have started. False if others keep them alive.");
+        "Ends the worker threads of all simulations of this process. False if other users keep them alive.");
 }

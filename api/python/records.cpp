@@ -19,7 +19,7 @@ namespace {
     return array_of(self.read(channel, first, count.value_or(self.rows() - std::min(first, self.rows()))), width);
 }
 
-/// Structured; its type is registered here, since that needs NumPy, without which the module must load (pip builds where there is none).
+/// Structured; its type is registered here, because that needs NumPy, without which the module must load (pip builds without NumPy).
 [[nodiscard]] py::array transitions(const Record& self) {
     static const bool registered = [] {
         PYBIND11_NUMPY_DTYPE_EX(Transition, time, "time", pin, "pin", tip, "tip", from, "phase_from", to, "phase_to");
@@ -56,19 +56,19 @@ namespace {
 }
 
 void bind_sweep(py::module_& module) {
-    py::class_<SweepProgress>(module, "SweepProgress", "How far a sweep has come.")
+    py::class_<SweepProgress>(module, "SweepProgress", "Progress of a sweep.")
         .def_readonly("cases", &SweepProgress::cases, "all cases")
-        .def_readonly("before", &SweepProgress::before, "done in former sessions")
+        .def_readonly("before", &SweepProgress::before, "cases done in earlier sessions")
         .def_readonly("done", &SweepProgress::done, "done now")
-        .def_readonly("failed", &SweepProgress::failed, "done now, but not ok")
+        .def_readonly("failed", &SweepProgress::failed, "cases done now with another status than ok")
         .def_readonly("wall", &SweepProgress::wall, "wall time [s]");
     py::class_<Sweep>(module, "SweepFile", "A sweep file, read and checked.")
         .def_static("read", &Sweep::read, py::arg("path"), "Raises SceneError with every problem in it.")
         .def_property_readonly("name", &Sweep::name, "Name of the sweep.")
         .def_property_readonly("cases", &Sweep::cases, "Number of cases.")
         .def("run", &run, py::arg("folder"), py::arg("threads") = 0, py::arg("progress") = py::none(),
-             "Runs what is missing in folder/cases.h5. False after cancel().")
-        .def("cancel", &Sweep::cancel, "Ends run() of another thread soon; running cases leave checkpoints.");
+             "Runs the cases that are missing in folder/cases.h5. False after cancel().")
+        .def("cancel", &Sweep::cancel, "Requests the end of run() in another thread; running cases write checkpoints.");
 }
 
 /// A recording and the file that it leaves.
@@ -106,13 +106,13 @@ void bind_records(py::module_& module) {
         .def_readonly("description", &Column::description, "one sentence")
         .def_readonly("width", &Column::width, "numbers per row")
         .def_readonly("text", &Column::text, "whether it holds texts");
-    py::class_<Record>(module, "RecordFile", "The record of a run; nothing is read before it is asked for.")
+    py::class_<Record>(module, "RecordFile", "The record of a run, read on demand.")
         .def(py::init<const std::string&>(), py::arg("path"), "Raises RecordError.")
-        .def_property_readonly("status", &Record::status, "finished, running, unreliable, or what ended the run.")
+        .def_property_readonly("status", &Record::status, "finished, running, unreliable, or the cause of an early end.")
         .def(
             "attributes", [](const Record& self) { return attributes_of(self.attributes()); }, "Of the whole file, by name.")
-        .def("channels", &Record::channels, "What was recorded.")
-        .def("rows", &Record::rows, "Rows that were there when the file was opened.")
+        .def("channels", &Record::channels, "The recorded channels.")
+        .def("rows", &Record::rows, "Number of rows when the file was opened.")
         .def("read", &read, py::arg("channel"), py::arg("first") = 0, py::arg("count") = py::none(),
              "Rows of a channel, or of \"time\" [s]: [count] or [count, width].")
         .def(

@@ -15,7 +15,7 @@ namespace {
     return with_settings(Scene::parse(""), values ? py::make_tuple(*values) : py::tuple(), more);
 }
 
-/// Whether a signal has come that raised an exception; looks now and then, from where Python's lock is not held.
+/// Whether a signal has raised an exception; checked at intervals, without holding Python's lock.
 class SignalWatch {
 public:
     [[nodiscard]] bool operator()() noexcept {
@@ -48,30 +48,30 @@ private:
 }
 
 void bind_tune(py::module_& module) {
-    py::class_<Tuning>(module, "Tuning", "A scene as it should be run for an accuracy.")
+    py::class_<Tuning>(module, "Tuning", "A scene with the settings for a target accuracy.")
         .def_readonly("scene", &Tuning::scene, "The scene with the detail, method and step that were chosen.")
-        .def_readonly("choice", &Tuning::choice, "What was chosen, in words.")
-        .def_readonly("error", &Tuning::error, "Largest error that was measured.")
-        .def_readonly("kept", &Tuning::kept, "Whether it had been found before.");
+        .def_readonly("choice", &Tuning::choice, "The choice as text.")
+        .def_readonly("error", &Tuning::error, "Largest measured error.")
+        .def_readonly("kept", &Tuning::kept, "Whether the choice came from the cache.");
     module.def("tune", &tuned, py::arg("scene"), py::arg("accuracy") = 0.01, py::arg("outputs") = std::vector<std::string>{},
                py::arg("budget") = 0.0, py::arg("folder") = "",
                "The cheapest detail, method and step with which outputs (slip, efficiency, tight_tension, tips) are as accurate (\"1 %\"): "
-               "measured, or as found before. Takes seconds to minutes. Ctrl-C ends it.");
+               "measured, or taken from the cache. Takes seconds to minutes. Ctrl-C ends it.");
 }
 
 void bind_keys(py::module_& module) {
     py::class_<KeyInfo>(module, "KeyInfo", "A key of scenes.")
         .def_readonly("name", &KeyInfo::name, "e.g. load.torque")
-        .def_readonly("unit", &KeyInfo::unit, "SI unit; 1 for a plain number, empty where the value is no number")
-        .def_readonly("help", &KeyInfo::description, "what it is")
+        .def_readonly("unit", &KeyInfo::unit, "SI unit; 1 for a plain number, empty if the value is not a number")
+        .def_readonly("help", &KeyInfo::description, "meaning")
         .def_property_readonly(
             "range",
             [](const KeyInfo& key) { return key.unit.empty() ? py::object(py::none()) : py::object(py::make_tuple(key.min, key.max)); },
-            "smallest and largest value allowed, in the unit; None where the value is no number")
+            "smallest and largest allowed value, in the unit; None if the value is not a number")
         .def_property_readonly(
-            "default", [](const KeyInfo& key) { return by_python("_scene", "value_of")(key.usual); }, "value where a scene has none")
-        .def_readonly("source", &KeyInfo::source, "where the default comes from")
-        .def_readonly("choices", &KeyInfo::choices, "values allowed; empty unless the value is one of some names")
+            "default", [](const KeyInfo& key) { return by_python("_scene", "value_of")(key.usual); }, "default value")
+        .def_readonly("source", &KeyInfo::source, "source of the default")
+        .def_readonly("choices", &KeyInfo::choices, "allowed names; empty if the value is not a name")
         .def_readonly("table", &KeyInfo::table, "whether the value may be a table over time");
     module.def("scene_keys", &scene_keys, "All keys of scenes, section by section.");
 }
@@ -83,19 +83,18 @@ void bind_scene(py::module_& module) {
     py::class_<Scene> scene(module, "Scene", "What is simulated: an immutable description, read and checked as a whole.");
     scene
         .def(py::init(&create), py::arg("values") = py::none(), py::pos_only(),
-             "A scene of its own: Scene({\"chain\": {\"pins\": 24}, \"load.torque\": \"8 N*m\"}, run__until=\"1 ms\"), in the words of "
-             "with_(). "
+             "A scene of its own: Scene({\"chain\": {\"pins\": 24}, \"load.torque\": \"8 N*m\"}, run__until=\"1 ms\"), as for with_(). "
              "All other keys have their defaults.")
         .def_static(
             "read", [](const std::filesystem::path& path) { return Scene::read(path.string()); }, py::arg("path"),
             "Reads a scene file. Raises SceneError with every problem in it.")
         .def_static("parse", &Scene::parse, py::arg("text"), py::arg("name") = "scene.toml",
-                    "A scene given as TOML; name stands for the file in messages, start.state is relative to its folder.")
+                    "A scene given as TOML; name replaces the file name in messages, start.state is relative to its folder.")
         .def_static("ready", &Scene::ready, py::arg("name"), "A scene that comes with cvtflow, e.g. \"baseline\".")
         .def(
             "with_", &with_settings,
             "This scene with other values: with_({\"load\": {\"torque\": \"8 N*m\"}}), with_({\"load.torque\": 8}), with_(load__torque=8), "
-            "with_(until=\"1 ms\") where no other key ends so, or with_(\"load.torque=8 N*m\") as --set of the program. Numbers are in SI, "
+            "with_(until=\"1 ms\") if the last part is unique, or with_(\"load.torque=8 N*m\") as --set of the program. Numbers are in SI, "
             "texts carry their units; a table over time is an array [points, (time, value)].")
         .def("with_detail", &Scene::with_detail, py::arg("preset"), "This scene at a level of detail: rigid, coarse, medium, fine, full.")
         .def_static(
@@ -107,7 +106,7 @@ void bind_scene(py::module_& module) {
         .def("__iter__", [](const Scene&) { return py::iter(by_python("_scene", "Keys")("")); })
         .def("value", &Scene::value, py::arg("key"), "Value of a key, as TOML.")
         .def_property_readonly("name", &Scene::name, "Name of the scene.")
-        .def_property_readonly("description", &Scene::description, "What it is, one line.")
+        .def_property_readonly("description", &Scene::description, "Description, one line.")
         .def_property_readonly("text", &Scene::text, "The scene as TOML with every key.")
         .def("__eq__", [](const Scene& one, const Scene& other) { return one.text() == other.text(); })
         .def(py::pickle([](const Scene& scene) { return py::make_tuple(scene.text()); },

@@ -138,7 +138,7 @@ using Class = py::class_<Stepper>;
 
 void bind_time(Class& type) {
     type.def(py::init(&create), py::arg("scene"), py::arg("threads") = Threads::caller(), py::arg("segments") = 0,
-             "Prepares the start state; starts no thread.")
+             "Prepares the start state. Starts no thread.")
         .def("copy", &copy, "A second simulation in the same state, without the callbacks.")
         .def_property_readonly(
             "scene", [](const Stepper& self) { return self.simulation.scene(); }, "The scene.")
@@ -147,18 +147,17 @@ void bind_time(Class& type) {
         .def_property_readonly(
             "segments", [](const Stepper& self) { return self.segments; }, "As given.")
         .def_property_readonly(
-            "time", [](const Stepper& self) { return self.simulation.time(); }, "Time [s]; a start that has to settle begins below 0.")
+            "time", [](const Stepper& self) { return self.simulation.time(); }, "Time [s]; negative while a start settles.")
         .def_property_readonly(
             "method", [](const Stepper& self) { return self.simulation.method(); },
             "The method of its steps, never \"auto\": what run.method = \"auto\" is with this scene.")
         .def_property_readonly(
-            "step_length", [](const Stepper& self) { return self.simulation.step_length(); },
-            "Length of a step that no transition cuts [s].")
+            "step_length", [](const Stepper& self) { return self.simulation.step_length(); }, "Length of a step without transitions [s].")
         .def("advance_to", &advance_to, py::arg("time"),
              "Takes whole steps until self.time >= time (\"1 ms\"; numbers are in s), without the interpreter's lock. Ctrl-C ends it "
              "between two steps, and the "
              "simulation can go on. Raises a Fault, CancelledError, BusyError.")
-        .def("step", &step, "One step, perhaps cut short by a transition.")
+        .def("step", &step, "One step, which a transition may shorten.")
         .def(
             "cancel", [](Stepper& self) { self.simulation.cancel(); }, "Ends advance_to() of another thread after at most one step.")
         .def("largest_stable_step", &largest_stable_step, "Longest step with which the method is linearly stable here [s].");
@@ -169,35 +168,36 @@ void bind_state(Class& type) {
             "state", [](const Stepper& self) { return self.simulation.state(); }, "The full integration state.")
         .def(
             "set_state", [](Stepper& self, const State& state) { self.simulation.set_state(state); }, py::arg("state"),
-            "Raises StateError if it is of another scene.")
+            "Raises StateError for the state of another scene.")
         .def(
-            "hash", [](const Stepper& self) { return self.simulation.hash(); }, "Of unknowns and phases: bitwise equality in short.")
+            "hash", [](const Stepper& self) { return self.simulation.hash(); }, "Hash of unknowns and phases, to compare states bitwise.")
         .def("set_input", &set_input, py::arg("input"), py::arg("value"),
              "Sets an input, given as Input or by name, to a number in SI or a text with a unit.")
         .def(
             "input", [](const Stepper& self, const py::object& input) { return self.simulation.input(input_of(input)); }, py::arg("input"),
-            "Present value, set or of the scene's table, in its SI unit.")
+            "Present value, as set or from the scene's table, in its SI unit.")
         .def("inputs", &inputs, "All inputs that the scene has, by name.")
         .def(
             "size", [](const Stepper& self) { return self.simulation.size(); }, "Number of unknowns.")
         .def("unknowns", &unknowns, "The unknowns now [size]; a copy, since steps move them in memory.")
-        .def("rhs", &rhs, py::arg("time"), py::arg("x"), "dx/dt at (time, x) [size], a function of these and of the inputs alone.");
+        .def("rhs", &rhs, py::arg("time"), py::arg("x"), "dx/dt at (time, x) [size]; depends on these and on the inputs only.");
 }
 
 void bind_sight(Class& type) {
     type.def_property_readonly(
             "channels", [](const py::object& self) { return by_python("_channels", "of_simulation")(self); },
-            "What can be seen now, by name: channels[\"slip\"] is a number, channels[\"links/tension\"] an array, channels.info their "
+            "Present values of the channels, by name: channels[\"slip\"] is a number, channels[\"links/tension\"] an array, channels.info "
+            "their "
             "units.")
         .def("_channel_infos", &channel_infos, "Of all channels.")
         .def("channel", &channel, py::arg("name"),
              "Values of a channel now [width]: a view without a copy, which changes with the next read after a step.")
         .def(
-            "counters", [](const Stepper& self) { return self.simulation.counters(); }, "What happened since the start.")
+            "counters", [](const Stepper& self) { return self.simulation.counters(); }, "Counters since the start.")
         .def(
-            "energy", [](const Stepper& self) { return self.simulation.energy(); }, "Whether results can be believed.")
+            "energy", [](const Stepper& self) { return self.simulation.energy(); }, "Energy balance, and whether results are reliable.")
         .def(
-            "notices", [](const Stepper& self) { return self.simulation.notices(); }, "What a user should know, one line each.")
+            "notices", [](const Stepper& self) { return self.simulation.notices(); }, "Warnings, one line each.")
         .def("on_output", &on_output, py::arg("interval"), py::arg("callback"),
              "callback(simulation) after the first step at or after every multiple of interval (\"10 us\"; numbers are in s); None removes "
              "it. A callback that refers "
@@ -208,7 +208,7 @@ void bind_sight(Class& type) {
 }  // namespace
 
 void bind_simulation(py::module_& module) {
-    Class type(module, "Simulation", "One simulation of one scene. Used by one thread at a time; any number may live side by side.",
+    Class type(module, "Simulation", "One simulation of one scene. Used by one thread at a time; a process may have any number of them.",
                py::dynamic_attr());
     bind_time(type);
     bind_state(type);

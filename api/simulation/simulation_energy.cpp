@@ -1,4 +1,4 @@
-/// The part of Simulation::Impl that says whether results can be believed.
+/// The part of Simulation::Impl that reports whether results are reliable.
 
 #include "api/simulation/simulation_impl.hpp"
 #include "engine/thread/worker_threads.hpp"
@@ -11,8 +11,8 @@ std::vector<std::string> Simulation::Impl::notices() const {
     std::vector<std::string> lines = simulation_.start_differences();
     if (!energy().reliable) lines.push_back(tasks::unreliable_text(energy().suspicion, data().run.step, simulation_.step()));
     const engine::ThreadShortage threads = engine::thread_shortage();
-    if (threads.wanted > 0)
-        lines.push_back("threads: the system gave " + std::to_string(threads.had) + " of " + std::to_string(threads.wanted));
+    if (threads.requested > 0)
+        lines.push_back("threads: available " + std::to_string(threads.had) + " of " + std::to_string(threads.requested));
     return lines;
 }
 

@@ -79,9 +79,8 @@ void Simulation::Impl::require_own_process() {
     const long here = engine::process_number();
     if (process_ == 0) process_ = here;
     if (process_ != here) {
-        throw Error(
-            ErrorCode::forked,
-            "this simulation ran on threads before the process was forked; make a new one here, on the caller alone, and set its state");
+        throw Error(ErrorCode::forked,
+                    "this simulation used threads before the process was forked; create a new one without threads here, and set its state");
     }
 }
 
@@ -134,10 +133,10 @@ void Simulation::Impl::advance(Simulation& self, double until, long steps) {
     if (!std::isfinite(until)) throw Error(ErrorCode::argument, "time: not a finite number");
     api::FloatingDefaults defaults;
     const Scope scope(*this, Scope::As::stepper);
-    // A step may end up to one output interval behind the time that was asked for, which may be asked for again.
+    // A step may end up to one output interval after the requested time; requesting the same time again is allowed.
     if (until < simulation_.time() - data().run.output_interval) {
         throw Error(ErrorCode::argument, "time: " + tasks::number_text(until) + " s is before " + tasks::number_text(simulation_.time()) +
-                                             " s, where the simulation stands; to go back, set a state");
+                                             " s, the present time; to go back, set a state");
     }
     require_own_process();
     const double enough = until - 1e-9 * data().run.output_interval;

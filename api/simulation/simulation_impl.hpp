@@ -1,5 +1,5 @@
 #pragma once
-/// What stands behind a public simulation. Internal to api.
+/// Implementation of the public Simulation. Internal to api.
 
 #include <cvtflow/simulation.hpp>
 #include <optional>

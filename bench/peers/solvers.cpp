@@ -77,7 +77,7 @@ int jacobian(realtype t, N_Vector y, N_Vector /*slope*/, SUNMatrix out, void* us
     return 0;
 }
 
-/// Steps from output to output. @param advance (time wanted) → error code
+/// Steps from output to output. @param advance (time requested) → error code
 template <class Advance>
 PeerRun go_through(Common& common, const Advance& advance) {
     Problem& problem = common.problem();

@@ -59,7 +59,7 @@ std::string error_text(const std::exception& error) {
     }
     if (is_one_of<std::out_of_range, std::length_error, std::bad_optional_access, std::bad_variant_access, std::bad_cast,
                   std::bad_function_call>(error))
-        return std::string("a mistake in this program, please report it (") + error.what() + ")";
+        return std::string("an error in this program, please report it (") + error.what() + ")";
     return error.what();
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-/// What an exception says to a user.
+/// The message of an exception for a user.
 
 #include <exception>
 #include <string>
@@ -12,7 +12,7 @@ namespace cvtflow::engine {
 [[nodiscard]] std::string error_text(const std::exception& error);
 
 /// The text with its control characters spelt out ("\x1b"), also those of two bytes in UTF-8 (U+0080 to U+009F): a terminal shows what a
-/// file says and does not obey it. Line breaks and tabs stay.
+/// file contains without executing it. Line breaks and tabs are kept.
 [[nodiscard]] std::string visible(std::string_view text);
 /// Whether it holds a control character, line breaks and tabs included.
 [[nodiscard]] bool has_control(std::string_view text) noexcept;

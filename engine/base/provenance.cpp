@@ -38,7 +38,7 @@ std::string cpu_model() {
     return "unknown";
 }
 
-/// What the affinity mask allows, which is what threads can use; std::thread::hardware_concurrency may say more.
+/// Processors of the affinity mask, which threads can use; std::thread::hardware_concurrency may be larger.
 int usable_cores() {
     cpu_set_t mask;
     CPU_ZERO(&mask);

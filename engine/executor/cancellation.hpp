@@ -1,5 +1,5 @@
 #pragma once
-/// A wish that a run end: set from any thread or from a signal handler, seen by the controller between cycles.
+/// A request to end a run: set from any thread or from a signal handler, read by the controller between cycles.
 
 #include <atomic>
 #include <functional>
@@ -9,12 +9,12 @@ namespace cvtflow::engine {
 class Cancellation {
 public:
     Cancellation() = default;
-    /// One that asks somebody whenever it is looked at, until the answer is yes. `asked` outlives it, throws nothing and takes next to no
-    /// time: it is called between steps, by the thread that looks.
+    /// A request that calls `asked` on every check until it returns true. `asked` outlives it, throws nothing and takes next to no
+    /// time: it is called between steps, by the checking thread.
     explicit Cancellation(const std::function<bool()>& asked) : asked_(asked ? &asked : nullptr) {}
 
     void request() noexcept { requested_.store(true, std::memory_order_relaxed); }
-    /// Takes the wish back. @return whether there was one
+    /// Withdraws the request. @return whether there was one
     bool withdraw() noexcept { return requested_.exchange(false, std::memory_order_relaxed); }
     [[nodiscard]] bool requested() const noexcept {
         if (requested_.load(std::memory_order_relaxed)) return true;

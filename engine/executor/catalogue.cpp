@@ -56,7 +56,7 @@ const ExecutorRow* find_executor(std::string_view name) noexcept {
 
 std::string missing_executor(std::string_view name, std::span<const std::string_view> others) {
     for (const ExecutorRow& row : absent_executors()) {
-        if (row.name == name) return ": it needs " + std::string(row.needs) + ", which was not found when this program was built";
+        if (row.name == name) return ": requires " + std::string(row.needs) + ", which was not found when this program was built";
     }
     std::vector<std::string> names(others.begin(), others.end());
     for (const ExecutorRow& row : executors()) names.emplace_back(row.name);

@@ -26,7 +26,7 @@ class Executor {
 public:
     virtual ~Executor() = default;
 
-    /// Asks the controller, runs the cycle it names, asks again, until it says stop. Allocates nothing per cycle.
+    /// Asks the controller for a cycle, runs it, and repeats until the controller returns stop. Allocates nothing per cycle.
     /// @param context handed to every task's body
     /// @throws std::logic_error for a graph that is not frozen; std::out_of_range for a cycle that the graph does not have
     virtual void run(const TaskGraph& graph, void* context, Controller& controller) = 0;

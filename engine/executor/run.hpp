@@ -53,7 +53,7 @@ private:
     int rejected_ = Controller::stop;
 };
 
-/// The cycle `first` and all that follow, one task after the other, on the calling thread.
+/// The cycle `first` and all that follow, all tasks in order, on the calling thread.
 inline void run_serially(Run& run, int first) noexcept {
     for (int cycle = first; cycle != Controller::stop; cycle = run.decide(0)) run.tasks(run.graph().topological(cycle), 0);
 }

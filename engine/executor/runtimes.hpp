@@ -1,5 +1,5 @@
 #pragma once
-/// Which thread libraries are at work here: part of what a time measurement has to tell.
+/// Thread libraries in use: part of the provenance of a time measurement.
 
 #include <string>
 

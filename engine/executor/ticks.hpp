@@ -1,6 +1,6 @@
 #pragma once
 /// A clock that costs less than what it measures: the processor's time stamp counter. Reading it takes 9 ns where steady_clock takes
-/// 20 ns (EPYC, KVM). Processors since 2008 count at a constant rate, alike on all cores; elsewhere steady_clock stands in.
+/// 20 ns (EPYC, KVM). Processors since 2008 count at a constant rate, alike on all cores; elsewhere steady_clock is used.
 
 #include <chrono>
 #include <cstdint>

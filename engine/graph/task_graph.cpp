@@ -38,7 +38,7 @@ void TaskGraph::order(int before, int after) {
     require_open();
     if (std::min(before, after) < 0 || std::max(before, after) >= size())
         throw std::invalid_argument("task graph: edge between unknown tasks");
-    if (before == after) throw std::invalid_argument("task graph: task " + task(before).name + " would wait for itself");
+    if (before == after) throw std::invalid_argument("task graph: task " + task(before).name + " would depend on itself");
     if (task(before).cycle != task(after).cycle) {
         throw std::invalid_argument("task graph: edge from " + task(before).name + " to " + task(after).name + " leaves its cycle");
     }
@@ -87,7 +87,7 @@ std::vector<int> TaskGraph::level_of_tasks() const {
     if (ready.size() == tasks_.size()) return level_of;
     const auto stuck = std::find_if(waiting.begin(), waiting.end(), [](int count) { return count > 0; });
     throw std::invalid_argument("task graph: task " + tasks_[static_cast<std::size_t>(stuck - waiting.begin())].name +
-                                " is in or behind a ring of tasks that wait for each other");
+                                " is in, or depends on, a cycle of dependent tasks");
 }
 
 void TaskGraph::index_levels(const std::vector<int>& level_of) {

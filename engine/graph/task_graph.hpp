@@ -10,7 +10,7 @@
 
 namespace cvtflow::engine {
 
-/// What a task touches: elements [begin, end) of a field. Field numbers mean what the graph's builder says.
+/// An access of a task: elements [begin, end) of a field. The builder of the graph defines the field numbers.
 struct Access {
     int field;
     int begin;
@@ -20,7 +20,7 @@ struct Access {
 
 using TaskBody = void (*)(void* context, int item) noexcept;
 
-/// What a task does, and to whom: a function of the context that the executor was given, or a member of an object of one's own.
+/// The body of a task: a function of the executor's context, or a member function of an object.
 struct TaskCode {
     TaskCode() = default;
     /// A function, or a lambda without captures, of the run's context.

@@ -32,13 +32,13 @@ public:
     [[nodiscard]] double beta() const noexcept { return beta_; }
     [[nodiscard]] auto projected() const { return projected_.topLeftCorner(dimension_, dimension_); }
 
-    /// Adds dimensions up to `wanted`, or until the space is invariant (beta() = 0).
-    void grow(int wanted) {
-        basis_.conservativeResize(Eigen::NoChange, wanted + 1);
-        Matrix larger = Matrix::Zero(wanted + 1, wanted);
+    /// Adds dimensions up to `requested`, or until the space is invariant (beta() = 0).
+    void grow(int requested) {
+        basis_.conservativeResize(Eigen::NoChange, requested + 1);
+        Matrix larger = Matrix::Zero(requested + 1, requested);
         if (dimension_ > 0) larger.topLeftCorner(dimension_ + 1, dimension_) = projected_.topLeftCorner(dimension_ + 1, dimension_);
         projected_ = std::move(larger);
-        while (dimension_ < wanted && (dimension_ == 0 || beta_ > 0.0)) extend();
+        while (dimension_ < requested && (dimension_ == 0 || beta_ > 0.0)) extend();
     }
 
 private:
@@ -125,8 +125,8 @@ ExtremalEigenvalues extremal_eigenvalues(std::vector<double> matrix, int size, c
     balance(matrix, size);
     KrylovSpace space(matrix, size);
     ExtremalEigenvalues result;
-    for (double wanted = options.first_dimension;; wanted *= 1.3) {
-        space.grow(std::min(static_cast<int>(wanted), size));
+    for (double requested = options.first_dimension;; requested *= 1.3) {
+        space.grow(std::min(static_cast<int>(requested), size));
         const Matrix hessenberg = space.projected();
         const RowMajor rows = hessenberg;
         result.values = selected(ritz_values(hessenberg), options.left_of);

@@ -9,8 +9,8 @@
 ///
 ///     eliminate[chunk] ─► join         forward[chunk] ─► join_solution ─► backward[chunk]
 ///
-/// Chunks are a property of the matrix, not of the threads that work on them: results are bitwise the same whoever does what. Pivots are
-/// sought within a block only, which suffices for matrices near the identity (or an inertia) plus a dissipative part.
+/// Chunks are a property of the matrix, not of the threads that work on them: results are bitwise equal for any number of threads. Pivots
+/// are sought within a block only, which suffices for matrices near the identity (or an inertia) plus a dissipative part.
 
 #include <memory>
 #include <span>
@@ -30,7 +30,7 @@ public:
         double* columns;   ///< C_i [size × border.size()], rows `columns_stride` apart
         double* rows;      ///< R_i [border.size() × size]
         int upper_stride, columns_stride;
-        std::span<const int> border;  ///< border unknowns that C_i and R_i stand for
+        std::span<const int> border;  ///< border unknowns of C_i and R_i
     };
     struct Range {
         int first, last;  ///< blocks [first, last); last - 1 is the separator
@@ -45,7 +45,8 @@ public:
     /// Numbers in a right-hand side or solution: blocks one after the other, then the border.
     [[nodiscard]] int unknowns() const noexcept { return blocks_ * size_ + border_; }
 
-    /// Clears the entries of a chunk's blocks (and U of the separator before it), and says which border unknowns its inner blocks see.
+    /// Clears the entries of a chunk's blocks (and U of the separator before it), and sets the border unknowns that its inner blocks couple
+    /// to.
     /// @param border at most `border` numbers
     void clear(int chunk, std::span<const int> border) noexcept;
     /// Where the entries of a block go, between clear() and eliminate() of its chunk. With a single block L, D and U add up.

@@ -27,11 +27,11 @@ struct ExtremalOptions {
     double left_of = -1e6;      ///< all eigenvalues whose real part is less [1/s]; besides the pair that oscillates fastest
     double tolerance = 1e-6;    ///< ‖M x - λ x‖ / (|λ| ‖x‖) of all of them in the balanced matrix [1]
     int first_dimension = 120;  ///< of the Krylov space, before it grows
-    std::function<void(int dimension, int settled, int wanted)> progress;  ///< after each check; may be empty
+    std::function<void(int dimension, int settled, int requested)> progress;  ///< after each check; may be empty
 };
 
 struct ExtremalEigenvalues {
-    Eigenvalues values;     ///< sorted as by eigenvalues(): those asked for
+    Eigenvalues values;     ///< the requested ones, sorted as by eigenvalues()
     double residual = 0.0;  ///< largest relative residual among them
     int dimension = 0;      ///< of the Krylov space in the end; as large as the matrix: nothing was saved
 };

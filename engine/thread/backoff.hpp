@@ -1,6 +1,6 @@
 #pragma once
-/// Waiting for another thread: pause, then yield, then sleep, bounded by the clock (a number of pauses says nothing: one pause takes
-/// 5 ns on one processor and 50 ns on the next). Private to this folder.
+/// Waiting for another thread: pause, then yield, then sleep, bounded by the clock (a number of pauses is no measure of time: one pause
+/// takes 5 ns on one processor and 50 ns on the next). Private to this folder.
 
 #include <atomic>
 #include <chrono>
@@ -28,7 +28,7 @@ public:
         return now;
     }
 
-    /// Returns once ready() does not say false.
+    /// Returns once ready() is true.
     template <class Ready>
     void until(const Ready& ready) noexcept {
         for (int poll = 0; poll < first_polls; ++poll) {

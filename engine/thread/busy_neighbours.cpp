@@ -17,8 +17,8 @@ namespace cvtflow::engine {
 
 namespace {
 
-[[noreturn]] void too_few_threads(int wanted) {
-    throw std::runtime_error("a measurement wants " + std::to_string(wanted) + " threads, and the system does not give them");
+[[noreturn]] void too_few_threads(int requested) {
+    throw std::runtime_error("a measurement requires " + std::to_string(requested) + " threads, which are not available");
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ private:
 };
 
 /// Signals that ask work to end in good order: SIGINT, SIGTERM; SIGHUP (the terminal is gone), SIGXCPU (the limit of processor time, once a
-/// second until it is final) and SIGPIPE (nobody reads any more) unless this process was started with them ignored, as under nohup.
+/// second until it is final) and SIGPIPE (no reader left) unless this process was started with them ignored, as under nohup.
 [[nodiscard]] std::vector<int> ending_signals();
 
 /// How a child has ended.

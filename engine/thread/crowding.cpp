@@ -45,7 +45,7 @@ void count_pieces(Pieces& own, PieceClock::time_point end) noexcept {
 
 double processors_got(int threads, double seconds) {
     if (startable_threads(threads - 1) < threads - 1)
-        throw std::runtime_error("a calibration wants " + std::to_string(threads) + " threads, and the system does not give them");
+        throw std::runtime_error("a calibration requires " + std::to_string(threads) + " threads, which are not available");
     std::vector<Pieces> all(static_cast<std::size_t>(threads));
     const auto begin = PieceClock::now();
     const auto end = begin + std::chrono::duration_cast<PieceClock::duration>(std::chrono::duration<double>(seconds));

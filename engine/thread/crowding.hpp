@@ -9,7 +9,7 @@ namespace cvtflow::engine {
 /// @throws std::runtime_error if the system has no threads for it
 [[nodiscard]] double processors_got(int threads, double seconds);
 
-/// A part of the processors wanted below which a machine counts as crowded [1]: what threads bring cannot be seen on it.
+/// Fraction of the requested processors below which a machine counts as crowded: speed-ups cannot be measured on it.
 inline constexpr double crowded_below = 0.9;
 
 }  // namespace cvtflow::engine

@@ -39,7 +39,7 @@ private:
 /// Gives the calling thread a mode, and its own back when destroyed.
 class FloatingScope {
 public:
-    explicit FloatingScope(const FloatingMode& wanted) noexcept { wanted.adopt(); }
+    explicit FloatingScope(const FloatingMode& requested) noexcept { requested.adopt(); }
     ~FloatingScope() { own_.adopt(); }
     FloatingScope(const FloatingScope&) = delete;
     FloatingScope& operator=(const FloatingScope&) = delete;

@@ -20,8 +20,8 @@ cpu_set_t Processors::only(int number) const noexcept {
     return result;
 }
 
-Pin::Pin(bool wanted, const Processors& processors, int number) noexcept : before_{}, pinned_(false) {
-    if (!wanted || !processors.known() || sched_getaffinity(0, sizeof before_, &before_) != 0) return;
+Pin::Pin(bool requested, const Processors& processors, int number) noexcept : before_{}, pinned_(false) {
+    if (!requested || !processors.known() || sched_getaffinity(0, sizeof before_, &before_) != 0) return;
     const cpu_set_t only = processors.only(number);
     pinned_ = sched_setaffinity(0, sizeof only, &only) == 0;
 }

@@ -13,7 +13,7 @@ public:
     [[nodiscard]] int count() const noexcept { return count_; }
     /// The set that holds only the (number modulo count)-th of them.
     [[nodiscard]] cpu_set_t only(int number) const noexcept;
-    /// Whether the system told.
+    /// Whether the system reported it.
     [[nodiscard]] bool known() const noexcept { return known_; }
 
 private:
@@ -25,8 +25,8 @@ private:
 /// Keeps the calling thread on one processor and restores its mask when destroyed, on the same thread.
 class Pin {
 public:
-    /// @param wanted false: does nothing
-    Pin(bool wanted, const Processors& processors, int number) noexcept;
+    /// @param requested false: no effect
+    Pin(bool requested, const Processors& processors, int number) noexcept;
     ~Pin();
     Pin(const Pin&) = delete;
     Pin& operator=(const Pin&) = delete;

@@ -1,5 +1,5 @@
 #pragma once
-/// Whether somebody is inside, and who: a door that lets one thread in and turns the next one away, without waiting.
+/// Non-blocking try-lock that knows its owner.
 
 #include <atomic>
 
@@ -7,7 +7,7 @@ namespace cvtflow::engine {
 
 class ReentryGuard {
 public:
-    /// True if nobody was inside; then leave() must follow. What the last one did inside is seen.
+    /// True if the lock was free; then leave() must follow. Acquires the effects of the last owner.
     [[nodiscard]] bool enter() noexcept {
         const void* nobody = nullptr;
         return owner_.compare_exchange_strong(nobody, self(), std::memory_order_acquire);

@@ -13,7 +13,7 @@ namespace cvtflow::engine {
 
 namespace {
 
-/// oneTBB's workers, as far as this process has asked for them.
+/// oneTBB's workers that this process has requested.
 struct Workers {
     std::mutex mutex;
     int known = 0;   ///< have been startable at once
@@ -43,7 +43,7 @@ int startable_threads(int count) noexcept {
     return began;
 }
 
-WorkerGrant::WorkerGrant(int threads) noexcept : wanted_(threads) {
+WorkerGrant::WorkerGrant(int threads) noexcept : requested_(threads) {
     Workers& all = workers();
     const std::lock_guard hold(all.mutex);
     const int others = all.in_use, missing = others + threads - 1 - all.known;
@@ -65,7 +65,7 @@ void WorkerGrant::refused() noexcept {
     all.in_use -= workers_;
     workers_ = 0;
     all.refused = true;
-    all.shortage.note(wanted_, 1);
+    all.shortage.note(requested_, 1);
 }
 
 bool workers_were_refused() noexcept {
@@ -86,9 +86,9 @@ int team_grant(int threads) noexcept {
     return granted;
 }
 
-void note_shortage(int wanted, int had) noexcept {
+void note_shortage(int requested, int had) noexcept {
     const std::lock_guard hold(workers().mutex);
-    workers().shortage.note(wanted, had);
+    workers().shortage.note(requested, had);
 }
 
 ThreadShortage thread_shortage() noexcept {

@@ -1,6 +1,6 @@
 #pragma once
 /// How many threads the system has for us: asked before a runtime begins to start its own, because oneTBB and OpenMP take a refusal badly
-/// (a crash in the graph's destructor, workers that throw where nobody catches, exit(1)). Private to this folder.
+/// (a crash in the graph's destructor, uncaught exceptions in workers, exit(1)). Private to this folder.
 
 namespace cvtflow::engine {
 
@@ -8,16 +8,16 @@ namespace cvtflow::engine {
 [[nodiscard]] int startable_threads(int count) noexcept;
 
 /// A share of oneTBB's workers, which all runs of the process have together and which outlive them. Threads are tried only when more are
-/// wanted than ever before.
+/// requested than ever before.
 class WorkerGrant {
 public:
-    /// @param threads wanted, the calling one included
+    /// @param threads requested, the calling one included
     explicit WorkerGrant(int threads) noexcept;
     ~WorkerGrant();
     WorkerGrant(const WorkerGrant&) = delete;
     WorkerGrant& operator=(const WorkerGrant&) = delete;
 
-    /// 1 … as many as wanted.
+    /// 1 … as many as requested.
     [[nodiscard]] int threads() const noexcept { return 1 + workers_; }
     /// Whether oneTBB may have to start workers for it.
     [[nodiscard]] bool fresh() const noexcept { return fresh_; }
@@ -25,20 +25,20 @@ public:
     void refused() noexcept;
 
 private:
-    int wanted_;
+    int requested_;
     int workers_ = 0;
     bool fresh_ = false;
 };
 
 /// Whether oneTBB was refused a thread: it then waits forever for workers that never began.
 [[nodiscard]] bool workers_were_refused() noexcept;
-/// Workers have ended; those wanted next have to be tried anew.
+/// Workers have ended; the next request is tried again.
 void forget_workers() noexcept;
 
-/// Members of an OpenMP team that may be asked for: its runtime keeps a team for every thread that ever began one.
+/// Number of members of an OpenMP team that may be requested: its runtime keeps a team for every thread that ever began one.
 [[nodiscard]] int team_grant(int threads) noexcept;
 
 /// Remembers the largest shortage for thread_shortage().
-void note_shortage(int wanted, int had) noexcept;
+void note_shortage(int requested, int had) noexcept;
 
 }  // namespace cvtflow::engine

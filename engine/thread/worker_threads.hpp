@@ -1,10 +1,10 @@
 #pragma once
-/// Threads that outlive runs (oneTBB keeps its workers for the next arena), and those that were not to be had.
+/// Threads that outlive runs (oneTBB keeps its workers for the next arena), and shortages of threads.
 
 namespace cvtflow::engine {
 
 /// Ends oneTBB's workers and waits until they are gone; the next run starts new ones. To be called while no run is under way.
-/// @return false if somebody else in this process keeps them: another thread that has used oneTBB and lives on, or a global_control
+/// @return false if another user in this process keeps them: another thread that has used oneTBB and lives on, or a global_control
 [[nodiscard]] bool end_worker_threads() noexcept;
 
 /// Of this process: a process that is forked off has another one, and none of the threads.
@@ -12,12 +12,12 @@ namespace cvtflow::engine {
 
 /// The system would not start as many threads as a run wanted, which then had fewer, down to the caller alone. Results do not depend on it.
 struct ThreadShortage {
-    int wanted = 0;  ///< 0: there has been no shortage
-    int had = 0;     ///< the calling thread included
+    int requested = 0;  ///< 0: there has been no shortage
+    int had = 0;        ///< the calling thread included
 
     /// Keeps the larger shortage.
-    void note(int wanted_now, int had_now) noexcept {
-        if (wanted_now - had_now > wanted - had) *this = {wanted_now, had_now};
+    void note(int requested_now, int had_now) noexcept {
+        if (requested_now - had_now > requested - had) *this = {requested_now, had_now};
     }
 };
 

@@ -22,7 +22,7 @@ def settled(scene):
 
 
 def error(logarithms, scene):
-    """Mean square distance of the ratio from the wanted one."""
+    """Mean square distance of the ratio from the target one."""
     gain, integral = np.exp(logarithms)
     trial = settled(scene.with_(proportional=gain, integral=integral))
     rows = cvtflow.run(trial, SPAN, channels=["ratio"], interval=5e-5)

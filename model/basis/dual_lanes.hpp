@@ -11,7 +11,7 @@
 namespace cvtflow::model {
 namespace {
 
-/// The width that stands for one number with N derivatives.
+/// The width tag of one number with N derivatives.
 template <int N>
 inline constexpr int directions = -N;
 

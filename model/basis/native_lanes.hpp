@@ -1,7 +1,7 @@
 #pragma once
 /// The processor's own vectors of doubles, as the compiler's flags give them: 8 lanes (AVX-512), 4 (AVX) or 2 (SSE2, NEON and the like).
 /// The compilers' vector types (gcc and clang alike) give arithmetic, comparison and shuffles on every architecture; only the square root
-/// has to be asked for by name.
+/// has to be requested by name.
 
 #include <array>
 #include <cstddef>

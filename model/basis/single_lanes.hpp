@@ -14,10 +14,10 @@ namespace cvtflow::model {
 namespace {
 
 inline constexpr int single_widths = 1 << 16;
-/// The width that stands for N floats side by side; N a power of two, at least native_floats.
+/// The width tag of N floats side by side; N a power of two, at least native_floats.
 template <int N>
 inline constexpr int singles = single_widths + N;
-/// Whether a width stands for floats.
+/// Whether a width tag denotes floats.
 template <int W>
 inline constexpr bool is_single = W > single_widths;
 /// Lanes of a width.

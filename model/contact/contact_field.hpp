@@ -216,7 +216,7 @@ public:
 
     /// Notes the contacts of the links of a range, replaces their reactions on the sheaves by those of the normal forces alone, and gives
     /// the accelerations of the links by everything but friction, in one pass over them: to rows of `frictionless`, column = link +
-    /// range.shift. Ghost columns are written with the links that they repeat, if the range says so.
+    /// range.shift. Ghost columns are written with the links that they repeat, if the range requires it.
     /// @param loads of the range's first link on
     void record(const ChainRange& range, const ContactDrift& drift, ContactField& field, Columns& frictionless,
                 LinkLoad* loads) const noexcept {

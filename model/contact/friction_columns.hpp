@@ -26,7 +26,7 @@ protected:
     [[nodiscard]] V kept(int row, int place) const noexcept { return load<W>(range_.scratch + row * scratch_stride_ + place); }
     void keep(int row, int place, const V& lanes) const noexcept { lanes.copy_to(range_.scratch + row * scratch_stride_ + place); }
 
-    /// Lanes that stand for links of the range.
+    /// Lanes that represent links of the range.
     [[nodiscard]] int links_at(int own) const noexcept { return std::min(lane_count<W>, range_.last - range_.first - own); }
 
     /// Adds to a row of the range's links; columns beside them are others'.

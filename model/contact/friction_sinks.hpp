@@ -11,7 +11,7 @@
 namespace cvtflow::model {
 namespace {
 
-/// @tparam W lanes, of which `lanes` stand for links
+/// @tparam W number of lanes, of which `lanes` represent links
 template <int W>
 struct SlopeSink {
     NumberOf<W>* slope;  ///< [m/s², rad/s²]
@@ -27,7 +27,7 @@ class RowSink {
 public:
     using Number = NumberOf<W>;
 
-    /// @param lanes that stand for links
+    /// @param lanes that represent links
     RowSink(const FrictionStageOf<Number>& stage, const VelocityRowOf<Number>& next, int column, int lanes) noexcept
         : now_(stage.base->now->at(0, column)),
           before_(stage.base->before->at(0, column)),

@@ -87,7 +87,7 @@ protected:
         return {v.x - along * gx, v.y - along * gy, v.z - along * gz};
     }
 
-    /// A sliding speed within the branch of the law that the tip's phase stands for.
+    /// A sliding speed within the branch of the law of the tip's phase.
     [[nodiscard]] V within_branch(int own, int corner, const V& speed) const noexcept {
         const int row = field_.components.tip(corner);
         return larger<W>(smaller<W>(speed, contact(row + Tip::most, own)), contact(row + Tip::least, own));
@@ -105,7 +105,7 @@ protected:
         f[rows.z + 1] += above.z - below.z;
     }
 
-    /// Adds them to the impulses of tips `low` and low + 1, if those are wanted.
+    /// Adds them to the impulses of tips `low` and low + 1, if those are requested.
     void add_impulses(int own, int low, const AtTips<V>& tips, const FrictionStageOf<Number>& stage) const noexcept {
         if (stage.impulses == nullptr) return;
         const auto weight = static_cast<Number>(stage.weight);

@@ -12,7 +12,7 @@ namespace cvtflow::model {
 enum class Energy { kinetic, inner, pack, plates, joints, tips, supports };
 inline constexpr int energy_kinds = 7;
 
-/// What of a link an account belongs to. Each link has one account per part, so that sums do not depend on who computed which part when.
+/// Part of a link. Each link has one account per part, so that sums do not depend on the order in which parts are computed.
 enum class AccountPart { joint, link, tips };
 inline constexpr int account_parts = 3;
 

@@ -82,7 +82,7 @@ double PulleyModel::running_radius(const double* block, int shaft) const noexcep
     return pulley_.arc_position - narrowing_ * movable_side(shaft) * opening(block, shaft);
 }
 
-/// What has to press the driven sheaves together, beside the table: no less than carries the load with the wanted safety.
+/// Lower limit of the clamping force of the driven sheaves: carries the load with the given safety factor.
 double PulleyModel::driven_clamping(double table, double load, const double* block) const noexcept {
     if (clamping_.safety == 0.0) return table;
     return std::max(table, clamping_.safety * std::abs(load) / (gripping_ * running_radius(block, 1)));
@@ -97,10 +97,10 @@ void PulleyModel::add_controllers() {
 }
 
 double PulleyModel::control_error(const Governing& by, double now, double load, double built_up, const double* block) const noexcept {
-    if (by.quantity == ControlledQuantity::safety) {  // of the force that carries the wanted multiple of the load: what is lacking
-        const double wanted = control_.safety.at(now) * std::abs(load) / (gripping_ * running_radius(block, 1));
-        const double larger = std::max(wanted, built_up);
-        return larger > 0.0 ? (wanted - built_up) / larger : 0.0;
+    if (by.quantity == ControlledQuantity::safety) {  // what is missing to the force that carries the target multiple of the load
+        const double required = control_.safety.at(now) * std::abs(load) / (gripping_ * running_radius(block, 1));
+        const double larger = std::max(required, built_up);
+        return larger > 0.0 ? (required - built_up) / larger : 0.0;
     }
     const double driving = shaft_speed(block, 0), driven = shaft_speed(block, 1);
     if (by.quantity == ControlledQuantity::ratio)

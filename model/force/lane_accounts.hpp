@@ -25,7 +25,7 @@ public:
     /// joules [J]
     void store(Energy kind, const V& joules) noexcept { energy_[static_cast<std::size_t>(kind)] += joules; }
 
-    /// The account of each lane to the accounts that are given; nullptr: nobody asks for that lane's.
+    /// The account of each lane to the accounts that are given; nullptr: not needed for that lane's.
     void copy_to(const std::array<Account*, W>& accounts) const noexcept {
         copy(loss_, accounts, [](Account& account) { return account.loss.data(); });
         copy(energy_, accounts, [](Account& account) { return account.energy.data(); });

@@ -39,7 +39,7 @@ struct CouplingState {
     double damping = 0.0;            ///< c [N·m·s/rad]
 };
 
-/// Inputs that somebody has set by hand: a value in place of the scene's table, from then on.
+/// Inputs that the caller has set: a value that replaces the scene's table from then on.
 struct HeldInputs {
     std::optional<double> driving;              ///< S_1 [N]
     std::optional<double> driven;               ///< S_2 [N]

@@ -1,5 +1,5 @@
 #pragma once
-/// Derivatives of the whole right-hand side by central differences: where there are no exact ones, and to look at eigenvalues.
+/// Derivatives of the whole right-hand side by central differences: for cases without exact derivatives, and for eigenvalues.
 
 #include <vector>
 

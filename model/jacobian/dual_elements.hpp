@@ -18,7 +18,7 @@ inline constexpr int eleven = directions<11>;
 /// motion.
 inline constexpr int two_dozen = directions<24>;
 
-/// Force of one plate on the front half: x, y, z and its moment along the axis, which is none at a point.
+/// Force of one plate on the front half: x, y, z and its moment along the axis.
 [[nodiscard, gnu::noinline]] inline std::array<Lanes<six>, 4> plate_at(const Coefficients& c, const LinkKind& kind, int plate,
                                                                        const Difference<0, Lanes<six>>& d,
                                                                        const Difference<0, Lanes<six>>& rate) noexcept {

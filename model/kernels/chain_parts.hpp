@@ -91,7 +91,7 @@ inline void note_contact(const Geometry& geometry, const TipForces<TipLanes>& fo
 }
 
 /// Tips of a link that touches somewhere; reactions on its sheaves to `load`. state [unknowns of the link]
-/// @param contact what the tips carry, where observed; nullptr: nobody asks
+/// @param contact what the tips carry, if observed; else nullptr
 template <int P, bool Observe>
 inline void tip_part(const ChainModel& model, const LinkFrame& frame, const double* state, const SheaveMotion* sheaves, const Phase* phases,
                      TipShare<P>& share, LinkLoad& load, Account* account, LinkContact* contact = nullptr) noexcept {

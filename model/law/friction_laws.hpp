@@ -81,7 +81,7 @@ struct SmoothedLaw {
 /// Some laws, one of which is chosen when the program runs.
 template <class First, class... Rest>
 struct LawList {
-    /// act(Law{}) for the law; for the last one if it is none of the others.
+    /// act(Law{}) for the law; for the last one otherwise.
     template <class Act>
     [[gnu::always_inline]] static auto visit(FrictionLaw law, const Act& act) noexcept {
         if constexpr (sizeof...(Rest) == 0) {

@@ -52,7 +52,7 @@ void read_tips(const ForceReading& from, int link) {
     TipLanes((x * push.x + y * push.y) * inverse).copy_to(&from.forces.tip_radial[first]);
 }
 
-/// Both tips of a whole pin, whose forces stand where those of the rear tips of the link behind it do.
+/// Both tips of a whole pin, whose forces are stored as those of the rear tips of the link behind it.
 template <int P>
 void read_pin_tips(const ForceReading& from, int pin) {
     const Coefficients& c = from.coefficients();

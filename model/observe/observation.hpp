@@ -1,5 +1,5 @@
 #pragma once
-/// What a person wants to know about one instant: speeds, torques, tensions, forces, energies and powers.
+/// Observed quantities of one instant: speeds, torques, tensions, forces, energies and powers.
 
 #include <array>
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace cvtflow::model {
 
-/// Forces of an instant that are evaluated only where somebody asks for them.
+/// Forces of an instant that are evaluated on demand.
 struct ForceObservation {
     ChainForces chain;
     std::array<BearingLoad, 2> bearing{};  ///< of the shafts on the housing
@@ -51,7 +51,7 @@ public:
     explicit Observer(const Variator& variator);
     /// Reads the whole state; the returned object is reused by the next call. t [s], state [unknowns]
     const Observation& observe(double t, const double* state, const Phase* phases) noexcept;
-    /// Forces of the instant that was observed last, whose state must still be there; evaluated when they are first asked for.
+    /// Forces of the instant that was observed last, whose state must still be there; evaluated on first use.
     const ForceObservation& forces();
 
 private:

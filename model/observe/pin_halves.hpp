@@ -1,5 +1,5 @@
 #pragma once
-/// Where the halves of whole pins are: for whoever looks at halves, plates and links.
+/// Positions of the halves of whole pins, for observations of halves, plates and links.
 
 #include <vector>
 

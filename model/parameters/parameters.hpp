@@ -177,8 +177,8 @@ struct Clamping {
 struct Control {
     bool enabled = false;
     ControlledQuantity quantity = ControlledQuantity::ratio;
-    TimeTable slip{0.01};                         ///< λ_ref, wanted slip against the sheaves' positions [1]
-    TimeTable safety{1.3};                        ///< ν_ref, wanted safety factor of shaft 2 [1]
+    TimeTable slip{0.01};                         ///< λ_ref, target slip relative to the sheaves' positions
+    TimeTable safety{1.3};                        ///< ν_ref, target safety factor of shaft 2
     TimeTable ratio{1.0};                         ///< i_ref = ω_1/ω_2 [1]
     double proportional = 1e6;                    ///< K_P [N]
     double integral = 5e7;                        ///< K_I [N/s]

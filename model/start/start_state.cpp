@@ -162,7 +162,7 @@ struct StartPlan {
         plan.turning = p.start.ring_speed;
     } else {
         const auto radii = belt_radii(length, ratio, a);
-        if (!radii) throw std::invalid_argument("start: the chain does not close around the pulleys at the wanted ratio");
+        if (!radii) throw std::invalid_argument("start: the chain does not close around the pulleys at start.ratio");
         plan.radii = *radii;
         plan.path_of = [=](double r) { return PitchPath(BeltRadii{r, ratio * r}, a); };
         plan.turning = p.drive.mode != DriveMode::torque ? p.drive.speed.at(0.0) : p.control.reference_speed;
@@ -171,7 +171,7 @@ struct StartPlan {
     plan.pretension = link_mass(p) / plan.mean_pitch * speed * speed;
     // Tension grows with the radius, P = P0 (1 + ε) for a stretch of ε pitches, and Hooke's law gives P = K p ε: none fits where P0 ≥ K p.
     if (plan.pretension >= p.plate.count * p.plate.stiffness * plan.mean_pitch) {
-        throw std::invalid_argument("start: at this speed the chain bursts, as its own motion pulls harder than any stretch of its links");
+        throw std::invalid_argument("start: the chain bursts at this speed: the centrifugal tension exceeds what its links can carry");
     }
     return plan;
 }

@@ -16,7 +16,7 @@ struct StartState {
     double speed;               ///< of the chain [m/s]
 };
 
-/// State at the begin of settling. Throws std::invalid_argument if the chain does not close around the pulleys at the wanted ratio.
+/// State at the begin of settling. Throws std::invalid_argument if the chain does not close around the pulleys at the given ratio.
 [[nodiscard]] StartState start_state(const Parameters& parameters);
 
 /// Mass of one pitch of the chain [kg].

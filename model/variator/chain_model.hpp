@@ -25,7 +25,7 @@ struct LinkLoad {
 /// A range of links and where its inputs are.
 struct ChainRange {
     int first, last;              ///< [first, last)
-    const double* window;         ///< states of links first-1 … last, or as many more as the layout's halo says [m, m/s]
+    const double* window;         ///< states of links first-1 … last, or more by the layout's halo [m, m/s]
     const SheaveMotion* sheaves;  ///< [4] number 2 shaft + side; unused if the scene has no pulleys
     const Phase* phases;          ///< [links * 4], of the whole chain
     int shift = 1;                ///< column of a link in fields of contacts: its number + shift
@@ -35,7 +35,7 @@ struct ChainRange {
 /// Contact of one link's tips with its sheaves, for transitions and faults.
 struct TipProbe {
     double depth[tips_per_link];  ///< δ [m], negative: gap
-    double slip[tips_per_link];   ///< |v_t| [m/s], 0 if not asked for
+    double slip[tips_per_link];   ///< |v_t| [m/s], 0 if not requested
     double radius;                ///< distance of the link's middle from its shaft's axis [m]
 };
 
@@ -90,14 +90,14 @@ public:
     }
     /// slopes(), with losses and stored energies of each link (joint of pin i booked on link i) to accounts[account_parts (link - first) +
     /// part]. Accounts must be cleared before.
-    /// @param contacts what each link of the range carries, contacts[link - first]; nullptr: nobody asks
+    /// @param contacts what each link of the range carries, contacts[link - first]; nullptr: not needed
     void observed_slopes(const ChainRange& range, double* slope, LinkLoad* loads, Account* accounts,
                          LinkContact* contacts = nullptr) const noexcept {
         kernels_.observed_slopes(*this, range, slope, loads, accounts, contacts);
     }
     /// Depth of the four tips of one link, whatever their phase. `state` is the link's block; with whole pins one more lies on each side of
     /// it (NeighbourWindow), and the front tips are far away.
-    /// @param slip whether slip is asked for: only phases of sticking and slipping need it
+    /// @param slip whether slip is computed: only the phases stick and slip need it
     void probe(const double* state, const SheaveMotion* sheaves, bool slip, TipProbe& probe) const noexcept {
         kernels_.probe(*this, state, sheaves, slip, probe);
     }

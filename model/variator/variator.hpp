@@ -38,7 +38,7 @@ public:
     /// Couplings take over (PulleyModel::couple). t [s], tail [unknowns behind the links]
     void couple(double t, const double* tail) noexcept { pulleys_.couple(t, tail); }
 
-    /// Groups of links whose reactions are added up first: sums do not depend on who adds which group.
+    /// Groups of links whose reactions are summed first, so that sums do not depend on segments.
     [[nodiscard]] int sums() const noexcept { return (layout().links + links_per_sum - 1) / links_per_sum; }
     /// Reactions of the links of one group, in the order of their numbers. phases, loads: of all links
     void add_up(int group, const Phase* phases, const LinkLoad* loads, SheaveSum& sum) const noexcept;

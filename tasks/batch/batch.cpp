@@ -42,13 +42,13 @@ std::vector<long> mark_done(const engine::CaseTable& table, const std::vector<st
 /// Takes rows of cases that are to run out of the table, and all but the first row of a case.
 void keep_done(engine::CaseTable& table, const std::vector<char>& done) {
     const std::size_t number = table.layout.column("case");
-    std::vector<char> wanted = done;
+    std::vector<char> requested = done;
     std::vector<std::byte> kept;
     for (std::size_t i = 0; i < table.size(); ++i) {
         const auto row = table.row(i);
         const auto of_case = static_cast<std::size_t>(table.layout.integer(row, number));
-        if (of_case >= wanted.size() || wanted[of_case] == 0) continue;
-        wanted[of_case] = 0;
+        if (of_case >= requested.size() || requested[of_case] == 0) continue;
+        requested[of_case] = 0;
         kept.insert(kept.end(), row.begin(), row.end());
     }
     table.rows = std::move(kept);
@@ -117,7 +117,7 @@ private:
             std::optional<engine::CaseTable> left = recover_results(file_, begin);
             if (!left) throw;
             if (options_.notice)
-                options_.notice(fmt::format("{}; rows that are whole are kept: {}; the other cases run again", error.what(), left->size()));
+                options_.notice(fmt::format("{}; intact rows are kept: {}; the other cases run again", error.what(), left->size()));
             return *std::move(left);
         }
     }

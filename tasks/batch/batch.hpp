@@ -1,5 +1,5 @@
 #pragma once
-/// Runs a sweep into a folder, or goes on with one that was stopped or killed at any moment.
+/// Runs a sweep into a folder, or continues one that was stopped or killed at any moment.
 ///
 ///     DIR/cases.h5                 the table, a row per case as it ends, in the order of cases once all are done
 ///     DIR/checkpoints/case-N.h5    of cases that were running
@@ -40,12 +40,12 @@ struct BatchOptions {
     std::string folder;
     int threads = 0;  ///< 0: as many as this process may use
     bool pin = false;
-    double grace = 30.0;  ///< after a wish to stop, running cases that can end within this time do; others leave a checkpoint [s]
+    double grace = 30.0;             ///< after a request to stop, time for running cases to finish; others write a checkpoint [s]
     double checkpoint_every = 60.0;  ///< of every running case, wall time [s]
     Shard shard;
     std::vector<std::string> retry;          ///< statuses whose cases run again
     SweepPart part;                          ///< all, or a single case after a crash
-    engine::SharedSlots* journal = nullptr;  ///< for as many workers as threads; is told which case each of them runs
+    engine::SharedSlots* journal = nullptr;  ///< one slot per thread; receives the case that each worker runs
     const engine::Cancellation* cancel = nullptr;
     std::function<void(const BatchProgress&)> progress;  ///< after each case, by one thread at a time
     std::function<void(const std::string&)> notice;      ///< what a user should know of: a checkpoint that was damaged; the same
@@ -82,7 +82,7 @@ struct BatchEstimate {
     int measured = 0;               ///< cases that were tried
     double stable_step = 0.0;       ///< the shortest of their largest stable steps; 0: all of them have yet to settle [s]
     double beyond = 0.0;            ///< run.step over that, of the case where it is largest; 0: as above [1]
-    std::string untried{};          ///< why not, of the last case that could not be; empty: all that were looked at could
+    std::string untried{};          ///< reason for the last case that could not be measured; empty if all could
 };
 [[nodiscard]] BatchEstimate estimate(const Sweep& sweep, const Shard& shard, double seconds);  ///< seconds [s]
 

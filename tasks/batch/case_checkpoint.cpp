@@ -55,7 +55,7 @@ bool CaseEngine::restore() {
         why = of_another_method.what();
     }
     if (!why.empty()) {
-        control_.tell(fmt::format("case {} begins anew, its checkpoint cannot be used: {}", result_.number, why));
+        control_.tell(fmt::format("case {} restarts: its checkpoint cannot be used: {}", result_.number, why));
         prepare();
         std::filesystem::remove(record_file() + ".before", missing);
     }
@@ -83,7 +83,7 @@ std::string end_file(const CasePlaces& places, long strand, long parity) {
     return (places.continuation / fmt::format("strand-{:06}-{}.h5", strand, parity)).string();
 }
 
-/// Whose end a state is, if anybody's.
+/// The case whose end a state is, if any.
 std::optional<double> case_of(const engine::SavedState& end) {
     if (end.more.empty() || end.more.front().values.empty()) return {};
     return end.more.front().values.front();
@@ -109,7 +109,7 @@ void reopen_broken_strands(const Sweep& sweep, const CasePlaces& places, const s
     }
 }
 
-/// The latest end of a case before this one in its strand; nullptr: there is none. Ends are kept in two files by turns, so that a case that
+/// The latest end of a case before this one in its strand; nullptr if there is none. Ends alternate between two files, so that a case that
 /// was lost with a killed process finds the end before it.
 StartStates::State CaseEngine::end_before() const {
     const long first = result_.number - result_.number % sweep_.strand();

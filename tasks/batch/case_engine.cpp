@@ -150,7 +150,7 @@ void CaseEngine::integrate() {
     if (result_.status == CaseStatus::ok) keep_for_neighbour();
 }
 
-/// Settling or the run, from where it stands to its end, with whatever pauses lie between.
+/// Settling or the run, from the present state to its end, pauses included.
 Fault CaseEngine::part() {
     for (;;) {
         Simulation& s = *simulation_;
@@ -188,7 +188,7 @@ void CaseEngine::judge_energy() {
     }
     if (result_.status != CaseStatus::ok || result_.suspicion <= 1.0) return;
     result_.status = CaseStatus::unreliable;
-    result_.error = fmt::format("the energy balance is off by {:.2g} times what an honest integration leaves", result_.suspicion);
+    result_.error = fmt::format("the residual of the energy balance is {:.2g} times the tolerance", result_.suspicion);
 }
 
 void CaseEngine::finish_record(const Fault& fault) {
@@ -206,7 +206,7 @@ void CaseEngine::finish_record(const Fault& fault) {
 void CaseEngine::output(double time, const Workspace& workspace, const Counters& counters) {
     if (recorder_) recorder_->output(time, workspace, counters);
     if (!simulation_->needs_settling() && time >= sweep_.from * (1.0 - 1e-12)) reduce(time, workspace, counters);
-    why_ = wanted(time, counters);
+    why_ = pause_for(time, counters);
     pause_ = why_ != Pause::none;
 }
 
@@ -225,7 +225,7 @@ void CaseEngine::reduce(double time, const Workspace& workspace, const Counters&
             const int width = channel.width(workspace.variator.chain());
             if (values_.size() < static_cast<std::size_t>(width)) values_.resize(static_cast<std::size_t>(width));
             if (scalar.terms[term].element >= width)
-                throw SimulationError(fmt::format("{}: there are only {} numbers", scalar.text, width));
+                throw SimulationError(fmt::format("{}: the channel has only {} elements", scalar.text, width));
             channel.read(instant, values_.data());
             reducers_[i].add(scalar, term, time, {values_.data(), static_cast<std::size_t>(width)});
         }
@@ -233,7 +233,7 @@ void CaseEngine::reduce(double time, const Workspace& workspace, const Counters&
 }
 
 /// At an output: whether the case should pause, and for what.
-CaseEngine::Pause CaseEngine::wanted(double time, const Counters& counters) {
+CaseEngine::Pause CaseEngine::pause_for(double time, const Counters& counters) {
     const double begin = simulation_->needs_settling() ? -scene_.parameters.start.settling_time : 0.0;
     const double share = (time - begin) / std::max(1e-300, scene_.run.until - begin);
     const double left = share > 0.0 ? seconds_since(started_) * (1.0 - share) / share : 1e300;
@@ -252,7 +252,7 @@ CaseEngine::Pause CaseEngine::wanted(double time, const Counters& counters) {
     return seconds_since(last_save_) > places_.checkpoint_every ? Pause::checkpoint : Pause::none;
 }
 
-/// Moves the case to another number of threads: its full state to another simulation of it, which goes on bit for bit.
+/// Moves the case to another number of threads: its full state goes to another simulation, which continues bitwise.
 void CaseEngine::change_threads() {
     const int threads = std::min(control_.threads_per_case(), max_segments(scene_.parameters));
     const IntegrationState at = simulation_->integration_state();

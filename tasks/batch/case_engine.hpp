@@ -18,7 +18,7 @@ struct Checkpoint;
 
 /// How a case ended; the column `status` has these names.
 enum class CaseStatus { ok, unreliable, diverged, budget, bad_parameters, crashed, undefined, stopped };
-/// All that a row may say.
+/// Contents of a row.
 [[nodiscard]] std::span<const std::string_view> status_names() noexcept;
 [[nodiscard]] std::string_view status_name(CaseStatus status) noexcept;
 
@@ -42,12 +42,12 @@ struct CaseResult {
 class BatchControl {
 public:
     using Notice = std::function<void(const std::string&)>;
-    /// @param grace time [s]   @param notice  told what a user should know of, by one thread at a time; may be empty
+    /// @param grace time [s]   @param notice  receives warnings, from one thread at a time; may be empty
     BatchControl(int threads, double grace, const engine::Cancellation& stop, Notice notice = {})
         : threads_(threads), grace_(grace), stop_(stop), notice_(std::move(notice)) {}
 
     [[nodiscard]] const engine::Cancellation& stop() const noexcept { return stop_; }
-    /// Seconds left of the grace time, which begins with the first call after the wish to stop.
+    /// Seconds left of the grace time, which begins with the first call after the request to stop.
     [[nodiscard]] double grace_left();
     /// A worker has found no case any more.
     void idle();
@@ -83,7 +83,7 @@ public:
     CaseEngine(const Sweep& sweep, StartStates& starts, BatchControl& control, CasePlaces places);
     ~CaseEngine() override;
 
-    /// Runs a case, or goes on with it from its checkpoint. Never throws for what is wrong with the case; engine::RecordError if something
+    /// Runs a case, or resumes it from its checkpoint. Never throws for errors of the case; engine::RecordError if something
     /// cannot be written. A case that was stopped has left a checkpoint.
     [[nodiscard]] const CaseResult& run(long number);
     /// Runs a case from the start that the case has without continuation, with neither a record nor an end for its neighbour.
@@ -110,7 +110,7 @@ private:
     void reduce(double time, const Workspace& workspace, const Counters& counters);  ///< time [s]
     void save();
     void change_threads();
-    [[nodiscard]] Pause wanted(double time, const Counters& counters);  ///< time [s]
+    [[nodiscard]] Pause pause_for(double time, const Counters& counters);  ///< time [s]
     [[nodiscard]] std::string checkpoint_file() const;
     [[nodiscard]] std::string record_file() const;
     [[nodiscard]] double elapsed() const;

@@ -10,10 +10,10 @@ namespace cvtflow::tasks {
 std::vector<long> cases_to_check(const Sweep& sweep, const std::vector<long>& cases, OrderedRows& rows) {
     const std::size_t strand = static_cast<std::size_t>(sweep.strand());
     const std::size_t strands = cases.size() / strand;
-    const std::size_t wanted = strand > 1 ? std::min(strands, static_cast<std::size_t>(sweep.checked)) : 0;
+    const std::size_t requested = strand > 1 ? std::min(strands, static_cast<std::size_t>(sweep.checked)) : 0;
     std::vector<long> chosen;
-    for (std::size_t k = 0; k < wanted; ++k) {
-        const long number = cases[((2 * k + 1) * strands / (2 * wanted)) * strand + strand - 1];
+    for (std::size_t k = 0; k < requested; ++k) {
+        const long number = cases[((2 * k + 1) * strands / (2 * requested)) * strand + strand - 1];
         const engine::RowLayout& layout = rows.head().layout;
         const auto row = rows.of_case(number);
         if (!row.empty() && layout.text(row, layout.column("status")) == status_name(CaseStatus::ok)) chosen.push_back(number);

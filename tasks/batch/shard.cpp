@@ -77,15 +77,15 @@ void go(Simulation& simulation, double seconds, long most, TrialPace& pace) {
     Fault fault =
         before > 0 ? simulation.advance({.steps = before, .anew = true, .max_wall = 0.0}, silent, go_on) : Fault{FaultKind::max_steps};
     for (long batch = 20; pace.wall < seconds && before < most && fault.kind == FaultKind::max_steps; batch *= 2) {
-        const long wanted = std::min(batch, most - before);
-        // A run looks for its automatic step once, which takes as long as a hundred steps.
+        const long requested = std::min(batch, most - before);
+        // A run computes its automatic step once, which takes as long as a hundred steps.
         const bool anew = before == 0 || simulation.needs_settling();
         const long counted = anew ? 0 : simulation.counters().steps;
         const auto begin = Clock::now();
-        fault = simulation.advance({.steps = wanted, .anew = anew, .max_wall = 0.0}, silent, go_on);
+        fault = simulation.advance({.steps = requested, .anew = anew, .max_wall = 0.0}, silent, go_on);
         pace.wall += std::chrono::duration<double>(Clock::now() - begin).count();
-        pace.steps += fault.kind == FaultKind::max_steps ? wanted : simulation.counters().steps - counted;
-        before += wanted;
+        pace.steps += fault.kind == FaultKind::max_steps ? requested : simulation.counters().steps - counted;
+        before += requested;
     }
 }
 
@@ -99,7 +99,7 @@ void judge_step(const Scene& scene, BatchEstimate& result) {
         result.stable_step = result.stable_step > 0.0 ? std::min(result.stable_step, stable) : stable;
         result.beyond = std::max(result.beyond, scene.run.step / stable);
     } catch (const std::exception&) {
-        return;  // measuring says that the case cannot begin
+        return;  // measuring reports that the case cannot begin
     }
 }
 
@@ -119,7 +119,7 @@ double step_wall(const Scene& scene, double seconds, std::string& untried) {
             go(simulation, seconds, most, pace);
         }
         if (pace.steps > 0) return pace.wall / static_cast<double>(pace.steps);
-        untried = "it ends in its first steps";
+        untried = "it fails in its first steps";
     } catch (const std::exception& error) {
         untried = error.what();
     }

@@ -19,7 +19,7 @@ constexpr std::string_view run_only[] = {"run.until", "run.state_interval", "run
 /// Sections that describe the machine; the others describe how it is operated.
 constexpr std::string_view machine[] = {"detail", "chain", "half", "plate", "joint", "tip", "pulley", "record"};
 
-/// Sections on which the geometric start does not depend: what is done to the variator once it stands.
+/// Sections that do not affect the geometric start: inputs and settings of the run.
 constexpr std::string_view operation[] = {"load", "clamping", "run"};
 
 [[nodiscard]] std::uint64_t content(const Scene& scene) {

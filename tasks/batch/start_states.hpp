@@ -32,7 +32,7 @@ public:
     /// The state that a case begins with; nullptr: it settles by itself. Any thread. Allocates nothing for a state that is kept.
     /// @param scene of the case   @throws StartFault, engine::RecordError
     [[nodiscard]] State of_case(long number, const Scene& scene, const engine::Cancellation& cancel);
-    /// The chain laid around the pulleys as a case wants it; one object for all cases that agree in what it depends on. Any thread.
+    /// The chain placed around the pulleys for a case; shared by all cases with the same relevant parameters. Any thread.
     /// @param scene of the case
     /// @throws std::invalid_argument if the chain does not close
     [[nodiscard]] Placed placed(long number, const Scene& scene);

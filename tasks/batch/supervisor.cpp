@@ -33,10 +33,10 @@ public:
             const std::vector<long> suspects = journal_.taken();
             const std::string signal = signal_text(whole.signal);
             if (suspects.empty()) {
-                said_(fmt::format("the sweep's process was ended by {}, in none of its cases", signal));
+                said_(fmt::format("a process of the sweep was ended by {} outside its cases", signal));
                 return 1;
             }
-            said_(fmt::format("the sweep's process was ended by {}; what was running goes on alone: {} {}", signal,
+            said_(fmt::format("a process of the sweep was ended by {}; its cases run again one by one: {} {}", signal,
                               suspects.size() == 1 ? "case" : "cases", fmt::join(suspects, ", ")));
             for (const long suspect : suspects) {
                 if (const int status = alone(suspect); status != 0) return status;
@@ -59,8 +59,8 @@ private:
         const engine::ChildEnd end = attempt({suspect, {}});
         if (!crashed(end)) return end.status;
         const std::string signal = signal_text(end.signal);
-        said_(fmt::format("case {} has crashed: {}", suspect, signal));
-        return attempt({suspect, fmt::format("its process was ended by {}, also when it ran alone", signal)}).status;
+        said_(fmt::format("case {} crashed: {}", suspect, signal));
+        return attempt({suspect, fmt::format("its process was ended by {}, even when it ran alone", signal)}).status;
     }
 
     engine::SharedSlots& journal_;

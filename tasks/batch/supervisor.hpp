@@ -5,7 +5,7 @@
 ///     parent   fork ─► wait ──────────────► dead by a signal: which cases were running? ─► fork …
 ///     child          └► cases side by side, each noted in the journal while it runs
 ///
-/// After a crash every case that was running goes on alone, in a child with one thread: one that brings this child down as well is booked
+/// After a crash every case that was running continues alone, in a child with one thread: one that also ends this child is recorded
 /// as crashed, the others give their results, bit for bit those of an undisturbed sweep. Each crash settles at least one case, so it ends.
 
 #include <functional>
@@ -27,7 +27,7 @@ struct SweepPart {
 /// @param journal  in which the child notes the cases that are running; the slots are its workers
 /// @param work  runs in a child, to the end of that process; must not throw. @return its exit status; 0 from a part with a single case lets
 /// the sweep go on
-/// @param said  called in the parent with a line about each crash
+/// @param said  called in the parent with one line per crash
 /// @return exit status of the child that did the whole, or of one that ended by itself otherwise; 130 if a crash came after SIGINT or
 /// SIGTERM; 1 for a crash
 ///         outside of any case

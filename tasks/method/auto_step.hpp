@@ -33,10 +33,10 @@ struct MethodReach {
 
 class AutoStep final : public StepChoice {
 public:
-    /// Share of the stable step that is taken. The spectrum is found from below, to some per cent, and moves between two looks; friction
-    /// beside an oscillation is not the worst one. DECISIONS 75 has what was measured.
+    /// Share of the stable step that is taken. The spectrum is estimated from below, to some per cent, and changes between two estimates;
+    /// friction beside an oscillation is not the worst one. DECISIONS 75 has what was measured.
     static constexpr double margin = 0.85;
-    /// Time after which the spectrum is looked at again [s]; sooner in the beginning, when tips come to the sheaves and loads rise:
+    /// Time between two estimates of the spectrum [s]; shorter at the start, when tips reach the sheaves and loads rise:
     /// whenever the time since the beginning has doubled.
     static constexpr double look_interval = 1e-3;
 
@@ -45,7 +45,7 @@ public:
 
     [[nodiscard]] double longest() const noexcept override { return longest_; }
     void restart() noexcept override;
-    /// Looks at the spectrum if the last look is too old. time [s], state [unknowns]
+    /// Estimates the spectrum if the last estimate is too old. time [s], state [unknowns]
     [[nodiscard]] double longest(double time, const double* state, const model::Phase* phases) noexcept override;
 
     /// Largest stable step as last estimated [s]; infinite: no limit.

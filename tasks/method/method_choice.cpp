@@ -50,7 +50,7 @@ namespace {
          .linear = rock2_step,
          .estimates_error = true},
         {.name = "fitted",
-         .description = "polynomial fitted to the spectrum, again when it moves",
+         .description = "polynomial fitted to the spectrum, repeated when it changes",
          .source = "weights by Lawson's iteration",
          .order = 3,
          .state_slots = FittedMethod::max_stages + 1,

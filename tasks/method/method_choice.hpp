@@ -28,7 +28,7 @@ public:
 /// machine in twenty of `cvtflow-lab lottery`).
 inline constexpr double usual_longest_step = 1.5e-6;
 
-/// A method that is a program: what `list methods` says of it, the slots it needs, and how it is made.
+/// A method that is a program: its row in `list methods`, its slots, and its factory.
 struct MethodProgram {
     std::string name, description, source;
     int order = 0;        ///< on smooth scenes
@@ -54,7 +54,7 @@ struct MethodProgram {
 
 /// All programs, each under a name of its own.
 [[nodiscard]] const std::vector<MethodProgram>& method_programs();
-/// nullptr: there is none of that name.
+/// nullptr if the name is unknown.
 [[nodiscard]] const MethodProgram* find_program(std::string_view name);
 
 /// Table whose slots a workspace for this method needs: the method's own, or one that holds a program's slots. nullopt: no method of that
@@ -72,7 +72,7 @@ struct MethodProgram {
 /// Evaluations of the right-hand side in one step without transitions, the first step excepted; 0: no such method, or it varies.
 [[nodiscard]] int evaluations_per_step(std::string_view method);
 /// Whether steps of the method come with an estimate of their error, so that it can be reported or decide (run.step_control). A member of a
-/// family is made to look. @return true also if there is no such method
+/// family is made to look. @return true also for an unknown method
 [[nodiscard]] bool may_estimate_error(std::string_view method);
 /// Why the method cannot be used with these parameters: "method 'leapfrog-be' needs detail.pins = "halves""; empty: it can, or there is no
 /// such method.

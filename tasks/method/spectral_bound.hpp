@@ -36,7 +36,7 @@ public:
         cold_ = true;
         velocity_.value = coordinate_.value = 0.0;
     }
-    /// Where the iterations have come to, for checkpoints. load() returns what follows in memory.
+    /// The vectors of the iterations, for checkpoints. load() returns the rest of the memory.
     void save(std::vector<double>& memory) const;
     [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< memory [what save() wrote]
 

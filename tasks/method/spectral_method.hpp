@@ -1,5 +1,5 @@
 #pragma once
-/// Stage methods that look at the spectrum and choose their stability polynomial: from a ladder of plans, or fitted when needed.
+/// Stage methods that choose their stability polynomial by the spectrum: from a ladder of plans, or fitted when needed.
 
 #include <memory>
 #include <optional>
@@ -58,13 +58,13 @@ using Ladder = std::vector<PolynomialRange>;
 /// The lowest rung that reaches so far along the real axis, or the last one. real [1]
 [[nodiscard]] std::size_t rung_for(const Ladder& ladder, double real) noexcept;
 
-/// The polynomial of max_stages stages at most that is stable for steps of this extent; nothing if there is none. real [1], imaginary [1]
+/// The polynomial of at most max_stages stages that is stable for this extent (step times spectrum); empty if there is none.
 [[nodiscard]] std::optional<engine::StagePlan> fitted_plan(double real, double imaginary);
 /// By which a first fit asks for more than the step needs, to last [1].
 inline constexpr double fit_headroom = 1.1;
 
 /// The lowest rung that is stable on the real axis; where steps are free, also the rule of DUMKA3: one rung lower with a shorter step if
-/// that is cheaper per time. A free step is also kept within the imaginary reach, which the published rule does not look at. Source of the
+/// that is cheaper per time. A free step is also kept within the imaginary reach, which the published rule ignores. Source of the
 /// rule: A. A. Medovikov's program; High order explicit methods for parabolic equations, BIT 38 (1998) 372-390.
 class LadderMethod final : public SpectralMethod {
 public:
@@ -102,7 +102,7 @@ private:
 
     std::vector<engine::CompiledPlan> plan_;             ///< one, or none yet
     double fitted_real_ = 0.0, fitted_imaginary_ = 0.0;  ///< [1]
-    double wanted_lately_ = 0.0;                         ///< largest real extent asked for since the last review [1]
+    double wanted_lately_ = 0.0;                         ///< largest real extent requested since the last review
     int steps_since_review_ = 0;
     int fits_ = 0;
 };

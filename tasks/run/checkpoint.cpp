@@ -107,7 +107,7 @@ const Numbers& array(const engine::SavedState& saved, const std::string& path, s
     for (const engine::NamedArray& each : saved.more) {
         if (each.name == name && each.values.size() >= least) return each.values;
     }
-    throw engine::RecordError(path + ": a state, but no checkpoint: it has no " + std::string(name));
+    throw engine::RecordError(path + ": a state file, not a checkpoint: it has no " + std::string(name));
 }
 
 [[nodiscard]] model::Phase phase_of(std::uint8_t number) {
@@ -122,7 +122,7 @@ struct FieldReader {
     std::span<const double> scalars;  ///< that are left
 
     double scalar() {
-        if (scalars.empty()) throw std::domain_error("it has too few numbers");
+        if (scalars.empty()) throw std::domain_error("it contains too few numbers");
         const double first = scalars.front();
         scalars = scalars.subspan(1);
         return first;
@@ -197,7 +197,7 @@ Checkpoint unpacked(const engine::SavedState& saved, const std::string& path) {
     Checkpoint c;
     FieldReader fields{saved, path, array(saved, path, integration_scalars, 1)};
     visit_fields(c.integration, fields);
-    if (!fields.scalars.empty()) throw std::domain_error("it has too many numbers");
+    if (!fields.scalars.empty()) throw std::domain_error("it contains too many numbers");
     unpack(array(saved, path, "history", 9), c.history);
     c.recorder = array(saved, path, "recorder", 0);
     c.scene = text(saved, "scene");
@@ -209,7 +209,7 @@ Checkpoint unpacked(const engine::SavedState& saved, const std::string& path) {
     c.program = text(saved, "program");
     c.method_hash = text(saved, "method_hash");
     c.slope_hash = text(saved, "slope_hash");
-    if (saved.fingerprint != fingerprint_of(c)) throw std::domain_error("its fingerprint is that of another scene, method or model");
+    if (saved.fingerprint != fingerprint_of(c)) throw std::domain_error("its fingerprint belongs to another scene, method or model");
     return c;
 }
 
@@ -254,9 +254,9 @@ void require_same(const std::string& path, const Checkpoint& checkpoint, const S
         lines.push_back(fmt::format("  the method {} is another one, or has other coefficients; {}", method_of(scene), written_by()));
     }
     if (lines.empty() && checkpoint.slope_hash != hash_of_slope(checkpoint.integration, variator)) {
-        lines.push_back(fmt::format("  the model gives other accelerations at the checkpoint's state; {}", written_by()));
+        lines.push_back(fmt::format("  the model computes other accelerations at the checkpoint's state; {}", written_by()));
     }
-    if (!lines.empty()) throw SimulationError(fmt::format("{}: this is no checkpoint of the scene:\n{}", path, fmt::join(lines, "\n")));
+    if (!lines.empty()) throw SimulationError(fmt::format("{}: not a checkpoint of this scene:\n{}", path, fmt::join(lines, "\n")));
 }
 
 }  // namespace cvtflow::tasks

@@ -1,5 +1,5 @@
 #pragma once
-/// A run on disk, complete enough to go on bit for bit: integration, position of its record, and what guards against continuing another
+/// A checkpoint, complete for a bitwise continuation: integration, position of its record, and guards against continuing another
 /// run.
 ///
 /// The file is a state file (engine/record/run/state_file.hpp): `cvtflow info` reads it, and start.state takes it. It is replaced at once:
@@ -37,7 +37,7 @@ struct Checkpoint {
     std::vector<double> recorder;  ///< RunRecorder::position() [what save() wrote]
 };
 
-/// The guards for a simulation of this scene that stands where `state` says.
+/// The guards for a simulation of this scene at `state`.
 void sign(Checkpoint& checkpoint, const Scene& scene, const model::Variator& variator);
 
 /// @throws engine::RecordError as write_state and read_state; also a state file that is no checkpoint

@@ -27,7 +27,7 @@ const engine::Cancellation never;
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// Runs a simulation and keeps checkpoints of it: every so often the run pauses at an output, is put on disk, and goes on.
+/// Runs a simulation with checkpoints: at intervals the run pauses at an output, is written to disk, and continues.
 class Keeper final : public RunObserver {
 public:
     Keeper(const Scene& scene, const RunOptions& options, Simulation& simulation, RunRecorder& recorder)
@@ -41,7 +41,7 @@ public:
     }
     void transition(const TransitionRecord& record) override { recorder_.transition(record); }
 
-    /// The part of the run that is at hand, from where it stands to its end. @param until end of a part that is not settling
+    /// The present part of the run, from the present state to its end. @param until end of a part that is not settling
     [[nodiscard]] Fault go(double until, const engine::Cancellation& cancel, RunReport& report) {
         Simulation& s = simulation_;
         recorder_.begin_part(s.needs_settling() ? -scene_.parameters.start.settling_time : report.begin, s.needs_settling() ? 0.0 : until);
@@ -90,7 +90,7 @@ void restore(const Checkpoint& from, Simulation& simulation, RunRecorder& record
     report.wall = from.history.wall;
 }
 
-/// What the method is stable for where the run begins; said if the step is beyond. The quick bound is a fifth too careful at most: where it
+/// Warns at the start of a run if the step exceeds the stability limit. The quick bound is at most a fifth too low: where it
 /// is not enough, the growth of this one step decides, and its limit is searched for only where it is beyond: ten times the work.
 void warn_if_unstable(const Scene& scene, const RunOptions& options, const Simulation& simulation, RunReport& report) {
     if (scene.run.step.automatic()) return;  // what chooses it knows the limit
@@ -104,7 +104,7 @@ void warn_if_unstable(const Scene& scene, const RunOptions& options, const Simul
                              ? report.step
                              : predicted_step_limit(chain, simulation.method_name()).step;
     if (!report.beyond_stability() || !options.notice) return;
-    options.notice(fmt::format("run.step = {:.3g} s is beyond what {} is stable for here ({:.3g} s): run.step = \"auto\" takes {:.3g} s",
+    options.notice(fmt::format("run.step = {:.3g} s exceeds the stability limit of {} here ({:.3g} s): run.step = \"auto\" takes {:.3g} s",
                                report.step, simulation.method_name(), report.stable_step, automatic));
 }
 
@@ -221,7 +221,7 @@ namespace {
 std::string step_text(const RunReport& r) {
     const bool known = r.stable_step > 0.0 && std::isfinite(r.stable_step);
     const std::string limit = known     ? fmt::format("stable up to about {:.3g} s", r.stable_step)
-                              : r.fault ? "no stable step is known where it ended"
+                              : r.fault ? "no stable step is known at its end"
                                         : "linear stability sets no limit";
     if (r.step_setting.automatic()) return fmt::format("{:.4g} s (auto; {})", r.step, limit);
     const bool shortened = r.step < r.step_setting * (1.0 - 1e-9) && r.step_control != StepControl::error;
@@ -233,7 +233,7 @@ std::string step_text(const RunReport& r) {
 
 /// The energy balance, and what is odd.
 std::string trust_lines(const RunReport& r) {
-    std::string text = fmt::format("  energy balance      residual {:.3g} J, {:.2g} of what was dissipated ({:.3g} J)", r.energy.residual(),
+    std::string text = fmt::format("  energy balance      residual {:.3g} J, {:.2g} of the losses ({:.3g} J)", r.energy.residual(),
                                    r.energy.relative(), r.energy.loss);
     if (r.settled) text += fmt::format("; settling {:.2g}", r.settling_residual);
     text += r.reliable() ? "\n" : "\n  " + unreliable_text(r) + "\n";

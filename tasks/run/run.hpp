@@ -26,8 +26,8 @@ struct RunOptions {
     const engine::Cancellation* cancel = nullptr;
     std::string checkpoint;                          ///< file to write checkpoints to; empty: none
     double checkpoint_every = 0.0;                   ///< wall time between checkpoints, at output times; 0: only if the run ends early [s]
-    std::function<void(const std::string&)> notice;  ///< told what is odd before the run begins
-    const Checkpoint* from = nullptr;                ///< to go on from; `file` is then the record to go on with
+    std::function<void(const std::string&)> notice;  ///< receives warnings before the run begins
+    const Checkpoint* from = nullptr;                ///< checkpoint to resume; `file` is then the record to continue
     bool replace = false;                            ///< with `from`: whether a file of that name that is not the run's own is replaced
 };
 
@@ -47,7 +47,7 @@ struct RunReport {
     double stable_step =
         0.0;  ///< largest that the method is stable for: where the run began, or where an automatic step was last chosen; 0: not asked [s]
     std::string method;
-    std::string method_report;    ///< what the method did, one line; empty: nothing to say
+    std::string method_report;    ///< counters of the method, one line; may be empty
     std::string schedule;         ///< what ran it, and why if it was chosen
     std::string kernels;          ///< instruction set that the kernels used
     std::size_t working_set = 0;  ///< memory that the step loop touches [B]
@@ -98,7 +98,7 @@ public:
 };
 
 /// Settles a scene's geometric start and writes the state at t = 0.
-/// @return EnergyLedger::suspicion(): above 1 the state is wrong, which the file says as well
+/// @return EnergyLedger::suspicion(): above 1 the state is wrong; also stored in the file
 /// @throws as run_scene; SettlingFault, and then writes nothing
 double settle_scene(const Scene& scene, const std::string& state_file, const RunOptions& options);
 

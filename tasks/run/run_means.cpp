@@ -24,18 +24,18 @@ constexpr double takes_energy = 0.02;    ///< of the input; 7e-4 over 11 pin per
 
 constexpr NoteKind kinds[] = {
     {"gross_slip", "mean slip of the last fifth above 3 %"},
-    {"control_limit", "a controller had used up its authority at more than 5 % of the last fifth's outputs"},
+    {"control_limit", "a controller was at the limit of its authority at more than 5 % of the last fifth's outputs"},
     {"slack_strand", "the slack strand carried no tension at more than 5 % of the last fifth's outputs"},
-    {"efficiency", "efficiency of all of the run, or of its last fifth, outside 0 … 1"},
+    {"efficiency", "efficiency of the whole run, or of its last fifth, outside 0 … 1"},
     {"unsteady",
      "the state changes: ratio of the first and the last fifth differ by more than 1 %, slip by more than a fifth of it, the stored "
      "energy by more than 2 % of the input; or it was seen for less than a pin period"},
     {"standstill", "the shafts turn by less than 0.1 rad/s: slip is noise"},
-    {"no_load", "drive and load take less out of the machine than is lost in it: an efficiency is that of idling"},
-    {"unresolved", "losses below what can be resolved: the energy balance would not show if 5 % of them were wrong"},
+    {"no_load", "drive and load transfer less power than the machine loses: the efficiency is that of idling"},
+    {"unresolved", "losses below the resolution of the energy balance: it would not show an error of 5 % in them"},
 };
 
-/// What a balance may leave however little was lost [J]; 0 where it is not judged, for want of samples.
+/// Absolute tolerance of a balance [J]; 0 if there are too few samples to judge it.
 [[nodiscard]] double unresolved(EnergyBalance balance) noexcept {
     constexpr double min_samples = 10.0;
     balance.loss = 0.0;
@@ -177,8 +177,8 @@ std::string RunMeans::text_of(Change change) const {
         case Change::brief:
             return fmt::format("means are over less than the {:.3g} ms in which a pin takes the place of the next one", 1e3 * pin_period_);
         case Change::energy:
-            return fmt::format("means are over a changing state: what moves has {} {} of the input", whole.stored > 0.0 ? "taken" : "given",
-                               percent(std::abs(whole.stored)));
+            return fmt::format("means are over a changing state: the stored energy has {} {} of the input",
+                               whole.stored > 0.0 ? "taken" : "given", percent(std::abs(whole.stored)));
         case Change::none: break;
     }
     return {};
@@ -211,10 +211,10 @@ std::vector<Note> RunMeans::notes(const EnergyBalance& balance, bool pulleys) co
         fmt::format("an efficiency of {} ({} in the last fifth) is none: what moves has taken or given energy", percent(whole.efficiency),
                     percent(last.efficiency)),
         text_of(change()),
-        "the machine stands: slip is noise",
-        fmt::format("no load: drive and load take {} of what is lost{}", percent(whole.carried),
+        "the machine is at rest: slip is noise",
+        fmt::format("no load: drive and load transfer {} of the losses{}", percent(whole.carried),
                     whole.no_load ? ", so there is no efficiency" : ": the efficiency is that of idling"),
-        fmt::format("losses below what can be resolved: {:.2g} J of {:.2g} J could be wrong and the energy balance would not show it",
+        fmt::format("losses below the resolution of the energy balance: it would not show an error of {:.2g} J of {:.2g} J",
                     unresolved(balance), balance.loss),
     };
     std::vector<Note> notes;

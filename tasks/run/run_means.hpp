@@ -50,12 +50,12 @@ public:
     /// Their names, blank between them, in `names`.
     void name_notes(const EnergyBalance& balance, std::string& names) const;
 
-    /// For checkpoints: goes on bit for bit. load() returns what follows in memory. @throws std::invalid_argument for a memory that is none
+    /// For checkpoints: continues bitwise. load() returns the rest of the memory. @throws std::invalid_argument for a malformed memory
     void save(std::vector<double>& memory) const;
     [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< memory [what save() wrote]
 
 private:
-    /// Sums over some outputs, and where the energies stood at the last of them. Numbers only.
+    /// Sums over some outputs, and the energies at the last of them. Numbers only.
     struct Bin {
         double outputs = 0.0, time = 0.0;  ///< how many [1]; their span [s]
         double ratio = 0.0, slip = 0.0, tight = 0.0, slack = 0.0, limited = 0.0,

@@ -31,7 +31,7 @@ std::string new_identity() {
     return fmt::format("{:08x}{:08x}{:08x}{:08x}", draw(), draw(), draw(), draw());
 }
 
-/// The record that `options.from` goes on with, out of the way of the new one; empty: there is none.
+/// The record that `options.from` continues, renamed to make room for the new one; empty if there is none.
 std::string former_record(const RunOptions& options) {
     const auto own = [&options](const std::string& file) {
         try {
@@ -191,7 +191,7 @@ std::vector<double> RunRecorder::position() {
 void RunRecorder::restore(const std::vector<double>& position) {
     std::size_t least = 14;  // rows, next state, outputs, and what the means begin with
     for_every_sum(sums_, [&](double) { ++least; });
-    if (position.size() < least) throw engine::RecordError(options_.file + ": the checkpoint does not say where its record stood");
+    if (position.size() < least) throw engine::RecordError(options_.file + ": the checkpoint contains no position in its record");
     const double* next = position.data();
     const auto take = [&] { return *next++; };
     const auto count = [&] {
@@ -211,7 +211,7 @@ void RunRecorder::restore(const std::vector<double>& position) {
     (void)means_.load({next, position.data() + position.size()});
     if (!file_) return;
     if (former_.empty() && written_.channels.count > 0)
-        throw engine::RecordError(options_.file + ": the record that the checkpoint belongs to is not there");
+        throw engine::RecordError(options_.file + ": the checkpoint's record does not exist");
     if (former_.empty()) return;
     engine::copy_record(former_, written_, contents_, *file_);
     std::filesystem::remove(former_);

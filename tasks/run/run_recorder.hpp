@@ -23,7 +23,7 @@ public:
     void transition(const TransitionRecord& record) override;
     /// Identity of the run: drawn when it began, kept by its checkpoints; empty without a record.
     [[nodiscard]] const std::string& run() const noexcept { return run_; }
-    /// Where the record and the means stand, for a checkpoint; all of it is on disk then.
+    /// Position of the record and the means, for a checkpoint; all of it is on disk then.
     [[nodiscard]] std::vector<double> position();
     /// Goes on from there, with the rows of the record that options.from names.
     void restore(const std::vector<double>& position);

@@ -1,5 +1,5 @@
 #pragma once
-/// What tells whether the figures of a run can be read: the watch over its energy balance, and how long it lasted.
+/// Whether the figures of a run are reliable: its energy balance, and its length.
 
 #include <string>
 

@@ -87,7 +87,7 @@ double start_misfit(const engine::SavedState& saved, const Scene& scene) {
 }
 
 std::string unfit_text(double misfit) {
-    return fmt::format("the state does not fit this machine (its elastic energy there differs by {:.2g} %)", 100.0 * misfit);
+    return fmt::format("the state does not fit this machine (its elastic energy differs by {:.2g} %)", 100.0 * misfit);
 }
 
 bool start_fits(const engine::SavedState& saved, const Scene& scene) { return start_misfit(saved, scene) <= start_misfit_tolerance; }

@@ -1,5 +1,5 @@
 #pragma once
-/// What a saved state says of itself beside its numbers.
+/// Attributes of a saved state.
 
 #include <memory>
 #include <string>
@@ -14,9 +14,9 @@ struct SavedState;
 
 namespace cvtflow::tasks {
 
-/// Attribute with what the energy balance said (EnergyLedger::suspicion): whoever starts from a wrong state gets wrong results.
+/// Attribute with the error of the energy balance (EnergyLedger::suspicion): a run from a wrong state has wrong results.
 inline constexpr std::string_view suspicion_attribute = "energy_suspicion";
-/// Its value; 0 where there is none.
+/// Its value; 0 if absent.
 [[nodiscard]] double suspicion_of(const engine::SavedState& saved);
 
 /// The state that a scene names (state_file). @throws engine::RecordError that begins with the place where it is named

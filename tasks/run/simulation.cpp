@@ -31,7 +31,7 @@ std::unique_ptr<Integrator> integrator_of(const Scene& scene, const std::vector<
     }
     if (scene.run.step_control != StepControl::fixed && integrator->method().error_power() == 0) {
         throw SimulationError(
-            fmt::format("run.step_control: '{}' makes no estimate of its error, its steps can only be \"fixed\" (cvtflow list methods)",
+            fmt::format("run.step_control: '{}' has no error estimate; only \"fixed\" steps are possible (cvtflow list methods --all)",
                         integrator->method_name()));
     }
     return integrator;
@@ -62,7 +62,7 @@ void Simulation::begin_with(const engine::SavedState* saved, const model::StartS
         if (scene_.parameters.start.settling_time == 0.0)
             throw SimulationError(
                 fmt::format("{}start.state: {}, and start.settling_time = 0 leaves no time to settle", scene_.state_place, unfit));
-        start_differences_.push_back(unfit + ": the run settles anew");
+        start_differences_.push_back(unfit + ": the run settles again");
     }
     if (placed != nullptr)
         begin_at(*placed);
@@ -121,7 +121,7 @@ constexpr std::size_t ledger_size = model::loss_kinds + model::work_kinds;
 
 }  // namespace
 
-/// Links and pulleys must fit; control and ledger, which a saved state may have or lack, go on or begin at zero where they are new.
+/// Links and pulleys must fit; control and ledger, which a saved state may have or lack, continue, or begin at zero if they are new.
 void Simulation::take_state(const engine::SavedState& saved) {
     const model::ChainLayout& at = workspace_->layout();
     const std::size_t mechanical = static_cast<std::size_t>(at.control_begin());
@@ -129,8 +129,8 @@ void Simulation::take_state(const engine::SavedState& saved) {
     const std::size_t integrals = behind_pulleys % ledger_size;  // of up to 2 controllers, 12 of a ledger
     const bool fits = saved.state.size() >= mechanical && integrals <= 2 && behind_pulleys / ledger_size <= 1;
     if (!fits || saved.phases.size() != workspace_->tips.phases.size()) {
-        std::string message = fmt::format("{}start.state: {} holds {} unknowns, this scene has {}", scene_.state_place, scene_.state_file,
-                                          saved.state.size(), at.size());
+        std::string message = fmt::format("{}start.state: {} contains {} unknowns, this scene has {}", scene_.state_place,
+                                          scene_.state_file, saved.state.size(), at.size());
         for (const std::string& line : start_differences_) message += "\n  " + line;
         throw SimulationError(message);
     }
@@ -147,7 +147,7 @@ void Simulation::take_state(const engine::SavedState& saved) {
     std::transform(saved.phases.begin(), saved.phases.end(), workspace_->tips.phases.begin(),
                    [=](std::uint8_t phase) { return adopted(phase, stick_slip); });
     rest_.settling_suspicion = suspicion_of(saved);
-    time_ = saved.time;  // inputs and the governor's angle go on from there
+    time_ = saved.time;  // inputs and the governor's angle continue from there
 }
 
 Fault Simulation::drive(StepController& controller) {

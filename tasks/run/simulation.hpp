@@ -29,10 +29,10 @@ public:
     using std::runtime_error::runtime_error;
 };
 
-/// How far a simulation goes on.
+/// End of a call of Simulation::run().
 struct Goal {
     double until = std::numeric_limits<double>::infinity();  ///< [s]
-    long steps = 0;     ///< at most so many more, whatever run.max_steps says: ends with a Fault of kind max_steps; 0: no such end
+    long steps = 0;     ///< at most this many further steps, in addition to run.max_steps: ends with a Fault of kind max_steps; 0: no limit
     bool anew = false;  ///< begins another part at the present time, with output times and counters of its own, settled or not
     std::optional<double> max_wall = {};  ///< in place of run.max_wall [s], 0: no budget
 };
@@ -42,7 +42,7 @@ public:
     /// Prepares the start state: from the scene's state file if that fits the machine (start_fits), else geometric. Nothing runs yet.
     /// @throws SimulationError, engine::RecordError (state file), std::invalid_argument (the chain does not close)
     explicit Simulation(const Scene& scene);
-    /// Prepares the start state for a schedule of one's own and, if wanted, time stamps of its tasks.
+    /// Prepares the start state for a given schedule and, optionally, time stamps of its tasks.
     Simulation(const Scene& scene, const Schedule& schedule, engine::StampRecorder* recorder = nullptr);
     /// Prepares the start state for schedules to choose from while it runs, serial first (see ScheduleChooser).
     Simulation(const Scene& scene, const std::vector<Schedule>& candidates, const ChooserOptions& options,
@@ -59,7 +59,7 @@ public:
 
     /// Whether the start is geometric and has to settle before t = 0.
     [[nodiscard]] bool needs_settling() const noexcept { return needs_settling_; }
-    /// Goes on from where it stands - where the last call ended or restore() put it - or begins there. A geometric start settles first,
+    /// Continues from the present state: that of the last call, of restore(), or the start. A geometric start settles first,
     /// from t = -start.settling_time to t = 0 with clamping and load ramped up: that is a part of its own, with outputs at negative times,
     /// and the call ends with it in any case. Where calls end does not change a bit of what follows. Ends with the first step at or after
     /// the goal's time, or with a Fault.
@@ -75,7 +75,7 @@ public:
     /// none.
     void pause_on(const bool* flag) noexcept { pause_ = flag; }
 
-    /// Where the integration stands.
+    /// The present integration state.
     [[nodiscard]] const IntegrationState& integration_state() const noexcept { return rest_; }
     /// Takes an integration_state() of a simulation of the same scene and method, in whatever process.
     /// @throws SimulationError if the numbers of unknowns or tips differ
@@ -101,13 +101,13 @@ public:
     void keep_energies(bool on) noexcept { workspace_->energy.keep(on); }
     /// What chooses steps, with what it found last; nullptr: run.step is given.
     [[nodiscard]] const AutoStep* step_choice() const noexcept { return choice_.get(); }
-    /// The automatic step at the present state, whatever run.step says [s].
+    /// The automatic step at the present state, independent of run.step [s].
     [[nodiscard]] double automatic_step() const;
     /// Likewise, if the scene asks for errors.
     [[nodiscard]] const LocalErrorStatistics& local_errors() const noexcept { return local_errors_; }
     /// The method of its steps: run.method, or what that is where it is "auto".
     [[nodiscard]] const std::string& method_name() const noexcept { return integrator_->method_name(); }
-    /// What its step method has to say of its work; empty: nothing.
+    /// Counters of the step method as text; may be empty.
     [[nodiscard]] std::string method_report() const { return integrator_->method().report(); }
     /// Step in use in the last run [s].
     [[nodiscard]] double step() const noexcept { return step_; }

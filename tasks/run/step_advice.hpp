@@ -18,8 +18,8 @@ namespace cvtflow::tasks {
 [[nodiscard]] std::vector<std::complex<double>> extreme_eigenvalues(const model::Variator& variator, double t, const double* state,
                                                                     const std::vector<model::Phase>& phases, int directions = 60);
 
-/// A step so many times the largest stable one is said to be beyond. The estimate is good to some per cent, and a method that is a little
-/// unstable in a few contacts only (RK4 at 50 ns on the baseline: 1.1) still gives good results.
+/// Factor on the largest stable step above which a step is reported as beyond stability. The estimate is good to some per cent, and a
+/// method that is a little unstable in a few contacts only (RK4 at 50 ns on the baseline: 1.1) still gives good results.
 inline constexpr double beyond_stability = 1.25;
 
 /// Largest h for which h λ lies in the method's stability region for all of these eigenvalues [s]. Infinity for a method that is no table

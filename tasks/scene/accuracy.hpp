@@ -1,5 +1,5 @@
 #pragma once
-/// How somebody says how accurate something has to be.
+/// Reads a target accuracy.
 
 #include <optional>
 #include <string_view>

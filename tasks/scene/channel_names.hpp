@@ -1,5 +1,5 @@
 #pragma once
-/// Which channels a scene may ask for. The catalogue stands above scenes (tasks/run/channels/channels.cpp), which defines these functions.
+/// Channels that a scene may request. Defined by the catalogue in a higher layer (tasks/run/channels/channels.cpp).
 
 #include <span>
 #include <string>
@@ -10,7 +10,7 @@ namespace cvtflow::tasks {
 /// Of all channels, in the catalogue's order.
 [[nodiscard]] std::vector<std::string> channel_names();
 
-/// Names of record.channels that stand for no channel, in their order.
+/// Unknown names of record.channels, in order.
 [[nodiscard]] std::vector<std::string> unknown_channels(std::span<const std::string> names);
 
 }  // namespace cvtflow::tasks

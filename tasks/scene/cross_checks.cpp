@@ -33,7 +33,7 @@ Violation geometry_closes(const Scene& scene) {
     const auto& start = scene.parameters.start;
     const bool absent = scene.parameters.detail.pulleys == PulleyDetail::absent;
     if (start.layout != StartLayout::belt || absent || !scene.state_file.empty()) return {};
-    if (pulley.innermost >= pulley.outermost) return {};  // said by radii_ordered
+    if (pulley.innermost >= pulley.outermost) return {};  // reported by radii_ordered
     const double length = model::chain_length(chain);
     const auto radii = model::belt_radii(length, start.ratio, pulley.centre_distance);
     const auto chain_text = fmt::format("chain.pins: {} pins make a chain of {}", chain.pins, mm(length));
@@ -83,7 +83,7 @@ Violation radii_ordered(const Scene& scene) {
 
 Violation arc_on_sheave(const Scene& scene) {
     const auto& pulley = scene.parameters.pulley;
-    if (pulley.innermost >= pulley.outermost) return {};  // said by radii_ordered
+    if (pulley.innermost >= pulley.outermost) return {};  // reported by radii_ordered
     if (pulley.arc_position >= pulley.innermost && pulley.arc_position <= pulley.outermost) return {};
     return fmt::format("pulley.arc_position: {} is outside pulley.innermost = {} to pulley.outermost = {}", mm(pulley.arc_position),
                        mm(pulley.innermost), mm(pulley.outermost));
@@ -93,8 +93,8 @@ Violation layout_has_pulleys(const Scene& scene) {
     const bool ring = scene.parameters.start.layout == StartLayout::ring;
     const bool absent = scene.parameters.detail.pulleys == PulleyDetail::absent;
     if (ring == absent) return {};
-    return ring ? "start.layout: \"ring\" needs detail.pulleys = \"absent\""
-                : "start.layout: \"belt\" needs pulleys, but detail.pulleys is \"absent\"";
+    return ring ? "start.layout: \"ring\" requires detail.pulleys = \"absent\""
+                : "start.layout: \"belt\" requires pulleys, but detail.pulleys is \"absent\"";
 }
 
 Violation ramp_within_settling(const Scene& scene) {
@@ -107,7 +107,7 @@ Violation ramp_within_settling(const Scene& scene) {
 
 Violation control_has_pulleys(const Scene& scene) {
     if (!scene.parameters.control.enabled || scene.parameters.detail.pulleys != PulleyDetail::absent) return {};
-    return "control.enabled: control needs pulleys, but detail.pulleys is \"absent\"";
+    return "control.enabled: control requires pulleys, but detail.pulleys is \"absent\"";
 }
 
 Violation control_has_speed(const Scene& scene) {
@@ -115,7 +115,7 @@ Violation control_has_speed(const Scene& scene) {
     const auto& control = scene.parameters.control;
     if (!control.enabled || control.quantity != model::ControlledQuantity::ratio) return {};
     if (drive.mode == DriveMode::torque || drive.speed.largest_magnitude() > 0.0) return {};
-    return "control.enabled: the error of control is relative to drive.speed, which is 0 throughout";
+    return "control.enabled: the control error is relative to drive.speed, which is always 0";
 }
 
 Violation load_has_speed(const Scene& scene) {
@@ -135,9 +135,9 @@ Violation couplings_have_pulleys(const Scene& scene) {
 Violation controllers_differ(const Scene& scene) {
     const auto& control = scene.parameters.control;
     if (control.driven == model::DrivenControl::none) return {};
-    if (!control.enabled) return "control.driven: the second controller acts beside the first one, which control.enabled has off";
+    if (!control.enabled) return "control.driven: the second controller requires the first one, but control.enabled is false";
     if (control.quantity == model::ControlledQuantity::ratio) return {};
-    return "control.driven: control.quantity is a controller of the clamping force of shaft 2 already";
+    return "control.driven: control.quantity already controls the clamping force of shaft 2";
 }
 
 Violation outputs_take_steps(const Scene& scene) {
@@ -166,7 +166,7 @@ Violation segments_have_links(const Scene& scene) {
 
 Violation method_exists(const Scene& scene) {
     if (scene.run.method.empty()) return "run.method: the name is empty";
-    if (may_be_method(method_of(scene))) return {};  // numbers of a family are looked at when the method is made
+    if (may_be_method(method_of(scene))) return {};  // numbers of a family are checked when the method is made
     return "run.method: " + no_method(scene.run.method);
 }
 
@@ -203,14 +203,14 @@ Violation rigid_pins_are_serial(const Scene& scene) {
 
 Violation method_estimates_error(const Scene& scene) {
     if (scene.run.step_control == StepControl::fixed || may_estimate_error(method_of(scene))) return {};
-    return fmt::format("run.step_control: '{}' makes no estimate of its error, its steps can only be \"fixed\" (cvtflow list methods)",
+    return fmt::format("run.step_control: '{}' has no error estimate; only \"fixed\" steps are possible (cvtflow list methods --all)",
                        method_of(scene));
 }
 
 Violation channels_exist(const Scene& scene) {
     const std::vector<std::string> unknown = unknown_channels(scene.run.channels);
     if (unknown.empty()) return {};
-    return fmt::format("record.channels: there is no channel '{}'{} (cvtflow list channels)", unknown.front(),
+    return fmt::format("record.channels: unknown channel '{}'{} (cvtflow list channels)", unknown.front(),
                        engine::did_you_mean(engine::closest(unknown.front(), channel_names())));
 }
 
@@ -218,7 +218,7 @@ Violation executor_exists(const Scene& scene) {
     const std::string& name = scene.run.schedule;
     if (name == "auto" || engine::find_executor(name) != nullptr) return {};
     constexpr std::array<std::string_view, 1> others{"auto"};
-    return fmt::format("run.schedule: there is no executor '{}'{} (cvtflow list executors; or auto)", name,
+    return fmt::format("run.schedule: unknown executor '{}'{} (cvtflow list executors; or auto)", name,
                        engine::missing_executor(name, others));
 }
 

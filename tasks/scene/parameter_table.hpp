@@ -45,7 +45,7 @@ struct Parameter {
 /// The row of `key`, or nullptr.
 [[nodiscard]] const Parameter* find_parameter(std::string_view key);
 
-/// The keys of which one was probably meant: near in spelling, or of that name in other sections. Empty if there is none.
+/// Suggestions for an unknown key: similar spelling, or the same name in other sections. May be empty.
 [[nodiscard]] std::vector<std::string> nearest_keys(std::string_view key);
 
 /// Section names in the order of the table.

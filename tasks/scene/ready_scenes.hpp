@@ -20,7 +20,7 @@ struct ReadyScene {
 /// All scenes in these folders, by name. Of several with one name only the nearest.
 [[nodiscard]] std::vector<ReadyScene> ready_scenes();
 
-/// A file of that path, else the ready scene of that name. What looks like a path (has '/' or ends in .toml) is returned as it is.
+/// A file of that path, else the ready scene of that name. A path (with '/' or the ending .toml) is returned unchanged.
 /// @throws SceneError  `no scene 'basline' (did you mean 'baseline'?)`
 [[nodiscard]] std::filesystem::path find_scene(const std::string& argument);
 

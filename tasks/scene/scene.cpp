@@ -21,9 +21,9 @@
 namespace cvtflow::tasks {
 namespace {
 
-constexpr std::size_t max_problems = 100;  ///< that are told, each a line
+constexpr std::size_t max_problems = 100;  ///< listed in a message, one line each
 
-/// A key in a message: as it was written, unless that is no use to anybody.
+/// A key in a message: as written, unless it contains unprintable characters or is very long.
 std::string shown(const std::string& key) { return key.size() <= 100 ? key : key.substr(0, 60) + "…"; }
 
 /// A scene while it is read: keys given, keys that are wrong, problems so far.
@@ -73,7 +73,7 @@ void Reading::section(const Entry& entry) {
             return problem(entry.position,
                            fmt::format("{}: unknown section{}", shown(entry.key), engine::did_you_mean(engine::closest(entry.key, names))));
         return problem(entry.position,
-                       fmt::format("{}: this key is in no section{}", shown(entry.key), engine::did_you_mean(nearest_keys(entry.key))));
+                       fmt::format("{}: key outside any section{}", shown(entry.key), engine::did_you_mean(nearest_keys(entry.key))));
     }
     if (!table) return problem(entry.position, fmt::format("{0}: not a section; write [{0}]", entry.key));
     for (const Entry& row : *table) {
@@ -108,7 +108,7 @@ void Reading::resolve_state(const Node& node) {
     const auto file = std::filesystem::absolute(folder_ / scene_.state_file).lexically_normal();
     std::error_code unreadable;
     if (!std::filesystem::is_regular_file(file, unreadable))
-        problem(node.position, fmt::format("start.state: there is no file {}", toml_text(scene_.state_file)));
+        problem(node.position, fmt::format("start.state: no file {}", toml_text(scene_.state_file)));
     scene_.state_file = file.string();
 }
 
@@ -199,7 +199,7 @@ void set_values(Scene& scene, std::span<const std::string> settings, std::string
     for (const std::string& setting : settings) read_setting(reading, setting, {number++, 0});
     const auto setting_at = [&](Position position) { return settings[static_cast<std::size_t>(position.line)]; };
     scene = reading.finish([&](Position position) {
-        return position == nowhere ? fmt::format("{}, as it is now", scene.name)
+        return position == nowhere ? fmt::format("{}, its present value", scene.name)
                : origin.empty()    ? shown(setting_at(position))
                                    : fmt::format("{}{}", origin, setting_at(position));
     });

@@ -58,7 +58,7 @@ struct RunSettings {
 };
 
 struct Scene {
-    std::string name;  ///< the file's stem if the scene does not say
+    std::string name;  ///< the file's stem if absent
     std::string description;
     model::Parameters parameters;
     RunSettings run;
@@ -85,7 +85,7 @@ enum class StartState { required, ignored, recorded };
 /// @throws SceneError  unreadable file, or any problem in it
 [[nodiscard]] Scene read_scene(const std::filesystem::path& path, StartState start = StartState::required);
 
-/// Checks a scene given as text. `name` stands for the file in messages, and start.state is relative to its folder.
+/// Checks a scene given as text. `name` replaces the file name in messages, and start.state is relative to its folder.
 /// @throws SceneError
 [[nodiscard]] Scene parse_scene(std::string text, std::filesystem::path name, StartState start = StartState::required);
 

@@ -29,7 +29,7 @@ std::vector<Schedule> schedules_for(const Scene& scene) {
     if (scene.run.segments == 0) serial.segments = 1;
     std::vector<Schedule> list{serial};
     if (flow.threads == 1) return list;
-    const auto segments = [&](int wanted) { return scene.run.segments > 0 ? scene.run.segments : std::min(links, wanted); };
+    const auto segments = [&](int requested) { return scene.run.segments > 0 ? scene.run.segments : std::min(links, requested); };
     flow.segments = segments(flow.threads);
     add_once(list, flow);
     Schedule other = flow;

@@ -1,5 +1,5 @@
 #pragma once
-/// What a scene leaves open about who runs it, as a list to choose from.
+/// Candidate schedules of a scene with run.schedule = "auto".
 
 #include <vector>
 

@@ -1,5 +1,5 @@
 #pragma once
-/// What takes steps, wired once: the memory of the step loop, the method, the graph of its tasks and who runs it.
+/// An integrator, assembled once: the memory of the step loop, the method, the graph of its tasks and the executor.
 
 #include <memory>
 #include <string>

@@ -22,20 +22,21 @@ protected:
     RestJudge& operator=(const RestJudge&) = default;
 };
 
-/// Passes the step controller's decisions on. At the end of every fourth step it looks at the clock, and once a window is over it asks the
-/// judge. To rest, it keeps the next step's first cycle back and says stop; the next Executor::run() begins with that cycle. What the step
-/// controller has prepared for it lies in the workspace and knows nothing of segments, so results are bitwise those of an unbroken run.
+/// Passes the step controller's decisions on. At the end of every fourth step it reads the clock, and at the end of a window it asks the
+/// judge. To rest, it holds back the next step's first cycle and returns stop; the next Executor::run() begins with that cycle. What the
+/// step controller has prepared for it lies in the workspace and knows nothing of segments, so results are bitwise those of an unbroken
+/// run.
 class RestingController final : public engine::Controller {
 public:
     RestingController(StepController& whole, RestJudge& judge) : whole_(whole), judge_(judge) {}
 
     [[nodiscard]] int next() noexcept override;
-    /// Whether the step controller has said stop: there is nothing to take up.
+    /// Whether the step controller has returned stop: the run is complete.
     [[nodiscard]] bool over() const noexcept { return over_; }
 
 private:
     using Clock = std::chrono::steady_clock;
-    static constexpr int stride = 4;  ///< steps between looks at the clock; the first stride is not counted: threads are on their way
+    static constexpr int stride = 4;  ///< steps between readings of the clock; the first stride is not counted because threads start then
 
     [[nodiscard]] bool rests() noexcept;
 

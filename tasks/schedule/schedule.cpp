@@ -73,7 +73,7 @@ AssemblyOptions assembly_named(const std::string& name) {
         if (name == known) return options;
         names += (names.empty() ? "" : ", ") + std::string(known);
     }
-    throw SceneError(fmt::format("'{}' is no assembly: {}", name, names));
+    throw SceneError(fmt::format("unknown assembly '{}': {}", name, names));
 }
 
 std::string Schedule::text() const {
@@ -90,7 +90,7 @@ Schedule schedule_of(const RunSettings& run, int links) {
     schedule.balanced = run.partition == PartitionKind::balanced;
     if (run.schedule == "auto") return schedule;
     if (engine::find_executor(run.schedule) == nullptr) {
-        throw SceneError(fmt::format("run.schedule: there is no executor '{}'{} (cvtflow list executors; or auto)", run.schedule,
+        throw SceneError(fmt::format("run.schedule: unknown executor '{}'{} (cvtflow list executors; or auto)", run.schedule,
                                      engine::missing_executor(run.schedule)));
     }
     schedule.executor = run.schedule;
@@ -103,7 +103,7 @@ Schedule schedule_of(const RunSettings& run, int links) {
 
 std::unique_ptr<engine::Executor> make_executor(const Schedule& schedule, engine::StampRecorder* recorder) {
     const engine::ExecutorRow* row = engine::find_executor(schedule.executor);
-    if (row == nullptr) throw SceneError(fmt::format("run.schedule: there is no executor '{}'", schedule.executor));
+    if (row == nullptr) throw SceneError(fmt::format("run.schedule: unknown executor '{}'", schedule.executor));
     engine::ExecutorOptions options;
     options.threads = schedule.threads;
     options.wait = schedule.wait;
@@ -145,12 +145,12 @@ void balance(const std::vector<model::Phase>& phases, std::span<int> cuts, const
     double until = 0.0, before = 0.0;  // cost of the units before `at`, and before the one in front of it
     cuts.front() = 0;
     for (int s = 1, at = 0, last = 0; s < segments; ++s) {
-        const double wanted = total * s / segments;
-        for (; at < units && until < wanted; ++at) {
+        const double target = total * s / segments;
+        for (; at < units && until < target; ++at) {
             before = until;
             until += cost(at);
         }
-        const int nearest = at > 0 && wanted - before < until - wanted ? at - 1 : at;
+        const int nearest = at > 0 && target - before < until - target ? at - 1 : at;
         last = std::clamp(nearest, last + 1, units - (segments - s));
         cuts[static_cast<std::size_t>(s)] = costs.grain * last;
     }

@@ -1,5 +1,5 @@
 #pragma once
-/// How a step is cut into tasks and who runs them: partition x assembly x executor. Results do not depend on it.
+/// A schedule: how a step is divided into tasks, and the executor: partition x assembly x executor. Results do not depend on it.
 
 #include <filesystem>
 #include <memory>
@@ -39,7 +39,7 @@ struct Schedule {
 /// Assemblies by name: "fused", "staged", and staged with parts left in one task: "staged-serial-cholesky" (forward and reverse pass),
 /// "staged-serial-transition" (detection), "staged-serial-both".
 [[nodiscard]] std::string assembly_name(const AssemblyOptions& assembly);
-/// @throws SceneError for a name that is none of these
+/// @throws SceneError for an unknown name
 [[nodiscard]] AssemblyOptions assembly_named(const std::string& name);
 
 /// What a scene's run settings ask for. Serial with one segment if run.schedule is "auto" (see auto_schedule.hpp).

@@ -37,8 +37,8 @@ bool ScheduleChooser::due(const Pace& pace) noexcept {
 
 void ScheduleChooser::worked(const Pace& pace) noexcept {
     work_ = pace.per_cycle;
-    const bool wanted = due(pace);
-    if (!checking_ && wanted && affordable()) {
+    const bool requested = due(pace);
+    if (!checking_ && requested && affordable()) {
         touching_ = pace.touching;
         begin_check();
     } else if (checking_ && affordable()) {
@@ -57,7 +57,7 @@ void ScheduleChooser::begin_check() noexcept {
     next_turn();
 }
 
-/// The candidate whose turn it is, or work if the check cannot go on now.
+/// The next candidate, or work if the check cannot continue now.
 void ScheduleChooser::next_turn() noexcept {
     const int count = static_cast<int>(candidates_.size());
     for (; round_ < options_.rounds; ++round_, next_ = 0) {
@@ -96,7 +96,7 @@ void ScheduleChooser::end_check() noexcept {
     drifting_ = 0;
 }
 
-/// The first candidate when in doubt: it takes one processor from nobody.
+/// The first candidate when in doubt: it uses one processor only.
 void ScheduleChooser::choose() noexcept {
     int best = 0;
     for (int each = 1; each < static_cast<int>(candidates_.size()); ++each) {

@@ -1,5 +1,5 @@
 #pragma once
-/// Which of several schedules a run goes on with. Pure bookkeeping: told how fast the run was, it says what to run next and for how long;
+/// Chooses one of several schedules for a run. Bookkeeping only: from the measured speed it determines what to run next and for how long;
 /// it knows neither clock nor thread, so that its promise can be tested on invented machines.
 ///
 /// The run itself is the measurement: schedules take turns on its own steps (results do not depend on the schedule), so a trial costs only
@@ -16,7 +16,7 @@
 namespace cvtflow::tasks {
 
 struct ChooserOptions {
-    double window = 0.05;          ///< of work between two looks [s]
+    double window = 0.05;          ///< work between two checks of the clock [s]
     double turn = 0.004;           ///< of a candidate on trial [s]
     int rounds = 5;                ///< turns of each candidate in a check
     double regret = 0.01;          ///< share of all time that trials may cost

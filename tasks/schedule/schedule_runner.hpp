@@ -14,7 +14,7 @@ namespace cvtflow::tasks {
 
 class ScheduleRunner final : private RestJudge {
 public:
-    /// One candidate: that is the schedule. Several: serial first; they are chosen from as ScheduleChooser says. Workspace and
+    /// One candidate: that is the schedule. Several: serial first; ScheduleChooser chooses among them. Workspace and
     /// method outlive this.
     /// @throws std::invalid_argument as the catalogue's make
     ScheduleRunner(Workspace& workspace, StepMethod& method, std::vector<Schedule> candidates, const ChooserOptions& options = {},

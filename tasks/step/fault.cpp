@@ -27,19 +27,21 @@ std::string Fault::message() const {
         case FaultKind::none: return "finished";
         case FaultKind::non_finite:
             return !pin ? fmt::format(
-                              "the state of the pulleys is not finite {}: the step is too long for this scene, or its parameters are", when)
-                        : fmt::format("the state of pin {} is not finite {}: the step is too long for this scene, or its parameters are",
-                                      *pin, when);
+                              "the state of the pulleys is not finite {}: the step is too long for this scene, or a parameter is too large",
+                              when)
+                        : fmt::format(
+                              "the state of pin {} is not finite {}: the step is too long for this scene, or a parameter is too large",
+                              *pin, when);
         case FaultKind::penetration:
             return fmt::format(
-                "a tip of pin {} is {:.3g} m deep in its sheave {} (limit tip.deepest = {:.3g} m): clamping or step are too large, or too "
-                "little damps the contacts (chain.damping_ratio)",
+                "a tip of pin {} is {:.3g} m deep in its sheave {} (limit tip.deepest = {:.3g} m): clamping force or step is too large, or "
+                "damping of the contacts too small (chain.damping_ratio)",
                 *pin, value, when, limit);
         case FaultKind::left_sheave:
             return fmt::format("pin {} runs on a radius of {:.4g} m {}, off the sheave (limit {:.4g} m)", *pin, value, when, limit);
         case FaultKind::too_stiff:
             return fmt::format(
-                "friction is too stiff for the step {}: h lambda = {:.3g}, the method reaches {:.3g}; take a shorter step or a larger "
+                "friction is too stiff for the step {}: h lambda = {:.3g}, the method is stable to {:.3g}; use a shorter step or a larger "
                 "saturation speed",
                 when, value, limit);
         case FaultKind::max_steps: return fmt::format("the budget of {:.0f} steps (run.max_steps) is used up {}", limit, when);

@@ -1,5 +1,5 @@
 #pragma once
-/// A state and what holds while it is frozen: where linear stability and the local error are asked for.
+/// A state with the data that are constant while it is frozen: for linear stability and local errors.
 
 #include <vector>
 

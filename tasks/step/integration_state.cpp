@@ -60,7 +60,7 @@ const char* IntegrationState::unsound() const noexcept {
     if (!started) return nullptr;
     const auto is_length = [](double value) { return std::isfinite(value) && value > 0.0; };
     if (!std::isfinite(begin) || !is_length(output_interval) || !(std::isfinite(step) && step >= 0.0) || grid_steps == 0)
-        return "its steps or outputs have no valid length";
+        return "its step or output interval is invalid";
     if (!(static_cast<double>(outputs + 2) * std::max({1.0, static_cast<double>(grid_steps), step > 0.0 ? output_interval / step : 1.0}) <=
           static_cast<double>(max_count)))
         return "it has too many steps to count";

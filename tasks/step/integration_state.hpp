@@ -30,7 +30,7 @@ struct IntegrationState {
     double settling_suspicion = 0.0;          ///< EnergyLedger::suspicion() at the end of settling [1]
     double settling_residual = 0.0;           ///< relative residual of the energy balance then
     std::vector<double> energy;               ///< works, losses and balance so far (EnergyLedger) [what EnergyLedger::save() wrote]
-    std::vector<double> step_choice;          ///< what the choice of the step remembers; empty for steps given by hand [what save() wrote]
+    std::vector<double> step_choice;          ///< memory of the automatic step, from save(); empty for given steps
     std::vector<double> couplings;  ///< [6] reference angles of both shafts since couplings took over: since, angle, zero; empty: not yet
     std::vector<double> method;     ///< what else a method remembers from step to step; empty for one-step methods [what save() wrote]
 

@@ -6,7 +6,7 @@
 namespace cvtflow::tasks {
 
 std::span<const double> pop_front(std::span<const double>& memory, std::size_t count) {
-    if (memory.size() < count) throw std::invalid_argument("what the method remembers is not all there");
+    if (memory.size() < count) throw std::invalid_argument("the memory of the method is incomplete");
     const std::span<const double> numbers = memory.first(count);
     memory = memory.subspan(count);
     return numbers;
@@ -15,7 +15,7 @@ std::span<const double> pop_front(std::span<const double>& memory, std::size_t c
 int pop_integer(std::span<const double>& memory, int first, int last) {
     const double number = pop_front(memory, 1)[0];
     if (!(number >= first && number <= last) || number != std::floor(number))
-        throw std::invalid_argument("what the method remembers counts what is not there");
+        throw std::invalid_argument("the memory of the method contains an invalid count");
     return static_cast<int>(number);
 }
 

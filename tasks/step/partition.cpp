@@ -23,11 +23,11 @@ Partition Partition::equal(int links, int segments, int grain) {
 Partition Partition::at(const std::vector<int>& cuts) {
     Partition partition;
     for (std::size_t s = 1; s < cuts.size(); ++s) {
-        if (cuts[s] <= cuts[s - 1]) throw std::invalid_argument("partition: cuts must ascend");
+        if (cuts[s] <= cuts[s - 1]) throw std::invalid_argument("partition: borders must increase");
         partition.segments_.push_back({cuts[s - 1], cuts[s]});
     }
     if (partition.segments_.empty() || cuts.front() != 0)
-        throw std::invalid_argument("partition: cuts begin with 0 and end with the number of links");
+        throw std::invalid_argument("partition: borders must begin with 0 and end with the number of links");
     return partition;
 }
 

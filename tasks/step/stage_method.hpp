@@ -1,6 +1,6 @@
 #pragma once
 /// A step by a table of stages (engine::CompiledPlan): one evaluate cycle per stage. Where the last stage is evaluated at the result, its
-/// slope is the next step's first, unless a transition or anybody else has changed the state in between; where a step was rejected, its
+/// slope is the next step's first, unless a transition or a caller has changed the state in between; where a step was rejected, its
 /// first slope still holds. Neither is evaluated again.
 
 #include <algorithm>

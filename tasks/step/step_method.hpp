@@ -53,7 +53,7 @@ public:
     /// false: the state at a transition is that of the cubic through workspace.states[0], slopes[0], end_state and an evaluation at the
     /// end, so slopes[0] must hold the slope at the start when the step is done.
     [[nodiscard]] virtual bool retakes() const noexcept { return false; }
-    /// A run begins, or somebody has set the state: whatever is remembered is forgotten.
+    /// A run begins, or the state was set: discards the memory.
     virtual void restart() noexcept {}
     /// Tips have changed their phase since the last step.
     virtual void transition() noexcept { restart(); }
@@ -64,11 +64,11 @@ public:
     [[nodiscard]] virtual std::optional<engine::PlanStep> error_row() const noexcept { return {}; }
     /// That estimate falls like the step to this power; 0 without an estimate.
     [[nodiscard]] virtual int error_power() const noexcept { return 0; }
-    /// Longest step that the method can take now, at most `wanted` [s]. Asked before a step whose length is free.
+    /// Longest step that the method can take now, at most `wanted` [s]. Called before a step of free length.
     [[nodiscard]] virtual double longest_step(double wanted) { return wanted; }
 
     /// What it remembers from step to step beside the workspace's state, phases and times of their changes, for checkpoints: load() after
-    /// restart() goes on bit for bit where save() was called. Nothing for methods without memory.
+    /// restart() continues bitwise from where save() was called. Empty for methods without memory.
     virtual void save(std::vector<double>& memory) const { memory.clear(); }
     /// memory [what save() wrote]
     virtual void load(std::span<const double> memory) { (void)memory; }
@@ -77,7 +77,7 @@ public:
     [[nodiscard]] virtual long observation_stride() const noexcept { return 24; }
     /// Why a step failed.
     [[nodiscard]] virtual Fault fault() const noexcept { return {}; }
-    /// What the method has done since it was made, one line for the summary of a run; empty: nothing to say.
+    /// Counters of the method since its construction, one line for the summary of a run; may be empty.
     [[nodiscard]] virtual std::string report() const { return {}; }
 
 protected:

@@ -36,8 +36,8 @@ struct alignas(64) SegmentResult {
 struct StepInput {
     double time = 0.0;             ///< t at the step's start [s]
     double h = 0.0;                ///< its length [s]
-    double dwell = 0.0;            ///< a tip that changed less than this before the look-out stays [s]
-    double search_until = 0.0;     ///< end of the step as it was begun: what looks for, locates and carries out transitions asks there [s]
+    double dwell = 0.0;            ///< minimum time between two phase changes of a tip [s]
+    double search_until = 0.0;     ///< end of the proposed step; transitions are searched for up to here [s]
     engine::PlanStep row{};        ///< stage or result that an evaluate cycle combines
     double theta = 1.0;            ///< where a truncate cycle cuts, share of the step
     bool estimate_error = false;   ///< a detect cycle also estimates the local error of its links
@@ -124,18 +124,18 @@ public:
     [[nodiscard]] const model::ChainLayout& layout() const noexcept { return variator.layout(); }
     /// Another variator of the same layout, at rest before its start; between runs only.
     void adopt(const model::Parameters& other);
-    /// Other segments; while no executor runs, and between two steps. The method is to be told (StepMethod::repartitioned).
+    /// Sets other segments; while no executor runs, and between two steps. Then call StepMethod::repartitioned.
     void repartition(Partition parts);
     /// Brings the list of touching links up to date; after every change of phases.
     void list_touching() noexcept;
-    /// Adds up the reactions of a segment's links as far as nobody else's are in the same sum.
+    /// Adds up the reactions of a segment's links, for sums that contain no link of another segment.
     void add_up(const Segment& own) noexcept;
     /// Forces of the chain on the sheaves after an evaluate cycle; called by the controller.
     [[nodiscard]] model::SheaveForces sheave_forces() noexcept;
     /// Losses and energies after an observe cycle: of all links, added in their order; of the pulleys.
     [[nodiscard]] model::Account observed_links() const noexcept;
     [[nodiscard]] model::Account observed_pulleys() const noexcept;
-    /// Time that a pin takes to the place of the next one, by the chain's mean speed; 0: it stands [s].
+    /// Time in which a pin reaches the position of the next one, by the chain's mean speed; 0: at rest [s].
     [[nodiscard]] double pin_period() const noexcept;
     /// Angular momentum of both shafts with their sheaves; zero without pulleys [N·m·s].
     [[nodiscard]] std::array<double, 2> shaft_momentum() const noexcept;

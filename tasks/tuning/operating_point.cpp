@@ -12,7 +12,7 @@ namespace cvtflow::tasks {
 
 namespace {
 
-constexpr double neighbourhood = 0.05;  ///< of constant inputs, for points that nobody has seen [1]
+constexpr double neighbourhood = 0.05;  ///< relative change of constant inputs for unseen points
 
 /// A key whose value is a table over time, and the ends of what it takes.
 struct Input {

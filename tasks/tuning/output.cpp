@@ -17,7 +17,7 @@ namespace {
 using M = FigureMeans;
 constexpr std::array figure_rows{
     Figure{.name = "slip",
-           .meaning = "mean slip of both pulleys together; below 1e-4 it is compared with that",
+           .meaning = "mean slip of both pulleys together; errors are relative to at least 1e-4",
            .least = min_slip,
            .usual = true,
            .needs_pulleys = true,
@@ -44,7 +44,7 @@ constexpr std::array figure_rows{
            .read = [](const M& m) { return m.tip; }},
     Figure{.name = "ratio", .meaning = "mean speed ratio", .needs_pulleys = true, .read = [](const M& m) { return m.span.ratio; }},
     Figure{.name = "thrust_ratio",
-           .meaning = "mean of both clamping forces' ratio; under control what the controller finds",
+           .meaning = "mean ratio of both clamping forces; under control the value that the controller finds",
            .needs_pulleys = true,
            .read = [](const M& m) { return m.thrust; }},
 };
@@ -98,7 +98,7 @@ std::vector<TunedOutput> tuned_outputs(const std::vector<std::string>& names, bo
     for (const std::string& name : names) {
         const Figure* figure = figure_named(name);
         if (figure != nullptr && figure->needs_pulleys && !has_pulleys)
-            throw SceneError(fmt::format("outputs: {} needs pulleys, and this scene has none", name));
+            throw SceneError(fmt::format("outputs: {} requires pulleys, but this scene has none", name));
         outputs.push_back(figure != nullptr ? of_figure(*figure) : of_scalar(name));
     }
     if (!outputs.empty()) return outputs;
@@ -135,7 +135,8 @@ void OutputReader::reduce(std::size_t output, double time, const Instant& instan
     for (std::size_t term = 0; term < scalar.terms.size(); ++term) {
         const Channel& channel = *scalar.terms[term].channel;
         const int width = channel.width(instant.workspace.variator.chain());
-        if (scalar.terms[term].element >= width) throw SimulationError(fmt::format("{}: there are only {} numbers", scalar.text, width));
+        if (scalar.terms[term].element >= width)
+            throw SimulationError(fmt::format("{}: the channel has only {} elements", scalar.text, width));
         numbers_.resize(static_cast<std::size_t>(width));
         channel.read(instant, numbers_.data());
         reducers_[output].add(scalar, term, time, numbers_);

@@ -1,5 +1,5 @@
 #pragma once
-/// What a run is reduced to when its accuracy is asked for, and what an error of that is.
+/// Outputs of a run whose accuracy is measured, and their errors.
 
 #include <limits>
 #include <span>
@@ -24,7 +24,7 @@ struct Figure {
     std::string_view name, meaning;
     double least = std::numeric_limits<double>::min();  ///< an error is |is - should| over |should|, or over this where that is less [unit
                                                         ///< of the figure]
-    bool usual = false;                                 ///< looked at unless somebody says otherwise
+    bool usual = false;                                 ///< part of the default outputs
     bool needs_pulleys = false;
     double (*read)(const FigureMeans& means);
 };
@@ -42,7 +42,7 @@ struct TunedOutput {
 };
 
 /// Outputs by their names; none: the usual figures that the machine has.
-/// @throws SceneError for a name that is neither figure nor scalar, or a figure of pulleys where there are none
+/// @throws SceneError for a name that is neither figure nor scalar, or a figure of pulleys in a scene without pulleys
 [[nodiscard]] std::vector<TunedOutput> tuned_outputs(const std::vector<std::string>& names, bool has_pulleys);
 /// The scalars of a sweep.
 [[nodiscard]] std::vector<TunedOutput> tuned_outputs(std::span<const Scalar> scalars);

@@ -16,7 +16,7 @@ struct TradeoffPoint {
 /// For each point whether it is on the front: no other has a smaller error at no more time, or less time at no larger an error.
 [[nodiscard]] std::vector<bool> pareto_front(const std::vector<TradeoffPoint>& points);
 
-/// Index of the fastest point whose error is at most `error` / safety; nothing if there is none. error [1], safety [1]
+/// Index of the fastest point whose error is at most `error` / safety; empty if there is none.
 [[nodiscard]] std::optional<std::size_t> recommended(const std::vector<TradeoffPoint>& points, double error, double safety);
 
 /// An error measured on one scene is trusted on another within this factor.

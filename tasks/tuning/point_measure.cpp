@@ -64,7 +64,7 @@ void PointMeasure::settle_finest() {
         settled_ = *saved;
         settled_with_ = point_.scene;
         if (suspicion_of(*settled_) > 1.0)
-            throw SimulationError(point_.scene.state_file + " is unreliable: the balance of its settling did not close");
+            throw SimulationError(point_.scene.state_file + " is unreliable: the energy balance did not close while settling");
         return;
     }
     settled_with_ = chosen_scene(point_.scene, {finest_, RunSettings{}.method}, 0.0);
@@ -173,14 +173,13 @@ const PointRun* PointMeasure::reference(double agreement) {
         off = largest(errors(references_[2.0 * share], now));
         if (!(off <= agreement)) continue;
         agreement_ = off;
-        reference_text_ = fmt::format("{}, {} at {:g} of its automatic step; twice that is off by {}", finest_,
+        reference_text_ = fmt::format("{}, {} at {:g} of its automatic step; twice that step has errors of {}", finest_,
                                       method_of(chosen_scene(point_.scene, {finest_, RunSettings{}.method}, 0.0)), share, percent_of(off));
         objection_.clear();
         return reference_ = &now;
     }
-    objection_ =
-        fmt::format("{} at a sixteenth of its automatic step does not agree with itself: twice that is off by {}, not by {} at most",
-                    finest_, percent_of(off), percent_of(agreement));
+    objection_ = fmt::format("{} has not converged at a sixteenth of its automatic step: twice that step has errors of {}, above {}",
+                             finest_, percent_of(off), percent_of(agreement));
     return nullptr;
 }
 

@@ -32,7 +32,7 @@ struct TuneChoice {
 /// A run of a choice at a point.
 struct PointRun {
     std::vector<double> values;  ///< of the outputs
-    std::string objection;       ///< why they are none: a fault, an energy balance that does not close; empty: nothing speaks against them
+    std::string objection;       ///< why they are invalid: a fault, or an energy balance that does not close; empty if valid
     double step = 0.0;           ///< fixed one; 0: automatic [s]
     double seconds = 0.0;        ///< processor time per simulated second [s/s]
     double work = 0.0;  ///< evaluations of the right-hand side times unknowns, per simulated second: the same on every machine [1/s]
@@ -45,14 +45,14 @@ public:
 
     /// @throws SimulationError, engine::RecordError: no run can begin here
     [[nodiscard]] PointRun run(const TuneChoice& choice);
-    /// The same, and the state with which outputs begin to count. state: untouched where it did not come to that
+    /// The same, and the state at the start of the averages. state: unchanged if the run ended before
     [[nodiscard]] PointRun run(const TuneChoice& choice, engine::SavedState& state);
     /// A short run from the start, for what it costs. duration [s]
     [[nodiscard]] PointRun trial(const TuneChoice& choice, double duration);
 
     /// What outputs should be: the finest detail with the default method at a quarter of its automatic step, or less, so that twice that
-    /// step is off by `agreement` at most. Made when it is first asked for, or more is asked.
-    /// @return nothing: there is none, objection() says why. agreement [1]
+    /// step has errors of at most `agreement`. Computed on first use, or for a smaller `agreement`.
+    /// @return empty: no reference; objection() states why
     [[nodiscard]] const PointRun* reference(double agreement);
     [[nodiscard]] const std::string& objection() const noexcept { return objection_; }
     /// How the reference came about, and by how much one with twice its step is off.

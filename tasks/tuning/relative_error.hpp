@@ -20,7 +20,7 @@ private:
     double difference_ = 0.0, reference_ = 0.0;  ///< sums of squares
 };
 
-/// Slip below this is compared with this [1]: creep of less than a ten-thousandth is nobody's question.
+/// Errors of slip are relative to at least this value: creep below a ten-thousandth is treated as zero.
 inline constexpr double min_slip = 1e-4;
 
 /// |is - should| over |should|, or over `least` where that is less: the error of a single figure, such as a mean. is, should, least [the

@@ -45,8 +45,8 @@ const TunedChoice& chosen_of(const TuneResult& result) {
     for (const TunedChoice& choice : result.choices) {
         if (choice.tried && (best == nullptr || choice.error() < best->error())) best = &choice;
     }
-    throw AccuracyError(fmt::format("{}: nothing that was tried is within {:g} % (with a margin of {:g}){}", result.scene,
-                                    100.0 * result.accuracy, tuning_margin,
+    throw AccuracyError(fmt::format("{}: no tried choice is within {:g} % (with a margin of {:g}){}", result.scene, 100.0 * result.accuracy,
+                                    tuning_margin,
                                     best == nullptr ? "" : fmt::format("; nearest: {}: {}", best->choice.text(), best->standing)));
 }
 
@@ -142,7 +142,7 @@ std::string tuned_text(const Scene& scene, const TuneResult& result, const std::
         text += fmt::format("#   {:<20} {:.2g} %\n", result.outputs[i], 100.0 * chosen.errors[i]);
     text += fmt::format("# {:.3g} s of processor time per simulated second. Measured against:\n", chosen.seconds);
     for (std::size_t i = 0; i < result.points.size(); ++i) text += fmt::format("#   {}: {}\n", result.points[i], result.references[i]);
-    for (const std::string& line : result.left_out) text += fmt::format("#   not looked at: {}\n", line.substr(0, line.find('\n')));
+    for (const std::string& line : result.left_out) text += fmt::format("#   not checked: {}\n", line.substr(0, line.find('\n')));
     Scene file = chosen_scene(scene, chosen.choice, chosen.step);
     if (!state.empty()) file.state_file = state;
     return text + "\n" + write_scene(file);

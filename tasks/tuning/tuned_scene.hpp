@@ -22,13 +22,13 @@ struct KeptTuning {
     double error = 0.0;  ///< largest that was measured [1]
 };
 
-/// Where choices are kept unless somebody says otherwise: $XDG_CACHE_HOME/cvtflow, else ~/.cache/cvtflow; empty: nowhere.
+/// Default folder of the cache: $XDG_CACHE_HOME/cvtflow, else ~/.cache/cvtflow; empty: no cache.
 [[nodiscard]] std::filesystem::path usual_tuning_folder();
 
-/// Hash of all that a choice depends on: the scene with its start state, what is asked for, program and instruction set.
+/// Hash of everything that a choice depends on: scene with start state, tuning settings, program and instruction set.
 [[nodiscard]] std::string tuning_key(const Scene& scene, const TuneSettings& settings);
 
-/// What is kept under a key; nothing: there is none, or it is damaged, or of something else.
+/// The cached choice of a key; empty if missing, damaged or of another key.
 [[nodiscard]] std::optional<KeptTuning> read_tuning(const std::filesystem::path& folder, const std::string& key);
 /// Keeps it. A folder that cannot be written to is no error: the next time it is measured again.
 void keep_tuning(const std::filesystem::path& folder, const std::string& key, const KeptTuning& kept);

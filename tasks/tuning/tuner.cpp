@@ -47,8 +47,7 @@ Tuner::Tuner(const Sweep& sweep, TuneSettings settings, const engine::Cancellati
     if (!points_.empty()) return;
     Scene first = sweep.scene;
     sweep.apply_case(0, first);
-    throw SceneError(
-        fmt::format("{}: no case at the corners of its axes has values that agree; case 0: {}", sweep.name, violations(first)));
+    throw SceneError(fmt::format("{}: every case at the corners of its axes is invalid; case 0: {}", sweep.name, violations(first)));
 }
 
 void Tuner::say(const std::string& what) const {
@@ -75,8 +74,8 @@ void Tuner::find_references(double accuracy, TuneResult& result) {
         result.references.push_back(point.reference_text());
     }
     if (!judged_.empty()) return;
-    throw SimulationError(fmt::format("{}: no operating point has a reference that an accuracy of {:g} % can be measured against:\n  {}",
-                                      scene_.name, 100.0 * accuracy, fmt::join(result.left_out, "\n  ")));
+    throw SimulationError(fmt::format("{}: no operating point has a reference run for an accuracy of {:g} %:\n  {}", scene_.name,
+                                      100.0 * accuracy, fmt::join(result.left_out, "\n  ")));
 }
 
 /// A shorter step or another method helps only where the detail is not what is wrong.
@@ -109,7 +108,7 @@ void Tuner::try_at_points(TunedChoice& candidate, double allowed) {
         }
         if (!(candidate.error() <= allowed)) {
             const auto worst = std::max_element(candidate.errors.begin(), candidate.errors.end()) - candidate.errors.begin();
-            candidate.standing = fmt::format("{} off by {:.2g} % at {}", outputs_[static_cast<std::size_t>(worst)].name,
+            candidate.standing = fmt::format("{} has an error of {:.2g} % at {}", outputs_[static_cast<std::size_t>(worst)].name,
                                              100.0 * candidate.error(), candidate.worst);
             return;
         }
@@ -129,11 +128,11 @@ TuneResult Tuner::tune(double accuracy) {
     for (const TunedChoice& ranked : ranked_) {
         TunedChoice& candidate = result.choices.emplace_back(ranked);
         if (result.chosen)
-            candidate.standing = "dearer than the one chosen";
+            candidate.standing = "more expensive than the chosen one";
         else if (settings_.budget > 0.0 && seconds_since(began) > settings_.budget)
-            candidate.standing = "the budget was used up";
+            candidate.standing = "budget used up";
         else if (!worth_trying(candidate, result))
-            candidate.standing = "its detail is not enough";
+            candidate.standing = "insufficient detail";
         else
             try_at_points(candidate, accuracy / tuning_margin);
         if (candidate.standing == "chosen") result.chosen = result.choices.size() - 1;

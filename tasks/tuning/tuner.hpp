@@ -1,5 +1,5 @@
 #pragma once
-/// Finds the cheapest detail, method and step with which outputs are as accurate as somebody wants, by measuring.
+/// Finds the cheapest detail, method and step for a target accuracy of the outputs, by measuring.
 ///
 /// Choices (levels of detail x methods x shares of the automatic step) are tried in the order of what they cost, at every operating point,
 /// against a reference of the finest detail that passes a test of its own. The first one whose errors, times a margin, stay within the
@@ -17,7 +17,7 @@
 
 namespace cvtflow::tasks {
 
-/// Errors at a point that nobody has tried may be larger than at those that were: within this factor of them the target is met there, too.
+/// Safety factor: errors at an untried point may be larger than at the tried points by this factor.
 inline constexpr double tuning_margin = 2.0;
 /// By which share of what is allowed a reference may differ from one with twice its step [1].
 inline constexpr double reference_share = 0.25;
@@ -50,11 +50,11 @@ struct TunedChoice {
 
 struct TuneResult {
     std::string scene;
-    double accuracy = 0.0;                ///< wanted [1]
+    double accuracy = 0.0;                ///< target [1]
     std::vector<std::string> outputs;     ///< names
     std::vector<std::string> points;      ///< at which choices were judged
     std::vector<std::string> references;  ///< of those points, how each came about
-    std::vector<std::string> left_out;    ///< points and methods that were not looked at, and why
+    std::vector<std::string> left_out;    ///< points and methods that were left out, with the reason
     std::vector<TunedChoice> choices;     ///< in the order in which they were considered
     std::optional<std::size_t> chosen;    ///< among them
     double wall = 0.0;                    ///< what it took [s]

@@ -22,7 +22,7 @@ constexpr double cost_trial = 1e-3;     ///< [s]
 constexpr int rounds = 3;
 constexpr double alike = 1.1;  ///< costs within this factor are ranked by work
 
-/// Levels of detail, the scene's own among them if it is none of those with a name.
+/// Levels of detail, including the scene's detail if that has no name.
 std::vector<std::string> levels_for(const Scene& scene) {
     std::vector<std::string> levels;
     bool named = false;
@@ -64,7 +64,7 @@ std::vector<std::string> joined_by_reason(const std::vector<std::pair<std::strin
 
 }  // namespace
 
-/// The cheapest methods of the catalogue, each at its automatic step, by a short run with the scene's own detail; those that are asked for.
+/// The requested methods, or the cheapest of the catalogue at their automatic steps, by a short run with the scene's detail.
 void Tuner::find_methods() {
     methods_ = settings_.methods;
     if (!methods_.empty()) return;
@@ -101,7 +101,8 @@ void Tuner::find_methods() {
             dear.push_back(fmt::format("{} ({:.3g})", name, over));
     }
     if (!dear.empty())
-        left_out_.push_back(fmt::format("methods that are so many times as dear as {}: {}", costs.front().second, fmt::join(dear, ", ")));
+        left_out_.push_back(
+            fmt::format("methods that are more expensive than {}, by factors of: {}", costs.front().second, fmt::join(dear, ", ")));
 }
 
 std::vector<std::pair<TunedChoice, double>> Tuner::find_bases() {
@@ -120,12 +121,12 @@ std::vector<std::pair<TunedChoice, double>> Tuner::find_bases() {
                 base.work = run.work;
                 bases.emplace_back(base, run.seconds);
             } catch (const std::exception& error) {  // a method that the scene's detail takes need not take every level: whole pins
-                objections.emplace_back(fmt::format("{} at {}", method, level.empty() ? "the scene's own detail" : level), error.what());
+                objections.emplace_back(fmt::format("{} at {}", method, level.empty() ? "the scene's detail" : level), error.what());
             }
         }
     }
     for (const std::string& line : joined_by_reason(objections)) left_out_.push_back(line);
-    if (bases.empty()) throw SimulationError(fmt::format("{}: nothing can be tried:\n  {}", scene_.name, fmt::join(left_out_, "\n  ")));
+    if (bases.empty()) throw SimulationError(fmt::format("{}: no choice can be tried:\n  {}", scene_.name, fmt::join(left_out_, "\n  ")));
     return bases;
 }
 

@@ -71,11 +71,11 @@ TunedSweep tuned_sweep(const Sweep& sweep, const std::string& folder, const engi
 }
 
 std::vector<long> cases_to_verify(const Sweep& sweep) {
-    const auto wanted = static_cast<std::size_t>(std::min<long>(sweep.cases(), sweep.accuracy.verify));
+    const auto requested = static_cast<std::size_t>(std::min<long>(sweep.cases(), sweep.accuracy.verify));
     std::set<long> drawn;
-    for (std::uint64_t more = 0; drawn.size() < wanted; ++more) {
-        for (const double share : random_samples(wanted, 1, sweep.accuracy.seed + more)) {
-            if (drawn.size() < wanted) drawn.insert(static_cast<long>(share * static_cast<double>(sweep.cases())));
+    for (std::uint64_t more = 0; drawn.size() < requested; ++more) {
+        for (const double share : random_samples(requested, 1, sweep.accuracy.seed + more)) {
+            if (drawn.size() < requested) drawn.insert(static_cast<long>(share * static_cast<double>(sweep.cases())));
         }
     }
     return {drawn.begin(), drawn.end()};

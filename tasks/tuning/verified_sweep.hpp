@@ -1,5 +1,5 @@
 #pragma once
-/// A sweep that is as accurate as it says: tuned at the corners of its axes before it runs, then some of its cases run again at reference
+/// Verified sweeps: tuned at the corners of their axes before they run; then some cases run again at reference
 /// quality.
 
 #include <functional>
@@ -32,9 +32,9 @@ struct TunedSweep {
 std::vector<std::string> verify_sweep(const Sweep& sweep, const TunedSweep& tuned, const std::string& folder,
                                       const engine::Cancellation& cancel, const std::function<void(const std::string&)>& progress);
 
-/// What a table says of its errors.
+/// Verified errors of a table.
 struct SweepVerdict {
-    double target = 0.0;               ///< 0: the sweep asked for none [1]
+    double target = 0.0;               ///< 0: none
     std::vector<std::string> scalars;  ///< columns
     std::vector<double> worst;         ///< error of each [1]
     long verified = 0, missed = 0;     ///< cases; missed: with an error above the target

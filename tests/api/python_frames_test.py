@@ -59,8 +59,8 @@ class Recordings(Folder):
     def test_calls_that_end_between_outputs_add_no_rows(self):
         simulation = cvtflow.Simulation(tiny('start.state=""'))
         with cvtflow.Recording(simulation, self.file):
-            for time_wanted in ["3 us", "17 us", "30 us"]:
-                simulation.advance_to(time_wanted)
+            for time_requested in ["3 us", "17 us", "30 us"]:
+                simulation.advance_to(time_requested)
         np.testing.assert_allclose(cvtflow.Record(self.file)["time"], [0.0, 1e-5, 2e-5, 3e-5], atol=1e-12)
 
     def test_channels_do_not_depend_on_how_fast_a_simulation_goes(self):

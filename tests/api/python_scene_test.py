@@ -16,7 +16,7 @@ RAMP = [[0.0, 8.0], [1e-3, 12.0]]
 
 class Scenes(unittest.TestCase):
     def test_dicts_keywords_and_texts_give_the_same_scene(self):
-        wanted = tiny("load.torque=8 N*m", "chain.pins=24", "run.until=1 ms")
+        requested = tiny("load.torque=8 N*m", "chain.pins=24", "run.until=1 ms")
         for scene in [
             tiny().with_({"load": {"torque": "8 N*m"}, "chain": {"pins": 24}, "run": {"until": 1e-3}}),
             tiny().with_({"load.torque": 8, "chain.pins": np.int64(24), "run.until": np.float64(1e-3)}),
@@ -24,7 +24,7 @@ class Scenes(unittest.TestCase):
             tiny().with_({"load": {"torque": 8.0}}, "run.until=1 ms", chain={"pins": 24}),
             tiny().with_(torque="8 N*m", until="1 ms"),  # drive.torque has no effect while drive.mode is "speed"
         ]:
-            self.assertEqual(scene, wanted)
+            self.assertEqual(scene, requested)
 
     def test_a_scene_is_made_of_a_dict_or_of_keywords(self):
         scene = cvtflow.Scene({"scene": {"name": "mine"}, "run.until": 2e-3}, load={"torque": "80 N*m"})
@@ -34,15 +34,15 @@ class Scenes(unittest.TestCase):
         self.assertRaises(TypeError, cvtflow.Scene, "tiny")
 
     def test_tables_over_time_are_lists_and_arrays(self):
-        wanted = tiny("load.torque=[[0, 8], [1e-3, 12]]")
+        requested = tiny("load.torque=[[0, 8], [1e-3, 12]]")
         time, torque = np.transpose(RAMP)
         for table in [RAMP, np.array(RAMP), (time, torque), [["0 ms", "8 N*m"], ["1 ms", "12 N*m"]]]:
-            self.assertEqual(tiny().with_(load__torque=table), wanted)
-        np.testing.assert_array_equal(wanted["load.torque"], RAMP)
+            self.assertEqual(tiny().with_(load__torque=table), requested)
+        np.testing.assert_array_equal(requested["load.torque"], RAMP)
         with tempfile.TemporaryDirectory() as folder:
             Path(folder, "drive.csv").write_text("time [ms],torque [N*m]\n0,8\n1,12\n")
             csv = {"csv": folder + "/drive.csv", "value": "torque"}
-            self.assertEqual(tiny().with_(load={"torque": csv}), wanted)
+            self.assertEqual(tiny().with_(load={"torque": csv}), requested)
 
     def test_a_series_of_pandas_is_a_table_over_time(self):
         try:
@@ -158,7 +158,7 @@ class Channels(unittest.TestCase):
         self.assertEqual(channels.shaft_1.torque, channels["shaft_1/torque"])
         self.assertIn("shaft_1/torque", channels._ipython_key_completions_())
         for action, error in [(lambda: channels["slop"], KeyError), (lambda: channels.slop, AttributeError)]:
-            with self.assertRaisesRegex(error, 'there is no channel .{1,2}slop.{1,2} .did you mean "slip"'):
+            with self.assertRaisesRegex(error, 'unknown channel .{1,2}slop.{1,2} .did you mean "slip"'):
                 action()
         with self.assertRaisesRegex(KeyError, "has 24 elements"):
             channels["links/tension[24]"]

@@ -17,9 +17,9 @@ import numpy as np
 import cvtflow
 
 
-def hash_at(time_wanted):
+def hash_at(time_requested):
     simulation = cvtflow.Simulation(tiny())
-    simulation.advance_to(time_wanted)
+    simulation.advance_to(time_requested)
     return simulation.hash()
 
 

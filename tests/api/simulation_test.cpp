@@ -85,8 +85,8 @@ TEST(HostSimulation, RefusesStatesThatAreDamagedOrOfAnotherScene) {
     bytes[bytes.size() / 2] ^= std::byte{1};
     EXPECT_EQ(error_of([&] { static_cast<void>(State::from_bytes(bytes)); }), "saved state: it is damaged");
     EXPECT_EQ(error_of([&] { static_cast<void>(State::from_bytes(std::span(bytes).first(3))); }),
-              "saved state: these bytes are none of this version");
-    EXPECT_EQ(error_of([&] { simulation.set_state(State()); }), "saved state: these bytes are none of this version");
+              "saved state: it is not a state of this version");
+    EXPECT_EQ(error_of([&] { simulation.set_state(State()); }), "saved state: it is not a state of this version");
     Simulation stiffer(tiny({"tip.hertz=3e10"}));
     EXPECT_EQ(error_of([&] { stiffer.set_state(good); }), "saved state: it belongs to another scene, method or step");
     Simulation elsewhere(tiny({"run.threads=3", "run.until=7 ms", "scene.name=other"}));
@@ -102,7 +102,7 @@ TEST(HostSimulation, TakesInputsFromTheHost) {
     simulation.set_input(Input::drive_speed, 250.0);
     EXPECT_EQ(simulation.input(Input::clamping_driving), 8000.0);
     EXPECT_EQ(simulation.channel("shaft_1/clamping")[0], 8000.0);
-    // The governor's torque is 2 J w (speed wanted - speed) + J w² (angle wanted - angle): the angle does not jump with the speed wanted.
+    // The governor's torque is 2 J w (speed target - speed) + J w² (angle target - angle): the angle does not jump with the speed target.
     Simulation same(scene);
     same.advance_to(0.0);
     const double polar = 2e-2 + 2 * 8e-3, frequency = 2.0 * M_PI * 200.0;

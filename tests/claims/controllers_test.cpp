@@ -16,17 +16,17 @@ double carried_per_force(const tasks::Scene& scene) {
     return 2.0 * p.tip.friction.coefficient * p.pulley.arc_position / std::cos(p.tip.angle);
 }
 
-/// Whether the table presses with more or with less than is wanted: the force that carries the wanted multiple of 150 N·m.
+/// Whether the table presses with more or with less than is target: the force that carries the target multiple of 150 N·m.
 TEST(Controllers, TheOneOfTheSafetyFactorBringsTheDrivenClampingForceToWhatTheoryAsksFor) {
-    for (const char* wanted : {"1.2", "1.6"}) {
+    for (const char* target : {"1.2", "1.6"}) {
         const tasks::Scene scene =
-            ready_scene("manoeuvre", {"clamping.driven=20 kN", "control.quantity=safety", std::string("control.safety=") + wanted,
+            ready_scene("manoeuvre", {"clamping.driven=20 kN", "control.quantity=safety", std::string("control.safety=") + target,
                                       "control.integral=2e7 N/s", "control.proportional=0", "run.until=12 ms"});
         const Operation run(scene);
         ASSERT_FALSE(run.fault) << run.fault.message();
-        const double factor = std::strtod(wanted, nullptr), force = run.mean(run.clamping_driven, 8e-3, 12e-3);
+        const double factor = std::strtod(target, nullptr), force = run.mean(run.clamping_driven, 8e-3, 12e-3);
         // The sheaves give way by some 10 um, which is 0.1 % of the radius; the time constant is 1 ms.
-        EXPECT_NEAR(force, factor * 150.0 / carried_per_force(scene), 5e-3 * force) << wanted;
+        EXPECT_NEAR(force, factor * 150.0 / carried_per_force(scene), 5e-3 * force) << target;
         EXPECT_NEAR(carried_per_force(scene) * force / std::abs(run.mean(run.driven_torque, 8e-3, 12e-3)), factor, 0.02 * factor)
             << "by the chain's own torque, which swings";
     }

@@ -124,13 +124,13 @@ BeltPath path_of(const model::Parameters& parameters, Real radius) {
 
 /// The radius at which the path is as long as all pitches together.
 Real start_radius(const model::Parameters& parameters) {
-    Real wanted = 0.0L;
-    for (int i = 0; i < parameters.chain.pins; ++i) wanted += pitch_of(parameters, i);
+    Real target = 0.0L;
+    for (int i = 0; i < parameters.chain.pins; ++i) target += pitch_of(parameters, i);
     Real low = 1e-3L;
     Real high = std::min(1.0L, 0.99L * parameters.pulley.centre_distance / std::abs(1.0L - parameters.start.ratio));
     for (int step = 0; step < 60; ++step) {
         const Real middle = (low + high) / 2.0L;
-        (path_of(parameters, middle).length() > wanted ? high : low) = middle;
+        (path_of(parameters, middle).length() > target ? high : low) = middle;
     }
     return low;
 }

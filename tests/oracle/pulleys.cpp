@@ -136,22 +136,22 @@ struct Controller {
     [[nodiscard]] int shaft() const { return holds() == Holds::ratio ? 0 : 1; }
     [[nodiscard]] Real authority() const { return second() ? of().driven_authority : of().authority; }
     [[nodiscard]] Real integral_part() const { return (second() ? of().driven_integral : of().integral) * system.control_integral[number]; }
-    /// What S_2 lacks of the force that carries the wanted multiple of the load, of the larger of both.
+    /// What S_2 lacks of the force that carries the required multiple of the load, of the larger of both.
     [[nodiscard]] Real safety_error() const {
         const auto& p = system.parameters;
         const Real carried_per_force = 2.0L * p.tip.friction.coefficient * radius_by_position(system, 1) / std::cos(Real{p.tip.angle});
-        const Real wanted = of().safety.at(std::max(system.t, 0.0)) * std::abs(load_of(system)) / carried_per_force;
+        const Real required = of().safety.at(std::max(system.t, 0.0)) * std::abs(load_of(system)) / carried_per_force;
         const Real stands = std::max(0.0L, given_force(system, 1) + std::clamp(integral_part(), -authority(), authority()));
-        if (wanted == 0.0L && stands == 0.0L) return 0.0L;
-        return wanted > stands ? 1.0L - stands / wanted : wanted / stands - 1.0L;
+        if (required == 0.0L && stands == 0.0L) return 0.0L;
+        return required > stands ? 1.0L - stands / required : required / stands - 1.0L;
     }
     [[nodiscard]] Real error() const {
         if (holds() == Holds::ratio) return ratio_error(system);
         return holds() == Holds::slip ? slip_error(system) : safety_error();
     }
-    [[nodiscard]] Real wanted() const { return (second() ? of().driven_proportional : of().proportional) * error() + integral_part(); }
+    [[nodiscard]] Real required() const { return (second() ? of().driven_proportional : of().proportional) * error() + integral_part(); }
     /// The integral stops while the controller asks for more than it may have.
-    [[nodiscard]] Real rate() const { return std::abs(wanted()) > authority() && wanted() * error() > 0.0L ? 0.0L : error(); }
+    [[nodiscard]] Real rate() const { return std::abs(required()) > authority() && required() * error() > 0.0L ? 0.0L : error(); }
 };
 
 /// S_1 and S_2 [N].
@@ -160,7 +160,7 @@ Real clamping_force(const System& system, int shaft) {
     for (int number = 0; number < system.layout.controls; ++number) {
         const Controller controller{system, number};
         if (controller.shaft() == shaft)
-            force = std::max(0.0L, force + std::clamp(controller.wanted(), -controller.authority(), controller.authority()));
+            force = std::max(0.0L, force + std::clamp(controller.required(), -controller.authority(), controller.authority()));
     }
     return Real{model::ramp(system.parameters.start, system.t)} * force;
 }

@@ -127,8 +127,8 @@ TEST(ErrorControl, IsRefusedToMethodsWithoutAnEstimate) {
         FAIL() << "accepted";
     } catch (const SceneError& error) {
         EXPECT_STREQ(error.what(),
-                     "--set run.step_control=error: run.step_control: 'rk4' makes no estimate of its error, its steps can only be "
-                     "\"fixed\" (cvtflow list methods)");
+                     "--set run.step_control=error: run.step_control: 'rk4' has no error estimate; only \"fixed\" steps are possible "
+                     "(cvtflow list methods --all)");
     }
 }
 

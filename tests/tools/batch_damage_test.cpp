@@ -59,20 +59,20 @@ protected:
 TEST_F(DamagedSweep, BeginsACaseAnewWhoseCheckpointIsDamaged) {
     change_a_byte("out/checkpoints/case-000000.h5");
     const std::string said = same_results();
-    EXPECT_THAT(said, HasSubstr("cvtflow: case 0 begins anew, its checkpoint cannot be used: out/checkpoints/case-000000.h5: damaged"));
+    EXPECT_THAT(said, HasSubstr("cvtflow: case 0 restarts: its checkpoint cannot be used: out/checkpoints/case-000000.h5: damaged"));
     EXPECT_EQ(said.find("case 1 begins anew"), std::string::npos);
 }
 
 TEST_F(DamagedSweep, BeginsACaseAnewWhoseCheckpointIsThatOfAnother) {
     std::filesystem::copy_file(folder_ / "out/checkpoints/case-000001.h5", folder_ / "out/checkpoints/case-000000.h5",
                                std::filesystem::copy_options::overwrite_existing);
-    EXPECT_THAT(same_results(), HasSubstr("case 0 begins anew, its checkpoint cannot be used: out/checkpoints/case-000000.h5: this is no "
-                                          "checkpoint of the scene:\n  clamping.driven = "));
+    EXPECT_THAT(same_results(), HasSubstr("case 0 restarts: its checkpoint cannot be used: out/checkpoints/case-000000.h5: not a "
+                                          "checkpoint of this scene:\n  clamping.driven = "));
 }
 
 TEST_F(DamagedSweep, BeginsACaseAnewWhoseRecordIsGone) {
     for (const char* name : {"case-000000.h5.part", "case-000000.h5"}) std::filesystem::remove(folder_ / "out/records" / name);
-    EXPECT_THAT(same_results(), HasSubstr("case 0 begins anew, its checkpoint cannot be used: out/records/case-000000.h5: the record"));
+    EXPECT_THAT(same_results(), HasSubstr("case 0 restarts: its checkpoint cannot be used: out/records/case-000000.h5: the record"));
 }
 
 /// Cases start from each other's ends, of which the latest are kept, while rows may be lost with the power.
@@ -133,8 +133,8 @@ protected:
 TEST_F(TornSweep, GoesOnWithTheRowsThatAreWhole) {
     const Outcome outcome = run({"resume", "out"});
     EXPECT_EQ(outcome.status, 0);
-    EXPECT_THAT(outcome.err, HasSubstr("cvtflow: out/cases.h5: row 5 is damaged: it does not have the check that it was written with; rows "
-                                       "that are whole are kept: 11; the other cases run again\n"));
+    EXPECT_THAT(outcome.err, HasSubstr("cvtflow: out/cases.h5: row 5 is damaged: its checksum differs; "
+                                       "intact rows are kept: 11; the other cases run again\n"));
     EXPECT_THAT(outcome.out, HasSubstr("1 now"));
     EXPECT_EQ(hash_in(outcome.out), hash_in(whole_.out));
 }
@@ -145,12 +145,11 @@ TEST_F(TornSweep, GoesOnWithThemWhereHdf5FindsNone) {
     EXPECT_EQ(resumed.status, 1);
     EXPECT_EQ(resumed.err,
               "cvtflow: out/cases.h5: not an HDF5 file\n"
-              "  to go on with the rows that are whole: cvtflow batch SWEEP -o out\n");
+              "  to continue with the intact rows: cvtflow batch SWEEP -o out\n");
     EXPECT_EQ(read("out/cases.h5"), torn_);
     const Outcome outcome = batch();
     EXPECT_EQ(outcome.status, 0);
-    EXPECT_THAT(outcome.err,
-                HasSubstr("cvtflow: out/cases.h5: not an HDF5 file; rows that are whole are kept: 11; the other cases run again\n"));
+    EXPECT_THAT(outcome.err, HasSubstr("cvtflow: out/cases.h5: not an HDF5 file; intact rows are kept: 11; the other cases run again\n"));
     EXPECT_THAT(outcome.out, HasSubstr("1 now"));
     EXPECT_EQ(hash_in(outcome.out), hash_in(whole_.out));
 }

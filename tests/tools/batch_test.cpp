@@ -125,11 +125,12 @@ TEST_F(Batch, CrashedCaseIsARowAndTheOthersHaveTheirResults) {
     ASSERT_EQ(kill(worker_of(child), SIGSEGV), 0);
     const Outcome outcome = child.wait();
     EXPECT_EQ(outcome.status, 5);
-    EXPECT_THAT(outcome.err,
-                HasSubstr("cvtflow: the sweep's process was ended by SIGSEGV (Segmentation fault); what was running goes on alone: case 3\n"
-                          "cvtflow: case 3 has crashed: SIGSEGV (Segmentation fault)\n"));
+    EXPECT_THAT(
+        outcome.err,
+        HasSubstr("cvtflow: a process of the sweep was ended by SIGSEGV (Segmentation fault); its cases run again one by one: case 3\n"
+                  "cvtflow: case 3 crashed: SIGSEGV (Segmentation fault)\n"));
     EXPECT_THAT(outcome.out, HasSubstr("1 crashed, 7 ok"));
-    EXPECT_EQ(column("error").at(3), "its process was ended by SIGSEGV (Segmentation fault), also when it ran alone");
+    EXPECT_EQ(column("error").at(3), "its process was ended by SIGSEGV (Segmentation fault), even when it ran alone");
     EXPECT_EQ(column("slip_mean").at(3), "nan");
     auto hashes = column("hash"), expected = column("hash", "whole");
     hashes.erase(3);
@@ -218,11 +219,11 @@ TEST_F(Batch, WithADamagedTableStopsAndTouchesNothing) {
     write("out/cases.h5", bytes);
     for (const char* command : {"resume", "table"}) {
         EXPECT_EQ(run({command, "out"}).err,
-                  "cvtflow: out/cases.h5: damaged HDF5 file (it is not what was sealed when it was finished: its checksum differs)\n");
+                  "cvtflow: out/cases.h5: damaged HDF5 file (changed after it was finished: its checksum differs)\n");
     }
     bytes.resize(bytes.size() - engine::seal_size);  // as a kill leaves it: rows have checks of their own
     write("out/cases.h5", bytes);
-    EXPECT_EQ(run({"table", "out"}).err, "cvtflow: out/cases.h5: row 5 is damaged: it does not have the check that it was written with\n");
+    EXPECT_EQ(run({"table", "out"}).err, "cvtflow: out/cases.h5: row 5 is damaged: its checksum differs\n");
     EXPECT_EQ(read("out/cases.h5"), bytes);
     write("out/cases.h5", whole.substr(0, whole.size() / 2));
     EXPECT_THAT(run({"resume", "out"}).err, StartsWith("cvtflow: out/cases.h5: truncated HDF5 file: "));
@@ -234,7 +235,7 @@ TEST_F(Batch, TellsATableThatIsNoSweepsFromOneThatIs) {
         {engine::RowLayout({{"case", "1", "", engine::CaseColumnType::integer}, {"status", "1", "", engine::CaseColumnType::real}}),
          {},
          {}});
-    EXPECT_EQ(run({"table", "other.h5"}).err, "cvtflow: other.h5: a table, but not of a sweep: it has no column 'status' of texts\n");
+    EXPECT_EQ(run({"table", "other.h5"}).err, "cvtflow: other.h5: not the table of a sweep: it has no column 'status' of texts\n");
     EXPECT_EQ(run({"table", "other.h5"}).status, 1);
 }
 

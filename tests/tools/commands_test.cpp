@@ -99,7 +99,7 @@ TEST_F(Commands, ExplainSaysWhatAKeyIsInASceneAndHowFarItsStepIsStable) {
     EXPECT_THAT(clamping, HasSubstr("here:     24 in tiny"));
     const std::string step = run({"explain", "run.step", "--scene", "baseline", "--set", "run.method=leapfrog-chebyshev"}).out;
     EXPECT_THAT(step, AllOf(HasSubstr("stable:   baseline with leapfrog-chebyshev up to 2"), HasSubstr("auto is:  1.")));
-    EXPECT_THAT(run({"explain", "run.step", "--scene", "baseline", "--set", "run.step=3us"}).out, HasSubstr("run.step is beyond"));
+    EXPECT_THAT(run({"explain", "run.step", "--scene", "baseline", "--set", "run.step=3us"}).out, HasSubstr("run.step exceeds this limit"));
 }
 
 TEST_F(Commands, SchemaIsJson) {
@@ -114,8 +114,8 @@ TEST_F(Commands, CheckSaysWhatASceneIs) {
     EXPECT_THAT(outcome.out, HasSubstr("324 coordinates (24 links x 12 + pulleys 36), 648 unknowns\n"));
     EXPECT_THAT(outcome.out, HasSubstr("geometric at ratio 1, settles for 10 ms\n"));
     EXPECT_THAT(outcome.out, HasSubstr("20 000 + 200 000 for settling\n"));  // (1 + 10) ms of 50 ns
-    EXPECT_THAT(outcome.out, HasSubstr("880 000, and some for transitions\n"));
-    EXPECT_THAT(outcome.out, HasSubstr("\n  schedule            auto, which chooses the segments\n"));
+    EXPECT_THAT(outcome.out, HasSubstr("880 000, plus transitions\n"));
+    EXPECT_THAT(outcome.out, HasSubstr("\n  schedule            auto, segments chosen automatically\n"));
     EXPECT_THAT(outcome.out, testing::ContainsRegex("states? every [^\n]*, up to [0-9.]+ [kM]?B\n"));
     EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  time                about [0-9:.]+( s)? on one thread"));
     EXPECT_THAT(run({"check", "tiny", "--set", "run.segments=3"}).out, HasSubstr("\n  schedule            auto, 3 segments\n"));
@@ -127,7 +127,8 @@ TEST_F(Commands, CheckSaysWhereTheAutomaticStepDoesNotHold) {
     for (const char* setting : {"pulley.sheave_polar_inertia=1.5e-4", "tip.reference_depth=1e-7"}) {
         const Outcome outcome = run({"check", "baseline", "--method", "leapfrog-chebyshev", "--set", setting});
         EXPECT_EQ(outcome.status, 0) << outcome.err;
-        EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  stable to +.*\\); \"auto\" is beyond: run.step = \"[0-9.]+ ns\" or less\n"))
+        EXPECT_THAT(outcome.out,
+                    testing::ContainsRegex("\n  stable to +.*\\); \"auto\" exceeds this limit: set run.step = \"[0-9.]+ ns\" or less\n"))
             << setting;
     }
 }
@@ -135,11 +136,11 @@ TEST_F(Commands, CheckSaysWhereTheAutomaticStepDoesNotHold) {
 TEST_F(Commands, CheckSaysUpToWhereASettledSceneIsStable) {
     const Outcome beyond = run({"check", "control", "--step", "2 us"});
     EXPECT_EQ(beyond.status, 0) << beyond.err;
-    EXPECT_THAT(
-        beyond.out,
-        testing::ContainsRegex("\n  stable to +1\\.9[0-9]* us \\(oscillation of .* kHz under friction of .* 1/s\\); run.step is beyond\n"));
+    EXPECT_THAT(beyond.out,
+                testing::ContainsRegex(
+                    "\n  stable to +1\\.9[0-9]* us \\(oscillation of .* kHz under friction of .* 1/s\\); run.step exceeds this limit\n"));
     for (const char* step : {"1.8 us", "auto"})
-        EXPECT_THAT(run({"check", "control", "--step", step}).out, testing::Not(HasSubstr(" is beyond")));
+        EXPECT_THAT(run({"check", "control", "--step", step}).out, testing::Not(HasSubstr(" exceeds this limit")));
     EXPECT_THAT(run({"check", "control", "--method", "trapezoidal-once"}).out,
                 testing::ContainsRegex("\n  stable to +linear stability sets no limit\n"));
     EXPECT_THAT(run({"check", "tiny"}).out, testing::Not(HasSubstr("stable to"))) << "there is no state yet";

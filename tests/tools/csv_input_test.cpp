@@ -55,7 +55,7 @@ TEST_F(CsvInput, WhatIsWrongIsToldWithPlaceInSceneAndFile) {
 TEST_F(CsvInput, ChannelsThatDoNotExistAreAnErrorOfTheScene) {
     const Outcome outcome = run({"check", "tiny", "--set", "record.channels=[\"tips/*\", \"tips/normal_froce\"]"});
     EXPECT_EQ(outcome.status, 2);
-    EXPECT_THAT(outcome.err, HasSubstr("there is no channel 'tips/normal_froce' (did you mean \"tips/normal_force\"?)"));
+    EXPECT_THAT(outcome.err, HasSubstr("unknown channel 'tips/normal_froce' (did you mean \"tips/normal_force\"?)"));
 }
 
 }  // namespace

@@ -143,26 +143,26 @@ const std::vector<Mistake> mistakes_in_scenes{
      "absent)"},
     {{"check", "no_executor.toml"},
      1,
-     "no_executor.toml:3:12: run.schedule: there is no executor 'flwo' (did you mean \"flow\"?) (cvtflow list executors; or auto)"},
+     "no_executor.toml:3:12: run.schedule: unknown executor 'flwo' (did you mean \"flow\"?) (cvtflow list executors; or auto)"},
     {{"check", "no_estimate.toml"},
      1,
-     "no_estimate.toml:3:16: run.step_control: 'rk4' makes no estimate of its error, its steps can only be \"fixed\" (cvtflow list "
-     "methods)\ncvtflow: no_estimate.toml:5:8: chain.pins: \"x\" is not an integer"},
+     "no_estimate.toml:3:16: run.step_control: 'rk4' has no error estimate; only \"fixed\" steps are possible (cvtflow list methods "
+     "--all)\ncvtflow: no_estimate.toml:5:8: chain.pins: \"x\" is not an integer"},
     {{"check", "text_state.toml"}, 1, "text_state.toml:2:9: start.state: FOLDER/text.h5: not an HDF5 file"},
-    {{"run", "no_state.toml"}, 1, "no_state.toml:2:9: start.state: there is no file \"gone.h5\""},
-    {{"settle", "free_ring"}, 1, "free_ring: nothing to settle, start.layout and start.settling_time say so"},
+    {{"run", "no_state.toml"}, 1, "no_state.toml:2:9: start.state: no file \"gone.h5\""},
+    {{"settle", "free_ring"}, 1, "free_ring: nothing to settle: start.layout is " ring " or start.settling_time is 0"},
     {{"explain", "chain.pich"}, 1, "chain.pich: unknown key (did you mean \"chain.pitch\"?)"},
     {{"local-error", "tiny"},
      1,
-     "tiny: the start is not settled, its errors would mean nothing: give --settle, or a state file with --set start.state=FILE "
+     "tiny: the start is not settled, so its errors are meaningless: add --settle, or a state file with --set start.state=FILE "
      "(cvtflow settle)"},
     {{"spectrum", "tiny", "-q"},
      1,
-     "tiny: the start is not settled, its eigenvalues would mean nothing: give --settle, or a state file with --set start.state=FILE "
+     "tiny: the start is not settled, so its eigenvalues are meaningless: add --settle, or a state file with --set start.state=FILE "
      "(cvtflow settle)"},
     {{"pin-entry", "tiny", "rk4@50ns", "-q"},
      1,
-     "tiny: the start is not settled, a comparison would mean nothing: give --settle, or a state file with --set start.state=FILE "
+     "tiny: the start is not settled, so comparisons are meaningless: add --settle, or a state file with --set start.state=FILE "
      "(cvtflow settle)"},
     {{"stability", "rk4", "--scene", "basline", "-q"}, 1, "no scene 'basline' (did you mean 'baseline'?)"},
 };
@@ -193,16 +193,16 @@ TEST_F(Errors, InSettingsNameTheOptionThatWasGiven) {
         {{"settle", "tiny", "--step", "1"}, 2, "--step 1: 1 s is outside [1e-12, 1e-2] s (did you mean \"1 us\"?)"},
         {{"settle", "tiny", "--threads=-1"}, 2, "--threads -1: -1 is outside [0, 1024]"},
         {{"settle", "tiny", "--time", "3ms"}, 2, "--time 3ms: start.ramp_time: 5e-3 s is longer than start.settling_time = 3e-3 s"},
-        {{"spectrum", "tiny", "--state", "gone.h5"}, 2, "--state gone.h5: there is no file \"gone.h5\""},
+        {{"spectrum", "tiny", "--state", "gone.h5"}, 2, "--state gone.h5: no file \"gone.h5\""},
         {{"spectrum", "tiny", "--method", "rk5"}, 2, "--method rk5: no method 'rk5' (did you mean 'rk4'?)"},
         {{"dot", "tiny", "--cycle", "x"}, 2, "--cycle x: a step of rk4 has evaluate, detect, locate, truncate"},
         {{"dot", "tiny", "--method", "leapfrog-rkc", "--cycle", "x"},
          2,
          "--cycle x: a step of leapfrog-rkc has evaluate, detect, locate, truncate, record, friction, finish"},
-        {{"stability", "dumka3"}, 2, "dumka3 chooses among tables of stages: ask for one of them (cvtflow list methods)"},
+        {{"stability", "dumka3"}, 2, "dumka3 chooses among tables of stages: name one of them (cvtflow list methods --all)"},
         {{"stability", "rk5"}, 2, "no method 'rk5' (did you mean 'rk4'?)"},
         {{"local-error", "tiny", "--settle", "--methods", "rk4,heum"}, 2, "no method 'heum' (did you mean 'heun'?)"},
-        {{"pin-entry", "tiny", "rk4"}, 2, "rk4: a method and its step are wanted, such as rk4@50ns"},
+        {{"pin-entry", "tiny", "rk4"}, 2, "rk4: expected a method and its step, such as rk4@50ns"},
         {{"pin-entry", "tiny", "rk4@50mm"}, 2, "rk4@50mm: '50mm' is not a time above 0, such as 40ns"},
         {{"pin-entry", "tiny", "rk5@50ns"}, 2, "no method 'rk5' (did you mean 'rk4'?)"},
         {{"pin-entry", "tiny", "rk4@50ns", "--time", "0s"}, 2, "--time: '0s' is not a time above 0, such as 40ns"},
@@ -231,7 +231,7 @@ TEST_F(Errors, InFilesSayWhatTheFileIs) {
         {{"info", "other.h5"}, 1, "other.h5: an HDF5 file, but neither a record nor a state of cvtflow"},
         {{"info", "cut_record.h5"}, 1, "cut_record.h5: truncated HDF5 file: 2000 bytes of " + record},
         {{"info", "cut_state.h5"}, 1, "cut_state.h5: truncated HDF5 file: 2000 bytes of " + state},
-        {{"run", "tiny", "--set", "start.state=gone.h5"}, 2, "--set start.state=gone.h5: start.state: there is no file \"gone.h5\""},
+        {{"run", "tiny", "--set", "start.state=gone.h5"}, 2, "--set start.state=gone.h5: start.state: no file \"gone.h5\""},
         {{"run", "tiny", "--set", "start.state=text.h5"}, 1, "--set start.state=text.h5: start.state: FOLDER/text.h5: not an HDF5 file"},
         {{"run", "tiny", "--set", "start.state=cut_state.h5"},
          1,
@@ -255,7 +255,7 @@ TEST_F(Errors, BlameNoSettingThatWasNotGiven) {
     expect(
         {{"run", "tiny", "--tolerance", "1"},
          2,
-         "--tolerance 1: run.step_control: 'rk4' makes no estimate of its error, its steps can only be \"fixed\" (cvtflow list methods)"});
+         "--tolerance 1: run.step_control: 'rk4' has no error estimate; only \"fixed\" steps are possible (cvtflow list methods --all)"});
 }
 
 TEST_F(Errors, OfTheStandardLibraryAreInOurWords) {

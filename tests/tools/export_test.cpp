@@ -84,7 +84,7 @@ TEST_F(Export, TakesEverySoManyStatesAndReplacesNothingUnasked) {
     EXPECT_FALSE(exists("run/run_000003.vtu"));
     const Outcome again = run({"export", "run.h5", "--vtk", "run.pvd"});
     EXPECT_EQ(again.status, 1);
-    EXPECT_THAT(again.err, HasSubstr("run.pvd: is there already; --force replaces it"));
+    EXPECT_THAT(again.err, HasSubstr("run.pvd: already exists; --force replaces it"));
     EXPECT_EQ(run({"export", "run.h5", "--vtk", "run.pvd", "--force"}).status, 0);
     const std::string before = read("run.h5");
     EXPECT_EQ(run({"export", "run.h5", "--vtk", "run.h5", "--force"}).status, 2);

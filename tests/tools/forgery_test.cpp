@@ -93,7 +93,7 @@ void Forgery::expect_survived(const Words& words, const std::string& what) {
     const Outcome outcome = child.wait();
     const std::string line = testing::PrintToString(words) + " on " + what + ": " + outcome.err.substr(0, 2000);
     EXPECT_LE(outcome.status, 7) << line;
-    EXPECT_EQ(outcome.err.find("a mistake in this program"), std::string::npos) << line;
+    EXPECT_EQ(outcome.err.find("an error in this program"), std::string::npos) << line;
     for (const std::string& text : {outcome.out, outcome.err}) {
         EXPECT_EQ(engine::visible(text).size(), text.size()) << "control characters: " << line;
     }
@@ -193,23 +193,23 @@ TEST_F(ForgedRecord, OfStatesThatAreNotFiniteIsReportedWithoutThem) {
 
 TEST_F(ForgedRecord, WithoutPhasesOrWithTooFewIsRefused) {
     forged([](hid_t file) { H5Ldelete(file, "states/phases", H5P_DEFAULT); });
-    refused({"report", "bad.h5"}, "bad.h5: state 0 is not of its machine");
-    refused({"export", "bad.h5", "--vtk", "v.pvd"}, "bad.h5: state 0 is not of its machine");
+    refused({"report", "bad.h5"}, "bad.h5: state 0 does not match its machine");
+    refused({"export", "bad.h5", "--vtk", "v.pvd"}, "bad.h5: state 0 does not match its machine");
     forged([](hid_t file) { replace_dataset(file, "states/phases", H5T_NATIVE_UINT8, {100, 3}, false); });
-    refused({"report", "bad.h5"}, "bad.h5: state 0 is not of its machine");
+    refused({"report", "bad.h5"}, "bad.h5: state 0 does not match its machine");
 }
 
 TEST_F(ForgedRecord, ThatPromisesMoreThanItHasTakesNoMemory) {
     forged([](hid_t file) { replace_dataset(file, "channels/ratio", H5T_NATIVE_DOUBLE, {10'000'000, 1}, true); });
     for (const Words& words : {Words{"info", "bad.h5"}, Words{"report", "bad.h5"}, Words{"table", "bad.h5", "--rainflow", "ratio"}})
-        EXPECT_LT(refused(words, "its data would take far more memory than the file has bytes"), 512.0);
+        EXPECT_LT(refused(words, "its data would need far more memory than the size of the file"), 512.0);
     forged([](hid_t file) { put_text(file, "channels/ratio", "units", std::string(60'000, 'x')); });
     EXPECT_LT(refused({"info", "bad.h5"}, "a name or description of 60000 bytes"), 512.0);
 }
 
 TEST_F(ForgedRecord, WhoseTimesRunBackwardsOrWhoseNamesHaveEscapesIsRefused) {
     forged([](hid_t file) { fill_with_nan(file, "channels/time"); });
-    refused({"report", "bad.h5"}, "bad.h5: damaged: its times do not ascend");
+    refused({"report", "bad.h5"}, "bad.h5: damaged: times do not increase");
     forged([](hid_t file) { put_text(file, "channels/ratio", "units", "\x1b]0;title\x07"); });
     refused({"info", "bad.h5"}, "control characters");
 }

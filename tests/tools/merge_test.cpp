@@ -18,7 +18,7 @@ TEST_F(Merge, NamesWhatIsMissing) {
     EXPECT_EQ(refused.status, 5);
     EXPECT_EQ(refused.err,
               "cvtflow: cut/shard-0002-of-0003: this shard has no results\ncvtflow: 4 of 12 cases are missing: 1, 4, 7, 10\n"
-              "cvtflow: nothing was written; run the missing shards, or --partial joins what is there\n");
+              "cvtflow: nothing was written; run the missing shards, or use --partial to join the available ones\n");
     EXPECT_FALSE(exists("cut/cases.h5"));
     EXPECT_EQ(run({"merge", "cut", "--partial"}).status, 5);
     EXPECT_EQ(column("hash", "cut").size(), 8u);

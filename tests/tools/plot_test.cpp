@@ -179,7 +179,7 @@ TEST_F(PlotCommand, SaysWhatIsWrong) {
         EXPECT_THAT(outcome.err, HasSubstr(text));
     };
     complains({"run.h5", "slp"}, 2, "slp: neither a file nor a channel of run.h5 (did you mean \"slip\"?)");
-    complains({"run.h5", "links/tension[99]"}, 2, "numbers, from 0 on");
+    complains({"run.h5", "links/tension[99]"}, 2, "elements, numbered from 0");
     complains({"none.h5"}, 1, "none.h5: No such file or directory");
     complains({"run.h5", "-o", "p.pdf"}, 2, "expected FILE.svg, FILE.png or FILE.csv");
     complains({"run.h5", "--x", "slip"}, 2, "are for sweeps");

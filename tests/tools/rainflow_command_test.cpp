@@ -83,12 +83,12 @@ TEST_F(RainflowOfARecord, SaysWhatItCannotCount) {
     expect({"--rainflow", "tight_tensoin"}, 2, "the record has no such channel (did you mean \"tight_tension\"?)");
     expect({"--rainflow", "tips/normal_force[0]"}, 2, "without this channel (record it with --set record.channels=tips/normal_force)");
     expect({"--rainflow", "followed_pin/position"}, 2, "it has 3 numbers; write followed_pin/position[0] ... followed_pin/position[2]");
-    expect({"--rainflow", "followed_pin/position[3]"}, 2, "there are the elements 0 to 2");
-    expect({"--rainflow", "followed_pin/position[x]"}, 2, "there are the elements 0 to 2");
+    expect({"--rainflow", "followed_pin/position[3]"}, 2, "elements are numbered 0 to 2");
+    expect({"--rainflow", "followed_pin/position[x]"}, 2, "elements are numbered 0 to 2");
     expect({"--rainflow", "slip", "--json", "--csv"}, 2, "--csv or --json, not both");
-    expect({"--rainflow", "slip", "--status", "ok"}, 2, "--column and --status are of sweeps");
+    expect({"--rainflow", "slip", "--status", "ok"}, 2, "--column and --status apply to sweeps");
     expect({"--rainflow", "slip", "--from", "3 kg"}, 2, "--from 3 kg: not a time");
-    expect({"--json"}, 2, "go with --rainflow");
+    expect({"--json"}, 2, "require --rainflow");
     EXPECT_EQ(run({"table", "none.h5", "--rainflow", "slip"}).status, 1);
 }
 

@@ -92,7 +92,7 @@ TEST_F(Resume, RefusesAnotherSceneAndNamesTheDifference) {
     const std::string before = read("cut.checkpoint.h5");
     const Outcome outcome = run({"resume", "cut.checkpoint.h5", "--set", "tip.radius=2 m", "--set", "run.method=dumka3-p4"});
     EXPECT_EQ(outcome.status, 1);
-    EXPECT_THAT(outcome.err, HasSubstr("cut.checkpoint.h5: this is no checkpoint of the scene:\n  tip.radius = 2, the checkpoint has "));
+    EXPECT_THAT(outcome.err, HasSubstr("cut.checkpoint.h5: not a checkpoint of this scene:\n  tip.radius = 2, the checkpoint has "));
     EXPECT_THAT(outcome.err, HasSubstr("\n  run.method = \"dumka3-p4\", the checkpoint has \"rk4\"\n"));
     EXPECT_EQ(read("cut.checkpoint.h5"), before);
     EXPECT_EQ(run({"resume", "cut.checkpoint.h5", "-q", "--set", "run.max_steps=0"}).status, 0);
@@ -132,7 +132,7 @@ TEST_F(Resume, RefusesARecordWhoseRowsHaveChanged) {
     const Outcome outcome = run({"resume", "cut.checkpoint.h5", "-q"});
     EXPECT_EQ(outcome.status, 1);
     EXPECT_THAT(outcome.err,
-                HasSubstr("cut.h5.before: cannot go on with it: damaged: its rows are not those that were written before the checkpoint"));
+                HasSubstr("cut.h5.before: cannot be continued: damaged: its rows differ from those written before the checkpoint"));
     EXPECT_EQ(read("cut.h5.before"), bytes);  // nothing is lost
 }
 
@@ -145,9 +145,9 @@ TEST_F(Resume, LeavesNoHalfWrittenCheckpointBehind) {
 TEST_F(Resume, SaysWhatIsWrongWithTheFile) {
     EXPECT_EQ(run({"resume", "nothing.h5"}).err, "cvtflow: nothing.h5: No such file or directory\n");
     ASSERT_EQ(run({"settle", "tiny", "-q", "-o", "state.h5", "--time", "20us", "--set", "start.ramp_time=10us"}).status, 0);
-    EXPECT_EQ(run({"resume", "state.h5"}).err, "cvtflow: state.h5: a state, but no checkpoint: it has no integration_scalars\n");
+    EXPECT_EQ(run({"resume", "state.h5"}).err, "cvtflow: state.h5: a state file, not a checkpoint: it has no integration_scalars\n");
     std::filesystem::create_directory(folder_ / "empty");
-    EXPECT_EQ(run({"resume", "empty"}).err, "cvtflow: empty: no sweep has written into it\n");
+    EXPECT_EQ(run({"resume", "empty"}).err, "cvtflow: empty: contains no sweep\n");
 }
 
 /// A checkpoint of a run that stopped while it settled (its record has no row yet), as it was sent by somebody: its name and the record
@@ -176,7 +176,7 @@ TEST_F(ForeignCheckpoint, DecidesAboutNoFile) {
         const std::size_t files = std::distance(std::filesystem::directory_iterator(folder_), {});
         const Outcome outcome = run({"resume", "mine.checkpoint.h5", "-q"});
         EXPECT_EQ(outcome.status, 1) << named;
-        EXPECT_THAT(outcome.err, HasSubstr("which is not beside it under its name; -o FILE goes on with it")) << named;
+        EXPECT_THAT(outcome.err, HasSubstr("which is not NAME.h5 beside the checkpoint; -o FILE names the record to continue")) << named;
         EXPECT_EQ(read("notes.txt"), "mine") << named;
         EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), files) << named;
     }
@@ -202,7 +202,7 @@ TEST_F(ForeignCheckpoint, ReplacesTheFinishedRecordOfAnotherRunOnlyWithForce) {
     const Words resume{"resume", "mine.checkpoint.h5", "-q", "-o", "other.h5", "--set", "run.max_steps=0"};
     const Outcome outcome = run(resume);
     EXPECT_EQ(outcome.status, 1);
-    EXPECT_EQ(outcome.err, "cvtflow: other.h5: cannot go on with it: not the record of this run; --force replaces it\n");
+    EXPECT_EQ(outcome.err, "cvtflow: other.h5: cannot be continued: not the record of this run; --force replaces it\n");
     EXPECT_TRUE(read("other.h5") == other);
     EXPECT_EQ(run(resume + Words{"--force"}).status, 0);
     EXPECT_FALSE(read("other.h5") == other);

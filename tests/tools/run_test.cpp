@@ -123,7 +123,7 @@ TEST_F(Run, ReplacesNoRecordWhoseNameWasGiven) {
     const std::string before = read("r.h5");
     const Outcome refused = run_briefly({"-o", "r.h5"});
     EXPECT_EQ(refused.status, 1);
-    EXPECT_EQ(refused.err, "cvtflow: r.h5: is there already; --force replaces it\n");
+    EXPECT_EQ(refused.err, "cvtflow: r.h5: already exists; --force replaces it\n");
     EXPECT_EQ(read("r.h5"), before);
     EXPECT_EQ(run_briefly({"-q", "-o", "r.h5", "--force"}).status, 0);
     EXPECT_NE(read("r.h5"), before) << "its date, at least";
@@ -133,7 +133,7 @@ TEST_F(Run, ReplacesTheRecordOfADefaultNameAndSaysSo) {
     EXPECT_THAT(run_briefly().err, testing::Not(HasSubstr("replaced")));
     const Outcome again = run_briefly();
     EXPECT_EQ(again.status, 0);
-    EXPECT_THAT(again.err, StartsWith("cvtflow: results/tiny.h5: what was there is replaced\n"));
+    EXPECT_THAT(again.err, StartsWith("cvtflow: results/tiny.h5: the existing file is replaced\n"));
 }
 
 TEST_F(Run, LosesNoCheckpointOfAnUnfinishedRun) {
@@ -143,9 +143,9 @@ TEST_F(Run, LosesNoCheckpointOfAnUnfinishedRun) {
     const Outcome refused = run_briefly(ending);
     EXPECT_EQ(refused.status, 1);
     EXPECT_EQ(refused.err,
-              "cvtflow: results/tiny.checkpoint.h5: the checkpoint of a run that did not finish; cvtflow resume results/tiny.checkpoint.h5 "
-              "goes on with it, "
-              "--force begins anew\n");
+              "cvtflow: results/tiny.checkpoint.h5: the checkpoint of an unfinished run; cvtflow resume results/tiny.checkpoint.h5 "
+              "continues it, "
+              "--force starts again\n");
     EXPECT_EQ(run_briefly({"-q", "--checkpoint-every", "1 h", "--force"}).status, 0);
     EXPECT_FALSE(exists("results/tiny.checkpoint.h5"));
 }
@@ -179,7 +179,7 @@ TEST_F(Run, KilledLeavesAReadablePart) {
     EXPECT_EQ(interrupted_by(SIGKILL, "r.h5").status, 128 + SIGKILL);
     EXPECT_FALSE(exists("r.h5"));
     EXPECT_EQ(record("r.h5.part").status(), "running");
-    EXPECT_THAT(run({"info", "r.h5.part"}).out, HasSubstr("running (being written now, or left by a run that was killed)"));
+    EXPECT_THAT(run({"info", "r.h5.part"}).out, HasSubstr("running (still being written, or left by a killed run)"));
 }
 
 TEST_F(Run, BeginsWithTheStateFileOfItsScene) {
@@ -196,7 +196,7 @@ TEST_F(Run, OfAnotherDetailDropsTheStateFileAndSaysSo) {
     EXPECT_EQ(outcome.status, 0);
     EXPECT_THAT(outcome.err, StartsWith("cvtflow: detail.pins = \"whole\" (was \"halves\"): "
                                         "the state in " +
-                                        folder_.string() + "/state.h5 does not fit any more, the run settles anew\nsettling: "));
+                                        folder_.string() + "/state.h5 no longer fits; the run settles again\nsettling: "));
 }
 
 TEST_F(Run, ThatSettlesNeedsNoStateFile) {

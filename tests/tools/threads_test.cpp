@@ -46,7 +46,7 @@ TEST_F(FewThreads, EveryExecutorRunsOnWhatThereIsAndSaysSo) {
         const Outcome alone = run_on(row.name, 2, at_most(0)), with_one = run_on(row.name, 3, at_most(1));
         EXPECT_EQ(alone.status, 0) << row.name << ": " << alone.err;
         EXPECT_EQ(hash_in(alone.out), expected) << row.name;
-        EXPECT_THAT(alone.err, HasSubstr("cvtflow: the system gave 1 of 2 threads")) << row.name;
+        EXPECT_THAT(alone.err, HasSubstr("cvtflow: only 1 of 2 threads were available")) << row.name;
         EXPECT_EQ(with_one.status, 0) << row.name << ": "
                                       << with_one.err;  // oneTBB itself wants no more than there are processors: no notice then
         EXPECT_EQ(hash_in(with_one.out), expected) << row.name;
@@ -59,7 +59,7 @@ TEST_F(FewThreads, AFailureBetweenTrialAndStartIsSurvivedOnTheCallerAlone) {
         environment[1] = "CVTFLOW_FAULT=pthread_create:2";  // the first is the trial
         const Outcome outcome = run_on(name, 2, environment);
         EXPECT_EQ(outcome.status, 0) << name << ": " << outcome.err;
-        EXPECT_THAT(outcome.err, HasSubstr("cvtflow: the system gave 1 of 2 threads")) << name;
+        EXPECT_THAT(outcome.err, HasSubstr("cvtflow: only 1 of 2 threads were available")) << name;
     }
 }
 
@@ -69,7 +69,7 @@ TEST_F(FewThreads, ASweepRunsItsCasesAndWritesItsRowsOnOneThread) {
           "[[axes]]\nkey = \"load.torque\"\nvalues = [1, 2, 3]\n[outputs]\nscalars = [\"slip mean\"]\n");
     const Outcome outcome = run({"batch", "sweep.toml", "-o", "out", "--threads", "2"}, at_most(0));
     EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_THAT(outcome.err, HasSubstr("cvtflow: the system gave 1 of 2 threads"));
+    EXPECT_THAT(outcome.err, HasSubstr("cvtflow: only 1 of 2 threads were available"));
     EXPECT_THAT(run({"table", "out"}).out, HasSubstr("3 of 3 cases"));
 }
 
@@ -78,7 +78,7 @@ TEST_F(FewThreads, ProfileSaysThatItCannotMeasure) {
         {"profile", "tiny", "--schedules", "barrier:fused", "--threads", "2", "--steps", "2", "--rounds", "1", "--neighbours", "0,1", "-q"},
         at_most(0));
     EXPECT_EQ(outcome.status, 1);
-    EXPECT_THAT(outcome.err, HasSubstr("threads, and the system does not give them"));
+    EXPECT_THAT(outcome.err, HasSubstr("threads, which are not available"));
 }
 
 }  // namespace

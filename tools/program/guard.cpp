@@ -44,8 +44,9 @@ void print_error(std::string_view message) {
 
 void print_notices() {
     const engine::ThreadShortage threads = engine::thread_shortage();
-    if (threads.wanted == 0) return;
-    print_error(fmt::format("the system gave {} of {} threads; this took longer and gave the same bits", threads.had, threads.wanted));
+    if (threads.requested == 0) return;
+    print_error(
+        fmt::format("only {} of {} threads were available: the run took longer, its results are the same", threads.had, threads.requested));
 }
 
 int guarded(const std::function<int()>& work) noexcept {
@@ -59,7 +60,7 @@ int guarded(const std::function<int()>& work) noexcept {
         return static_cast<int>(ExitStatus::usage);
     } catch (const std::bad_alloc&) {
         to_stderr(program_name());
-        to_stderr(": no memory\n");
+        to_stderr(": out of memory\n");
     } catch (const std::exception& error) {
         print_error(engine::error_text(error));
     } catch (...) {
@@ -88,7 +89,7 @@ int finish_output(int status) noexcept {
                                 : reason != 0   ? std::strerror(reason)
                                                 : ""));
     } catch (const std::exception&) {
-        // no memory for a message; the status tells
+        // no memory for a message; the exit status reports the failure
     }
     return status != 0 ? status : static_cast<int>(ExitStatus::error);
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// The last line of defence of a process.
+/// Error handling of a process: messages, exit status, standard streams.
 
 #include <functional>
 #include <stdexcept>
@@ -9,33 +9,33 @@
 
 namespace cvtflow::tools {
 
-/// An option's value, or options that do not go together: exit status 2.
+/// Invalid option value, or options that exclude each other: exit status 2.
 class UsageError : public std::runtime_error {
 public:
     using std::runtime_error::runtime_error;
 };
 
-/// To stderr as it is; a stderr that is closed or full is no reason to end a run.
+/// Writes to stderr unchanged. A closed or full stderr is ignored.
 void to_stderr(std::string_view text) noexcept;
 
-/// The name of this process's program, which its messages begin with: "cvtflow" until it is named. Must outlive the process's messages.
+/// Sets the program's name, the prefix of its messages (initially "cvtflow"). The text must outlive all messages.
 void name_program(std::string_view name) noexcept;
 [[nodiscard]] std::string_view program_name() noexcept;
 
-/// On stderr, "cvtflow: " before each line that does not go on the one before.
+/// Prints to stderr, with "cvtflow: " before each line that is not indented.
 void print_error(std::string_view message);
 
-/// On stderr, what a user should know beside the result: threads that were not to be had.
+/// Prints a notice to stderr if fewer threads were available than requested.
 void print_notices();
 
-/// Exit status of `work`; what it throws is printed.
+/// Exit status of `work`. Prints the message of an exception that it throws.
 [[nodiscard]] int guarded(const std::function<int()>& work) noexcept;
 
-/// Makes writes fail that would otherwise end the process or go astray: beyond the limit of file sizes (no SIGXFSZ); descriptors 0 to 2
-/// that a parent has closed are taken, so that no file of results gets their numbers; what is printed there fails.
+/// Ignores SIGXFSZ, so that a write beyond the limit of file sizes fails instead of ending the process. Opens descriptors 0 to 2 if the
+/// parent closed them, so that no result file gets their numbers; writing to them fails.
 void take_standard_descriptors() noexcept;
 
-/// Writes out what was printed. @return the status; if stdout cannot be written and that was no error yet, error, which is said
+/// Flushes stdout. @return the status, or `error`, with a message, if stdout cannot be written and status is 0
 [[nodiscard]] int finish_output(int status) noexcept;
 
 }  // namespace cvtflow::tools

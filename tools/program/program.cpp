@@ -26,7 +26,7 @@ std::string version_text() {
                        here.compiler, here.build_type, here.instruction_set, here.cpu, here.cores, here.cores == 1 ? "" : "s", here.os);
 }
 
-/// A misspelt command would be reported by CLI11 as an argument that was not expected.
+/// Whether the word is a command; else prints the closest one. (CLI11 would report an unexpected argument.)
 bool is_command(const Program& program, const std::string& word) {
     std::vector<std::string> names;
     for (const Command& command : program.commands) names.emplace_back(command.name);
@@ -37,7 +37,7 @@ bool is_command(const Program& program, const std::string& word) {
     return false;
 }
 
-/// Read by every model that is made from then on, and by child processes.
+/// Sets CVTFLOW_ISA, which every later model and child process reads.
 void choose_isa(const std::string& name) {
     try {
         const model::Isa isa = model::isa_named(name);
@@ -47,7 +47,7 @@ void choose_isa(const std::string& name) {
     }
 }
 
-/// The option of a command that is closest to an unknown one in CLI11's message; empty if none is close.
+/// The option closest to an unknown one in CLI11's message; empty if none is close.
 std::string near_option(const CLI::App& command, const std::string& message) {
     const auto begin = message.find(" --");
     if (begin == std::string::npos) return {};
@@ -58,7 +58,7 @@ std::string near_option(const CLI::App& command, const std::string& message) {
     return engine::closest(word, names);
 }
 
-/// --help and --version come as errors with code 0.
+/// CLI11 reports --help and --version as errors with code 0.
 int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
     const auto chosen = app.get_subcommands();
@@ -69,7 +69,7 @@ int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
     return static_cast<int>(ExitStatus::usage);
 }
 
-/// The one that was chosen.
+/// Runs the chosen command.
 int act(CLI::App& app, const Program& program, const std::vector<Action>& actions) {
     for (std::size_t i = 0; i < actions.size(); ++i) {
         const std::string name(program.commands[i].name);
@@ -97,7 +97,8 @@ int execute(const Program& program, int argc, char** argv) {
         sub->fallthrough();  // --isa may follow the command
         actions.push_back(command.declare(*sub));
     }
-    app.footer(fmt::format("{} COMMAND --help tells more. First steps:\n{}\n\n{}", program.name, program.first_steps, exit_status_help));
+    app.footer(
+        fmt::format("{} COMMAND --help describes a command. First steps:\n{}\n\n{}", program.name, program.first_steps, exit_status_help));
     if (argc > 1 && argv[1][0] != '-' && !is_command(program, argv[1])) return static_cast<int>(ExitStatus::usage);
     try {
         app.parse(argc, argv);

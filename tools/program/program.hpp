@@ -1,5 +1,5 @@
 #pragma once
-/// What cvtflow and cvtflow-lab have in common: commands, arguments, help, exit status.
+/// Shared by cvtflow and cvtflow-lab: commands, arguments, help, exit status.
 
 #include <functional>
 #include <span>
@@ -13,12 +13,12 @@ class App;
 
 namespace cvtflow::tools {
 
-/// What a subcommand does once its arguments are read. May throw; what() is then printed as the error.
+/// Runs a command after its arguments are read. If it throws, what() is printed as the error.
 using Action = std::function<ExitStatus()>;
 
 struct Command {
     std::string_view name;
-    std::string_view group;            ///< heading of the help text that it stands under: a folder of the program's commands
+    std::string_view group;            ///< heading in the help text
     std::string_view description;      ///< one line
     Action (*declare)(CLI::App& app);  ///< declares arguments; they live in the returned action
 };
@@ -28,7 +28,7 @@ struct Program {
     std::string_view description;       ///< one line
     std::span<const Command> commands;  ///< in the order of the help text
     std::string_view first_steps;       ///< lines of the help text
-    std::string_view other;             ///< the program to which a command may belong that this one lacks
+    std::string_view other;             ///< the other program, suggested for unknown commands
 };
 
 /// main() of a program. @return its exit status

@@ -10,7 +10,7 @@
  *
  * Threads. A scene may be used from all threads. A simulation is used by one thread at a time; a call while another one is under way
  * returns CVTFLOW_BUSY. cvtflow_cancel may be called from every thread and from signal handlers. No thread is started before the first
- * step. Callbacks run on the thread that called cvtflow_advance_to, between steps. See simulation.hpp, which says all of this in full.
+ * step. Callbacks run on the thread that called cvtflow_advance_to, between steps. See simulation.hpp for details.
  */
 #ifndef CVTFLOW_CVTFLOW_H
 #define CVTFLOW_CVTFLOW_H
@@ -89,7 +89,7 @@ typedef struct cvtflow_counters {
     int64_t steps, evaluations, transitions, truncated, suppressed;
 } cvtflow_counters;
 
-/* Whether results can be believed: the energy balance since the start (after settling, since t = 0). */
+/* Energy balance, and whether results are reliable, since the start (after settling, since t = 0). */
 typedef struct cvtflow_energy {
     uint32_t size;
     int32_t reliable;  /* 0: results are wrong, take a shorter step or run.step = "auto" */

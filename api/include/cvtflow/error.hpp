@@ -17,7 +17,7 @@ enum class ErrorCode : int {
     state = 4,         ///< a saved state belongs to another scene or version, or is damaged
     busy = 5,          ///< the simulation is being stepped: by another thread, or by the one whose callback this is
     forked = 6,        ///< the simulation ran on threads before this process was forked off; the child has none of them
-    cancelled = 7,     ///< cancel() was called; the simulation stands at the last accepted step and can go on
+    cancelled = 7,     ///< cancel() was called; the state is that of the last accepted step, and the simulation can continue
     memory = 8,        ///< no memory
     internal = 9,      ///< a defect of cvtflow
     callback = 10,     ///< C only: a callback asked to stop
@@ -28,7 +28,7 @@ enum class ErrorCode : int {
     max_steps = 23,    ///< run.max_steps is used up
     max_wall = 24,     ///< run.max_wall is used up
     blow_up = 25,      ///< a pin moves faster than sound in steel: step too long
-    other_fault = 39,  ///< the run cannot go on for another reason, see what()
+    other_fault = 39,  ///< the run cannot continue for another reason, see what()
 };
 
 class CVTFLOW_EXPORT Error : public std::runtime_error {

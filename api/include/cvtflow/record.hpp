@@ -42,7 +42,7 @@ public:
     /// Of the whole file: scene, method, versions, balance.
     [[nodiscard]] RecordAttributes attributes() const;
     [[nodiscard]] std::vector<Column> channels() const;
-    /// Rows that were there when the file was opened.
+    /// Number of rows when the file was opened.
     [[nodiscard]] std::size_t rows() const noexcept;
     /// Rows first … first + count - 1 of a channel, or of "time" [s]: [count * width], row by row.
     [[nodiscard]] std::vector<double> read(const std::string& channel, std::size_t first, std::size_t count) const;
@@ -93,7 +93,7 @@ public:
     [[nodiscard]] RecordAttributes attributes() const;
     [[nodiscard]] std::vector<Column> columns() const;
     [[nodiscard]] std::size_t rows() const noexcept;
-    /// A column of numbers [rows]. @throws Error (argument) for names that are none, or of texts
+    /// A column of numbers [rows]. @throws Error (argument) for unknown names, or columns of texts
     [[nodiscard]] std::vector<double> numbers(const std::string& column) const;
     /// Any column as texts [rows]; numbers so that they read back as the same double. @throws Error (argument)
     [[nodiscard]] std::vector<std::string> texts(const std::string& column) const;

@@ -22,7 +22,7 @@ class CVTFLOW_EXPORT Scene {
 public:
     /// Reads a scene file. @throws Error (scene): every problem in it, one per line
     [[nodiscard]] static Scene read(const std::string& path);
-    /// A scene given as text; `name` stands for the file in messages, and start.state is relative to its folder. @throws Error (scene)
+    /// A scene given as text; `name` replaces the file name in messages, and start.state is relative to its folder. @throws Error (scene)
     [[nodiscard]] static Scene parse(const std::string& text, const std::string& name = "scene.toml");
     /// A scene that comes with cvtflow ("baseline"), from the installed data or the folders of the environment variable CVTFLOW_SCENES.
     /// @throws Error (scene)
@@ -65,7 +65,7 @@ struct KeyInfo {
     std::string source;                ///< of the default
     double min = 0.0;                  ///< smallest value allowed [unit]
     double max = 0.0;                  ///< largest value allowed [unit]
-    std::vector<std::string> choices;  ///< values allowed; empty unless the value is one of some names
+    std::vector<std::string> choices;  ///< allowed names; empty if the value is not a name
     bool table = false;                ///< whether the value may be a table over time
 };
 

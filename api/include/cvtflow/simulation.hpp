@@ -38,7 +38,7 @@ enum class Input : int {
     load_torque = 2,       ///< against the travel of shaft 2, load.mode = "torque" [N·m]
     drive_torque = 3,      ///< on shaft 1, drive.mode = "torque" [N·m]
     drive_speed = 4,       ///< of shaft 1, drive.mode = "speed", or of the far end, "coupling" [rad/s]
-    ratio = 5,             ///< wanted speed ratio, with control.enabled [1]
+    ratio = 5,             ///< target speed ratio, with control.enabled
     load_speed = 6,        ///< of shaft 2, load.mode = "speed", or of the far end, "coupling" [rad/s]
     load_angle = 7,        ///< that the far end has turned since t = 0, load.mode = "coupling" [rad]
     drive_angle = 8,       ///< that the far end has turned since t = 0, drive.mode = "coupling" [rad]
@@ -53,23 +53,23 @@ struct InputInfo {
 /// @throws Error (argument) for a number that is no input: they are numbered from 0 without a gap
 [[nodiscard]] CVTFLOW_EXPORT InputInfo input_info(Input input);
 
-/// What happened since the start; after settling, since t = 0. Part of the state.
+/// Counters since the start; after settling, since t = 0. Part of the state.
 struct Counters {
-    std::int64_t steps = 0;        ///< accepted, truncated ones included
+    std::int64_t steps = 0;        ///< accepted steps, truncated ones included
     std::int64_t evaluations = 0;  ///< of the right-hand side
     std::int64_t transitions = 0;  ///< changes of a tip's phase
     std::int64_t truncated = 0;    ///< steps cut at a transition
-    std::int64_t suppressed = 0;   ///< transitions put off because the tip had just changed
+    std::int64_t suppressed = 0;   ///< transitions postponed because the tip had just changed
     bool operator==(const Counters&) const = default;
 };
 
-/// Whether results can be believed: the energy balance since the start (after settling, since t = 0).
+/// Energy balance, and whether results are reliable since the start (after settling, since t = 0).
 struct Energy {
     double residual = 0.0;    ///< change of the stored energy - work of the inputs + losses [J]
     double dissipated = 0.0;  ///< [J]
-    /// |residual| over what an honest integration may leave, the largest of settling, of windows of 5 ms and of all [1]
+    /// |residual| over its tolerance: the largest of settling, of windows of 5 ms and of the whole run
     double suspicion = 0.0;
-    bool reliable = true;  ///< suspicion ≤ 1; else results are wrong: take a shorter step, or run.step = "auto"
+    bool reliable = true;  ///< suspicion ≤ 1; else results are wrong: use a shorter step, or run.step = "auto"
     bool operator==(const Energy&) const = default;
 };
 
@@ -104,7 +104,7 @@ private:
 
 class CVTFLOW_EXPORT Simulation {
 public:
-    /// Prepares the start state; starts no thread. @param segments tasks per step; 0: one per thread
+    /// Prepares the start state. Starts no thread. @param segments tasks per step; 0: one per thread
     /// @throws Error (start_state, scene, argument)
     explicit Simulation(const Scene& scene, Threads threads = Threads::caller(), int segments = 0);
     ~Simulation();
@@ -120,17 +120,17 @@ public:
     [[nodiscard]] double time() const noexcept;
     /// The method of its steps, never "auto": what run.method = "auto" is with this scene.
     [[nodiscard]] const std::string& method() const noexcept;
-    /// Length of a step that no transition cuts [s].
+    /// Length of a step without transitions [s].
     [[nodiscard]] double step_length() const noexcept;
 
     /// Takes whole steps until time() ≥ t. Where the calls end does not change the result: one call or a thousand give the same bits.
     /// A time more than run.output_interval before time() is refused: states go back, steps do not.
     /// @param t [s]
-    /// @throws Error (a fault, cancelled, busy, forked, argument); the simulation then stands at the last accepted step
+    /// @throws Error (a fault, cancelled, busy, forked, argument); the state is then that of the last accepted step
     void advance_to(double t);
-    /// One step, perhaps cut short by a transition. @throws as advance_to
+    /// One step, which a transition may shorten. @throws as advance_to
     void step();
-    /// Ends advance_to() of another thread after at most one step, or the next one at its beginning. One wish ends one call.
+    /// Ends advance_to() of another thread after at most one step, or the next call at its beginning. One request ends one call.
     void cancel() noexcept;
 
     [[nodiscard]] State state() const;
@@ -164,8 +164,8 @@ public:
 
     [[nodiscard]] Counters counters() const noexcept;
     [[nodiscard]] Energy energy() const noexcept;
-    /// What a user should know, one line each: differences between the scene and the one that its state file was settled with; an energy
-    /// balance that does not close; threads that were wanted and not to be had (simulations of this process then run on fewer, down to the
+    /// Warnings, one line each: differences between the scene and the one that its state file was settled with; an energy
+    /// balance that does not close; fewer threads than requested (simulations of this process then run on fewer, down to the
     /// caller alone, with the same bits).
     [[nodiscard]] std::vector<std::string> notices() const;
     /// Longest step with which the scene's method is linearly stable here, chain, pulleys and control alike: some tenths of a second of

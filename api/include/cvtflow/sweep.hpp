@@ -12,9 +12,9 @@ inline namespace v0 {
 
 struct SweepProgress {
     long cases = 0;     ///< all
-    long before = 0;    ///< done in former sessions
+    long before = 0;    ///< cases done in earlier sessions
     long done = 0;      ///< done now
-    long failed = 0;    ///< done now, but not ok
+    long failed = 0;    ///< cases done now with another status than ok
     double wall = 0.0;  ///< [s]
 };
 
@@ -30,13 +30,13 @@ public:
     [[nodiscard]] const std::string& name() const noexcept;
     [[nodiscard]] long cases() const noexcept;
     /// Runs the cases that are not in the folder's table yet, on so many threads (0: as many as the process may use), and waits for them. A
-    /// sweep that was stopped or killed goes on where it was. Results do not depend on threads or stops.
+    /// sweep that was stopped or killed continues. Results do not depend on threads or interruptions.
     /// A sweep with [accuracy] is tuned first and verified in the end; its table has the errors in columns `error_of_...`.
     /// @param progress called after each case, by one worker at a time
     /// @return whether all cases are in the table `folder`/cases.h5; false after cancel()
     /// @throws Error (record) for folders and tables, (state) for results of another sweep, (argument)
     bool run(const std::string& folder, int threads = 0, std::function<void(const SweepProgress&)> progress = {});
-    /// Ends run() soon, from any thread or signal handler; running cases leave checkpoints. One wish ends one run.
+    /// Requests the end of run(), from any thread or signal handler; running cases write checkpoints. One request ends one run.
     void cancel() noexcept;
 
 private:

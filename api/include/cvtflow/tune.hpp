@@ -1,5 +1,5 @@
 #pragma once
-/// The cheapest detail, method and step for a wanted accuracy, found by measuring, as `cvtflow run --accuracy` does it.
+/// The cheapest detail, method and step for a target accuracy, found by measuring, as in `cvtflow run --accuracy`.
 
 #include <functional>
 #include <string>
@@ -17,7 +17,7 @@ struct TuneOptions {
     std::vector<std::string> outputs;
     double budget = 0.0;  ///< wall time after which no further choice is tried; 0: no limit [s]
     std::string folder;   ///< where what was found is kept; empty: $XDG_CACHE_HOME/cvtflow or ~/.cache/cvtflow
-    std::function<void(const std::string&)> progress{};  ///< told what is being measured; may be empty
+    std::function<void(const std::string&)> progress{};  ///< receives what is being measured; may be empty
     /// Asked after every step, by the calling thread: true ends the measuring. May be empty; must not throw.
     std::function<bool()> stop{};
 };
@@ -29,10 +29,10 @@ struct Tuning {
     bool kept = false;   ///< found before, not measured now
 };
 
-/// Measures at the scene's start and at the extremes of its tables over time, or takes what was found before. Serial, in the calling
+/// Measures at the scene's start and at the extremes of its tables over time, or takes the choice from the cache. Serial, in the calling
 /// thread; takes seconds to minutes.
 /// @throws Error (argument) accuracy; (scene) outputs that there are not; (start_state); (state) nothing is as accurate, or nothing can be
-/// measured: what() says what was nearest; (cancelled) options.stop said so, and nothing is kept
+/// measured: what() names the closest; (cancelled) options.stop returned true; nothing is cached
 [[nodiscard]] CVTFLOW_EXPORT Tuning tune(const Scene& scene, const TuneOptions& options);
 
 }  // namespace v0

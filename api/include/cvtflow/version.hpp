@@ -14,7 +14,7 @@
 namespace cvtflow {
 inline namespace v0 {
 
-/// Version of the library that is loaded: "0.2.0".
+/// Version of the loaded library: "0.2.0".
 [[nodiscard]] CVTFLOW_EXPORT std::string library_version();
 
 }  // namespace v0

@@ -14,7 +14,7 @@ def split(name):
 
 def unknown(name, names):
     """The KeyError of a name that does not exist."""
-    return KeyError(f"there is no channel '{name}'" + suggestion(name, names))
+    return KeyError(f"unknown channel '{name}'" + suggestion(name, names))
 
 
 class Channels(Mapping):

@@ -1,4 +1,4 @@
-"""What notebooks and the interpreter show."""
+"""Display of objects in notebooks and in the interpreter."""
 
 from html import escape
 
@@ -61,7 +61,7 @@ def _fields(self):
 
 
 def install():
-    """Gives the classes their faces."""
+    """Adds the display methods to the classes."""
     _cvtflow.Scene._repr_html_ = _scene_html
     _cvtflow.Scene.__repr__ = _scene_repr
     _cvtflow.Simulation._repr_html_ = _simulation_html

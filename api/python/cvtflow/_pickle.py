@@ -10,7 +10,7 @@ def _threads(way, count):
 
 
 def _restore(text, state, way, count, segments):
-    """The scene's own state file may be elsewhere by now; the state makes up for it."""
+    """The scene's state file may no longer exist; the saved state replaces it."""
     try:
         simulation = Simulation(Scene.parse(text), _threads(way, count), segments)
     except (SceneError, StartStateError):
@@ -26,5 +26,5 @@ def _reduce(self):
 
 
 def install(simulation):
-    """Teaches the class to be pickled; callbacks are not part of it."""
+    """Makes the class picklable, without callbacks."""
     simulation.__reduce__ = _reduce

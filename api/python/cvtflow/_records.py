@@ -1,4 +1,4 @@
-"""Records of runs, read when asked."""
+"""Records of runs, read on demand."""
 
 from collections.abc import Mapping
 
@@ -56,11 +56,11 @@ class Record(Series, Mapping):
         self._columns = self._file.channels()
         self.path = str(path)
 
-    status = property(lambda self: self._file.status, doc="finished, running, unreliable, or what ended the run.")
+    status = property(lambda self: self._file.status, doc="finished, running, unreliable, or the cause of an early end.")
     attributes = property(lambda self: self._file.attributes(), doc="Of the whole file, by name.")
     channels = property(lambda self: Channels(self.__getitem__, lambda: self._columns), doc="Arrays by name; channels.info: their units.")
     info = property(lambda self: {row.name: row for row in self._columns}, doc="Column (unit, description, width) of channels, by name.")
-    rows = property(lambda self: self._file.rows(), doc="Rows that were there when the file was opened.")
+    rows = property(lambda self: self._file.rows(), doc="Number of rows when the file was opened.")
     states = property(lambda self: States(self._file), doc="The recorded states: time, unknowns, phases.")
     transitions = property(lambda self: self._file.transitions(),
                            doc="Changes of a tip's phase: an array with fields time, pin, tip, phase_from, phase_to.")

@@ -10,7 +10,7 @@ from ._series import Series
 
 
 class Rows(Series, dict):
-    """What run() returns: arrays over time by name. info has their units; frame() and plot() are those of a Record."""
+    """Result of run(): arrays over time by name. info contains their units; frame() and plot() as for a Record."""
 
     def __init__(self, values, info):
         super().__init__(values)

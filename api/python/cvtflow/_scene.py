@@ -1,4 +1,4 @@
-"""Scenes in the words of Python: which key is meant, values as TOML and back, the listing of keys."""
+"""Scenes in Python: resolution of key names, values to and from TOML, the list of keys."""
 
 import difflib
 import json
@@ -19,7 +19,7 @@ def all_keys():
 
 
 def toml(value, table=False):
-    """A value as TOML. table: of a key that may be a table over time, for which a pandas.Series or two arrays (time, value) will do."""
+    """A value as TOML. table: of a key that may be a table over time, a pandas.Series or two arrays (time, value) are accepted."""
     if table and hasattr(value, "index") and hasattr(value, "to_numpy"):
         value = np.column_stack([np.asarray(value.index, dtype=float), value.to_numpy()])
     if table and isinstance(value, tuple) and len(value) == 2 and all(isinstance(each, np.ndarray) for each in value):
@@ -49,14 +49,14 @@ def _wrong(message):
 
 
 def _acts(scene, key):
-    """Whether a key takes part: drive.torque does in drive.mode "torque" alone."""
+    """Whether a key has an effect: drive.torque does in drive.mode "torque" alone."""
     section, name = key.split(".")
     mode = all_keys().get(section + ".mode")
     return mode is None or name not in mode.choices or value_of(scene.value(mode.name)) == name
 
 
 def resolve(scene, name):
-    """The key that is meant by its name, by its name with __ for the dot, or by its last part if no other key that acts ends so."""
+    """The key of a name, of a name with __ for the dot, or of a last part that no other effective key has."""
     key = name.replace("__", ".")
     if key in all_keys() or "." in key:
         return key
@@ -109,7 +109,7 @@ def item(scene, name):
 
 
 class Keys(Mapping):
-    """The keys of scenes: a mapping from names to KeyInfo that shows itself as a table."""
+    """The keys of scenes: a mapping from names to KeyInfo, displayed as a table."""
 
     def __init__(self, part=""):
         self._keys = {name: key for name, key in all_keys().items() if part in name}
@@ -158,6 +158,6 @@ def _range(key):
 
 
 def key_repr(key):
-    """How a KeyInfo shows itself."""
+    """Display of a KeyInfo."""
     range_text = "one of " + _range(key) if key.choices else _range(key)
     return f"<cvtflow.KeyInfo {key.name}: default {_default(key)}{range_text and ', ' + range_text}; {key.help}>"

@@ -1,4 +1,4 @@
-"""What results over time share: units, frames, plots."""
+"""Base of results over time: units, frames, plots."""
 
 from ._channels import split
 
@@ -6,7 +6,7 @@ _MILLI = 1e3
 
 
 class Series:
-    """Arrays over time by name, "time" [s] among them. Who derives has __getitem__ and info (name -> Column)."""
+    """Arrays over time by name, "time" [s] among them. Derived classes define __getitem__ and info (name -> Column)."""
 
     def _label(self, name):
         unit = self.info[split(name)[0]].unit

@@ -14,7 +14,7 @@ def _list(values):
 
 
 class Results(dict):
-    """What a sweep has left: arrays (lists for texts) by column, in the order of cases. info has units and descriptions by column."""
+    """Results of a sweep: arrays (lists for texts) by column, in the order of cases. info contains units and descriptions by column."""
 
     def __init__(self, table):
         super().__init__((column.name, table.read(column.name)) for column in table.columns())
@@ -33,7 +33,7 @@ class Results(dict):
         plain = re.sub(r"\W+", "_", name).strip("_")
         if plain in self:
             return plain
-        raise KeyError(f"there is no column '{name}'" + suggestion(plain, self))
+        raise KeyError(f"unknown column '{name}'" + suggestion(plain, self))
 
     def plot(self, x, y, by=None, ax=None, **style):
         """Draws a column over another with Matplotlib; by: one line for each value of a third. Returns the Axes.
@@ -66,7 +66,7 @@ class Results(dict):
 
 
 class Sweep:
-    """Every combination of values of some keys of a scene, and the scalars wanted of each.
+    """Every combination of values of some keys of a scene, and the requested scalars.
 
     sweep = cvtflow.Sweep(cvtflow.Scene.ready("tiny"), {"load.torque": ["6 N*m", "12 N*m"]}, ["slip mean", "efficiency mean"],
                           settings={"until": "0.2 ms"})
@@ -86,13 +86,13 @@ class Sweep:
         self.name = name
 
     def _scene(self):
-        """The scene itself, where a short key needs it."""
+        """The scene, for the resolution of short keys."""
         if isinstance(self.scene, Scene):
             return self.scene
         return Scene.read(self.scene) if _is_path(self.scene) else Scene.ready(self.scene)
 
     def _place(self):
-        """What stands for the scene in a sweep file, which may lie anywhere."""
+        """The scene's entry in a sweep file, which may be in any folder."""
         return os.path.abspath(self.scene) if _is_path(self.scene) else self.scene
 
     @property
@@ -121,7 +121,7 @@ class Sweep:
         return ["zip = [" + ", ".join(rows) + "]"]
 
     def write(self, path):
-        """Writes the sweep file, with the scene beside it if that is a Scene, and checks it. Raises SceneError with every problem."""
+        """Writes the sweep file, and a Scene beside it, and checks the sweep. Raises SceneError with every problem."""
         path = Path(path)
         beside = path.with_suffix(".scene.toml")
         if isinstance(self.scene, Scene):
@@ -158,7 +158,7 @@ class Sweep:
 
 
 def _script():
-    """tools/slurm/submit of the installation that this module is part of."""
+    """tools/slurm/submit of this module's installation."""
     for parent in Path(__file__).resolve().parents:
         found = parent / "share/cvtflow/slurm/submit"
         if found.is_file():
@@ -174,7 +174,7 @@ _run_uninterrupted = SweepFile.run
 
 
 def _run(self, folder, threads=0, progress=None):
-    """Runs what is missing in folder/cases.h5. False after cancel(). Ctrl-C ends it; running cases leave checkpoints."""
+    """Runs the cases that are missing in folder/cases.h5. False after cancel(). Ctrl-C ends it; running cases leave checkpoints."""
     done, thrown = [], []
 
     def work():

@@ -18,8 +18,8 @@ namespace {
 /// The team's threads, pinned. Regions of one team size that follow each other have the same threads under the same numbers.
 class TeamPins {
 public:
-    TeamPins(bool wanted, int threads) : threads_(threads), pins_(wanted ? static_cast<std::size_t>(threads) : 0) {
-        if (!wanted) return;
+    TeamPins(bool requested, int threads) : threads_(threads), pins_(requested ? static_cast<std::size_t>(threads) : 0) {
+        if (!requested) return;
 #pragma omp parallel num_threads(threads_)
         {
             const int thread = omp_get_thread_num();

@@ -19,14 +19,14 @@ namespace {
 /// Pins workers as long as they live.
 class WorkerPins final : public tf::WorkerInterface {
 public:
-    WorkerPins(bool wanted, int workers) : wanted_(wanted), pins_(static_cast<std::size_t>(workers)) {}
+    WorkerPins(bool requested, int workers) : requested_(requested), pins_(static_cast<std::size_t>(workers)) {}
     void scheduler_prologue(tf::Worker& worker) override {
-        pins_[worker.id()].emplace(wanted_, processors_, static_cast<int>(worker.id()));
+        pins_[worker.id()].emplace(requested_, processors_, static_cast<int>(worker.id()));
     }
     void scheduler_epilogue(tf::Worker& worker, std::exception_ptr /*none: bodies do not throw*/) override { pins_[worker.id()].reset(); }
 
 private:
-    bool wanted_;
+    bool requested_;
     Processors processors_;
     std::vector<std::optional<Pin>> pins_;  ///< [worker]
 };

@@ -26,21 +26,21 @@ double processor_time() {
 }
 
 /// From where the averaging ended.
-void time_in_turns(std::vector<DetailLevelResult>& rungs) {
-    std::vector<std::array<double, rounds>> times(rungs.size());
+void time_in_turns(std::vector<DetailLevelResult>& levels) {
+    std::vector<std::array<double, rounds>> times(levels.size());
     tasks::SilentObserver silent;
     for (std::size_t round = 0; round < rounds; ++round) {
-        for (std::size_t k = 0; k < rungs.size(); ++k) {
-            tasks::Simulation& simulation = *rungs[k].outcome.simulation;
+        for (std::size_t k = 0; k < levels.size(); ++k) {
+            tasks::Simulation& simulation = *levels[k].outcome.simulation;
             const double from = simulation.time(), began = processor_time();
             static_cast<void>(simulation.advance({.until = from + round_length}, silent, catch_interrupts()));
             times[k][round] = (processor_time() - began) / std::max(simulation.time() - from, 1e-9);
         }
     }
-    for (std::size_t k = 0; k < rungs.size(); ++k) {
+    for (std::size_t k = 0; k < levels.size(); ++k) {
         std::sort(times[k].begin(), times[k].end());
-        rungs[k].seconds = times[k][rounds / 2];
-        rungs[k].spread = (times[k].back() - times[k].front()) / rungs[k].seconds;
+        levels[k].seconds = times[k][rounds / 2];
+        levels[k].spread = (times[k].back() - times[k].front()) / levels[k].seconds;
     }
 }
 
@@ -62,7 +62,7 @@ std::vector<LadderPoint> ladder_points(const DetailArguments& arguments) {
     return points;
 }
 
-DetailVariant rung_variant(const tasks::DetailPreset& preset, double share) {
+DetailVariant level_variant(const tasks::DetailPreset& preset, double share) {
     return {preset.order, preset.plates, preset.joint_points, preset.pulleys, preset.pins, preset.name, share, preset.mass_scaling};
 }
 
@@ -72,15 +72,15 @@ Ladder measure_ladder(const DetailArguments& arguments, const LadderPoint& point
     if (!point.controlled) here.control = "0 s";
     const DetailMeasure measure(here, point.scene);
     const auto presets = tasks::detail_presets();
-    Ladder ladder{point, measure.measure(rung_variant(presets.back(), 0.25), 0.0), {}};
+    Ladder ladder{point, measure.measure(level_variant(presets.back(), 0.25), 0.0), {}};
     if (!ladder.reference.fault.empty())
-        throw tasks::SimulationError(fmt::format("{}: {}, with which all is compared, {} {}", point.name, ladder.reference.variant.name(),
+        throw tasks::SimulationError(fmt::format("{}: the reference, {}, {} {}", point.name, ladder.reference.variant.name(),
                                                  ladder.reference.status == "unreliable" ? "is" : "ended:", ladder.reference.fault));
     for (auto preset = presets.rbegin(); preset != presets.rend(); ++preset) {
         if (catch_interrupts().requested()) return ladder;
-        ladder.rungs.push_back({measure.measure(rung_variant(*preset, 1.0), ladder.reference.ratio)});
+        ladder.levels.push_back({measure.measure(level_variant(*preset, 1.0), ladder.reference.ratio)});
     }
-    time_in_turns(ladder.rungs);
+    time_in_turns(ladder.levels);
     return ladder;
 }
 

@@ -23,7 +23,7 @@ using namespace tools;
 
 namespace {
 
-/// What the table shows of a variant, in this order.
+/// Columns of a variant, in order.
 enum { tight, slack, tip, slip, speed_ratio, thrust_ratio };
 const std::vector<tasks::TunedOutput>& shown() {
     static const auto outputs = tasks::tuned_outputs({"tight_tension", "slack_tension", "tips", "slip", "ratio", "thrust_ratio"}, true);
@@ -47,7 +47,7 @@ struct Averager final : tasks::RunObserver {
     }
     void transition(const tasks::TransitionRecord&) override {}
 
-    /// Mean of what is shown over both halves.
+    /// Mean of the columns over both halves.
     [[nodiscard]] double mean(int which) const {
         const auto at = static_cast<std::size_t>(which);
         return 0.5 * (first.values()[at] + second.values()[at]);
@@ -64,8 +64,8 @@ struct Averager final : tasks::RunObserver {
     bool begun = false;
 };
 
-/// Two integrations, each with a balance of its own: the jolt with which the state is brought over belongs to the first one. What they came
-/// to: a fault, or what the watch says of the second, suspicions of both.
+/// Two integrations with separate energy balances: the first one contains the jolt of the converted state. Status: a fault, or the watch of
+/// the second with the larger balance error of both.
 void settle_and_average(tasks::Simulation& simulation, double settle, Averager& seen, double until, DetailOutcome& outcome) {
     tasks::SilentObserver silent;
     tasks::Fault fault = simulation.advance({.until = settle, .anew = true}, silent, catch_interrupts());
@@ -74,10 +74,10 @@ void settle_and_average(tasks::Simulation& simulation, double settle, Averager& 
     outcome.watch = seen.watch.verdict(simulation.energy(), before);
     outcome.status = outcome.watch.status(fault);
     outcome.fault = fault ? fault.message() : unreliable_remark(fault, outcome.watch);
-    if (outcome.status == "unreliable") outcome.fault += "; a shorter --step is needed";
+    if (outcome.status == "unreliable") outcome.fault += "; use a shorter --step";
 }
 
-/// Best of several: the machine may be busy.
+/// Minimum of several, because the machine may be busy.
 double cost_of(const tasks::Simulation& simulation) {
     model::EvaluationScratch scratch(simulation.variator().layout());
     std::vector<double> slope(static_cast<std::size_t>(simulation.variator().layout().size()));
@@ -171,12 +171,12 @@ std::vector<DetailVariant> detail_variants(bool all) {
 
 namespace {
 
-/// The dials are this command's own: a setting would turn them in all variants alike, and all differences would be zero.
+/// The compared keys of detail must not be set: all variants would be equal.
 void require_free_dials(const std::vector<std::string>& settings) {
     for (const std::string& setting : settings) {
         const std::string key = setting.substr(0, setting.find('='));
         for (const std::string_view dial : tasks::dial_keys()) {
-            if (key == dial) throw UsageError(fmt::format("--set {}: {} is one of the dials that are compared", setting, key));
+            if (key == dial) throw UsageError(fmt::format("--set {}: {} is one of the compared keys", setting, key));
         }
     }
 }
@@ -194,8 +194,7 @@ std::unique_ptr<tasks::Simulation> begin(tasks::Scene scene, double share) {
 DetailMeasure::DetailMeasure(DetailArguments arguments, std::string scene) : arguments_(std::move(arguments)), scene_(std::move(scene)) {
     require_free_dials(arguments_.settings);
     const tasks::Scene reference = scene_of(arguments_, scene_, full_detail, arguments_.settle);
-    if (reference.state_file.empty())
-        throw tasks::SceneError(fmt::format("{}: has no settled state of full detail to start from (start.state)", scene_));
+    if (reference.state_file.empty()) throw tasks::SceneError(fmt::format("{}: has no settled state of full detail (start.state)", scene_));
     settled_ = engine::read_state(reference.state_file);
     reference_ = reference.parameters;
     try {
@@ -207,7 +206,7 @@ DetailMeasure::DetailMeasure(DetailArguments arguments, std::string scene) : arg
     }
 }
 
-DetailOutcome DetailMeasure::measure(const DetailVariant& variant, double wanted) const {
+DetailOutcome DetailMeasure::measure(const DetailVariant& variant, double target) const {
     DetailOutcome outcome;
     outcome.variant = variant;
     tasks::Scene scene = scene_of(arguments_, scene_, variant, arguments_.settle);
@@ -219,16 +218,16 @@ DetailOutcome DetailMeasure::measure(const DetailVariant& variant, double wanted
     average(*simulation, settle, length, outcome);
     outcome.step = simulation->step();
     outcome.simulation = std::move(simulation);
-    if (outcome.fault.empty()) find_thrust(variant, wanted > 0.0 ? wanted : outcome.ratio, outcome);
+    if (outcome.fault.empty()) find_thrust(variant, target > 0.0 ? target : outcome.ratio, outcome);
     return outcome;
 }
 
 /// Mean over the last fifth of the time that ratio control has; gains as in scene `control`.
-void DetailMeasure::find_thrust(const DetailVariant& variant, double wanted, DetailOutcome& outcome) const {
+void DetailMeasure::find_thrust(const DetailVariant& variant, double target, DetailOutcome& outcome) const {
     if (std::strtod(arguments_.control.c_str(), nullptr) == 0.0) return;
     tasks::Scene scene = scene_of(
         arguments_, scene_, variant, arguments_.control,
-        {"control.enabled=true", fmt::format("control.ratio={:.6f}", wanted), "control.proportional=1 MN", "control.integral=5e7 N/s"});
+        {"control.enabled=true", fmt::format("control.ratio={:.6f}", target), "control.proportional=1 MN", "control.integral=5e7 N/s"});
     engine::SavedState settled = tasks::convert_state(settled_, reference_, scene.parameters);
     settled.state.resize(static_cast<std::size_t>(model::layout_of(scene.parameters).size()));  // the controller's integral begins at zero
     const tasks::StateFile start(settled);

@@ -1,9 +1,8 @@
 #pragma once
-/// One operating point at many levels of detail: what each costs and what it gives.
+/// Cost and results of many levels of detail at one operating point.
 ///
-/// Every variant starts from the scene's settled state at full detail, brought over to its own coordinates, goes on for a short settling
-/// time of its own and is then averaged. What a variant would still drift by after that is noted with it: smaller differences are not the
-/// detail's.
+/// Every variant starts from the scene's settled state at full detail, converted to its coordinates, settles for a short time and is then
+/// averaged. The remaining drift is reported: smaller differences are not due to detail.
 
 #include <memory>
 #include <string>
@@ -22,8 +21,8 @@ struct DetailArguments {
     std::vector<std::string> scenes;
     std::vector<std::string> settings;
     std::string method = tasks::RunSettings{}.method, step = "auto", settle = "20 ms", average = "20 ms";
-    std::string control = "100 ms";  ///< how long ratio control looks for the thrust ratio; begins with 0: not at all
-    bool all = false, rungs = false;
+    std::string control = "100 ms";  ///< time of ratio control to find the thrust ratio; begins with 0: no search
+    bool all = false, levels = false;
 };
 
 /// A combination of the dials.
@@ -33,14 +32,14 @@ struct DetailVariant {
     int joint_points;
     model::PulleyDetail pulleys;
     model::PinDetail pins = model::PinDetail::halves;
-    std::string_view preset{};  ///< its name as a level of detail; empty: it has none here
+    std::string_view preset{};  ///< its name as a level of detail; empty: none
     double share = 1.0;         ///< of the automatic step; 1: automatic steps [1]
     double mass_scaling = 1.0;  ///< [1]
     [[nodiscard]] std::string name() const;
 };
 inline constexpr DetailVariant full_detail{3, model::PlateDetail::each, 8, model::PulleyDetail::elastic};
 
-/// One dial at a time, then several down, full detail first; or every combination.
+/// Full detail first, then one key changed at a time, then several; or every combination.
 [[nodiscard]] std::vector<DetailVariant> detail_variants(bool all);
 
 struct DetailOutcome {
@@ -53,11 +52,11 @@ struct DetailOutcome {
     double slip = 0.0, efficiency = 0.0;
     double ratio = 0.0;                             ///< mean speed ratio
     double shift = 0.0;                             ///< relative rate of the ratio at the scene's clamping [1/s]
-    double thrust = 0.0;                            ///< S_1/S_2 that holds the wanted ratio under load; 0: not looked for
+    double thrust = 0.0;                            ///< S_1/S_2 that holds the target ratio under load; 0: not determined
     double drift = 0.0;                             ///< difference of the tight strand's tension between both halves of the averaging
-    tasks::RunVerdict watch;                        ///< over the averaging, suspicion of the settling as well
+    tasks::RunVerdict watch;                        ///< over the averaging; balance error of the settling included
     std::string status = "finished";                ///< or "unreliable", or the fault's name
-    std::string fault;                              ///< what is to be said of that; where there is something, the figures above are none
+    std::string fault;                              ///< message for that; if not empty, the figures above are invalid
     std::shared_ptr<tasks::Simulation> simulation;  ///< where the averaging ended
 };
 
@@ -66,11 +65,11 @@ class DetailMeasure {
 public:
     /// @throws tasks::SceneError if the scene has no settled state of full detail
     DetailMeasure(DetailArguments arguments, std::string scene);
-    /// @param wanted ratio that ratio control holds; 0: that of the variant itself
-    [[nodiscard]] DetailOutcome measure(const DetailVariant& variant, double wanted) const;
+    /// @param target ratio that ratio control holds; 0: that of the variant itself
+    [[nodiscard]] DetailOutcome measure(const DetailVariant& variant, double target) const;
 
 private:
-    void find_thrust(const DetailVariant& variant, double wanted, DetailOutcome& outcome) const;
+    void find_thrust(const DetailVariant& variant, double target, DetailOutcome& outcome) const;
 
     DetailArguments arguments_;
     std::string scene_;

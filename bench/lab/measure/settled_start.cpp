@@ -16,7 +16,7 @@ tasks::FrozenStart settled_start(const tasks::Scene& scene, bool settle, const s
     tasks::Simulation simulation(scene);
     if (simulation.needs_settling() && !settle) {
         throw tasks::SceneError(
-            fmt::format("{}: the start is not settled, {} would mean nothing: give --settle, or a state file with "
+            fmt::format("{}: the start is not settled, so {} are meaningless: add --settle, or a state file with "
                         "--set start.state=FILE (cvtflow settle)",
                         scene.name, what));
     }

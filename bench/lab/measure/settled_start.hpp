@@ -1,5 +1,5 @@
 #pragma once
-/// A state to measure at: that of the scene's file, or settled now.
+/// The state for a measurement: from the scene's state file, or settled now.
 
 #include <string>
 
@@ -8,11 +8,11 @@
 
 namespace cvtflow::bench {
 
-/// @param settle whether a geometric start may be settled   @param what "its errors", "its eigenvalues": what would mean nothing without
-/// @throws tasks::SceneError if it may not but would have to be; tasks::SettlingFault
+/// @param settle whether a geometric start may be settled   @param what "its errors", "its eigenvalues": for the message
+/// @throws tasks::SceneError if the start needs settling and `settle` is false; tasks::SettlingFault
 [[nodiscard]] tasks::FrozenStart settled_start(const tasks::Scene& scene, bool settle, const std::string& what);
 
-/// Tips that touch.
+/// Number of touching tips.
 [[nodiscard]] long touching_tips(const tasks::FrozenStart& start);
 
 }  // namespace cvtflow::bench

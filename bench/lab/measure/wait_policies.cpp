@@ -27,13 +27,13 @@ using Environment = std::vector<std::pair<std::string, std::string>>;
 
 constexpr const char* variables[] = {"OMP_WAIT_POLICY", "GOMP_SPINCOUNT", "KMP_BLOCKTIME"};
 
-std::vector<std::string> environment_of(const Environment& wanted) {
+std::vector<std::string> environment_of(const Environment& requested) {
     std::vector<std::string> words;
     for (char** each = environ; *each != nullptr; ++each) {
         const std::string word = *each, name = word.substr(0, word.find('='));
         if (std::find(std::begin(variables), std::end(variables), name) == std::end(variables)) words.push_back(word);
     }
-    for (const auto& [name, value] : wanted) words.push_back(name + "=" + value);
+    for (const auto& [name, value] : requested) words.push_back(name + "=" + value);
     return words;
 }
 
@@ -54,7 +54,7 @@ class Scratch {
 public:
     Scratch() {
         std::string name = (std::filesystem::temp_directory_path() / "cvtflow-profile-XXXXXX").string();
-        if (mkdtemp(name.data()) == nullptr) throw std::runtime_error(name + ": cannot make a folder for the children's files");
+        if (mkdtemp(name.data()) == nullptr) throw std::runtime_error(name + ": cannot create a folder for the children's files");
         path_ = name;
     }
     ~Scratch() {
@@ -87,7 +87,7 @@ void run_child(std::vector<std::string> words, const Environment& environment, c
     }
 }
 
-/// Of the schedules that a policy concerns, those that the user named, or all. Only fused ones: staged ones wait alike, more often.
+/// Fused schedules that a policy affects, restricted to those that the user named. Staged ones wait in the same way, more often.
 std::vector<std::string> schedules_of(const WaitPolicy& policy, const std::vector<std::string>& names) {
     std::vector<std::string> list;
     for (const std::string& executor : policy.executors) {

@@ -1,6 +1,6 @@
 #pragma once
-/// One profile under every way in which threads can wait. OpenMP's runtimes read theirs from the environment when they are loaded, so
-/// this program runs again as a child for each.
+/// One profile per wait policy. OpenMP's runtimes read the policy from the environment when they are loaded, so each policy runs in a child
+/// process.
 
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -12,7 +12,7 @@ namespace cvtflow::bench {
 
 struct WaitPolicy {
     std::string name;
-    std::vector<std::string> executors;                            ///< whom it concerns
+    std::vector<std::string> executors;                            ///< executors that it affects
     std::vector<std::pair<std::string, std::string>> environment;  ///< set in the child; others of these names are unset
     std::vector<std::string> options;                              ///< of `cvtflow-lab profile`
 };
@@ -31,7 +31,7 @@ struct PolicyResult {
 /// @param words "profile" and what to measure, without schedules and files   @param names schedules that the user named, of which to take;
 /// none: all
 /// @param progress called with one line before every child
-/// @throws std::runtime_error if a child fails, with what it said
+/// @throws std::runtime_error if a child fails, with its message
 [[nodiscard]] std::vector<PolicyResult> measure_policies(const std::vector<std::string>& words, const std::vector<std::string>& names,
                                                          const std::function<void(const std::string&)>& progress);
 

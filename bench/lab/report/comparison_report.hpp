@@ -1,5 +1,5 @@
 #pragma once
-/// A comparison of methods for people, programs and eyes.
+/// Results of a comparison of methods as text, CSV, JSON and picture.
 
 #include <string>
 

@@ -140,7 +140,7 @@ std::vector<DetailOutcome> measure_all(const DetailArguments& arguments, const s
         }
         outcomes.push_back(measure.measure(variant, outcomes.empty() ? 0.0 : outcomes.front().ratio));
         if (!outcomes.front().fault.empty())
-            throw tasks::SimulationError(fmt::format("{}: full detail, with which all is compared, {} {}", scene,
+            throw tasks::SimulationError(fmt::format("{}: the reference, full detail, {} {}", scene,
                                                      outcomes.front().status == "unreliable" ? "is" : "ended:", outcomes.front().fault));
         if (catch_interrupts().requested()) break;
     }
@@ -182,11 +182,11 @@ ExitStatus report_details(const DetailArguments& arguments, const OutputArgument
         folder.write(name + ".svg", picture(outcomes, scene));
     }
     fmt::print(
-        "Columns: difference from full detail; cost: one right-hand side, best of 200; thrust ratio: S_1/S_2 with which ratio control "
-        "holds the ratio of full detail;\n"
-        "shift: how much faster the speed ratio changes at the scene's clamping; drift: change of the tight strand's tension between both "
-        "halves of the averaging,\n"
-        "which is what settling {} left over; efficiency: over whole pin periods; residual: of the energy balance over the losses.\n{}",
+        "Columns: difference from full detail; cost: one right-hand side, minimum of 200; thrust ratio: S_1/S_2 at which ratio control "
+        "holds the ratio of full detail;\nshift: relative rate of change of the speed ratio at the scene's clamping; drift: change of the "
+        "tight strand's tension between both halves of the averaging,\nafter settling for {}; efficiency: over whole pin periods; "
+        "residual: "
+        "residual of the energy balance over the losses.\n{}",
         arguments.settle, folder.written());
     return complete ? ExitStatus::finished : ExitStatus::incomplete;
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// What each dial of detail costs and changes, as a table: `cvtflow-lab detail` and `cvtflow-lab tradeoff --detail`.
+/// Cost and errors of each key of detail, as a table: `cvtflow-lab detail` and `cvtflow-lab tradeoff --detail`.
 
 #include "bench/lab/measure/detail_measure.hpp"
 #include "tools/program/exit_status.hpp"
@@ -7,8 +7,8 @@
 
 namespace cvtflow::bench {
 
-/// Prints a table for every scene, differences from full detail; detail_SCENE.csv, .json, .svg if asked for. A variant that broke down is
-/// named on stderr and makes the result incomplete.
+/// Prints a table for every scene, differences from full detail; detail_SCENE.csv, .json, .svg if asked for. A failed variant is named on
+/// stderr and makes the result incomplete.
 tools::ExitStatus report_details(const DetailArguments& arguments, const tools::OutputArguments& output);
 
 }  // namespace cvtflow::bench

@@ -19,7 +19,7 @@ using nlohmann::ordered_json;
 
 namespace {
 
-/// Whether even the shortest tasks were long enough.
+/// Whether the shortest tasks reach an efficiency of 50 %.
 bool all_effective(const std::vector<GranularityPoint>& curve) {
     return !curve.empty() && effective_granularity(curve) == curve.front().length;
 }
@@ -32,8 +32,8 @@ std::string granularity_cell(const std::vector<GranularityPoint>& curve) {
 
 std::string conditions(const Granularity& result) {
     const engine::Provenance here = engine::current_provenance();
-    return fmt::format("{} threads on {}; calibration got {:.2f} of {} processors{}; commit {}", result.wanted, here.cpu, result.calibrated,
-                       result.wanted, result.crowded() ? ", others are busy" : "", here.commit);
+    return fmt::format("{} threads on {}; calibration got {:.2f} of {} processors{}; commit {}", result.requested, here.cpu,
+                       result.calibrated, result.requested, result.crowded() ? ", other processes are busy" : "", here.commit);
 }
 
 /// Colours repeat after eight.
@@ -60,7 +60,7 @@ std::string granularity_csv(const Granularity& result) {
         "executor,threads,tasks,length_us,efficiency,efficiency_lower_quartile,efficiency_upper_quartile,cycle_us,ideal_us,calibrated,"
         "processors,commit,compiler,flags,runtimes,cpu,cores,date\n";
     const engine::Provenance here = engine::current_provenance();
-    const std::string provenance = fmt::format("{:.3f},{},{},{},{},{},{},{},{}", result.calibrated, result.wanted, here.commit,
+    const std::string provenance = fmt::format("{:.3f},{},{},{},{},{},{},{},{}", result.calibrated, result.requested, here.commit,
                                                in_quotes(here.compiler + " " + here.build_type), in_quotes(compiler_flags()),
                                                in_quotes(bench::runtime_versions()), in_quotes(here.cpu), here.cores, here.date);
     for (const GranularityPoint& point : result.points) {
@@ -104,7 +104,7 @@ std::string granularity_json(const Granularity& result, const GranularityOptions
                         {"patience", options.patience},
                         {"rounds", options.rounds},
                         {"pin", options.pin}}},
-                      {"processors", {{"wanted", result.wanted}, {"calibrated", result.calibrated}, {"crowded", result.crowded()}}},
+                      {"processors", {{"requested", result.requested}, {"calibrated", result.calibrated}, {"crowded", result.crowded()}}},
                       {"curves", curves}});
 }
 

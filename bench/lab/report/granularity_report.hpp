@@ -1,5 +1,5 @@
 #pragma once
-/// Efficiency of executors against the length of tasks, for people, programs and eyes.
+/// Efficiency of executors against the length of tasks, as text, CSV, JSON and pictures.
 
 #include <string>
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace cvtflow::bench {
 
-/// METG(50 %) of every executor (rows) by number of tasks (columns) [us]; "<0.1": the shortest tasks were long enough; "-": none was.
+/// METG(50 %) of every executor (rows) by number of tasks (columns) [us]; "<0.1": the shortest tasks sufficed; "-": none was long enough.
 [[nodiscard]] std::string granularity_table(const Granularity& result);
 /// A row per point, provenance in every row.
 [[nodiscard]] std::string granularity_csv(const Granularity& result);

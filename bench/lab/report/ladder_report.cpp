@@ -21,7 +21,7 @@ namespace {
 
 Table::Column right(const char* heading) { return {heading, Align::right}; }
 
-/// An error of a figure; not a number where it was not looked for.
+/// Error of a figure; NaN if it was not determined.
 struct Column {
     const char* heading;
     double (*error)(const DetailOutcome& is, const DetailOutcome& should);
@@ -41,10 +41,10 @@ constexpr Column errors[] = {
 
 std::string cell(const Column& column, double value) { return std::isnan(value) ? "-" : fmt::format(fmt::runtime(column.format), value); }
 
-/// The finest level that has a name of its own below the finest one is what costs are compared with.
+/// Costs are relative to the level "fine".
 double seconds_of_fine(const Ladder& ladder) {
-    for (const DetailLevelResult& rung : ladder.rungs) {
-        if (rung.outcome.variant.preset == "fine") return rung.seconds;
+    for (const DetailLevelResult& level : ladder.levels) {
+        if (level.outcome.variant.preset == "fine") return level.seconds;
     }
     return std::nan("");
 }
@@ -60,12 +60,13 @@ void print(const Ladder& ladder) {
     for (const Column& column : errors) columns.push_back(right(column.heading));
     columns.push_back({"status"});
     Table table(columns);
-    for (const DetailLevelResult& rung : ladder.rungs) {
-        std::vector<std::string> cells{rung.outcome.variant.name(), fmt::format("{:.2f}", 1e6 * rung.outcome.step),
-                                       fmt::format("{:.2f}", rung.seconds), fmt::format("{:.2f}", rung.seconds / seconds_of_fine(ladder))};
+    for (const DetailLevelResult& level : ladder.levels) {
+        std::vector<std::string> cells{level.outcome.variant.name(), fmt::format("{:.2f}", 1e6 * level.outcome.step),
+                                       fmt::format("{:.2f}", level.seconds),
+                                       fmt::format("{:.2f}", level.seconds / seconds_of_fine(ladder))};
         for (const Column& column : errors)
-            cells.push_back(rung.outcome.fault.empty() ? cell(column, column.error(rung.outcome, exact)) : "-");
-        cells.push_back(rung.outcome.status);
+            cells.push_back(level.outcome.fault.empty() ? cell(column, column.error(level.outcome, exact)) : "-");
+        cells.push_back(level.outcome.status);
         table.add(cells);
     }
     fmt::print("{}\n", table.text(2));
@@ -77,28 +78,28 @@ double median(std::vector<double> values) {
     return n == 0 ? std::nan("") : 0.5 * (values[n / 2] + values[(n - 1) / 2]);
 }
 
-/// Medians of what is off over the points, and the largest of all.
+/// Medians and maxima of the errors over the points.
 void print_summary(const std::vector<Ladder>& ladders) {
     if (ladders.size() < 2) return;
     std::vector<Table::Column> columns{{"detail"}, right("of fine")};
     for (const Column& column : errors) columns.push_back(right(column.heading));
     Table table(columns);
-    for (std::size_t rung = 0; rung < ladders.front().rungs.size(); ++rung) {
+    for (std::size_t level = 0; level < ladders.front().levels.size(); ++level) {
         std::vector<double> shares;
-        for (const Ladder& ladder : ladders) shares.push_back(ladder.rungs[rung].seconds / seconds_of_fine(ladder));
-        std::vector<std::string> cells{ladders.front().rungs[rung].outcome.variant.name(), fmt::format("{:.2f}", median(shares))};
+        for (const Ladder& ladder : ladders) shares.push_back(ladder.levels[level].seconds / seconds_of_fine(ladder));
+        std::vector<std::string> cells{ladders.front().levels[level].outcome.variant.name(), fmt::format("{:.2f}", median(shares))};
         for (const Column& column : errors) {
             std::vector<double> sizes;
             for (const Ladder& ladder : ladders) {
-                const double error = std::abs(column.error(ladder.rungs[rung].outcome, ladder.reference));
-                if (ladder.rungs[rung].outcome.fault.empty() && !std::isnan(error)) sizes.push_back(error);
+                const double error = std::abs(column.error(ladder.levels[level].outcome, ladder.reference));
+                if (ladder.levels[level].outcome.fault.empty() && !std::isnan(error)) sizes.push_back(error);
             }
             cells.push_back(sizes.empty() ? "-"
                                           : fmt::format("{:.2f} ({:.2f})", median(sizes), *std::max_element(sizes.begin(), sizes.end())));
         }
         table.add(cells);
     }
-    fmt::print("{} operating points: medians of sizes, largest in brackets\n{}\n", ladders.size(), table.text(2));
+    fmt::print("{} operating points: median of the magnitudes, maximum in brackets\n{}\n", ladders.size(), table.text(2));
 }
 
 std::string csv_row(const Ladder& ladder, const DetailOutcome& o, double seconds, double spread) {
@@ -117,7 +118,7 @@ std::string csv_of(const std::vector<Ladder>& ladders) {
     text += watch_heading + std::string("\n");
     for (const Ladder& ladder : ladders) {
         text += csv_row(ladder, ladder.reference, 0.0, 0.0);
-        for (const DetailLevelResult& rung : ladder.rungs) text += csv_row(ladder, rung.outcome, rung.seconds, rung.spread);
+        for (const DetailLevelResult& level : ladder.levels) text += csv_row(ladder, level.outcome, level.seconds, level.spread);
     }
     return text;
 }
@@ -150,12 +151,12 @@ std::string json_of(const std::vector<Ladder>& ladders, const DetailArguments& a
     auto points = nlohmann::ordered_json::array();
     for (const Ladder& ladder : ladders) {
         auto rows = nlohmann::ordered_json::array();
-        for (const DetailLevelResult& rung : ladder.rungs) rows.push_back(row_json(rung.outcome, rung.seconds));
+        for (const DetailLevelResult& level : ladder.levels) rows.push_back(row_json(level.outcome, level.seconds));
         points.push_back({{"point", ladder.point.name},
                           {"scene", ladder.point.scene},
                           {"settings", ladder.point.settings},
                           {"reference", row_json(ladder.reference, 0.0)},
-                          {"rungs", rows}});
+                          {"levels", rows}});
     }
     return json_text({{"provenance", provenance_json()},
                       {"method", arguments.method},
@@ -165,16 +166,16 @@ std::string json_of(const std::vector<Ladder>& ladders, const DetailArguments& a
                       {"points", points}});
 }
 
-/// Cost against what slip is off by, a series for every level.
+/// Error of slip against cost, one series per level.
 std::string picture(const std::vector<Ladder>& ladders) {
     Plot plot;
-    plot.title = "What levels of detail cost and how far slip is off";
+    plot.title = "Cost of levels of detail and error of slip";
     plot.x = {"processor time per simulated second [s/s]", Scale::logarithmic, 1.0, {}, {}};
-    plot.y = {"slip, off by [%]", Scale::logarithmic, 1.0, {}, {}};
-    for (std::size_t rung = 0; rung < ladders.front().rungs.size(); ++rung) {
-        Series series{.name = ladders.front().rungs[rung].outcome.variant.name(), .points = {}, .line = Line::none, .colour = {}};
+    plot.y = {"error of slip [%]", Scale::logarithmic, 1.0, {}, {}};
+    for (std::size_t level = 0; level < ladders.front().levels.size(); ++level) {
+        Series series{.name = ladders.front().levels[level].outcome.variant.name(), .points = {}, .line = Line::none, .colour = {}};
         for (const Ladder& ladder : ladders) {
-            const DetailLevelResult& here = ladder.rungs[rung];
+            const DetailLevelResult& here = ladder.levels[level];
             if (here.outcome.fault.empty())
                 series.points.push_back({here.seconds, std::abs(off(here.outcome.slip, ladder.reference.slip))});
         }
@@ -193,9 +194,9 @@ ExitStatus report_ladder(const DetailArguments& arguments, const OutputArguments
         if (catch_interrupts().requested()) return ExitStatus::cancelled;
         print(ladders.back());
         std::fflush(stdout);
-        for (const DetailLevelResult& rung : ladders.back().rungs) {
-            if (rung.outcome.fault.empty()) continue;
-            print_error(fmt::format("{}: {}: {}", point.name, rung.outcome.variant.name(), rung.outcome.fault));
+        for (const DetailLevelResult& level : ladders.back().levels) {
+            if (level.outcome.fault.empty()) continue;
+            print_error(fmt::format("{}: {}: {}", point.name, level.outcome.variant.name(), level.outcome.fault));
             complete = false;
         }
     }
@@ -205,9 +206,8 @@ ExitStatus report_ladder(const DetailArguments& arguments, const OutputArguments
     folder.write("ladder.json", json_of(ladders, arguments));
     folder.write("ladder.svg", picture(ladders));
     fmt::print(
-        "s/s: processor time per simulated second, all levels in turns; of fine: the same over that of \"fine\"; thrust ratio: S_1/S_2 "
-        "with "
-        "which ratio control holds\nthe ratio of the reference; shift: how much faster the speed ratio changes.\n{}",
+        "s/s: processor time per simulated second, levels alternating; of fine: relative to \"fine\"; thrust ratio: S_1/S_2 at which ratio "
+        "control holds\nthe ratio of the reference; shift: relative rate of change of the speed ratio.\n{}",
         folder.written());
     return complete ? ExitStatus::finished : ExitStatus::incomplete;
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// A profile for eyes.
+/// Pictures of a profile.
 
 #include <string>
 #include <vector>
@@ -9,12 +9,12 @@
 
 namespace cvtflow::bench {
 
-/// Where the time goes: for every recorded schedule (across, by its number in the tables) the time of each stage per step, of all threads
-/// together, waiting included; a series per stage, named as the tasks of the graphs name them.
+/// Time per step of each stage, summed over threads, waiting included, for every recorded schedule (horizontal axis: its number in the
+/// tables). One series per stage, named as the graph's tasks.
 [[nodiscard]] tools::Plot stages_plot(const std::string& scene, const Profile& profile);
 /// Time per step beside busy neighbours, a curve per schedule.
 [[nodiscard]] tools::Plot loads_plot(const std::string& scene, const Profile& profile);
-/// Speed-ups by the number of threads: three curves, the critical path and what was measured. For profiles that predict.
+/// Speed-ups by the number of threads: three curves, the critical path and measurements. For profiles with a prediction.
 [[nodiscard]] tools::Plot curves_plot(const std::string& scene, const Profile& profile);
 
 }  // namespace cvtflow::bench

@@ -48,7 +48,7 @@ std::vector<std::string> read_choice(const std::string& choice) {
 
 Candidate read_candidate(const std::string& text) {
     const std::size_t at = text.find('@');
-    if (at == std::string::npos) throw UsageError(fmt::format("{}: a method and its step are wanted, such as rk4@50ns", text));
+    if (at == std::string::npos) throw UsageError(fmt::format("{}: expected a method and its step, such as rk4@50ns", text));
     const Candidate candidate{text.substr(0, at), read_step(text, text.substr(at + 1))};
     require_method(candidate.method);
     return candidate;

@@ -1,5 +1,5 @@
 #pragma once
-/// Methods with their steps as commands take them: METHOD@STEP, METHOD@auto, METHOD@LONGEST~TOLERANCE.
+/// Methods with steps, as written on the command line: METHOD@STEP, METHOD@auto, METHOD@LONGEST~TOLERANCE.
 
 #include <string>
 #include <vector>
@@ -13,7 +13,7 @@ namespace cvtflow::bench {
 
 /// "dumka3-p5@2us", "leapfrog-rkc@auto", "dopri54@1us~1e-3" (a tolerance) as settings of a scene. @throws tasks::SceneError
 [[nodiscard]] std::vector<std::string> read_choice(const std::string& choice);
-/// "rk4@50ns", "rk4@auto". @throws tasks::SceneError also if there is no such method
+/// "rk4@50ns", "rk4@auto". @throws tasks::SceneError also for an unknown method
 [[nodiscard]] Candidate read_candidate(const std::string& text);
 /// The text from which read_candidate() makes this candidate.
 [[nodiscard]] std::string candidate_name(const Candidate& candidate);

@@ -49,7 +49,7 @@ std::string timing_text(const Profile& profile) {
                  right("sync"),
                  right("alone"),
                  right("bare"),
-                 right("least task"),
+                 right("min task"),
                  right("imbalance"),
                  right("recording"),
                  {""}});
@@ -165,7 +165,7 @@ std::string synchronisation_text(const ProfileModel& model) {
     std::string text =
         fmt::format("per cycle {} us + {} us x M, or {} us + {} us x log2(M)", microseconds(costs.synchronisation),
                     microseconds(costs.per_thread), microseconds(costs.synchronisation_tree), microseconds(costs.per_doubling));
-    if (model.assumed) return text + "; assumed: threads did not come, the machine is too busy";
+    if (model.assumed) return text + "; assumed: the machine is too busy to measure it";
     text += "; measured";
     for (const ThreadCost& cost : model.synchronisation) text += fmt::format(" {} us (M = {})", microseconds(cost.seconds), cost.threads);
     return text;
@@ -183,7 +183,7 @@ std::string costs_text(const Profile& profile) {
     text += field("controller", fmt::format("{} us per cycle, {:.2f} evaluation cycles and {:.2f} other cycles per step",
                                             microseconds(costs.controller), costs.evaluations, 1.0 + costs.other_cycles));
     if (costs.own_tasks + costs.own_single > 0.0) {
-        text += field("own cycles", fmt::format("{} us per step in tasks side by side, {} us in tasks alone on their level",
+        text += field("own cycles", fmt::format("{} us per step in parallel tasks, {} us in tasks that are alone on their level",
                                                 microseconds(costs.own_tasks), microseconds(costs.own_single)));
     }
     text += field("stretch", profile.model.stretched ? fmt::format("tasks on several threads take {:.3f} times as long", costs.stretch)
@@ -199,13 +199,13 @@ std::string costs_text(const Profile& profile) {
 
 std::string crowding_text(const Profile& profile) {
     if (profile.calibrated < 0.0) return {};
-    return fmt::format("calibration got {:.2f} of {} processors, the schedules {:.2f}; {:.2f} are needed", profile.calibrated,
-                       profile.processors_wanted(), profile.processors_got(), engine::crowded_below * profile.processors_wanted());
+    return fmt::format("calibration got {:.2f} of {} processors, the schedules {:.2f}; {:.2f} are required", profile.calibrated,
+                       profile.processors_requested(), profile.processors_got(), engine::crowded_below * profile.processors_requested());
 }
 
 std::string model_text(const Profile& profile) {
     if (!profile.predicts())
-        return fmt::format("No prediction: {}. Others are busy (--predict predicts all the same).\n", crowding_text(profile));
+        return fmt::format("No prediction: {}. Other processes are busy (--predict overrides).\n", crowding_text(profile));
     std::string text = "Critical path (fused, a thread per segment):\n" + costs_text(profile);
     Table table(
         {right("M"), right("ideal"), right("N/N_max"), right("Amdahl"), right("critical path"), right("bounds"), right("measured")});
@@ -237,7 +237,7 @@ std::string predictions_text(const Profile& profile) {
                                    fmt::format("{:+.1f} %", 100.0 * (result.predicted / load.speed_up - 1.0))});
         table.add(cells);
     }
-    return "Predicted and measured speed-ups (each with its executor's own synchronisation, where all threads came)\n" + table.text();
+    return "Predicted and measured speed-ups (each with the synchronisation of its executor, if all threads ran)\n" + table.text();
 }
 
 }  // namespace cvtflow::bench

@@ -1,5 +1,5 @@
 #pragma once
-/// A profile for people: tables and bars.
+/// A profile as text: tables and bars.
 
 #include <string>
 
@@ -13,11 +13,11 @@ namespace cvtflow::bench {
 [[nodiscard]] std::string neighbours_text(const Profile& profile);
 /// A bar per thread and schedule, divided by stages.
 [[nodiscard]] std::string stages_text(const Profile& profile);
-/// Where sequential time goes: the serial staged run by stage, or the fused one if that was not measured.
+/// Sequential time by stage: of the serial staged run, or of the fused one if that was not measured.
 [[nodiscard]] std::string serial_text(const Profile& profile);
-/// What the calibrations got of the processors, beside what a prediction needs; empty if there was none.
+/// Processors that the calibrations obtained, and the number that a prediction requires; empty without calibration.
 [[nodiscard]] std::string crowding_text(const Profile& profile);
-/// Costs, three curves and the critical path beside what was measured; why there are none on a crowded machine.
+/// Costs, three curves and the critical path beside measurements; on a busy machine the reason for their absence.
 [[nodiscard]] std::string model_text(const Profile& profile);
 
 /// Predicted speed-up of every schedule beside the measured one.

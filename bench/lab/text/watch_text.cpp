@@ -16,12 +16,12 @@ std::string residual_cell(const tasks::Fault& fault, const tasks::RunVerdict& wa
 
 std::string unreliable_remark(const tasks::Fault& fault, const tasks::RunVerdict& watch) {
     if (fault || watch.reliable()) return {};
-    return fmt::format("unreliable: the energy balance is off by {:.2g} times what an honest integration leaves", watch.suspicion);
+    return fmt::format("unreliable: the residual of the energy balance is {:.2g} times the tolerance", watch.suspicion);
 }
 
 std::string too_short(const tasks::RunVerdict& watch) {
     if (watch.long_enough()) return {};
-    return fmt::format("{} are {:.2g} pin periods: means of slip and efficiency need {:g} (about {} here)", time_text(watch.duration),
+    return fmt::format("{} are {:.2g} pin periods: means of slip and efficiency require {:g} (about {} here)", time_text(watch.duration),
                        watch.pin_periods(), tasks::enough_pin_periods, time_text(tasks::enough_pin_periods * watch.pin_period));
 }
 

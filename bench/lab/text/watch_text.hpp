@@ -1,5 +1,5 @@
 #pragma once
-/// What the watch over a run says, for people and programs: the same columns in every command that compares runs.
+/// Results of a run's energy watch as text and columns, the same in every command that compares runs.
 
 #include <nlohmann/json.hpp>
 #include <string>

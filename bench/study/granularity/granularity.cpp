@@ -54,21 +54,21 @@ double iteration_time() {
 /// Cycles until the work is done or patience is over; those of the first millisecond bring threads together and do not count.
 class WorkedCycles final : public engine::Controller {
 public:
-    WorkedCycles(long cycles, double patience) : wanted_(cycles), patience_(patience) {}
+    WorkedCycles(long cycles, double patience) : requested_(cycles), patience_(patience) {}
     int next() noexcept override {
         constexpr double arrival = 1e-3;
         if (done_ < 0 && passed(begin_) < arrival) return 0;
         if (done_ < 0) begin_ = Clock::now();
         ++done_;
         const double seconds = passed(begin_);
-        if (done_ < wanted_ && (done_ == 0 || seconds < patience_)) return 0;
+        if (done_ < requested_ && (done_ == 0 || seconds < patience_)) return 0;
         per_cycle_ = seconds / static_cast<double>(done_);
         return stop;
     }
     [[nodiscard]] double per_cycle() const noexcept { return per_cycle_; }
 
 private:
-    long wanted_, done_ = -1;
+    long requested_, done_ = -1;
     double patience_, per_cycle_ = 0.0;
     Clock::time_point begin_ = Clock::now();
 };
@@ -197,7 +197,7 @@ double effective_granularity(std::span<const GranularityPoint> curve, double sha
     return below.length * std::pow(above.length / below.length, part);
 }
 
-bool Granularity::crowded() const noexcept { return calibrated < engine::crowded_below * wanted; }
+bool Granularity::crowded() const noexcept { return calibrated < engine::crowded_below * requested; }
 
 std::vector<std::string> Granularity::executors() const {
     std::vector<std::string> names;
@@ -228,14 +228,14 @@ Granularity measure_granularity(const GranularityOptions& options, const std::fu
     const std::vector<Contender> executors = contenders(options);
     std::vector<Setting> all = settings(options);
     Granularity result;
-    for (const Contender& each : executors) result.wanted = std::max(result.wanted, std::min(each.threads, usable_threads()));
-    result.calibrated = engine::processors_got(result.wanted, calibration);
+    for (const Contender& each : executors) result.requested = std::max(result.requested, std::min(each.threads, usable_threads()));
+    result.calibrated = engine::processors_got(result.requested, calibration);
     Times times(all.size(), std::vector<std::vector<double>>(executors.size()));
     for (int round = 0; round < options.rounds; ++round) {
         if (progress) progress(fmt::format("round {} of {}", round + 1, options.rounds));
         measure_round(all, executors, options, times);
     }
-    result.calibrated = std::min(result.calibrated, engine::processors_got(result.wanted, calibration));
+    result.calibrated = std::min(result.calibrated, engine::processors_got(result.requested, calibration));
     for (std::size_t s = 0; s < all.size(); ++s) {
         for (std::size_t e = 0; e < executors.size(); ++e) result.points.push_back(point(all[s], executors[e], times[s][e]));
     }

@@ -44,8 +44,8 @@ struct GranularityPoint {
 
 struct Granularity {
     std::vector<GranularityPoint> points;  ///< by number of tasks, length, executor
-    double calibrated = 0.0;               ///< least that calibrations before and after got of the processors wanted [1]
-    int wanted = 1;                        ///< threads, or the usable processors if these are fewer
+    double calibrated = 0.0;               ///< least that calibrations before and after got of the processors requested [1]
+    int requested = 1;                     ///< threads, or the usable processors if these are fewer
 
     [[nodiscard]] bool crowded() const noexcept;
     /// Executors in the order of the points.

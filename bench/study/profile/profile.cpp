@@ -105,14 +105,14 @@ double Profile::processors_got() const noexcept {
     return most;
 }
 
-int Profile::processors_wanted() const noexcept {
+int Profile::processors_requested() const noexcept {
     int most = 1;
     for (const ScheduleResult& result : results) most = std::max(most, std::min(result.schedule.threads, usable_threads()));
     return most;
 }
 
 bool Profile::crowded() const noexcept {
-    const double needed = engine::crowded_below * processors_wanted();
+    const double needed = engine::crowded_below * processors_requested();
     return processors_got() < needed || (calibrated >= 0.0 && calibrated < needed);
 }
 

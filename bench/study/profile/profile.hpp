@@ -32,11 +32,11 @@ struct Profile {
 
     /// Fused schedule with the best speed-up on so many threads; nullptr: none was measured.
     [[nodiscard]] const ScheduleResult* best_fused(int threads) const noexcept;
-    double calibrated = -1.0;  ///< least that calibrations before, amid and after got of processors_wanted(); -1: none [1]
+    double calibrated = -1.0;  ///< least that calibrations before, amid and after got of processors_requested(); -1: none [1]
 
     /// Processors that the hungriest schedule kept busy, and how many it could have.
     [[nodiscard]] double processors_got() const noexcept;
-    [[nodiscard]] int processors_wanted() const noexcept;
+    [[nodiscard]] int processors_requested() const noexcept;
     /// Whether it, or the calibration, got less than nine tenths: what threads bring cannot be seen on such a machine. (Waiting threads
     /// burn time too, which only a calibration tells apart.)
     [[nodiscard]] bool crowded() const noexcept;

@@ -205,7 +205,7 @@ std::string profile_json(const Scene& scene, const MeasureOptions& options, cons
     json["load_average"] = {{"before", profile.load_before}, {"after", profile.load_after}};
     json["crowded"] = profile.crowded();
     json["processors"] = {
-        {"wanted", profile.processors_wanted()}, {"got_by_schedules", profile.processors_got()}, {"calibrated", profile.calibrated}};
+        {"requested", profile.processors_requested()}, {"got_by_schedules", profile.processors_got()}, {"calibrated", profile.calibrated}};
     json["schedules"] = results;
     json["bare_barrier"] = thread_costs(profile.bare);
     json["model"] = model_json(profile.model);

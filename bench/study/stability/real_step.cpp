@@ -48,11 +48,11 @@ void hold(IntegrationState& state, double h) {
     return numbers;
 }
 
-/// Factor that makes a disturbance as large as wanted.
-[[nodiscard]] double length_of(const double* disturbing, int size, double largest_wanted) {
+/// Factor that makes a disturbance as large as target.
+[[nodiscard]] double length_of(const double* disturbing, int size, double largest_target) {
     double largest = 0.0;
     for (int k = 0; k < size; ++k) largest = std::max(largest, std::abs(disturbing[k]));
-    return largest_wanted / largest;
+    return largest_target / largest;
 }
 
 }  // namespace

@@ -22,14 +22,14 @@ namespace {
 ///     W                    └──► reads level_, share ···┴─ done[1] ◄─ 7          opened = 8? …
 ///
 /// Every store is a release and every load of another's number an acquire, so all that C and the workers wrote before level 7 is
-/// seen in level 7, and all that was read or written in level 7 is over before C goes on. level_ is written only while every worker
+/// seen in level 7, and all that was read or written in level 7 is complete before C continues. level_ is written only while every worker
 /// waits for `opened`. Each number has one writer and grows by one, hence no reset, no compare-and-swap and nothing to wrap (64 bits).
 class Team {
 public:
     Team(Run& run, const ExecutorOptions& options) : run_(run), options_(options), untried_(options), own_(options.pin, processors_, 0) {
-        const auto wanted = static_cast<std::size_t>(options.threads);
-        done_ = std::make_unique<Counter[]>(wanted);
-        threads_.reserve(wanted);
+        const auto requested = static_cast<std::size_t>(options.threads);
+        done_ = std::make_unique<Counter[]>(requested);
+        threads_.reserve(requested);
         try {
             for (int worker = 1; worker < options.threads; ++worker) threads_.emplace_back([this, worker] { work(worker); });
         } catch (const std::exception&) {

@@ -1,5 +1,5 @@
 #pragma once
-/// What a board of resident workers stands on: atomics, a way of waiting, a way of going away. Private to this folder.
+/// The machine of a board of resident workers: atomics, waiting, and leaving the processor. Private to this folder.
 
 #include <atomic>
 #include <chrono>
@@ -17,7 +17,7 @@ struct BoardMachine {
     using Atomic = std::atomic<Value>;
     using Waiter = Backoff;
     static constexpr std::size_t numbers_together = apart / sizeof(std::uint64_t);  // on a line of their own
-    static constexpr int patience = 50;  // polls for a worker's own tasks before it looks for others', about 1 us
+    static constexpr int patience = 50;  // polls of a worker's own tasks before it checks those of others, about 1 us
 
     /// Whether a worker is at work, or leaves its processor to others for a while.
     class Presence {
@@ -27,7 +27,7 @@ struct BoardMachine {
 
         /// Called between levels. Whether the worker should leave now.
         [[nodiscard]] bool due() noexcept { return retreats_ && round_++ % rounds_per_reading == 0 && contention_.due(); }
-        /// Sleeps until the time is over, or over() says that the run is.
+        /// Sleeps for the given time, or until over() is true.
         template <class Over>
         void away(const Over& over) noexcept {
             const auto until = std::chrono::steady_clock::now() + contention_.length();

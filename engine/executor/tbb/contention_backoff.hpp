@@ -1,5 +1,5 @@
 #pragma once
-/// When a resident worker should leave a processor that others want, too. Private to this folder.
+/// Decides when a resident worker leaves a processor that other threads need. Private to this folder.
 ///
 /// The system takes a contended processor away for a slice of milliseconds, nearly always in the middle of a task, and everybody waits
 /// for that task. A worker that notices leaves between two tasks instead: the others do all of the work meanwhile, at their own speed.
@@ -14,9 +14,9 @@ namespace cvtflow::engine {
 struct ProcessorUse {
     std::chrono::nanoseconds wall{};       ///< since any fixed moment
     std::chrono::nanoseconds processor{};  ///< of this thread
-    std::int64_t taken_away = 0;           ///< how often the thread lost the processor while it wanted to run
+    std::int64_t taken_away = 0;           ///< number of times that the thread lost the processor while runnable
 
-    /// Zeros where the system does not tell; such a worker never retreats. Costs about 1 µs.
+    /// Zeros if the system does not report them; such a worker never retreats. Costs about 1 µs.
     [[nodiscard]] static ProcessorUse now() noexcept;
 };
 

@@ -51,7 +51,7 @@ WriterThread::WriterThread(std::size_t slots, std::size_t row_bytes, std::functi
     try {
         thread_ = std::thread([this] { work(); });
     } catch (const std::system_error&) {
-        note_shortage(2, 1);  // whoever posts a row writes it
+        note_shortage(2, 1);  // written by the thread that posts a row
     }
 }
 

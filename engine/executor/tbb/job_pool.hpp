@@ -65,7 +65,7 @@ private:
     std::thread thread_;
 };
 
-/// Things of which each is to be made once, by whoever needs it first; others wait.
+/// Values that are computed once each, by the first thread that needs them; other threads wait.
 class OnceEach {
 public:
     /// @return true: the caller has to make it and call made(). false: it is there, or was given up

@@ -1,6 +1,6 @@
 #pragma once
 /// The protocol of resident workers: a board on which cycles are opened, and their tasks claimed as soon as their predecessors have
-/// finished. Private to this folder; knows nothing of who provides the threads.
+/// finished. Private to this folder; independent of the source of the threads.
 
 #include <array>
 #include <atomic>
@@ -15,7 +15,7 @@ namespace cvtflow::engine {
 
 /// Workers come and go as they like: one that never comes, or is away for a while, costs speed and nothing else. Any one of them
 /// finishes everything. Allocates in the constructor only.
-/// @tparam Machine what it stands on: BoardMachine, or in tests one that goes through every interleaving
+/// @tparam Machine atomics and waiting: BoardMachine, or in tests one that explores every interleaving
 template <class Machine>
 class ResidentBoardOn {
 public:
@@ -51,13 +51,13 @@ private:
     /// A task in its share.
     struct Place {
         int task;
-        int stamp;                      ///< its own, or none: nobody waits for it
+        int stamp;                      ///< its stamp, or none if no task depends on it
         std::size_t first_wait, waits;  ///< stamps of its predecessors, in waits_
     };
     struct Share {
         std::size_t first, size;  ///< in places_
     };
-    /// The first task of a share that nobody has taken.
+    /// The first unclaimed task of a share.
     enum class Head { none, blocked, ready };
     static constexpr int none = -1;
 

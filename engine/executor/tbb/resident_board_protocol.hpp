@@ -129,7 +129,7 @@ typename ResidentBoardOn<Machine>::Head ResidentBoardOn<Machine>::head(int owner
     return ready(places_[share.first + position], sequence) ? Head::ready : Head::blocked;
 }
 
-/// Runs what nobody has taken of the owner's share of the open cycle, as far as it is ready. Returns whether something of it is left.
+/// Runs the unclaimed ready tasks of the owner's share of the open cycle. Returns whether some of the share is left.
 template <class Machine>
 bool ResidentBoardOn<Machine>::run_share(int worker, int owner, std::uint64_t open, std::uint64_t& ran) noexcept {
     const std::uint64_t sequence = Word::sequence(open);
@@ -199,7 +199,7 @@ std::uint64_t ResidentBoardOn<Machine>::finish(int worker, std::uint64_t open, t
     return open_cycle(Word::sequence(open) + 1, run_.decide(worker));
 }
 
-/// Is away while others work. Does nothing if nobody else is at work.
+/// Leaves the processor while others work. No effect without other workers.
 template <class Machine>
 void ResidentBoardOn<Machine>::leave(typename Machine::Presence& presence) noexcept {
     int at_work = at_work_.value.load(std::memory_order_relaxed);

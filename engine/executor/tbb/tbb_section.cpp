@@ -9,7 +9,7 @@
 namespace cvtflow::engine {
 
 struct ArenaPins::Guest {
-    std::atomic<pid_t> thread{0};  // 0: nobody
+    std::atomic<pid_t> thread{0};  // 0: none
     cpu_set_t before;
 };
 

@@ -42,7 +42,7 @@ private:
 ///
 /// Or the arena in which the caller already is, isolated: the caller takes none of the host's tasks while it waits.
 ///
-/// Where the system has fewer threads than wanted, the arena is an own one with those that there are, down to the caller alone.
+/// If the system has fewer threads than requested, a separate arena with the available ones is used, down to the caller alone.
 class TbbSection {
 public:
     /// @param pin whether threads are pinned by their slot

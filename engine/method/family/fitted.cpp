@@ -17,7 +17,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// |R(z)| ≤ bound is wanted.
+/// |R(z)| ≤ bound is required.
 struct Point {
     Complex z;
     double bound;

@@ -1,12 +1,12 @@
 #pragma once
 /// Explicit methods whose stability polynomial is fitted to a spectrum: sums of the stages of an RKC recurrence that is stretched over the
-/// wanted real interval. Their stages stay bounded there and errors made in a stage hardly grow, unlike those of factorised polynomials.
+/// target real interval. Their stages stay bounded there and errors made in a stage hardly grow, unlike those of factorised polynomials.
 ///
 ///     Y_j(z) = a_j + b_j T_j(w0 + w1 z),  y' = Σ alpha_j Y_j,  w1 = (1 + w0)/(1.03 L)
 ///
 /// The weights alpha minimise max |R(z_i)|/bound_i over points of the spectrum by Lawson's iteration (least squares, weights multiplied by
 /// the residuals), among those that satisfy the order conditions of linear problems. That takes milliseconds, so a method can be made when
-/// it is needed. The other condition of order 3, b·c² = 1/3, then holds to some 1e-6 without being asked for; asking for it, which is
+/// it is needed. The other condition of order 3, b·c² = 1/3, then holds to some 1e-6 without being imposed; imposing it, which is
 /// nearly the same condition again, takes weights so large that the real interval falls from 204 to 4 (measured).
 
 #include <complex>

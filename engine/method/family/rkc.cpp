@@ -103,7 +103,7 @@ bool within_limits(const Request& request) {
            request.damping <= max_rkc_damping;
 }
 
-/// Made when first asked for; the language makes that safe with threads.
+/// Computed on first use; thread-safe by the language.
 template <std::size_t index>
 const StagePlan& kept() {
     static const StagePlan plan = rkc(min_rkc_stages + static_cast<int>(index));

@@ -11,7 +11,7 @@ namespace cvtflow::engine {
 
 namespace {
 
-/// Where the chain of Euler steps stands.
+/// Present position in the chain of Euler steps.
 struct Front {
     int state = 0;
     int slope = 0;

@@ -1,5 +1,5 @@
 #pragma once
-/// Internal to engine/record: the seal at the end of every finished file, which is looked at before HDF5 sees any of it.
+/// Internal to engine/record: the seal at the end of every finished file, which is checked before HDF5 reads the file.
 ///
 ///     … the HDF5 file …   "CVTFSEAL"   length of the file before the seal   its Checksum   Checksum of these 24 bytes
 ///

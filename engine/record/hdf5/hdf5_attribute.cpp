@@ -114,7 +114,7 @@ void write_texts(hid_t object, const std::string& name, const std::vector<std::s
 }
 
 bool has_attribute(hid_t object, const std::string& name) {
-    return check(H5Aexists(object, name.c_str()), "cannot look for attribute '" + name + "'") > 0;
+    return check(H5Aexists(object, name.c_str()), "cannot check attribute '" + name + "'") > 0;
 }
 
 std::vector<Attribute> read_attributes(hid_t object) {

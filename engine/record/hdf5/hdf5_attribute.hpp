@@ -21,11 +21,11 @@ void write_texts(hid_t object, const std::string& name, const std::vector<std::s
 /// All scalar attributes that are text of fixed length, integer or real, by name; others (such as those of dimension scales) are passed
 /// over.
 [[nodiscard]] std::vector<Attribute> read_attributes(hid_t object);
-/// A scalar text, or "" if there is none of that name and kind.
+/// A scalar text, or "" if absent or of another kind.
 [[nodiscard]] std::string read_text(hid_t object, const std::string& name);
 /// A scalar number, or the fallback.
 [[nodiscard]] std::int64_t read_integer(hid_t object, const std::string& name, std::int64_t fallback);
-/// A list of texts, empty if there is none of that name and kind.
+/// A list of texts, empty if absent or of another kind.
 [[nodiscard]] std::vector<std::string> read_texts(hid_t object, const std::string& name);
 
 }  // namespace cvtflow::engine::hdf5

@@ -57,20 +57,20 @@ void Handle::release() noexcept {
 Handle file_access() {
     Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "cannot make access properties");
     check(H5Pset_libver_bounds(access.id(), H5F_LIBVER_V110, H5F_LIBVER_V110), "cannot choose the format");
-    check(H5Pset_file_locking(access.id(), 0, 1), "cannot turn file locks off");
+    check(H5Pset_file_locking(access.id(), 0, 1), "cannot disable file locks");
     return access;
 }
 
 int descriptor_of(hid_t file) {
     void* handle = nullptr;
-    check(H5Fget_vfd_handle(file, H5P_DEFAULT, &handle), "cannot tell the file's descriptor");
+    check(H5Fget_vfd_handle(file, H5P_DEFAULT, &handle), "cannot get the file's descriptor");
     return *static_cast<int*>(handle);
 }
 
 std::uint64_t bytes_on_disk(hid_t file) {
     struct stat status {};
     if (fstat(descriptor_of(file), &status) != 0) {
-        throw Failure(std::string("cannot tell the file's size: ") + std::strerror(errno));
+        throw Failure(std::string("cannot get the file's size: ") + std::strerror(errno));
     }
     return static_cast<std::uint64_t>(status.st_size);
 }

@@ -86,7 +86,7 @@ decltype(auto) guarded(const std::string& path, Body&& body) {
 /// Descriptor of an open file. Throws Failure.
 [[nodiscard]] int descriptor_of(hid_t file);
 
-/// For iterations: appends a name to the std::vector<std::string> behind `names`. @return what HDF5 wants: 0, or -1 without memory
+/// For iterations: appends a name to the std::vector<std::string> behind `names`. @return HDF5's convention: 0, or -1 without memory
 [[nodiscard]] herr_t note_name(const char* name, void* names) noexcept;
 
 /// After a failed write HDF5 1.10 still wants to write what it holds, fails to close, and crashes at the end of the program. So its
@@ -98,7 +98,7 @@ void divert_writes(hid_t file) noexcept;
 [[nodiscard]] Handle live_access();
 
 /// Access properties of all our files: format of HDF5 1.10 (which single-writer-multiple-reader needs), and none of HDF5's file locks,
-/// because with them a reader who looks at a running simulation's file can end the simulation.
+/// because with them a reader of a running simulation's file can end the simulation.
 [[nodiscard]] Handle file_access();
 
 }  // namespace cvtflow::engine::hdf5

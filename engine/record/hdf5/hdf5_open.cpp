@@ -75,11 +75,11 @@ void require_kind(hid_t file, const std::string& path, const FileKind& kind) {
     }
 }
 
-/// The file that was looked at; in the moment between, another one may have taken its name.
+/// The file that was checked; another one may have taken its name since.
 Handle open_that(const std::string& path, const InputFile& looked_at) {
     Handle file = open_closed_or_live(path);
     if (!looked_at.same_as(descriptor_of(file.id()))) {
-        throw Failure("another file took its name while it was opened");
+        throw Failure("the file was replaced while it was opened");
     }
     return file;
 }
@@ -95,7 +95,7 @@ OpenFile open_input(const std::string& path, const FileKind& kind) {
     }
     const Seal seal = inspect_seal(input);
     if (seal == Seal::broken) {
-        throw_damaged(path, "it is not what was sealed when it was finished: its checksum differs");
+        throw_damaged(path, "changed after it was finished: its checksum differs");
     }
     OpenFile open{{}, seal == Seal::whole};
     try {
@@ -106,7 +106,7 @@ OpenFile open_input(const std::string& path, const FileKind& kind) {
     }
     guarded(path, [&] { require_kind(open.file.id(), path, kind); });
     if (kind.always_sealed && !open.sealed) {
-        throw_damaged(path, "it has no seal: changed after it was finished, or its end is missing");
+        throw_damaged(path, "no seal: changed after it was finished, or truncated");
     }
     return open;
 }

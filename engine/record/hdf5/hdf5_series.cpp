@@ -97,12 +97,12 @@ Handle open_series(hid_t file, const std::string& path) {
 
 Series::Series(hid_t file, std::string path, Cells cells, int max_rank) : path_(std::move(path)) {
     if (!has_object(file, path_)) {
-        fail("it is not there");
+        fail("it does not exist");
     }
     {
         const Handle object(H5Oopen(file, path_.c_str(), H5P_DEFAULT), H5Oclose, "cannot open '" + path_ + "'");
         if (H5Iget_type(object.id()) != H5I_DATASET) {
-            fail("it is no dataset");
+            fail("it is not a dataset");
         }
     }
     dataset_ = open_series(file, path_);
@@ -198,7 +198,7 @@ std::vector<double> Series::reals(std::size_t first, std::size_t count) const {
 }
 
 void ReadBudget::take(std::uint64_t bytes) {
-    if (bytes > left_) throw Failure("its data would take far more memory than the file has bytes");
+    if (bytes > left_) throw Failure("its data would need far more memory than the size of the file");
     left_ -= bytes;
 }
 
@@ -237,7 +237,7 @@ std::vector<std::string> dataset_names(hid_t file, const std::string& group) {
 
 int require_record_type(hid_t type, const std::string& what) {
     if (H5Tget_class(type) != H5T_COMPOUND || H5Tget_size(type) > max_row_bytes) {
-        throw Failure(what + ": it is no table");
+        throw Failure(what + ": not a table");
     }
     const int members = check(H5Tget_nmembers(type), what);
     for (unsigned i = 0; i < static_cast<unsigned>(members); ++i) {

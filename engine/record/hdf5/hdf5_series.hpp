@@ -23,13 +23,13 @@ struct SeriesShape {
 /// Creates an empty dataset [0…unlimited(, width)] and the groups it is in. Reals that were never written read as NaN. Throws Failure.
 [[nodiscard]] Handle create_series(hid_t file, const SeriesShape& shape);
 
-/// Opens a dataset without a look at what it is, for writing on. Throws Failure("cannot open '<path>': reason").
+/// Opens a dataset without checks, to append to it. Throws Failure("cannot open '<path>': reason").
 [[nodiscard]] Handle open_series(hid_t file, const std::string& path);
 
 /// What an element must be.
 enum class Cells { reals, bytes, records };  ///< float64; 8-bit integers; compounds of 8-byte numbers and texts
 
-/// A dataset of a file that may say anything: nothing is believed, and nothing allocated, that the file's size does not allow.
+/// A dataset of an untrusted file: nothing is trusted or allocated that the file's size does not allow.
 class Series {
 public:
     /// Throws Failure("cannot read '<path>': reason") for what is no dataset reached by hard links, has another type or rank, data
@@ -76,7 +76,7 @@ private:
     std::uint64_t left_;
 };
 
-/// A name, unit or sentence out of a file, as it is shown in tables and pages. Throws Failure if it is longer than anybody reads, or holds
+/// A name, unit or sentence out of a file, as it is shown in tables and pages. Throws Failure if it is too long, or contains
 /// control characters.
 [[nodiscard]] std::string label(std::string text, const std::string& of);
 

@@ -67,7 +67,7 @@ void limit_child() {
         const std::string_view text = failure.what();
         const ssize_t told = write(to_parent, text.data(), std::min<std::size_t>(text.size(), PIPE_BUF));
         status = told > 0 ? has_a_message : 0;
-    } catch (...) {  // what it says, the parent will say
+    } catch (...) {  // the parent reports the same error
     }
     _exit(status);
 }
@@ -136,13 +136,13 @@ void inspect_in_child(const std::function<void()>& inspect) {
     while (child > 0 && waitpid(child, &status, 0) < 0 && errno == EINTR) {}
     const std::string said = text_in(ends[0]);
     close(ends[0]);
-    if (child < 0) return;  // no processes to be had: as in a host
+    if (child < 0) return;  // no process available: as in a host
     if (WIFSIGNALED(status)) {
         const bool late = WTERMSIG(status) == SIGALRM || WTERMSIG(status) == SIGPROF;
-        throw Failure(late ? "it takes HDF5 too long" : "HDF5 crashes on it");
+        throw Failure(late ? "HDF5 takes too long" : "HDF5 crashes on it");
     }
     if (WEXITSTATUS(status) == has_a_message) throw Failure(said);
-    if (WEXITSTATUS(status) == out_of_memory) throw Failure("HDF5 wants more than 1 GiB for it");
+    if (WEXITSTATUS(status) == out_of_memory) throw Failure("HDF5 needs more than 1 GiB for it");
 }
 
 }  // namespace hdf5

@@ -1,7 +1,7 @@
 #pragma once
 /// Internal to engine/record: a file inspected by a child process, which may crash of it.
 ///
-/// HDF5 1.10.8 trusts metadata whose checksums are right, and who forges a file can make them right: some of those make it crash, or run
+/// HDF5 1.10.8 trusts metadata with valid checksums, which a forged file can have: some such files make it crash, or run
 /// for ever. What a child has survived, its parent survives, since both see the same bytes; what it was refused, the parent does not try.
 
 #include <functional>
@@ -16,7 +16,7 @@ void inspect_everything(hid_t file);
 
 /// Runs `inspect` in a child with 1 s of processor time, 5 s in all and 1 GiB of memory more than there is. Does nothing unless the program
 /// has asked for it (try_files_first), and where other threads run, of which one may hold the library's lock. Throws the Failure that
-/// `inspect` throws there, Failure("HDF5 crashes on it"), ("it takes HDF5 too long") or ("HDF5 wants more than 1 GiB for it").
+/// `inspect` throws there, Failure("HDF5 crashes on it"), ("HDF5 takes too long") or ("HDF5 needs more than 1 GiB for it").
 void inspect_in_child(const std::function<void()>& inspect);
 
 }  // namespace cvtflow::engine::hdf5

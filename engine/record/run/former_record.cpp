@@ -12,15 +12,14 @@ namespace {
 
 constexpr std::size_t rows_at_once = 256;
 
-void require_rows(const std::string& path, const char* what, std::size_t found, std::size_t wanted) {
-    if (found >= wanted) return;
-    throw RecordError(fmt::format("{}: cannot go on with it: it holds {} {}, the checkpoint comes after {}", path, found, what, wanted));
+void require_rows(const std::string& path, const char* what, std::size_t found, std::size_t requested) {
+    if (found >= requested) return;
+    throw RecordError(fmt::format("{}: cannot be continued: it contains {} {}, the checkpoint follows {}", path, found, what, requested));
 }
 
-void require_same_rows(const std::string& path, const char* what, const RowsWritten& found, const RowsWritten& wanted) {
-    if (found == wanted) return;
-    throw RecordError(
-        fmt::format("{}: cannot go on with it: damaged: its {} are not those that were written before the checkpoint", path, what));
+void require_same_rows(const std::string& path, const char* what, const RowsWritten& found, const RowsWritten& requested) {
+    if (found == requested) return;
+    throw RecordError(fmt::format("{}: cannot be continued: damaged: its {} differ from those written before the checkpoint", path, what));
 }
 
 /// @return what was copied
@@ -72,19 +71,19 @@ void copy_record(const std::string& path, const RecordPosition& until, const Run
     const RunReader former(path);
     require_rows(path, "rows", former.rows(), until.channels.count);
     require_rows(path, "states", former.state_times().size(), until.states.count);
-    if (former.channels() != contents.channels) throw RecordError(path + ": cannot go on with it: it records other channels");
+    if (former.channels() != contents.channels) throw RecordError(path + ": cannot be continued: it contains other channels");
     require_same_rows(path, "rows", copy_channels(former, contents, until.channels.count, file), until.channels);
     require_same_rows(path, "states", copy_states(former, until.states.count, file), until.states);
     for (std::size_t i = 0; i < contents.tables.size(); ++i) {
-        const RowsWritten wanted = i < until.tables.size() ? until.tables[i] : RowsWritten{};
+        const RowsWritten requested = i < until.tables.size() ? until.tables[i] : RowsWritten{};
         const auto rows = former.table(contents.tables[i].name);
-        require_rows(path, "transitions", rows.size(), wanted.count);
+        require_rows(path, "transitions", rows.size(), requested.count);
         RowsWritten copied;
-        for (std::size_t row = 0; row < wanted.count; ++row) {
+        for (std::size_t row = 0; row < requested.count; ++row) {
             file.append_row(contents.tables[i].name, rows[row]);
             copied.add(0.0, rows[row]);
         }
-        require_same_rows(path, "transitions", copied, wanted);
+        require_same_rows(path, "transitions", copied, requested);
     }
     file.flush();
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// A record that goes on: what an earlier run wrote up to a checkpoint, copied into the record of the run that continues it.
+/// Continues a record: copies what an earlier run wrote up to a checkpoint into the record of the continuing run.
 ///
 /// A file that HDF5 had open for writing when its process was killed is safe to read but not to write. So the rows are copied. At every
 /// instant either `<path>.before` holds all rows up to the checkpoint, or the new `<path>.part` does, on disk.

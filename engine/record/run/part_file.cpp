@@ -25,11 +25,11 @@ std::string folder_of(const std::string& path) {
 }
 
 /// What is under a name and must not be replaced; empty: nothing, or a plain file. A rename would put a file in the place of a device, and
-/// of a link instead of what it points to; a file that is opened through a link is somebody else's.
+/// of a link instead of what it points to; a file that is opened through a link belongs to another user.
 std::string other_than_file(const std::string& path) {
     struct stat file {};
     if (lstat(path.c_str(), &file) != 0 || S_ISREG(file.st_mode)) return "";
-    if (S_ISLNK(file.st_mode)) return "a symbolic link; name what it points to";
+    if (S_ISLNK(file.st_mode)) return "a symbolic link; name its target";
     return S_ISDIR(file.st_mode) ? "a folder, not a file" : "a device, pipe or socket, not a file";
 }
 
@@ -81,7 +81,7 @@ bool lock(int descriptor) {
 }  // namespace
 
 void require_replaceable(const std::string& path) {
-    if (path.empty()) throw RecordError("cannot create a file without a name");
+    if (path.empty()) throw RecordError("cannot create a temporary file");
     if (path.back() == '/') throw RecordError(path + ": cannot create: a folder, not a file");
     for (const char* suffix : {"", ".part"}) require_plain(path + suffix);
     std::error_code ignored;
@@ -180,13 +180,13 @@ std::string set_aside(const std::string& path, const std::function<bool(const st
     std::error_code ignored;
     for (const std::string& left : {before, path + ".part", path}) {
         if (!fs::exists(fs::symlink_status(left, ignored))) continue;
-        if (const std::string other = other_than_file(left); !other.empty()) throw RecordError(left + ": cannot go on with it: " + other);
+        if (const std::string other = other_than_file(left); !other.empty()) throw RecordError(left + ": cannot be continued: " + other);
         const int descriptor = open(left.c_str(), O_RDWR | O_CLOEXEC);
         const bool free = descriptor < 0 || lock(descriptor);
         if (descriptor >= 0) ::close(descriptor);
-        if (!free) throw RecordError(left + ": cannot go on with it: a run is still writing it");
+        if (!free) throw RecordError(left + ": cannot be continued: a run is still writing it");
         if (!own(left)) {
-            if (!replace) throw RecordError(left + ": cannot go on with it: not the record of this run; --force replaces it");
+            if (!replace) throw RecordError(left + ": cannot be continued: not the record of this run; --force replaces it");
             continue;
         }
         if (left != before && std::rename(left.c_str(), before.c_str()) != 0) {

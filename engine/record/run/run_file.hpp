@@ -6,7 +6,7 @@
 ///     scale: time /states/time          [m] s                   /states/y  [m, state_size]     /states/phases  [m, phase_count] (uint8)
 ///     /tables/<name>        [k] compound of float64 and int64; attributes description, units[], descriptions[] (one per column)
 ///
-/// While the run goes on, the file is `<path>.part`, open as single writer with multiple readers (SWMR). After a kill at any instant it
+/// During the run, the file is `<path>.part`, open as single writer with multiple readers (SWMR). After a kill at any instant it
 /// holds all rows up to the last flush; channels may be longer than their time, never shorter. It takes its final name in close(), at once.
 /// Leftover or live .part files open with RunReader, or in Python with h5py.File(path, "r", swmr=True). `h5clear -s` makes them plain.
 /// A finished file ends with a seal (file_seal.hpp), which h5py and others pass over.
@@ -39,7 +39,7 @@ struct RunFileOptions {
     bool replace = true;         ///< whether files of that name, finished or .part, may be overwritten
 };
 
-/// Writer. All errors are RecordError; those of writing say the path, the reason and what is saved, for instance
+/// Writer. All errors are RecordError; those of writing contain the path, the reason and what is saved, for instance
 /// "out.h5.part: cannot write: No space left on device; saved: 1024 rows up to t = 0.01023 s".
 /// A full disk is noticed before anything is written, so the file stays whole, and the call may be repeated once there is room:
 /// a row whose append threw was not taken; rows that were taken wait in memory.
@@ -51,7 +51,7 @@ public:
     /// Creates `<path>.part`.
     /// Errors: missing folder, not writable, a folder of that name, another run writing it, contents that contradict.
     RunFile(const std::string& path, RunContents contents, RunFileOptions options = {});
-    /// Without close(): saves what it can, sets the status to "interrupted" unless set_status() said otherwise, leaves the .part file.
+    /// Without close(): saves what it can, sets the status to "interrupted" unless set_status() was called, leaves the .part file.
     ~RunFile();
     RunFile(const RunFile&) = delete;
     RunFile& operator=(const RunFile&) = delete;

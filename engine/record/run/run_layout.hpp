@@ -12,7 +12,7 @@ namespace cvtflow::engine::hdf5 {
 inline constexpr const char* run_format = "cvtflow run";
 inline constexpr std::int64_t run_format_version = 1;
 
-/// Datasets that grow together, the time (if any) last, as RowBlock wants it.
+/// Datasets that grow together, the time (if any) last, as RowBlock requires.
 struct BlockShape {
     std::vector<SeriesShape> series;
     std::size_t rows = 1;  ///< per chunk

@@ -51,7 +51,7 @@ public:
     /// Its last row, [width]; empty if there are no rows.
     [[nodiscard]] std::vector<double> last(std::string_view name) const;
 
-    /// Times of the recorded states [s]; empty if there are none.
+    /// Times of the recorded states [s]; may be empty.
     [[nodiscard]] std::vector<double> state_times() const;
     /// @param number 0 … state_times().size() - 1
     [[nodiscard]] RecordedState state(std::size_t number) const;

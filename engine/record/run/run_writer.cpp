@@ -61,9 +61,9 @@ void RunFile::Impl::require_open() const {
     }
 }
 
-void RunFile::Impl::require_size(std::size_t given, std::size_t wanted, std::string_view of) const {
-    if (given != wanted) {
-        throw RecordError(fmt::format("{}: cannot write: {} values of {}, not {}", part.path(), given, of, wanted));
+void RunFile::Impl::require_size(std::size_t given, std::size_t requested, std::string_view of) const {
+    if (given != requested) {
+        throw RecordError(fmt::format("{}: cannot write: {} values of {}, not {}", part.path(), given, of, requested));
     }
 }
 
@@ -75,7 +75,7 @@ void RunFile::Impl::fail(const std::string& reason) const {
 
 void RunFile::Impl::make_room(std::size_t growth) {
     hsize_t size = 0;
-    hdf5::check(H5Fget_filesize(file.id(), &size), "cannot tell the file's size");
+    hdf5::check(H5Fget_filesize(file.id(), &size), "cannot get the file's size");
     if (const int reason = part.reserve(size + growth + spare_run_bytes); reason != 0) {
         fail(std::strerror(reason));
     }

@@ -1,5 +1,5 @@
 #pragma once
-/// Internal to engine/record: what stands behind RunFile.
+/// Internal to engine/record: implementation of RunFile.
 
 #include <chrono>
 #include <string>
@@ -34,7 +34,7 @@ struct RunFile::Impl {
     Impl(const std::string& path, RunContents what, RunFileOptions how);
     void start();
     void require_open() const;
-    void require_size(std::size_t given, std::size_t wanted, std::string_view of) const;
+    void require_size(std::size_t given, std::size_t requested, std::string_view of) const;
     void make_room(std::size_t growth);
     [[noreturn]] void fail(const std::string& reason) const;
     /// Runs a call that writes; after a failure nothing is written any more.

@@ -50,7 +50,7 @@ struct Attribute {
     bool operator==(const Attribute&) const = default;
 };
 
-/// From now on every file is first looked at by a child process while this one has a single thread, so that a forged file that makes HDF5
+/// From now on a child process checks every file first while this process has a single thread, so that a forged file that makes HDF5
 /// crash is an error like others. For programs of our own: hosts may be in the way of a fork. (hdf5_trial.cpp)
 void try_files_first() noexcept;
 

@@ -136,7 +136,7 @@ SavedState read_contents(hid_t file) {
     }
     std::erase_if(saved.attributes, is_own);
     if (hdf5::read_text(file, "state_hash") != hash_of(saved)) {
-        throw hdf5::Failure("damaged: the state does not have the hash it was saved with");
+        throw hdf5::Failure("damaged: the hash of the state differs");
     }
     return saved;
 }

@@ -27,13 +27,13 @@ struct SavedState {
     double time = 0.0;            ///< [s]
     std::vector<double> state{};  ///< [unknowns]
     std::vector<std::uint8_t> phases{};
-    std::string fingerprint{};  ///< hash of all that gives the numbers their meaning (parameters, layout); whoever resumes compares it
+    std::string fingerprint{};  ///< hash of everything that defines the numbers (parameters, layout); compared when a run resumes
     std::vector<Attribute> attributes{};
     std::vector<NamedArray> more{};  ///< come back sorted by name
     bool operator==(const SavedState&) const = default;
 };
 
-/// Writes the file at once: whoever looks sees the former file or the new one, also after a kill or a power cut. Made in memory, written to
+/// Writes the file atomically: readers see the former file or the new one, also after a kill or a power cut. Built in memory, written to
 /// `<path>.part`, synced, renamed. Throws RecordError: missing folder, not writable, disk full, another process writing the same file.
 void write_state(const std::string& path, const SavedState& saved);
 

@@ -83,7 +83,7 @@ RowLayout read_layout(hid_t dataset) {
     const auto descriptions = hdf5::read_texts(dataset, "descriptions");
     const int members = hdf5::require_record_type(type.id(), "cannot read the columns");
     if (static_cast<std::size_t>(members) != names.size() + 1 || units.size() != names.size() || descriptions.size() != names.size())
-        throw hdf5::Failure("cannot read the columns: they do not fit");
+        throw hdf5::Failure("cannot read the columns: inconsistent layout");
     std::vector<CaseColumn> columns;
     for (std::size_t i = 0; i < names.size(); ++i) {
         const hdf5::Handle cell(H5Tget_member_type(type.id(), static_cast<unsigned>(i)), H5Tclose, "cannot read the columns");
@@ -127,8 +127,7 @@ void CaseReader::read(std::size_t first, std::span<std::byte> rows) const {
         impl_->cases->read(impl_->type.id(), first, rows.size() / bytes, rows.data(), rows.size());
         for (std::size_t at = 0; at < rows.size(); at += bytes) {
             if (!head_.layout.sound(rows.subspan(at, bytes)))
-                throw hdf5::Failure("row " + std::to_string(first + at / bytes) +
-                                    " is damaged: it does not have the check that it was written with");
+                throw hdf5::Failure("row " + std::to_string(first + at / bytes) + " is damaged: its checksum differs");
         }
     });
 }
@@ -198,7 +197,7 @@ struct CaseWriter::Impl {
     void append(std::span<const std::byte> row) {
         if (!damage.empty()) fail(damage);
         hsize_t size = 0;
-        hdf5::check(H5Fget_filesize(file.id(), &size), "cannot tell the file's size");
+        hdf5::check(H5Fget_filesize(file.id(), &size), "cannot get the file's size");
         if (const int reason = part.reserve(size + rows_per_chunk * row_bytes + spare_bytes); reason != 0) fail(std::strerror(reason));
         try {
             append_rows(dataset.id(), type.id(), rows, 1, row.data());
@@ -243,7 +242,7 @@ FolderLock::FolderLock(const std::string& folder) {
     std::filesystem::create_directory(folder, error);
     std::error_code unreadable;
     if (!std::filesystem::is_directory(folder, unreadable))
-        throw RecordError(folder + ": cannot create: " + (error ? error.message() : "a file of that name is in the way"));
+        throw RecordError(folder + ": cannot create: " + (error ? error.message() : "a file with that name exists"));
     for (const char* inside : {"", "/records", "/checkpoints", "/continuation", "/states"}) require_no_link(folder + inside);
     descriptor_ = open((folder + "/lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
     if (descriptor_ < 0) throw RecordError(folder + ": cannot write into it: " + std::strerror(errno));

@@ -83,7 +83,7 @@ struct CaseTable {
 };
 
 /// A table on disk: finished, being written, or left by a killed process. The file that it has opened stays the one it reads.
-/// Errors (RecordError): as RunReader's; "row 12 is damaged: it does not have the check that it was written with".
+/// Errors (RecordError): as RunReader's; "row 12 is damaged: its checksum differs".
 class CaseReader {
 public:
     explicit CaseReader(std::string path);
@@ -108,7 +108,7 @@ private:
 /// All of a table. Errors as above.
 [[nodiscard]] CaseTable read_cases(const std::string& path);
 
-/// Writes a finished table at once: whoever looks sees the former file or the new one. Errors (RecordError).
+/// Writes a finished table atomically: readers see the former file or the new one. Errors (RecordError).
 void write_cases(const std::string& path, const CaseTable& table);
 /// Writes a finished table at once from rows that come a few at a time. @param fill writes rows from `first` on, as many as there is room
 /// for
@@ -118,7 +118,7 @@ void write_cases(const std::string& path, const CaseTable& head, std::size_t row
 /// A table that grows.
 class CaseWriter {
 public:
-    /// Writes the rows so far, as write_cases does, and goes on with that file. Errors (RecordError).
+    /// Writes the rows so far, as write_cases does, and continues with that file. Errors (RecordError).
     CaseWriter(std::string path, const CaseTable& begin);
     ~CaseWriter();
     CaseWriter(const CaseWriter&) = delete;

@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t window_bytes = std::size_t{1} << 20U;
 
 /// Shows every `width` bytes of a file that lie together, from its beginning on.
-/// @param inspect  @return how many bytes further it wants to see next; 0: no more
+/// @param inspect  @return number of bytes to the next position; 0: end
 template <class Inspect>
 void walk(const InputFile& file, std::size_t width, const Inspect& inspect) {
     std::vector<std::byte> window(window_bytes + width);

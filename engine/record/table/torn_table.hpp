@@ -1,5 +1,5 @@
 #pragma once
-/// What is left of a table of cases that HDF5 does not read any more: after a power cut, say, which kept some pages of it and lost others.
+/// Intact rows of a table of cases that HDF5 cannot read any more, for example after a power cut that lost some of its pages.
 /// Each row was written with a check (RowLayout::seal), and lies in the file as it lies in memory, so whole rows are found without HDF5.
 
 #include <functional>
@@ -12,7 +12,7 @@
 
 namespace cvtflow::engine {
 
-/// Whether a file was given up while it grew, and holds a text, which says what it is of. False as well for files that cannot be read,
+/// Whether a file was given up while it grew, and contains a text that identifies it. Also false for files that cannot be read,
 /// and for finished ones (they end with a seal), which nothing but a fault of the disk can have changed.
 [[nodiscard]] bool torn_while_growing(const std::string& path, std::string_view text);
 

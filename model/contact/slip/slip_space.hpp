@@ -62,7 +62,7 @@ struct SlipGroup {
     LaneRows frame, tips, joints, plates;  ///< t; [4 Tip]; [rear, front][points Point]; μN
     FloatRows coupling;                    ///< g W, triangle
     double step = 0.0;                     ///< g [s]
-    LaneRows velocity;                     ///< v̂, or whatever slips are asked for [link_size]
+    LaneRows velocity;                     ///< v̂, or the velocity whose slips are requested [link_size]
     LaneRows acceleration;                 ///< -A⁻¹ Tᵀ λ [link_size]
     LaneRows predicted;                    ///< this link's part of ŵ
     LaneRows own, link_slip_at_start;      ///< this link's part of a slip; of one where the step begins

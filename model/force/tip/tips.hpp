@@ -71,7 +71,7 @@ struct PhaseLanes {
     const Phase* first;  ///< of lane 0
     int stride;          ///< from lane to lane
     bool by_phase;       ///< whether any of them is `stick` or `slip`
-    std::size_t count;   ///< lanes that stand for tips
+    std::size_t count;   ///< lanes that represent tips
     [[nodiscard]] Phase operator[](std::size_t lane) const noexcept { return first[static_cast<std::size_t>(stride) * lane]; }
 };
 

@@ -15,12 +15,12 @@
 namespace cvtflow::model {
 namespace {
 
-/// Nobody looks: forces are all that is wanted.
+/// No observation: forces only.
 struct NoContacts {
     static constexpr bool wanted = false, relative = false;
 };
 
-/// Groups of W links; `own` counts from the range's first, `count` of the lanes stand for links. Lanes outside the range are left out.
+/// Groups of W links; `own` counts from the range's first, `count` of the lanes represent links. Lanes outside the range are left out.
 /// @tparam Number float: velocities count from those of the links that are passed over
 template <int P, int W, class Number = double>
 class ContactWriter {
@@ -102,7 +102,7 @@ public:
 protected:
     void put(int row, int own, int count, const V& lanes) const noexcept { put_to(field_.columns, row, own, count, lanes); }
 
-    /// Lanes of a group that stand for links of the range: [first, last).
+    /// Lanes of a group that represent links of the range: [first, last).
     [[nodiscard]] static int first_lane(int own) noexcept { return std::max(0, -own); }
     [[nodiscard]] int last_lane(int own, int count) const noexcept { return std::min({count, W, range_.last - range_.first - own}); }
 
@@ -156,7 +156,7 @@ protected:
         }
     }
 
-    /// Speeds between which the branch of the law that a tip's phase stands for has its kink.
+    /// Speeds between which the branch of the law of a tip's phase has its kink.
     void branches(int own, int count, int corner) const noexcept {
         const int row = field_.components.tip(corner);
         const double v0 = c_.tip.friction.saturation_speed;

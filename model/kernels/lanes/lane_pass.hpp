@@ -168,7 +168,7 @@ public:
         return kinds;
     }
 
-    /// @param account LaneAccounts<W>*, or nullptr: nobody asks
+    /// @param account LaneAccounts<W>*, or nullptr: not needed
     template <class Book = std::nullptr_t>
     void plates(const KindLanes<W>& kind, const Columns& columns, V* f, [[maybe_unused]] int own = 0, [[maybe_unused]] int count = 0,
                 [[maybe_unused]] Book account = {}) const noexcept {

@@ -1,5 +1,5 @@
 #pragma once
-/// Tips of links side by side against their sheaves, without forces: what detection looks at after every step.
+/// Tips of links side by side against their sheaves, without forces: for detection after every step.
 /// (model/kernels/lanes/link_lanes.hpp)
 
 #include <algorithm>

@@ -21,7 +21,7 @@ public:
     using Reaction = TipReaction<V>;
     static constexpr int size = at<P>.link_size();
 
-    /// @param count links that the lanes stand for, from the first
+    /// @param count links that the lanes represent, from the first
     LaneTips(const Coefficients& c, const ChainRange& range, int first, int count, const Contacts& contacts) noexcept
         : c_(c),
           range_(range),

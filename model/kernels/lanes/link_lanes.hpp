@@ -1,6 +1,6 @@
 #pragma once
 /// Links side by side: lanes run over as many links as the processor's vectors hold. Every lane does what model/kernels/chain_parts.hpp
-/// does for one link, in the same order (sums over plates, points and tips in the same trees), so that it gives the same bits whoever its
+/// does for one link, in the same order (sums over plates, points and tips in the same trees), so that it gives the same bits whatever its
 /// neighbours are.
 
 #include <array>

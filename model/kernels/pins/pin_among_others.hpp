@@ -1,5 +1,5 @@
 #pragma once
-/// One whole pin and its tips, for whoever looks at it alone.
+/// One whole pin and its tips, for observations.
 
 #include "model/force/tip/tips.hpp"
 #include "model/kernels/pins/pin_motion.hpp"

@@ -27,7 +27,7 @@ void observed_slopes(const ChainModel& model, const ChainRange& range, double* s
 /// A gap as wide as that of a tip that is not there.
 constexpr double no_tip = -1.0;  // m
 
-/// Tips of pins side by side against their sheaves, without forces: what detection looks at after every step.
+/// Tips of pins side by side against their sheaves, without forces: for detection after every step.
 template <int P, int W>
 class PinProbe {
 public:

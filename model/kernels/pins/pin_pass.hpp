@@ -16,7 +16,7 @@ struct PinResults {
     double* slope;  ///< [unknowns, per second], nullptr: to the contacts
     LinkLoad* loads;
     Account* accounts;      ///< of the range's first pin on, only for observing passes
-    LinkContact* contacts;  ///< likewise; nullptr: nobody asks
+    LinkContact* contacts;  ///< likewise; nullptr: not needed
 };
 
 /// `own` counts pins from the range's first, `at` the columns of a chunk: pin_halo of them lie before its own pins.
@@ -77,7 +77,7 @@ private:
         accounts.copy_to(to);
     }
 
-    /// Where what the pins at, … carry goes, where somebody asks.
+    /// Destination of the loads of the pins at, …, if observed.
     [[nodiscard]] std::array<LinkContact*, W> contacts(int at) const noexcept {
         std::array<LinkContact*, W> to{};
         if (!Observe || results_.contacts == nullptr) return to;

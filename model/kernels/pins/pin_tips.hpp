@@ -1,5 +1,5 @@
 #pragma once
-/// Tips of whole pins, side by side: two of each, which stand where the rear tips of links do. Pins that touch nowhere come along with
+/// Tips of whole pins, side by side: two of each, stored as the rear tips of links. Pins that touch nowhere are included with
 /// forces of zero. (model/EQUATIONS.md sections 6 and 10)
 
 #include "model/kernels/chain_parts.hpp"
@@ -28,7 +28,7 @@ public:
         for (std::size_t pin = 0; pin < W; ++pin) any_ |= words_[pin] = phase_word(phases + tips_per_link * static_cast<int>(pin));
     }
 
-    /// What the tips of each pin carry goes here, where observed; nullptr: nobody asks.
+    /// What the tips of each pin carry goes here, if observed; else nullptr.
     using Seen = std::array<LinkContact*, W>;
 
     /// Forces; reactions of the pins that touch to loads [W].

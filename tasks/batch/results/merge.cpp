@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Number of shards that the folders' names tell. @throws SimulationError
+/// Number of shards, from the names of the folders. @throws SimulationError
 int shard_count(const std::string& folder) {
     std::set<int> counts;
     std::error_code unreadable;
@@ -23,10 +23,10 @@ int shard_count(const std::string& folder) {
         if (std::sscanf(entry.path().filename().c_str(), "shard-%9d-of-%9d", &number, &of) == 2 && Shard{number, of}.valid())
             counts.insert(of);
     }
-    if (counts.empty()) throw SimulationError(folder + ": there are no shards to merge");
+    if (counts.empty()) throw SimulationError(folder + ": contains no shards to merge");
     if (counts.size() > 1)
         throw SimulationError(
-            fmt::format("{}: shards of several cuts ({}): remove those that do not belong", folder, fmt::join(counts, ", ")));
+            fmt::format("{}: shards of different divisions ({}): remove the wrong ones", folder, fmt::join(counts, ", ")));
     return *counts.begin();
 }
 

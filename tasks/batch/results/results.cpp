@@ -56,8 +56,7 @@ CaseColumn key_column(const Axis& axis, std::size_t key) {
 
 /// Of a scalar's error where a case has been verified.
 CaseColumn error_column(const Scalar& scalar) {
-    return {std::string(error_prefix) + scalar.column, "1",
-            scalar.text + ": relative error against reference quality; not a number: not verified"};
+    return {std::string(error_prefix) + scalar.column, "1", scalar.text + ": relative error against the reference run; NaN: not verified"};
 }
 
 constexpr std::string_view unsteady[] = {"wall", "threads"};  // columns that differ from run to run
@@ -78,22 +77,22 @@ engine::RowLayout result_layout(const Sweep& sweep) {
     columns.push_back({"efficiency", "1", "1 - losses/input over whole pin periods, from outputs.from on; none without load"});
     columns.push_back({"energy_residual", "1", "|change of stored energy - work + losses| over the losses of the run"});
     columns.push_back({"energy_suspicion", "1",
-                       "residual over what an honest integration may leave, settling included; above 1 the status is unreliable"});
+                       "residual of the energy balance over its tolerance, settling included; above 1 the status is unreliable"});
     columns.push_back({"notes", "",
-                       "what is odd: gross_slip, control_limit, slack_strand, efficiency, unsteady, standstill, no_load, unresolved",
+                       "remarks: gross_slip, control_limit, slack_strand, efficiency, unsteady, standstill, no_load, unresolved",
                        Type::text, 96});
-    columns.push_back({"start", "", "where the case began: scene, geometric, settled, shared or continued", Type::text, 16});
+    columns.push_back({"start", "", "start of the case: scene, geometric, settled, shared or continued", Type::text, 16});
     for (const auto& [name, what] : {std::pair{"steps", "accepted steps"},
                                      {"evaluations", "evaluations of the right-hand side"},
                                      {"transitions", "changes of phase of tips"},
                                      {"truncated", "steps cut at a transition"},
-                                     {"settling_evaluations", "evaluations while this case settled"}}) {
+                                     {"settling_evaluations", "evaluations while settling"}}) {
         columns.push_back({name, "1", what, Type::integer});
     }
     columns.push_back({"wall", "s", "wall time of this case, all sessions"});
-    columns.push_back({"threads", "1", "most threads that worked on it at once", Type::integer});
+    columns.push_back({"threads", "1", "largest number of threads at once", Type::integer});
     columns.push_back({"hash", "", "of the final state and phases", Type::text, 16});
-    columns.push_back({"error", "", "what went wrong", Type::text, error_width});
+    columns.push_back({"error", "", "message of the fault", Type::text, error_width});
     return engine::RowLayout(std::move(columns));
 }
 
@@ -136,7 +135,7 @@ engine::CaseTable read_results(const std::string& path) {
     for (const auto& [name, type, kind] :
          {std::tuple{"case", Type::integer, "integers"}, {"status", Type::text, "texts"}, {"hash", Type::text, "texts"}}) {
         if (table.layout.has(name) && table.layout.columns()[table.layout.column(name)].type == type) continue;
-        throw engine::RecordError(fmt::format("{}: a table, but not of a sweep: it has no column '{}' of {}", path, name, kind));
+        throw engine::RecordError(fmt::format("{}: not the table of a sweep: it has no column '{}' of {}", path, name, kind));
     }
     return table;
 }
@@ -147,7 +146,7 @@ long cases_of(const engine::CaseTable& table, const std::string& path) {
     long cases = -1;
     const auto [end, wrong] = std::from_chars(text.data(), text.data() + text.size(), cases);
     if (wrong != std::errc() || end != text.data() + text.size() || cases < 0 || cases > most) {
-        throw engine::RecordError(fmt::format("{}: it does not say how many cases there are: '{}'", path, text));
+        throw engine::RecordError(fmt::format("{}: invalid number of cases: '{}'", path, text));
     }
     return cases;
 }
@@ -205,10 +204,10 @@ void require_same_sweep(const std::string& path, const engine::CaseTable& there,
     std::vector<std::string> lines;
     const auto value = [](const auto& all, const std::string& key) { return all.contains(key) ? all.at(key) : std::string("nothing"); };
     for (const auto& [key, text] : was) {
-        if (value(is, key) != text) lines.push_back(fmt::format("  {} = {} there, {} here", key, text, value(is, key)));
+        if (value(is, key) != text) lines.push_back(fmt::format("  {} = {} in the table, {} in the sweep", key, text, value(is, key)));
     }
     for (const auto& [key, text] : is) {
-        if (!was.contains(key)) lines.push_back(fmt::format("  {} = nothing there, {} here", key, text));
+        if (!was.contains(key)) lines.push_back(fmt::format("  {} = nothing in the table, {} in the sweep", key, text));
     }
     if (lines.empty() && there.layout.columns() != here.layout.columns()) lines.emplace_back("  the columns differ");
     if (!lines.empty()) throw SimulationError(fmt::format("{}: results of another sweep:\n{}", path, fmt::join(lines, "\n")));

@@ -24,13 +24,13 @@ inline constexpr std::string_view error_prefix = "error_of_";
 /// @throws engine::RecordError as engine::read_cases, and "out/cases.h5: a table, but not of a sweep: it has no column 'case' of integers"
 [[nodiscard]] engine::CaseTable read_results(const std::string& path);
 
-/// Cases of the sweep that a table is of. @throws engine::RecordError if it does not say so
+/// Number of cases of a table's sweep. @throws engine::RecordError if the attribute is missing
 [[nodiscard]] long cases_of(const engine::CaseTable& table, const std::string& path);
 
 /// Fills and seals a row. @param scene of the case
 void fill_row(const engine::RowLayout& layout, const Sweep& sweep, const CaseResult& result, std::span<std::byte> row);
 
-/// Refuses to go on with, or to join, results of another sweep.
+/// Refuses to continue or join results of another sweep.
 /// @throws SimulationError, a line per difference:
 ///     out/cases.h5: results of another sweep:
 ///       axes.load.torque = 6, 12 there, 6, 12, 18 here

@@ -1,5 +1,5 @@
 #pragma once
-/// A TOML table as a reader wants it: keys checked against a list, values by type, problems with positions. Internal to tasks/batch.
+/// A TOML table for readers: keys checked against a list, values by type, problems with positions. Internal to tasks/batch.
 
 #include <optional>
 #include <string>

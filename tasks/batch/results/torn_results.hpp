@@ -1,5 +1,5 @@
 #pragma once
-/// A sweep goes on from a table that can no longer be opened: rows that are whole are kept, the other cases run again.
+/// Recovers a sweep whose table can no longer be opened: intact rows are kept, the other cases run again.
 
 #include <optional>
 #include <string>

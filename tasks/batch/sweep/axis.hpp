@@ -24,7 +24,7 @@ struct Axis {
     [[nodiscard]] const AxisValue& at(std::size_t row, std::size_t key) const noexcept { return values[row * keys.size() + key]; }
 };
 
-/// The value that `node` gives a key; nothing and a problem appended if it is none.
+/// The value that `node` gives a key; empty, with a problem appended, if it is invalid.
 [[nodiscard]] std::vector<AxisValue> axis_value(const Parameter& parameter, const Node& node, std::vector<Problem>& problems);
 
 /// Gives a key of the scene a value that axis_value() returned. Allocates nothing for numbers, once the scene has held such a value.

@@ -64,7 +64,7 @@ private:
         const Parameter* parameter = name ? find_parameter(*name) : nullptr;
         if (name && parameter == nullptr)
             view.problem(view.find("key")->position,
-                         fmt::format("key: there is no key {}{}", toml_text(*name), engine::did_you_mean(nearest_keys(*name))));
+                         fmt::format("key: unknown key {}{}", toml_text(*name), engine::did_you_mean(nearest_keys(*name))));
         return parameter;
     }
 

@@ -49,7 +49,7 @@ private:
         for (const CsvColumn& column : chosen_) {
             const auto found = std::find(names.begin(), names.end(), column.name);
             if (found == names.end())
-                problem(1, fmt::format("there is no column {}{}", toml_text(column.name),
+                problem(1, fmt::format("unknown column {}{}", toml_text(column.name),
                                        engine::did_you_mean(engine::closest(column.name, names))));
             else
                 take(static_cast<std::size_t>(found - names.begin()), column.name, column.key);
@@ -58,7 +58,7 @@ private:
 
     void take(std::size_t column, const std::string& key, const Parameter* parameter) {
         if (parameter == nullptr)
-            return problem(column + 1, fmt::format("there is no key {}{}", toml_text(key), engine::did_you_mean(nearest_keys(key))));
+            return problem(column + 1, fmt::format("unknown key {}{}", toml_text(key), engine::did_you_mean(nearest_keys(key))));
         taken_.push_back(column);
         axis_.keys.push_back(parameter);
     }
@@ -92,7 +92,7 @@ Axis read_csv_axis(const std::filesystem::path& file, const std::vector<CsvColum
     CsvReader reader(file.filename().string(), columns, position, problems);
     std::error_code unknown;
     if (!std::filesystem::exists(file, unknown)) {
-        problems.push_back({position, fmt::format("axes.csv: there is no file {}", toml_text(file.string()))});
+        problems.push_back({position, fmt::format("axes.csv: no file {}", toml_text(file.string()))});
         return {};
     }
     try {
@@ -102,7 +102,7 @@ Axis read_csv_axis(const std::filesystem::path& file, const std::vector<CsvColum
         problems.push_back({position, fmt::format("axes.csv: {} cannot be read: {}", toml_text(file.string()), error.what())});
         return {};
     }
-    if (reader.good() && reader.axis().rows() == 0) reader.problem(1, "there are no rows");
+    if (reader.good() && reader.axis().rows() == 0) reader.problem(1, "no rows");
     return reader.good() ? reader.axis() : Axis{};
 }
 

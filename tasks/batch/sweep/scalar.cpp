@@ -79,11 +79,11 @@ private:
             if (channel.name == name_) term_.channel = &channel;
         }
         if (term_.channel == nullptr)
-            return fmt::format("there is no channel {}{}", toml_text(name_), engine::did_you_mean(engine::closest(name_, names)));
+            return fmt::format("unknown channel {}{}", toml_text(name_), engine::did_you_mean(engine::closest(name_, names)));
         const bool several = !term_.channel->axis.empty();
         if (several != indexed_)
             return several ? fmt::format("{0} has several numbers; write {0}[0] … or {0}[*] for all of them", name_)
-                           : fmt::format("{} has one number, no elements", name_);
+                           : fmt::format("{} is a scalar without elements", name_);
         return {};
     }
 
@@ -95,12 +95,13 @@ private:
         }
         term_.reduction = static_cast<Reduction>(found - std::begin(reductions));
         const bool one_output = term_.reduction == Reduction::final || term_.reduction == Reduction::at;
-        if (one_output && term_.element == every_element) return fmt::format("{} is of one output: of which element of {}?", how_, name_);
+        if (one_output && term_.element == every_element)
+            return fmt::format("{} belongs to one output; name an element of {}", how_, name_);
         return {};
     }
 
     std::string read_time() {
-        if (term_.reduction != Reduction::at) return when_.empty() ? "" : fmt::format("{} takes no time", how_);
+        if (term_.reduction != Reduction::at) return when_.empty() ? "" : fmt::format("{} has no time argument", how_);
         const auto parsed = parse_quantity(when_);
         const auto* quantity = std::get_if<Quantity>(&parsed);
         if (quantity == nullptr || !(quantity->dimension == dimension_of("s")) || !quantity->has_unit)

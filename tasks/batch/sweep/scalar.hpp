@@ -13,7 +13,7 @@ namespace cvtflow::tasks {
 
 enum class Reduction { mean, min, max, rms, final, at, median };
 
-/// Element of a ScalarTerm that stands for all of them.
+/// Element of a ScalarTerm that denotes all elements.
 inline constexpr int every_element = -1;
 
 /// A channel and how its course becomes one number.
@@ -34,7 +34,7 @@ struct Scalar {
     [[nodiscard]] std::string description() const;
 };
 
-/// Appends a problem (with the nearest channel or reduction) and returns an empty scalar if the text is none.
+/// Appends a problem (with the nearest channel or reduction) and returns an empty scalar if the text is invalid.
 [[nodiscard]] Scalar parse_scalar(const std::string& text, Position position, std::vector<Problem>& problems);
 
 /// A term in the making. Sums run in the order of outputs and elements.
@@ -58,7 +58,7 @@ struct Reducer {
     /// Ready for another case.
     void clear() noexcept;
 
-    /// For checkpoints: load() returns what follows in memory. @throws std::invalid_argument for a memory that is none
+    /// For checkpoints: load() returns the rest of the memory. @throws std::invalid_argument for a malformed memory
     void save(std::vector<double>& memory) const;
     [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< memory [what save() wrote]
 };

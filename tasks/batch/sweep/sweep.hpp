@@ -15,7 +15,7 @@ namespace cvtflow::tasks {
 
 enum class StartMode { scene, settle, shared };
 
-/// What a sweep wants of its results.
+/// Outputs and accuracy of a sweep.
 struct SweepAccuracy {
     double target = 0.0;     ///< largest error of every scalar; 0: nothing is tuned or verified [1]
     int verify = 10;         ///< cases that also run at reference quality, drawn by chance
@@ -23,7 +23,7 @@ struct SweepAccuracy {
 };
 
 struct Sweep {
-    std::string name;  ///< the file's stem if the sweep does not say
+    std::string name;  ///< the file's stem if absent
     std::string description;
     std::filesystem::path path;  ///< of the file, as given
     std::string text;            ///< of the file

@@ -15,7 +15,7 @@ struct SweepKey {
     std::string_view table;  ///< "sweep", "axes", "axes.zip" … as nested in the file
     std::string_view name;   ///< within its table; "*" in [set]: any key of a scene
     SweepForm form = SweepForm::text;
-    bool required = false;                  ///< wherever its table stands
+    bool required = false;                  ///< in every table of its kind
     std::vector<std::string_view> choices;  ///< of a choice, in the order of the enumerators
     std::string_view usual;                 ///< what holds where it is absent
     std::string_view meaning;

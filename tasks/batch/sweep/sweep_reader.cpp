@@ -153,10 +153,10 @@ private:
         const Node::Table* rows = table(section);
         if (rows == nullptr) return;
         const TableView view("accuracy", *rows, section.position, names_in_sweep("accuracy"), problems_);
-        SweepAccuracy& wanted = sweep_.accuracy;
-        if (view.require("target")) wanted.target = view.share("target").value_or(0.0);
-        wanted.verify = static_cast<int>(view.integer("verify", 0, 1'000'000).value_or(wanted.verify));
-        wanted.seed = static_cast<std::uint64_t>(view.integer("seed", 0, std::int64_t{1} << 53).value_or(0));
+        SweepAccuracy& accuracy = sweep_.accuracy;
+        if (view.require("target")) accuracy.target = view.share("target").value_or(0.0);
+        accuracy.verify = static_cast<int>(view.integer("verify", 0, 1'000'000).value_or(accuracy.verify));
+        accuracy.seed = static_cast<std::uint64_t>(view.integer("seed", 0, std::int64_t{1} << 53).value_or(0));
     }
 
     void start(const Entry& section) {
@@ -177,8 +177,8 @@ private:
 
     void consistent() {
         if (!problems_.empty()) return;
-        if (sweep_.axes.empty()) problems_.push_back({{}, "axes: there are none; nothing varies"});
-        if (sweep_.scalars.empty()) problems_.push_back({{}, "outputs.scalars: there are none"});
+        if (sweep_.axes.empty()) problems_.push_back({{}, "axes: none given; nothing varies"});
+        if (sweep_.scalars.empty()) problems_.push_back({{}, "outputs.scalars: none given"});
         std::vector<std::string_view> seen;
         for (const Axis& axis : sweep_.axes) {
             for (const Parameter* key : axis.keys) {
@@ -189,16 +189,17 @@ private:
             }
         }
         if (sweep_.accuracy.target > 0.0 && sweep_.start == StartMode::shared)
-            problems_.push_back({{}, "accuracy: start.mode \"shared\" has cases begin where none of them has settled; write \"settle\""});
+            problems_.push_back(
+                {{}, "accuracy: start.mode \"shared\" starts cases from a state in which none of them has settled; use \"settle\""});
         if (!plan_for(method_of(sweep_.scene)))
-            problems_.push_back({{}, fmt::format("run.method: there is no method {}", toml_text(sweep_.scene.run.method))});
+            problems_.push_back({{}, fmt::format("run.method: unknown method {}", toml_text(sweep_.scene.run.method))});
     }
 
     /// What is found for the accuracy cannot be an axis as well.
     void tunable(std::string_view key) {
         const bool found = key.starts_with("detail.") || key == "run.method" || key.starts_with("run.step");
         if (sweep_.accuracy.target > 0.0 && found)
-            problems_.push_back({{}, fmt::format("accuracy: {} varies, but detail, method and step are what is found for it", key)});
+            problems_.push_back({{}, fmt::format("accuracy: {} varies, but detail, method and step are chosen by [accuracy]", key)});
     }
 
     const FindScene& find_scene_;

@@ -109,17 +109,17 @@ template <class Number>
 
 std::vector<MethodProgram> friction_methods() {
     return {
-        explicit_friction("leapfrog-rkc", "leapfrog, friction inside the step by damped RKC stages on velocities alone", 2, Kick::rkc),
-        explicit_friction("leapfrog-chebyshev", "the same with fewer, first-order stages that leave nothing stiff behind", 1,
+        explicit_friction("leapfrog-rkc", "leapfrog, friction in damped RKC stages on velocities inside the step", 2, Kick::rkc),
+        explicit_friction("leapfrog-chebyshev", "the same with fewer, first-order stages that damp stiff components fully", 1,
                           Kick::chebyshev),
         explicit_friction(std::string("leapfrog-rkc") + in_double, "leapfrog-rkc with stages in double precision, too", 2, Kick::rkc,
                           Precision::double_throughout),
         explicit_friction(std::string("leapfrog-chebyshev") + in_double, "leapfrog-chebyshev with stages in double precision, too", 1,
                           Kick::chebyshev, Precision::double_throughout),
         swept_friction<float>("leapfrog-sweep",
-                              "leapfrog, friction solved for where it acts, by sweeps that begin with the last step's forces"),
+                              "leapfrog, friction solved contact by contact in sweeps that start from the forces of the last step"),
         swept_friction<double>(std::string("leapfrog-sweep") + in_double, "leapfrog-sweep with velocities in double precision, too"),
-        implicit_friction("leapfrog-be", "leapfrog, friction solved for inside the step: backward Euler on velocities alone", ours, 1,
+        implicit_friction("leapfrog-be", "leapfrog, friction implicit inside the step: backward Euler on velocities", ours, 1,
                           "1 a step, for friction", backward_euler),
         implicit_friction("leapfrog-sdirk2", "the same with two stages of order 2 (SDIRK2)",
                           "this project (tasks/method/friction); R. Alexander, SIAM J. Numer. Anal. 14 (1977) 1006-1021", 2,

@@ -29,12 +29,12 @@ constexpr double longer = 1.3;
 
 std::string text(const SolveStatistics& s) {
     const double solves = s.solves > 0 ? static_cast<double>(s.solves) : 1.0;
-    std::string line = fmt::format("{:.2f} iterations per friction solve (most {}), {:.2f} searches",
+    std::string line = fmt::format("{:.2f} iterations per friction solve (max {}), {:.2f} searches",
                                    static_cast<double>(s.iterations) / solves, s.most, static_cast<double>(s.searches) / solves);
-    if (s.continued > 0) line += fmt::format(", {} solves by way of higher saturation speeds", s.continued);
+    if (s.continued > 0) line += fmt::format(", {} solves by continuation from higher saturation speeds", s.continued);
     if (s.unconverged > 0)
-        line += fmt::format("; {} of {} solves did not converge and went on with the last iterate (residual up to {:.2g} m/s)",
-                            s.unconverged, s.solves, s.worst);
+        line += fmt::format("; {} of {} solves did not converge and used the last iterate (residual up to {:.2g} m/s)", s.unconverged,
+                            s.solves, s.worst);
     return line;
 }
 
@@ -112,7 +112,7 @@ NextCycle FrictionSolve::accept() noexcept {
     return tries_ < patience_ ? iterate_cycle : raise_speeds();
 }
 
-/// From a solution with higher saturation speeds towards those that are asked for.
+/// Continues a solution from higher saturation speeds to the given ones.
 NextCycle FrictionSolve::lower_speeds() noexcept {
     if (solved_ > 0.0 && tries_ <= few_tries) stride_ = std::min(model::portable_pow(stride_, longer), continuation_step);
     solved_ = continuation_;

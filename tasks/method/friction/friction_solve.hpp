@@ -27,7 +27,7 @@ struct SolveStatistics {
     long searches = 0;   ///< shares of steps that were tried
     long continued = 0;  ///< solves that got there by way of higher saturation speeds
     long unconverged = 0;
-    double worst = 0.0;  ///< largest residual that was gone on with [m/s]
+    double worst = 0.0;  ///< largest accepted residual [m/s]
 };
 
 /// One line: "1.02 iterations per solve (most 7), …".
@@ -91,7 +91,7 @@ private:
     bool keeps_ = false, returns_ = false;  ///< the iteration that begins follows a solution, or goes back to it
     bool searching_ = false;
     bool steps_ = false;                                                  ///< a Newton step has not been settled yet
-    double fraction_ = 1.0;                                               ///< of the Newton step that is looked at [1]
+    double fraction_ = 1.0;                                               ///< fraction of the Newton step that is tried
     double settled_ = 1.0;                                                ///< of the last one, that was taken [1]
     double low_ = 0.0, high_ = 1.0, slope_low_ = 0.0, slope_high_ = 0.0;  ///< bracket of the search
     double residual_ = 0.0;                                               ///< [m/s]

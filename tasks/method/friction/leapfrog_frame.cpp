@@ -29,7 +29,7 @@ void LeapfrogFrame::restart() noexcept {
     length_ = 0.0;
 }
 
-/// Slope slot 1: [v | mean acceleration of the step before], the acceleration zero where there is none.
+/// Slope slot 1: [v | mean acceleration of the step before], zero acceleration in the first step.
 void LeapfrogFrame::extrapolate() {
     if (continues_) {
         std::swap(w_.slopes[1], w_.end_slope);  // made by the last detect cycle

@@ -13,7 +13,7 @@
 
 namespace cvtflow::tasks {
 
-/// A ghost column of a segment, and who holds the link that it repeats.
+/// A ghost column of a segment, and the segment that holds its link.
 struct GhostColumn {
     int column;
     int owner;  ///< segment

@@ -1,5 +1,5 @@
 #pragma once
-/// Broyden's update of an inverse in product form: B⁻¹ = (I + u_k s_kᵀ) … (I + u_0 s_0ᵀ) B_0⁻¹, of which B_0⁻¹ is somebody else's.
+/// Broyden's update of an inverse in product form: B⁻¹ = (I + u_k s_kᵀ) … (I + u_0 s_0ᵀ) B_0⁻¹, where the caller provides B_0⁻¹.
 /// (C. G. Broyden 1965; product form as in Kelley, Iterative Methods, 1995.) Sums run from the first unknown to the last.
 
 #include <span>

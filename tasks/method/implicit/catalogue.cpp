@@ -22,7 +22,7 @@ constexpr NewtonVariant variants[] = {
      .description = "Newton, Jacobian by differences once per step",
      .options = {.matrix = NewtonMatrix::once_per_step, .exact = false}},
     {.name = "trapezoidal-frozen",
-     .description = "Newton, Jacobian by differences kept over steps until it serves no longer",
+     .description = "Newton, Jacobian by differences, kept over steps while it converges",
      .options = {.matrix = NewtonMatrix::frozen, .exact = false}},
     {.name = "trapezoidal-broyden",
      .description = "Broyden's updates of a Jacobian kept over steps",
@@ -31,7 +31,7 @@ constexpr NewtonVariant variants[] = {
      .description = "Broyden's updates within the sparsity (Schubert) of a Jacobian kept over steps",
      .options = {.matrix = NewtonMatrix::schubert, .exact = false}},
     {.name = "trapezoidal-plain",
-     .description = "Newton from the explicit Euler step without backtracking: how it fails on friction",
+     .description = "Newton from the explicit Euler step without backtracking: shows how it fails on friction",
      .options = {.matrix = NewtonMatrix::every_iteration, .exact = true, .start = NewtonStart::euler, .backtracking = false}},
 };
 

@@ -40,7 +40,7 @@ ColouredJacobian::ColouredJacobian(const model::Variator& variator, int batches)
       colours_(layout_.links < 3 ? layout_.links : 3 + layout_.links % 3),
       scratch_(static_cast<std::size_t>(batches), Scratch(layout_)) {}
 
-/// Links beyond the last multiple of three stand alone.
+/// Links beyond the last multiple of three have colours of their own.
 int ColouredJacobian::colour(int link) const noexcept {
     const int regular = layout_.links < 3 ? 0 : layout_.links - layout_.links % 3;
     return link < regular ? link % 3 : colours_ - (layout_.links - link);
@@ -61,7 +61,7 @@ void ColouredJacobian::evaluate(int batch, const BasePoint& base, AccelerationJa
     }
 }
 
-/// Adds a step to one coordinate of every link of a colour in the window, where the first and the last link stand twice.
+/// Adds a step to one coordinate of every link of a colour in the window, which contains the first and the last link twice.
 void ColouredJacobian::move_colour(int which, int offset, double step, const BasePoint& base, Scratch& own) const noexcept {
     for (int place = 0; place < layout_.links + 2; ++place) {
         const int link = (place + layout_.links - 1) % layout_.links;

@@ -4,7 +4,7 @@
 ///
 ///     jacobian    [batch] ─► corner                                     columns by differences, or exact derivatives link by link
 ///     factor      eliminate[chunk] ─► join                              I - θ D - θ² K at the base point
-///     prepare     [segment]                                             right-hand side of the solve, as the method says
+///     prepare     [segment]                                             right-hand side of the solve, by the method
 ///     solve       forward[chunk] ─► join ─► backward[chunk]             velocities; the method then finishes the links of the chunk
 ///
 /// Chunks belong to the matrix and batches to the Jacobian, not to segments or threads: results do not depend on either.

@@ -39,8 +39,8 @@ struct NewtonStatistics {
     long solves = 0;
     long backtracks = 0;   ///< halvings
     long refreshed = 0;    ///< steps that needed a Jacobian beyond the variant's rule
-    long unconverged = 0;  ///< steps that went on with the best iterate
-    double worst = 0.0;    ///< largest residual that was gone on with [m/s]
+    long unconverged = 0;  ///< steps that used the best iterate
+    double worst = 0.0;    ///< largest accepted residual [m/s]
 };
 
 /// One line: "2.31 iterations per step (most 7), …".

@@ -5,7 +5,7 @@
 ///
 /// Iterates keep q⁺ = q + h/2 (v + v⁺) exactly, so the residual  r = v⁺ - v - h/2 (a + a⁺)  has velocities only. Friction laws have kinks:
 /// the iteration starts from the velocities of the step's start, and steps are halved until the residual falls in energy. A step that does
-/// not converge goes on with the best iterate and is counted.
+/// not converge uses the best iterate and is counted.
 
 #include "tasks/method/implicit/broyden.hpp"
 #include "tasks/method/implicit/implicit_method.hpp"

@@ -9,7 +9,7 @@
 
 namespace cvtflow::tasks {
 
-/// @param expected where to begin to look; 0: where StepLimitBound says [s]
+/// @param expected start of the search; 0: the estimate of StepLimitBound [s]
 /// @throws std::invalid_argument for a name that is no method's
 [[nodiscard]] StepLimit predicted_step_limit(const LinearChain& chain, std::string_view method, double expected = 0.0);
 /// For one method.

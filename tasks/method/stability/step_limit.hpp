@@ -26,7 +26,7 @@ struct StepLimit {
     StepLimiter by = StepLimiter::nothing;
     double oscillation = 0.0;  ///< what grows first beyond it oscillates so fast [rad/s]
     double friction = 0.0;     ///< and is damped so much by friction [1/s]
-    double in_pulleys = 0.0;   ///< share of its kinetic energy that shafts and sheaves have; StepLimitBound does not tell
+    double in_pulleys = 0.0;   ///< share of its kinetic energy in shafts and sheaves; not set by StepLimitBound
 };
 
 /// "1.91 us (oscillation of 120 kHz under friction of 1.2e+06 1/s)".
@@ -43,7 +43,7 @@ public:
     /// Looks at a state with its phases held: serial, deterministic. [layout.size()]
     /// @return evaluations of the right-hand side that it took
     int look(double t, const double* state, const model::Phase* phases);
-    /// By the last look.
+    /// From the last estimate.
     [[nodiscard]] const StepLimit& limit() const noexcept { return limit_; }
     /// At the state of the last look the limit was really this (predicted_step_limit()): it, and what later looks say, are taken so many
     /// times as long. [s]

@@ -8,8 +8,8 @@ namespace cvtflow::tasks {
 
 /// Growth in a step that still counts as none. growth_factor_tolerance [1]
 inline constexpr double growth_factor_tolerance = 1e-3;
-/// A method that its test equation sets no limit, and that is stable with this, is said to be stable with any step: beyond, what grows by
-/// itself grows so much in a step that it looks like the method's doing [s].
+/// A method without a limit on its test equation that is stable with this step counts as stable with any step: beyond, what grows by
+/// itself grows so much in a step that it cannot be distinguished from instability [s].
 inline constexpr double longest_tried = 8e-6;
 
 /// First step tried of a method without limit [s].
@@ -20,7 +20,7 @@ struct Bracket {
     double stable = 0.0, unstable = std::numeric_limits<double>::infinity();  ///< stable [s]
 };
 
-/// @param expected where to begin to look [s]; infinite or 0: at lengths up to longest_tried
+/// @param expected start of the search [s]; infinite or 0: at lengths up to longest_tried
 [[nodiscard]] Bracket bracketed(double expected, const std::function<bool(double)>& stable);
 
 }  // namespace cvtflow::tasks

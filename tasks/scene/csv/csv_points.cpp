@@ -32,17 +32,17 @@ public:
         const std::size_t before = problems_.size();
         for (const Entry& entry : table) {
             const auto* text = std::get_if<std::string>(&entry.node.value);
-            std::string* wanted = entry.key == "csv"     ? &file_
-                                  : entry.key == "time"  ? &names_[0]
-                                  : entry.key == "value" ? &names_[1]
-                                                         : nullptr;
-            if (wanted == nullptr)
+            std::string* requested = entry.key == "csv"     ? &file_
+                                     : entry.key == "time"  ? &names_[0]
+                                     : entry.key == "value" ? &names_[1]
+                                                            : nullptr;
+            if (requested == nullptr)
                 problem(fmt::format("{}: unknown key{}", entry.key,
                                     engine::did_you_mean(engine::closest(entry.key, {"csv", "time", "value"}))));
             else if (text == nullptr)
                 problem(fmt::format("{} is not a text", entry.key));
             else
-                *wanted = *text;
+                *requested = *text;
         }
         if (file_.empty() && problems_.size() == before) problem("csv = \"FILE\" is missing");
         return problems_.size() == before;
@@ -53,7 +53,7 @@ public:
         Node::Array points;
         std::error_code unknown;
         const std::filesystem::path path = folder / file_;
-        if (!std::filesystem::exists(path, unknown)) return problem(fmt::format("there is no file {}", toml_text(file_))), Node{points, {}};
+        if (!std::filesystem::exists(path, unknown)) return problem(fmt::format("no file {}", toml_text(file_))), Node{points, {}};
         try {
             std::istringstream text(engine::read_text_input(path.string(), longest_csv));
             for (std::string line; std::getline(text, line) && good_;) {
@@ -73,7 +73,7 @@ public:
         return {points, {line_, 1}};
     }
 
-    /// A problem of a value, told with its place in the file.
+    /// A problem of a value, with its position in the file.
     void tell(const Problem& inside) {
         problems_.push_back({position_, fmt::format("{} ({}:{}:{})", inside.message, file_, inside.position.line, inside.position.column)});
     }

@@ -64,7 +64,7 @@ private:
         if (lines) at_ += 2;
     }
 
-    /// Position of the place where the walk stands.
+    /// Present position of the scan.
     [[nodiscard]] Problem here(std::string message) const {
         const std::size_t begin = at_ == 0 ? std::string::npos : text_.rfind('\n', at_ - 1);
         const std::size_t line = begin == std::string::npos ? 0 : begin + 1;

@@ -55,7 +55,7 @@ std::string other_case(std::string_view symbol) {
     return {};
 }
 
-/// A product without its signs that begins with a force or a mass: "Nms" -> N*m*s, "kg m" -> kg*m. Empty if it is none.
+/// A product without its signs that begins with a force or a mass: "Nms" -> N*m*s, "kg m" -> kg*m. Else empty.
 std::string split(std::string_view symbol, const std::vector<std::string>& known) {
     constexpr std::array<std::string_view, 6> further{"mm", "cm", "m", "s", "rad", "deg"};
     const auto first = symbol.find_first_of("Ng");

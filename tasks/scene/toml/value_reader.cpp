@@ -69,7 +69,7 @@ double default_number(const Parameter& parameter) {
 }
 
 /// How far apart two sizes are, in powers of e.
-double remoteness(double value, double usual) { return usual == 0.0 || value == 0.0 ? 0.0 : std::abs(std::log(std::abs(value / usual))); }
+double log_distance(double value, double usual) { return usual == 0.0 || value == 0.0 ? 0.0 : std::abs(std::log(std::abs(value / usual))); }
 
 class Reader {
 public:
@@ -136,10 +136,10 @@ public:
         const auto* list = std::get_if<Node::Array>(&node.value);
         std::vector<double> values;
         if (list && !has_points(node, *list)) return;
-        const std::size_t wanted = list ? list->size() : 1;
-        for (std::size_t i = 0; i < wanted; ++i)
+        const std::size_t requested = list ? list->size() : 1;
+        for (std::size_t i = 0; i < requested; ++i)
             if (const auto value = number(list ? (*list)[i] : node, rule())) values.push_back(*value);
-        if (values.size() == wanted) member = std::move(values);
+        if (values.size() == requested) member = std::move(values);
     }
 
     void read(const Node& node, model::TimeTable& member) {
@@ -182,7 +182,7 @@ private:
         const auto value = number((*pair)[1], rule());
         if (!time || !value) return;
         if (!table.time.empty() && *time <= table.time.back())
-            return refuse((*pair)[0], "time {} s does not come after {} s", number_text(*time), number_text(table.time.back()));
+            return refuse((*pair)[0], "time {} s is not later than {} s", number_text(*time), number_text(table.time.back()));
         table.time.push_back(*time);
         table.value.push_back(*value);
     }
@@ -233,7 +233,7 @@ private:
             const auto parsed = parse_quantity(candidate);
             const auto* quantity = std::get_if<Quantity>(&parsed);
             if (!quantity || candidate == text || quantity->value < rule.min || quantity->value > rule.max) continue;
-            const double remote = remoteness(quantity->value, rule.usual);
+            const double remote = log_distance(quantity->value, rule.usual);
             if (!likely.empty() && remote >= least) continue;
             likely = std::move(candidate);
             least = remote;

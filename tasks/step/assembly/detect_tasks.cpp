@@ -85,7 +85,7 @@ void find_due(Workspace& w, int link, SegmentResult& verdict) noexcept {
 }
 
 /// Slopes of a segment's links at the end of a step from its states at both ends: velocities, and the mean acceleration. (Those at the
-/// start are wanted only where a transition is due: TransitionSearch::complete_start_slopes.)
+/// start are needed only if a transition is due: TransitionSearch::complete_start_slopes.)
 void make_secants(Workspace& w, const Segment& own) noexcept {
     const model::ChainLayout& layout = w.layout();
     const int half = layout.link_size();
@@ -100,7 +100,7 @@ void make_secants(Workspace& w, const Segment& own) noexcept {
     }
 }
 
-/// Local errors of a segment's links, each by itself: whoever asks for the largest gets the same however the chain is cut.
+/// Local error of each link of a segment: the maximum does not depend on the segments.
 /// @param errors room for one link
 void estimate_errors(Workspace& w, const Segment& own, double* errors) noexcept {
     const model::ChainLayout& layout = w.layout();

@@ -9,7 +9,7 @@ namespace cvtflow::tasks {
 /// window [unknowns]
 void fill_window(Workspace& workspace, const Segment& own, double* window) noexcept;
 
-/// The window of a state vector, as it is: at the step's end, say.
+/// The window of a given state vector, such as the end of the step.
 void copy_window(const Workspace& workspace, const Segment& own, const double* state, double* window) noexcept;
 
 /// The window of a state vector in the segment's own memory, which is returned.

@@ -16,7 +16,7 @@ namespace cvtflow::tasks {
 
 namespace {
 
-// What a right run leaves of its balance, and what a wrong one does, stands in DECISIONS 74; the test Lottery draws machines and counts.
+// DECISIONS 74 states the residuals of accurate and of wrong runs; the test Lottery counts them on random machines.
 constexpr double share_of_losses = 1e-3;
 constexpr double share_of_through = 1e-5;
 constexpr double share_of_stored = 1e-6;
@@ -176,7 +176,7 @@ void EnergyLedger::close_sample(double time) noexcept {
     if (time - m_.part.begin >= window) close_window();
 }
 
-/// A residual that noise alone could have made is looked at more closely; one that it could not is remembered.
+/// A residual that noise can explain is evaluated again; one that it cannot explain is kept.
 void EnergyLedger::close_window() noexcept {
     const EnergyBalance closed = balance_since(m_.part);
     if (m_.part.begin >= m_.judged_from) m_.worst = std::max(m_.worst, suspicion_of(closed, m_.part.begin < 0.0));
@@ -291,7 +291,7 @@ void EnergyLedger::load(std::span<const double> memory, long stride) {
     std::memcpy(static_cast<void*>(&m_), pop_front(memory, sizeof(Memory) / sizeof(double)).data(), sizeof(Memory));
     for (const auto& [place, most] : {std::pair{m_.past_begin, past_size - 1}, {m_.past_count, past_size}}) {
         if (!(place >= 0.0 && place <= static_cast<double>(most)) || place != std::floor(place))
-            throw std::invalid_argument("a memory of energies that is none");
+            throw std::invalid_argument("malformed energy memory");
     }
 }
 

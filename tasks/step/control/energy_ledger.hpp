@@ -20,7 +20,7 @@ class Variator;
 
 namespace cvtflow::tasks {
 
-/// ΔE - W + L over a span of time, and what an honest integration may leave of it.
+/// ΔE - W + L over a span of time, and its tolerance.
 struct EnergyBalance {
     double span = 0.0;       ///< [s]
     double change = 0.0;     ///< of the stored energy [J]
@@ -34,9 +34,9 @@ struct EnergyBalance {
     [[nodiscard]] double residual() const noexcept { return change - work + loss; }
     /// |residual| over the losses; the threshold stands beside it as tolerance() over the losses.
     [[nodiscard]] double relative() const noexcept;
-    /// What a residual may be that honest steps leave [J].
+    /// Residual that accurate steps may leave [J].
     [[nodiscard]] double honest() const noexcept;
-    /// honest(), with what sampling may add: beyond it the residual is wrong [J].
+    /// honest(), plus the error of sampling: a larger residual means wrong results [J].
     [[nodiscard]] double tolerance() const noexcept;
     /// |residual| over its tolerance; 0 for so few samples that their noise is not known. Not a number is infinite.
     [[nodiscard]] double suspicion() const noexcept;
@@ -94,7 +94,7 @@ public:
     /// An output is due: closes the interval since the last one. @param momentum of the shafts [N·m·s]
     void output(double time, const std::array<double, 2>& momentum) noexcept;
 
-    /// At `time` ≥ the last sample; losses go on as they were there. time [s]
+    /// At `time` ≥ the last sample; losses continue at their last rate. time [s]
     [[nodiscard]] EnergySums sums(double time) const noexcept;
     /// From the beginning to the last sample.
     [[nodiscard]] EnergyBalance balance() const noexcept;
@@ -118,10 +118,10 @@ public:
     /// Of drive and load on their shafts so far [N·m·s].
     [[nodiscard]] const std::array<double, 2>& impulse() const noexcept { return m_.impulse; }
 
-    /// For checkpoints: goes on bit for bit.
+    /// For checkpoints: continues bitwise.
     void save(std::vector<double>& memory) const;
     /// memory [what save() wrote]
-    /// @throws std::invalid_argument for a memory that is none
+    /// @throws std::invalid_argument for a malformed memory
     void load(std::span<const double> memory, long stride);
 
 private:

@@ -23,7 +23,7 @@ ErrorControl::ErrorControl(Workspace& workspace, const StepMethod& method, const
       tolerance_(settings.tolerance),
       size_(longest_step(settings), std::max(1, method.error_power())) {
     if (estimates_ && method.error_power() == 0)
-        throw std::invalid_argument("this method has no estimate of its error: run.step_control can only be \"fixed\"");
+        throw std::invalid_argument("this method has no error estimate: run.step_control must be \"fixed\"");
     w_.step.estimate_error = estimates_;
 }
 

@@ -8,11 +8,11 @@ namespace cvtflow::tasks {
 
 /// What happened so far. All monotone.
 struct Counters {
-    long steps = 0;        ///< accepted, truncated ones included
+    long steps = 0;        ///< accepted steps, truncated ones included
     long evaluations = 0;  ///< of the right-hand side
     long detected = 0;     ///< transitions carried out
     long truncated = 0;    ///< steps cut at a transition
-    long suppressed = 0;   ///< transitions put off because the tip had just changed
+    long suppressed = 0;   ///< transitions postponed because the tip had just changed
     long rejected = 0;     ///< steps taken again because of their error
     bool operator==(const Counters&) const = default;
 };

@@ -1,5 +1,5 @@
 #pragma once
-/// Who says how long the next step may be, where steps are automatic; AutoStep is the one that there is.
+/// Chooses the length of automatic steps; implemented by AutoStep.
 
 #include <span>
 #include <vector>
@@ -20,7 +20,7 @@ public:
     [[nodiscard]] virtual double longest(double time, const double* state, const model::Phase* phases) noexcept = 0;
     /// A new integration begins.
     virtual void restart() noexcept = 0;
-    /// For checkpoints: goes on bit for bit.
+    /// For checkpoints: continues bitwise.
     virtual void save(std::vector<double>& memory) const = 0;
     virtual void load(std::span<const double> memory) = 0;  ///< memory [what save() wrote]
 

@@ -34,7 +34,7 @@ bool StepSizeControl::judge(double error, double step) noexcept {
     error = std::max(error, smallest_error);
     double growth = safety * model::portable_pow(error, -proportional * exponent) * model::portable_pow(previous_, integral * exponent);
     growth = std::clamp(growth, min_growth, rejected_ ? 1.0 : max_growth);
-    // A step shortened to end at an output says nothing against the longer one.
+    // A step shortened to end at an output does not limit the next one.
     proposal_ = std::min(longest_, growth >= 1.0 ? std::max(proposal_, step * growth) : step * growth);
     previous_ = error;
     rejected_ = false;

@@ -25,7 +25,7 @@ struct IntegrationState;
 class StepController final : public engine::Controller {
 public:
     /// The workspace's slot 0 and phases hold the start state. `cancel` may be set from anywhere, also from a signal handler.
-    /// @throws std::invalid_argument if errors are asked for and the method estimates none
+    /// @throws std::invalid_argument if errors are requested and the method has no estimate
     StepController(Workspace& workspace, StepMethod& method, const StepSettings& settings, RunObserver& observer,
                    const engine::Cancellation& cancel);
     /// A controller with the workspace's table of stages as method.

@@ -16,7 +16,7 @@ struct StepSettings {
     StepControl control = StepControl::fixed;
     double tolerance = 1.0;        ///< of local errors, in units of ErrorScale [1]
     StepChoice* choice = nullptr;  ///< what chooses automatic steps; outlives the controller
-    const bool* pause = nullptr;   ///< if it becomes true (an observer's wish), the run ends before the next step as if cancelled
+    const bool* pause = nullptr;   ///< if true (set by an observer), the run ends before the next step as if cancelled
 
     [[nodiscard]] bool automatic() const noexcept { return choice != nullptr && step == 0.0; }
 };

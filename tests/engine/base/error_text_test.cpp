@@ -27,7 +27,7 @@ TEST(ErrorText, OfFilesIsPathAndReason) {
 
 TEST(ErrorText, OfWhatOnlyAMistakeOfOursCanCauseSaysSo) {
     const std::vector<int> empty;
-    EXPECT_TRUE(text_of([&] { (void)empty.at(3); }).starts_with("a mistake in this program, please report it (vector::_M_range_check"));
+    EXPECT_TRUE(text_of([&] { (void)empty.at(3); }).starts_with("an error in this program, please report it (vector::_M_range_check"));
 }
 
 TEST(ErrorText, OfOurOwnExceptionsIsWhatTheySay) {

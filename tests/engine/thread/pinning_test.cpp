@@ -26,9 +26,9 @@ TEST(Pin, KeepsTheThreadOnOneProcessorAndLetsGo) {
     EXPECT_EQ(processors.count(), CPU_COUNT(&before));
     for (int number = 0; number < 2 * processors.count(); ++number) {
         const Pin pin(true, processors, number);
-        const cpu_set_t now = mask_of(0), wanted = processors.only(number % processors.count());
+        const cpu_set_t now = mask_of(0), requested = processors.only(number % processors.count());
         EXPECT_EQ(CPU_COUNT(&now), 1);
-        EXPECT_TRUE(CPU_EQUAL(&now, &wanted));
+        EXPECT_TRUE(CPU_EQUAL(&now, &requested));
     }
     const cpu_set_t after = mask_of(0);
     EXPECT_TRUE(CPU_EQUAL(&after, &before));

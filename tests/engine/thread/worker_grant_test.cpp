@@ -28,17 +28,17 @@ TEST(WorkerGrant, GivesWhatIsWantedWhereThereIsNoShortageAndTriesOnlyWhatIsNew) 
     EXPECT_FALSE(WorkerGrant(4).fresh());
     EXPECT_TRUE(WorkerGrant(5).fresh());
     EXPECT_EQ(team_grant(4), 4);
-    EXPECT_EQ(thread_shortage().wanted, 0);
+    EXPECT_EQ(thread_shortage().requested, 0);
 }
 
 TEST(ThreadShortage, KeepsTheLargerOne) {
     ThreadShortage shortage;
     shortage.note(4, 2);
     shortage.note(2, 1);
-    EXPECT_EQ(shortage.wanted, 4);
+    EXPECT_EQ(shortage.requested, 4);
     EXPECT_EQ(shortage.had, 2);
     shortage.note(8, 1);
-    EXPECT_EQ(shortage.wanted, 8);
+    EXPECT_EQ(shortage.requested, 8);
 }
 
 }  // namespace

@@ -101,12 +101,12 @@ TEST_F(LabCommands, DetailNeedsAStateOfFullDetailAndItsDialsFree) {
                       HasSubstr("\n  detail.order = 3, settled with 1\n")));
     const Outcome held = run({"detail", "baseline", "--set", "detail.order=1"});
     EXPECT_EQ(held.status, 2);
-    EXPECT_EQ(held.err, "cvtflow-lab: --set detail.order=1: detail.order is one of the dials that are compared\n");
+    EXPECT_EQ(held.err, "cvtflow-lab: --set detail.order=1: detail.order is one of the compared keys\n");
 }
 
 TEST_F(LabCommands, DetailComparesTheLevelsOfTheCatalogueWithTheFinestAtAQuarterOfItsStep) {
     const Outcome outcome = run(
-        {"detail", "baseline", "--rungs", "--settle", "20us", "--average", "20us", "--control", "0 s", "--json", "--csv", "-o", "ladder"});
+        {"detail", "baseline", "--levels", "--settle", "20us", "--average", "20us", "--control", "0 s", "--json", "--csv", "-o", "ladder"});
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     const auto ladder = nlohmann::json::parse(read("ladder/ladder.json"));
     const auto presets = tasks::detail_presets();
@@ -114,12 +114,12 @@ TEST_F(LabCommands, DetailComparesTheLevelsOfTheCatalogueWithTheFinestAtAQuarter
     const auto& point = ladder["points"][0];
     EXPECT_EQ(point["reference"]["detail"], presets.back().name);
     EXPECT_EQ(point["reference"]["share"], 0.25);
-    ASSERT_EQ(point["rungs"].size(), presets.size());
-    for (std::size_t k = 0; k < presets.size(); ++k) EXPECT_EQ(point["rungs"][k]["detail"], presets[presets.size() - 1 - k].name);
-    EXPECT_NEAR(double(point["reference"]["step"]) / double(point["rungs"][0]["step"]), 0.25, 0.02);
-    for (const auto& rung : point["rungs"]) EXPECT_GT(double(rung["seconds"]), 0.0);
+    ASSERT_EQ(point["levels"].size(), presets.size());
+    for (std::size_t k = 0; k < presets.size(); ++k) EXPECT_EQ(point["levels"][k]["detail"], presets[presets.size() - 1 - k].name);
+    EXPECT_NEAR(double(point["reference"]["step"]) / double(point["levels"][0]["step"]), 0.25, 0.02);
+    for (const auto& level : point["levels"]) EXPECT_GT(double(level["seconds"]), 0.0);
     EXPECT_THAT(read("ladder/ladder.csv"), StartsWith("point,detail,share,"));
-    const Outcome both = run({"detail", "--rungs", "--all"});
+    const Outcome both = run({"detail", "--levels", "--all"});
     EXPECT_EQ(both.status, 2);
 }
 
@@ -127,7 +127,7 @@ TEST_F(LabCommands, DetailKeepsFaultsOutOfItsTable) {
     const std::vector<std::string> brief{"--settle", "20us", "--average", "20us", "--control", "0 s"};
     const Outcome all = run(std::vector<std::string>{"detail", "baseline", "--set", "tip.deepest=6um"} + brief);
     EXPECT_EQ(all.status, 1);
-    EXPECT_THAT(all.err, StartsWith("cvtflow-lab: baseline: full detail, with which all is compared, ended: a tip of pin "));
+    EXPECT_THAT(all.err, StartsWith("cvtflow-lab: baseline: the reference, full detail, ended: a tip of pin "));
     EXPECT_EQ(all.out, "");
     const Outcome some = run(std::vector<std::string>{"detail", "baseline", "--set", "tip.deepest=20um"} +
                              brief);  // rigid pulleys take the jolt with deeper tips

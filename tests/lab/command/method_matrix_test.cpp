@@ -133,14 +133,14 @@ const std::vector<Row> rows{
          return Words{"stability", m, "-q"};
      },
      [](const std::string& m) {
-         return chooses_tables(m) ? Expected{2, m + " chooses among tables of stages: ask for one of them"} : done("  " + m + " ");
+         return chooses_tables(m) ? Expected{2, m + " chooses among tables of stages: name one of them"} : done("  " + m + " ");
      }},
     {"stability", "over a scene",
      [](const std::string& m) {
          return Words{"stability", m, "--scene", "tiny", "-q"} + state;
      },
      [](const std::string& m) {
-         if (chooses_tables(m)) return Expected{2, m + " chooses among tables of stages: ask for one of them"};
+         if (chooses_tables(m)) return Expected{2, m + " chooses among tables of stages: name one of them"};
          return done(is_program(m) ? "\nLargest stable step\n  " + m + " " : " predicted (by ");
      }},
     {"method", "",

@@ -93,9 +93,9 @@ TEST_F(ProfileCommand, PredictsNothingOnACrowdedMachine) {
     const Outcome outcome = run({"profile", "tiny", "--schedules", "flow:fused", "--threads", "2", "--steps", "4", "--rounds", "1",
                                  "--neighbours", "0", "--curves", "c.csv", "-o", "out", "-q"});
     EXPECT_EQ(outcome.status, 1);
-    EXPECT_THAT(outcome.out, AllOf(HasSubstr("No prediction: calibration got 0."), HasSubstr("Others are busy"),
+    EXPECT_THAT(outcome.out, AllOf(HasSubstr("No prediction: calibration got 0."), HasSubstr("Other processes are busy"),
                                    testing::Not(HasSubstr("Critical path")), testing::Not(HasSubstr("curves.svg"))));
-    EXPECT_THAT(outcome.err, HasSubstr("cvtflow-lab: c.csv: not written, there is no prediction: calibration got 0."));
+    EXPECT_THAT(outcome.err, HasSubstr("cvtflow-lab: c.csv: not written: no prediction: calibration got 0."));
 }
 
 TEST_F(ProfileCommand, SaysWhatItDoesNotKnow) {

@@ -25,10 +25,10 @@ const std::vector<std::string> candidates{"rk4@200ns", "leapfrog-chebyshev@auto"
 TEST_F(WatchText, CompareMarksWhatIsUnreliable) {
     const Outcome outcome = run(std::vector<std::string>{"compare", "control"} + candidates);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_THAT(outcome.err, testing::StartsWith("cvtflow-lab: rk4@200ns: unreliable: the energy balance is off by "));
+    EXPECT_THAT(outcome.err, testing::StartsWith("cvtflow-lab: rk4@200ns: unreliable: the residual of the energy balance is "));
     EXPECT_THAT(outcome.out, ContainsRegex("\n  rk4@200ns .* unreliable\n"));
     EXPECT_THAT(outcome.out, ContainsRegex("\n  leapfrog-chebyshev@auto +1[0-9]+ ns .* finished\n"));
-    EXPECT_THAT(outcome.out, ContainsRegex("\n  too short +120 us are 0\\.17 pin periods: means of slip and efficiency need 16 "));
+    EXPECT_THAT(outcome.out, ContainsRegex("\n  too short +120 us are 0\\.17 pin periods: means of slip and efficiency require 16 "));
     EXPECT_THAT(read("out/compare_control.csv"),
                 AllOf(HasSubstr(",status,residual,suspicion,pin_periods,long_enough,mean_slip,efficiency\n"),
                       ContainsRegex("\nrk4@200ns,.*,unreliable,"),
@@ -42,7 +42,7 @@ TEST_F(WatchText, CompareMarksWhatIsUnreliable) {
 TEST_F(WatchText, PinEntryMarksWhatIsUnreliable) {
     const Outcome outcome = run(std::vector<std::string>{"pin-entry", "control", "--time", "120us", "--rounds", "0", "-q"} + candidates);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_THAT(outcome.out, ContainsRegex("\n  rk4 +200 ns .* unreliable: the energy balance is off by "));
+    EXPECT_THAT(outcome.out, ContainsRegex("\n  rk4 +200 ns .* unreliable: the residual of the energy balance is "));
     EXPECT_THAT(outcome.out, AllOf(ContainsRegex("\n  leapfrog-chebyshev +1\\.[0-9]+ us "),
                                    ContainsRegex("\n  too short +120 us are 0\\.17 pin periods: ")));
     EXPECT_THAT(read("out/comparison.csv"),
@@ -57,9 +57,8 @@ TEST_F(WatchText, DetailHasAStatusAndNoFiguresForWhatIsUnreliable) {
     const std::vector<std::string> brief{"detail", "baseline", "--settle", "200us", "--average", "200us", "--control", "0 s", "-o", "out"};
     const Outcome all = run(brief + std::vector<std::string>{"--method", "rk4", "--step", "200ns"});
     EXPECT_EQ(all.status, 1);
-    EXPECT_THAT(all.err,
-                testing::StartsWith(
-                    "cvtflow-lab: baseline: full detail, with which all is compared, is unreliable: the energy balance is off by "));
+    EXPECT_THAT(all.err, testing::StartsWith(
+                             "cvtflow-lab: baseline: the reference, full detail, is unreliable: the residual of the energy balance is "));
     EXPECT_EQ(all.out, "");
     const Outcome good = run(brief);
     EXPECT_EQ(good.status, 0) << good.err;
@@ -74,7 +73,7 @@ TEST_F(WatchText, DetailLeavesOutOneVariantThatIsUnreliable) {
     const Outcome outcome = run({"detail", "baseline", "--method", "euler", "--step", "20ns", "--settle", "1us", "--average", "1us",
                                  "--control", "0 s", "-o", "out"});
     EXPECT_EQ(outcome.status, 5);
-    EXPECT_THAT(outcome.err, HasSubstr("cvtflow-lab: baseline: p=3 each   8 pt rigid: unreliable: the energy balance is off by "));
+    EXPECT_THAT(outcome.err, HasSubstr("cvtflow-lab: baseline: p=3 each   8 pt rigid: unreliable: the residual of the energy balance is "));
     EXPECT_THAT(outcome.out, ContainsRegex("\n  p=3 each   8 pt rigid +1684 +- +- +- +- +- +- +- +- +- +- +unreliable\n"));
     EXPECT_THAT(read("out/detail_baseline.csv"), HasSubstr("\nhalves,3,each,8,rigid,1,1684,,,,,,,,,,unreliable,,,,,,\n"));
     EXPECT_THAT(read("out/detail_baseline.json"), HasSubstr("\"status\": \"unreliable\""));

@@ -82,12 +82,12 @@ double controlled_force(const Parameters& p, double time, int steps) {
     return pulleys.inputs(0.0, turning(pulleys, integral).data()).clamping[1];
 }
 
-Parameters with_safety(double wanted, double torque) {
+Parameters with_safety(double required, double torque) {
     Parameters p;
     p.load.torque = TimeTable(torque);
     p.control.enabled = true;
     p.control.quantity = ControlledQuantity::safety;
-    p.control.safety = TimeTable(wanted);
+    p.control.safety = TimeTable(required);
     p.control.proportional = 1e4;
     p.control.integral = 5e6;
     p.control.authority = 5e4;
@@ -96,13 +96,13 @@ Parameters with_safety(double wanted, double torque) {
 
 double carried_per_force(const Parameters& p) { return 2.0 * p.tip.friction.coefficient * p.pulley.arc_position / std::cos(p.tip.angle); }
 
-/// S' = K_I (1 - S/S_w) below the force that is wanted, S' = K_I (S_w/S - 1) above it: solved by hand.
+/// S' = K_I (1 - S/S_w) below the force that is required, S' = K_I (S_w/S - 1) above it: solved by hand.
 TEST(Inputs, ControlOfTheSafetyFactorApproachesItAsTheoryHasIt) {
     const Parameters low = with_safety(1.5, 200.0);
-    const double wanted = 1.5 * 200.0 / carried_per_force(low), time = 4e-3;
-    ASSERT_GT(wanted, 20e3);
-    const double from_below = wanted - (wanted - 20e3) * std::exp(-5e6 * time / wanted);
-    EXPECT_NEAR(controlled_force(low, time, 200), from_below + 1e4 * (1.0 - from_below / wanted), 1e-3)
+    const double required = 1.5 * 200.0 / carried_per_force(low), time = 4e-3;
+    ASSERT_GT(required, 20e3);
+    const double from_below = required - (required - 20e3) * std::exp(-5e6 * time / required);
+    EXPECT_NEAR(controlled_force(low, time, 200), from_below + 1e4 * (1.0 - from_below / required), 1e-3)
         << "the proportional part comes on top";
 
     Parameters high = with_safety(1.5, 100.0);

@@ -79,8 +79,8 @@ TEST_F(Supervisor, BooksTheCaseThatCrashesAndNoOther) {
         EXPECT_EQ(rows(), std::string({ok, ok, ok, booked, ok, ok, ok, ok})) << signal;
     }
     EXPECT_THAT(said_, testing::SizeIs(12));
-    EXPECT_EQ(said_[0], "the sweep's process was ended by SIGSEGV (Segmentation fault); what was running goes on alone: case 3");
-    EXPECT_EQ(said_[1], "case 3 has crashed: SIGSEGV (Segmentation fault)");
+    EXPECT_EQ(said_[0], "a process of the sweep was ended by SIGSEGV (Segmentation fault); its cases run again one by one: case 3");
+    EXPECT_EQ(said_[1], "case 3 crashed: SIGSEGV (Segmentation fault)");
 }
 
 TEST_F(Supervisor, RunsTheInnocentAloneAndKeepsTheirResults) {
@@ -106,7 +106,7 @@ TEST_F(Supervisor, EndsAfterACrashOutsideOfAnyCase) {
     EXPECT_EQ(supervise(
                   journal_, [](const SweepPart&) -> int { std::abort(); }, [this](const std::string& line) { said_.push_back(line); }),
               1);
-    EXPECT_THAT(said_, ElementsAre("the sweep's process was ended by SIGABRT (Aborted), in none of its cases"));
+    EXPECT_THAT(said_, ElementsAre("a process of the sweep was ended by SIGABRT (Aborted) outside its cases"));
 }
 
 TEST_F(Supervisor, BeginsNothingNewAfterAWishToStop) {

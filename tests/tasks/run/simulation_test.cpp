@@ -259,7 +259,7 @@ TEST(Simulation, SettlesAnewWhereItsStateBelongsToAnotherMachine) {
         EXPECT_EQ(started.needs_settling(), !fits) << setting;
         EXPECT_EQ(fitting_start(other) != nullptr, fits) << setting;
         if (!fits) {
-            EXPECT_NE(started.start_differences().back().find("settles anew"), std::string::npos) << setting;
+            EXPECT_NE(started.start_differences().back().find("settles again"), std::string::npos) << setting;
         }
         Simulation reused(scene);
         reused.reset(other, saved_start(other).get());

@@ -82,14 +82,14 @@ TEST_F(CsvPoints, SayWhatIsWrongAndWhere) {
     write("unit.csv", "t [ms],torque [kg]\n0,1\n");
     write("one.csv", "t\n0\n");
     write("empty.csv", "t,torque\n");
-    EXPECT_EQ(problem(R"({csv = "none.csv"})"), "load.torque: there is no file \"none.csv\"");
+    EXPECT_EQ(problem(R"({csv = "none.csv"})"), "load.torque: no file \"none.csv\"");
     EXPECT_EQ(problem(R"({time = "t"})"), "load.torque: csv = \"FILE\" is missing");
     EXPECT_EQ(problem(R"({csv = "good.csv", valeu = "t"})"), "load.torque: valeu: unknown key (did you mean \"value\"?)");
     EXPECT_EQ(problem(R"({csv = "good.csv", value = 3})"), "load.torque: value is not a text");
     EXPECT_EQ(problem(R"({csv = "good.csv", value = "torqe"})"),
               "load.torque: \"good.csv\" has no column \"torqe\" (did you mean \"torque\"?)");
     EXPECT_EQ(problem(R"({csv = "range.csv"})"), "load.torque: 2e9 N*m is outside [-1e5, 1e5] N*m (range.csv:3:2)");
-    EXPECT_EQ(problem(R"({csv = "late.csv"})"), "load.torque: time 1 s does not come after 1 s (late.csv:3:1)");
+    EXPECT_EQ(problem(R"({csv = "late.csv"})"), "load.torque: time 1 s is not later than 1 s (late.csv:3:1)");
     EXPECT_NE(problem(R"({csv = "text.csv"})").find("(text.csv:2:2)"), std::string::npos);
     EXPECT_EQ(problem(R"({csv = "ragged.csv"})"), "load.torque: ragged.csv:3: 1 cells, not 2");
     EXPECT_NE(problem(R"({csv = "unit.csv"})").find("expected a torque (N*m) (unit.csv:2:2)"), std::string::npos)

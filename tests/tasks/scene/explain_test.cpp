@@ -12,7 +12,7 @@ namespace {
 TEST(Explain, SaysMeaningUnitRangeDefaultAndSource) {
     EXPECT_EQ(explain("tip.angle"),
               "tip.angle\n"
-              "  Lean of the sheave's flank, half the wedge angle.\n"
+              "  Angle of the sheave's flank: half the wedge angle.\n"
               "  value:    a number in rad or a text with a unit (\"... deg\")\n"
               "  range:    1e-2 to 0.8 rad\n"
               "  default:  11 deg\n"

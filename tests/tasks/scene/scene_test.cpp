@@ -139,7 +139,7 @@ TEST(SetValue, ErrorsShowTheSetting) {
     EXPECT_EQ(message("chain.pitch="), "--set chain.pitch=: chain.pitch: \"\" does not begin with a number");
     EXPECT_EQ(message("half.length=8 mm\npins = 2").substr(0, 6), "--set ");
     EXPECT_EQ(message("chain.pitch=[8e-3").substr(0, 64), "--set chain.pitch=[8e-3: chain.pitch: not valid TOML: Error whil");
-    EXPECT_EQ(message("start.state=nowhere.h5"), "--set start.state=nowhere.h5: start.state: there is no file \"nowhere.h5\"");
+    EXPECT_EQ(message("start.state=nowhere.h5"), "--set start.state=nowhere.h5: start.state: no file \"nowhere.h5\"");
     EXPECT_EQ(scene.parameters, model::Parameters{});
 }
 

@@ -35,7 +35,7 @@ TEST(Tuner, TakesTheCheapestChoiceWhoseErrorsTimesTheMarginAreWithinTheTarget) {
         EXPECT_NE(cheaper.standing, "") << "why it was not taken";
     }
     for (std::size_t i = *result.chosen + 1; i < result.choices.size(); ++i)
-        EXPECT_EQ(result.choices[i].standing, "dearer than the one chosen");
+        EXPECT_EQ(result.choices[i].standing, "more expensive than the chosen one");
     EXPECT_THAT(result.references.at(0), testing::StartsWith(std::string(detail_presets().back().name) + ", "));
 }
 
@@ -77,7 +77,7 @@ TEST(Tuner, SaysWhatItLeavesOutWhenItsBudgetIsUsedUp) {
     settings.budget = 1e-9;
     const TuneResult result = Tuner(test::settled_tiny(), settings, undisturbed).tune(0.2);
     EXPECT_FALSE(result.chosen);
-    for (const TunedChoice& choice : result.choices) EXPECT_EQ(choice.standing, "the budget was used up");
+    for (const TunedChoice& choice : result.choices) EXPECT_EQ(choice.standing, "budget used up");
 }
 
 TEST(Tuner, LeavesOutMethodsWhereALevelOfDetailDoesNotTakeThem) {

@@ -41,7 +41,7 @@ protected:
 TEST_F(OutputPlace, OnlyPlainFilesAreReplaced) {
     for (const char* command : {"run", "settle"}) {
         expect_refused(run({command, "scene.toml", "-o", "pipe"}), "pipe: cannot create: a device, pipe or socket, not a file");
-        expect_refused(run({command, "scene.toml", "-o", "link.h5"}), "link.h5: cannot create: a symbolic link; name what it points to");
+        expect_refused(run({command, "scene.toml", "-o", "link.h5"}), "link.h5: cannot create: a symbolic link; name its target");
     }
     expect_refused(run_to({"-o", "r.h5", "--checkpoint-every", "1 h", "--checkpoint", "pipe"}),
                    "pipe: cannot create: a device, pipe or socket, not a file");
@@ -50,11 +50,11 @@ TEST_F(OutputPlace, OnlyPlainFilesAreReplaced) {
 
 TEST_F(OutputPlace, NoLinkIsFollowedWhereATemporaryFileGoes) {
     fs::create_symlink("notes.txt", folder_ / "a.h5.part");
-    expect_refused(run_to({"-o", "a.h5"}), "a.h5.part: cannot create: a symbolic link; name what it points to");
+    expect_refused(run_to({"-o", "a.h5"}), "a.h5.part: cannot create: a symbolic link; name its target");
     fs::create_hard_link(folder_ / "notes.txt", folder_ / "b.h5.part");
     expect_refused(run_to({"-o", "b.h5"}), "b.h5.part: cannot create: File exists");
     fs::create_symlink("nowhere", folder_ / "c.h5.part");
-    expect_refused(run({"settle", "scene.toml", "-o", "c.h5"}), "c.h5.part: cannot create: a symbolic link; name what it points to");
+    expect_refused(run({"settle", "scene.toml", "-o", "c.h5"}), "c.h5.part: cannot create: a symbolic link; name its target");
     EXPECT_FALSE(exists("nowhere"));
 }
 
@@ -83,7 +83,7 @@ TEST_F(OutputPlace, ACheckpointTakesTheNameOfNothingElseAndIsAllThatIsRemoved) {
     expect_refused(run_to({"-o", "r.h5", "--checkpoint-every", "1 h", "--checkpoint", "./r.h5.part"}),
                    "--checkpoint ./r.h5.part: the run needs that name for its record r.h5");
     const Outcome outcome = run_to({"-o", "r.h5", "--checkpoint-every", "1 h", "--checkpoint", "notes.txt"});
-    expect_refused(outcome, "--checkpoint: the file is there and no checkpoint: notes.txt: not an HDF5 file");
+    expect_refused(outcome, "--checkpoint: the file exists and is not a checkpoint: notes.txt: not an HDF5 file");
 }
 
 TEST_F(OutputPlace, ResumeDoesNotWriteOverItsCheckpoint) {

@@ -37,7 +37,7 @@ constexpr std::string_view tolerance_key = "run.tolerance";
 /// What a tolerance on the command line sets beside itself.
 constexpr std::string_view by_tolerance = "run.step_control=error";
 
-/// Says a problem in the words of the command line: shortcuts were turned into settings.
+/// Rewrites a message in terms of the command line: shortcuts were turned into settings.
 std::string in_words_given(const std::string& message, const SceneArguments& arguments) {
     std::istringstream lines(message);
     std::vector<std::string> rewritten;
@@ -57,7 +57,7 @@ std::string in_words_given(const std::string& message, const SceneArguments& arg
     return fmt::format("{}", fmt::join(rewritten, "\n"));
 }
 
-/// A tolerance on the command line means that it shall count, unless something else is said.
+/// A tolerance on the command line selects steps by local error, unless run.step_control is given too.
 bool asks_for_tolerance_only(const SceneArguments& arguments) {
     const auto given = [&](const Shortcut& shortcut) { return shortcut.key == tolerance_key && shortcut.value; };
     const auto controls = [](const std::string& setting) { return setting.starts_with("run.step_control="); };
@@ -96,7 +96,7 @@ void require_method(const std::string& method) {
 
 namespace {
 
-/// What a family of methods does not have is known when the method is made.
+/// A family of methods reports an unknown member when the method is made.
 void require_member(const tasks::Scene& scene, const std::string& own_method, const SceneArguments& arguments) {
     const std::string method = tasks::method_of(scene);
     if (tasks::plan_for(method)) return;
@@ -122,7 +122,7 @@ void declare_changes(CLI::App& app, SceneArguments& arguments) {
 }
 
 void declare_fresh_start(CLI::App& app, SceneArguments& arguments) {
-    app.add_flag("--settle", arguments.settle, "Begin with the geometric start and settle it, even if the scene names a state file");
+    app.add_flag("--settle", arguments.settle, "Start from the geometric start and settle it, even if the scene names a state file");
 }
 
 void declare_shortcut(CLI::App& app, SceneArguments& arguments, std::string option, std::string key, const std::string& type) {
@@ -153,7 +153,7 @@ LoadedScene load_scene(const SceneArguments& arguments) {
     const std::string changed = changes(before, state_values(scene));
     if (!changed.empty() && !own_state.empty() && scene.state_file == own_state) {
         tasks::set_value(scene, "start.state=");
-        loaded.notice = fmt::format("{}: the state in {} does not fit any more, the run settles anew", changed, own_state);
+        loaded.notice = fmt::format("{}: the state in {} no longer fits; the run settles again", changed, own_state);
     }
     require_member(scene, own_method, arguments);
     return loaded;

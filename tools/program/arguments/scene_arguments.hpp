@@ -1,5 +1,5 @@
 #pragma once
-/// The arguments that name a scene and change it, shared by all commands that take one.
+/// Arguments that name a scene and change it, shared by all commands that take a scene.
 
 #include <deque>
 #include <optional>
@@ -14,7 +14,7 @@ class App;
 
 namespace cvtflow::tools {
 
-/// An option that is short for a setting: `--until "1 ms"` for `--set run.until="1 ms"`.
+/// An option that abbreviates a setting: `--until "1 ms"` for `--set run.until="1 ms"`.
 struct Shortcut {
     std::string option;                ///< "--until"
     std::string key;                   ///< "run.until"
@@ -24,7 +24,7 @@ struct Shortcut {
 struct SceneArguments {
     std::string scene;                  ///< path or name of a ready scene
     std::vector<std::string> settings;  ///< key=value
-    std::string detail;                 ///< preset, empty: as the scene says
+    std::string detail;                 ///< preset; empty: the scene's
     std::deque<Shortcut> shortcuts;     ///< applied after `settings`; a deque: options point into it
     bool settle = false;                ///< ignore the scene's state file
 };
@@ -39,17 +39,17 @@ void declare_shortcut(CLI::App& app, SceneArguments& arguments, std::string opti
 
 struct LoadedScene {
     tasks::Scene scene;
-    std::string notice;  ///< what the user should know, empty: nothing
+    std::string notice;  ///< message for the user; may be empty
 };
 
-/// The scene with all changes applied at once. If they change what the state vector is made of, the scene's own state file
-/// no longer fits and is dropped (notice); one given with --set start.state stays, and the simulation will say that it does not fit.
+/// The scene with all changes applied at once. If they change the layout of the state vector, the scene's state file no longer fits and is
+/// dropped (notice). A state given with --set start.state is kept, and the simulation reports that it does not fit.
 /// @throws tasks::SceneError
 [[nodiscard]] LoadedScene load_scene(const SceneArguments& arguments);
 
 /// @throws tasks::SceneError  `no method 'rk5' (did you mean 'rk4'?)`
 void require_method(const std::string& method);
-/// A length of wall time given with its unit. @throws tasks::SceneError that names the option
+/// Wall time [s] from text with a unit. @throws tasks::SceneError that names the option
 [[nodiscard]] double seconds_of(const std::string& option, const std::string& text);
 
 }  // namespace cvtflow::tools

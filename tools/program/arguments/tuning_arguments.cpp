@@ -29,12 +29,11 @@ std::vector<std::string> names_of(const std::string& list) {
 void declare_tuning(CLI::App& app, TuningArguments& arguments) {
     std::vector<std::string> names;
     for (const tasks::Figure& figure : tasks::figures()) names.emplace_back(figure.name);
-    app.add_option("--accuracy", arguments.accuracy, "Largest error of the outputs, e.g. \"1 %\"")->type_name("SHARE");
-    app.add_option(
-           "--outputs", arguments.outputs,
-           fmt::format(
-               "Whose error, separated by commas: {}, or as in a sweep, \"slip median\" (default: slip, efficiency, tight_tension, tips)",
-               fmt::join(names, ", ")))
+    app.add_option("--accuracy", arguments.accuracy, "Target: largest error of the outputs, e.g. \"1 %\"")->type_name("SHARE");
+    app.add_option("--outputs", arguments.outputs,
+                   fmt::format("Outputs whose error counts, separated by commas: {}, or as in a sweep, \"slip median\" (default: slip, "
+                               "efficiency, tight_tension, tips)",
+                               fmt::join(names, ", ")))
         ->type_name("LIST");
     app.add_option("--methods", arguments.methods,
                    "Methods to choose from, separated by commas (default: the default method and the cheapest of the catalogue)")
@@ -42,9 +41,10 @@ void declare_tuning(CLI::App& app, TuningArguments& arguments) {
     app.add_option("--budget", arguments.budget, "Wall time after which no further choice is tried, e.g. \"2 min\"")->type_name("TIME");
     const tasks::PointTimes usual;
     app.add_option("--settling", arguments.settle,
-                   fmt::format("Simulated time before outputs count (default: {:g} ms)", 1e3 * usual.settle))
+                   fmt::format("Simulated time before the averages begin (default: {:g} ms)", 1e3 * usual.settle))
         ->type_name("TIME");
-    app.add_option("--average", arguments.average, fmt::format("Simulated time over which they do (default: {:g} ms)", 1e3 * usual.average))
+    app.add_option("--average", arguments.average,
+                   fmt::format("Simulated time that the averages cover (default: {:g} ms)", 1e3 * usual.average))
         ->type_name("TIME");
 }
 

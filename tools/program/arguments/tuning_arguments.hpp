@@ -1,5 +1,5 @@
 #pragma once
-/// What commands that tune have in common.
+/// Options shared by commands that tune.
 
 #include <optional>
 #include <string>
@@ -22,7 +22,7 @@ struct TuningArguments {
 /// Declares --accuracy, --outputs, --methods, --budget, --settling and --average.
 void declare_tuning(CLI::App& app, TuningArguments& arguments);
 
-/// @throws UsageError for an accuracy outside (0, 50 %], or a time that is none   @throws tasks::SceneError for a method that there is not
+/// @throws UsageError for an accuracy outside (0, 50 %] or an invalid time   @throws tasks::SceneError for an unknown method
 [[nodiscard]] tasks::TuneSettings tune_settings(const TuningArguments& arguments, bool quiet);
 
 }  // namespace cvtflow::tools

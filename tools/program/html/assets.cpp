@@ -11,8 +11,8 @@ std::string_view asset(std::string_view name) {
     const auto found = std::find_if(assets().begin(), assets().end(), [&](const Asset& asset) { return asset.name == name; });
     if (found != assets().end()) return found->text;
     throw std::runtime_error(fmt::format(
-        "reports need {}, which was not there when this program was built: install Debian's libjs-dygraphs and libjs-three, or run npm ci "
-        "in tools/program/html/browser, then configure and build again; cvtflow plot needs neither",
+        "reports require {}, which was missing when this program was built: install Debian's libjs-dygraphs and libjs-three, or run npm ci "
+        "in tools/program/html/browser, then configure and build again; cvtflow plot requires neither",
         name));
 }
 

@@ -9,9 +9,9 @@
 
 namespace cvtflow::tools {
 
-/// Rows in stretches of which the least and the largest value stay, in their order.
+/// Rows in groups; of each group the minimum and the maximum are kept, in their order.
 struct Stretches {
-    std::size_t rows, count;  ///< count: 0: every row stays
+    std::size_t rows, count;  ///< count: 0: every row is kept
 
     [[nodiscard]] std::size_t begin(std::size_t number) const noexcept { return number * rows / count; }
     /// Times that values() belong to.
@@ -19,7 +19,8 @@ struct Stretches {
     [[nodiscard]] std::vector<float> values(const std::vector<double>& all) const;
 };
 
-/// All curves of a record, at most about so many bytes of text. {"label", "rows", "shown", "t", "curves": [{"n", "u", "d", "v" or "c"}]}
+/// All curves of a record, in at most about `max_bytes` bytes of text. {"label", "rows", "shown", "t", "curves": [{"n", "u", "d", "v" or
+/// "c"}]}
 [[nodiscard]] nlohmann::json curve_data(const RecordedRun& run, std::size_t max_bytes);
 
 [[nodiscard]] nlohmann::json motion_data(const ChainMotion& motion);

@@ -84,9 +84,9 @@ std::string channels_of_one(const char* which, const std::vector<std::string>& n
 std::string against(const RecordedRun& a, const RecordedRun& b) {
     std::string text = fmt::format("<h3>A: {}, B: {}</h3>\n", html(a.path()), html(b.path())) + keys_that_differ(a, b);
     const RunDifference d = difference(a, b);
-    if (d.times.empty()) return text + "<p>The records have no time in common, so that nothing can be compared row by row.</p>\n";
+    if (d.times.empty()) return text + "<p>The records have no common time, so their rows cannot be compared.</p>\n";
     if (a.times() != b.times())
-        text += fmt::format("<p>Compared from {} to {}, at the {} times of A; B is interpolated between its own.</p>\n",
+        text += fmt::format("<p>Compared from {} to {}, at the {} times of A; B is interpolated to these times.</p>\n",
                             time_text(d.times.front()), time_text(d.times.back()), d.times.size());
     return text + side_by_side(d) + channels_of_one("A", d.only_a) + channels_of_one("B", d.only_b) + curves_of_differences(d);
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// What the page of several records says of their differences.
+/// The part of a page that compares several records.
 
 #include <string>
 #include <vector>

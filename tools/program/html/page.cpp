@@ -27,7 +27,7 @@ std::string base64(std::span<const std::byte> bytes) {
     return text;
 }
 
-/// JSON as it may stand in a script element.
+/// JSON, escaped for a script element.
 std::string in_script(const nlohmann::json& json) {
     std::string text = json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
     for (std::size_t at = 0; (at = text.find('<', at)) != std::string::npos; at += 6) text.replace(at, 1, "\\u003c");
@@ -37,7 +37,7 @@ std::string in_script(const nlohmann::json& json) {
 /// Content of a script element.
 std::string script(std::string_view name) { return fmt::format("\n{}\n", asset(name)); }
 
-/// Which scripts may run: those of this program by their hashes, and none that a record brings.
+/// Content security policy: only scripts of this program run, identified by hash; none from a record.
 std::string policy_of(const Page& page) {
     std::string scripts;
     for (const std::string& name : page.scripts) {

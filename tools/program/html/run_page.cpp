@@ -29,24 +29,23 @@ std::string attribute(const RecordedRun& run, std::string_view name) { return te
 
 std::string item(const std::string& kind, const std::string& text) { return fmt::format("<li class=\"{}\">{}</li>\n", kind, text); }
 
-/// What a reader must know before any number.
+/// Status and warnings, shown first.
 std::string status_list(const RecordedRun& run) {
     const std::string& status = run.reader().status();
     const bool good = status == "finished", running = status == "running";
     std::string text = item(good ? "good" : "bad",
-                            fmt::format("<b>{}</b>{}", html(status), running ? " (being written, or left by a run that was killed)" : ""));
+                            fmt::format("<b>{}</b>{}", html(status), running ? " (still being written, or left by a killed run)" : ""));
     const auto suspicion = run.reader().attribute("energy_suspicion");
     const double* doubt = suspicion ? std::get_if<double>(&suspicion->value) : nullptr;
     if (doubt != nullptr)
-        text +=
-            item(*doubt <= 1.0 ? "good" : "bad", fmt::format("energy balance {}: residual {} of the losses, {:.2g} of what is tolerated",
-                                                             *doubt <= 1.0 ? "closes" : "does not close, the results are unreliable",
-                                                             html(attribute(run, "energy_residual_relative")), *doubt));
+        text += item(*doubt <= 1.0 ? "good" : "bad", fmt::format("energy balance {}: residual {} of the losses, {:.2g} of the tolerance",
+                                                                 *doubt <= 1.0 ? "closes" : "does not close, the results are unreliable",
+                                                                 html(attribute(run, "energy_residual_relative")), *doubt));
     const std::string notes = attribute(run, "notes");
     for (const tasks::NoteKind& kind : tasks::note_kinds()) {
         if (notes.find(kind.name) != std::string::npos) text += item("note", fmt::format("<b>{}</b>: {}", kind.name, html(kind.meaning)));
     }
-    if (!run.reader().sealed()) text += item("note", "the record has no seal, so that its numbers are not checked");
+    if (!run.reader().sealed()) text += item("note", "the record has no seal: its numbers cannot be verified");
     return fmt::format("<ul class=\"status\">\n{}</ul>\n", text);
 }
 
@@ -66,7 +65,7 @@ std::string differences(const tasks::Scene& scene) {
            rows + "</tbody></table>\n";
 }
 
-/// Mean power that flows into a shaft from outside [W]; not a number where the record does not tell.
+/// Mean power that flows into a shaft from outside [W]; NaN if the record does not contain it.
 double power_into(const RecordedRun& run, int shaft) {
     std::vector<double> torque, speed;
     for (const engine::ChannelInfo& channel : run.reader().channels()) {
@@ -77,14 +76,14 @@ double power_into(const RecordedRun& run, int shaft) {
     return std::inner_product(torque.begin(), torque.end(), speed.begin(), 0.0) / static_cast<double>(torque.size());
 }
 
-/// "shaft 1 drives: 31.7 kW in, shaft 2 delivers 31.3 kW"; empty where the record does not tell.
+/// "shaft 1 drives: 31.7 kW in, shaft 2 delivers 31.3 kW"; empty if the record does not contain it.
 std::string drive_text(const RecordedRun& run) {
     const double first = power_into(run, 1), second = power_into(run, 2);
     if (!std::isfinite(first) || !std::isfinite(second)) return "";
     const bool one = first >= second;
     const double in = one ? first : second, out = one ? -second : -first;
     return fmt::format("shaft {} drives ({:.3g} kW in), shaft {} {} ({:.3g} kW)", one ? 1 : 2, 1e-3 * in, one ? 2 : 1,
-                       out >= 0.0 ? "delivers" : "takes as well", 1e-3 * std::abs(out));
+                       out >= 0.0 ? "delivers" : "also takes", 1e-3 * std::abs(out));
 }
 
 std::string simulated(const RecordedRun& run) {
@@ -146,7 +145,7 @@ std::string of_all(const std::vector<RecordedRun>& runs, const Each& each) {
 
 std::string spectra(const std::vector<RecordedRun>& runs) {
     const auto too_short = [](const RecordedRun& run) { return run.times().size() < 8 || !(run.times()[1] > run.times()[0]); };
-    if (std::any_of(runs.begin(), runs.end(), too_short)) return "<p>Spectra need 8 rows at least.</p>\n";
+    if (std::any_of(runs.begin(), runs.end(), too_short)) return "<p>Spectra require at least 8 rows.</p>\n";
     std::vector<std::string> words;
     for (const Curve& curve : runs.front().overview()) {
         const auto [least, largest] = std::minmax_element(curve.values.begin(), curve.values.end());
@@ -170,9 +169,9 @@ std::string curves_body(const nlohmann::json& data) {
         "<div id=\"panels\"></div></div>\n";
     for (const nlohmann::json& run : data["runs"]) {
         if (run["rows"] != run["shown"])
-            text += fmt::format(
-                "<p class=\"small\">{}: {} rows, thinned to {} points: of each stretch the least and the largest value stay.</p>\n",
-                html(run["label"].get<std::string>()), run["rows"].get<std::size_t>(), run["shown"].get<std::size_t>());
+            text +=
+                fmt::format("<p class=\"small\">{}: {} rows, thinned to {} points: each group of rows keeps its minimum and maximum.</p>\n",
+                            html(run["label"].get<std::string>()), run["rows"].get<std::size_t>(), run["shown"].get<std::size_t>());
     }
     return text;
 }

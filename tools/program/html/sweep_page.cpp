@@ -79,7 +79,7 @@ std::string maps_over(const SweepView& sweep, const std::string& x, const std::s
     return text;
 }
 
-/// Over the last axis and the first other one that tells the cases apart: with contours where the cases form a grid, else coloured points.
+/// Maps over the last axis and the first other axis that differs between cases: contours if the cases form a grid, else coloured points.
 std::string maps(const SweepView& sweep) {
     constexpr std::size_t most = 6;
     std::vector<std::string> axes, results;
@@ -96,8 +96,7 @@ std::string maps(const SweepView& sweep) {
 }
 
 std::string origin(const SweepView& sweep) {
-    if (sweep.attributes.empty())
-        return "<p>A CSV says nothing of where it comes from: make the report of the sweep's folder to see it.</p>\n";
+    if (sweep.attributes.empty()) return "<p>A CSV file contains no provenance. The report of the sweep's folder shows it.</p>\n";
     std::vector<std::pair<std::string, std::string>> rows;
     std::string texts;
     for (const engine::Attribute& each : sweep.attributes) {
@@ -125,7 +124,7 @@ std::string sweep_page(const SweepView& sweep) {
          (description.empty() ? "" : "<p>" + html(description) + "</p>\n") +
              "<div id=\"map-tools\"><label>x <select id=\"map-x\"></select></label> <label>y <select id=\"map-y\"></select></label> "
              "<label>colour <select id=\"map-colour\"></select></label></div>\n<figure id=\"map-view\"></figure>\n"
-             "<p class=\"small\">Cases that did not end well are left out. Maps with contours: cvtflow plot SWEEP --x --y --colour.</p>\n"},
+             "<p class=\"small\">Only cases with status ok are shown. Maps with contours: cvtflow plot SWEEP --x --y --colour.</p>\n"},
         {"cases", "Cases", cases_table(sweep)},
         {"provenance", "Provenance", origin(sweep)}};
     if (!grid.empty()) page.sections.insert(page.sections.begin() + 1, {"maps", "Maps", grid});

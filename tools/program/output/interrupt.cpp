@@ -24,7 +24,7 @@ extern "C" void on_interrupt(int signal) {
         asked = now;
         return interrupted.request();
     }
-    const bool repeats = signal == SIGXCPU || signal == SIGPIPE;  // every second, or with every line: nobody insists
+    const bool repeats = signal == SIGXCPU || signal == SIGPIPE;  // repeated by the system every second, or with every line
     if (repeats || now < asked + insisting) return;
     std::signal(signal, SIG_DFL);
     std::raise(signal);  // delivered when the handler returns

@@ -1,12 +1,12 @@
 #pragma once
-/// Ctrl-C, and the other ways in which a run is asked to end.
+/// Signals that end a run: Ctrl-C and others.
 
 #include "engine/executor/cancellation.hpp"
 
 namespace cvtflow::tools {
 
-/// From now on engine::ending_signals() set the returned flag; one of a user (not SIGXCPU, not SIGPIPE) that comes half a second or more
-/// later ends the program at once, as they do by default.
+/// Installs handlers: engine::ending_signals() set the returned flag. A further signal of a user (not SIGXCPU, not SIGPIPE) at least half a
+/// second later ends the program at once.
 [[nodiscard]] const engine::Cancellation& catch_interrupts();
 
 }  // namespace cvtflow::tools

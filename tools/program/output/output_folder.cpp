@@ -13,12 +13,11 @@
 namespace cvtflow::tools {
 
 void declare_output(CLI::App& app, OutputArguments& arguments) {
-    app.add_option("-o,--output", arguments.folder,
-                   "Folder for tables and pictures (default: none; results if a kind of file is asked for)")
+    app.add_option("-o,--output", arguments.folder, "Folder for tables and pictures (default: none; results with --csv, --json or --svg)")
         ->type_name("DIR");
     app.add_flag("--csv", arguments.csv, "Write tables");
-    app.add_flag("--json", arguments.json, "Write everything as JSON, with provenance");
-    app.add_flag("--svg", arguments.svg, "Write pictures; of --csv, --json, --svg none: all of them");
+    app.add_flag("--json", arguments.json, "Write all results as JSON, with provenance");
+    app.add_flag("--svg", arguments.svg, "Write pictures (default with -o: --csv, --json and --svg)");
 }
 
 bool OutputFolder::wants(const std::string& name) const {
@@ -31,7 +30,7 @@ bool OutputFolder::wants(const std::string& name) const {
 void OutputFolder::write(const std::string& name, const std::string& text) {
     if (!wants(name)) return;
     const std::filesystem::path path = std::filesystem::path(arguments_.folder.empty() ? "results" : arguments_.folder) / name;
-    std::error_code ignored;  // the file cannot be written then, and says so
+    std::error_code ignored;  // writing the file then fails with a message
     std::filesystem::create_directories(path.parent_path(), ignored);
     write_text(path.string(), text);
     names_.push_back(path.string());
@@ -42,7 +41,7 @@ std::string OutputFolder::written() const {
     for (const auto& [asked, ending] : {std::pair{arguments_.csv, "csv"}, {arguments_.json, "json"}, {arguments_.svg, "svg"}}) {
         const auto ends = [kind = std::string(".") + ending](const std::string& name) { return name.ends_with(kind); };
         if (asked && std::none_of(names_.begin(), names_.end(), ends))
-            text += field("not written", fmt::format("--{}: there is nothing of this kind here", ending));
+            text += field("not written", fmt::format("--{}: this command has no such file", ending));
     }
     return text;
 }

@@ -36,7 +36,7 @@ void require_checkpoint_place(const std::string& path, const std::string& record
     try {
         static_cast<void>(tasks::read_checkpoint(path));
     } catch (const engine::RecordError& error) {
-        throw engine::RecordError(std::string("--checkpoint: the file is there and no checkpoint: ") + error.what());
+        throw engine::RecordError(std::string("--checkpoint: the file exists and is not a checkpoint: ") + error.what());
     }
 }
 

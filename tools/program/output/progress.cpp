@@ -36,13 +36,13 @@ std::string rate_text(double slowness, std::string_view per) {
 
 std::string left_text(const ProgressNumbers& now) { return now.slowness > 0.0 ? clock_text(now.left) + " left" : ""; }
 
-/// "t = 2.6 ms of 5 ms"; settling ends at 0, which goes without saying.
+/// "t = 2.6 ms of 5 ms"; without the end while settling, which ends at 0.
 std::string when_text(const ProgressNumbers& now) {
     const std::string when = "t = " + time_text(now.time);
     return now.until > 0.0 ? when + " of " + time_text(now.until) : when;
 }
 
-/// Appends what is not empty.
+/// Appends text that is not empty.
 void append(std::string& line, const std::string& separator, const std::string& part) {
     if (!part.empty()) line += separator + part;
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// How far a run is, on stderr: a bar on a terminal, plain lines elsewhere (logs, pipes), or nothing.
+/// Progress of a run, on stderr: a bar on a terminal, plain lines elsewhere (logs, pipes), or nothing.
 
 #include <chrono>
 #include <string>
@@ -13,7 +13,7 @@ enum class ProgressStyle { silent, lines, bar };
 /// Bar on a terminal that can redraw a line, lines elsewhere.
 [[nodiscard]] ProgressStyle progress_style(bool quiet);
 
-/// What is shown, without how.
+/// Contents of the display.
 struct ProgressNumbers {
     std::string phase;   ///< "settling" or "running"
     double time, until;  ///< simulated [s]

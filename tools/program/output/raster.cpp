@@ -17,7 +17,7 @@ namespace cvtflow::tools {
 
 namespace {
 
-/// A file without a name that holds the text, at its beginning.
+/// An anonymous temporary file that contains the text, positioned at its beginning.
 std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_with(const std::string& text) {
     std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::tmpfile(), std::fclose);
     if (!file || std::fwrite(text.data(), 1, text.size(), file.get()) != text.size() || std::fflush(file.get()) != 0)
@@ -40,7 +40,7 @@ void write_png(const std::string& path, const std::string& svg) {
     posix_spawn_file_actions_destroy(&actions);
     if (failed == ENOENT)
         throw std::runtime_error(path +
-                                 ": PNG needs the program rsvg-convert (Debian: apt-get install librsvg2-bin); SVG and CSV need nothing");
+                                 ": PNG requires the program rsvg-convert (Debian: apt-get install librsvg2-bin); SVG and CSV do not");
     if (failed != 0) throw std::runtime_error(fmt::format("{}: cannot run rsvg-convert: {}", path, std::strerror(failed)));
     int status = 0;
     while (waitpid(child, &status, 0) < 0 && errno == EINTR) continue;

@@ -1,19 +1,19 @@
 #pragma once
-/// What becomes of a file that is already where a record, a state or a checkpoint is to go.
+/// Treatment of existing files at the path of a record, a state or a checkpoint.
 
 #include <string>
 
 namespace cvtflow::tools {
 
-inline constexpr const char* force_meaning = "Replace what is already there under the names given";
+inline constexpr const char* force_meaning = "Replace existing output files";
 
-/// @param chosen whether the user gave the name, who may have meant another; a default name is there to be used again
-/// @return a line that says what is replaced; empty: nothing is
-/// @throws engine::RecordError if the file is there, the name was chosen, and `force` is not given
+/// @param chosen whether the user gave the name; a default name is replaced without --force
+/// @return a notice of what is replaced; empty: nothing
+/// @throws engine::RecordError if the file exists, the name was chosen, and `force` is false
 [[nodiscard]] std::string replacing(const std::string& file, bool chosen, bool force);
 
-/// A checkpoint is there only while its run is not finished: beginning anew would lose it.
-/// @throws engine::RecordError if there is one and `force` is not given
+/// Refuses to start a run whose checkpoint exists: that run is unfinished, and its checkpoint would be lost.
+/// @throws engine::RecordError if a checkpoint exists and `force` is false
 void keep_checkpoint(const std::string& file, bool force);
 
 }  // namespace cvtflow::tools

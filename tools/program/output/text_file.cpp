@@ -18,7 +18,7 @@ namespace {
     throw engine::RecordError(path + ": cannot write" + (reason != 0 ? std::string(": ") + std::strerror(reason) : ""));
 }
 
-/// Whether the path is free or a plain file, in a folder where another file can be made beside it.
+/// Whether the path is free or a plain file, in a folder where another file can be created.
 bool replaceable(const std::string& path) {
     namespace fs = std::filesystem;
     std::error_code unknown;
@@ -40,7 +40,7 @@ void write_text(const std::string& path, std::string_view text) {
         return part.publish();
     }
     errno = 0;
-    std::ofstream file(path, std::ios::binary);  // a device, a pipe, or what a link points to: as a shell's >
+    std::ofstream file(path, std::ios::binary);  // a device, a pipe or the target of a link: as a shell's >
     file << text;
     file.close();
     if (!file) fail(path, errno);

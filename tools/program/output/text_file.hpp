@@ -6,8 +6,8 @@
 
 namespace cvtflow::tools {
 
-/// A plain file appears under its name when it is complete, and what was there stays until then; devices, pipes and links are written as by
-/// a shell's `>`. @throws engine::RecordError "FILE: cannot write: reason"
+/// A plain file takes its name when it is complete; an existing file remains until then. Devices, pipes and links are written as by a
+/// shell's `>`. @throws engine::RecordError "FILE: cannot write: reason"
 void write_text(const std::string& path, std::string_view text);
 
 }  // namespace cvtflow::tools

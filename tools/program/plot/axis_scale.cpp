@@ -67,7 +67,7 @@ std::string tick_label(double value, double step) {
 
 AxisScale::AxisScale(const Axis& axis, const std::vector<double>& values) : scale_(axis.scale), linear_(axis.linear_up_to) {
     if (scale_ == Scale::symlog && !(linear_ > 0.0))
-        throw std::invalid_argument("axis '" + axis.label + "': the linear part has no length");
+        throw std::invalid_argument("axis '" + axis.label + "': the length of the linear part is not positive");
     double least = INFINITY, largest = -INFINITY;
     for (const double value : values) {
         if (!shows(value)) continue;
@@ -82,7 +82,7 @@ AxisScale::AxisScale(const Axis& axis, const std::vector<double>& values) : scal
     const double length = largest - least;
     begin_ = axis.from && shows(*axis.from) ? forward(*axis.from) : least - margin * length;
     end_ = axis.to && shows(*axis.to) ? forward(*axis.to) : largest + margin * length;
-    if (!(end_ > begin_)) throw std::invalid_argument("axis '" + axis.label + "': it has no length");
+    if (!(end_ > begin_)) throw std::invalid_argument("axis '" + axis.label + "': its ends coincide");
 }
 
 bool AxisScale::shows(double value) const noexcept {

@@ -15,7 +15,7 @@ struct Tick {
 
 class AxisScale {
 public:
-    /// Ends: those of the axis, else the least and largest of `values` that the axis can show, with a margin.
+    /// Ends: those of the axis, else the minimum and maximum of `values` that the axis can show, with a margin.
     /// An axis without any value runs from 0 to 1 (1 to 10).
     /// @throws std::invalid_argument as svg()
     AxisScale(const Axis& axis, const std::vector<double>& values);
@@ -26,7 +26,7 @@ public:
     [[nodiscard]] double place(double value) const noexcept;
     /// The value at a place: the inverse of place().
     [[nodiscard]] double value(double place) const noexcept;
-    /// Ascending, all between the ends. About `wanted` of them have labels.
+    /// Ascending, between the ends. About `wanted` of them have labels.
     [[nodiscard]] std::vector<Tick> ticks(int wanted) const;
 
 private:

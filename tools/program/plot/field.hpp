@@ -13,7 +13,7 @@ namespace cvtflow::tools {
 /// Where a value lies in the picture [px].
 using Place = std::function<double(double value)>;
 
-/// Round values between the least and the largest of the field, ascending: contours are drawn at them.
+/// Round values between minimum and maximum of the field, ascending: the levels of the contours.
 [[nodiscard]] std::vector<double> contour_levels(const Field& field);
 
 /// A piece of a contour, in the field's coordinates.
@@ -30,7 +30,7 @@ struct Segment {
 /// Values with their colours, largest first.
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> field_legend(const Field& field);
 
-/// From dark blue (0) over green to yellow (1), as bright as it is large: told apart by the colour-blind and in grey.
+/// From dark blue (0) over green to yellow (1), as bright as it is large: distinguishable by colour-blind readers and in grey.
 [[nodiscard]] std::string heat_colour(double share);
 
 }  // namespace cvtflow::tools

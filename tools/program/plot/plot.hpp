@@ -19,7 +19,7 @@ struct Axis {
     std::string label;  ///< with its unit: "step [s]"
     Scale scale = Scale::linear;
     double linear_up_to = 1.0;       ///< symlog only: > 0
-    std::optional<double> from, to;  ///< ends; absent: as the points demand, with a margin
+    std::optional<double> from, to;  ///< ends; absent: those of the points, with a margin
 };
 
 enum class Mark { none, dot, small_dot, ring, square, diamond, triangle, cross };
@@ -71,14 +71,14 @@ struct Plot {
 /// Pictures below one another as one SVG document; those with the same horizontal axis have it at the same place.
 [[nodiscard]] std::string svg(const std::vector<Plot>& plots);
 
-/// What a picture takes: its height with the legend, and the room beside its frame [px].
+/// Size of a picture: its height with the legend, and the width beside its frame [px].
 struct PictureSize {
     double height, left, right;
 };
 [[nodiscard]] PictureSize picture_size(const Plot& plot);
 
-/// The colour that the series of that number gets if it names none: eight, told apart by the colour-blind. Their lines differ where the
-/// colours come again: solid, dashed, dotted.
+/// The colour that the series of that number gets if it names none: eight, distinguishable by colour-blind readers. Where colours repeat,
+/// lines differ: solid, dashed, dotted.
 [[nodiscard]] std::string palette(std::size_t number);
 [[nodiscard]] Line palette_line(std::size_t number);
 

@@ -10,7 +10,7 @@ namespace cvtflow::tools {
 
 inline constexpr double letter = 6.9;  ///< mean width of a character at 12 px, to leave room [px]
 
-/// A text as it may stand in the picture.
+/// A text, escaped for the picture.
 [[nodiscard]] std::string escaped(std::string text);
 /// Characters of a text in UTF-8.
 [[nodiscard]] double letters(const std::string& text);

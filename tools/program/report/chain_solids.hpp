@@ -8,7 +8,7 @@
 
 namespace cvtflow::tools {
 
-/// What a cell shows (array "part"); "number": half = 2 link + (front), plate = (plates per link) link + number, sheave = 2 shaft + side.
+/// Kind of a cell (array "part"); "number": half = 2 link + (front), plate = (plates per link) link + number, sheave = 2 shaft + side.
 enum class Solid { half = 0, plate = 1, sheave = 2 };
 
 class ChainSolids {

@@ -27,7 +27,7 @@ struct Load {
     std::vector<engine::RainflowCycle> cycles;
 };
 
-/// How long the record is in rounds of the chain, and how long a round is; zero where the record does not tell.
+/// Length of the record in rounds of the chain, and duration of a round; zero if the record does not contain them.
 struct Rounds {
     double time = 0.0;  ///< of one [s]
     [[nodiscard]] double in(const Load& load) const {
@@ -40,7 +40,7 @@ Rounds rounds_of(const RecordedRun& run) {
     return {pins ? run.scene()->parameters.chain.pins / *pins : 0.0};
 }
 
-/// The range that does the same damage by Miner's rule when it comes once in a round of the chain (once in the record where that holds less
+/// Damage-equivalent range: one cycle of it per round of the chain does the same damage by Miner's rule (one cycle per record, if shorter
 /// than a round): (sum n_i range_i^m / rounds)^(1/m).
 double equivalent_range(const Load& load, double exponent, double rounds) {
     double largest = 0.0, sum = 0.0;
@@ -49,7 +49,7 @@ double equivalent_range(const Load& load, double exponent, double rounds) {
     return load.cycles.empty() ? 0.0 : largest * std::pow(sum / std::max(1.0, rounds), 1.0 / exponent);
 }
 
-/// Which elements a request means. @throws UsageError
+/// The elements that a request names. @throws UsageError
 std::vector<int> elements_of(const engine::ChannelInfo& channel, const std::string& request) {
     const auto bracket = request.find('[');
     if (bracket == std::string::npos) {
@@ -67,7 +67,7 @@ std::vector<int> elements_of(const engine::ChannelInfo& channel, const std::stri
     const auto [stop, error] = std::from_chars(index.data() + 1, index.data() + index.size(), element);
     const bool good = error == std::errc() && std::string_view(stop, index.data() + index.size()) == "]";
     if (!good || element < 0 || element >= channel.width)
-        throw UsageError(fmt::format("--rainflow {}: there are the elements 0 to {}", request, channel.width - 1));
+        throw UsageError(fmt::format("--rainflow {}: elements are numbered 0 to {}", request, channel.width - 1));
     return {element};
 }
 
@@ -87,11 +87,11 @@ const engine::ChannelInfo& channel_of(const engine::RunReader& run, const std::s
 std::vector<Load> loads_of(const engine::RunReader& run, const RainflowRequest& request) {
     std::vector<Load> loads;
     const std::vector<double> times = run.times();
-    for (const std::string& wanted : request.channels) {
-        const engine::ChannelInfo& channel = channel_of(run, wanted);
+    for (const std::string& requested : request.channels) {
+        const engine::ChannelInfo& channel = channel_of(run, requested);
         const std::vector<double> values = run.channel(channel.name);
         const std::size_t width = static_cast<std::size_t>(channel.width);
-        for (const int element : elements_of(channel, wanted)) {
+        for (const int element : elements_of(channel, requested)) {
             Load load{width == 1 ? channel.name : fmt::format("{}[{}]", channel.name, element), channel.unit, {}, {}, {}};
             for (std::size_t row = 0; row < times.size(); ++row) {
                 if (times[row] < request.from || times[row] > request.until) continue;
@@ -110,7 +110,7 @@ std::string span_text(const Load& load) {
     return fmt::format("{} outputs from {} to {}", load.time.size(), time_text(load.time.front()), time_text(load.time.back()));
 }
 
-/// The equivalent load, and what is to be said of a short record.
+/// The equivalent load, and a note for a short record.
 std::string damage_text(const Load& load, double exponent, const Rounds& round) {
     const double rounds = round.in(load);
     const std::string each =
@@ -118,8 +118,8 @@ std::string damage_text(const Load& load, double exponent, const Rounds& round) 
     std::string text = fmt::format("  damage-equivalent range {:.6g} {} (exponent {:g}, {})\n", equivalent_range(load, exponent, rounds),
                                    load.unit, exponent, each);
     if (rounds > 0.0 && rounds < 1.0)
-        text +=
-            fmt::format("  note: {:.2g} of a round of the chain ({}): no link has met all of its loads\n", rounds, time_text(round.time));
+        text += fmt::format("  note: the record covers {:.2g} of a round of the chain ({}); no link has seen all of its loads\n", rounds,
+                            time_text(round.time));
     return text;
 }
 

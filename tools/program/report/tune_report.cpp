@@ -53,17 +53,19 @@ std::string tune_text(const tasks::TuneResult& result) {
     }
     std::string text = fmt::format("{}: accuracy {:g} %, at {}\n{}", result.scene, 100.0 * result.accuracy,
                                    plural(static_cast<long>(result.points.size()), "operating point"), table.text(2));
-    if (untried > shown_untried) text += fmt::format("  … and {} that were not tried (--csv, --json)\n", untried - shown_untried);
+    if (untried > shown_untried) text += fmt::format("  … and {} untried ones (--csv, --json)\n", untried - shown_untried);
     for (std::size_t i = 0; i < result.points.size(); ++i)
         text += field(i == 0 ? "against" : "", result.points[i] + ": " + result.references[i]);
     for (std::size_t i = 0; i < result.left_out.size(); ++i) text += field(i == 0 ? "left out" : "", brief(result.left_out[i]));
     if (spread > busy)
-        text += field("busy machine",
-                      fmt::format("costs of one choice differ by up to {:.0f} %; what differs less is ranked by its work", 100.0 * spread));
-    const std::string margin = fmt::format("errors times {:g} are within the target", tasks::tuning_margin);
+        text += field(
+            "busy machine",
+            fmt::format("repeated measurements of a cost differ by up to {:.0f} %; choices within that are ranked by number of evaluations",
+                        100.0 * spread));
+    const std::string margin = fmt::format("errors times {:g} within the target", tasks::tuning_margin);
     text += field("chosen", result.chosen ? fmt::format("{}: {:.3g} s/s, {}", result.choices[*result.chosen].choice.text(),
                                                         result.choices[*result.chosen].seconds, margin)
-                                          : "none: no choice whose " + margin);
+                                          : "none: no choice has " + margin);
     return text + field("took", clock_text(result.wall));
 }
 
@@ -116,7 +118,7 @@ std::string tune_json(const tasks::TuneResult& result, const std::vector<UnseenP
 std::string tune_picture(const tasks::TuneResult& result) {
     Plot plot;
     plot.title = "Cost and error: " + result.scene;
-    plot.subtitle = fmt::format("largest error of {} at {}; what failed at a point was not tried at the others",
+    plot.subtitle = fmt::format("largest error of {} at {}; a choice that failed at one point was not tried at the others",
                                 fmt::join(result.outputs, ", "), plural(static_cast<long>(result.points.size()), "operating point"));
     plot.x = {"processor time per simulated second [s]", Scale::logarithmic, 1.0, {}, {}};
     plot.y = {"largest error [%]", Scale::logarithmic, 1.0, {}, {}};
@@ -143,7 +145,7 @@ std::string tune_picture(const tasks::TuneResult& result) {
 }
 
 std::string unseen_text(const tasks::TuneResult& result, const std::vector<UnseenPoint>& unseen) {
-    std::vector<Table::Column> columns{{"point nobody had tried"}};
+    std::vector<Table::Column> columns{{"point not used by tuning"}};
     for (const std::string& output : result.outputs) columns.push_back({output + " %", Align::right});
     columns.push_back({""});
     Table table(columns);

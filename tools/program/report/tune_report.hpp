@@ -1,5 +1,5 @@
 #pragma once
-/// What a Tuner found, for people, programs and eyes.
+/// Results of a Tuner as text, CSV, JSON and picture.
 
 #include <string>
 #include <vector>
@@ -8,20 +8,20 @@
 
 namespace cvtflow::tools {
 
-/// A choice at a point that nobody had tried.
+/// The choice, measured at a point that tuning did not use.
 struct UnseenPoint {
     std::string name;
-    std::vector<double> errors;  ///< of every output [1]; empty: there was no reference
-    std::string remark;          ///< why not, or what is wrong with the run; may be empty
+    std::vector<double> errors;  ///< of every output; empty: no reference
+    std::string remark;          ///< why there is none, or a fault of the run; may be empty
 };
 
-/// The table of what was tried, what was left out, and the choice.
+/// Table of the tried choices, those left out, and the chosen one.
 [[nodiscard]] std::string tune_text(const tasks::TuneResult& result);
 [[nodiscard]] std::string tune_csv(const tasks::TuneResult& result);
 [[nodiscard]] std::string tune_json(const tasks::TuneResult& result, const std::vector<UnseenPoint>& unseen);
 /// Cost against error as SVG, with the target.
 [[nodiscard]] std::string tune_picture(const tasks::TuneResult& result);
-/// Errors at points that nobody had tried.
+/// Errors at points that tuning did not use.
 [[nodiscard]] std::string unseen_text(const tasks::TuneResult& result, const std::vector<UnseenPoint>& unseen);
 
 }  // namespace cvtflow::tools

@@ -55,9 +55,9 @@ VtkSeries::VtkSeries(std::filesystem::path collection, const VtkMesh& mesh, std:
     engine::require_replaceable(collection_.string());
     std::error_code failed;
     const bool filled = std::filesystem::exists(folder_) && !std::filesystem::is_empty(folder_, failed);
-    if (filled && !replace) throw engine::RecordError(folder_.string() + ": is there already; --force replaces it");
+    if (filled && !replace) throw engine::RecordError(folder_.string() + ": already exists; --force replaces it");
     std::filesystem::create_directory(folder_, failed);
-    if (failed) throw engine::RecordError(fmt::format("{}: cannot be made: {}", folder_.string(), failed.message()));
+    if (failed) throw engine::RecordError(fmt::format("{}: cannot be created: {}", folder_.string(), failed.message()));
     for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
         if (entry.path().extension() == ".vtu") std::filesystem::remove(entry.path(), failed);
     }

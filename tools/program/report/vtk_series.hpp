@@ -14,7 +14,7 @@ namespace cvtflow::tools {
 
 enum class VtkCell : std::uint8_t { line = 3, poly_line = 4, quad = 9 };
 
-/// Which points belong together; the same at all times.
+/// Points and cells; constant in time.
 struct VtkMesh {
     std::size_t points = 0;
     std::vector<std::int64_t> connectivity;  ///< point numbers, cell after cell

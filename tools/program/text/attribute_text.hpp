@@ -11,9 +11,9 @@
 
 namespace cvtflow::tools {
 
-/// Texts as they are, reals with 6 digits.
+/// Texts unchanged, reals with 6 digits.
 [[nodiscard]] std::string value_text(const engine::Attribute& attribute);
-/// An attribute's text, or what stands for it.
+/// An attribute's text, or a placeholder.
 [[nodiscard]] std::string text_of(const std::vector<engine::Attribute>& attributes, std::string_view name,
                                   const std::string& otherwise = "unknown");
 /// The scene that a file was made from, its start state not read; none if this program cannot read it.

@@ -80,10 +80,10 @@ std::string sweep_of(const std::string& folder) {
         } catch (const engine::RecordError& error) {
             if (!engine::torn_while_growing(file, tasks::mark_of_a_sweep)) throw;
             throw engine::RecordError(
-                fmt::format("{}\n  to go on with the rows that are whole: cvtflow batch SWEEP -o {}", error.what(), folder));
+                fmt::format("{}\n  to continue with the intact rows: cvtflow batch SWEEP -o {}", error.what(), folder));
         }
     }
-    throw tasks::SimulationError(folder + ": no sweep has written into it");
+    throw tasks::SimulationError(folder + ": contains no sweep");
 }
 
 void require_statuses(const std::string& option, const std::vector<std::string>& given) {
@@ -107,7 +107,7 @@ void print_end(const tasks::Sweep& sweep, const tasks::BatchReport& report, cons
     fmt::print("{}: {}\n", sweep.name,
                report.finished
                    ? "finished"
-                   : fmt::format("stopped with {} of {} cases; to go on: cvtflow resume {}", p.before + p.done, p.cases, folder));
+                   : fmt::format("stopped after {} of {} cases; to continue: cvtflow resume {}", p.before + p.done, p.cases, folder));
     fmt::print("{}", field("cases", fmt::format("{} now in {:.2f} s on {}, {:.3g} a second{}", p.done, p.wall,
                                                 plural(report.threads, "thread"), static_cast<double>(p.done) / std::max(p.wall, 1e-9),
                                                 p.before > 0 ? fmt::format("; {} before", p.before) : "")));
@@ -120,7 +120,7 @@ void say_unless(bool quiet, const std::string& what) {
     if (!quiet) print_error(what);
 }
 
-/// Runs some cases again at reference quality, if the sweep asks for an accuracy. @return whether it has it
+/// Repeats some cases at reference accuracy, if the sweep has a target accuracy. @return whether it is met
 bool verified(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, tasks::BatchReport& report, bool quiet) {
     if (!(asked.accuracy.target > 0.0) || catch_interrupts().requested()) return true;
     const auto say = [quiet](const std::string& what) { say_unless(quiet, what); };
@@ -179,7 +179,7 @@ tasks::TunedSweep tuned_here(const tasks::Sweep& sweep, const std::string& folde
     tasks::TunedSweep tuned = tasks::tuned_sweep(sweep, folder, catch_interrupts(), say);
     say(fmt::format("{}: {} for {:g} % (largest error at the corners: {:.2g} %){}", sweep.name, tuned.kept.choice.text(),
                     100.0 * sweep.accuracy.target, 100.0 * tuned.kept.error,
-                    tuned.result ? fmt::format(", found in {}", clock_text(tuned.result->wall)) : ", as found before"));
+                    tuned.result ? fmt::format(", found in {}", clock_text(tuned.result->wall)) : ", from the cache"));
     return tuned;
 }
 

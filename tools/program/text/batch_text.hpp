@@ -1,5 +1,5 @@
 #pragma once
-/// What the commands for sweeps have in common.
+/// Functions shared by the commands for sweeps.
 
 #include <string>
 #include <vector>
@@ -12,17 +12,17 @@ namespace cvtflow::tools {
 /// Reads a sweep; scenes by name come from the ready ones.
 [[nodiscard]] tasks::Sweep load_sweep(const std::string& path);
 
-/// The sweep that a folder holds results of. @throws SimulationError, engine::RecordError
+/// The sweep whose results a folder contains. @throws SimulationError, engine::RecordError
 [[nodiscard]] std::string sweep_of(const std::string& folder);
 
-/// Runs or goes on with a sweep, shows progress and the end.
+/// Runs or continues a sweep; shows progress and a summary.
 ExitStatus run_sweep(const tasks::Sweep& sweep, tasks::BatchOptions options, bool quiet);
 
-/// Says on stderr what a table's errors come to, if the sweep asked for an accuracy; quiet: only if it misses it.
-/// @return whether it has it, or asked for none   @throws engine::RecordError
+/// Prints the verified errors of a table to stderr, if its sweep has a target accuracy; quiet: only if it is missed.
+/// @return whether the target is met, or there is none   @throws engine::RecordError
 bool say_verdict(const std::string& name, const std::string& file, bool quiet);
 
-/// @throws UsageError for a status that no case can have
+/// @throws UsageError for an unknown status
 void require_statuses(const std::string& option, const std::vector<std::string>& given);
 
 /// "38 ok, 2 diverged"

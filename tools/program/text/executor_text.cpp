@@ -17,7 +17,7 @@ std::string executor_table() {
 std::string absent_executor_text() {
     std::string absent;
     for (const engine::ExecutorRow& row : engine::absent_executors())
-        absent += fmt::format("  {:<12}{}\n  {:<12}needs {}\n", row.name, row.description, "", row.needs);
+        absent += fmt::format("  {:<12}{}\n  {:<12}requires {}\n", row.name, row.description, "", row.needs);
     return absent.empty() ? "" : "\nNot in this program:\n" + absent;
 }
 

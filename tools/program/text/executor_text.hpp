@@ -7,7 +7,7 @@ namespace cvtflow::tools {
 
 /// A row per executor of this program.
 [[nodiscard]] std::string executor_table();
-/// Executors that this build lacks, and what they need; empty if none is missing.
+/// Executors that this build lacks, and their requirements; empty if none is missing.
 [[nodiscard]] std::string absent_executor_text();
 
 }  // namespace cvtflow::tools

@@ -6,7 +6,7 @@
 
 namespace cvtflow::tools {
 
-/// A text as it may stand between tags or in an attribute.
+/// A text, escaped for use between tags or in an attribute.
 [[nodiscard]] std::string html(std::string_view text);
 
 }  // namespace cvtflow::tools

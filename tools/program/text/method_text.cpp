@@ -15,7 +15,7 @@ namespace cvtflow::tools {
 
 namespace {
 
-/// Conditions that hold to less than this are not taken for met.
+/// Largest defect of an order condition that counts as met.
 constexpr double nearly = 1e-4;
 
 std::complex<double> ray(double damping_ratio) { return {-damping_ratio, std::sqrt(1.0 - damping_ratio * damping_ratio)}; }
@@ -24,7 +24,7 @@ std::string stability_lines(const engine::StagePlan& plan, double real) {
     std::string text = field("real axis", fmt::format("stable to h|lambda| = {:.4g}, {:.3g} per evaluation", real,
                                                       real / static_cast<double>(plan.stages.size())));
     const double imaginary = engine::imaginary_stability(plan);
-    text += field("imaginary axis", imaginary > 0.02 ? fmt::format("stable to {:.4g}", imaginary) : "unstable, if slowly");
+    text += field("imaginary axis", imaginary > 0.02 ? fmt::format("stable to {:.4g}", imaginary) : "weakly unstable");
     return text + field("damped by 1, 5, 20 %",
                         fmt::format("stable to {:.4g}, {:.4g}, {:.4g}", engine::stability_reach(plan, ray(0.01), 1e-6),
                                     engine::stability_reach(plan, ray(0.05), 1e-6), engine::stability_reach(plan, ray(0.2), 1e-6)));
@@ -60,14 +60,14 @@ std::string method_figures(const engine::StagePlan& plan, double length) {
     const double on = length > 0.0 ? length : 0.99 * real;
     const auto stages = static_cast<long>(plan.stages.size());
     std::string text = field("source", plan.source);
-    text += field("stages", compiled.last_is_result()
-                                ? fmt::format("{}, the last one serves the next step: {} a step", plural(stages, "evaluation"), stages - 1)
-                                : fmt::format("{} a step", plural(stages, "evaluation")));
+    text += field("stages", compiled.last_is_result() ? fmt::format("{}, the last one is reused by the next step: {} per step",
+                                                                    plural(stages, "evaluation"), stages - 1)
+                                                      : fmt::format("{} a step", plural(stages, "evaluation")));
     text += field("memory", fmt::format("{} and {}", plural(plan.state_slots, "state"), plural(plan.slope_slots, "slope")));
     text += field("order", order_text(plan));
     text += stability_lines(plan, real);
     text += field("stages grow", fmt::format("to {:.4g} of y on [-{:.4g}, 0]", engine::stage_growth(plan, on), on));
-    text += field("errors of a stage", fmt::format("reach the end times {:.4g} there", engine::perturbation_gain(plan, on)));
+    text += field("errors of a stage", fmt::format("amplified by {:.4g} at the end of the step", engine::perturbation_gain(plan, on)));
     return text + field("error estimate", plan.error ? "yes" : "none");
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-/// What is to be said of a method that is a table of stages.
+/// Description of a method that is a table of stages.
 
 #include <string>
 
@@ -14,7 +14,7 @@ namespace cvtflow::tools {
 /// The table itself, a line per stage.
 [[nodiscard]] std::string method_table(const engine::StagePlan& plan);
 
-/// 5, or 5(4) with an embedded solution; "3 to 3e-06" if the last order holds to so much only.
+/// 5, or 5(4) with an embedded solution; "3 to 3e-06" if the conditions of the last order have that defect.
 [[nodiscard]] std::string order_text(const engine::StagePlan& plan);
 
 }  // namespace cvtflow::tools

@@ -1,5 +1,5 @@
 #pragma once
-/// Which program on which machine, as JSON.
+/// Provenance (program and machine) as JSON.
 
 #include <nlohmann/json.hpp>
 #include <string>

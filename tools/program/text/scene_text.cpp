@@ -8,7 +8,7 @@ namespace cvtflow::tools {
 
 namespace {
 
-/// A choice without the quotes that TOML wants.
+/// A choice without the quotes of TOML.
 std::string choice(const tasks::Scene& scene, std::string_view key) {
     const std::string text = tasks::value_text(*tasks::find_parameter(key), scene);
     return text.size() > 1 && text.front() == '"' ? text.substr(1, text.size() - 2) : text;

@@ -1,5 +1,5 @@
 #pragma once
-/// A scene in the words of a person.
+/// A scene as readable text.
 
 #include <string>
 
@@ -7,7 +7,7 @@
 
 namespace cvtflow::tools {
 
-/// `fine (order 3, each plate, 3 joint points, elastic pulleys), piecewise friction`; no preset's name if it is none.
+/// `fine (order 3, each plate, 3 joint points, elastic pulleys), piecewise friction`; without a name if no preset matches.
 [[nodiscard]] std::string detail_text(const tasks::Scene& scene);
 
 }  // namespace cvtflow::tools

@@ -10,7 +10,7 @@ namespace cvtflow::tools {
 [[nodiscard]] std::string time_text(double seconds);
 /// Wall time: "0:07", "12:30", "3:05:00".
 [[nodiscard]] std::string clock_text(double seconds);
-/// Wall time that is estimated: "0.3 s", "12 s", from a minute on as above.
+/// Estimated wall time: "0.3 s", "12 s"; from a minute on as above.
 [[nodiscard]] std::string duration_text(double seconds);
 /// "512 B", "1.2 MB".
 [[nodiscard]] std::string size_text(double bytes);

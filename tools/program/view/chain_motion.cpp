@@ -110,7 +110,7 @@ ChainMotion shape_of(const model::Parameters& parameters) {
     return motion;
 }
 
-/// Least, mean and largest in 3° of angle.
+/// Minimum, mean and maximum per 3° of angle.
 struct RoundBin {
     double least = INFINITY, largest = -INFINITY, sum = 0.0, count = 0.0;
 };
@@ -127,7 +127,7 @@ ChainMotion chain_motion(const RecordedRun& run, std::size_t max_states) {
     const std::size_t shown = std::min(recorded, max_states);
     for (std::size_t k = 0; k < shown; ++k) {
         const engine::RecordedState state = machine_state(run.path(), run.reader(), k * recorded / shown, at);
-        if (finite(state)) reader.add(motion, state);  // where a run blew up there is no chain to show
+        if (finite(state)) reader.add(motion, state);  // a run that diverged has no chain to show
     }
     return motion;
 }
@@ -136,7 +136,7 @@ Plot tip_force_plot(const ChainMotion& motion, const std::string& conditions) {
     constexpr int bins = 120;
     Plot plot;
     plot.title = "Axial force of the tips round the pulleys";
-    plot.subtitle = conditions + ", mean over all states; thin: least and largest";
+    plot.subtitle = conditions + ", mean over all states; thin: minimum and maximum";
     plot.x.label = "angle about the shaft in its sense of turning, 0: away from the other shaft [°]",
     plot.y.label = "force on each sheave [N]";
     plot.x.from = -130.0, plot.x.to = 130.0;

@@ -27,11 +27,10 @@ struct ChainMotion {
     bool pulleys = false;
 };
 
-/// Of at most so many states, equally spaced among the recorded ones. Without pins where the record has no states or no scene that
-/// this program can read.
+/// Of at most so many states, equally spaced among the recorded ones. Without pins if the record has no states or no readable scene.
 [[nodiscard]] ChainMotion chain_motion(const RecordedRun& run, std::size_t max_states);
 
-/// Axial tip force over the angle about the shaft, mean over all states, with the least and the largest.
+/// Axial tip force over the angle about the shaft, mean over all states, with minimum and maximum.
 [[nodiscard]] Plot tip_force_plot(const ChainMotion& motion, const std::string& conditions);
 
 }  // namespace cvtflow::tools

@@ -11,7 +11,7 @@ namespace cvtflow::tools {
 
 namespace {
 
-/// Shares that people know in per cent.
+/// Quantities that are shown in per cent.
 bool in_percent(const std::string& name, const std::string& unit) {
     if (!unit.empty() && unit != "1") return false;
     const std::string last = name.substr(name.rfind('/') + 1);

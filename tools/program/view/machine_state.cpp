@@ -16,7 +16,7 @@ engine::RecordedState machine_state(const std::string& path, const engine::RunRe
                       recorded.phases.size() == static_cast<std::size_t>(model::tips_per_link * at.links);
     const bool phases = std::all_of(recorded.phases.begin(), recorded.phases.end(),
                                     [](std::uint8_t phase) { return phase <= static_cast<std::uint8_t>(model::Phase::slip); });
-    if (!fits || !phases) throw engine::RecordError(fmt::format("{}: state {} is not of its machine", path, number));
+    if (!fits || !phases) throw engine::RecordError(fmt::format("{}: state {} does not match its machine", path, number));
     return recorded;
 }
 

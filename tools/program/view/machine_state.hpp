@@ -1,5 +1,5 @@
 #pragma once
-/// States of a record as its machine has them: what a picture or an export indexes by link, tip and shaft.
+/// States of a record, checked against the layout of its machine, for pictures and exports.
 
 #include <cstddef>
 
@@ -7,7 +7,7 @@
 
 namespace cvtflow::tools {
 
-/// One state of a record. Everything that a record's writer could have made up is compared with the machine first.
+/// One state of a record. Its size and phases are compared with the machine, because the file may be forged.
 /// @throws engine::RecordError for another number of unknowns or phases, and for invalid phases
 [[nodiscard]] engine::RecordedState machine_state(const std::string& path, const engine::RunReader& run, std::size_t number,
                                                   const model::ChainLayout& at);

@@ -17,7 +17,7 @@ namespace cvtflow::tools {
 
 namespace {
 
-constexpr int max_single = 4;  ///< numbers of a channel that are drawn each
+constexpr int max_single = 4;  ///< largest width of a channel whose numbers are drawn separately
 
 Curve element_of(const engine::ChannelInfo& channel, const std::vector<double>& all, int number) {
     const auto width = static_cast<std::size_t>(channel.width);
@@ -26,7 +26,7 @@ Curve element_of(const engine::ChannelInfo& channel, const std::vector<double>& 
     return curve;
 }
 
-/// Rows are read a few at a time: a long run has gigabytes of them.
+/// Rows are read in blocks: a long run has gigabytes of them.
 std::vector<Curve> envelope(const engine::RunReader& reader, const engine::ChannelInfo& channel) {
     constexpr std::size_t max_rows = 8192;
     std::vector<Curve> curves;
@@ -52,7 +52,7 @@ std::pair<std::string, int> taken_apart(const std::string& word) {
     if (bracket == std::string::npos || !word.ends_with("]")) return {word, number};
     const char *begin = word.data() + bracket + 1, *end = word.data() + word.size() - 1;
     if (const auto [last, error] = std::from_chars(begin, end, number); error != std::errc() || last != end || number < 0)
-        throw UsageError(fmt::format("{}: not a number of a channel", word));
+        throw UsageError(fmt::format("{}: the element number is not valid", word));
     return {word.substr(0, bracket), number};
 }
 
@@ -65,15 +65,15 @@ std::string how_to_record(const std::string& name) {
     const bool group = std::any_of(all.begin(), all.end(), of_group);
     const auto found = std::find_if(all.begin(), all.end(), named);
     if (found == all.end() && !group) return {};
-    if (found != all.end() && found->usual) return "a machine without pulleys has none";
+    if (found != all.end() && found->usual) return "the machine has no pulleys";
     return fmt::format("record it with --set record.channels={}{}", name, found == all.end() ? "/*" : "");
 }
 
 RecordedRun::RecordedRun(std::string path)
     : path_(std::move(path)), reader_(path_), scene_(scene_in(reader_.attributes(), "parameters")), times_(reader_.times()) {
-    if (times_.empty()) throw engine::RecordError(path_ + ": the record has no rows yet");
+    if (times_.empty()) throw engine::RecordError(path_ + ": the record contains no rows yet");
     const bool finite = std::all_of(times_.begin(), times_.end(), [](double time) { return std::isfinite(time); });
-    if (!finite || !std::is_sorted(times_.begin(), times_.end())) throw engine::RecordError(path_ + ": damaged: its times do not ascend");
+    if (!finite || !std::is_sorted(times_.begin(), times_.end())) throw engine::RecordError(path_ + ": damaged: times do not increase");
 }
 
 std::string RecordedRun::conditions() const {
@@ -108,7 +108,7 @@ std::vector<Curve> RecordedRun::find(const std::string& word, bool each) const {
         names.push_back(channel.name);
         if (channel.name != name) continue;
         if (number < 0) return curves(channel, each);
-        if (number >= channel.width) throw UsageError(fmt::format("{}: {} has {} numbers, from 0 on", word, name, channel.width));
+        if (number >= channel.width) throw UsageError(fmt::format("{}: {} has {} elements, numbered from 0", word, name, channel.width));
         return {element_of(channel, reader_.channel(name), number)};
     }
     std::vector<Curve> all = number < 0 ? group(name, each) : std::vector<Curve>{};

@@ -1,5 +1,5 @@
 #pragma once
-/// What one record has that another has not, in numbers: over the time that both have.
+/// Differences between two records over their common time.
 
 #include <string>
 #include <vector>

@@ -91,9 +91,9 @@ void SweepView::keep(const std::string& condition) {
     const auto equals = condition.find('=');
     if (equals == std::string::npos) throw UsageError(fmt::format("--where {}: expected COLUMN=VALUE", condition));
     const std::size_t c = column(condition.substr(0, equals));
-    const std::string wanted = condition.substr(equals + 1);
-    const double value = as_number(wanted);
-    std::erase_if(cells, [&](const auto& row) { return row[c] != wanted && as_number(row[c]) != value; });
+    const std::string value_text = condition.substr(equals + 1);
+    const double value = as_number(value_text);
+    std::erase_if(cells, [&](const auto& row) { return row[c] != value_text && as_number(row[c]) != value; });
     if (cells.empty()) throw UsageError(fmt::format("--where {}: no case of {} is left", condition, path));
 }
 

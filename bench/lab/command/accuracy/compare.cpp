@@ -30,7 +30,7 @@ struct CompareArguments {
     OutputArguments output;
 };
 
-/// One choice with what came of it.
+/// A choice and its results.
 struct ComparedChoice {
     std::string choice;
     Trajectory run;
@@ -110,7 +110,7 @@ std::string json_of(const std::vector<ComparedChoice>& rows, const std::string& 
                       {"choices", choices}});
 }
 
-/// What came to grief, or is wrong.
+/// Prints faults and warnings.
 void complain(const std::string& choice, const Trajectory& run) {
     const std::string remark = run.fault ? run.fault.message() : unreliable_remark(run.fault, run.watch);
     if (!remark.empty()) print_error(choice + ": " + remark);
@@ -156,24 +156,22 @@ ExitStatus compare(const CompareArguments& arguments) {
 Action declare_compare(CLI::App& app) {
     const auto arguments = std::make_shared<CompareArguments>();
     declare_scene(app, arguments->scene);
-    app.add_option("CHOICE", arguments->choices,
-                   "METHOD@STEP, METHOD@auto, or METHOD@LONGEST~TOLERANCE; the first one is what others are compared with")
+    app.add_option("CHOICE", arguments->choices, "METHOD@STEP, METHOD@auto, or METHOD@LONGEST~TOLERANCE; ratios refer to the first one")
         ->type_name("")
         ->capture_default_str();
-    app.add_option("--reference", arguments->reference, "What errors are measured against")->type_name("CHOICE")->capture_default_str();
+    app.add_option("--reference", arguments->reference, "Reference of the errors")->type_name("CHOICE")->capture_default_str();
     app.add_option("--duration", arguments->duration, "Simulated time")->type_name("TIME")->capture_default_str();
-    app.add_option("--interval", arguments->interval, "Between outputs")->type_name("TIME")->capture_default_str();
-    app.add_option("--repeats", arguments->repeats, "Runs of each choice, of which the fastest counts")
+    app.add_option("--interval", arguments->interval, "Time between outputs")->type_name("TIME")->capture_default_str();
+    app.add_option("--repeats", arguments->repeats, "Runs of each choice; the fastest counts")
         ->check(CLI::Range(1, 100))
         ->capture_default_str();
     declare_output(app, arguments->output);
     app.footer(
-        "Errors are relative, Euclidean, over all tips (links) and outputs. fewer, faster: evaluations and wall time of the first choice "
-        "over this one's.\n"
-        "run.schedule = \"auto\" is taken as serial here. METHOD@auto: automatic steps; their wall time is that over at least 4 ms, since "
-        "choosing them costs\n"
-        "most in the beginning. residual: of the energy balance over the losses; unreliable is what it says to be wrong, whatever the "
-        "errors are.\n"
+        "Errors: relative, Euclidean norm over all tips (links) and outputs. fewer, faster: evaluations and wall time of the first choice "
+        "divided by\nthose of this one. run.schedule = \"auto\" means serial here. METHOD@auto: automatic steps, timed over at least 4 ms "
+        "because choosing\nthem is most expensive at the start. residual: residual of the energy balance over the losses; runs whose "
+        "balance "
+        "does not close are\nunreliable, whatever their errors.\n"
         "  cvtflow-lab compare baseline rk4@50ns dumka3-p5@2us fitted@3us dopri54@1us~1e-3");
     return [arguments] { return compare(*arguments); };
 }

@@ -1,4 +1,4 @@
-/// cvtflow-lab detail: what each dial of detail, or each level, costs and what it changes.
+/// cvtflow-lab detail: cost and errors of each key of detail, or of each level.
 
 #include <CLI/CLI.hpp>
 #include <memory>
@@ -19,28 +19,29 @@ Action declare_detail(CLI::App& app) {
     app.add_option("SCENE", arguments->scenes, "Scenes with settled states of full detail (default: baseline low overdrive)");
     app.add_option("--set", arguments->settings, "Change a key of the scenes")->type_name("KEY=VALUE");
     app.add_option("--method", arguments->method, "Method of integration")->type_name("NAME")->capture_default_str();
-    app.add_option("--step", arguments->step, "Its step, or \"auto\"")->type_name("TIME")->capture_default_str();
-    app.add_option("--settle", arguments->settle, "How long each variant settles: strands and shafts swing into the new detail")
+    app.add_option("--step", arguments->step, "Step, or \"auto\"")->type_name("TIME")->capture_default_str();
+    app.add_option("--settle", arguments->settle, "Settling time of each variant, in which strands and shafts adapt to its detail")
         ->type_name("TIME")
         ->capture_default_str();
-    app.add_option("--average", arguments->average, "How long it is averaged; slip and efficiency need 16 pin periods")
+    app.add_option("--average", arguments->average, "Time that averages cover; slip and efficiency require 16 pin periods")
         ->type_name("TIME")
         ->capture_default_str();
-    app.add_option("--control", arguments->control, "How long ratio control looks for the thrust ratio (\"0 s\": not)")
+    app.add_option("--control", arguments->control, "Time that ratio control has to find the thrust ratio (\"0 s\": no search)")
         ->type_name("TIME")
         ->capture_default_str();
-    CLI::Option* all = app.add_flag("--all", arguments->all, "Every combination of the dials of halves (48) instead of one dial at a time");
-    app.add_flag("--rungs", arguments->rungs,
-                 "The levels of cvtflow list detail, each with its own step, against the finest one at a quarter of its step;\n"
-                 "without SCENE at seven operating points: three ratios, three loads, a shift, a ramp of the load")
+    CLI::Option* all =
+        app.add_flag("--all", arguments->all, "Every combination of detail with pin halves (48) instead of one change at a time");
+    app.add_flag("--levels", arguments->levels,
+                 "The levels of cvtflow list detail, each at its automatic step; reference: the finest level at a quarter of its step.\n"
+                 "Without SCENE at seven operating points: three ratios, three loads, a shift, a ramp of the load")
         ->excludes(all);
     declare_output(app, arguments->output);
     app.footer(
-        "Each variant starts from the scene's settled state at full detail, brought over to its own coordinates.\n"
-        "What the energy balance calls unreliable has a status and no figures.\n"
-        "Exit status 1: full detail breaks down or is unreliable; 5: other variants are (stderr says why).");
+        "Each variant starts from the scene's settled state at full detail, converted to its coordinates.\n"
+        "Unreliable variants (energy balance) have a status and no figures.\n"
+        "Exit status 1: full detail fails or is unreliable; 5: other variants do (stderr states the reason).");
     return [arguments] {
-        if (arguments->rungs) return report_ladder(*arguments, arguments->output);
+        if (arguments->levels) return report_ladder(*arguments, arguments->output);
         if (arguments->scenes.empty()) arguments->scenes = {"baseline", "low", "overdrive"};
         return report_details(*arguments, arguments->output);
     };

@@ -40,7 +40,7 @@ ExitStatus extremes(const ExtremesArguments& arguments) {
         if (arguments.cases) print_cases(verdict);
         std::fflush(stdout);
     }
-    fmt::print("{} rows, {} not as stated\n", rows, failed);
+    fmt::print("{} rows, {} with an unexpected outcome\n", rows, failed);
     if (rows == 0) throw UsageError(fmt::format("no group '{}' of extremes", arguments.group));
     return failed == 0 ? ExitStatus::finished : ExitStatus::fault;
 }
@@ -49,16 +49,15 @@ ExitStatus extremes(const ExtremesArguments& arguments) {
 
 Action declare_extremes(CLI::App& app) {
     const auto arguments = std::make_shared<ExtremesArguments>();
-    app.add_option(
-        "--group", arguments->group,
-        "Only this group: friction, damping, stiffness, masses, pins, pitch, plates, joints, operation, contact, steps, numbers, limits");
-    app.add_flag("--nightly", arguments->nightly, "Also rows that take minutes");
-    app.add_flag("--cases", arguments->cases, "Every case of every row");
+    app.add_option("--group", arguments->group,
+                   "Run one group only: friction, damping, stiffness, masses, pins, pitch, plates, joints, operation, contact, steps, "
+                   "numbers, limits");
+    app.add_flag("--nightly", arguments->nightly, "Run rows that take minutes, too");
+    app.add_flag("--cases", arguments->cases, "Print every case of every row");
     app.footer(
-        "Every row runs the scene tiny at the edge of something, by four methods at three levels of detail. It is right (energy balance, "
-        "agreement\n"
-        "with half the step), refused with a message, ended by a named fault, or announced as beyond stability. Exit status 3: a row is "
-        "not as stated.");
+        "Every row runs the scene tiny at an extreme value, with four methods at three levels of detail. Each run must be accurate (energy "
+        "balance,\nagreement with half the step), refused with a message, ended by a named fault, or warned of as beyond stability.\n"
+        "Exit status 3: a row has another outcome than stated.");
     return [arguments] { return extremes(*arguments); };
 }
 

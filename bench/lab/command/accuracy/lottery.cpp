@@ -61,8 +61,8 @@ ExitStatus lottery(const LotteryArguments& arguments) {
     }
     std::string counts;
     for (const auto& [status, count] : statuses) counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", count, status);
-    to_stderr(fmt::format("{} machines: {}; {} called finished and off by more than {:g} %, {} called unreliable and right\n",
-                          tickets.size(), counts, broken, 100.0 * arguments.rules.tolerance, alarms));
+    to_stderr(fmt::format("{} machines: {}; {} finished with errors above {:g} %, {} unreliable with errors below\n", tickets.size(),
+                          counts, broken, 100.0 * arguments.rules.tolerance, alarms));
     return broken == 0 ? ExitStatus::finished : ExitStatus::fault;
 }
 
@@ -70,19 +70,19 @@ ExitStatus lottery(const LotteryArguments& arguments) {
 
 Action declare_lottery(CLI::App& app) {
     const auto arguments = std::make_shared<LotteryArguments>();
-    app.add_option("--machines", arguments->machines, "How many (default: 40)")->check(CLI::Range(1L, 1000000L))->type_name("N");
+    app.add_option("--machines", arguments->machines, "Number of machines (default: 40)")->check(CLI::Range(1L, 1000000L))->type_name("N");
     app.add_option("--first", arguments->first, "Number of the first one (default: 0)")->check(CLI::NonNegativeNumber)->type_name("N");
-    app.add_option("--seed", arguments->seed, "Another seed draws other machines (default: 1)")->type_name("N");
-    app.add_option("--threads", arguments->threads, "Machines side by side (default: 1)")->check(CLI::Range(1, 1024))->type_name("N");
+    app.add_option("--seed", arguments->seed, "Seed of the draw (default: 1)")->type_name("N");
+    app.add_option("--threads", arguments->threads, "Number of machines that run in parallel (default: 1)")
+        ->check(CLI::Range(1, 1024))
+        ->type_name("N");
     app.add_flag("--settings", arguments->settings, "Print the settings of the machines and run nothing");
     app.add_flag("--csv", arguments->csv, "Print a CSV table");
     app.footer(
-        "Every physical parameter is drawn within a factor of 2 of its default, with clamping, speed, load, ratio, detail, laws and chain; "
-        "a third are ready\n"
-        "scenes of which some parameters are drawn, with their states. Loads also are zero, reversed or jump. Each machine settles\n"
-        "for 20 ms and runs for 20 ms with the default method and step, then again with steps a quarter as long. What is called finished "
-        "must agree\n"
-        "with that to 1 % in slip and losses.\n\nExit status 3: a machine was called finished and was wrong.");
+        "Draws every physical parameter within a factor of 2 of its default, and clamping, speed, load, ratio, detail, laws and chain. A "
+        "third of\nthe machines are ready scenes with their states and some drawn parameters. Some loads are zero, reversed or jump. Each "
+        "machine settles\nfor 20 ms and runs for 20 ms with the default method and step, then again with a quarter of the step. Slip and "
+        "losses of a finished\nrun must agree with that within 1 %.\n\nExit status 3: a finished run was wrong.");
     return [arguments] { return lottery(*arguments); };
 }
 

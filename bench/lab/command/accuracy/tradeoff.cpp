@@ -52,7 +52,7 @@ void say(const TradeoffArguments& arguments, const std::string& what) {
     if (!arguments.quiet) print_error(what);
 }
 
-/// The choices in turns, round after round, so that whatever else the machine does falls on all of them alike.
+/// Runs all choices in alternating rounds, so that other load affects them equally.
 std::vector<TradeoffEntry> measure_all(const TradeoffArguments& arguments, const ErrorMeasure& measure,
                                        const engine::Cancellation& cancel) {
     std::vector<TradeoffEntry> entries;
@@ -75,7 +75,7 @@ std::vector<TradeoffEntry> measure_all(const TradeoffArguments& arguments, const
     return entries;
 }
 
-/// Up to which step methods are stable: what is beyond is out, and so is what the watch rejects already over the short time.
+/// Rejects choices whose step is unstable, and those whose short run is unreliable.
 void look_at_steps(const TradeoffArguments& arguments, Confirmation& confirmation, std::vector<TradeoffEntry>& entries) {
     say(arguments, "largest stable steps");
     for (TradeoffEntry& entry : entries) {
@@ -87,18 +87,18 @@ void look_at_steps(const TradeoffArguments& arguments, Confirmation& confirmatio
     }
 }
 
-/// Which of those that are on the front, or would be recommended, has to be confirmed next: the one that costs least.
+/// The next choice to confirm: the cheapest that is on the front or would be recommended.
 TradeoffEntry* next_candidate(std::vector<TradeoffEntry>& entries) {
     std::vector<tasks::TradeoffPoint> points;
     for (const TradeoffEntry& entry : entries) points.push_back(entry.point());
-    std::vector<bool> wanted = tasks::pareto_front(points);
-    for (std::size_t k = 0; k < entries.size(); ++k) entries[k].front = wanted[k];
+    std::vector<bool> requested = tasks::pareto_front(points);
+    for (std::size_t k = 0; k < entries.size(); ++k) entries[k].front = requested[k];
     for (const double error : recommended_errors) {
-        if (const auto best = tasks::recommended(points, error, tasks::tradeoff_safety)) wanted[*best] = true;
+        if (const auto best = tasks::recommended(points, error, tasks::tradeoff_safety)) requested[*best] = true;
     }
     TradeoffEntry* cheapest = nullptr;
     for (std::size_t k = 0; k < entries.size(); ++k) {
-        if (!wanted[k] || entries[k].confirmed) continue;
+        if (!requested[k] || entries[k].confirmed) continue;
         if (cheapest == nullptr || entries[k].median() < cheapest->median()) cheapest = &entries[k];
     }
     return cheapest;
@@ -152,7 +152,7 @@ ExitStatus tradeoff(const TradeoffArguments& arguments) try {
     if (entries.empty()) return ExitStatus::cancelled;
     confirm_all(arguments, confirmation, entries, cancel);
     if (cancel.requested()) return ExitStatus::cancelled;
-    fmt::print("{}: errors against {} over {} from the settled start, {} transitions; {}; medians of {} rounds in turns\n", scene.name,
+    fmt::print("{}: errors against {} over {} from the settled start, {} transitions; {}; medians of {} alternating rounds\n", scene.name,
                arguments.reference, time_text(settings.duration), measure.reference().counters.detected, measure.reference().schedule,
                arguments.rounds);
     report(arguments, entries,
@@ -170,30 +170,25 @@ Action declare_tradeoff(CLI::App& app) {
     const auto arguments = std::make_shared<TradeoffArguments>();
     declare_scene(app, arguments->scene);
     app.add_option("CHOICE", arguments->choices, "METHOD@STEP, METHOD@auto, or METHOD@LONGEST~TOLERANCE")->type_name("");
-    app.add_option("--reference", arguments->reference, "What errors are measured against")->type_name("CHOICE")->capture_default_str();
+    app.add_option("--reference", arguments->reference, "Reference of the errors")->type_name("CHOICE")->capture_default_str();
     app.add_option("--duration", arguments->duration, "Simulated time")->type_name("TIME")->capture_default_str();
-    app.add_option("--interval", arguments->interval, "Between outputs")->type_name("TIME")->capture_default_str();
-    app.add_option("--rounds", arguments->rounds, "Times that every choice runs, in turns")
-        ->check(CLI::Range(1, 100))
-        ->capture_default_str();
-    app.add_option("--confirm", arguments->confirm, "Time over which what would be recommended is confirmed")
+    app.add_option("--interval", arguments->interval, "Time between outputs")->type_name("TIME")->capture_default_str();
+    app.add_option("--rounds", arguments->rounds, "Rounds of timing; choices alternate")->check(CLI::Range(1, 100))->capture_default_str();
+    app.add_option("--confirm", arguments->confirm, "Length of the run that confirms a recommendation")
         ->type_name("TIME")
         ->capture_default_str();
     app.add_option("--confirm-against", arguments->confirm_reference,
-                   "What it is confirmed against (default: leapfrog-chebyshev at a quarter of its automatic step, refined)")
+                   "Reference of that run (default: leapfrog-chebyshev at a quarter of its automatic step, refined)")
         ->type_name("CHOICE");
     CLI::Option* detail = app.get_option("--detail")->expected(0, 1);
     declare_output(app, arguments->output);
     app.add_flag("-q,--quiet", arguments->quiet, "No progress; results are printed all the same");
     app.footer(
-        "Errors are relative, Euclidean, over all tips (links) and outputs. front: no other is both faster and more exact.\n"
-        "METHOD@auto: automatic steps; their wall time is that over 4 ms. Whatever is on the front or would be recommended, the cheapest "
-        "first, runs once more over\n"
-        "--confirm, since bursts are rare: steps beyond what the method is stable for, runs whose energy balance does not close "
-        "(unreliable), and those whose mean\n"
-        "slip or losses are off by more than 1 % are marked and neither on the front nor recommended.\n"
-        "SCENE --detail without a level compares levels of detail instead of methods: cvtflow-lab detail. Times are those of run.schedule, "
-        "\"auto\" taken as serial.");
+        "Errors: relative, Euclidean norm over all tips (links) and outputs. front: no other choice is both faster and more accurate.\n"
+        "METHOD@auto: automatic steps, timed over 4 ms. Choices on the front or recommended run again over --confirm, cheapest first, "
+        "because bursts\nare rare. Choices with unstable steps, with an energy balance that does not close (unreliable), or with errors of "
+        "mean slip or losses\nabove 1 % are marked, and neither on the front nor recommended. Times are those of run.schedule; \"auto\" "
+        "means serial.\ncvtflow-lab detail compares levels of detail instead of methods.");
     return [arguments, detail] {
         if (detail->count() == 0 || !arguments->scene.detail.empty()) return tradeoff(*arguments);
         DetailArguments levels;

@@ -69,7 +69,7 @@ ExitStatus fit(const FitArguments& arguments) {
     const tasks::Simulation simulation(loaded.scene);
     if (simulation.needs_settling())
         throw tasks::SceneError(
-            fmt::format("{}: the start is not settled, its spectrum would mean nothing (cvtflow settle)", loaded.scene.name));
+            fmt::format("{}: the start is not settled, so its spectrum is meaningless (cvtflow settle)", loaded.scene.name));
     const tasks::FrozenStart start = tasks::frozen_start(simulation);
     const double step = loaded.scene.run.step.value_or(tasks::longest_automatic_step(simulation.method_name(), loaded.scene.parameters));
     fmt::print("{}: polynomial for steps of {}\n", loaded.scene.name, time_text(step));
@@ -104,11 +104,11 @@ Action declare_fit(CLI::App& app) {
     app.add_option("--ripple", arguments->ripple, "|R| allowed along the real axis")->check(CLI::Range(0.01, 1.0))->capture_default_str();
     app.add_option("--margin", arguments->margin, "Factor on the measured spectrum")->check(CLI::Range(1.0, 10.0))->capture_default_str();
     app.add_flag("--eigenvalues", arguments->eigenvalues,
-                 "Fit to all eigenvalues instead of the region they lie in (minutes at full detail)");
+                 "Fit to all eigenvalues instead of their bounding region (minutes at full detail)");
     app.footer(
         "Measures the spectrum at the scene's settled start and fits the cheapest stability polynomial to it, on RKC's recurrence.\n"
-        "Methods by this name need no scene: cvtflow-lab method fitted-l200-w2. run.method = \"fitted\" does all this by itself, again and "
-        "again.");
+        "The printed name denotes the method without a scene: cvtflow-lab method fitted-l200-w2. run.method = \"fitted\" repeats the fit "
+        "during a run.");
     return [arguments] { return fit(*arguments); };
 }
 

@@ -110,7 +110,7 @@ Action declare_local_error(CLI::App& app) {
     const auto arguments = std::make_shared<LocalErrorArguments>();
     declare_scene(app, arguments->scene);
     declare_shortcut(app, arguments->scene, "--method", "run.method", "NAME");
-    app.add_option("--methods", arguments->methods, "Several methods, separated by commas")->type_name("LIST")->delimiter(',');
+    app.add_option("--methods", arguments->methods, "Methods, separated by commas")->type_name("LIST")->delimiter(',');
     app.add_option("--steps", arguments->steps, "Step lengths, separated by commas")->type_name("LIST")->capture_default_str();
     std::vector<std::string> names(model::friction_law_names.begin(), model::friction_law_names.end());
     names.emplace_back("both");
@@ -122,8 +122,8 @@ Action declare_local_error(CLI::App& app) {
     app.footer(
         "Relative errors in the Euclidean norm against rk4 over the same time, in 32 steps of at most 12.5 ns, from the scene's settled "
         "start.\n"
-        "slope: of the error over the step length, between a row and the one above; where rounding is reached, it falls to 0.\n"
-        "cut: a transition came in between, which only methods that are no tables of stages meet here.");
+        "slope: logarithmic slope of the error over the step length, between a row and the one above; 0 at the level of rounding.\n"
+        "cut: a transition ended the step (only methods that are programs).");
     return [arguments] { return local_error(*arguments); };
 }
 

@@ -30,9 +30,9 @@ struct MethodArguments {
 std::string program_text(const tasks::MethodProgram& program) {
     const std::string text =
         field("source", program.source) + field("order", fmt::format("{}", program.order)) +
-        field("evaluations", program.evaluations > 0 ? fmt::format("{} a step", program.evaluations) : "as many as the step needs") +
+        field("evaluations", program.evaluations > 0 ? fmt::format("{} per step", program.evaluations) : "depends on the step") +
         field("systems solved", program.solves);
-    if (program.stability == nullptr) return text + field("stability", "of the tables of stages that it chooses among");
+    if (program.stability == nullptr) return text + field("stability", "that of the chosen table of stages");
     return text + program_figures(program_result(program));
 }
 
@@ -62,11 +62,11 @@ Action declare_method(CLI::App& app) {
     app.add_option("--real", arguments->length, "Measure growth and gain on [-LENGTH, 0] (default: the whole real interval of stability)")
         ->type_name("LENGTH")
         ->check(CLI::PositiveNumber);
-    app.add_flag("--table", arguments->table, "Print the table, however long");
+    app.add_flag("--table", arguments->table, "Print the table, whatever its length");
     app.footer(
-        "Everything is derived from the table: order by rooted trees, stability by executing it on y' = lambda y.\n"
-        "growth: largest |Y|/|y| of a stage. gain: largest factor by which an error made in one stage has grown at the step's end; where\n"
-        "friction saturates, every crossing of the corner is such an error.");
+        "All properties are derived from the table: order by rooted trees, stability by executing it on y' = lambda y.\n"
+        "growth: largest |Y|/|y| of a stage. gain: largest amplification of an error of one stage until the end of the step; each passage\n"
+        "through the corner of the friction law is such an error.");
     return [arguments] { return method(*arguments); };
 }
 

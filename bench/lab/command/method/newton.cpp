@@ -124,14 +124,12 @@ Action declare_newton(CLI::App& app) {
     app.add_option("--reference", arguments->reference, "Step of rk4 that errors are measured against")
         ->type_name("TIME")
         ->capture_default_str();
-    app.add_option("--methods", arguments->methods, "Methods to try (default: all of both kinds)")->type_name("LIST")->delimiter(',');
+    app.add_option("--methods", arguments->methods, "Methods to compare (default: all of both kinds)")->type_name("LIST")->delimiter(',');
     declare_fresh_start(app, arguments->scene);
     app.footer(
-        "Iterations, Jacobians and halvings: per step of the trapezoidal rule. fell back: steps in which a variant needed a Jacobian "
-        "beyond its\n"
-        "rule; unconverged: steps that went on with the best iterate. s per s: wall seconds per simulated second. Errors: relative, of "
-        "all\n"
-        "tips' axial forces and all links' tensions at the end.");
+        "Iterations, Jacobians and halvings: per step of the trapezoidal rule. fell back: steps that needed an additional Jacobian;\n"
+        "unconverged: steps that used the best iterate. s per s: wall seconds per simulated second. Errors: relative, of the axial forces\n"
+        "of all tips and the tensions of all links at the end.");
     return [arguments] { return newton(*arguments); };
 }
 

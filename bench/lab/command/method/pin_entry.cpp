@@ -57,17 +57,17 @@ ExitStatus pin_entry(const PinEntryArguments& arguments) {
         options.progress = [](const std::string& what) { print_error(what); };
         if (!loaded.notice.empty()) options.progress(loaded.notice);
     }
-    const tasks::FrozenStart start = settled_start(scene, arguments.scene.settle, "a comparison");
+    const tasks::FrozenStart start = settled_start(scene, arguments.scene.settle, "comparisons");
     const engine::Cancellation& cancel = catch_interrupts();
     const Comparison comparison = compare(scene.parameters, start, candidates, options, cancel);
     if (cancel.requested()) return ExitStatus::cancelled;
     OutputFolder folder(arguments.output);
     write_files(folder, scene.name, comparison, options);
-    fmt::print("{}: {} from t = {}, against {}; one thread, medians of {}, in turns\n", scene.name, time_text(options.duration),
+    fmt::print("{}: {} from t = {}, against {}; one thread, medians of {}, alternating\n", scene.name, time_text(options.duration),
                time_text(start.time), candidate_name(options.reference), plural(options.rounds, "round"));
     fmt::print("{}\n{}",
                !comparison.pin
-                   ? std::string("  no pin enters the driving sheaves\n")
+                   ? std::string("  no pin enters the driving sheaves in this time\n")
                    : field("pin", fmt::format("{}, enters the driving sheaves at {}", *comparison.pin, time_text(comparison.entry))),
                comparison_table(comparison, options));
     const std::string brief = too_short(comparison.reference_watch);
@@ -78,15 +78,12 @@ ExitStatus pin_entry(const PinEntryArguments& arguments) {
 }
 
 constexpr const char* pin_entry_explanation =
-    "Every candidate runs from the same start, with transitions. fewer by, faster by: evaluations and time of the first candidate over "
-    "those of\n"
-    "this one. err: ‖value - reference‖/‖reference‖ over all outputs, of the axial force of all tips, the tension of all links, and the "
-    "axial\n"
-    "force of the pin that enters the driving sheaves first (or --pin). Steps are shortened so that they divide the interval. METHOD@auto: "
-    "automatic steps;\n"
-    "step is then the last one, and within the first milliseconds choosing them costs more time than later. residual: of the energy "
-    "balance over the losses;\n"
-    "unreliable is what it says to be wrong, whatever the errors are.\n"
+    "All candidates start from the same state and run with transitions. fewer by, faster by: evaluations and time of the first candidate "
+    "divided\nby those of this one. err: ‖value - reference‖/‖reference‖ over all outputs, for the axial force of all tips, the tension of "
+    "all links, and the\naxial force of the pin that enters the driving sheaves first (or --pin). Steps are shortened to divide the "
+    "interval. METHOD@auto: automatic\nsteps; the table shows the last one; the first milliseconds take longer because steps are chosen "
+    "there. residual: residual of the energy\nbalance over the losses; runs whose balance does not close are unreliable, whatever their "
+    "errors.\n"
     "Example: cvtflow-lab pin-entry baseline rk4@50ns dumka3-p5@2us dumka3-p7@3us -o results/speed";
 
 }  // namespace
@@ -99,12 +96,14 @@ Action declare_pin_entry(CLI::App& app) {
         ->type_name("");
     app.add_option("--time", arguments->duration, "Simulated time")->type_name("TIME")->capture_default_str();
     app.add_option("--interval", arguments->interval, "Time between outputs")->type_name("TIME")->capture_default_str();
-    app.add_option("--reference", arguments->reference, "What errors refer to")->type_name("METHOD@STEP")->capture_default_str();
+    app.add_option("--reference", arguments->reference, "Reference of the errors")->type_name("METHOD@STEP")->capture_default_str();
     app.add_option("--rounds", arguments->rounds, "Rounds of timing; 0: none")
         ->type_name("N")
         ->check(CLI::Range(0, 1000))
         ->capture_default_str();
-    app.add_option("--pin", arguments->pin, "Pin to look at")->type_name("N")->check(CLI::NonNegativeNumber);
+    app.add_option("--pin", arguments->pin, "Pin whose force is compared (default: the first that enters the driving sheaves)")
+        ->type_name("N")
+        ->check(CLI::NonNegativeNumber);
     declare_fresh_start(app, arguments->scene);
     declare_output(app, arguments->output);
     app.add_flag("-q,--quiet", arguments->quiet, "No progress; results are printed all the same");

@@ -30,10 +30,10 @@ struct SpectrumArguments {
     bool extremal = false, attribute = false, quiet = false;
 };
 
-/// Tells what is being done, on stderr.
-class Teller {
+/// Reports progress on stderr.
+class ProgressReporter {
 public:
-    explicit Teller(bool quiet) : quiet_(quiet) {}
+    explicit ProgressReporter(bool quiet) : quiet_(quiet) {}
     void operator()(const std::string& what) const {
         if (!quiet_) print_error(what);
     }
@@ -43,18 +43,18 @@ private:
 };
 
 void find_values(SpectrumResult& result, const model::Variator& variator, const tasks::FrozenStart& start, bool extremal,
-                 const Teller& tell) {
+                 const ProgressReporter& report) {
     std::vector<double> matrix = jacobian(variator, start.time, start.state, start.phases);
     result.unknowns = static_cast<int>(start.state.size());
     result.complete = !extremal;
     if (!extremal) {
         if (result.unknowns > 1500)
-            tell(fmt::format("all {} eigenvalues: a minute or two (--extremal: seconds)", count_text(result.unknowns)));
+            report(fmt::format("all {} eigenvalues: one or two minutes (--extremal: seconds)", count_text(result.unknowns)));
         result.values = engine::eigenvalues(std::move(matrix), result.unknowns);
         return;
     }
-    const auto progress = [&](int dimension, int settled, int wanted) {
-        tell(fmt::format("Krylov space of {}: {} of {} eigenvalues settled", dimension, settled, wanted));
+    const auto progress = [&](int dimension, int settled, int requested) {
+        report(fmt::format("Krylov space of {}: {} of {} eigenvalues converged", dimension, settled, requested));
     };
     engine::ExtremalEigenvalues edge =
         engine::extremal_eigenvalues(std::move(matrix), result.unknowns, {.left_of = result.border, .progress = progress});
@@ -65,17 +65,17 @@ void find_values(SpectrumResult& result, const model::Variator& variator, const 
 
 /// Absent for methods that are programs.
 std::optional<StepLimit> limit_of(const SpectrumResult& result, const model::Variator& variator, const tasks::FrozenStart& start,
-                                  const Teller& tell) {
+                                  const ProgressReporter& report) {
     if (tasks::find_program(result.method) != nullptr) return {};
     const engine::StagePlan plan = *engine::make_method(result.method);
-    tell(fmt::format("largest stable step of {}", result.method));
+    report(fmt::format("largest stable step of {}", result.method));
     StepLimit limit{result.method, engine::largest_stable_step(plan, result.values), {}};
     limit.measured = measured_stable_step(variator, plan, start, limit.predicted.step, extent_of(result.values).growth);
     return limit;
 }
 
-/// Absent for tables of stages. Predicted by the linearised step: steps of the full equations about a moving state meet transitions, which
-/// hid a growth or made one (up to five times too short).
+/// Absent for tables of stages. Predicted by the linearised step, because transitions in steps of the full equations can hide or cause
+/// growth (errors up to a factor of five).
 std::optional<tasks::StepLimit> program_limit_of(const tasks::Scene& scene, const model::Variator& variator,
                                                  const tasks::FrozenStart& start, const Teller& tell) {
     if (tasks::find_program(tasks::method_of(scene)) == nullptr) return {};
@@ -84,10 +84,10 @@ std::optional<tasks::StepLimit> program_limit_of(const tasks::Scene& scene, cons
 }
 
 ExitStatus spectrum(const SpectrumArguments& arguments) {
-    const Teller tell(arguments.quiet);
+    const ProgressReporter report(arguments.quiet);
     const LoadedScene loaded = load_scene(arguments.scene);
     const tasks::Scene& scene = loaded.scene;
-    if (!loaded.notice.empty()) tell(loaded.notice);
+    if (!loaded.notice.empty()) report(loaded.notice);
     const tasks::FrozenStart start = settled_start(scene, arguments.scene.settle, "its eigenvalues");
     const model::Variator variator(scene.parameters);
     SpectrumResult result;
@@ -111,7 +111,7 @@ ExitStatus spectrum(const SpectrumArguments& arguments) {
         folder.write("spectrum-linear.svg", svg(spectrum_plot(result, Scale::linear)));
         folder.write("spectrum-symlog.svg", svg(spectrum_plot(result, Scale::symlog)));
     } else {
-        folder.write("spectrum-edge.svg", svg(edge_plot(result)));  // the plane would be empty but for a line
+        folder.write("spectrum-edge.svg", svg(edge_plot(result)));  // in the complex plane they would be one line
     }
     if (result.attribution) folder.write("spectrum-slowed.svg", svg(slowed_plot(result)));
     fmt::print("{}{}", spectrum_text(result), folder.written());
@@ -119,14 +119,16 @@ ExitStatus spectrum(const SpectrumArguments& arguments) {
 }
 
 constexpr const char* spectrum_explanation =
-    "Phases are held; the Jacobian is taken by central differences. --extremal finds the eigenvalues with Re < -1e6 1/s and the pair that\n"
-    "oscillates fastest, by Arnoldi's method, the others only the dense method. Their picture counts those that decay faster; all are "
-    "drawn in the complex plane.\n"
-    "The largest stable step is the longest with which no eigenvalue leaves the method's region of stability. Of tables of stages it is\n"
-    "confirmed by steps of the full equations about the state: velocities are disturbed by 1e-9 m/s, and the disturbance grows or dies "
-    "out.\n"
-    "Of methods that are programs it is that of their linearised step (cvtflow-lab stability measures it).\n"
-    "--attribute: eigenvalues are proportional to 1/v0 of the contact that makes them, so each is told by a small change of v0.";
+    "Phases are fixed; the Jacobian is computed by central differences. --extremal finds the eigenvalues with Re < -1e6 1/s and the pair\n"
+    "of the highest frequency, by Arnoldi's method, and draws their number over the rate of decay; the dense method finds all, drawn in "
+    "the\n"
+    "complex plane. The largest stable step keeps every eigenvalue inside the method's stability region. For tables of stages, steps of "
+    "the\n"
+    "full equations confirm it: velocities are disturbed by 1e-9 m/s, and the disturbance must not grow. For methods that are programs it "
+    "is\n"
+    "that of the linearised step (cvtflow-lab stability measures it). --attribute: eigenvalues are proportional to 1/v0 of the contact "
+    "that\n"
+    "causes them, so a small change of v0 identifies it.";
 
 }  // namespace
 
@@ -137,9 +139,9 @@ Action declare_spectrum(CLI::App& app) {
     declare_shortcut(app, arguments->scene, "--method", "run.method", "NAME");
     declare_shortcut(app, arguments->scene, "--step", "run.step", "TIME");
     declare_fresh_start(app, arguments->scene);
-    app.add_flag("--extremal", arguments->extremal, "Only eigenvalues at the edge: seconds instead of minutes");
+    app.add_flag("--extremal", arguments->extremal, "Compute extreme eigenvalues only: seconds instead of minutes");
     app.add_flag("--attribute", arguments->attribute,
-                 "Tell which contacts make which eigenvalues, and what ten times their saturation speeds do");
+                 "List the contacts that cause the eigenvalues, and the effect of ten times their saturation speed");
     declare_output(app, arguments->output);
     app.add_flag("-q,--quiet", arguments->quiet, "No progress; results are printed all the same");
     app.footer(spectrum_explanation);

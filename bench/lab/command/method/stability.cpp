@@ -46,7 +46,7 @@ Chosen chosen(const StabilityArguments& arguments) {
         if (program == nullptr) {
             all.plans.push_back(*tasks::plan_for(name));
         } else if (program->stability == nullptr) {
-            throw UsageError(fmt::format("{} chooses among tables of stages: ask for one of them (cvtflow list methods)", name));
+            throw UsageError(fmt::format("{} chooses among tables of stages: name one of them (cvtflow list methods --all)", name));
         } else {
             all.programs.push_back(*program);
         }
@@ -147,31 +147,28 @@ ExitStatus stability(const StabilityArguments& arguments) {
 }
 
 constexpr const char* stability_explanation =
-    "real, imag, ray: how far |R(z)| <= 1 reaches from 0 along the axes and along rays of that damping ratio. With --scene also:\n"
-    "growth, gain: largest stage value, and largest factor on an error made in a stage, over the scene's decays at the largest stable "
-    "step;\n"
-    "the step itself, predicted by the eigenvalues and confirmed by steps about the state (cvtflow-lab spectrum --help).\n"
-    "Maps show eigenvalues times the largest stable step, or times --step; --all also the inner ones (a minute or two at full detail).\n"
-    "Methods that are no tables are looked at on what they are made for. Friction apart: q' = v, v' = -omega^2 q - c v, over h omega and h "
-    "c;\n"
-    "'with friction': h omega that is stable with any c, and the h c that limits it. Solving for the whole state: u' = lambda u with the "
-    "exact\n"
-    "Jacobian. growth, gain: as above, over all decays; left: what a step leaves of the stiffest. 'any': beyond 1e6. With --scene also "
-    "their\n"
-    "largest stable step: predicted from the linearised equations of the whole variator, and measured by the step that a run would take; "
-    "the\n"
-    "oscillation that sets it is the point on the map (the same mode's frequency and friction).";
+    "real, imag, ray: extent of |R(z)| <= 1 along the axes and along rays of that damping ratio. With --scene also growth, gain: largest\n"
+    "stage value and largest amplification of a stage's error over the scene's decays at the largest stable step; and that step, "
+    "predicted\n"
+    "from the eigenvalues and confirmed by steps about the state (cvtflow-lab spectrum --help). Maps show eigenvalues times the largest\n"
+    "stable step, or times --step; --all includes the inner ones (one or two minutes at full detail).\n"
+    "Methods that are programs have test equations of their own. With friction split off: q' = v, v' = -omega^2 q - c v, over h omega and\n"
+    "h c; 'with friction': h omega that is stable for every c, and the h c that limits it. Implicit for the whole state: u' = lambda u "
+    "with\n"
+    "the exact Jacobian; growth, gain: as above, over all decays; left: factor on the stiffest component per step. 'any': beyond 1e6.\n"
+    "With --scene also their largest stable step, predicted from the linearised equations and measured with steps of a run; the point on\n"
+    "the map is the oscillation that limits it (frequency and friction of the mode).";
 
 }  // namespace
 
 Action declare_stability(CLI::App& app) {
     const auto arguments = std::make_shared<StabilityArguments>();
     app.add_option("METHOD", arguments->methods, "Methods (cvtflow list methods)")->required()->type_name("");
-    app.add_option("--scene", arguments->scene.scene, "Scene whose eigenvalues the methods have to cope with")->type_name("SCENE");
+    app.add_option("--scene", arguments->scene.scene, "Scene whose eigenvalues are used")->type_name("SCENE");
     declare_changes(app, arguments->scene);
     declare_fresh_start(app, arguments->scene);
-    app.add_option("--step", arguments->step, "Step of the map in seconds")->type_name("SECONDS")->check(CLI::PositiveNumber);
-    app.add_flag("--all", arguments->all, "All eigenvalues instead of those at the edge");
+    app.add_option("--step", arguments->step, "Step of the map")->type_name("SECONDS")->check(CLI::PositiveNumber);
+    app.add_flag("--all", arguments->all, "Use all eigenvalues instead of the extreme ones");
     declare_output(app, arguments->output);
     app.add_flag("-q,--quiet", arguments->quiet, "No progress; results are printed all the same");
     app.footer(stability_explanation);

@@ -18,7 +18,7 @@ using namespace tools;
 
 namespace {
 
-/// Every step has these, in the order of tasks::Cycle.
+/// Cycles of every step, in the order of tasks::Cycle.
 const std::vector<std::string> common_cycles{"evaluate", "detect", "locate", "truncate"};
 
 struct DotArguments {
@@ -26,7 +26,7 @@ struct DotArguments {
     std::string cycle = "evaluate";
 };
 
-/// Names of a graph's cycles: those that every step has, and a method's own by any of their tasks.
+/// Names of a graph's cycles: those of every step, and those of the method, named by one of their tasks.
 std::vector<std::pair<std::string, int>> cycles_of(const engine::TaskGraph& graph) {
     std::vector<std::pair<std::string, int>> cycles;
     for (std::size_t k = 0; k < common_cycles.size(); ++k) cycles.emplace_back(common_cycles[k], static_cast<int>(k));
@@ -66,7 +66,7 @@ Action declare_dot(CLI::App& app) {
     declare_shortcut(app, arguments->scene, "--segments", "run.segments", "N");
     declare_shortcut(app, arguments->scene, "--method", "run.method", "NAME");
     app.add_option("--cycle", arguments->cycle,
-                   "Cycle to draw: evaluate, detect, locate, truncate, or one of the method's own by a task in it")
+                   "Cycle to draw: evaluate, detect, locate, truncate, or one of the method's, named by a task in it")
         ->type_name("NAME")
         ->capture_default_str();
     app.footer("Example: cvtflow-lab dot tiny --segments 3 | dot -Tsvg > step.svg");

@@ -34,14 +34,14 @@ const std::map<std::string, engine::Wait> ways_to_wait{
 
 std::string heading(const Granularity& result, const GranularityOptions& options) {
     const engine::Provenance here = engine::current_provenance();
-    return fmt::format("METG(50 %) [us]: length of a task from which on half of the time goes into tasks; medians of {}\n",
+    return fmt::format("METG(50 %) [us]: shortest task length with an efficiency of 50 %; medians of {}\n",
                        plural(options.rounds, "round")) +
            field("machine", fmt::format("{}, {}", here.cpu, plural(here.cores, "core"))) +
            field("program", fmt::format("cvtflow {} ({}), {} {}", here.version, here.commit, here.compiler, here.build_type)) +
            field("libraries", bench::runtime_versions()) +
            field(result.crowded() ? "crowded" : "quiet",
-                 fmt::format("calibration got {:.2f} of {}{}", result.calibrated, plural(result.wanted, "processor"),
-                             result.crowded() ? ": others are busy, these figures are theirs as well" : ""));
+                 fmt::format("calibration got {:.2f} of {}{}", result.calibrated, plural(result.requested, "processor"),
+                             result.crowded() ? ": other processes are busy and affect these figures" : ""));
 }
 
 ExitStatus granularity(const GranularityArguments& arguments) {
@@ -65,15 +65,15 @@ ExitStatus granularity(const GranularityArguments& arguments) {
 }
 
 constexpr const char* granularity_explanation =
-    "METG, the minimum effective task granularity of Task Bench: all executors run the same graph, whose tasks take from 0.1 to 100 us,\n"
-    "with the same work in all. A cycle has 8 levels of M tasks, each of which waits for itself and its neighbours of the level before;\n"
-    "between cycles the controller is asked. Tasks are arithmetic that depends on itself: their length is a number of instructions.\n"
-    "Efficiency is the time of that work in a bare loop, shared evenly by as many threads as there are tasks for, over the time that the\n"
-    "executor took; both in the same round. `<`: even the shortest tasks were long enough; `-`: none was.";
+    "METG is the minimum effective task granularity of Task Bench. All executors run the same graph with tasks of 0.1 to 100 us and the\n"
+    "same total work. A cycle has 8 levels of M tasks; each task depends on the same task and its neighbours of the level before. The\n"
+    "controller runs between cycles. Tasks are dependent arithmetic, so their length is a number of instructions. Efficiency is the time\n"
+    "of that work in a bare loop, divided by the number of usable threads, over the time of the executor in the same round.\n"
+    "`<`: the shortest tasks sufficed; `-`: no task was long enough.";
 
 void declare_graph(CLI::App& app, GranularityArguments& arguments) {
     GranularityOptions& options = arguments.options;
-    app.add_option("--tasks", options.tasks, "Numbers of tasks of a level")
+    app.add_option("--tasks", options.tasks, "Numbers of tasks per level")
         ->type_name("LIST")
         ->delimiter(',')
         ->check(CLI::Range(1, 4096))
@@ -82,8 +82,8 @@ void declare_graph(CLI::App& app, GranularityArguments& arguments) {
         ->type_name("LIST")
         ->delimiter(',')
         ->check(CLI::Range(0.001, 1e5));
-    app.add_option("--levels", options.levels, "Levels of a cycle")->type_name("N")->check(CLI::Range(1, 1000))->capture_default_str();
-    app.add_option("--work-ms", arguments.work_milliseconds, "Work of one measurement, all its tasks together; five times as long at most")
+    app.add_option("--levels", options.levels, "Levels per cycle")->type_name("N")->check(CLI::Range(1, 1000))->capture_default_str();
+    app.add_option("--work-ms", arguments.work_milliseconds, "Total work of one measurement, which ends after five times that time")
         ->type_name("MS")
         ->check(CLI::Range(0.1, 1000.0))
         ->capture_default_str();
@@ -97,12 +97,12 @@ Action declare_granularity(CLI::App& app) {
     app.add_option("--executors", options.executors, "Executors to compare (default: all)")->type_name("LIST")->delimiter(',');
     app.add_option("--threads", options.threads, "Threads of each (default: all usable)")->type_name("N")->check(CLI::Range(1, 1024));
     declare_graph(app, *arguments);
-    app.add_option("--rounds", options.rounds, "Rounds, in turns")->type_name("N")->check(CLI::Range(1, 10000))->capture_default_str();
-    app.add_option("--wait", arguments->wait, "How flow and barrier wait: spin, balanced or passive")
+    app.add_option("--rounds", options.rounds, "Alternating rounds")->type_name("N")->check(CLI::Range(1, 10000))->capture_default_str();
+    app.add_option("--wait", arguments->wait, "Wait policy of flow and barrier: spin, balanced or passive")
         ->type_name("POLICY")
         ->check(CLI::IsMember({"spin", "balanced", "passive"}))
         ->capture_default_str();
-    app.add_flag("--pin", options.pin, "Each thread on one processor");
+    app.add_flag("--pin", options.pin, "Pin each thread to a processor");
     declare_output(app, arguments->output);
     app.add_flag("-q,--quiet", arguments->quiet, "No progress; results are printed all the same");
     app.footer(granularity_explanation);

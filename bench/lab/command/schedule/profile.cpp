@@ -59,7 +59,7 @@ std::string machine_text(const Profile& result) {
            field("flags", compiler_flags()) + field("libraries", bench::runtime_versions()) +
            field("load average", fmt::format("{:.2f} before, {:.2f} after", result.load_before, result.load_after)) +
            field(result.crowded() ? "crowded" : "quiet",
-                 crowding_text(result) + (result.crowded() ? ": others are busy, compare with care" : ""));
+                 crowding_text(result) + (result.crowded() ? ": other processes are busy, so comparisons are unreliable" : ""));
 }
 
 MeasureOptions options_of(const ProfileArguments& arguments) {
@@ -127,11 +127,11 @@ std::string write_files(const ProfileArguments& arguments, const tasks::Scene& s
     return write_folder(arguments, scene, result, csv, json.dump(2) + "\n");
 }
 
-/// Whether everything that was asked for is there, with a line for what is not.
+/// Whether all requested results exist; prints a line for each missing one.
 ExitStatus verdict(const ProfileArguments& arguments, const Profile& result) {
     for (const std::string& line : result.differences) print_error(fmt::format("states differ: {}", line));
     const bool refused = !arguments.curves.empty() && !result.predicts();
-    if (refused) print_error(fmt::format("{}: not written, there is no prediction: {}", arguments.curves, crowding_text(result)));
+    if (refused) print_error(fmt::format("{}: not written: no prediction: {}", arguments.curves, crowding_text(result)));
     return result.differences.empty() && !refused ? ExitStatus::finished : ExitStatus::error;
 }
 
@@ -165,9 +165,9 @@ ExitStatus profile(const ProfileArguments& arguments) {
 }
 
 constexpr const char* profile_explanation =
-    "Stages are what the tasks of the graph call themselves: a method with cycles of its own adds its own.\n"
-    "All schedules run in one process, in turns; serial:fused is always among them and is what speed-ups refer to.\n"
-    "States are compared bit by bit after the same steps; a difference is an error (exit status 1).\n"
+    "Stages are the names of the graph's tasks; a method with further cycles adds its own.\n"
+    "All schedules run in one process, in alternating rounds. Speed-ups refer to serial:fused, which is always included.\n"
+    "States are compared bitwise after the same steps; a difference is an error (exit status 1).\n"
     "Columns:\n"
     "  evaluation   time per evaluation of the right-hand side, detection and control included [us]\n"
     "  cpu/wall     processor time of the process over wall time\n"
@@ -175,36 +175,33 @@ constexpr const char* profile_explanation =
     "  sync         loss of a thread per cycle [us], from a recorded pass apart from the timing:\n"
     "               (waits of the n active threads - (n - 1) x controller) / (n x cycles), that is\n"
     "               (n x (time - controller) - task times) / (n x cycles) without entering and leaving\n"
-    "  alone        a cycle of one task of 2 us per thread, above the time of that task [us]; absent: a thread never came\n"
+    "  alone        a cycle of one task of 2 us per thread, above the time of that task [us]; absent: a thread never ran\n"
     "  bare         a bare barrier of as many threads, in turn with `alone` [us]\n"
-    "  burnt        processor time per step beyond what serial needs under the same load [us]: threads that wait without sleeping\n"
-    "  least task   METG: task length at which half the time is lost: the loss per level of the graph [us]\n"
+    "  burnt        processor time per step above that of serial under the same load [us]: spinning threads\n"
+    "  min task     METG: task length with an efficiency of 50 %: the loss per level of the graph [us]\n"
     "  imbalance    longest over mean task time of the threads\n"
-    "  recording    what recording added to the step time in its own pass\n"
-    "On a crowded machine nothing is predicted: a calibration before, amid and after (each thread counts pieces of arithmetic for 50 ms) "
-    "has "
-    "to get nine tenths\n"
-    "of the processors, and so have the schedules. -o writes profile.csv, stages.csv, curves.csv, profile.json, stages.svg, loads.svg, "
-    "curves.svg.\n"
-    "The critical path takes of every cycle the slowest segment, the controller and the synchronisation a + b M.\n"
-    "--policies starts this program again for each way of waiting, because OpenMP's runtimes read OMP_WAIT_POLICY, GOMP_SPINCOUNT and "
-    "KMP_BLOCKTIME when they\n"
-    "are loaded; oneTBB has no such switch. Each child compares with serial in its own process. Their rows follow in the CSV file, their "
-    "profiles in the JSON file.";
+    "  recording    increase of the step time by recording, in its own pass\n"
+    "Predictions require a quiet machine: calibrations before, during and after (each thread counts arithmetic for 50 ms) and the "
+    "schedules\n"
+    "must obtain nine tenths of the processors. -o writes profile.csv, stages.csv, curves.csv, profile.json, stages.svg, loads.svg, "
+    "curves.svg.\nThe critical path of a cycle is the slowest segment, the controller and the synchronisation a + b M.\n"
+    "--policies restarts this program for each wait policy, because OpenMP's runtimes read OMP_WAIT_POLICY, GOMP_SPINCOUNT and\n"
+    "KMP_BLOCKTIME when they are loaded; oneTBB has no such setting. Each child compares with serial in its own process. Their rows are\n"
+    "appended to the CSV file, their profiles to the JSON file.";
 
 void declare_waits_and_files(CLI::App& app, ProfileArguments& arguments) {
-    app.add_option("--wait", arguments.wait, "How flow and barrier wait: spin, balanced or passive")
+    app.add_option("--wait", arguments.wait, "Wait policy of flow and barrier: spin, balanced or passive")
         ->type_name("POLICY")
         ->check(CLI::IsMember({"spin", "balanced", "passive"}))
         ->capture_default_str();
-    app.add_flag("--pin", arguments.choice.pin, "Each thread on one processor");
-    app.add_flag("--policies", arguments.policies, "Measure again under every wait policy, pinned and not");
-    app.add_flag("--predict", arguments.measure.predict_crowded, "Predict also where others are busy");
+    app.add_flag("--pin", arguments.choice.pin, "Pin each thread to a processor");
+    app.add_flag("--policies", arguments.policies, "Repeat under every wait policy, pinned and not");
+    app.add_flag("--predict", arguments.measure.predict_crowded, "Predict on a busy machine, too");
     app.add_option("-o,--output", arguments.output.folder, "Folder for tables, JSON and pictures")->type_name("DIR");
     app.add_option("--csv", arguments.csv, "Table to write, one row per schedule and load")->type_name("FILE");
-    app.add_option("--json", arguments.json, "Everything, with provenance")->type_name("FILE");
-    app.add_option("--trace", arguments.trace, "Recorded passes for chrome://tracing or ui.perfetto.dev")->type_name("FILE");
-    app.add_option("--stages", arguments.stages, "Table of stages by thread: the published charts")->type_name("FILE");
+    app.add_option("--json", arguments.json, "All results as JSON, with provenance")->type_name("FILE");
+    app.add_option("--trace", arguments.trace, "Trace of the recorded passes, for chrome://tracing or ui.perfetto.dev")->type_name("FILE");
+    app.add_option("--stages", arguments.stages, "Table of stages by thread")->type_name("FILE");
     app.add_option("--curves", arguments.curves, "Table of the speed-up curves")->type_name("FILE");
 }
 
@@ -229,15 +226,15 @@ Action declare_profile(CLI::App& app) {
         ->type_name("LIST")
         ->delimiter(',')
         ->check(CLI::NonNegativeNumber);
-    app.add_option("--steps", measure.steps, "Steps of a round (default: as many as fit)")
+    app.add_option("--steps", measure.steps, "Steps per round (default: chosen by --round-ms)")
         ->type_name("N")
         ->check(CLI::Range(1L, 10000000L));
-    app.add_option("--rounds", measure.rounds, "Rounds that count")->type_name("N")->check(CLI::Range(1, 10000))->capture_default_str();
-    app.add_option("--round-ms", arguments->round_milliseconds, "Time of a round; a schedule with one over 2 s is dropped")
+    app.add_option("--rounds", measure.rounds, "Timed rounds")->type_name("N")->check(CLI::Range(1, 10000))->capture_default_str();
+    app.add_option("--round-ms", arguments->round_milliseconds, "Time per round; schedules with a round over 2 s are dropped")
         ->type_name("MS")
         ->check(CLI::Range(1.0, 2000.0))
         ->capture_default_str();
-    app.add_option("--neighbours", measure.neighbours, "Busy threads beside, each measured again; 0 always is")
+    app.add_option("--neighbours", measure.neighbours, "Numbers of busy threads of other load, each measured; 0 always is")
         ->type_name("LIST")
         ->delimiter(',')
         ->check(CLI::Range(0, 1024))

@@ -14,20 +14,20 @@ using namespace tools;
 
 namespace {
 
-/// The complex plane is drawn so far; friction without end so far.
+/// Limits of the drawing: of the complex plane, and of friction.
 constexpr double map_left = -15.0, map_right = 25.0, map_height = 15.0, much_friction = 1e4;
 
 std::string reach_text(double reach) { return std::isinf(reach) ? "any" : fmt::format("{:.4g}", reach); }
 
-/// "to 2", "however far".
-std::string to_text(double reach) { return std::isinf(reach) ? "however far" : fmt::format("to {:.4g}", reach); }
+/// "to 2", "without limit".
+std::string to_text(double reach) { return std::isinf(reach) ? "without limit" : fmt::format("to {:.4g}", reach); }
 
 std::string figure(double value) { return fmt::format("{:.3g}", value); }
 
 std::string oscillator_lines(const ProgramResult& r) {
     std::string text = field("test equation", "q' = v, v' = -omega^2 q - c v, friction c inside the step");
     text += field("without friction", fmt::format("stable to h omega = {:.4g}", r.first));
-    text += field("with any friction", r.any.friction > 0.0 ? fmt::format("stable to h omega = {:.4g}, the least at h c = {:.3g}",
+    text += field("with any friction", r.any.friction > 0.0 ? fmt::format("stable to h omega = {:.4g}, the minimum, at h c = {:.3g}",
                                                                           r.any.oscillation, r.any.friction)
                                                             : fmt::format("stable to h omega = {:.4g} as well", r.any.oscillation));
     return text + field("friction alone", fmt::format("stable {} in h c", to_text(r.second)));
@@ -36,7 +36,7 @@ std::string oscillator_lines(const ProgramResult& r) {
 std::string linear_lines(const ProgramResult& r) {
     std::string text = field("test equation", "u' = lambda u with its exact Jacobian");
     text += field("real axis", "stable " + to_text(r.first));
-    text += field("imaginary axis", r.second > 0.02 ? "stable " + to_text(r.second) : "unstable, if slowly");
+    text += field("imaginary axis", r.second > 0.02 ? "stable " + to_text(r.second) : "weakly unstable");
     return text + field("damped by 1, 5 %", fmt::format("stable {}, {}", to_text(r.ray_1), to_text(r.ray_5)));
 }
 
@@ -80,14 +80,14 @@ ProgramResult program_result(const tasks::MethodProgram& program) {
 
 std::string program_figures(const ProgramResult& r) {
     std::string text = r.oscillator() ? oscillator_lines(r) : linear_lines(r);
-    text += field("stages grow", fmt::format("to {:.4g} of what decays", r.worst.growth));
-    text += field("errors of a stage", fmt::format("reach the end times {:.4g}", r.worst.gain));
-    return text + field("what is stiffest", fmt::format("keeps {:.2g} of itself over a step", r.worst.left));
+    text += field("stages grow", fmt::format("to {:.4g} for decaying components", r.worst.growth));
+    text += field("errors of a stage", fmt::format("amplified by {:.4g} at the end of the step", r.worst.gain));
+    return text + field("stiffest component", fmt::format("factor {:.2g} per step", r.worst.left));
 }
 
 std::string program_table(const std::vector<ProgramResult>& results) {
     const std::string oscillators =
-        table_of(results, true, {"h omega", "with friction", "least at h c", "h c"}, [](const ProgramResult& r) {
+        table_of(results, true, {"h omega", "with friction", "minimum at h c", "h c"}, [](const ProgramResult& r) {
             return std::vector{r.first, r.any.oscillation, r.any.friction, r.second};
         });
     const std::string linear = table_of(results, false, {"real", "imag", "ray 1 %", "ray 5 %"}, [](const ProgramResult& r) {
@@ -100,7 +100,7 @@ std::string limit_text(const ProgramLimit& limit) {
     if (std::isinf(limit.predicted.step)) {
         return fmt::format(
             "{}, {}", tasks::text_of(limit.predicted),
-            std::isinf(limit.measured.step) ? "nor was one found" : fmt::format("but {} measured", time_text(limit.measured.step)));
+            std::isinf(limit.measured.step) ? "and none was measured" : fmt::format("but {} measured", time_text(limit.measured.step)));
     }
     const std::string found = std::isinf(limit.measured.step) ? "none measured"
                                                               : fmt::format("{} measured ({:+.2f} %)", time_text(limit.measured.step),

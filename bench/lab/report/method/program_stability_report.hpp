@@ -1,5 +1,5 @@
 #pragma once
-/// Stability of methods that are programs, for people, programs and eyes.
+/// Stability of methods that are programs, as text, CSV, JSON and pictures.
 
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -14,7 +14,7 @@
 
 namespace cvtflow::bench {
 
-/// What a method's longest stable step on a scene is, and that it is so.
+/// A method's largest stable step on a scene, predicted and measured.
 struct ProgramLimit {
     std::string method;
     tasks::StepLimit predicted;
@@ -28,7 +28,7 @@ struct ProgramResult {
     tasks::MethodProgram program;
     tasks::ProgramStability stability;
     double first = 0.0, second = 0.0;  ///< oscillator: h ω without friction, h c at rest; linear: reach along the real, the imaginary axis
-    tasks::FrictionLimit any{};        ///< oscillator only: with whatever friction
+    tasks::FrictionLimit any{};        ///< oscillator only: for every friction
     double ray_1 = 0.0, ray_5 = 0.0;   ///< linear only: along rays of damping ratio 1 % and 5 %
     tasks::StageFigures worst;         ///< over all decays that the method takes
     std::optional<ProgramLimit> limit;  ///< on a scene
@@ -47,9 +47,9 @@ struct ProgramResult {
 /// One table for each test equation.
 [[nodiscard]] std::string program_table(const std::vector<ProgramResult>& results);
 [[nodiscard]] std::string program_csv(const std::vector<ProgramResult>& results);
-/// One method; null: however far.
+/// One method; null: without limit.
 [[nodiscard]] nlohmann::ordered_json program_json(const ProgramResult& result);
-/// Where a step does not grow: over (h ω, h c) or the complex plane of h λ; with a limit, also the oscillation
+/// Region of stability: over (h ω, h c) or the complex plane of h λ; with a limit, also the oscillation
 /// that sets it at the result's step.
 [[nodiscard]] tools::Plot program_map(const ProgramResult& result);
 

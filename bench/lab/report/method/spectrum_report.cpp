@@ -27,16 +27,16 @@ double largest_modulus(const engine::Eigenvalues& values) {
 }
 
 std::string growth_text(const SpectrumResult& result, const Extent& extent) {
-    if (!result.complete) return "not looked at: eigenvalues at the edge only";
+    if (!result.complete) return "not checked: extreme eigenvalues only";
     if (extent.growing == 0)
-        return fmt::format("none above {:g} 1/s (largest {:.3g} 1/s: differences resolve no less)", engine::growth_rate_tolerance,
+        return fmt::format("none above {:g} 1/s (largest {:.3g} 1/s, the resolution of the differences)", engine::growth_rate_tolerance,
                            extent.growth);
-    return fmt::format("GROWTH: {} above {:g} 1/s, largest {:.4g} 1/s: the state is not settled, or runs away",
+    return fmt::format("GROWTH: {} above {:g} 1/s, largest {:.4g} 1/s: the state is not settled or unstable",
                        plural(extent.growing, "eigenvalue"), engine::growth_rate_tolerance, extent.growth);
 }
 
 std::string shares_table(const Attribution& attribution) {
-    Table table({{"made by"},
+    Table table({{"caused by"},
                  {"eigenvalues", Align::right},
                  {"below -1e7", Align::right},
                  {"fastest", Align::right},
@@ -95,7 +95,7 @@ std::string spectrum_text(const SpectrumResult& result) {
                                    time_text(result.time), result.friction, plural(result.touching, "tip"));
     text += field("eigenvalues", result.complete
                                      ? fmt::format("all {}", count_text(result.unknowns))
-                                     : fmt::format("{} at the edge of {}, from a Krylov space of {} (relative residuals up to {:.0e})",
+                                     : fmt::format("{} extreme ones of {}, from a Krylov space of {} (relative residuals up to {:.0e})",
                                                    count_text(static_cast<long>(result.values.size())), count_text(result.unknowns),
                                                    result.dimension, result.residual));
     text += field("strands", fmt::format("{:.0f} N tight, {:.0f} N slack", result.tight, result.slack));
@@ -107,9 +107,9 @@ std::string spectrum_text(const SpectrumResult& result) {
                   fmt::format("{:.3f} with {} of {}", result.step * largest_modulus(result.values), time_text(result.step), result.method));
     text += field("largest stable step", result.limit           ? limit_text(*result.limit)
                                          : result.program_limit ? tasks::text_of(*result.program_limit) + " predicted"
-                                                                : "not looked for");
+                                                                : "not determined");
     if (!result.attribution) return text;
-    text += fmt::format("\nEigenvalues below -1e6 1/s by the contact that makes them (share: -d ln λ / d ln v0)\n{}",
+    text += fmt::format("\nEigenvalues below -1e6 1/s by the contact that causes them (share: -d ln λ / d ln v0)\n{}",
                         shares_table(*result.attribution));
     return text + fmt::format("\nSaturation speeds v0 ten times as high\n{}", slowed_table(*result.attribution));
 }
@@ -190,7 +190,7 @@ namespace {
 
 std::string conditions(const SpectrumResult& result) {
     return fmt::format("t = {}, {} friction, {} touching; {}{} eigenvalues", time_text(result.time), result.friction,
-                       plural(result.touching, "tip"), result.complete ? "all " : "the outermost ",
+                       plural(result.touching, "tip"), result.complete ? "all " : "the extreme ",
                        count_text(static_cast<long>(result.values.size())));
 }
 
@@ -207,7 +207,7 @@ Plot edge_plot(const SpectrumResult& result) {
     const std::size_t attributed = result.attribution ? result.attribution->values.size() : 0;
     if (attributed > 0) {
         for (const ContactKind& kind : contact_kinds())
-            kinds.push_back({"made by " + std::string(kind.name), {}, Mark::none, Line::solid, ""});
+            kinds.push_back({"caused by " + std::string(kind.name), {}, Mark::none, Line::solid, ""});
     }
     for (std::size_t k = 0; k < result.values.size(); ++k) {  // by falling decay
         const double decay = -result.values[k].real();
@@ -231,7 +231,7 @@ Plot spectrum_plot(const SpectrumResult& result, Scale scale) {
     const std::size_t attributed = result.attribution ? result.attribution->values.size() : 0;
     if (attributed > 0) {
         for (const ContactKind& kind : contact_kinds())
-            plot.series.push_back({"made by " + std::string(kind.name), {}, Mark::small_dot, Line::none, ""});
+            plot.series.push_back({"caused by " + std::string(kind.name), {}, Mark::small_dot, Line::none, ""});
     }
     plot.series.push_back({attributed > 0 ? "others" : "eigenvalues", {}, Mark::small_dot, Line::none, attributed > 0 ? "#444444" : ""});
     for (std::size_t k = 0; k < result.values.size(); ++k) {

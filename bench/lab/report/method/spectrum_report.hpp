@@ -1,5 +1,5 @@
 #pragma once
-/// A measured spectrum for people, programs and eyes.
+/// A measured spectrum as text, CSV, JSON and pictures.
 
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -13,7 +13,7 @@
 
 namespace cvtflow::bench {
 
-/// What a method's largest stable step is, and that it is so.
+/// A method's largest stable step, predicted and measured.
 struct StepLimit {
     std::string method;
     engine::StableStep predicted;
@@ -42,11 +42,12 @@ struct SpectrumResult {
 /// One row per eigenvalue: real, imaginary part, shares by kind of contact (empty where not attributed).
 [[nodiscard]] std::string spectrum_csv(const SpectrumResult& result);
 [[nodiscard]] std::string spectrum_json(const SpectrumResult& result);
-/// Eigenvalues in the complex plane, coloured by the contact that makes them. @param scale of both axes: linear or symlog
+/// Eigenvalues in the complex plane, coloured by the contact that causes them. @param scale of both axes: linear or symlog
 [[nodiscard]] tools::Plot spectrum_plot(const SpectrumResult& result, tools::Scale scale);
-/// How many eigenvalues decay faster than a rate, by the contact that makes them: what eigenvalues at the edge, nearly all real, show best.
+/// Number of eigenvalues that decay faster than a rate, by the contact that causes them: suits extreme eigenvalues, which are nearly all
+/// real.
 [[nodiscard]] tools::Plot edge_plot(const SpectrumResult& result);
-/// How many eigenvalues decay faster, with saturation speeds as they are and ten times as high. Only with an attribution.
+/// Number of eigenvalues that decay faster than a rate, with unchanged and tenfold saturation speeds. Requires an attribution.
 [[nodiscard]] tools::Plot slowed_plot(const SpectrumResult& result);
 
 [[nodiscard]] nlohmann::ordered_json limit_json(const StepLimit& limit);

@@ -90,7 +90,7 @@ Plot stability_map(const StabilityResult& result, const engine::Eigenvalues& val
     const auto factor = engine::stability_function(result.plan);
     const auto stable = [factor](double x, double y) { return std::abs(factor({x, y})) <= 1.0; };
     for (double x = -reach; x < -1e-3; x *= 0.9) {
-        while (half < 100.0 && stable(x, 1.05 * half)) half *= 1.1;  // the widest part is seen whole
+        while (half < 100.0 && stable(x, 1.05 * half)) half *= 1.1;  // shows the widest part completely
     }
     plot.x = {"Re hλ", reach > 20.0 ? Scale::symlog : Scale::linear, 1.0, -1.3 * reach, std::min(2.0, 0.3 * reach)};
     plot.y = {"Im hλ", Scale::linear, 1.0, -1.15 * half, 1.15 * half};

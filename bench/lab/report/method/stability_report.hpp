@@ -1,5 +1,5 @@
 #pragma once
-/// Regions of stability for people, programs and eyes.
+/// Regions of stability as text, CSV, JSON and pictures.
 
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -10,7 +10,7 @@
 
 namespace cvtflow::bench {
 
-/// A method, and what a scene's spectrum lets it do.
+/// A method and its limits by a scene's spectrum.
 struct StabilityResult {
     engine::StagePlan plan;
     double real = 0.0, imaginary = 0.0;  ///< reach along the axes

@@ -27,7 +27,7 @@ std::vector<tasks::TradeoffPoint> points_of(const std::vector<TradeoffEntry>& en
     return points;
 }
 
-/// What a long run came to; nothing where there was none.
+/// Result of a long run; empty without one.
 const Confirmed* long_run(const TradeoffEntry& entry) {
     return entry.confirmed && entry.confirmed->ran && !entry.confirmed->run.fault ? &*entry.confirmed : nullptr;
 }
@@ -81,11 +81,10 @@ std::string tradeoff_recommendations(const std::vector<TradeoffEntry>& entries, 
         const auto best = tasks::recommended(points, error, tasks::tradeoff_safety);
         text += best ? fmt::format("  {:.0e}  use {} ({:.4g} s per simulated second, {:.1e} here)\n", error, points[*best].choice,
                                    points[*best].seconds, points[*best].error)
-                     : fmt::format("  {:.0e}  none of these is exact enough\n", error);
+                     : fmt::format("  {:.0e}  no choice is accurate enough\n", error);
     }
     text += fmt::format(
-        "An error counts as met if it is met {:g} times over here, since scenes differ. What is recommended was confirmed over {}\nagainst "
-        "{}.\n",
+        "A target counts as met with a margin of {:g}, because scenes differ. Recommendations were confirmed over {}\nagainst {}.\n",
         tasks::tradeoff_safety, time_text(setting.confirm), setting.confirm_reference);
     const std::string brief = too_short(setting.confirm_watch);
     return brief.empty() ? text : text + fmt::format("Confirmed over too short a time: {}.\n", brief);
@@ -152,7 +151,7 @@ std::string tradeoff_json(const std::vector<TradeoffEntry>& entries, const Trade
 std::string tradeoff_picture(const std::vector<TradeoffEntry>& entries, const TradeoffSetting& setting) {
     Plot plot;
     plot.title = "Speed and accuracy: " + setting.scene;
-    plot.subtitle = fmt::format("against {} over {}, medians of {} rounds in turns; without what is beyond stability or wrong over {}",
+    plot.subtitle = fmt::format("against {} over {}, medians of {} alternating rounds; without unstable choices and those wrong over {}",
                                 setting.reference, setting.duration, setting.rounds, time_text(setting.confirm));
     plot.x.label = "wall time per simulated second [s]";
     plot.y.label = "error, larger of axial forces and link tensions";

@@ -1,5 +1,5 @@
 #pragma once
-/// Choices of method and step, what they cost and how exact they are, for people, programs and eyes.
+/// Cost and accuracy of choices of method and step, as text, CSV, JSON and picture.
 
 #include <algorithm>
 #include <optional>
@@ -12,7 +12,7 @@
 
 namespace cvtflow::bench {
 
-/// One choice: all its short rounds, and the long run if it came to that.
+/// One choice: its short rounds, and its long run if there was one.
 struct TradeoffEntry {
     std::string choice;
     std::vector<std::string> settings;
@@ -23,18 +23,18 @@ struct TradeoffEntry {
     std::vector<double> seconds;  ///< wall time per simulated second, of each round
     double stable_step = 0.0;     ///< up to which the method is stable [s]; infinite: any
     std::optional<Confirmed> confirmed;
-    std::string objection;  ///< why it is not recommended, whatever its errors; empty: nothing is known
+    std::string objection;  ///< reason against it, whatever its errors; empty: none
     bool front = false;
 
     [[nodiscard]] double median() const;
     [[nodiscard]] double largest_force() const { return std::max(errors.axial_force, errors.tension); }
-    /// "confirmed", the objection, or nothing: it did not come to that.
+    /// "confirmed", the objection, or empty: not confirmed.
     [[nodiscard]] std::string standing() const;
-    /// Lost if something speaks against it.
+    /// Whether there is an objection.
     [[nodiscard]] tasks::TradeoffPoint point() const;
 };
 
-/// What all of it was measured with.
+/// Settings of the measurement.
 struct TradeoffSetting {
     std::string scene;
     std::string reference, duration, interval;  ///< of the short runs, as given
@@ -44,14 +44,14 @@ struct TradeoffSetting {
     tasks::RunVerdict confirm_watch;  ///< of that run
 };
 
-/// Errors that a recommendation is made for.
+/// Target errors of the recommendations.
 inline constexpr double recommended_errors[] = {1e-2, 1e-3, 1e-4, 1e-5};
 
 [[nodiscard]] std::string tradeoff_table(const std::vector<TradeoffEntry>& entries, const TradeoffSetting& setting);
 [[nodiscard]] std::string tradeoff_recommendations(const std::vector<TradeoffEntry>& entries, const TradeoffSetting& setting);
 [[nodiscard]] std::string tradeoff_csv(const std::vector<TradeoffEntry>& entries);
 [[nodiscard]] std::string tradeoff_json(const std::vector<TradeoffEntry>& entries, const TradeoffSetting& setting);
-/// Error against time as SVG, without those that something speaks against.
+/// Error against time as SVG, without choices that have an objection.
 [[nodiscard]] std::string tradeoff_picture(const std::vector<TradeoffEntry>& entries, const TradeoffSetting& setting);
 
 }  // namespace cvtflow::bench

@@ -19,14 +19,14 @@ namespace {
 /// Stages of the kicks' cycles; a kick of eleven stages is cycles of eight, two and one.
 constexpr std::array stages_of_kicks{1, 2, 4, 8};
 
-/// In the order in which a step runs them, which is the one in which they are told.
+/// In the order in which a step runs them, which is also the order of the report.
 enum FrictionCycle : int {
     contact_cycle = method_cycles,
     first_kick_cycle,
     finish_kick_cycle = first_kick_cycle + static_cast<int>(stages_of_kicks.size())
 };
 
-/// The spectrum moves with the tension: it is looked at every so many steps.
+/// The spectrum changes with the tension: steps between two estimates.
 constexpr long steps_between_estimates = 64;
 constexpr int first_iterations = 50, next_iterations = 4;
 

@@ -25,7 +25,7 @@ class FrictionLeapfrog final : public StepMethod {
 public:
     /// Slots of the workspace that the method uses.
     static constexpr int state_slots = LeapfrogFrame::state_slots, slope_slots = LeapfrogFrame::slope_slots;
-    /// By which the spectral radius of friction may have grown since it was looked at.
+    /// Factor by which the spectral radius of friction may have grown since its last estimate.
     static constexpr double margin = 1.1;  ///< [1]
 
     FrictionLeapfrog(Workspace& workspace, Kick kick);

@@ -44,7 +44,7 @@ public:
     /// Largest eigenvalue of friction about rest, from a few power iterations on; everything must be at rest [1/s].
     [[nodiscard]] double spectral_radius(const Workspace& workspace, int iterations) noexcept;
 
-    /// What outlasts a step: forces of the last one, and where power iterations have come to.
+    /// Memory between steps: forces of the last step, and the vectors of power iterations.
     void save(std::vector<double>& memory) const;
     void load(std::span<const double> memory);  ///< memory [what save() wrote]
 

@@ -3,7 +3,7 @@
 /// forces of the step before. It is backward Euler on velocities alone (tasks/method/friction/implicit_leapfrog.hpp), nearly converged.
 ///
 ///     opening    joints and links with the forces of the step before, then plates and tips of each link
-///     middle     joints, plates and tips once more: as often as asked for
+///     middle     joints, plates and tips once more, as often as the plan states
 ///     closing    joints; velocities and coordinates at the end
 ///
 /// Forces that outlast a step belong to the state of the integration: they are saved, and a step that is cut takes up those that the whole

@@ -79,7 +79,7 @@ private:
     std::array<SegmentEdges<Number>, 2> velocity_edges_;  ///< after passes of even and of odd number
     std::vector<Number> moving_;                          ///< [2] room for what borders move through
     std::vector<model::LinkLoad> normal_loads_;           ///< [links]
-    // Found only where they are asked for: by an observation, a checkpoint, or borders that move.
+    // Computed on demand: for an observation, a checkpoint, or borders that move.
     mutable Losses losses_ = Losses::none;
     mutable SegmentEdges<Number> mean_edges_;
     mutable std::vector<model::FrictionPowers> powers_;  ///< [links] of the last step

@@ -59,7 +59,7 @@ TEST_F(FileSealTest, KeepsABrokenRecordFromTheLibrary) {
     bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
     std::ofstream(path("out.h5")) << bytes;
     EXPECT_EQ(error_of([&] { RunReader reader(path("out.h5")); }),
-              path("out.h5") + ": damaged HDF5 file (it is not what was sealed when it was finished: its checksum differs)");
+              path("out.h5") + ": damaged HDF5 file (changed after it was finished: its checksum differs)");
 }
 
 }  // namespace

@@ -133,7 +133,7 @@ TEST_F(RunFileTest, SaysWhyAFileCannotBeCreated) {
     EXPECT_EQ(create(path("missing/out.h5")),
               path("missing/out.h5") + ": cannot create: the folder '" + path("missing") + "' does not exist");
     EXPECT_EQ(create(path("folder")), path("folder") + ": cannot create: a folder, not a file");
-    EXPECT_EQ(create(""), "cannot create a file without a name");
+    EXPECT_EQ(create(""), "cannot create a temporary file");
     fs::create_directory(path("out.h5.part"));
     EXPECT_EQ(create(path("out.h5")), path("out.h5.part") + ": cannot create: a folder, not a file");
     EXPECT_EQ(create("/proc/out.h5"), "/proc/out.h5.part: cannot create: No such file or directory");

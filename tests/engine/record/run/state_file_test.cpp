@@ -116,13 +116,11 @@ TEST_F(StateFileTest, NoticesAStateThatChangedOnDisk) {
     const std::string good = read_text_file(path("s.h5"));
     python("import h5py, sys\nf = h5py.File(sys.argv[1], \"r+\"); f[\"y\"][7] += 1e-15",
            path("s.h5"));  // which cuts the file where HDF5's part of it ends
-    EXPECT_EQ(reading(path("s.h5")),
-              path("s.h5") + ": damaged HDF5 file (it has no seal: changed after it was finished, or its end is missing)");
+    EXPECT_EQ(reading(path("s.h5")), path("s.h5") + ": damaged HDF5 file (no seal: changed after it was finished, or truncated)");
     std::string bad = good;
     bad[good.size() / 2] = static_cast<char>(good[good.size() / 2] ^ 1);
     std::ofstream(path("s.h5")) << bad;
-    EXPECT_EQ(reading(path("s.h5")),
-              path("s.h5") + ": damaged HDF5 file (it is not what was sealed when it was finished: its checksum differs)");
+    EXPECT_EQ(reading(path("s.h5")), path("s.h5") + ": damaged HDF5 file (changed after it was finished: its checksum differs)");
 }
 
 TEST_F(StateFileTest, HashesAllThatItHolds) {
@@ -142,7 +140,7 @@ TEST_F(StateFileTest, HashesAllThatItHolds) {
         without_seal(path("s.h5"));
         ASSERT_EQ(python("import h5py, numpy, sys\nf = h5py.File(sys.argv[1], \"r+\"); " + change, path("s.h5")), "");
         seal_anew(path("s.h5"));
-        EXPECT_EQ(reading(path("s.h5")), path("s.h5") + ": damaged: the state does not have the hash it was saved with") << change;
+        EXPECT_EQ(reading(path("s.h5")), path("s.h5") + ": damaged: the hash of the state differs") << change;
     }
 }
 

@@ -96,9 +96,9 @@ TEST_F(SweepFile, TakesColumnsOfAMeasuredFileByTheirNames) {
     EXPECT_EQ(value(sweep, 1, "clamping.driven"), 4e3);
     EXPECT_EQ(read(head + axis + "columns = [" + load + "]\n").cases(), 2) << "one column alone";
     EXPECT_EQ(error(head + axis + "columns = [{column = \"T2\", key = \"load.torque\"}]\n"),
-              "s.toml:6:7: axes.csv: bench.csv:1:1: there is no column \"T2\" (did you mean \"T_2\"?)");
+              "s.toml:6:7: axes.csv: bench.csv:1:1: unknown column \"T2\" (did you mean \"T_2\"?)");
     EXPECT_EQ(error(head + axis + "columns = [{column = \"T_2\", key = \"load.torqe\"}]\n"),
-              "s.toml:7:35: axes.columns.key: there is no key \"load.torqe\" (did you mean \"load.torque\"?)");
+              "s.toml:7:35: axes.columns.key: unknown key \"load.torqe\" (did you mean \"load.torque\"?)");
     EXPECT_EQ(error(head + axis + "columns = [" + load + ", " + load + "]\n"),
               error(head + axis + "columns = [" + load + "]\n[[axes]]\nkey = \"load.torque\"\nvalues = [1]\n"));
 }
@@ -134,7 +134,7 @@ TEST_F(SweepFile, TellsEveryMistakeWithItsPlace) {
     EXPECT_EQ(error("[sweep]\nscene = \"tny\"\n"), "s.toml:2:9: sweep.scene: " + std::string(CVTFLOW_SOURCE_DIR) +
                                                        "/scenes/tny.toml: cannot be read: No such file or directory");
     EXPECT_EQ(error(head + "[[axes]]\nkey = \"load.torqe\"\nvlues = [1]\n"),
-              "s.toml:6:7: axes.key: there is no key \"load.torqe\" (did you mean \"load.torque\"?)\ns.toml:7:1: axes.vlues: unknown key "
+              "s.toml:6:7: axes.key: unknown key \"load.torqe\" (did you mean \"load.torque\"?)\ns.toml:7:1: axes.vlues: unknown key "
               "(did you mean \"values\"?)");
     EXPECT_EQ(error(head + "[[axes]]\nkey = \"load.torque\"\nvalues = [\"1 N\"]\n"),
               "s.toml:7:11: load.torque: 1 N is a force, expected a torque (N*m)");
@@ -142,13 +142,13 @@ TEST_F(SweepFile, TellsEveryMistakeWithItsPlace) {
               "s.toml:5:1: axes.from: detail.pulleys has no values in between; list them");
     EXPECT_EQ(error("[sweep]\nscene = \"tiny\"\n[outputs]\nscalars = [\"slp mean\", \"slip men\", \"sheaves/axial_force mean\", \"slip at "
                     "3\"]\n[[axes]]\nkey = \"load.torque\"\nvalues = [1]\n"),
-              "s.toml:4:12: outputs.scalars: \"slp mean\": there is no channel \"slp\" (did you mean \"slip\"?)\n"
+              "s.toml:4:12: outputs.scalars: \"slp mean\": unknown channel \"slp\" (did you mean \"slip\"?)\n"
               "s.toml:4:24: outputs.scalars: \"slip men\": \"men\" is not one of mean, min, max, rms, final, at, median (did you mean "
               "\"mean\"?)\n"
               "s.toml:4:36: outputs.scalars: \"sheaves/axial_force mean\": sheaves/axial_force has several numbers; write "
               "sheaves/axial_force[0] … or sheaves/axial_force[*] for all of them\n"
               "s.toml:4:64: outputs.scalars: \"slip at 3\": \"3\" is not a time");
-    EXPECT_EQ(error(head), "s.toml:1:1: axes: there are none; nothing varies");
+    EXPECT_EQ(error(head), "s.toml:1:1: axes: none given; nothing varies");
     write("rows.csv", "load.torque\n1 kg\n");
     EXPECT_EQ(error(head + "[[axes]]\ncsv = \"rows.csv\"\n"),
               "s.toml:6:7: axes.csv: rows.csv:2:1: load.torque: 1 kg is a mass, expected a torque (N*m)");
@@ -227,7 +227,7 @@ TEST(Reducer, TakesAllElementsOfAChannel) {
     EXPECT_TRUE(none.empty());
     (void)parse_scalar("tips/axial_force[*] final", {}, none);
     ASSERT_EQ(none.size(), 1u);
-    EXPECT_THAT(none.front().message, testing::HasSubstr("of which element"));
+    EXPECT_THAT(none.front().message, testing::HasSubstr("name an element of"));
 }
 
 }  // namespace

@@ -205,11 +205,11 @@ TEST(FrictionSolve, SolvesForChainsOfAnyLength) {
 
 TEST(FrictionSolve, SaysHowItFared) {
     EXPECT_EQ(text(SolveStatistics{.solves = 4, .iterations = 10, .most = 5, .searches = 2}),
-              "2.50 iterations per friction solve (most 5), 0.50 searches");
+              "2.50 iterations per friction solve (max 5), 0.50 searches");
     EXPECT_EQ(
         text(SolveStatistics{.solves = 4, .iterations = 10, .most = 50, .searches = 2, .continued = 3, .unconverged = 1, .worst = 2e-4}),
-        "2.50 iterations per friction solve (most 50), 0.50 searches, 3 solves by way of higher saturation speeds; 1 of 4 solves did not "
-        "converge and went on with the last iterate (residual up to 0.0002 m/s)");
+        "2.50 iterations per friction solve (max 50), 0.50 searches, 3 solves by continuation from higher saturation speeds; 1 of 4 solves "
+        "did not converge and used the last iterate (residual up to 0.0002 m/s)");
 }
 
 /// A finer step is not spoiled by what a solve leaves.

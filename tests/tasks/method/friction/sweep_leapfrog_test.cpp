@@ -75,7 +75,7 @@ TEST(SweepLeapfrog, RefusesARoundedCornerOfTheLaw) {
         const Simulation simulation(scene);
         FAIL() << "not refused";
     } catch (const std::exception& refused) {
-        EXPECT_THAT(refused.what(), testing::HasSubstr("leapfrog-sweep' needs detail.friction = \"piecewise\""));
+        EXPECT_THAT(refused.what(), testing::HasSubstr("leapfrog-sweep' requires detail.friction = \"piecewise\""));
     }
 }
 

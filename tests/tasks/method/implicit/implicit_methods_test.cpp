@@ -141,7 +141,7 @@ TEST(ImplicitMethods, RunAFreeRingAndRigidPulleysToo) {
 TEST(NewtonStatistics, SayWhatHappened) {
     EXPECT_EQ(
         text(NewtonStatistics{.steps = 4, .iterations = 10, .most = 3, .jacobians = 5, .factorisations = 6, .solves = 10, .backtracks = 2}),
-        "2.50 iterations per step (most 3), 5 Jacobians, 6 factorisations, 2 halvings");
+        "2.50 iterations per step (max 3), 5 Jacobians, 6 factorisations, 2 halvings");
     EXPECT_EQ(text(NewtonStatistics{.steps = 4,
                                     .iterations = 10,
                                     .most = 3,
@@ -152,9 +152,8 @@ TEST(NewtonStatistics, SayWhatHappened) {
                                     .refreshed = 1,
                                     .unconverged = 2,
                                     .worst = 0.0123}),
-              "2.50 iterations per step (most 3), 5 Jacobians, 6 factorisations, 2 halvings; 1 of 4 steps fell back on a new Jacobian; 2 "
-              "of 4 steps did not converge and "
-              "went on with the best iterate (residual up to 0.012 m/s)");
+              "2.50 iterations per step (max 3), 5 Jacobians, 6 factorisations, 2 halvings; 1 of 4 steps required a new Jacobian; 2 "
+              "of 4 steps did not converge and used the best iterate (residual up to 0.012 m/s)");
 }
 
 }  // namespace

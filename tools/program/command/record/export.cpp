@@ -33,15 +33,15 @@ struct ExportArguments {
 tasks::Scene recorded_scene(const std::string& path, const engine::RunReader& run) {
     const auto parameters = run.attribute("parameters");
     const auto* text = parameters ? std::get_if<std::string>(&parameters->value) : nullptr;
-    if (text == nullptr) throw engine::RecordError(path + ": it does not say which machine it is of");
+    if (text == nullptr) throw engine::RecordError(path + ": contains no parameters of a machine");
     try {
         return tasks::parse_scene(*text, "scene", tasks::StartState::recorded);
     } catch (const tasks::SceneError& error) {
-        throw engine::RecordError(fmt::format("{}: its machine cannot be read: {}", path, error.what()));
+        throw engine::RecordError(fmt::format("{}: cannot read the parameters of its machine: {}", path, error.what()));
     }
 }
 
-/// Channels of one number, or what was asked for, number by number.
+/// The requested channels, one column per number; without a request all channels of one number.
 std::vector<Curve> columns_of(const RecordedRun& run, const std::vector<std::string>& words) {
     std::vector<Curve> columns;
     for (const std::string& word : words) {
@@ -79,19 +79,18 @@ ExitStatus export_csv(const ExportArguments& arguments) {
 }
 
 ExitStatus export_record(const ExportArguments& arguments) {
-    if (arguments.vtk.empty() == arguments.csv.empty())
-        throw UsageError("--csv FILE or --vtk FILE.pvd is required: what should be written?");
+    if (arguments.vtk.empty() == arguments.csv.empty()) throw UsageError("--csv FILE or --vtk FILE.pvd is required");
     if (!arguments.csv.empty()) return export_csv(arguments);
-    if (!arguments.channels.empty()) throw UsageError("channels go with --csv");
+    if (!arguments.channels.empty()) throw UsageError("channels require --csv");
     if (std::filesystem::path(arguments.vtk).extension() != ".pvd")
-        throw UsageError(fmt::format("--vtk {}: the name has to end in .pvd", arguments.vtk));
+        throw UsageError(fmt::format("--vtk {}: the name must end in .pvd", arguments.vtk));
     const engine::RunReader run(arguments.record);
     const std::string replaced = replacing(arguments.vtk, true, arguments.force);
     require_output(arguments.vtk, {arguments.record});
     const tasks::Scene scene = recorded_scene(arguments.record, run);
     const model::Variator variator(scene.parameters);
     const std::size_t states = run.state_times().size();
-    if (states == 0) throw engine::RecordError(arguments.record + ": it has no states");
+    if (states == 0) throw engine::RecordError(arguments.record + ": contains no states");
     ChainSolids solids(variator, scene.parameters);
     VtkSeries series(arguments.vtk, solids.mesh(), ChainSolids::arrays(), arguments.force);
     VtkFrame frame;
@@ -118,12 +117,12 @@ Action declare_export(CLI::App& app) {
         ->type_name("");
     app.add_option("CHANNEL", arguments->channels, "With --csv: channels, groups or elements (default: all channels of one number)")
         ->type_name("...");
-    app.add_option("--csv", arguments->csv, "Table to write: a row per output, a column per number, units in the heading")
+    app.add_option("--csv", arguments->csv, "Table to write: one row per output, one column per number, units in the heading")
         ->type_name("FILE");
     app.add_option("--vtk", arguments->vtk,
-                   "Collection to write for ParaView, FILE.pvd; its states go to the folder FILE: pins, plates and sheaves with forces")
+                   "Collection to write for ParaView; its states go to the folder FILE: pins, plates and sheaves with forces")
         ->type_name("FILE.pvd");
-    app.add_option("--every", arguments->every, "Only every so many states")->check(CLI::Range(1, 1000000))->type_name("COUNT");
+    app.add_option("--every", arguments->every, "Write every COUNT-th state only")->check(CLI::Range(1, 1000000))->type_name("COUNT");
     app.add_flag("--force", arguments->force, force_meaning);
     return [arguments] { return export_record(*arguments); };
 }

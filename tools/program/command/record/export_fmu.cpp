@@ -71,14 +71,15 @@ std::vector<FmuSystem> fmu_systems() {
                                    {"Windows", "cvtflow_fmu.dll", ".dll", "win64", "x86_64-windows"}};
     for (FmuSystem& system : systems) system.file = fmu_library(system.library);
     if (systems[0].file.empty())
-        throw engine::RecordError(fmt::format(
-            "{}: not beside this program nor in lib/cvtflow of its installation (cmake --build build --target cvtflow_fmu; x86-64 only)",
-            systems[0].library));
+        throw engine::RecordError(
+            fmt::format("{}: found neither beside this program nor in lib/cvtflow of its installation (cmake --build build --target "
+                        "cvtflow_fmu; x86-64 only)",
+                        systems[0].library));
     std::erase_if(systems, [](const FmuSystem& system) { return system.file.empty(); });
     return systems;
 }
 
-/// Letters, digits and underlines of a name, which becomes the library's.
+/// A name reduced to letters, digits and underscores: the name of the FMU's library.
 std::string identifier_of(const std::string& name) {
     std::string identifier;
     for (const char letter : name) identifier += std::isalnum(static_cast<unsigned char>(letter)) != 0 ? letter : '_';
@@ -142,14 +143,13 @@ ExitStatus export_fmu(const FmuArguments& arguments) {
 Action declare_export_fmu(CLI::App& app) {
     const auto arguments = std::make_shared<FmuArguments>();
     declare_scene(app, arguments->scene);
-    app.add_option("-o,--output", arguments->output,
-                   "File to write, which must not be there yet (default: SCENE.fmu, replaced with a notice)")
+    app.add_option("-o,--output", arguments->output, "File to write; must not exist (default: SCENE.fmu, replaced with a notice)")
         ->type_name("FILE.fmu");
     app.add_flag("--force", arguments->force, force_meaning);
     app.add_option("--fmi", arguments->version, "Version of the standard, 2 or 3 (default: 3)")
         ->type_name("N")
         ->check(CLI::IsMember({2, 3}));
-    app.add_option("--inputs", arguments->choice.inputs, "Inputs by name, separated by commas (default: all that the scene has)")
+    app.add_option("--inputs", arguments->choice.inputs, "Inputs by name, separated by commas (default: all inputs of the scene)")
         ->type_name("NAME,...")
         ->delimiter(',');
     app.add_option("--outputs", arguments->choice.outputs, "Channels, separated by commas, or all (default: a dozen)")
@@ -163,7 +163,7 @@ Action declare_export_fmu(CLI::App& app) {
     declare_shortcut(app, arguments->scene, "--method", "run.method", "NAME");
     declare_shortcut(app, arguments->scene, "--step", "run.step", "TIME");
     declare_fresh_start(app, arguments->scene);
-    app.add_flag("-q,--quiet", arguments->quiet, "Print nothing but errors");
+    app.add_flag("-q,--quiet", arguments->quiet, "Print errors only");
     app.footer(
         "The FMU needs no library but C's. It begins with the scene's state, or the settled one, and runs on its caller's thread with the "
         "bits of cvtflow run.\nAn instance in which a parameter is changed settles again. docs/fmi.md lists what FMI offers and this FMU "

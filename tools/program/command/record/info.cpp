@@ -53,8 +53,8 @@ std::string run_text(const std::string& path, const engine::RunReader& run) {
     const auto of = [&](std::string_view name) { return text_of(all, name); };
     const bool running = run.status() == "running";
     std::string text = fmt::format("{}: record of a run, {}\n", path, size_text(static_cast<double>(std::filesystem::file_size(path))));
-    text += field("status", running ? "running (being written now, or left by a run that was killed)" : run.status());
-    text += field("seal", run.sealed() ? "whole: every byte is what the run wrote" : "none, so that numbers are not checked");
+    text += field("status", running ? "running (still being written, or left by a killed run)" : run.status());
+    text += field("seal", run.sealed() ? "intact: every byte is as the run wrote it" : "none: numbers cannot be verified");
     text += field("scene", of("scene"));
     if (const auto scene = scene_in(all, "parameters")) text += field("detail", detail_text(*scene));
     text += field("method", fmt::format("{}, step {} s, seed {}", of("method"), of("step"), of("seed")));
@@ -113,7 +113,7 @@ ExitStatus info(const std::string& path) {
 
 Action declare_info(CLI::App& app) {
     const auto path = std::make_shared<std::string>();
-    app.add_option("FILE", *path, "Record (also FILE.part of a run that goes on or was killed) or state file")->required()->type_name("");
+    app.add_option("FILE", *path, "Record (also FILE.part of a running or killed run) or state file")->required()->type_name("");
     return [path] { return info(*path); };
 }
 

@@ -23,7 +23,7 @@ struct PlotArguments {
     bool orders = false, round = false, losses = false, every_output = false;
 };
 
-/// Words that name files come first; the others name channels.
+/// Files come first, then channels.
 struct PlotWords {
     std::vector<std::string> files, channels;
 };
@@ -40,7 +40,7 @@ PlotWords sorted_words(const std::vector<std::string>& words) {
 
 std::vector<Plot> plots_of_runs(const PlotArguments& arguments, const PlotWords& words) {
     if (!arguments.x.empty() || !arguments.y.empty() || !arguments.colour.empty() || !arguments.where.empty())
-        throw UsageError("--x, --y, --colour and --where are for sweeps; " + words.files.front() + " is none");
+        throw UsageError("--x, --y, --colour and --where are for sweeps; " + words.files.front() + " is not a sweep");
     std::vector<RecordedRun> runs;
     for (const std::string& file : words.files) runs.emplace_back(file);
     if (arguments.round) return {round_plot(runs)};
@@ -67,7 +67,7 @@ std::vector<Plot> plots_of_sweeps(const PlotArguments& arguments, const PlotWord
     return plots;
 }
 
-/// Beside what is drawn, unless the user says where.
+/// Beside the input, unless the user names a file.
 std::string picture_path(const PlotArguments& arguments, const std::string& file) {
     if (!arguments.output.empty()) return arguments.output;
     std::filesystem::path path(file);
@@ -100,12 +100,13 @@ Action declare_plot(CLI::App& app) {
         ->required()
         ->type_name("... [CHANNEL ...]");
     app.add_option("-o,--output", arguments->output,
-                   "Picture or table to write, by its ending .svg, .png or .csv (default: beside FILE, .svg)")
+                   "Picture or table to write: FILE.svg, FILE.png or FILE.csv (default: beside the input, .svg)")
         ->type_name("FILE");
-    app.add_flag("--orders", arguments->orders, "Amplitudes over orders of the passing pins");
-    app.add_flag("--every-output", arguments->every_output, "Draw every output of a run of more than 60 pin periods, not means over these");
-    app.add_flag("--round", arguments->round, "The way of the followed pin");
-    app.add_flag("--losses", arguments->losses, "Losses by kind, with means and shares");
+    app.add_flag("--orders", arguments->orders, "Draw amplitudes over orders of the pin passing frequency");
+    app.add_flag("--every-output", arguments->every_output,
+                 "Draw every output, also for more than 60 pin periods (default then: means over each period)");
+    app.add_flag("--round", arguments->round, "Draw quantities of the followed pin around the chain's path");
+    app.add_flag("--losses", arguments->losses, "Draw losses by kind, with means and shares");
     app.add_option("--x", arguments->x, "Sweeps: column along the horizontal axis")->type_name("COLUMN");
     app.add_option("--y", arguments->y, "Sweeps: column along the vertical axis")->type_name("COLUMN");
     app.add_option("--colour", arguments->colour, "Sweeps: column drawn as a map with contours")->type_name("COLUMN");
@@ -118,7 +119,7 @@ Action declare_plot(CLI::App& app) {
         "cvtflow plot run.h5 slip efficiency          cvtflow plot a.h5 b.h5 shaft_1/speed   (both in one picture)\n"
         "cvtflow plot run.h5 'tips/axial_force[7]'    cvtflow plot run.h5 tight_tension --orders -o orders.png\n"
         "cvtflow plot SWEEP --x load.torque --y start.ratio --colour slip_mean --where clamping.driven=20000\n"
-        "Of channels with more than four numbers the least, the mean and the largest are drawn. PNG needs rsvg-convert (librsvg2-bin).");
+        "For channels of more than four numbers, minimum, mean and maximum are drawn. PNG requires rsvg-convert (librsvg2-bin).");
     return [arguments] { return plot(*arguments); };
 }
 

@@ -23,7 +23,7 @@ struct ReportArguments {
 
 std::string page_of(const std::vector<std::string>& files) {
     if (is_sweep(files.front())) {
-        if (files.size() > 1) throw UsageError("a report is of one sweep, or of records");
+        if (files.size() > 1) throw UsageError("a report covers one sweep, or one or more records");
         return sweep_page(read_sweep(files.front()));
     }
     std::vector<RecordedRun> runs;
@@ -31,7 +31,7 @@ std::string page_of(const std::vector<std::string>& files) {
     return run_page(runs);
 }
 
-/// Beside what is reported, unless the user says where.
+/// Beside the input, unless the user names a file.
 std::string report_path(const ReportArguments& arguments) {
     if (!arguments.output.empty()) return arguments.output;
     std::filesystem::path path(arguments.files.front());
@@ -52,14 +52,13 @@ ExitStatus report(const ReportArguments& arguments) {
 
 Action declare_report(CLI::App& app) {
     const auto arguments = std::make_shared<ReportArguments>();
-    app.add_option("FILE", arguments->files, "A record, several to compare, or a sweep (its folder, cases.h5, or CSV)")
+    app.add_option("FILE", arguments->files, "Records (several are compared), or one sweep (its folder, cases.h5, or CSV)")
         ->required()
         ->type_name("...");
-    app.add_option("-o,--output", arguments->output, "Page to write (default: beside FILE, .html)")->type_name("FILE");
+    app.add_option("-o,--output", arguments->output, "Page to write (default: beside the input, .html)")->type_name("FILE");
     app.footer(
-        "One file that any browser opens without a network: status and warnings first, what was simulated, key figures, curves, the "
-        "running\n"
-        "chain, spectra, losses, tip forces, provenance. Long records are thinned by least and largest values, and the page says so.");
+        "The page is one file and needs no network: status and warnings, scene, key figures, curves, running chain, spectra, losses,\n"
+        "tip forces, provenance. Long records are thinned to minima and maxima, and the page states it.");
     return [arguments] { return report(*arguments); };
 }
 

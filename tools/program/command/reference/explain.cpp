@@ -18,7 +18,7 @@ namespace cvtflow::tools {
 
 namespace {
 
-/// A section stands for all its keys.
+/// A section is replaced by all its keys.
 std::vector<std::string> keys_of(const std::string& word) {
     std::vector<std::string> keys;
     for (const tasks::Parameter& parameter : tasks::parameter_table()) {
@@ -32,15 +32,15 @@ struct ExplainArguments {
     SceneArguments scene;
 };
 
-/// How far the scene's method is stable at the state that its runs begin with, and the step that is chosen there.
+/// Stability limit of the scene's method at the start of its runs, and the automatic step there.
 std::string step_lines(const tasks::Scene& scene) {
     const tasks::Simulation simulation(scene);
-    if (simulation.needs_settling()) return "  stable:   known once it has settled (cvtflow settle)\n";
+    if (simulation.needs_settling()) return "  stable:   unknown until the scene has settled (cvtflow settle)\n";
     const tasks::StepLimit limit =
         tasks::predicted_step_limit(simulation.variator(), scene.parameters, simulation.method_name(), tasks::frozen_start(simulation));
     const std::string chosen = scene.run.step.automatic()
-                                   ? fmt::format("  auto is:  {} at the start\n", time_text(simulation.automatic_step()))
-                                   : std::string(scene.run.step > limit.step ? "  warning:  run.step is beyond\n" : "");
+                                   ? fmt::format("  auto:     {} at the start\n", time_text(simulation.automatic_step()))
+                                   : std::string(scene.run.step > limit.step ? "  warning:  run.step exceeds this limit\n" : "");
     return fmt::format("  stable:   {} with {} up to {}\n{}", scene.name, simulation.method_name(), tasks::text_of(limit), chosen);
 }
 
@@ -76,10 +76,11 @@ ExitStatus explain(const ExplainArguments& arguments) {
 Action declare_explain(CLI::App& app) {
     const auto arguments = std::make_shared<ExplainArguments>();
     app.add_option("KEY", arguments->words,
-                   "Key such as tip.radius, or a section such as tip for all its keys; of sweep files sweep.axes.key, sweep.axes, sweep")
+                   "Key such as tip.radius, or a section such as tip for all its keys; for sweep files sweep.axes.key, sweep.axes, sweep")
         ->required()
         ->type_name("");
-    app.add_option("--scene", arguments->scene.scene, "What the key is in this scene; with run.step, how far its method is stable there")
+    app.add_option("--scene", arguments->scene.scene,
+                   "Print the value in this scene too; for run.step also the stability limit of its method")
         ->type_name("SCENE");
     declare_changes(app, arguments->scene);
     return [arguments] { return explain(*arguments); };

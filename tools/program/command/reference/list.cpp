@@ -25,7 +25,7 @@ namespace cvtflow::tools {
 
 namespace {
 
-/// The methods that one would use, and why.
+/// The recommended methods, and what each is for.
 struct Choice {
     const char* method;
     const char* reason;
@@ -34,8 +34,8 @@ struct Choice {
 constexpr std::array choices{
     Choice{"leapfrog-sweep", "one evaluation of all forces a step, friction solved for contact by contact; needs pin halves"},
     Choice{"leapfrog-chebyshev", "one evaluation of all forces a step, friction in stages of its own; every detail and friction law"},
-    Choice{"dumka3", "explicit, steps by local error (run.step_control = \"error\"); chooses its stages by the spectrum"},
-    Choice{"dumka3-p5", "explicit with fixed steps, 2 us at full detail: no splitting of friction, a sixth of the cost of rk4"},
+    Choice{"dumka3", "explicit, steps by local error (run.step_control = \"error\"); the spectrum determines the number of stages"},
+    Choice{"dumka3-p5", "explicit, fixed steps, 2 us at full detail: friction is not split off; a sixth of the cost of rk4"},
     Choice{"rk4", "the reference: order 4, 45 ns or less at full detail"},
 };
 
@@ -61,8 +61,9 @@ std::string all_methods() {
     std::string families;
     for (const engine::MethodFamily& family : engine::method_families())
         families += fmt::format("\n  {}\n    {}: {}", family.form, family.description, family.limits);
-    return table.text() + "\nAny member of these families by its name:" + families +
-           "\n\norder p(q): q of the embedded solution. Stability, growth of errors and the table of a method: cvtflow-lab method NAME.\n";
+    return table.text() + "\nFamilies; any member may be named:" + families +
+           "\n\norder p(q): the embedded solution has order q. cvtflow-lab method NAME prints a method's table, stability and growth of "
+           "errors.\n";
 }
 
 std::string detail() {
@@ -82,12 +83,10 @@ std::string detail() {
                    fmt::format("{:.2g} %", 100.0 * preset.slip_error), std::string(preset.meaning)});
     }
     return table.text() +
-           "\ncost: processor time of a simulated second over that of \"fine\", each with the default method and its own step.\n"
-           "tensions, slip: typical errors against the finest level at a quarter of its step; half of seven operating points lie below. "
-           "The\n"
-           "slip of \"coarse\" and \"medium\" is off by 10 to 28 % at low ratio and at a quarter of the load. What it is at a scene of "
-           "yours:\n"
-           "cvtflow-lab detail SCENE --rungs; cvtflow tune SCENE chooses by it.\n";
+           "\ncost: processor time per simulated second, relative to \"fine\"; default method, automatic step.\n"
+           "tensions, slip: median error at seven operating points, relative to the finest level at a quarter of its step.\n"
+           "At low ratio and at a quarter of the load, slip of \"coarse\" and \"medium\" is off by 10 to 28 %.\n"
+           "cvtflow-lab detail SCENE --levels measures your scene; cvtflow tune SCENE chooses the level.\n";
 }
 
 std::string channels() {
@@ -109,7 +108,8 @@ std::string scenes() {
             table.add({ready.name, "", "(has errors, see cvtflow check)"});
         }
     }
-    if (folders.empty()) return "none: no folder of ready scenes can be read; the environment variable CVTFLOW_SCENES names further ones\n";
+    if (folders.empty())
+        return "none: no folder of ready scenes can be read; set the environment variable CVTFLOW_SCENES to further folders\n";
     return table.text() + fmt::format("\nFrom {}. Further folders: environment variable CVTFLOW_SCENES.\n", fmt::join(folders, ", "));
 }
 
@@ -135,7 +135,7 @@ std::string units() {
                    std::string(parameter.key)});
     }
     return table.text() +
-           "\nAny product of m cm g s min h rad deg rpm Hz N Pa bar % with prefixes n u m k M G and powers will do: \"5.7e4 N/mm\", "
+           "\nAny product of m cm g s min h rad deg rpm Hz N Pa bar % with prefixes n u m k M G and powers is accepted: \"5.7e4 N/mm\", "
            "\"2.5e10 N/m^1.5\".\nTorques also as Nm, kNm, Nmm.\n";
 }
 
@@ -143,15 +143,15 @@ struct Listing {
     std::string_view name;
     std::string_view description;
     std::string (*text)();
-    std::string (*all)() = nullptr;  ///< with --all, where that is more
+    std::string (*all)() = nullptr;  ///< with --all, if that lists more
 };
 
 constexpr std::array listings{
-    Listing{"methods", "Integration methods; --all: every one, with stages and order", methods, all_methods},
+    Listing{"methods", "Integration methods: the recommended ones; --all: every method, with stages and order", methods, all_methods},
     Listing{"detail", "Levels of detail, coarsest first", detail},
     Listing{"channels", "Recorded quantities", channels},
     Listing{"scenes", "Ready scenes", scenes},
-    Listing{"executors", "Ways to run the task graph; more to compare: cvtflow-lab executors", executors},
+    Listing{"executors", "Executors of the task graph; more for comparison: cvtflow-lab executors", executors},
     Listing{"keys", "All keys of scenes", keys},
     Listing{"units", "Units of quantities", units},
 };
@@ -161,7 +161,7 @@ const Listing* find_listing(const std::string& name) {
     return found == listings.end() ? nullptr : &*found;
 }
 
-/// The list of that name. @throws UsageError with the name that was probably meant
+/// The list of that name. @throws UsageError with the closest name
 const Listing& listing_of(const std::string& name) {
     if (const Listing* listing = find_listing(name)) return *listing;
     std::vector<std::string> names;
@@ -187,7 +187,7 @@ Action declare_list(CLI::App& app) {
     const auto names = std::make_shared<std::vector<std::string>>();
     app.add_option("WHAT", *names, "One or more of the names below")->required()->type_name("");
     const auto all = std::make_shared<bool>(false);
-    app.add_flag("--all", *all, "Every row, not only the usual ones (methods)");
+    app.add_flag("--all", *all, "List every method, not only the recommended ones");
     std::string footer = "Lists:";
     for (const Listing& listing : listings) footer += fmt::format("\n  {:<12}{}", listing.name, listing.description);
     app.footer(footer);

@@ -20,7 +20,7 @@ namespace cvtflow::tools {
 
 namespace {
 
-/// Steps that cover a span without transitions, when the step divides the interval of outputs.
+/// Number of steps over a span without transitions; the step divides the output interval.
 long steps_over(double span, double interval, double step) {
     const double per_interval = std::max(1.0, std::ceil(interval / step * (1.0 - 1e-12)));
     return std::lround(std::ceil(span / interval * per_interval * (1.0 - 1e-12)));
@@ -40,7 +40,7 @@ std::string start_line(const tasks::Scene& scene, const tasks::Simulation& simul
                                        : geometric + ", no settling";
 }
 
-/// Evaluations of the right-hand side: every step takes its stages, every transition one or two steps more.
+/// Estimated cost. A step takes one evaluation per stage, a transition one or two further steps.
 /// @param step run.step, or the automatic one at the start [s]
 std::string cost_lines(const tasks::Scene& scene, const tasks::Simulation& simulation, double step) {
     const tasks::RunSettings& run = scene.run;
@@ -49,12 +49,12 @@ std::string cost_lines(const tasks::Scene& scene, const tasks::Simulation& simul
     const long settling = simulation.needs_settling() ? steps_over(scene.parameters.start.settling_time, run.output_interval, step) : 0;
     const std::string length = run.step.automatic() ? "auto, " + time_text(step) + " at the start" : time_text(step);
     std::string text = field("run", fmt::format("until {}, {} with step {}", time_text(run.until), simulation.method_name(), length));
-    text += field("schedule",
-                  fmt::format("{}, {}", run.schedule, run.segments == 0 ? "which chooses the segments" : plural(run.segments, "segment")));
+    text += field("schedule", fmt::format("{}, {}", run.schedule,
+                                          run.segments == 0 ? "segments chosen automatically" : plural(run.segments, "segment")));
     text += field("steps",
                   settling == 0 ? count_text(running) : fmt::format("{} + {} for settling", count_text(running), count_text(settling)));
-    text += field("evaluations", stages == 0 ? "as many as the method's iterations ask for"
-                                             : fmt::format("{}, and some for transitions", count_text(stages * (running + settling))));
+    text += field("evaluations", stages == 0 ? "depends on the method's iterations"
+                                             : fmt::format("{}, plus transitions", count_text(stages * (running + settling))));
     const long outputs = std::lround(std::floor(run.until / run.output_interval * (1.0 + 1e-12))) + 1;
     const long states = std::lround(std::floor(run.until / run.state_interval * (1.0 + 1e-12))) + 1;
     text += field("record", fmt::format("{} every {}, {} every {}, up to {}", plural(outputs, "row"), time_text(run.output_interval),
@@ -68,7 +68,7 @@ std::string cost_lines(const tasks::Scene& scene, const tasks::Simulation& simul
                                            : "not measured: " + untried);
 }
 
-/// Of the state that the run begins with; empty where that has yet to settle.
+/// Stability limit at the start of the run; empty if the start has yet to settle.
 /// @param step as above [s]
 std::string stability_line(const tasks::Scene& scene, const tasks::Simulation& simulation, double step) {
     if (simulation.needs_settling()) return "";
@@ -76,9 +76,9 @@ std::string stability_line(const tasks::Scene& scene, const tasks::Simulation& s
         tasks::predicted_step_limit(simulation.variator(), scene.parameters, simulation.method_name(), tasks::frozen_start(simulation));
     std::string text = tasks::text_of(limit);
     if (step > limit.step)
-        text += scene.run.step.automatic()
-                    ? fmt::format("; \"auto\" is beyond: run.step = \"{}\" or less", time_text(tasks::AutoStep::margin * limit.step))
-                    : "; run.step is beyond";
+        text += scene.run.step.automatic() ? fmt::format("; \"auto\" exceeds this limit: set run.step = \"{}\" or less",
+                                                         time_text(tasks::AutoStep::margin * limit.step))
+                                           : "; run.step exceeds this limit";
     return field("stable to", text);
 }
 
@@ -107,7 +107,7 @@ Action declare_check(CLI::App& app) {
     declare_shortcut(app, *arguments, "--step", "run.step", "TIME");
     declare_shortcut(app, *arguments, "--until", "run.until", "TIME");
     declare_fresh_start(app, *arguments);
-    app.footer("Exit status: 0 the scene is good, 1 it is not (all problems are printed).");
+    app.footer("Exit status: 0 if the scene is valid, 1 if not (all problems are printed).");
     return [arguments] { return check(*arguments); };
 }
 

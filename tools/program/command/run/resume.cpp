@@ -35,8 +35,8 @@ struct ResumeArguments {
 
 constexpr std::string_view checkpoint_ending = ".checkpoint.h5";
 
-/// Where the record goes that belongs to a checkpoint: beside it, under its name. The path inside the checkpoint decides about no file: it
-/// only has to agree. @throws engine::RecordError if it does not
+/// The record that belongs to a checkpoint: beside it, NAME.h5 for NAME.checkpoint.h5. The path stored in the checkpoint must agree but is
+/// never used to choose a file. @throws engine::RecordError if it differs
 std::string record_beside(const std::string& file, const tasks::Checkpoint& checkpoint) {
     if (checkpoint.record.empty()) return {};
     const bool named = file.ends_with(checkpoint_ending) && file.size() > checkpoint_ending.size();
@@ -47,12 +47,12 @@ std::string record_beside(const std::string& file, const tasks::Checkpoint& chec
     };
     if (named && place(beside) == place(checkpoint.record)) return beside;
     throw engine::RecordError(
-        fmt::format("{}: its run wrote the record {}, which is not beside it under its name; -o FILE goes on with it, "
-                    "-o none without a record",
+        fmt::format("{}: its run wrote the record {}, which is not NAME.h5 beside the checkpoint; -o FILE names the record to continue, "
+                    "-o none resumes without a record",
                     file, checkpoint.record));
 }
 
-/// What is there under the record's name and is replaced although it is another run's: what this run had left beside it says that it may.
+/// Notice that a record of another run is replaced: allowed because this run left a .part or .before file beside it.
 std::string replacing_another(const std::string& file, const tasks::Checkpoint& checkpoint) {
     const bool left = std::filesystem::exists(file + ".before") || std::filesystem::exists(file + ".part");
     if (!left || !std::filesystem::exists(file)) return {};
@@ -71,7 +71,7 @@ tasks::Scene scene_to_go_on(const ResumeArguments& arguments, const tasks::Check
     return scene;
 }
 
-/// All of a sweep that is not done. A folder with shards only: each of them is run by whoever runs shards.
+/// Runs the unfinished cases of a sweep, or of the shard whose folder is named.
 ExitStatus go_on_sweep(const ResumeArguments& arguments) {
     tasks::BatchOptions options;
     options.folder = arguments.what;
@@ -107,7 +107,7 @@ ExitStatus go_on(const ResumeArguments& arguments) {
     if (!arguments.quiet) options.progress = [&display](const tasks::Progress& progress) { display.show(progress); };
     if (const std::string replaced = replacing_another(options.file, checkpoint); !replaced.empty() && !arguments.quiet)
         print_error(replaced);
-    if (!arguments.quiet) print_error(fmt::format("{} goes on from t = {}", scene.name, time_text(checkpoint.integration.time)));
+    if (!arguments.quiet) print_error(fmt::format("{} resumes at t = {}", scene.name, time_text(checkpoint.integration.time)));
     const tasks::RunReport report = tasks::run_scene(scene, options);
     if (!arguments.quiet) {
         fmt::print("{}: {}{}", engine::visible(scene.name), tasks::summary(report),
@@ -123,22 +123,22 @@ ExitStatus go_on(const ResumeArguments& arguments) {
 Action declare_resume(CLI::App& app) {
     const auto arguments = std::make_shared<ResumeArguments>();
     app.add_option("FILE", arguments->what, "Checkpoint of a run, or folder of a sweep")->required()->type_name("");
-    app.add_option("SCENE", arguments->scene, "Scene that the checkpoint is expected to belong to (default: the one that it holds)")
-        ->type_name("");
-    app.add_option("--until", arguments->until, "End of the run, if it is to be another one")->type_name("TIME");
-    app.add_option("--set", arguments->settings, "Change a key that no result depends on: run.threads, run.max_wall, …")
+    app.add_option("SCENE", arguments->scene, "Scene that the checkpoint must belong to (default: the one it contains)")->type_name("");
+    app.add_option("--until", arguments->until, "New end of the run (default: unchanged)")->type_name("TIME");
+    app.add_option("--set", arguments->settings, "Change a key that does not affect results: run.threads, run.max_wall, …")
         ->type_name("KEY=VALUE")
         ->expected(1)
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    app.add_option("-o,--output", arguments->output, "Record to go on with (default: NAME.h5 beside NAME.checkpoint.h5); none: no record")
+    app.add_option("-o,--output", arguments->output, "Record to continue (default: NAME.h5 beside NAME.checkpoint.h5); none: no record")
         ->type_name("FILE");
     app.add_flag("--force", arguments->force, force_meaning);
     app.add_option("--checkpoint-every", arguments->every, "Wall time between checkpoints (default: 60 s)")->type_name("TIME");
-    app.add_flag("-q,--quiet", arguments->quiet, "Print nothing but errors");
+    app.add_flag("-q,--quiet", arguments->quiet, "Print errors only");
     app.footer(
-        "The run goes on bit for bit as if it had not stopped. A checkpoint of another scene, method or model is refused.\n"
-        "Its record must be beside it, or named with -o, and be of this very run: any other file is replaced only with --force.\n\n" +
+        "The results are bitwise equal to those of an uninterrupted run. A checkpoint of another scene, method or model is refused.\n"
+        "The record must be beside the checkpoint, or named with -o, and belong to this run; any other file is replaced only with "
+        "--force.\n\n" +
         std::string(exit_status_help));
     return [arguments] { return go_on(*arguments); };
 }

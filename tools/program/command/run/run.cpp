@@ -32,7 +32,7 @@ struct RunArguments {
     bool force = false, quiet = false;
 };
 
-/// Where the record goes; empty: nowhere. Makes the folder only if the place was not chosen by the user.
+/// Path of the record; empty: no record. Creates the folder only for the default path.
 std::string record_path(const RunArguments& arguments, const tasks::Scene& scene) {
     if (arguments.output == "none") return {};
     if (!arguments.output.empty()) return arguments.output;
@@ -48,7 +48,7 @@ std::string checkpoint_path(const RunArguments& arguments, const tasks::Scene& s
     return path.replace_extension(".checkpoint.h5").string();
 }
 
-/// Complaints about the command line, and about places that must not be written to, before the work.
+/// Checks the command line and the output paths before the work begins.
 void require_places(const RunArguments& arguments, const tasks::Scene& scene, const std::string& file) {
     const std::vector<std::filesystem::path> inputs{scene.path, scene.state_file};
     require_output(file, inputs);
@@ -87,7 +87,7 @@ tasks::RunReport simulate(const RunArguments& arguments, const tasks::Scene& sce
     return tasks::run_scene(scene, options);
 }
 
-/// The scene with the detail, method and step that the accuracy asked for needs: as kept, or found now.
+/// The scene with detail, method and step for the target accuracy: from the cache, or tuned now.
 tasks::Scene tuned(const RunArguments& arguments, const tasks::Scene& scene) {
     const tasks::TuneSettings settings = tune_settings(arguments.tuning, arguments.quiet);
     const std::filesystem::path folder = arguments.cache ? std::filesystem::path(*arguments.cache) : tasks::usual_tuning_folder();
@@ -95,7 +95,7 @@ tasks::Scene tuned(const RunArguments& arguments, const tasks::Scene& scene) {
     if (!arguments.quiet)
         print_error(fmt::format("{}: {} for {} (largest error measured: {:.2g} %){}", scene.name, made.kept.choice.text(),
                                 *arguments.tuning.accuracy, 100.0 * made.kept.error,
-                                made.result ? fmt::format(", found in {}", clock_text(made.result->wall)) : ", as found before"));
+                                made.result ? fmt::format(", found in {}", clock_text(made.result->wall)) : ", from the cache"));
     return made.scene;
 }
 
@@ -134,13 +134,13 @@ Action declare_run(CLI::App& app) {
     SceneArguments& scene = arguments->scene;
     declare_scene(app, scene);
     app.add_option("-o,--output", arguments->output,
-                   "Record to write, which must not be there yet (default: results/SCENE.h5, replaced with a notice); none: no record")
+                   "Record to write; must not exist (default: results/SCENE.h5, replaced with a notice); none: no record")
         ->type_name("FILE");
     app.add_flag("--force", arguments->force, force_meaning);
     app.add_option("--checkpoint-every", arguments->checkpoint_every,
                    "Wall time between checkpoints, e.g. \"10 min\" (default: no checkpoints)")
         ->type_name("TIME");
-    app.add_option("--checkpoint", arguments->checkpoint, "Where checkpoints go (default: beside the record, NAME.checkpoint.h5)")
+    app.add_option("--checkpoint", arguments->checkpoint, "Checkpoint file (default: beside the record, NAME.checkpoint.h5)")
         ->type_name("FILE");
     declare_shortcut(app, scene, "--method", "run.method", "NAME");
     declare_shortcut(app, scene, "--step", "run.step", "TIME");
@@ -154,17 +154,16 @@ Action declare_run(CLI::App& app) {
     for (const char* chosen : {"--method", "--step", "--tolerance", "--detail"}) app.get_option("--accuracy")->excludes(chosen);
     for (const char* needs : {"--outputs", "--methods", "--budget", "--settling", "--average"}) app.get_option(needs)->needs("--accuracy");
     app.add_option("--cache", arguments->cache,
-                   "Where choices for --accuracy are kept (default: $XDG_CACHE_HOME/cvtflow or ~/.cache/cvtflow)")
+                   "Folder that caches the choices of --accuracy (default: $XDG_CACHE_HOME/cvtflow or ~/.cache/cvtflow)")
         ->type_name("DIR")
         ->needs("--accuracy");
-    app.add_flag("-q,--quiet", arguments->quiet, "Print nothing but errors");
+    app.add_flag("-q,--quiet", arguments->quiet, "Print errors only");
     app.footer(
-        "--accuracy finds detail, method and step as cvtflow tune does, and keeps them: the same run of the same scene begins at once the "
-        "next time.\n"
-        "--tolerance makes the local error decide on steps (run.step_control = \"error\"), up to --step.\n"
-        "Times take units: --step \"50 ns\" --until 2ms. Ctrl-C ends the run and completes its record; twice ends it at once.\n"
-        "With checkpoints a run that was killed goes on with cvtflow resume FILE, bit for bit.\n"
-        "While the run goes on, its record is FILE.part, readable at any time (cvtflow info FILE.part).\n\n" +
+        "--accuracy chooses detail, method and step as cvtflow tune does, and caches the choice for the next run of the same scene.\n"
+        "--tolerance chooses steps by the local error (run.step_control = \"error\"), at most --step.\n"
+        "Times have units: --step \"50 ns\" --until 2ms. Ctrl-C ends the run and completes its record; a second Ctrl-C ends it at once.\n"
+        "With --checkpoint-every, cvtflow resume FILE continues a killed run; results are bitwise equal.\n"
+        "The record of a running simulation is FILE.part, which is readable at any time (cvtflow info FILE.part).\n\n" +
         std::string(exit_status_help));
     return [arguments] { return run(*arguments); };
 }

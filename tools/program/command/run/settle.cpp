@@ -38,23 +38,23 @@ ExitStatus settle(SettleArguments& arguments) {
     const std::string file = arguments.output.empty() ? scene.path.stem().string() + "_state.h5" : arguments.output;
     const model::Start& start = scene.parameters.start;
     if (start.layout != model::StartLayout::belt || start.settling_time <= 0.0) {
-        throw tasks::SceneError(fmt::format("{}: nothing to settle, start.layout and start.settling_time say so", scene.name));
+        throw tasks::SceneError(fmt::format("{}: nothing to settle: start.layout is \"ring\" or start.settling_time is 0", scene.name));
     }
-    require_output(file, {scene.path});  // before the settling what would fail after it
+    require_output(file, {scene.path});  // fails before settling, not after it
     const std::string replaced = replacing(file, !arguments.output.empty(), arguments.force);
     if (!replaced.empty() && !arguments.quiet) print_error(replaced);
     const double suspicion = simulate(arguments, scene, file);
     const ExitStatus status = suspicion <= 1.0 ? ExitStatus::finished : ExitStatus::unreliable;
     if (status == ExitStatus::unreliable) {
         print_error(
-            fmt::format("{}: unreliable: the energy balance is off by {:.2g} times what an honest integration leaves; runs from this state "
-                        "are called unreliable",
+            fmt::format("{}: unreliable: the residual of the energy balance is {:.2g} times the tolerance; runs from this state "
+                        "will be reported as unreliable",
                         scene.name, suspicion));
     }
     if (arguments.quiet) return status;
     fmt::print("{}: settled for {}\n{}", scene.name, time_text(start.settling_time), field("state file", file));
-    fmt::print("{}", field("to use it", fmt::format("state = \"{}\" in [start] of the scene, or --set start.state={}",
-                                                    std::filesystem::path(file).filename().string(), file)));
+    fmt::print("{}", field("usage", fmt::format("state = \"{}\" in [start] of the scene, or --set start.state={}",
+                                                std::filesystem::path(file).filename().string(), file)));
     return status;
 }
 
@@ -64,16 +64,16 @@ Action declare_settle(CLI::App& app) {
     const auto arguments = std::make_shared<SettleArguments>();
     declare_scene(app, arguments->scene);
     app.add_option("-o,--output", arguments->output,
-                   "State file to write, which must not be there yet (default: SCENE_state.h5, replaced with a notice)")
+                   "State file to write; must not exist (default: SCENE_state.h5, replaced with a notice)")
         ->type_name("STATE.h5");
     app.add_flag("--force", arguments->force, force_meaning);
     declare_shortcut(app, arguments->scene, "--time", "start.settling_time", "TIME");
     declare_shortcut(app, arguments->scene, "--method", "run.method", "NAME");
     declare_shortcut(app, arguments->scene, "--step", "run.step", "TIME");
     declare_shortcut(app, arguments->scene, "--threads", "run.threads", "N");
-    app.add_flag("-q,--quiet", arguments->quiet, "Print nothing but errors");
+    app.add_flag("-q,--quiet", arguments->quiet, "Print errors only");
     app.footer(
-        "A scene's start.state counts from the folder of the scene file, --set start.state from the working directory.\n"
+        "A path in start.state is relative to the folder of the scene file; with --set start.state to the working directory.\n"
         "Exit status as for run.");
     return [arguments] { return settle(*arguments); };
 }

@@ -30,7 +30,7 @@ struct TuneArguments {
     OutputArguments output;
 };
 
-/// Errors of the choice at so many points that it was not tried at.
+/// Errors of the chosen variant at `count` operating points that tuning did not use.
 std::vector<UnseenPoint> verify(tasks::Tuner& tuner, const tasks::Scene& scene, const tasks::TuneSettings& settings,
                                 const tasks::TuneResult& result, int count) {
     std::vector<UnseenPoint> unseen;
@@ -43,7 +43,7 @@ std::vector<UnseenPoint> verify(tasks::Tuner& tuner, const tasks::Scene& scene, 
     return unseen;
 }
 
-/// One point in twenty may miss the target.
+/// Whether at most one point in twenty misses the target.
 bool held(const std::vector<UnseenPoint>& unseen, double accuracy) {
     std::size_t missed = 0, judged = 0;
     for (const UnseenPoint& point : unseen) {
@@ -53,7 +53,7 @@ bool held(const std::vector<UnseenPoint>& unseen, double accuracy) {
     return 20 * missed <= judged;
 }
 
-/// FILE and, where the scene's own start does not fit, its state beside it.
+/// Writes FILE and, if the scene's start does not fit, a state beside it.
 void write_tuned(const TuneArguments& arguments, tasks::Tuner& tuner, const tasks::Scene& scene, const tasks::TuneResult& result) {
     const tasks::TunedChoice& chosen = result.choices[*result.chosen];
     std::string state;
@@ -105,30 +105,23 @@ Action declare_tune(CLI::App& app) {
     declare_scene(app, arguments->scene);
     declare_tuning(app, arguments->tuning);
     app.get_option("--accuracy")->required();
-    app.add_option("--verify", arguments->verify, "Measure the choice at so many operating points that it was not tried at")
+    app.add_option("--verify", arguments->verify, "Measure the choice at N further operating points that tuning did not use")
         ->type_name("N")
         ->check(CLI::Range(0, 1000));
-    app.add_option(
-           "--write", arguments->file,
-           "Scene to write, with a picture beside it, and a state if its detail needs one (default: SCENE.tuned.toml, replaced with a "
-           "notice)")
+    app.add_option("--write", arguments->file,
+                   "Scene to write, with a picture beside it, and a state if the detail requires one (default: SCENE.tuned.toml, replaced "
+                   "with a notice)")
         ->type_name("FILE");
     app.add_flag("--force", arguments->force, force_meaning);
     declare_output(app, arguments->output);
-    app.add_flag("-q,--quiet", arguments->quiet, "No progress");
+    app.add_flag("-q,--quiet", arguments->quiet, "Print no progress");
     app.footer(
-        "Levels of detail (cvtflow list detail) with the cheapest methods at their automatic steps, their halves and quarters, cheapest "
-        "first, "
-        "at the scene's start and\n"
-        "at the lowest and highest value of every table over time, against the finest level at a quarter of its step or less. The first "
-        "whose "
-        "errors times " +
+        "Tries levels of detail (cvtflow list detail) with the cheapest methods, at the automatic step, a half and a quarter of it, "
+        "cheapest first.\nOperating points: the scene's start, and the lowest and highest value of every table over time. Reference: the "
+        "finest level at\na quarter of its step or less. Chooses the first variant whose errors times " +
         fmt::format("{:g}", tasks::tuning_margin) +
-        " are within the\n"
-        "accuracy everywhere is chosen; what is unreliable never is. front: nothing that was tried is both cheaper and more exact. Exit "
-        "status "
-        "7: nothing is within it,\n"
-        "or more than one in twenty points of --verify is not.\n\n" +
+        " meet the accuracy at every point;\nunreliable variants are never chosen. front: no other variant is both cheaper and more "
+        "accurate. Exit status 7: no variant meets\nthe accuracy, or more than one in twenty points of --verify misses it.\n\n" +
         std::string(exit_status_help));
     return [arguments] { return tune(*arguments); };
 }

@@ -24,7 +24,7 @@ constexpr long shown_cases = 20;
 
 struct BatchArguments {
     std::string sweep, folder;
-    std::optional<std::string> shard, grace, every;  ///< an empty one was given, and is wrong
+    std::optional<std::string> shard, grace, every;  ///< empty text is an error
     std::vector<std::string> retry;
     int threads = 0, bench = 0;
     bool dry = false, pin = false, quiet = false;
@@ -63,7 +63,7 @@ std::string cases_text(const tasks::Sweep& sweep, const std::vector<long>& cases
     return table.text(2) + (more > 0 ? fmt::format("  … and {} more\n", more) : "");
 }
 
-/// What the sweep will write.
+/// Disk space that the sweep will take.
 std::string disk_text(const tasks::Sweep& sweep, const std::vector<long>& cases) {
     const double rows = static_cast<double>(cases.size());
     std::string text = size_text(rows * static_cast<double>(tasks::result_layout(sweep).bytes())) + " of results";
@@ -85,22 +85,22 @@ ExitStatus dry_run(const tasks::Sweep& sweep, const tasks::Shard& shard, int thr
     std::vector<std::string> scalars;
     for (const tasks::Scalar& scalar : sweep.scalars) scalars.push_back(scalar.text);
     fmt::print("{}", field("scalars", fmt::format("{}", fmt::join(scalars, ", "))));
-    if (cost.bad > 0) fmt::print("{}", field("bad parameters", plural(cost.bad, "case")));
+    if (cost.bad > 0) fmt::print("{}", field("invalid cases", plural(cost.bad, "case")));
     const std::string one = fmt::format("{} on one thread, {} on {}", duration_text(cost.total), duration_text(cost.total / threads),
                                         plural(threads, "thread"));
     const std::string none =
-        cost.bad == cost.cases ? "none: no case has parameters that agree" : "none: no case could be tried: " + cost.untried;
+        cost.bad == cost.cases ? "none: every case has inconsistent parameters" : "none: no case could be measured: " + cost.untried;
     fmt::print("{}", field("estimate", cost.measured == 0 ? none
                                                           : fmt::format("{} (measured on {}, without settling of shared starts)", one,
                                                                         plural(cost.measured, "case"))));
     fmt::print("{}", field("disk", disk_text(sweep, cases)));
     if (cost.stable_step > 0.0 && std::isfinite(cost.stable_step))
         fmt::print("{}", field("stable to", fmt::format("{} at the start of the cases tried{}", time_text(cost.stable_step),
-                                                        cost.beyond > 1.0 ? "; run.step is beyond" : "")));
+                                                        cost.beyond > 1.0 ? "; run.step exceeds this limit" : "")));
     return ExitStatus::finished;
 }
 
-/// One line per way of running: wall and CPU time, cases a second, parallel efficiency or what it costs over the bare loop.
+/// One line per number of threads: wall and CPU time, cases per second, parallel efficiency, overhead over the bare loop.
 ExitStatus bench(const tasks::Sweep& sweep, const std::string& folder, int threads, int rounds) {
     std::vector<int> counts{1};
     if (threads > 1) counts.push_back(threads);
@@ -153,30 +153,30 @@ Action declare_batch(CLI::App& app) {
         ->required()
         ->type_name("");
     app.add_option("-o,--output", arguments->folder,
-                   "Folder for the results (default: results/SWEEP); if it holds some of this sweep, it goes on")
+                   "Folder for the results (default: results/SWEEP); an unfinished sweep there is continued")
         ->type_name("DIR");
-    app.add_flag("--dry-run", arguments->dry, "Print the cases and an estimate of the time, run nothing");
+    app.add_flag("--dry-run", arguments->dry, "Print the cases and the estimated time; run nothing");
     app.add_option("--bench", arguments->bench,
-                   "Measure instead: so many rounds of the bare step loop, one thread, all threads, in DIR/bench")
+                   "Benchmark instead: ROUNDS rounds of the bare step loop, of one thread and of all threads, in DIR/bench")
         ->type_name("ROUNDS")
         ->check(CLI::Range(1, 10000));
-    app.add_option("--threads", arguments->threads, "Cases side by side (default: as many as this process may use)")
+    app.add_option("--threads", arguments->threads, "Number of cases that run in parallel (default: all processors of this process)")
         ->type_name("N")
         ->check(CLI::Range(1, 1024));
-    app.add_flag("--pin", arguments->pin, "Keep every worker on a processor of its own");
-    app.add_option("--shard", arguments->shard, "Run only share I of N; join them with cvtflow merge")->type_name("I/N");
+    app.add_flag("--pin", arguments->pin, "Pin every worker to a processor");
+    app.add_option("--shard", arguments->shard, "Run part I of N only; cvtflow merge joins the parts")->type_name("I/N");
     app.add_option("--grace", arguments->grace,
-                   "After SIGTERM, cases that end within this time do, others leave a checkpoint (default: 30 s)")
+                   "After SIGTERM, time for running cases to finish; the others write a checkpoint (default: 30 s)")
         ->type_name("TIME");
     app.add_option("--checkpoint-every", arguments->every, "Wall time between checkpoints of a running case (default: 60 s)")
         ->type_name("TIME");
-    app.add_option("--retry", arguments->retry, "Run cases again that ended so, e.g. budget; may be repeated")
+    app.add_option("--retry", arguments->retry, "Repeat cases that ended with this status, e.g. budget; may be given several times")
         ->type_name("STATUS")
         ->expected(1)
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    app.add_flag("-q,--quiet", arguments->quiet, "Print nothing but errors");
-    app.footer("Results do not depend on threads, shards, or where a sweep was stopped. cvtflow table DIR shows them.\n\n" +
+    app.add_flag("-q,--quiet", arguments->quiet, "Print errors only");
+    app.footer("Results do not depend on threads, shards or interruptions. cvtflow table DIR shows them.\n\n" +
                std::string(exit_status_help));
     return [arguments] { return batch(*arguments); };
 }

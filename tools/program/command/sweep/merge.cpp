@@ -34,7 +34,7 @@ ExitStatus merge(const std::string& folder, bool partial) {
     const bool whole = report.missing_cases.empty() && report.missing_shards.empty();
     if (!whole) to_stderr(missing_text(report));
     if (!whole && !partial) {
-        print_error("nothing was written; run the missing shards, or --partial joins what is there");
+        print_error("nothing was written; run the missing shards, or use --partial to join the available ones");
         return ExitStatus::incomplete;
     }
     fmt::print("{}: {} of {} cases\n{}{}", report.file, report.rows, report.cases, field("statuses", statuses_text(report.statuses)),
@@ -48,9 +48,9 @@ ExitStatus merge(const std::string& folder, bool partial) {
 Action declare_merge(CLI::App& app) {
     const auto folder = std::make_shared<std::string>();
     const auto partial = std::make_shared<bool>(false);
-    app.add_option("DIR", *folder, "Folder that all shards were given")->required()->type_name("");
-    app.add_flag("--partial", *partial, "Join what is there; missing cases stay missing");
-    app.footer("Missing shards and cases are named, never filled in.\n\n" + std::string(exit_status_help));
+    app.add_option("DIR", *folder, "Folder of all shards")->required()->type_name("");
+    app.add_flag("--partial", *partial, "Join the available cases although others are missing");
+    app.footer("Missing shards and cases are listed.\n\n" + std::string(exit_status_help));
     return [folder, partial] { return merge(*folder, *partial); };
 }
 

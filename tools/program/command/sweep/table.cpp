@@ -40,7 +40,7 @@ std::string short_cell(const engine::CaseTable& table, std::size_t row, std::siz
     return std::isnan(value) ? "-" : fmt::format("{:.6g}", value);
 }
 
-/// Columns that were asked for; else all but the counters.
+/// The requested columns; by default all except counters.
 std::vector<std::size_t> chosen_columns(const engine::RowLayout& layout, const std::vector<std::string>& names) {
     constexpr std::string_view quiet[] = {"start",   "steps", "evaluations", "transitions", "truncated", "settling_evaluations",
                                           "threads", "hash"};
@@ -94,7 +94,7 @@ ExitStatus show(const TableArguments& arguments) {
     fmt::print("{}: {} of {} cases, {}, results hash {}\n", of("sweep"), table.size(), of("cases"), of("status"), hash);
     if (const std::string choice = of("accuracy_choice"); !choice.empty())
         fmt::print("accuracy {}: {} (largest error at the corners {})\n", of("accuracy_target"), choice, of("accuracy_at_corners"));
-    if (const std::string error = of("continuation_error"); !error.empty()) fmt::print("continuation changes, in {}\n", error);
+    if (const std::string error = of("continuation_error"); !error.empty()) fmt::print("continuation error per output: {}\n", error);
     return ExitStatus::finished;
 }
 
@@ -109,7 +109,7 @@ double instant_of(const std::string& option, const std::string& text) {
 
 ExitStatus show_rainflow(const TableArguments& arguments) {
     if (!arguments.columns.empty() || !arguments.status.empty())
-        throw UsageError("--column and --status are of sweeps, --rainflow of a record");
+        throw UsageError("--column and --status apply to sweeps, --rainflow to a record");
     if (arguments.csv && arguments.json) throw UsageError("--csv or --json, not both");
     RainflowRequest request{arguments.folder, arguments.rainflow};
     request.classes = arguments.classes;
@@ -121,29 +121,30 @@ ExitStatus show_rainflow(const TableArguments& arguments) {
     return ExitStatus::finished;
 }
 
-/// Options that --rainflow has to itself.
+/// Options that require --rainflow.
 void require_no_record(const TableArguments& arguments) {
     if (arguments.json || !arguments.from.empty() || !arguments.until.empty())
-        throw UsageError("--json, --from and --until go with --rainflow");
+        throw UsageError("--json, --from and --until require --rainflow");
 }
 
 void declare_rainflow(CLI::App& app, TableArguments& arguments) {
     app.add_option("--rainflow", arguments.rainflow,
-                   "DIR is the record of a run: cycles of this channel, or of its elements NAME[3], NAME[*] (ASTM E1049); may be repeated")
+                   "Count the load cycles (ASTM E1049) of a channel, or of its elements NAME[3], NAME[*]; DIR is the record of a run; may "
+                   "be repeated")
         ->type_name("CHANNEL")
         ->expected(1)
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    app.add_option("--classes", arguments.classes, "Classes of ranges")
+    app.add_option("--classes", arguments.classes, "Number of classes of ranges")
         ->check(CLI::Range(1, 10000))
         ->type_name("COUNT")
         ->capture_default_str();
-    app.add_option("--exponent", arguments.exponent, "Of the Woehler line, for the damage-equivalent range")
+    app.add_option("--exponent", arguments.exponent, "Exponent of the Woehler line, for the damage-equivalent range")
         ->check(CLI::Range(1.0, 50.0))
         ->type_name("NUMBER")
         ->capture_default_str();
-    app.add_option("--from", arguments.from, "Count from this time on")->type_name("TIME");
-    app.add_option("--until", arguments.until, "Count up to this time")->type_name("TIME");
+    app.add_option("--from", arguments.from, "Start of counting")->type_name("TIME");
+    app.add_option("--until", arguments.until, "End of counting")->type_name("TIME");
     app.add_flag("--json", arguments.json, "Cycles and classes as JSON, with provenance");
 }
 
@@ -152,17 +153,17 @@ void declare_rainflow(CLI::App& app, TableArguments& arguments) {
 Action declare_table(CLI::App& app) {
     const auto arguments = std::make_shared<TableArguments>();
     app.add_option("DIR", arguments->folder,
-                   "Folder of a sweep, or its cases.h5; also while the sweep goes on. With --rainflow: the record of a run")
+                   "Folder of a sweep, also of a running one, or its cases.h5. With --rainflow: the record of a run")
         ->required()
         ->type_name("");
-    app.add_flag("--csv", arguments->csv, "All columns, comma separated, numbers with all digits");
+    app.add_flag("--csv", arguments->csv, "Print all columns as CSV, numbers with all digits");
     app.add_option("--column", arguments->columns, "Show this column; may be repeated")
         ->type_name("NAME")
         ->expected(1)
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     declare_rainflow(app, *arguments);
-    app.add_option("--status", arguments->status, "Only cases that ended so")->type_name("STATUS");
+    app.add_option("--status", arguments->status, "Show only cases with this status")->type_name("STATUS");
     app.footer("In Python: h5py.File(\"DIR/cases.h5\")[\"cases\"][:] is a NumPy table; pandas.DataFrame takes it.");
     return
         [arguments] { return arguments->rainflow.empty() ? (require_no_record(*arguments), show(*arguments)) : show_rainflow(*arguments); };

@@ -138,7 +138,7 @@ std::vector<FmuVariable> outputs(Simulation& simulation, const Names& wanted, bo
     return rows;
 }
 
-/// Numbers of the machine; what decides the size of the state, the method or the run stays as it was exported.
+/// Numbers of the machine. Keys that determine the size of the state, the method or the run remain as exported.
 std::vector<FmuVariable> parameters(const Scene& scene, const Names& wanted) {
     Names keys;
     for (const tasks::Parameter& row : tasks::parameter_table()) {

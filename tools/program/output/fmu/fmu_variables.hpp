@@ -1,5 +1,5 @@
 #pragma once
-/// What an FMU shows of a scene: the catalogues of inputs, channels and parameters, numbered.
+/// Variables of an FMU: the catalogues of inputs, channels and parameters, numbered.
 
 #include <cstdint>
 #include <cvtflow/cvtflow.hpp>
@@ -31,7 +31,7 @@ struct FmuChoice {
     std::vector<std::string> parameters;  ///< keys; empty: a dozen
 };
 
-/// @param arrays whether variables may be arrays (FMI 3), else each element is a variable. @throws UsageError for names that are not there
+/// @param arrays whether variables may be arrays (FMI 3), else each element is a variable. @throws UsageError for unknown names
 [[nodiscard]] std::vector<FmuVariable> fmu_variables(Simulation& simulation, const FmuChoice& choice, bool arrays);
 
 /// The resource that an FMU reads them from (api/fmi/variables.hpp).
