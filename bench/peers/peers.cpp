@@ -19,12 +19,12 @@
 
 #include "bench/executor/further_executors.hpp"
 #include "bench/peers/solvers.hpp"
+#include "bench/study/profile/crowding.hpp"
 #include "bench/study/profile/report.hpp"
 #include "bench/study/profile/statistics.hpp"
 #include "engine/base/provenance.hpp"
 #include "engine/executor/cancellation.hpp"
 #include "engine/executor/runtimes.hpp"
-#include "engine/thread/crowding.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/tuning/relative_error.hpp"
 #include "tools/program/plot/plot.hpp"
@@ -215,7 +215,7 @@ int run(const Settings& settings) {
     const tasks::FrozenStart start = tasks::frozen_start(simulation);
     const double duration = quiet_stretch(scene, start, settings);
     if (duration < settings.interval) throw std::runtime_error("a tip changes its phase within the first interval: take a shorter one");
-    double got = engine::processors_got(1, 0.1);
+    double got = processors_got(1, 0.1);
     bench::ComparisonOptions options;
     options.duration = duration;
     options.output_interval = settings.interval;
@@ -227,7 +227,7 @@ int run(const Settings& settings) {
         for (const double tolerance : settings.tolerances)
             rows.push_back(peer_row(peer, problem, tolerance, comparison.reference, settings, duration));
     }
-    got = std::min(got, engine::processors_got(1, 0.1));
+    got = std::min(got, processors_got(1, 0.1));
     fmt::print("{}: {:g} us before the first transition, {} unknowns, one thread; SUNDIALS {}; calibration got {:.2f} of 1 processor\n",
                scene.name, 1e6 * duration, problem.size(), bench::sundials_version(), got);
     for (const bench::Peer& peer : bench::peers()) fmt::print("  {:<18} {}\n", peer.name, peer.description);

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "bench/study/spectrum.hpp"
-#include "engine/method/analysis/stable_step.hpp"
+#include "bench/study/stability/eigenvalue_step.hpp"
 
 namespace cvtflow::bench {
 
@@ -53,7 +53,7 @@ Extent extent_of(const engine::Eigenvalues& values) noexcept {
         extent.oscillation = std::max(extent.oscillation, std::abs(value.imag()));
         extent.below_1e6 += value.real() < -1e6 ? 1 : 0;
         extent.below_1e7 += value.real() < -1e7 ? 1 : 0;
-        extent.growing += value.real() > engine::growth_rate_tolerance ? 1 : 0;
+        extent.growing += value.real() > growth_rate_tolerance ? 1 : 0;
         extent.growth = std::max(extent.growth, value.real());
     }
     return extent;

@@ -29,7 +29,7 @@ struct Extent {
     double oscillation = 0.0;  ///< max|Im λ| [1/s]
     int below_1e6 = 0;         ///< eigenvalues with Re λ < -1e6 1/s
     int below_1e7 = 0;         ///< with Re λ < -1e7 1/s
-    int growing = 0;           ///< with Re λ > engine::growth_rate_tolerance; slower growth is not told from rounding in the differences
+    int growing = 0;           ///< with Re λ > growth_rate_tolerance; slower growth is not told from rounding in the differences
     double growth = 0.0;       ///< max(Re λ), or 0 [1/s]
 };
 

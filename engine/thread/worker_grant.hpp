@@ -1,6 +1,6 @@
 #pragma once
 /// How many threads the system has for us: asked before a runtime begins to start its own, because oneTBB and OpenMP take a refusal badly
-/// (a crash in the graph's destructor, uncaught exceptions in workers, exit(1)). Private to this folder.
+/// (a crash in the graph's destructor, uncaught exceptions in workers, exit(1)). Private to engine and to the measurements of bench.
 
 namespace cvtflow::engine {
 

@@ -8,9 +8,9 @@
 #include <cmath>
 
 #include "bench/study/attribution.hpp"
+#include "bench/study/stability/eigenvalue_step.hpp"
 #include "bench/study/stability/stable_step.hpp"
 #include "engine/linear/eigenvalues.hpp"
-#include "engine/method/analysis/stable_step.hpp"
 #include "engine/method/catalogue.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
 
@@ -105,7 +105,7 @@ TEST(Spectrum, OfTheBaselinePredictsTheLongestStableStepOfRk4WithinFivePercent) 
     EXPECT_NEAR(extent.oscillation, 0.9e6, 0.2e6);
     EXPECT_NEAR(extent.below_1e6, 720, 72);  // the trial program's count
     const engine::StagePlan& rk4 = *engine::find_method("rk4");
-    const engine::StableStep predicted = engine::largest_stable_step(rk4, edge);
+    const StableStep predicted = largest_stable_step(rk4, edge);
     EXPECT_NEAR(predicted.step * extent.decay, 2.785, 0.001);
     const bench::MeasuredStep measured =
         bench::measured_stable_step(model::Variator(baseline.parameters), rk4, baseline_start(), predicted.step);

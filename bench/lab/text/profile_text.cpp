@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "engine/thread/crowding.hpp"
+#include "bench/study/profile/crowding.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::bench {
@@ -200,7 +200,7 @@ std::string costs_text(const Profile& profile) {
 std::string crowding_text(const Profile& profile) {
     if (profile.calibrated < 0.0) return {};
     return fmt::format("calibration got {:.2f} of {} processors, the schedules {:.2f}; {:.2f} are required", profile.calibrated,
-                       profile.processors_requested(), profile.processors_got(), engine::crowded_below * profile.processors_requested());
+                       profile.processors_requested(), profile.processors_got(), crowded_below * profile.processors_requested());
 }
 
 std::string model_text(const Profile& profile) {

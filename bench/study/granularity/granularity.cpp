@@ -8,8 +8,8 @@
 #include <memory>
 #include <stdexcept>
 
+#include "bench/study/profile/crowding.hpp"
 #include "engine/executor/catalogue.hpp"
-#include "engine/thread/crowding.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tasks/schedule/schedule.hpp"
 
@@ -197,7 +197,7 @@ double effective_granularity(std::span<const GranularityPoint> curve, double sha
     return below.length * std::pow(above.length / below.length, part);
 }
 
-bool Granularity::crowded() const noexcept { return calibrated < engine::crowded_below * requested; }
+bool Granularity::crowded() const noexcept { return calibrated < crowded_below * requested; }
 
 std::vector<std::string> Granularity::executors() const {
     std::vector<std::string> names;
@@ -229,13 +229,13 @@ Granularity measure_granularity(const GranularityOptions& options, const std::fu
     std::vector<Setting> all = settings(options);
     Granularity result;
     for (const Contender& each : executors) result.requested = std::max(result.requested, std::min(each.threads, usable_threads()));
-    result.calibrated = engine::processors_got(result.requested, calibration);
+    result.calibrated = processors_got(result.requested, calibration);
     Times times(all.size(), std::vector<std::vector<double>>(executors.size()));
     for (int round = 0; round < options.rounds; ++round) {
         if (progress) progress(fmt::format("round {} of {}", round + 1, options.rounds));
         measure_round(all, executors, options, times);
     }
-    result.calibrated = std::min(result.calibrated, engine::processors_got(result.requested, calibration));
+    result.calibrated = std::min(result.calibrated, processors_got(result.requested, calibration));
     for (std::size_t s = 0; s < all.size(); ++s) {
         for (std::size_t e = 0; e < executors.size(); ++e) result.points.push_back(point(all[s], executors[e], times[s][e]));
     }

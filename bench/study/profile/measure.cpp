@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
+#include "bench/study/profile/busy_neighbours.hpp"
 #include "engine/base/hash.hpp"
 #include "engine/executor/stamp_recorder.hpp"
-#include "engine/thread/busy_neighbours.hpp"
 
 namespace cvtflow::bench {
 
@@ -35,7 +35,7 @@ struct Samples {
 };
 
 /// One turn; the first calibrates, the second warms up.
-void turn(ScheduleTrial& lane, Samples& samples, const MeasureOptions& options, int round, const engine::BusyNeighbours& neighbours) {
+void turn(ScheduleTrial& lane, Samples& samples, const MeasureOptions& options, int round, const BusyNeighbours& neighbours) {
     const double before = neighbours.processor_seconds();
     const TrialSample sample = lane.trial->run(samples.steps, options.patience);
     const double neighbours_cpu = neighbours.processor_seconds() - before;
@@ -60,7 +60,7 @@ LoadResult load_result(const Samples& samples, int neighbours) {
 /// Synchronisation alone, right beside the schedule's own turn.
 void cycle_turn(ScheduleTrial& lane) {
     lane.cycles.push_back(cycle_cost(lane.result.schedule, cycle_seconds));
-    lane.bare.push_back(engine::bare_barrier_cycle(lane.result.schedule.threads, 0.5 * cycle_seconds));
+    lane.bare.push_back(bare_barrier_cycle(lane.result.schedule.threads, 0.5 * cycle_seconds));
 }
 
 /// Medians over the rounds in which all threads came; if they mostly did not, the cost says nothing and `active` says why.
@@ -114,7 +114,7 @@ std::vector<ScheduleTrial> start_lanes(const Scene& scene, const std::vector<Sch
 }
 
 void measure_load(std::vector<ScheduleTrial>& lanes, const MeasureOptions& options, int neighbours) {
-    const engine::BusyNeighbours busy(neighbours);
+    const BusyNeighbours busy(neighbours);
     std::vector<Samples> samples(lanes.size());
     for (int round = -1; round <= options.rounds; ++round) {
         for (std::size_t k = 0; k < lanes.size(); ++k) {

@@ -6,9 +6,9 @@
 #include <cstdlib>
 #include <map>
 
+#include "bench/study/profile/crowding.hpp"
 #include "engine/base/spelling.hpp"
 #include "engine/executor/catalogue.hpp"
-#include "engine/thread/crowding.hpp"
 
 namespace cvtflow::bench {
 
@@ -112,7 +112,7 @@ int Profile::processors_requested() const noexcept {
 }
 
 bool Profile::crowded() const noexcept {
-    const double needed = engine::crowded_below * processors_requested();
+    const double needed = crowded_below * processors_requested();
     return processors_got() < needed || (calibrated >= 0.0 && calibrated < needed);
 }
 
@@ -122,7 +122,7 @@ constexpr double calibration_seconds = 0.05;
 
 /// Keeps the least of all calibrations.
 void calibrate(Profile& profile, int threads) {
-    const double got = engine::processors_got(threads, calibration_seconds);
+    const double got = bench::processors_got(threads, calibration_seconds);
     profile.calibrated = profile.calibrated < 0.0 ? got : std::min(profile.calibrated, got);
 }
 

@@ -1,5 +1,7 @@
 #include "engine/method/analysis/order.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <cstddef>
 
@@ -74,6 +76,24 @@ int order_of(const StagePlan& plan, double tolerance) {
 int embedded_order_of(const StagePlan& plan, double tolerance) {
     const Tableau tableau = unroll(plan);
     return tableau.embedded.empty() ? 0 : order_of(tableau, tableau.embedded, tolerance);
+}
+
+namespace {
+
+/// Largest defect of an order condition that counts as met.
+constexpr double nearly_met = 1e-4;
+
+}  // namespace
+
+std::string order_text(const StagePlan& plan) {
+    const int order = order_of(plan), almost = order_of(plan, nearly_met), embedded = embedded_order_of(plan);
+    std::string text = fmt::format("{}", order);
+    if (almost > order) {
+        double defect = nearly_met;
+        while (order_of(plan, defect) == almost) defect /= 2.0;
+        text = fmt::format("{} to {:.0e}", almost, defect);
+    }
+    return embedded > 0 ? fmt::format("{}({})", text, embedded) : text;
 }
 
 }  // namespace cvtflow::engine

@@ -2,6 +2,7 @@
 /// The order of a method, from Butcher's rooted-tree conditions: b·g(τ) = 1/γ(τ) for every rooted tree τ with up to p nodes.
 /// Source: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, II.2.
 
+#include <string>
 #include <vector>
 
 #include "engine/method/table/tableau.hpp"
@@ -28,5 +29,8 @@ struct RootedTree {
 [[nodiscard]] int order_of(const StagePlan& plan, double tolerance = 1e-10);
 /// Order of the embedded solution (result minus error estimate); 0 without an error estimate. tolerance [1]
 [[nodiscard]] int embedded_order_of(const StagePlan& plan, double tolerance = 1e-10);
+
+/// 5, or 5(4) with an embedded solution; "3 to 3e-06" if the conditions of the last order have that defect.
+[[nodiscard]] std::string order_text(const StagePlan& plan);
 
 }  // namespace cvtflow::engine

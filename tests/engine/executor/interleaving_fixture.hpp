@@ -190,7 +190,7 @@ private:
     std::vector<Deed> deeds_;
 };
 
-/// What a board stands on (engine/executor/tbb/board_machine.hpp), of that machine.
+/// What a board stands on (engine/executor/tbb/resident_board.hpp), of that machine.
 struct ModelMachine {
     template <class Value>
     class Atomic {

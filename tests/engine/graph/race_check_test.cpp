@@ -1,4 +1,4 @@
-#include "engine/graph/race_check.hpp"
+#include "tests/engine/graph/race_check_fixture.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -2,8 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "bench/study/profile/busy_neighbours.hpp"
 #include "engine/executor/runtimes.hpp"
-#include "engine/thread/busy_neighbours.hpp"
 #include "tests/tools/program_fixture.hpp"
 
 namespace cvtflow::bench {
@@ -89,7 +89,7 @@ TEST_F(ProfileCommand, LeavesTablesNumbersAndPicturesInAFolder) {
 
 /// Beside four threads per processor that only spin (no neighbours of its own, which a profile knows of), a calibration gets a fifth.
 TEST_F(ProfileCommand, PredictsNothingOnACrowdedMachine) {
-    const engine::BusyNeighbours neighbours(4 * engine::usable_processors());
+    const BusyNeighbours neighbours(4 * engine::usable_processors());
     const Outcome outcome = run({"profile", "tiny", "--schedules", "flow:fused", "--threads", "2", "--steps", "4", "--rounds", "1",
                                  "--neighbours", "0", "--curves", "c.csv", "-o", "out", "-q"});
     EXPECT_EQ(outcome.status, 1);

@@ -9,10 +9,10 @@
 #include <set>
 
 #include "engine/executor/catalogue.hpp"
-#include "engine/graph/race_check.hpp"
 #include "engine/method/catalogue.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tests/engine/executor/executor_fixture.hpp"
+#include "tests/engine/graph/race_check_fixture.hpp"
 #include "tests/sample_fixture.hpp"
 
 namespace cvtflow::tasks {

@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/graph/race_check.hpp"
 #include "engine/method/catalogue.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tasks/step/step_graph.hpp"
+#include "tests/engine/graph/race_check_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {

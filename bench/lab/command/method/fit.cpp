@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "bench/lab/command/command.hpp"
+#include "bench/lab/text/method_text.hpp"
 #include "bench/study/spectrum.hpp"
 #include "engine/method/family/fitted.hpp"
 #include "tasks/method/auto_step.hpp"
@@ -13,7 +14,6 @@
 #include "tasks/run/simulation.hpp"
 #include "tasks/step/frozen_start.hpp"
 #include "tools/program/arguments/scene_arguments.hpp"
-#include "tools/program/text/method_text.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::bench {

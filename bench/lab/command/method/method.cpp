@@ -5,12 +5,12 @@
 
 #include "bench/lab/command/command.hpp"
 #include "bench/lab/report/method/program_stability_report.hpp"
+#include "bench/lab/text/method_text.hpp"
 #include "engine/base/spelling.hpp"
 #include "engine/method/catalogue.hpp"
 #include "tasks/method/method_choice.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tools/program/guard.hpp"
-#include "tools/program/text/method_text.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::bench {

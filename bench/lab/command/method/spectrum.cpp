@@ -69,7 +69,7 @@ std::optional<StepLimit> limit_of(const SpectrumResult& result, const model::Var
     if (tasks::find_program(result.method) != nullptr) return {};
     const engine::StagePlan plan = *engine::make_method(result.method);
     report(fmt::format("largest stable step of {}", result.method));
-    StepLimit limit{result.method, engine::largest_stable_step(plan, result.values), {}};
+    StepLimit limit{result.method, largest_stable_step(plan, result.values), {}};
     limit.measured = measured_stable_step(variator, plan, start, limit.predicted.step, extent_of(result.values).growth);
     return limit;
 }

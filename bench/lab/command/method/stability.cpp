@@ -80,7 +80,7 @@ Ground ground_of(const StabilityArguments& arguments, bool with_eigenvalues) {
 void try_on(StabilityResult& result, const Ground& ground) {
     const std::string& name = result.plan.name;
     const Extent extent = extent_of(ground.values);
-    StepLimit limit{name, engine::largest_stable_step(result.plan, ground.values), {}};
+    StepLimit limit{name, largest_stable_step(result.plan, ground.values), {}};
     limit.measured = measured_stable_step(*ground.variator, result.plan, ground.start, limit.predicted.step, extent.growth);
     result.growth = engine::stage_growth(result.plan, limit.predicted.step * extent.decay);
     result.gain = engine::perturbation_gain(result.plan, limit.predicted.step * extent.decay);

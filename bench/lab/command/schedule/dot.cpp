@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "bench/lab/command/command.hpp"
-#include "engine/graph/dot.hpp"
+#include "bench/lab/text/dot_text.hpp"
 #include "tasks/method/method_choice.hpp"
 #include "tasks/step/step_graph.hpp"
 #include "tools/program/arguments/scene_arguments.hpp"
@@ -53,7 +53,7 @@ ExitStatus dot(const DotArguments& arguments) {
                                tasks::Partition::equal(scene.parameters.chain.pins, std::max(1, scene.run.segments)));
     const std::unique_ptr<tasks::StepMethod> method = tasks::make_step_method(tasks::method_of(scene), workspace);
     const engine::TaskGraph graph = tasks::step_graph(workspace, {.kind = scene.run.assembly}, method.get());
-    fmt::print("{}", engine::to_dot(graph, cycle_named(graph, arguments.cycle, tasks::method_of(scene))));
+    fmt::print("{}", to_dot(graph, cycle_named(graph, arguments.cycle, tasks::method_of(scene))));
     return ExitStatus::finished;
 }
 

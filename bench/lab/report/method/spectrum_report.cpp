@@ -29,10 +29,10 @@ double largest_modulus(const engine::Eigenvalues& values) {
 std::string growth_text(const SpectrumResult& result, const Extent& extent) {
     if (!result.complete) return "not checked: extreme eigenvalues only";
     if (extent.growing == 0)
-        return fmt::format("none above {:g} 1/s (largest {:.3g} 1/s, the resolution of the differences)", engine::growth_rate_tolerance,
+        return fmt::format("none above {:g} 1/s (largest {:.3g} 1/s, the resolution of the differences)", growth_rate_tolerance,
                            extent.growth);
     return fmt::format("GROWTH: {} above {:g} 1/s, largest {:.4g} 1/s: the state is not settled or unstable",
-                       plural(extent.growing, "eigenvalue"), engine::growth_rate_tolerance, extent.growth);
+                       plural(extent.growing, "eigenvalue"), growth_rate_tolerance, extent.growth);
 }
 
 std::string shares_table(const Attribution& attribution) {

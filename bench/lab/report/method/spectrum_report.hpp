@@ -7,8 +7,8 @@
 
 #include "bench/lab/report/method/program_stability_report.hpp"
 #include "bench/study/attribution.hpp"
+#include "bench/study/stability/eigenvalue_step.hpp"
 #include "bench/study/stability/stable_step.hpp"
-#include "engine/method/analysis/stable_step.hpp"
 #include "tools/program/plot/plot.hpp"
 
 namespace cvtflow::bench {
@@ -16,7 +16,7 @@ namespace cvtflow::bench {
 /// A method's largest stable step, predicted and measured.
 struct StepLimit {
     std::string method;
-    engine::StableStep predicted;
+    StableStep predicted;
     MeasuredStep measured;
 };
 

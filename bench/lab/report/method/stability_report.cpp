@@ -100,7 +100,7 @@ Plot stability_map(const StabilityResult& result, const engine::Eigenvalues& val
     Series series{"hλ", {}, Mark::small_dot, Line::none, "#0072b2"}, outside{"hλ, growing", {}, Mark::cross, Line::none, "#d55e00"};
     for (const auto& value : values) {
         const auto z = step * value;
-        const bool grows = std::log(std::abs(factor(z))) / step > std::max(value.real(), 0.0) + engine::growth_rate_tolerance;
+        const bool grows = std::log(std::abs(factor(z))) / step > std::max(value.real(), 0.0) + growth_rate_tolerance;
         (grows ? outside : series).points.push_back({z.real(), z.imag()});
     }
     plot.series = {series};

@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "bench/study/spectrum.hpp"
+#include "bench/study/stability/eigenvalue_step.hpp"
 #include "engine/linear/eigenvalues.hpp"
-#include "engine/method/analysis/stable_step.hpp"
 #include "engine/method/catalogue.hpp"
 #include "tests/tasks/brief_start_fixture.hpp"
 
@@ -23,7 +23,7 @@ TEST(MeasuredStep, IsWhatTheSpectrumPredictsWithinFivePercent) {
     for (const auto& value : all) growth = std::max(growth, value.real());
     for (const char* name : {"rk4", "heun", "dumka3-p2"}) {
         const engine::StagePlan& plan = *engine::find_method(name);
-        const double predicted = engine::largest_stable_step(plan, all).step;
+        const double predicted = largest_stable_step(plan, all).step;
         const MeasuredStep measured = measured_stable_step(variator, plan, start, predicted, growth);
         EXPECT_NEAR(measured.limit() / predicted, 1.0, 0.05) << name;
         EXPECT_LT(measured.stable, measured.unstable);

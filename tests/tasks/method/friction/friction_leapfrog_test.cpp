@@ -2,12 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/graph/race_check.hpp"
 #include "tasks/method/friction/staged/kick_tables.hpp"
 #include "tasks/method/method_choice.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
 #include "tests/engine/executor/executor_fixture.hpp"
+#include "tests/engine/graph/race_check_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {

@@ -9,12 +9,12 @@
 #include <cstdlib>
 
 #include "bench/study/method_trial.hpp"
-#include "engine/graph/race_check.hpp"
 #include "tasks/method/method_choice.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/step/assembly/segment_tasks.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
 #include "tests/engine/executor/executor_fixture.hpp"
+#include "tests/engine/graph/race_check_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {

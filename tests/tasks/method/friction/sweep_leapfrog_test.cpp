@@ -5,12 +5,12 @@
 
 #include <cmath>
 
-#include "engine/graph/race_check.hpp"
 #include "tasks/method/method_choice.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/step/step_graph.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
 #include "tests/engine/executor/executor_fixture.hpp"
+#include "tests/engine/graph/race_check_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {

@@ -5,11 +5,11 @@
 #include <cmath>
 
 #include "bench/study/method_trial.hpp"
-#include "engine/graph/race_check.hpp"
 #include "settled_fixture.hpp"
 #include "tasks/method/implicit/catalogue.hpp"
 #include "tasks/tuning/relative_error.hpp"
 #include "tests/engine/allocation_fixture.hpp"
+#include "tests/engine/graph/race_check_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {

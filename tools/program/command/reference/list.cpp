@@ -8,6 +8,7 @@
 
 #include "engine/base/spelling.hpp"
 #include "engine/executor/runtimes.hpp"
+#include "engine/method/analysis/order.hpp"
 #include "engine/method/catalogue.hpp"
 #include "tasks/method/automatic_method.hpp"
 #include "tasks/method/method_choice.hpp"
@@ -18,7 +19,6 @@
 #include "tools/program/command/command.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/text/executor_text.hpp"
-#include "tools/program/text/method_text.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::tools {
@@ -52,7 +52,7 @@ std::string methods() {
 std::string all_methods() {
     Table table({{"method"}, {"stages", Align::right}, {"order", Align::right}, {"description"}});
     for (const engine::StagePlan& plan : engine::methods()) {
-        table.add({plan.name, fmt::format("{}", plan.stages.size()), order_text(plan), plan.description});
+        table.add({plan.name, fmt::format("{}", plan.stages.size()), engine::order_text(plan), plan.description});
     }
     for (const tasks::MethodProgram& program : tasks::method_programs()) {
         table.add({program.name, program.evaluations > 0 ? fmt::format("{}", program.evaluations) : "", fmt::format("{}", program.order),

@@ -1,8 +1,8 @@
-#include "engine/graph/dot.hpp"
+#include "bench/lab/text/dot_text.hpp"
 
 #include <sstream>
 
-namespace cvtflow::engine {
+namespace cvtflow::bench {
 
 namespace {
 
@@ -17,7 +17,7 @@ std::string quoted(const std::string& text) {
 
 }  // namespace
 
-std::string to_dot(const TaskGraph& graph, int cycle) {
+std::string to_dot(const engine::TaskGraph& graph, int cycle) {
     std::ostringstream text;
     text << "digraph cycle_" << cycle << " {\n    rankdir=LR;\n    node [shape=box];\n";
     for (int level = 0; level < graph.levels(cycle); ++level) {
@@ -32,4 +32,4 @@ std::string to_dot(const TaskGraph& graph, int cycle) {
     return text.str();
 }
 
-}  // namespace cvtflow::engine
+}  // namespace cvtflow::bench

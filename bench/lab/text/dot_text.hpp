@@ -5,9 +5,9 @@
 
 #include "engine/graph/task_graph.hpp"
 
-namespace cvtflow::engine {
+namespace cvtflow::bench {
 
 /// One cycle of a frozen graph, levels from left to right.
-[[nodiscard]] std::string to_dot(const TaskGraph& graph, int cycle);
+[[nodiscard]] std::string to_dot(const engine::TaskGraph& graph, int cycle);
 
-}  // namespace cvtflow::engine
+}  // namespace cvtflow::bench

@@ -5,7 +5,7 @@
 
 #include "engine/method/stage_plan.hpp"
 
-namespace cvtflow::tools {
+namespace cvtflow::bench {
 
 /// Lines with everything that is derived from the table: stages, order, stability, growth and gain, error estimate.
 /// @param length growth and gain are measured on [-length, 0]; 0: on the real interval of stability
@@ -14,7 +14,4 @@ namespace cvtflow::tools {
 /// The table itself, a line per stage.
 [[nodiscard]] std::string method_table(const engine::StagePlan& plan);
 
-/// 5, or 5(4) with an embedded solution; "3 to 3e-06" if the conditions of the last order have that defect.
-[[nodiscard]] std::string order_text(const engine::StagePlan& plan);
-
-}  // namespace cvtflow::tools
+}  // namespace cvtflow::bench

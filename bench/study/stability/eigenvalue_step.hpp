@@ -6,7 +6,7 @@
 
 #include "engine/method/stage_plan.hpp"
 
-namespace cvtflow::engine {
+namespace cvtflow::bench {
 
 struct StableStep {
     double step = 0.0;                ///< largest stable step [s]; 0: no step is
@@ -21,6 +21,6 @@ inline constexpr double growth_rate_tolerance = 100.0;  ///< [1/s]
 /// ratios of 1.01 from 0.1/max|λ| on, then bisected to 1e-6. Of a pair, the conjugate is skipped.
 /// @param eigenvalues [1/s], not all zero; those at the edge of the spectrum suffice
 /// @throws std::invalid_argument as validate(), and if all eigenvalues are zero
-[[nodiscard]] StableStep largest_stable_step(const StagePlan& plan, std::span<const std::complex<double>> eigenvalues);
+[[nodiscard]] StableStep largest_stable_step(const engine::StagePlan& plan, std::span<const std::complex<double>> eigenvalues);
 
-}  // namespace cvtflow::engine
+}  // namespace cvtflow::bench

@@ -1,7 +1,7 @@
 #pragma once
 /// How much of a machine is ours just now: what every measurement of threads has to know.
 
-namespace cvtflow::engine {
+namespace cvtflow::bench {
 
 /// Processors that so many threads get, from the work that they do for `seconds`: each counts short pieces of arithmetic, and the number of
 /// pieces times the time of the quickest is the time that its thread had a processor of full speed to itself. `threads` on a quiet machine;
@@ -12,4 +12,4 @@ namespace cvtflow::engine {
 /// Fraction of the requested processors below which a machine counts as crowded: speed-ups cannot be measured on it.
 inline constexpr double crowded_below = 0.9;
 
-}  // namespace cvtflow::engine
+}  // namespace cvtflow::bench

@@ -1,4 +1,4 @@
-#include "tools/program/text/method_text.hpp"
+#include "bench/lab/text/method_text.hpp"
 
 #include <fmt/format.h>
 
@@ -11,12 +11,11 @@
 #include "engine/method/compiled_plan.hpp"
 #include "tools/program/text/text.hpp"
 
-namespace cvtflow::tools {
+namespace cvtflow::bench {
+
+using namespace tools;
 
 namespace {
-
-/// Largest defect of an order condition that counts as met.
-constexpr double nearly = 1e-4;
 
 std::complex<double> ray(double damping_ratio) { return {-damping_ratio, std::sqrt(1.0 - damping_ratio * damping_ratio)}; }
 
@@ -43,17 +42,6 @@ std::string combination(const std::vector<engine::Term>& states, const std::vect
 
 }  // namespace
 
-std::string order_text(const engine::StagePlan& plan) {
-    const int order = engine::order_of(plan), almost = engine::order_of(plan, nearly), embedded = engine::embedded_order_of(plan);
-    std::string text = fmt::format("{}", order);
-    if (almost > order) {
-        double defect = nearly;
-        while (engine::order_of(plan, defect) == almost) defect /= 2.0;
-        text = fmt::format("{} to {:.0e}", almost, defect);
-    }
-    return embedded > 0 ? fmt::format("{}({})", text, embedded) : text;
-}
-
 std::string method_figures(const engine::StagePlan& plan, double length) {
     const engine::CompiledPlan compiled(plan);
     const double real = engine::real_stability(plan);
@@ -64,7 +52,7 @@ std::string method_figures(const engine::StagePlan& plan, double length) {
                                                                     plural(stages, "evaluation"), stages - 1)
                                                       : fmt::format("{} a step", plural(stages, "evaluation")));
     text += field("memory", fmt::format("{} and {}", plural(plan.state_slots, "state"), plural(plan.slope_slots, "slope")));
-    text += field("order", order_text(plan));
+    text += field("order", engine::order_text(plan));
     text += stability_lines(plan, real);
     text += field("stages grow", fmt::format("to {:.4g} of y on [-{:.4g}, 0]", engine::stage_growth(plan, on), on));
     text += field("errors of a stage", fmt::format("amplified by {:.4g} at the end of the step", engine::perturbation_gain(plan, on)));
@@ -85,4 +73,4 @@ std::string method_table(const engine::StagePlan& plan) {
     return text;
 }
 
-}  // namespace cvtflow::tools
+}  // namespace cvtflow::bench

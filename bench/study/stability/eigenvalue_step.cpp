@@ -1,4 +1,4 @@
-#include "engine/method/analysis/stable_step.hpp"
+#include "bench/study/stability/eigenvalue_step.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include "engine/method/analysis/stability.hpp"
 
-namespace cvtflow::engine {
+namespace cvtflow::bench {
 
 namespace {
 
@@ -16,7 +16,7 @@ using Complex = std::complex<double>;
 
 class Judge {
 public:
-    Judge(const StagePlan& plan, std::span<const Complex> eigenvalues) : factor_(stability_function(plan)) {
+    Judge(const engine::StagePlan& plan, std::span<const Complex> eigenvalues) : factor_(engine::stability_function(plan)) {
         for (const Complex& value : eigenvalues) {
             if (value.imag() >= 0.0 && value != 0.0) values_.push_back(value);
         }
@@ -45,7 +45,7 @@ private:
 
 }  // namespace
 
-StableStep largest_stable_step(const StagePlan& plan, std::span<const std::complex<double>> eigenvalues) {
+StableStep largest_stable_step(const engine::StagePlan& plan, std::span<const std::complex<double>> eigenvalues) {
     Judge judge(plan, eigenvalues);
     const double stages = static_cast<double>(plan.stages.size());
     double stable = 0.0, unstable = 0.1 / judge.largest();
@@ -63,4 +63,4 @@ StableStep largest_stable_step(const StagePlan& plan, std::span<const std::compl
     return {stable, *limiting};
 }
 
-}  // namespace cvtflow::engine
+}  // namespace cvtflow::bench

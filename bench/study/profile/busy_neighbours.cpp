@@ -1,4 +1,4 @@
-#include "engine/thread/busy_neighbours.hpp"
+#include "bench/study/profile/busy_neighbours.hpp"
 
 #include <pthread.h>
 
@@ -13,7 +13,7 @@
 
 #include "engine/thread/worker_grant.hpp"
 
-namespace cvtflow::engine {
+namespace cvtflow::bench {
 
 namespace {
 
@@ -28,7 +28,7 @@ struct BusyNeighbours::Threads {
 };
 
 BusyNeighbours::BusyNeighbours(int count) : threads_(std::make_unique<Threads>()) {
-    if (startable_threads(count) < count) too_few_threads(count);
+    if (engine::startable_threads(count) < count) too_few_threads(count);
     for (int i = 0; i < count; ++i) {
         threads_->all.emplace_back([](const std::stop_token& stop) {
             while (!stop.stop_requested()) {}
@@ -63,8 +63,8 @@ struct alignas(128) Counter {
 
 double bare_barrier_cycle(int threads, double seconds) {
     using Clock = std::chrono::steady_clock;
-    if (startable_threads(threads - 1) < threads - 1) too_few_threads(threads);  // those that begin would wait for the others
-    Counter opened;                                                              // number of the open cycle; negative: leave
+    if (engine::startable_threads(threads - 1) < threads - 1) too_few_threads(threads);  // those that begin would wait for the others
+    Counter opened;                                                                      // number of the open cycle; negative: leave
     std::vector<Counter> answered(static_cast<std::size_t>(std::max(0, threads - 1)));
     std::vector<std::jthread> others;
     for (Counter& own : answered) {
@@ -94,4 +94,4 @@ double bare_barrier_cycle(int threads, double seconds) {
     return times[times.size() / 2];
 }
 
-}  // namespace cvtflow::engine
+}  // namespace cvtflow::bench

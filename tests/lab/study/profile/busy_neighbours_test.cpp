@@ -1,20 +1,23 @@
-#include "engine/thread/busy_neighbours.hpp"
+#include "bench/study/profile/busy_neighbours.hpp"
 
 #include <gtest/gtest.h>
 
-#include "tests/engine/executor/executor_fixture.hpp"
+#include <filesystem>
+#include <iterator>
 
-namespace cvtflow::engine {
+namespace cvtflow::bench {
 namespace {
 
+long thread_count() { return std::distance(std::filesystem::directory_iterator("/proc/self/task"), {}); }
+
 TEST(BusyNeighbours, BurnTimeAndLeave) {
-    const int before = test::thread_count();
+    const int before = thread_count();
     {
         const BusyNeighbours two(2);
-        EXPECT_EQ(test::thread_count(), before + 2);
+        EXPECT_EQ(thread_count(), before + 2);
         while (two.processor_seconds() < 0.005) {}
     }
-    EXPECT_EQ(test::thread_count(), before);
+    EXPECT_EQ(thread_count(), before);
     const BusyNeighbours none(0);
     EXPECT_EQ(none.processor_seconds(), 0.0);
 }
@@ -25,4 +28,4 @@ TEST(BusyNeighbours, BareBarrierTakesTime) {
 }
 
 }  // namespace
-}  // namespace cvtflow::engine
+}  // namespace cvtflow::bench

@@ -1,4 +1,4 @@
-#include "engine/thread/crowding.hpp"
+#include "bench/study/profile/crowding.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -11,7 +11,7 @@
 
 #include "engine/thread/worker_grant.hpp"
 
-namespace cvtflow::engine {
+namespace cvtflow::bench {
 
 namespace {
 
@@ -44,7 +44,7 @@ void count_pieces(Pieces& own, PieceClock::time_point end) noexcept {
 }  // namespace
 
 double processors_got(int threads, double seconds) {
-    if (startable_threads(threads - 1) < threads - 1)
+    if (engine::startable_threads(threads - 1) < threads - 1)
         throw std::runtime_error("a calibration requires " + std::to_string(threads) + " threads, which are not available");
     std::vector<Pieces> all(static_cast<std::size_t>(threads));
     const auto begin = PieceClock::now();
@@ -64,4 +64,4 @@ double processors_got(int threads, double seconds) {
     return std::min(static_cast<double>(threads), static_cast<double>(count) * least / passed);
 }
 
-}  // namespace cvtflow::engine
+}  // namespace cvtflow::bench

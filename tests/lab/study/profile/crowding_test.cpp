@@ -1,11 +1,11 @@
-#include "engine/thread/crowding.hpp"
+#include "bench/study/profile/crowding.hpp"
 
 #include <gtest/gtest.h>
 
-#include "engine/thread/busy_neighbours.hpp"
+#include "bench/study/profile/busy_neighbours.hpp"
 #include "engine/thread/pinning.hpp"
 
-namespace cvtflow::engine {
+namespace cvtflow::bench {
 namespace {
 
 TEST(Crowding, OneThreadGetsOneProcessorAtMost) {
@@ -15,17 +15,17 @@ TEST(Crowding, OneThreadGetsOneProcessorAtMost) {
 }
 
 TEST(Crowding, ThreadsCannotGetMoreThanThereIs) {
-    const int processors = Processors().count();
+    const int processors = engine::Processors().count();
     EXPECT_LE(processors_got(2 * processors, 0.05), 1.15 * processors);  // pieces run at different speeds where processors differ
 }
 
 /// Beside twice as many threads that do nothing but spin, a third of the machine is left. Half would be a lot: time slices are some
 /// milliseconds.
 TEST(Crowding, BusyNeighboursShow) {
-    const int processors = Processors().count();
+    const int processors = engine::Processors().count();
     const BusyNeighbours neighbours(2 * processors);
     EXPECT_LT(processors_got(processors, 0.3), 0.75 * processors);
 }
 
 }  // namespace
-}  // namespace cvtflow::engine
+}  // namespace cvtflow::bench

@@ -1,17 +1,17 @@
-#include "engine/graph/dot.hpp"
+#include "bench/lab/text/dot_text.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "graph_fixture.hpp"
+#include "tests/engine/graph/graph_fixture.hpp"
 
-namespace cvtflow::engine {
+namespace cvtflow::bench {
 namespace {
 
 using testing::HasSubstr;
 
 TEST(Dot, DrawsTasksByLevelsAndAllEdges) {
-    EXPECT_EQ(to_dot(test::diamond(), 0),
+    EXPECT_EQ(to_dot(engine::test::diamond(), 0),
               "digraph cycle_0 {\n"
               "    rankdir=LR;\n"
               "    node [shape=box];\n"
@@ -26,11 +26,11 @@ TEST(Dot, DrawsTasksByLevelsAndAllEdges) {
 }
 
 TEST(Dot, NamesAreEscaped) {
-    TaskGraph graph;
-    graph.add({R"(say "so" \ on)", 0, test::record, 0, {}});
+    engine::TaskGraph graph;
+    graph.add({R"(say "so" \ on)", 0, engine::test::record, 0, {}});
     graph.freeze();
     EXPECT_THAT(to_dot(graph, 0), HasSubstr(R"("say \"so\" \\ on")"));
 }
 
 }  // namespace
-}  // namespace cvtflow::engine
+}  // namespace cvtflow::bench

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-namespace cvtflow::engine {
+namespace cvtflow::bench {
 
 /// That many threads of this process spin as long as this lives: neighbours on a shared machine. They are not oneTBB's, so that no
 /// scheduler knows of them.
@@ -27,4 +27,4 @@ private:
 /// A lower bound for every executor on a quiet machine. Ends after `seconds`, give or take a time slice if threads outnumber processors.
 [[nodiscard]] double bare_barrier_cycle(int threads, double seconds);
 
-}  // namespace cvtflow::engine
+}  // namespace cvtflow::bench
