@@ -186,7 +186,7 @@ void observe_forces(const ChainModel& chain, const double* state, const SheaveMo
     forces.plate_tension.assign(place(forces.plates_per_link) * links, 0.0);
     if (chain.rigid() != nullptr) return observe_rigid_forces(*chain.rigid(), state, sheaves, forces);
     std::vector<double> halves;
-    halves_of(chain, state, halves);
+    halves_of(chain.coefficients(), state, halves);
     const ForceReading reading{chain, state, halves.data(), sheaves, phases, forces};
     of_order(chain.layout().order, [&]<int P>() { read_forces<P>(reading); });
 }

@@ -48,15 +48,15 @@ ChainLayout halves_layout(ChainLayout layout) noexcept {
     return layout;
 }
 
-void halves_of(const ChainModel& chain, const double* state, std::vector<double>& halves) {
-    const ChainLayout to = halves_layout(chain.layout());
-    if (!chain.layout().whole) return halves.assign(state, state + to.pulley_begin());
+void halves_of(const Coefficients& coefficients, const double* state, std::vector<double>& halves) {
+    const ChainLayout to = halves_layout(coefficients.layout);
+    if (!coefficients.layout.whole) return halves.assign(state, state + to.pulley_begin());
     halves.resize(static_cast<std::size_t>(to.pulley_begin()));
-    const PinReading from{chain.layout(), state};
+    const PinReading from{coefficients.layout, state};
     for (int link = 0; link < to.links; ++link) {
         double* block = halves.data() + to.link_begin(link);
-        copy_half(from, chain.coefficients().joint, link, End::rear, to, block);
-        copy_half(from, chain.coefficients().joint, to.next(link), End::front, to, block);
+        copy_half(from, coefficients.joint, link, End::rear, to, block);
+        copy_half(from, coefficients.joint, to.next(link), End::front, to, block);
     }
 }
 

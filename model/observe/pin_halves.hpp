@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "model/variator/chain_model.hpp"
+#include "model/machine/coefficients.hpp"
 
 namespace cvtflow::model {
 
@@ -11,6 +11,6 @@ namespace cvtflow::model {
 [[nodiscard]] ChainLayout halves_layout(ChainLayout layout) noexcept;
 
 /// The links of a state as those of halves, in halves_layout(); as they are where pins are not whole. state, halves [unknowns]
-void halves_of(const ChainModel& chain, const double* state, std::vector<double>& halves);
+void halves_of(const Coefficients& coefficients, const double* state, std::vector<double>& halves);
 
 }  // namespace cvtflow::model

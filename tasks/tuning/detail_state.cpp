@@ -89,7 +89,7 @@ engine::SavedState convert_state(const engine::SavedState& saved, const model::P
     result.phases = phases_brought_over(saved.phases, before, after);
     result.state.assign(static_cast<std::size_t>(after.control_begin()), 0.0);
     std::vector<double> halves;
-    if (before.whole) model::halves_of(model::ChainModel(from), saved.state.data(), halves);
+    if (before.whole) model::halves_of(model::Coefficients(from), saved.state.data(), halves);
     const double* links = before.whole ? halves.data() : saved.state.data();
     copy_links(model::halves_layout(before), links, after, result.state.data());
     for (const bool velocity : {false, true}) {

@@ -24,7 +24,7 @@ double arm(const model::Parameters& p) { return p.joint.radius - 0.5 * p.half.wi
 
 ChainView::ChainView(const model::Parameters& parameters, const double* state)
     : parameters_(parameters), own_(model::layout_of(parameters)), layout_(model::halves_layout(own_)), state_(state) {
-    model::halves_of(model::ChainModel(parameters), state, halves_);
+    model::halves_of(model::Coefficients(parameters), state, halves_);
 }
 
 Vector ChainView::read(int link, End end, int offset) const {

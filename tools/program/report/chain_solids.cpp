@@ -95,7 +95,7 @@ void ChainSolids::show(double time, const double* state, const model::Phase* pha
 
 void ChainSolids::show_links(const double* state, VtkFrame& frame) {
     const model::ChainForces& forces = observer_.forces().chain;
-    model::halves_of(variator_.chain(), state, halves_);
+    model::halves_of(variator_.chain().coefficients(), state, halves_);
     const model::ChainLayout at = model::halves_layout(variator_.layout());
     const double* links = halves_.data();
     for (int half = 0; half < 2 * at.links; ++half) {
