@@ -77,9 +77,9 @@ std::optional<StepLimit> limit_of(const SpectrumResult& result, const model::Var
 /// Absent for tables of stages. Predicted by the linearised step, because transitions in steps of the full equations can hide or cause
 /// growth (errors up to a factor of five).
 std::optional<tasks::StepLimit> program_limit_of(const tasks::Scene& scene, const model::Variator& variator,
-                                                 const tasks::FrozenStart& start, const Teller& tell) {
+                                                 const tasks::FrozenStart& start, const ProgressReporter& report) {
     if (tasks::find_program(tasks::method_of(scene)) == nullptr) return {};
-    tell(fmt::format("largest stable step of {}", tasks::method_of(scene)));
+    report(fmt::format("largest stable step of {}", tasks::method_of(scene)));
     return tasks::predicted_step_limit(variator, scene.parameters, tasks::method_of(scene), start);
 }
 
@@ -100,10 +100,10 @@ ExitStatus spectrum(const SpectrumArguments& arguments) {
     result.tight = seen.tight, result.slack = seen.slack;
     result.method = tasks::method_of(scene);
     result.step = scene.run.step.value_or(tasks::longest_automatic_step(result.method, scene.parameters));
-    find_values(result, variator, start, arguments.extremal, tell);
-    result.limit = limit_of(result, variator, start, tell);
-    result.program_limit = program_limit_of(scene, variator, start, tell);
-    if (arguments.attribute) result.attribution = attribute(scene.parameters, start, result.border, tell);
+    find_values(result, variator, start, arguments.extremal, report);
+    result.limit = limit_of(result, variator, start, report);
+    result.program_limit = program_limit_of(scene, variator, start, report);
+    if (arguments.attribute) result.attribution = attribute(scene.parameters, start, result.border, report);
     OutputFolder folder(arguments.output);
     folder.write("spectrum.csv", spectrum_csv(result));
     folder.write("spectrum.json", spectrum_json(result));
