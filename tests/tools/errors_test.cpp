@@ -150,7 +150,7 @@ const std::vector<Mistake> mistakes_in_scenes{
      "--all)\ncvtflow: no_estimate.toml:5:8: chain.pins: \"x\" is not an integer"},
     {{"check", "text_state.toml"}, 1, "text_state.toml:2:9: start.state: FOLDER/text.h5: not an HDF5 file"},
     {{"run", "no_state.toml"}, 1, "no_state.toml:2:9: start.state: no file \"gone.h5\""},
-    {{"settle", "free_ring"}, 1, "free_ring: nothing to settle: start.layout is " ring " or start.settling_time is 0"},
+    {{"settle", "free_ring"}, 1, "free_ring: nothing to settle: start.layout is \"ring\" or start.settling_time is 0"},
     {{"explain", "chain.pich"}, 1, "chain.pich: unknown key (did you mean \"chain.pitch\"?)"},
     {{"local-error", "tiny"},
      1,
