@@ -215,7 +215,7 @@ int run(const Settings& settings) {
     const tasks::FrozenStart start = tasks::frozen_start(simulation);
     const double duration = quiet_stretch(scene, start, settings);
     if (duration < settings.interval) throw std::runtime_error("a tip changes its phase within the first interval: take a shorter one");
-    double got = processors_got(1, 0.1);
+    double got = bench::processors_got(1, 0.1);
     bench::ComparisonOptions options;
     options.duration = duration;
     options.output_interval = settings.interval;
