@@ -227,7 +227,7 @@ int run(const Settings& settings) {
         for (const double tolerance : settings.tolerances)
             rows.push_back(peer_row(peer, problem, tolerance, comparison.reference, settings, duration));
     }
-    got = std::min(got, processors_got(1, 0.1));
+    got = std::min(got, bench::processors_got(1, 0.1));
     fmt::print("{}: {:g} us before the first transition, {} unknowns, one thread; SUNDIALS {}; calibration got {:.2f} of 1 processor\n",
                scene.name, 1e6 * duration, problem.size(), bench::sundials_version(), got);
     for (const bench::Peer& peer : bench::peers()) fmt::print("  {:<18} {}\n", peer.name, peer.description);

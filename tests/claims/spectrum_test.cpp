@@ -105,7 +105,7 @@ TEST(Spectrum, OfTheBaselinePredictsTheLongestStableStepOfRk4WithinFivePercent) 
     EXPECT_NEAR(extent.oscillation, 0.9e6, 0.2e6);
     EXPECT_NEAR(extent.below_1e6, 720, 72);  // the trial program's count
     const engine::StagePlan& rk4 = *engine::find_method("rk4");
-    const StableStep predicted = largest_stable_step(rk4, edge);
+    const bench::StableStep predicted = bench::largest_stable_step(rk4, edge);
     EXPECT_NEAR(predicted.step * extent.decay, 2.785, 0.001);
     const bench::MeasuredStep measured =
         bench::measured_stable_step(model::Variator(baseline.parameters), rk4, baseline_start(), predicted.step);

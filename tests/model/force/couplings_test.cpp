@@ -12,7 +12,7 @@ namespace cvtflow::model {
 namespace {
 
 /// Shafts that turn at 200 and 180 rad/s and stand at 3 and 2 rad.
-std::vector<double> turning(const PulleyModel& pulleys) {
+std::vector<double> coupled_pulleys(const PulleyModel& pulleys) {
     std::vector<double> block(static_cast<std::size_t>(2 * pulleys.size()));
     const double speed[] = {200.0, 180.0}, angle[] = {3.0, 2.0};
     for (int shaft = 0; shaft < 2; ++shaft) {
@@ -40,7 +40,7 @@ TEST(Couplings, TakeOverWithoutAJumpOfTheTorque) {
         Parameters p = coupled();
         p.load.mode = mode;
         PulleyModel pulleys(p);
-        const auto block = turning(pulleys);
+        const auto block = coupled_pulleys(pulleys);
         const Inputs before = pulleys.inputs(0.0, block.data());
         EXPECT_NEAR(before.load_torque, -78.0, 1e-12) << "until then load.torque acts";
         pulleys.couple(0.0, block.data());
@@ -53,7 +53,7 @@ TEST(Couplings, TakeOverWithoutAJumpOfTheTorque) {
 
 TEST(Couplings, ActBySpringAndDamper) {
     PulleyModel pulleys(coupled());
-    auto block = turning(pulleys);
+    auto block = coupled_pulleys(pulleys);
     pulleys.couple(0.0, block.data());
     const double carried = pulleys.inputs(0.0, block.data()).load_torque, twist = pulleys.coupling(0.0, block.data(), 1).twist;
     block[static_cast<std::size_t>(pulleys.rotation(1))] += 0.01;
@@ -69,7 +69,7 @@ TEST(Couplings, ActBySpringAndDamper) {
 
 TEST(Couplings, FarEndsTurnOnFromWhereTheyAreWhenAHostSetsTheirSpeed) {
     PulleyModel pulleys(coupled());
-    const auto block = turning(pulleys);
+    const auto block = coupled_pulleys(pulleys);
     pulleys.couple(0.0, block.data());
     HeldInputs held = pulleys.held();
     held.reference[1].angle = pulleys.reference_angle(2e-3, 1);
@@ -88,7 +88,7 @@ TEST(Couplings, ModeSpeedHoldsShaftTwoByAGovernorOfItsOwnInertia) {
     p.load.inertia = 0.3;
     p.load.governor_frequency = 50.0;
     PulleyModel pulleys(p);
-    auto block = turning(pulleys);
+    auto block = coupled_pulleys(pulleys);
     pulleys.couple(0.0, block.data());
     const double before = pulleys.inputs(0.0, block.data()).load_torque;
     block[static_cast<std::size_t>(pulleys.rotation(1))] += 1e-4;
@@ -104,7 +104,7 @@ TEST(Couplings, ClampingByTorqueFollowsTheTorqueOfTheCoupling) {
     p.clamping.safety = 1.5;
     p.clamping.driven = TimeTable(0.0);
     PulleyModel pulleys(p);
-    auto block = turning(pulleys);
+    auto block = coupled_pulleys(pulleys);
     pulleys.couple(0.0, block.data());
     const Inputs before = pulleys.inputs(0.0, block.data());
     block[static_cast<std::size_t>(pulleys.rotation(1))] += 78.0 / 400.0;  // twice the torque

@@ -12,8 +12,8 @@
 namespace cvtflow::tasks {
 namespace {
 
-SilentObserver silent;
-const engine::Cancellation uncancelled;
+SilentObserver no_observer;
+const engine::Cancellation never_cancelled;
 
 /// Both shafts through couplings; the far end of shaft 2 slows down from 1 ms on.
 Scene coupled_scene() {
@@ -33,8 +33,8 @@ Scene coupled_scene() {
 
 void run(Simulation& simulation, double until) {
     Fault fault;
-    if (simulation.needs_settling()) fault = simulation.advance({.until = 0.0}, silent, uncancelled);
-    if (!fault) fault = simulation.advance({.until = until}, silent, uncancelled);
+    if (simulation.needs_settling()) fault = simulation.advance({.until = 0.0}, no_observer, never_cancelled);
+    if (!fault) fault = simulation.advance({.until = until}, no_observer, never_cancelled);
     ASSERT_FALSE(fault) << fault.message();
 }
 
@@ -86,7 +86,7 @@ TEST(SimulationCouplings, ContinueBitForBitFromAnIntegrationState) {
 TEST(SimulationCouplings, AreReleasedWhereAStateBeforeThemIsPutBack) {
     const Scene scene = coupled_scene();
     Simulation simulation(scene), fresh(scene);
-    ASSERT_EQ(simulation.advance({.until = 0.0, .steps = 100}, silent, uncancelled).kind, FaultKind::max_steps);
+    ASSERT_EQ(simulation.advance({.until = 0.0, .steps = 100}, no_observer, never_cancelled).kind, FaultKind::max_steps);
     const IntegrationState settling = simulation.integration_state();
     run(simulation, 1e-4);
     simulation.restore(settling);
@@ -95,7 +95,7 @@ TEST(SimulationCouplings, AreReleasedWhereAStateBeforeThemIsPutBack) {
     EXPECT_EQ(simulation.hash(), fresh.hash());
 }
 
-TEST(SimulationCouplings, CannotBeTuned) { EXPECT_THROW(Tuner(coupled_scene(), {}, uncancelled), SceneError); }
+TEST(SimulationCouplings, CannotBeTuned) { EXPECT_THROW(Tuner(coupled_scene(), {}, never_cancelled), SceneError); }
 
 }  // namespace
 }  // namespace cvtflow::tasks

@@ -8,10 +8,10 @@
 namespace cvtflow::bench {
 namespace {
 
-long thread_count() { return std::distance(std::filesystem::directory_iterator("/proc/self/task"), {}); }
+std::ptrdiff_t thread_count() { return std::distance(std::filesystem::directory_iterator("/proc/self/task"), {}); }
 
 TEST(BusyNeighbours, BurnTimeAndLeave) {
-    const int before = thread_count();
+    const std::ptrdiff_t before = thread_count();
     {
         const BusyNeighbours two(2);
         EXPECT_EQ(thread_count(), before + 2);
