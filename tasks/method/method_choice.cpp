@@ -144,7 +144,7 @@ std::string_view missing_halves(const model::Parameters& parameters) noexcept {
 std::string objection_to(std::string_view method, const model::Parameters& parameters) {
     const MethodProgram* program = find_program(method);
     const std::string_view missing = program == nullptr ? "" : program->missing(parameters);
-    return missing.empty() ? "" : fmt::format("method '{}' needs {}", method, missing);
+    return missing.empty() ? "" : fmt::format("method '{}' requires {}", method, missing);
 }
 
 std::unique_ptr<StepMethod> make_step_method(std::string_view method, Workspace& workspace) {

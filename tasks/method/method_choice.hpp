@@ -74,8 +74,8 @@ struct MethodProgram {
 /// Whether steps of the method come with an estimate of their error, so that it can be reported or decide (run.step_control). A member of a
 /// family is made to look. @return true also for an unknown method
 [[nodiscard]] bool may_estimate_error(std::string_view method);
-/// Why the method cannot be used with these parameters: "method 'leapfrog-be' needs detail.pins = "halves""; empty: it can, or there is no
-/// such method.
+/// Why the method cannot be used with these parameters: "method 'leapfrog-be' requires detail.pins = "halves""; empty: it can, or there is
+/// no such method.
 [[nodiscard]] std::string objection_to(std::string_view method, const model::Parameters& parameters);
 /// The method at work on a workspace made with plan_for(method). @throws std::invalid_argument for unknown names, and as
 /// MethodProgram::make

@@ -30,7 +30,8 @@ const std::vector<Parameter>& rows() {
      "Gauss-Legendre points along the rolling line of a joint.",
      "model choice", [](Scene& s) -> Slot { return &s.parameters.detail.joint_points; }},
     {"detail.mass_scaling", "1", 1, 1000, {},
-     "Factor on the inertia of motions that tilt or deform a pin. Above 1 they are slower, so longer steps are stable; weight, momentum and statics are unchanged.",
+     "Factor on the inertia of motions that tilt or deform a pin. Above 1 they are slower, so longer steps are stable; "
+     "weight, momentum and statics are unchanged.",
      "model choice", [](Scene& s) -> Slot { return &s.parameters.detail.mass_scaling; }},
     {"detail.pulleys", "", 0, 0, {"elastic", "rigid", "absent"},
      "Elastic shafts and sheaves, rigid ones, or none (a free ring).",
@@ -269,7 +270,8 @@ const std::vector<Parameter>& rows() {
      "baseline operating point", [](Scene& s) -> Slot { return &s.parameters.clamping.driven; }},
 
     {"clamping.safety", "1", 0, 100, {},
-     "Lower limit of the clamping force of shaft 2: its friction carries this many times the load's torque, 2 mu S r/cos(beta). 0: no limit.",
+     "Lower limit of the clamping force of shaft 2: its friction carries this many times the load's torque, "
+     "2 mu S r/cos(beta). 0: no limit.",
      "model choice", [](Scene& s) -> Slot { return &s.parameters.clamping.safety; }},
 
     {"control.enabled", "", 0, 0, {},
@@ -279,7 +281,8 @@ const std::vector<Parameter>& rows() {
      "Controlled quantity: the speed ratio by the clamping force of shaft 1, or slip or the safety factor by that of shaft 2.",
      "model choice", [](Scene& s) -> Slot { return &s.parameters.control.quantity; }},
     {"control.slip", "1", 0, 0.5, {},
-     "Target slip over time: loss of speed relative to the ratio of the radii, which follow from the sheaves' positions with their elastic deformation.",
+     "Target slip over time: loss of speed relative to the ratio of the radii, which follow from the sheaves' positions "
+     "with their elastic deformation.",
      "model choice", [](Scene& s) -> Slot { return &s.parameters.control.slip; }},
     {"control.safety", "1", 0.1, 100, {},
      "Target safety factor of shaft 2 over time: 2 mu S r/cos(beta) over the load's torque; the radius follows from the sheaves' position.",

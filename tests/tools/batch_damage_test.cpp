@@ -72,7 +72,8 @@ TEST_F(DamagedSweep, BeginsACaseAnewWhoseCheckpointIsThatOfAnother) {
 
 TEST_F(DamagedSweep, BeginsACaseAnewWhoseRecordIsGone) {
     for (const char* name : {"case-000000.h5.part", "case-000000.h5"}) std::filesystem::remove(folder_ / "out/records" / name);
-    EXPECT_THAT(same_results(), HasSubstr("case 0 restarts: its checkpoint cannot be used: out/records/case-000000.h5: the record"));
+    EXPECT_THAT(same_results(), HasSubstr("case 0 restarts: its checkpoint cannot be used: out/records/case-000000.h5: the checkpoint's "
+                                          "record does not exist"));
 }
 
 /// Cases start from each other's ends, of which the latest are kept, while rows may be lost with the power.

@@ -29,7 +29,7 @@ TEST_F(BatchDryRun, SaysWhyNoCaseCouldBeTried) {
     std::string sweep = read("sweep.toml");
     sweep.replace(sweep.find("run.until"), 0, "run.method = \"trapezoidal-frozen\"\ndetail.pulleys = \"absent\"\n");
     write("sweep.toml", sweep);
-    EXPECT_THAT(batch({"--dry-run"}).out, HasSubstr("estimate            none: no case "));
+    EXPECT_THAT(batch({"--dry-run"}).out, HasSubstr("estimate            none: every case has inconsistent parameters"));
 }
 
 TEST_F(BatchDryRun, PrintsCasesAndAnEstimate) {

@@ -94,7 +94,7 @@ TEST_F(Batch, ThatIsToldToStopLeavesCheckpointsAndGoesOnBitForBit) {
     child.send(SIGTERM);
     const Outcome outcome = child.wait();
     EXPECT_EQ(outcome.status, 130);
-    EXPECT_THAT(outcome.out, HasSubstr("to go on: cvtflow resume out\n"));
+    EXPECT_THAT(outcome.out, HasSubstr("to continue: cvtflow resume out\n"));
     EXPECT_TRUE(exists("out/checkpoints/case-000000.h5"));
     write_sweep("\"6 N*m\", \"12 N*m\"", "2 ms");
     const Outcome rest = run({"resume", "out"});
@@ -167,9 +167,9 @@ TEST_F(Batch, OfAnotherSweepIsRefusedWithTheDifference) {
     write_sweep("\"6 N*m\", \"7 N*m\"", "50 us");
     const Outcome outcome = run({"resume", "out"});
     EXPECT_EQ(outcome.status, 1);
-    EXPECT_EQ(
-        outcome.err,
-        "cvtflow: out/cases.h5: results of another sweep:\n  axes.load.torque = 6 there, 6, 7 here\n  run.until = 4e-5 there, 5e-5 here\n");
+    EXPECT_EQ(outcome.err,
+              "cvtflow: out/cases.h5: results of another sweep:\n  axes.load.torque = 6 in the table, 6, 7 in the sweep\n  run.until = "
+              "4e-5 in the table, 5e-5 in the sweep\n");
     EXPECT_EQ(column("hash"), before);
 }
 

@@ -179,7 +179,7 @@ TEST_F(Errors, InSettingsNameTheOptionThatWasGiven) {
         {{"run", "tiny", "--method", "rkc-s1"},
          2,
          "--method rkc-s1: no method 'rkc-s1': rkc-s<stages>[-e<damping>] takes 2 to 400 stages, damping 0 to 100 (2/13 if absent)"},
-        {{"run", "tiny", "--detail", "fein"}, 2, "--detail fein: not one of coarse, medium, fine, full (did you mean \"fine\"?)"},
+        {{"run", "tiny", "--detail", "fein"}, 2, "--detail fein: not one of rigid, coarse, medium, fine, full (did you mean \"fine\"?)"},
         {{"run", "tiny", "--set", "chain.pich=3"}, 2, "--set chain.pich=3: chain.pich: unknown key (did you mean \"chain.pitch\"?)"},
         {{"run", "tiny", "--set", "chain.pins=abc"}, 2, "--set chain.pins=abc: chain.pins: \"abc\" is not an integer"},
         {{"run", "tiny", "--set", "nonsense"}, 2, "--set nonsense: not of the form key=value"},
@@ -241,11 +241,11 @@ TEST_F(Errors, InFilesSayWhatTheFileIs) {
          "--set start.state=record.h5: start.state: FOLDER/record.h5: an HDF5 file, but not a state file (it is a record of a run)"},
         {{"run", "tiny", "--set", "start.state=state.h5", "--set", "detail.order=0"},
          1,
-         "--set start.state=state.h5: start.state: FOLDER/state.h5 holds 648 unknowns, this scene has 456\n  detail.order = 0, settled "
+         "--set start.state=state.h5: start.state: FOLDER/state.h5 contains 648 unknowns, this scene has 456\n  detail.order = 0, settled "
          "with 1"},
         {{"check", "tiny", "--set", "start.state=state.h5", "--set", "detail.order=0"},
          1,
-         "--set start.state=state.h5: start.state: FOLDER/state.h5 holds 648 unknowns, this scene has 456\n  detail.order = 0, settled "
+         "--set start.state=state.h5: start.state: FOLDER/state.h5 contains 648 unknowns, this scene has 456\n  detail.order = 0, settled "
          "with 1"},
     };
     for (const Mistake& mistake : mistakes) expect(mistake);

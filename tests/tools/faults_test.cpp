@@ -40,6 +40,8 @@ const std::map<std::string, std::string> left_out{
     {"tradeoff", "0.4 s, measured in rounds; reads and writes what compare does"},
     {"executors", "lists what is compiled in; reads and writes no file"},
     {"granularity", "measured in rounds of every executor; writes tables as profile does"},
+    {"work", "counts every instruction of a step: a second and more; writes tables as profile does"},
+    {"draw", "reads the JSON that other commands write, and writes a picture as plot does"},
     {"tune", "10 s of processor time, measured in rounds; writes tables as compare does, and a scene as settle does a state"}};
 
 const std::vector<Order>& orders() {

@@ -61,7 +61,7 @@ TEST_F(ReportCommand, OfTwoRecordsTellsTheirDifferences) {
     std::filesystem::copy_file(folder_ / "run.h5", folder_ / "copy.h5");
     ASSERT_EQ(run({"report", "run.h5", "copy.h5", "-o", "same.html"}).status, 0);
     EXPECT_THAT(read("same.html"),
-                testing::AllOf(HasSubstr("Every key of both scenes has the same value"), HasSubstr("Equal in every common row: ")));
+                testing::AllOf(HasSubstr("Every key of both scenes has the same value"), HasSubstr("The same in every common row: ")));
 }
 
 TEST_F(ReportCommand, TextsOfASceneCannotBecomePartsOfThePage) {

@@ -28,7 +28,7 @@ TEST_F(Tune, WritesASceneThatRunsWithWhatItChose) {
     const Outcome outcome = run(Words{"tune"} + tiny_ + brief_ + Words{"--verify", "1", "-o", "out", "-q"});
     ASSERT_EQ(outcome.status, 0) << outcome.err << outcome.out;
     EXPECT_THAT(outcome.out,
-                AllOf(HasSubstr("tiny: accuracy 20 %, at 1 operating point\n"), ContainsRegex("\n  chosen  .* errors times 2 are"),
+                AllOf(HasSubstr("tiny: accuracy 20 %, at 1 operating point\n"), ContainsRegex("\n  chosen  .* errors times 2 within"),
                       HasSubstr("left out            methods that are more expensive than ")));
     EXPECT_THAT(read("tiny.tuned.toml"),
                 AllOf(HasSubstr("# tiny for an accuracy of 20 %: "), HasSubstr("#   start: full, leapfrog-sweep at ")));

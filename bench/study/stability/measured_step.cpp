@@ -34,7 +34,7 @@ MeasuredLimit measured_step_limit(const Scene& scene, std::string_view method, c
         if (limit.refused) return false;
         for (int state = 0; state < states_in_a_row; ++state) {
             const auto map = [&](const double* from, double* to) { return step.step(from, to); };
-            if (fastest_growth(step.size(), map, step.mixed_start()).certain() <= 1.0 + growth_factor_tolerance) return true;
+            if (fastest_growth(step.size(), map, step.mixed_start()).factor <= 1.0 + growth_factor_tolerance) return true;
             if (!step.move_on()) return false;
         }
         return false;

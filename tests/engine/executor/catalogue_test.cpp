@@ -29,7 +29,7 @@ TEST(ExecutorCatalogue, AbsentOnesSayWhatTheyNeedAndAreNotFound) {
         EXPECT_FALSE(row.needs.empty()) << row.name << " is absent for no reason";
         EXPECT_EQ(row.make, nullptr) << row.name;
         EXPECT_EQ(find_executor(row.name), nullptr) << row.name;
-        EXPECT_NE(missing_executor(row.name).find("it needs " + std::string(row.needs)), std::string::npos) << row.name;
+        EXPECT_NE(missing_executor(row.name).find("requires " + std::string(row.needs)), std::string::npos) << row.name;
     }
     EXPECT_EQ(missing_executor("fow"), " (did you mean \"flow\"?)");
     EXPECT_EQ(missing_executor("quite another thing"), "");

@@ -142,7 +142,7 @@ TEST_F(LabCommands, PinEntryCountsAndMeasuresErrors) {
                                                          "rk4@25ns", "--rounds", "1", "--pin", "0", "-q", "-o", "c"} +
                                 brief_settling);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_THAT(outcome.out, StartsWith("tiny: 24 us from t = 0 s, against rk4@25ns; one thread, medians of 1 round, in turns\n"));
+    EXPECT_THAT(outcome.out, StartsWith("tiny: 24 us from t = 0 s, against rk4@25ns; one thread, medians of 1 round, alternating\n"));
     EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  rk4 +50 ns +[0-9]+ +[0-9 ]+ +[0-9.e+]+ +1\\.00 +[0-9.e+]+ +1\\.00 "));
     EXPECT_THAT(read("c/comparison.csv"), StartsWith("method,step,steps,evaluations,transitions,"));
     EXPECT_THAT(read("c/pin-force.csv"), StartsWith("time,reference,rk4@50ns,dumka3-p2@1us\n0,"));

@@ -24,14 +24,14 @@ TEST_F(MethodCommands, MethodShowsWhatTheTableImplies) {
                       HasSubstr("stable to 2.828"), HasSubstr("error estimate      none"),
                       HasSubstr("y(t + h) = Y0 + 0.166666666667 h K0 + 0.333333333333 h K1 + 0.333333333333 h K2 + 0.166666666667 h K3")));
     const Outcome dumka = run({"method", "dumka3-p5", "--real", "200"});
-    EXPECT_THAT(dumka.out, AllOf(HasSubstr("28 evaluations, the last one is reused by the next step: 27 a step"),
+    EXPECT_THAT(dumka.out, AllOf(HasSubstr("28 evaluations, the last one is reused by the next step: 27 per step"),
                                  HasSubstr("order               3(2)"), HasSubstr("to 4.66"), HasSubstr("times 567"),
                                  HasSubstr("--table prints the 28 stages")));
     EXPECT_THAT(run({"method", "dumka3-p5", "--table"}).out, HasSubstr("\n   27  K4 = f(t + 1 h, "));
     EXPECT_THAT(run({"method", "fitted-l100-w1"}).out, HasSubstr("order               3 to "));
     EXPECT_THAT(run({"method", "dumka3"}).out, AllOf(HasSubstr("depends on the step"), HasSubstr("that of the chosen table of stages")));
     EXPECT_THAT(run({"method", "leapfrog-sdirk2"}).out,
-                AllOf(HasSubstr("1 a step\n"), HasSubstr("2 a step, for friction"), HasSubstr("stable to h omega = 2\n"),
+                AllOf(HasSubstr("1 per step\n"), HasSubstr("2 a step, for friction"), HasSubstr("stable to h omega = 2\n"),
                       HasSubstr("stable without limit in h c")));
     EXPECT_THAT(run({"method", "ros34pw2"}).out,
                 AllOf(HasSubstr("4 a step, for the whole state"), HasSubstr("imaginary axis      stable without limit")));

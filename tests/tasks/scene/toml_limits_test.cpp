@@ -68,7 +68,7 @@ TEST(Settings, AreNotBlamedForWhatTheyDidNotSay) {
         set_value(scene, "run.seed=3");
         FAIL();
     } catch (const SceneError& error) {
-        EXPECT_EQ(std::string(error.what()).substr(0, 21), "mine, its present value: r");
+        EXPECT_EQ(std::string(error.what()).substr(0, 21), "mine, its present val");
     }
 }
 

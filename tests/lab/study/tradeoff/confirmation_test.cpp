@@ -39,7 +39,7 @@ TEST(Confirmation, SaysWhichReferenceItTookAndHowFarItAgreesWithItself) {
     EXPECT_THAT(
         confirmation().reference_text(),
         testing::ContainsRegex(
-            "^leapfrog-chebyshev at .* s \\(0\\.25 of its automatic step; twice that step has errors of .* in slip, .* in losses\\)$"));
+            "^leapfrog-sweep at .* s \\(0\\.25 of its automatic step; twice that step has errors of .* in slip, .* in losses\\)$"));
     ConfirmSettings own = brief();
     own.reference = {"run.method=rk4", "run.step=100ns"};
     EXPECT_EQ(confirmation(own).reference_text(), "rk4 at 1e-07 s");

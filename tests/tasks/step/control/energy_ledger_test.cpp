@@ -177,7 +177,7 @@ TEST(RunMeans, OfAStateThatStoresOrGivesEnergyAreNotSteady) {
     EXPECT_EQ(names_of(steady_means(10000.0, 9600.0)), "unsteady") << "3 % of the input are stored";
     EXPECT_EQ(names_of(steady_means(6000.0, 9600.0)), "unsteady") << "the load is carried by what moves";
     EXPECT_THAT(steady_means(6000.0, 9600.0).notes(closed_balance).front().text,
-                testing::HasSubstr("what moves has given 61.7 % of the input"));
+                testing::HasSubstr("the stored energy has given 61.7 % of the input"));
     EXPECT_EQ(names_of(steady_means(10000.0, 9900.0, 0.2)), "unsteady") << "half a pin period";
 }
 
