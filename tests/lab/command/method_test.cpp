@@ -25,7 +25,7 @@ TEST_F(MethodCommands, MethodShowsWhatTheTableImplies) {
                       HasSubstr("y(t + h) = Y0 + 0.166666666667 h K0 + 0.333333333333 h K1 + 0.333333333333 h K2 + 0.166666666667 h K3")));
     const Outcome dumka = run({"method", "dumka3-p5", "--real", "200"});
     EXPECT_THAT(dumka.out, AllOf(HasSubstr("28 evaluations, the last one is reused by the next step: 27 per step"),
-                                 HasSubstr("order               3(2)"), HasSubstr("to 4.66"), HasSubstr("times 567"),
+                                 HasSubstr("order               3(2)"), HasSubstr("to 4.66"), HasSubstr("by 567"),
                                  HasSubstr("--table prints the 28 stages")));
     EXPECT_THAT(run({"method", "dumka3-p5", "--table"}).out, HasSubstr("\n   27  K4 = f(t + 1 h, "));
     EXPECT_THAT(run({"method", "fitted-l100-w1"}).out, HasSubstr("order               3 to "));
