@@ -16,9 +16,13 @@ struct Growth {
     double uncertainty = 0.0;             ///< residual of the eigenvalue: the map differs by so much from one that has it exactly [1]
     int applications = 0;
 
-    /// The growth that is beyond doubt. Where many multipliers crowd together near 1, an estimate may lie outside all of them; the
-    /// map is not normal, so an estimate counts only if its residual is far smaller than the growth [1]
-    [[nodiscard]] double certain() const noexcept { return uncertainty > 0.1 * (factor - 1.0) ? std::min(factor, 1.0) : factor; }
+    /// Many slow motions have multipliers near 1, and an estimate there may lie outside all of them, since the map is not normal [1]
+    static constexpr double crowded = 0.6;
+    /// The growth that is beyond doubt: within `crowded` of 1 an estimate counts only if its residual is far smaller than the growth [1]
+    [[nodiscard]] double certain() const noexcept {
+        const bool doubtful = std::abs(multiplier - 1.0) < crowded && uncertainty > 0.1 * (factor - 1.0);
+        return doubtful ? std::min(factor, 1.0) : factor;
+    }
 };
 
 struct GrowthSettings {

@@ -36,10 +36,9 @@ TEST(Confirmation, OfWhatIsRightObjectsToNothing) {
 }
 
 TEST(Confirmation, SaysWhichReferenceItTookAndHowFarItAgreesWithItself) {
-    EXPECT_THAT(
-        confirmation().reference_text(),
-        testing::ContainsRegex(
-            "^leapfrog-sweep at .* s \\(0\\.25 of its automatic step; twice that step has errors of .* in slip, .* in losses\\)$"));
+    EXPECT_THAT(confirmation().reference_text(),
+                testing::ContainsRegex(
+                    "^leapfrog-sweep at .* s \\(0\\.25 of its automatic step; twice that is off by .* in slip, .* in losses\\)$"));
     ConfirmSettings own = brief();
     own.reference = {"run.method=rk4", "run.step=100ns"};
     EXPECT_EQ(confirmation(own).reference_text(), "rk4 at 1e-07 s");
