@@ -52,7 +52,7 @@ TEST_F(CoreLibrary, GivesTheBitsOfTheLibrary) {
 }
 
 TEST_F(CoreLibrary, ReadsNoStateFileAndReportsIt) {
-    const cvtflow::Scene scene = cvtflow::Scene::ready("tiny");
+    const cvtflow::Scene scene = cvtflow::Scene::ready("control");
     ASSERT_NE(scene.value("start.state"), "\"\"");
     const auto [status, text] = output_of(CVTFLOW_CORE_PROGRAM " " + scene_file(scene.text()) + " 2e-5");
     EXPECT_NE(status, 0);
