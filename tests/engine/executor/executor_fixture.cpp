@@ -144,6 +144,12 @@ int thread_count() {
     return static_cast<int>(std::distance(std::filesystem::directory_iterator("/proc/self/task"), std::filesystem::directory_iterator()));
 }
 
+bool falls_to_threads(int count) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+    while (thread_count() != count && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return thread_count() == count;
+}
+
 struct BusyNeighbour::Thread {
     std::jthread thread{[](const std::stop_token& stop) {
         while (!stop.stop_requested()) {}

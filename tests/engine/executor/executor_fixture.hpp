@@ -98,6 +98,9 @@ void PrintTo(const Case& which, std::ostream* stream);
 /// Threads of this process, by the kernel's count.
 [[nodiscard]] int thread_count();
 
+/// Waits up to 10 s until the process has this many threads: the OpenMP runtime lets its threads end by themselves.
+[[nodiscard]] bool falls_to_threads(int count);
+
 /// Keeps a processor busy as long as it lives.
 class BusyNeighbour {
 public:

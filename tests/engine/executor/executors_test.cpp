@@ -147,7 +147,7 @@ TEST(OpenMpExecutors, KeepNoThreadThatIsReleased) {
             world.run(*executor, 10);
             parallel += test::thread_count() > before;
             executor->release_threads();
-            EXPECT_EQ(test::thread_count(), before) << test::case_name(testing::TestParamInfo<Case>(each, 0));
+            EXPECT_TRUE(test::falls_to_threads(before)) << test::case_name(testing::TestParamInfo<Case>(each, 0));
         }
     }
     EXPECT_TRUE(parallel > 0 || find_executor("omp_region") == nullptr);
