@@ -6,6 +6,9 @@
 
 namespace cvtflow::model {
 
+/// b √δ_0 up to which the start of Newton's method for tips is within 1e-4 (rigid_tip.hpp).
+inline constexpr double well_started_softness = 2.0;
+
 struct RigidCoefficients {
     explicit RigidCoefficients(const Parameters& parameters);
 
@@ -30,6 +33,7 @@ struct RigidCoefficients {
     double lever;            ///< 1 - (2/ℓ_p) R_p cos β: displacement of a sphere's centre per end displacement
     double hertz, damping;   ///< K of one tip [N/m^1.5], χ_T [s/m]
     double softness;         ///< b = K cos²β/k_e: axial compliance of half a pin beside Hertz's [1/√m]
+    int further_steps;       ///< of Newton's method, for tips that yield more than its start is made for
     FrictionCurve tip_friction;
     double middle;  ///< a/2 [m]
 

@@ -131,6 +131,12 @@ public:
         }
     }
 
+    /// Zeros to entries i … i + 7 of columns first … last.
+    void clear(Column first, Column last, int i) noexcept {
+        double* values = (*this)[first] + i;
+        for (int c = static_cast<int>(first); c <= static_cast<int>(last); ++c, values += stride_) std::fill_n(values, rigid_lanes, 0.0);
+    }
+
     /// All entries of one column to another.
     void copy(Column from, Column to) noexcept { std::copy_n((*this)[from] - rigid_lanes, stride_, (*this)[to] - rigid_lanes); }
 

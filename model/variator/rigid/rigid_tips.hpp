@@ -10,49 +10,56 @@
 namespace cvtflow::model {
 namespace {
 
-[[nodiscard]] inline std::array<PinLanes, 6> none() noexcept {
-    std::array<PinLanes, 6> zero;
-    zero.fill(PinLanes(0.0));
-    return zero;
-}
-
-/// Sums over pins of what their tips do to the four sheaves.
-class ReactionSum {
-public:
-    /// @param second 1 for pins that belong to the driven shaft   @param present 0 for pins that only fill the last vector
-    void add(const PinLanes& second, const PinLanes& present, const std::array<std::array<PinLanes, 6>, 2>& forces) noexcept {
-        const PinLanes here = present * second, there = present - here;
-        for (std::size_t side = 0; side < 2; ++side) {
-            for (std::size_t k = 0; k < 6; ++k) {
-                on_[0][side][k] += there * forces[side][k];
-                on_[1][side][k] += here * forces[side][k];
-            }
-        }
-    }
-    void store(SheaveForces& to) const noexcept {
-        for (std::size_t sheave = 0; sheave < 4; ++sheave) sums<rigid_lanes, 6>(on_[sheave / 2][sheave % 2], to[sheave].data());
-    }
-
-private:
-    std::array<std::array<std::array<PinLanes, 6>, 2>, 2> on_{{{none(), none()}, {none(), none()}}};
+/// Number of a tip as a type: 0 and 1 are the front half's at -z and +z, 2 and 3 the rear half's.
+template <std::size_t number>
+struct Tip {
+    static constexpr std::size_t half = number / 2, end = number % 2;
+    static constexpr int side = end == 0 ? -1 : 1, column = static_cast<int>(number);
+    constexpr operator std::size_t() const noexcept { return number; }
 };
 
-/// Tips 0 and 1 are the front half's at -z and +z, 2 and 3 the rear half's.
-[[nodiscard]] constexpr std::size_t half_of(std::size_t tip) noexcept { return tip / 2; }
-[[nodiscard]] constexpr std::size_t side_of(std::size_t tip) noexcept { return tip % 2; }
+/// Calls act(Tip<number>()) for each tip.
+template <class Act>
+[[gnu::always_inline]] inline void for_tips(const Act& act) noexcept {
+    act(Tip<0>());
+    act(Tip<1>());
+    act(Tip<2>());
+    act(Tip<3>());
+}
 
 /// Tips of eight pins.
 class TipGroup {
 public:
-    TipGroup(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, int first) noexcept
+    [[gnu::always_inline]] TipGroup(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
+                                    int first) noexcept
         : c_(c), kick_(kick), columns_(columns), first_(first) {
-        read_pins();
-        read_half(0, first - 1, 0.5);
-        read_half(1, first, -0.5);
+        at_ = {read_plane(columns, Column::x, first), read_plane(columns, Column::p, first), read(columns, Column::z, first)};
         second_ = select_greater<rigid_lanes>(at_.middle.x, PinLanes(c.middle), PinLanes(1.0), PinLanes(0.0));
-        for (int side = 0; side < 2; ++side) read_sheave(sheaves[side], sheaves[2 + side], side);
-        for (std::size_t tip = 0; tip < rigid_tips; ++tip)
-            place_tip(c, at_, half_[half_of(tip)], sheave_[side_of(tip)], side_of(tip) == 0 ? -1.0 : 1.0, tips_[tip]);
+        read_half(half_[0], first - 1, 0.5);
+        read_half(half_[1], first, -0.5);
+        read_side<-1>(sheaves[0], sheaves[2], side_[0]);
+        read_side<1>(sheaves[1], sheaves[3], side_[1]);
+    }
+
+    /// Whether all tips are certainly free: each half's sphere nearest to the axis against the flank nearest to it, as if of one tip.
+    [[nodiscard, gnu::always_inline]] bool far() const noexcept {
+        const SideMotion &low = side_[0], &high = side_[1];
+        const auto size = [](const Plane& v) { return abs(v.x) + abs(v.y); };
+        const auto more = [](const PinLanes& a, const PinLanes& b) { return larger<rigid_lanes>(a, b); };
+        const PinLanes tilt = more(size({low.tilt_x, low.tilt_y}), size({high.tilt_x, high.tilt_y}));
+        const PinLanes apart = size(low.arm - high.arm), off = more(abs(low.z), abs(high.z)) + c_.radius * c_.cosine;
+        const auto nearness = [&](const HalfMotion& half) {
+            const Plane arm = half.centre + low.arm;
+            const PinLanes radius = sqrt(dot(arm, arm)), rise = abs(half.rise);
+            const PinLanes a = radius - apart - tilt * (off + rise) - c_.touching_radius;
+            const PinLanes h = smaller<rigid_lanes>(low.z, -high.z) - rise - tilt * (radius + apart);
+            return -(c_.sine * a + c_.cosine * h);
+        };
+        return all_at_most<rigid_lanes>(more(nearness(half_[0]), nearness(half_[1])), 0.0);
+    }
+
+    [[gnu::always_inline]] void place() noexcept {
+        for_tips([&](auto tip) __attribute__((always_inline)) { place_tip<tip.side>(c_, half_[tip.half], side_[tip.end], tips_[tip]); });
     }
 
     [[nodiscard]] bool free() const noexcept {
@@ -71,158 +78,153 @@ public:
     }
 
     void release() noexcept {
-        for (int c = static_cast<int>(Column::tip_lean_x); c < static_cast<int>(Column::count); ++c) {
-            const Column column = static_cast<Column>(c);
-            if (column != Column::tip_moment && column != Column::tip_moment_before) write(columns_, column, first_, PinLanes(0.0));
-        }
+        columns_.clear(Column::tip_lean_x, Column::tip_rear, first_);
+        columns_.clear(Column::tip_x, kick_.implicit() ? Column::flank + (rigid_tips - 1) : Column::axial + (rigid_tips - 1), first_);
     }
 
-    void press(PinSum& energy, PinSum& damping) noexcept {
-        for (std::size_t tip = 0; tip < rigid_tips; ++tip) {
-            const PinLanes rate = depth_rate(c_, rate_, half_[half_of(tip)], sheave_[side_of(tip)], tips_[tip], -0.5 * kick_.step);
-            normal_[tip] = normal_force(c_, tips_[tip].depth, rate, kick_.implicit() ? 1 : 2);
-            shortening_[tip] = normal_[tip].shortening * rate;
-            write(columns_, Column::normal + static_cast<int>(tip), first_, normal_[tip].force);
-            energy.add(first_, normal_[tip].energy);
-            const PinLanes drag = normal_[tip].force - normal_[tip].elastic;
-            damping.add(first_, drag_power(kick_, columns_, Column::tip_drag + static_cast<int>(tip), first_, drag, rate));
-        }
+    [[gnu::always_inline]] void press(const SheaveMotion* sheaves, PinSum& energy, PinSum& damping) noexcept {
+        rate_ = {read_plane(columns_, Column::vx, first_), read_plane(columns_, Column::vp, first_), read(columns_, Column::vz, first_)};
+        read_half_rates(half_[0], first_ - 1, 0.5);
+        read_half_rates(half_[1], first_, -0.5);
+        read_side_rates<-1>(sheaves[0], sheaves[2], side_[0]);
+        read_side_rates<1>(sheaves[1], sheaves[3], side_[1]);
+        const PinLanes lead(-0.5 * kick_.step);
+        const int further = c_.further_steps + (kick_.implicit() ? 0 : 1);
+        for_tips([&](auto tip) __attribute__((always_inline)) {
+            const HalfMotion& half = half_[tip.half];
+            const PinLanes rate = depth_rate(half, side_[tip.end], tips_[tip], lead);
+            NormalForce& n = normal_[tip] = normal_force(c_, tips_[tip].depth, rate, further);
+            begin_[tip] = tip_slip<tip.side>(half, side_[tip.end], tips_[tip], n.shortening * rate);
+            write(columns_, Column::normal + tip.column, first_, n.force);
+            energy.add(first_, n.energy);
+            damping.add(first_, drag_power(kick_, columns_, Column::tip_drag + tip.column, first_, n.force - n.elastic, rate));
+        });
     }
 
-    /// Velocities that the pins have after the step if friction stays as it was.
-    void predict() noexcept {
+    /// By how much velocities of the pins grow in the step if friction stays as it was.
+    [[gnu::always_inline]] void predict() noexcept {
         if (!kick_.implicit()) return;
-        for (std::size_t tip = 0; tip < rigid_tips; ++tip) begin_[tip] = slip_at(tip, -0.5 * kick_.step);
-        TotalForces total;
-        for (std::size_t tip = 0; tip < rigid_tips; ++tip) total.add(half_of(tip), push(tip, memory(tip)));
+        TipForces total;
+        for_tips([&](auto tip) __attribute__((always_inline)) {
+            total.add<tip.side>(c_, half_[tip.half], tip.half, tips_[tip], tip_force<tip.side>(tips_[tip], normal_[tip], memory(tip)));
+        });
         const PinLanes per_mass(kick_.step / c_.mass), per_tilt(kick_.step / c_.tilt_mass);
-        const auto known = [&](Column column) { return read(columns_, column, first_); };
-        rate_.middle = rate_.middle + per_mass * (read_plane(columns_, Column::force_x, first_) + total.half[0] + total.half[1]);
-        rate_.end = rate_.end + per_tilt * (read_plane(columns_, Column::force_p, first_) + total.end);
-        rate_.z +=
-            per_mass * (known(Column::force_z) + read(columns_, Column::rub, first_) - read(columns_, Column::rub, first_ - 1) + total.z);
+        const PinLanes rubbing = read(columns_, Column::rub, first_) - read(columns_, Column::rub, first_ - 1);
+        growth_.middle = per_mass * (read_plane(columns_, Column::force_x, first_) + total.half[0] + total.half[1]);
+        growth_.end = per_tilt * (read_plane(columns_, Column::force_p, first_) + total.end);
+        growth_.z = per_mass * (read(columns_, Column::force_z, first_) + rubbing + total.z);
     }
 
-    void rub(ReactionSum& reaction, PinSum& lost) noexcept {
-        TotalForces total;
-        std::array<std::array<PinLanes, 6>, 2> on_side = {none(), none()};
-        for (std::size_t tip = 0; tip < rigid_tips; ++tip) {
-            const TipForce force = tip_force(tips_[tip], normal_[tip], friction(tip, lost));
-            total.add(half_of(tip), on_pin(c_, half_[half_of(tip)], tips_[tip], force));
+    [[gnu::always_inline]] void rub(ReactionSum& reaction, PinSum& lost) noexcept {
+        TipForces total;
+        ReactionSum::Sides on_side = {no_forces(), no_forces()};
+        for_tips([&](auto tip) __attribute__((always_inline)) {
+            const TipForce force = tip_force<tip.side>(tips_[tip], normal_[tip], friction(tip, lost));
+            total.add<tip.side>(c_, half_[tip.half], tip.half, tips_[tip], force);
+            add_on_sheave(tips_[tip], force, on_side[tip.end]);
             if (!kick_.implicit()) show_force(tip, force);
-            const std::array<PinLanes, 6> reacting = on_sheave(c_, tips_[tip], force);
-            for (std::size_t k = 0; k < 6; ++k) on_side[side_of(tip)][k] += reacting[k];
-        }
-        reaction.add(second_, present(), on_side);
+        });
+        reaction.subtract(second_, present(columns_, first_), on_side);
         store(total);
     }
 
 private:
-    struct TotalForces {
-        Plane half[2] = {{0.0, 0.0}, {0.0, 0.0}};
-        Plane end{0.0, 0.0};
-        PinLanes z{0.0}, moment[2] = {0.0, 0.0};
-        void add(std::size_t which, const TipForces& f) noexcept {
-            half[which] = half[which] + f.half;
-            end = end + f.end;
-            z += f.z;
-            moment[which] += f.moment;
-        }
-    };
-
-    void read_pins() noexcept {
-        at_ = {read_plane(columns_, Column::x, first_), read_plane(columns_, Column::p, first_), read(columns_, Column::z, first_)};
-        rate_ = {read_plane(columns_, Column::vx, first_), read_plane(columns_, Column::vp, first_), read(columns_, Column::vz, first_)};
-    }
-
-    /// @param line number of its pitch line   @param side half of the halves' offset from each other that is this half's
-    void read_half(std::size_t which, int line, double side) noexcept {
-        HalfMotion& half = half_[which];
-        half.offset = PinLanes(side) * read_plane(columns_, Column::part_x, first_);
-        half.offset_rate = PinLanes(side) * read_plane(columns_, Column::part_vx, first_);
+    /// @param line number of its pitch line   @param share of the halves' offset from each other that is this half's
+    [[gnu::always_inline]] void read_half(HalfMotion& half, int line, double share) noexcept {
+        const Plane offset = PinLanes(share) * read_plane(columns_, Column::part_x, first_);
         half.line = read_plane(columns_, Column::line_x, line);
         half.outward = {half.line.y, -half.line.x};
+        half.sphere = PinLanes(c_.outward) * half.outward;
+        half.centre = at_.middle + offset + half.sphere;
+        half.rise = PinLanes(c_.outward / c_.half_length) * dot(at_.end, half.outward);
+    }
+    [[gnu::always_inline]] void read_half_rates(HalfMotion& half, int line, double share) noexcept {
         half.turn = read(columns_, Column::line_turn, line);
-        const PinLanes per_half(1.0 / c_.half_length);
-        half.slope_out = per_half * dot(at_.end, half.outward);
-        half.slope_along = per_half * dot(at_.end, half.line);
-        half.slope_out_rate = per_half * dot(rate_.end, half.outward);
+        half.slope_along = PinLanes(1.0 / c_.half_length) * dot(at_.end, half.line);
+        half.velocity = rate_.middle + PinLanes(share) * read_plane(columns_, Column::part_vx, first_);
+        half.sphere_velocity = half.velocity + (c_.outward * half.turn) * half.line;
+        half.rise_rate = PinLanes(c_.outward / c_.half_length) * dot(rate_.end, half.outward) + c_.outward * (half.turn * half.slope_along);
     }
 
-    void read_sheave(const SheaveMotion& driving, const SheaveMotion& driven, int side) noexcept {
-        const auto of = [&](double SheaveMotion::*number) {
-            return select_greater<rigid_lanes>(second_, PinLanes(0.5), PinLanes(driven.*number), PinLanes(driving.*number));
-        };
-        SheaveSide& s = sheave_[static_cast<std::size_t>(side)];
-        s.centre = {of(&SheaveMotion::x), of(&SheaveMotion::y)};
-        s.z = of(&SheaveMotion::z) - (side == 0 ? -c_.half_length : c_.half_length);
-        s.tilt_x = of(&SheaveMotion::tilt_x);
-        s.tilt_y = of(&SheaveMotion::tilt_y);
-        s.velocity = {of(&SheaveMotion::vx), of(&SheaveMotion::vy)};
-        s.velocity_z = of(&SheaveMotion::vz);
-        s.spin_x = of(&SheaveMotion::spin_x);
-        s.spin_y = of(&SheaveMotion::spin_y);
-        s.spin_z = of(&SheaveMotion::spin_z);
+    /// A number of the sheaves of one side, for each pin that of its shaft.
+    [[nodiscard]] PinLanes of(double SheaveMotion::*number, const SheaveMotion& driving, const SheaveMotion& driven) const noexcept {
+        return select_greater<rigid_lanes>(second_, PinLanes(0.5), PinLanes(driven.*number), PinLanes(driving.*number));
     }
 
-    [[nodiscard]] PinLanes present() const noexcept {
-        PinLanes one(1.0);
-        for (int lane = std::max(0, columns_.pins() - first_); lane < rigid_lanes; ++lane) one.set(static_cast<std::size_t>(lane), 0.0);
-        return one;
+    template <int side>
+    [[gnu::always_inline]] void read_side(const SheaveMotion& driving, const SheaveMotion& driven, SideMotion& s) noexcept {
+        const auto value = [&](double SheaveMotion::*number) { return of(number, driving, driven); };
+        s.sphere = PinLanes(side * (c_.lever - 1.0)) * at_.end;
+        s.arm = PinLanes(side * c_.lever) * at_.end - Plane{value(&SheaveMotion::x), value(&SheaveMotion::y)};
+        s.z = at_.z - (value(&SheaveMotion::z) - side * c_.half_length);
+        s.tilt_x = value(&SheaveMotion::tilt_x);
+        s.tilt_y = value(&SheaveMotion::tilt_y);
+    }
+    /// Velocities lead by half a step, in which the pins move on above the spinning sheave; those of the beginning trail by as much.
+    template <int side>
+    [[gnu::always_inline]] void read_side_rates(const SheaveMotion& driving, const SheaveMotion& driven, SideMotion& s) noexcept {
+        const auto value = [&](double SheaveMotion::*number) { return of(number, driving, driven); };
+        s.spin_x = value(&SheaveMotion::spin_x);
+        s.spin_y = value(&SheaveMotion::spin_y);
+        s.spin_z = value(&SheaveMotion::spin_z);
+        const Plane velocity{value(&SheaveMotion::vx), value(&SheaveMotion::vy)};
+        s.velocity = PinLanes(side) * rate_.end - velocity + (0.5 * kick_.step * s.spin_z) * turned(rate_.middle);
+        s.sphere_velocity = PinLanes(side * c_.lever) * rate_.end - velocity;
+        s.velocity_z = rate_.z - value(&SheaveMotion::vz);
     }
 
-    void show_force(std::size_t tip, const TipForce& f) noexcept {
+    template <class Tip>
+    void show_force(Tip tip, const TipForce& f) noexcept {
         const TipPlace& place = tips_[tip];
-        const PinLanes outward = f.normal * dot(place.normal, place.radial) + dot(f.friction, place.radial);
-        write(columns_, Column::outward + static_cast<int>(tip), first_, -outward);
-        write(columns_, Column::axial + static_cast<int>(tip), first_, -(f.normal * place.normal_z + f.friction_z));
+        const PinLanes outward = dot(f.push, place.radial) + dot(f.friction, place.radial);
+        write(columns_, Column::outward + tip.column, first_, -outward);
+        write(columns_, Column::axial + tip.column, first_, -(f.push_z + f.friction_z));
     }
 
     /// Friction of the last step.
-    [[nodiscard]] Slip memory(std::size_t tip) const noexcept {
-        const int k = static_cast<int>(tip);
-        return {read(columns_, Column::round + k, first_), read(columns_, Column::flank + k, first_)};
+    template <class Tip>
+    [[nodiscard]] Slip memory(Tip tip) const noexcept {
+        return {read(columns_, Column::round + tip.column, first_), read(columns_, Column::flank + tip.column, first_)};
     }
 
-    [[nodiscard]] TipForces push(std::size_t tip, const Slip& friction) const noexcept {
-        return on_pin(c_, half_[half_of(tip)], tips_[tip], tip_force(tips_[tip], normal_[tip], friction));
-    }
-
-    /// Sliding velocity of the velocities as they are, which lead by some time [s].
-    [[nodiscard]] Slip slip_at(std::size_t tip, double lead) const noexcept {
-        return tip_slip(c_, rate_, half_[half_of(tip)], sheave_[side_of(tip)], tips_[tip], shortening_[tip], lead);
+    /// Sliding velocity behind the growth of the velocities: the pin has moved on by half a step as well.
+    template <class Tip>
+    [[nodiscard]] Slip slip_now(Tip tip) const noexcept {
+        const Plane carried = (kick_.step * side_[tip.end].spin_z) * turned(rate_.middle + PinLanes(0.5) * growth_.middle);
+        const Plane change = growth_.middle + PinLanes(tip.side) * growth_.end - carried;
+        return begin_[tip] + slip_of<tip.side>(tips_[tip], change, growth_.z);
     }
 
     /// Friction now. Contacts of a pin are solved one after the other, each with the velocities that those before it leave: the velocity
     /// that its friction of the last step leaves is corrected by r times the change, r its own response, with some room for what its
     /// moments do to neighbouring pins.
-    [[nodiscard]] Slip friction(std::size_t tip, PinSum& lost) noexcept {
-        const int k = static_cast<int>(tip);
+    template <class Tip>
+    [[nodiscard, gnu::always_inline]] Slip friction(Tip tip, PinSum& lost) noexcept {
+        const bool implicit = kick_.implicit();
         const Slip old = memory(tip);
         const PinLanes response(1.1 * kick_.step * (1.0 / c_.mass + 1.0 / c_.tilt_mass));
-        Slip slip = slip_at(tip, 0.5 * kick_.step);
-        slip = {slip.round - response * old.round, slip.flank - response * old.flank};
-        const PinLanes speed = sqrt(slip.round * slip.round + slip.flank * slip.flank);
-        const PinLanes factor = -friction_factor(c_.tip_friction, c_.tip_friction.coefficient * normal_[tip].force, response, speed);
-        const Slip force{factor * slip.round, factor * slip.flank};
-        slip = {slip.round + response * force.round, slip.flank + response * force.flank};
-        const Slip mean = kick_.implicit() ? Slip{0.5 * (slip.round + begin_[tip].round), 0.5 * (slip.flank + begin_[tip].flank)} : slip;
-        lost.add(first_, PinLanes(-1.0) * (force.round * mean.round + force.flank * mean.flank));
-        write(columns_, Column::round + k, first_, force.round);
-        write(columns_, Column::flank + k, first_, force.flank);
-        if (kick_.implicit()) follow(tip, {force.round - old.round, force.flank - old.flank});
+        const Slip free = implicit ? slip_now(tip) - response * old : begin_[tip];
+        const PinLanes speed = sqrt(free.round * free.round + free.flank * free.flank);
+        const Slip force = (-friction_factor(c_.tip_friction, c_.tip_friction.coefficient * normal_[tip].force, response, speed)) * free;
+        const Slip mean = implicit ? PinLanes(0.5) * (free + response * force + begin_[tip]) : free;
+        lost.add(first_, -(force.round * mean.round + force.flank * mean.flank));
+        write(columns_, Column::round + tip.column, first_, force.round);
+        write(columns_, Column::flank + tip.column, first_, force.flank);
+        if (implicit) follow(tip, force - old);
         return force;
     }
 
     /// Velocities behind a change of a tip's friction.
-    void follow(std::size_t tip, const Slip& change) noexcept {
-        const TipForce f = tip_force(tips_[tip], NormalForce{0.0, 0.0, 0.0, 0.0}, change);
-        rate_.middle = rate_.middle + PinLanes(kick_.step / c_.mass) * f.friction;
-        rate_.end = rate_.end + PinLanes(tips_[tip].side * kick_.step / c_.tilt_mass) * f.friction;
-        rate_.z += kick_.step / c_.mass * f.friction_z;
+    template <class Tip>
+    [[gnu::always_inline]] void follow(Tip tip, const Slip& change) noexcept {
+        const TipPlace& place = tips_[tip];
+        const Plane f = change.round * turned(place.radial) + (change.flank * place.in) * place.radial;
+        growth_.middle = growth_.middle + PinLanes(kick_.step / c_.mass) * f;
+        growth_.end = growth_.end + PinLanes(tip.side * kick_.step / c_.tilt_mass) * f;
+        growth_.z += PinLanes(tip.side * kick_.step / c_.mass) * (change.flank * place.out);
     }
 
-    void store(const TotalForces& total) noexcept {
+    [[gnu::always_inline]] void store(const TipForces& total) noexcept {
         const Rolling rolling = read_rolling(columns_, first_);
         write_plane(columns_, Column::tip_lean_x, first_, rolling * (PinLanes(0.5) * (total.half[0] - total.half[1])));
         write(columns_, Column::tip_front, first_, total.moment[0]);
@@ -237,13 +239,13 @@ private:
     RigidColumns& columns_;
     int first_;
     PinMotion at_, rate_;
+    PinMotion growth_;  ///< of the velocities in this step
     HalfMotion half_[2];
-    SheaveSide sheave_[2];
+    SideMotion side_[2];
     PinLanes second_;
     TipPlace tips_[rigid_tips];
     NormalForce normal_[rigid_tips];
-    Slip begin_[rigid_tips];           ///< sliding velocities at the beginning of the step
-    PinLanes shortening_[rigid_tips];  ///< rate at which the half pins shorten [m/s]
+    Slip begin_[rigid_tips];  ///< sliding velocities at the beginning of the step
 };
 
 inline void press_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
@@ -253,13 +255,18 @@ inline void press_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, 
     TipBounds bounds;
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         TipGroup group(c, sheaves, kick, columns, i);
+        if (kick.implicit() && group.far()) {
+            group.release();
+            continue;
+        }
+        group.place();
         group.bound(bounds);
         if (!kick.implicit()) group.show_depths();
         if (group.free()) {
             group.release();
             continue;
         }
-        group.press(energy, damping);
+        group.press(sheaves, energy, damping);
         group.predict();
         group.rub(on_sheaves, friction);
     }
@@ -272,7 +279,8 @@ inline void press_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, 
 
 inline void tip_depths(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns, double* depth) noexcept {
     const RigidKick kick;
-    const TipGroup group(c, sheaves, kick, columns, 0);
+    TipGroup group(c, sheaves, kick, columns, 0);
+    group.place();
     for (std::size_t tip = 0; tip < rigid_tips; ++tip) group.depth(tip).copy_to(depth + tip * rigid_lanes);
 }
 

@@ -1,5 +1,8 @@
 #pragma once
-/// Plane vectors of pins side by side, and how columns are read and written. (model/EQUATIONS.md section 11)
+/// Plane vectors of pins side by side, how columns are read and written, and sums over pins. (model/EQUATIONS.md section 11)
+
+#include <algorithm>
+#include <array>
 
 #include "model/basis/lanes.hpp"
 #include "model/variator/rigid/rigid_kernels.hpp"
@@ -46,25 +49,53 @@ struct Plane {
     return acting * rate;
 }
 
+/// 1 for pins first … first + 7, 0 for those that only fill the last vector.
+[[nodiscard, gnu::always_inline]] inline PinLanes present(const RigidColumns& columns, int first) noexcept {
+    static constexpr std::array<double, 2 * rigid_lanes> ones_and_zeros{1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0};
+    return load<rigid_lanes>(ones_and_zeros.data() + std::max(0, first + rigid_lanes - columns.pins()));
+}
+
 /// A sum over pins, without those that only fill the last vector.
 class PinSum {
 public:
-    explicit PinSum(const RigidColumns& columns) noexcept : pins_(columns.pins()) {}
-    void add(int i, const PinLanes& terms) noexcept {
-        if (i + rigid_lanes <= pins_) {
-            total_ += terms;
-            return;
-        }
-        for (int lane = 0; i + lane < pins_; ++lane) {
-            const auto k = static_cast<std::size_t>(lane);
-            total_.set(k, total_[k] + terms[k]);
-        }
-    }
+    explicit PinSum(const RigidColumns& columns) noexcept : columns_(columns) {}
+    [[gnu::always_inline]] void add(int first, const PinLanes& terms) noexcept { total_ += present(columns_, first) * terms; }
     [[nodiscard]] double value() const noexcept { return sum<rigid_lanes>(total_); }
 
 private:
-    int pins_;
+    const RigidColumns& columns_;
     PinLanes total_{0.0};
+};
+
+[[nodiscard]] inline std::array<PinLanes, 6> no_forces() noexcept {
+    std::array<PinLanes, 6> zero;
+    zero.fill(PinLanes(0.0));
+    return zero;
+}
+
+/// Sums over pins of what their tips do to the four sheaves.
+class ReactionSum {
+public:
+    using Sides = std::array<std::array<PinLanes, 6>, 2>;
+    /// @param second 1 for pins that belong to the driven shaft   @param present 0 for pins that only fill the last vector
+    /// @param forces by side, the opposite of those on the sheaves
+    void subtract(const PinLanes& second, const PinLanes& present, const Sides& forces) noexcept {
+        const PinLanes here = present * second;
+        subtract(present - here, forces, on_[0]);
+        subtract(here, forces, on_[1]);
+    }
+    void store(SheaveForces& to) const noexcept {
+        for (std::size_t sheave = 0; sheave < 4; ++sheave) sums<rigid_lanes, 6>(on_[sheave / 2][sheave % 2], to[sheave].data());
+    }
+
+private:
+    static void subtract(const PinLanes& share, const Sides& forces, Sides& from) noexcept {
+        if (all_at_most<rigid_lanes>(share, 0.0)) return;
+        for (std::size_t side = 0; side < 2; ++side) {
+            for (std::size_t k = 0; k < 6; ++k) from[side][k] -= share * forces[side][k];
+        }
+    }
+    std::array<Sides, 2> on_{{{no_forces(), no_forces()}, {no_forces(), no_forces()}}};
 };
 
 }  // namespace

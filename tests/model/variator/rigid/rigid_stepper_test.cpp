@@ -156,6 +156,32 @@ TEST(RigidStepper, BaselineCarriesItsLoad) {
     EXPECT_LT(slip, 1e-2);
 }
 
+/// The sweep leaves out pins that are certainly free; an evaluation of forces finds the depth of every tip.
+TEST(RigidStepper, PressesEveryTipThatIsInsideItsSheave) {
+    for (const double ratio : {0.45, 1.0, 2.3}) {
+        Parameters p = test::with_rigid_pins({});
+        p.start.ratio = ratio;
+        const Variator model(p);
+        RigidStepper stepper(model);
+        settle(stepper, p, -p.start.settling_time + 8e-3, 4e-6);
+        std::vector<double> y(static_cast<std::size_t>(model.layout().size()));
+        stepper.state(y.data());
+        SheaveMotion sheaves[4];
+        model.pulleys().motions(y.data() + model.layout().pulley_begin(), sheaves);
+        const RigidChain& chain = *model.chain().rigid();
+        chain.evaluate(y.data(), sheaves);
+        int inside = 0;
+        for (int tip = 0; tip < tips_per_link * model.layout().links; ++tip) {
+            const int link = tip / tips_per_link, of_link = tip % tips_per_link;
+            const double depth = chain.of_tip(Column::depth, link, of_link);
+            if (std::abs(depth) < 1e-12) continue;  // within rounding
+            inside += depth > 0.0;
+            EXPECT_EQ(stepper.touches(link, of_link), depth > 0.0) << "ratio " << ratio << ", link " << link << ", tip " << of_link;
+        }
+        EXPECT_GT(inside, model.layout().links) << "at ratio " << ratio;
+    }
+}
+
 TEST(RigidStepper, StepsAllocateNothing) {
     const Parameters p = test::with_rigid_pins(oracle::small_scene());
     const Variator model(p);
