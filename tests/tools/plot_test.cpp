@@ -15,12 +15,12 @@ namespace {
 using testing::HasSubstr;
 using testing::StartsWith;
 
-/// The points of a series of a CSV.
-std::vector<std::pair<double, double>> points_of(const std::string& csv, const std::string& series) {
+/// The points of a series of a CSV. @param plot its title; empty: that of the series
+std::vector<std::pair<double, double>> points_of(const std::string& csv, const std::string& series, const std::string& plot = "") {
     std::vector<std::pair<double, double>> points;
     std::istringstream lines(csv);
     for (std::string line; std::getline(lines, line);) {
-        const std::string begin = "\"" + series + "\",\"" + series + "\",";
+        const std::string begin = "\"" + (plot.empty() ? series : plot) + "\",\"" + series + "\",";
         if (!line.starts_with(begin)) continue;
         std::istringstream numbers(line.substr(begin.size()));
         double x = 0.0, y = 0.0;
@@ -87,6 +87,38 @@ TEST_F(PlotCommand, OrdersOfTheBaselinePeakWherePinsPassAndAtTwiceThat) {
         }
         EXPECT_NEAR(at, expected, 25.0 / pins);  // a line of 40 ms
     }
+}
+
+/// Largest amplitude within an eighth of an order.
+double peak_near(const std::vector<std::pair<double, double>>& spectrum, double expected) {
+    double largest = 0.0;
+    for (const auto& [order, amplitude] : spectrum) {
+        if (std::abs(order - expected) < 0.125) largest = std::max(largest, amplitude);
+    }
+    return largest;
+}
+
+TEST_F(PlotCommand, OrdersOfMixedPitchesPeakWhereThePatternRepeats) {
+    const std::vector<std::string> mixed{"--set",    "chain.pitch=[\"6.6 mm\", \"9.64 mm\"]",
+                                         "--set",    "start.state=\"\"",
+                                         "--set",    "start.settling_time=20 ms",
+                                         "--method", "auto",
+                                         "--step",   "auto",
+                                         "--until",  "100 ms"};
+    ASSERT_EQ(run(std::vector<std::string>{"run", "tiny", "-o", "mixed.h5", "-q"} + mixed).status, 0);
+    ASSERT_EQ(run({"plot", "mixed.h5", "tight_tension", "--orders", "-o", "p.csv"}).status, 0);
+    const std::string text = read("p.csv");
+    const auto named = [&](const std::string& begin) {
+        const auto at = text.find("\"" + begin);
+        return at == std::string::npos ? std::string() : text.substr(at + 1, text.find('"', at + 1) - at - 1);
+    };
+    const auto pattern = points_of(text, named("pitch pattern"), "tight_tension");
+    ASSERT_GT(pattern.size(), 3U);
+    EXPECT_NEAR(pattern.front().first, 0.5, 1e-9) << "two links";
+    EXPECT_EQ(points_of(text, named("shaft 1"), "tight_tension").size(), 2U) << "one line";
+    const auto spectrum = points_of(text, "tight_tension");
+    // Marks are where the vibrations are: beside them, at quarters, hardly any (measured: a tenth).
+    for (const double order : {0.5, 1.5, 2.5}) EXPECT_GT(peak_near(spectrum, order), 4.0 * peak_near(spectrum, order - 0.25)) << order;
 }
 
 TEST_F(PlotCommand, ALongRunIsDrawnAsMeansOverPinPeriods) {

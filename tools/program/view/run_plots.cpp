@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <utility>
 
@@ -12,6 +11,7 @@
 #include "tools/program/guard.hpp"
 #include "tools/program/text/text.hpp"
 #include "tools/program/view/labels.hpp"
+#include "tools/program/view/order_lines.hpp"
 #include "tools/program/view/order_spectrum.hpp"
 
 namespace cvtflow::tools {
@@ -92,15 +92,6 @@ std::vector<double> in_milliseconds(std::vector<double> times) {
     return times;
 }
 
-/// A dashed line at each order.
-void add_orders(Plot& plot, double frequency, double least, double largest, double end) {
-    Series lines{fmt::format("pins pass: {:.4g} Hz and multiples", frequency), {}, Mark::none, Line::dashed, "#999999", 1.0};
-    for (int order = 1; order < end && order <= 20; ++order) {
-        for (const double y : {least, largest, static_cast<double>(NAN)}) lines.points.push_back({static_cast<double>(order), y});
-    }
-    plot.series.insert(plot.series.begin(), std::move(lines));
-}
-
 /// Means over whole pin periods at the middles of these; what a long run shows.
 struct PeriodMeans {
     std::vector<double> times, values;
@@ -130,17 +121,6 @@ double averaged_period(const RecordedRun& run) {
     const double span = run.times().back() - run.times().front();
     if (!pins || span * *pins < long_run || static_cast<double>(run.times().size()) < 4.0 * span * *pins) return 0.0;
     return 1.0 / *pins;
-}
-
-/// "order 1 = 1404 Hz; a round of the chain 0.0119, shafts 0.0237, 0.0236".
-std::string orders_text(const RecordedRun& run, double pins) {
-    std::string text = fmt::format("order 1 = {:.4g} Hz; a round of the chain {:.3g}", pins, 1.0 / run.scene()->parameters.chain.pins);
-    for (const engine::ChannelInfo& channel : run.reader().channels()) {
-        if (channel.name != "shaft_1/speed" && channel.name != "shaft_2/speed") continue;
-        const double turns = mean_of(run.curves(channel).front().values) / (2.0 * std::numbers::pi);
-        text += fmt::format("{} {:.3g}", channel.name == "shaft_1/speed" ? ", shafts" : ",", turns / pins);
-    }
-    return text;
 }
 
 /// Millimetres are as long in either direction.
@@ -214,14 +194,15 @@ std::pair<double, double> amplitude_range(const Plot& plot, double end) {
 std::vector<Plot> order_plots(const std::vector<RecordedRun>& runs, const std::vector<std::string>& words) {
     std::vector<Panel> panels;
     double end = INFINITY;
-    const auto pins = runs.front().pin_frequency();
+    const std::vector<Repetition> orders = repetitions(runs.front());
+    const double unit = orders.empty() ? 1.0 : orders.front().frequency;
     for (const RecordedRun& run : runs) {
         for (const Curve& curve : chosen(run, words)) {
             AmplitudeSpectrum spectrum = amplitude_spectrum(run.times(), curve.values);
             if (spectrum.frequency.empty()) throw UsageError(run.path() + ": orders need 8 rows at least");
             Plot& plot = panel_of(panels, curve);
-            plot.x.label = pins ? "order of the passing pins" : "frequency [Hz]";
-            for (double& frequency : spectrum.frequency) frequency /= pins.value_or(1.0);
+            plot.x.label = orders.empty() ? "frequency [Hz]" : "order of the passing pins";
+            for (double& frequency : spectrum.frequency) frequency /= unit;
             const Shown how = shown(curve.name, curve.unit);
             for (double& amplitude : spectrum.amplitude) amplitude *= how.factor;
             if (plot.series.empty())
@@ -232,7 +213,7 @@ std::vector<Plot> order_plots(const std::vector<RecordedRun>& runs, const std::v
             plot.series.push_back(line_through(name_in(runs, run, curve.name), spectrum.frequency, spectrum.amplitude));
         }
     }
-    if (pins) end = std::min(end, 12.5);
+    if (!orders.empty()) end = std::min(end, 12.5);
     for (Panel& panel : panels) {
         const auto [bottom, top] = amplitude_range(panel.plot, end);
         panel.plot.x.from = 0.0, panel.plot.x.to = end;
@@ -241,9 +222,12 @@ std::vector<Plot> order_plots(const std::vector<RecordedRun>& runs, const std::v
             panel.plot.series[k].colour = palette(k);
             panel.plot.series[k].line = palette_line(k);
         }
-        if (pins) add_orders(panel.plot, *pins, bottom, top, end);
+        if (!orders.empty()) {
+            const std::vector<Series> lines = order_lines(orders, end, {bottom, top});
+            panel.plot.series.insert(panel.plot.series.begin(), lines.begin(), lines.end());
+        }
     }
-    return finished(panels, subtitle_of(runs) + (pins ? "; " + orders_text(runs.front(), *pins) : ""));
+    return finished(panels, subtitle_of(runs) + (orders.empty() ? "" : "; " + orders_text(orders)));
 }
 
 Plot round_plot(const std::vector<RecordedRun>& runs) {
