@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import urllib.parse
 import xml.etree.ElementTree
 import zipfile
 
@@ -18,6 +19,7 @@ del sys.argv[1:3]
 SOURCE = pathlib.Path(__file__).with_name("fmu_steps.c")
 MINGW = shutil.which("x86_64-w64-mingw32-gcc-posix") or shutil.which("x86_64-w64-mingw32-gcc")
 WINE = shutil.which("wine64") or shutil.which("wine") or shutil.which("wine64", path="/usr/lib/wine")
+SETTLING = ("--set", 'start.state=""', "--set", "start.settling_time=0.1 ms", "--set", "start.ramp_time=50 us")
 PLACES = {2: ("linux64", "win64"), 3: ("x86_64-linux", "x86_64-windows")}
 
 
@@ -27,39 +29,43 @@ class Windows(unittest.TestCase):
         cls.scratch = tempfile.TemporaryDirectory(prefix="fmu windows ")
         cls.folder = pathlib.Path(cls.scratch.name)
         # Wine keeps a folder of its own, and Windows' libraries need no more of it than that.
-        cls.environment = {**os.environ, "WINEPREFIX": str(cls.folder / "wine"), "WINEDEBUG": "-all", "WINEDLLOVERRIDES": "mscoree,mshtml="}
+        cls.environment = {**os.environ, "WINEPREFIX": str(cls.folder / "wine"), "LC_ALL": "C.UTF-8", "WINEDEBUG": "-all",
+                           "WINEDLLOVERRIDES": "mscoree,mshtml="}
         subprocess.run([CC, "-O1", str(SOURCE), "-o", str(cls.folder / "steps"), "-ldl"], check=True)
         subprocess.run([MINGW, "-O1", str(SOURCE), "-o", str(cls.folder / "steps.exe"), "-static"], check=True)
 
     @classmethod
     def tearDownClass(cls):
-        subprocess.run([str(pathlib.Path(WINE).with_name("wineserver")) if pathlib.Path(WINE).with_name("wineserver").exists() else "wineserver", "-k"],
-                       env=cls.environment, check=False)
+        server = pathlib.Path(WINE).with_name("wineserver")
+        subprocess.run([str(server) if server.exists() else "wineserver", "-k"], env=cls.environment, check=False)
         cls.scratch.cleanup()
 
-    def exported(self, version, *more):
+    def exported(self, version, *more, scene="tiny"):
         """Folder of an exported FMU, and the value references of its variables."""
         inside = self.folder / f"fmi {version}"
         shutil.rmtree(inside, ignore_errors=True)
         file = self.folder / "one.fmu"
-        subprocess.run([PROGRAM, "export-fmu", "tiny", "-o", str(file), "-q", "--force", "--fmi", str(version), *more], check=True)
+        subprocess.run([PROGRAM, "export-fmu", scene, "-o", str(file), "-q", "--force", "--fmi", str(version), *more], check=True)
         with zipfile.ZipFile(file) as parts:
             parts.extractall(inside)
         root = xml.etree.ElementTree.parse(inside / "modelDescription.xml").getroot()
         return inside, {row.get("name"): row.get("valueReference") for row in root.find("ModelVariables")}
 
-    def steps(self, inside, version, windows, references):
+    def steps(self, inside, version, windows, references, resources=None, status=0):
+        """Words that the library printed; with another status than 0, its complaint. @param resources: another folder of these"""
         library = inside / "binaries" / PLACES[version][windows] / ("tiny.dll" if windows else "tiny.so")
-        root = f"Z:{inside}" if windows else str(inside)
-        resources = f"{root}/resources" + ("/" if version == 3 else "")
+        folder = resources or inside / "resources"
+        resources = f"Z:{folder}" if windows else str(folder)
         if version == 2:
-            resources = ("file:///" if windows else "file://") + resources.replace(" ", "%20")
+            resources = ("file:///" if windows else "file://") + urllib.parse.quote(resources, safe="/:")
+        else:
+            resources += "/"
         command = [WINE, str(self.folder / "steps.exe")] if windows else [str(self.folder / "steps")]
         done = subprocess.run([*command, str(library), resources, str(version), "20", "1e-5", references["load_torque"], "9.5",
                                *(references[name] for name in ("time", "ratio", "slip", "efficiency", "shaft_1.chain_torque"))],
                               capture_output=True, text=True, env=self.environment, timeout=300)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        return done.stdout.split()
+        self.assertEqual(done.returncode, status, done.stderr)
+        return done.stdout.split() if status == 0 else done.stderr
 
     def test_bits_are_those_of_linux(self):
         for version in (2, 3):
@@ -67,11 +73,44 @@ class Windows(unittest.TestCase):
                 inside, references = self.exported(version)
                 here, there = (self.steps(inside, version, windows, references) for windows in (0, 1))
                 self.assertEqual(len(here), 3 * 21 * 5)
+                self.assertGreater(len(set(here)), 4 * 21)  # the numbers change with time
                 self.assertEqual(there, here)
 
+    def test_bits_are_those_of_linux_at_every_detail(self):
+        """Every family of kernels: pin halves, whole pins, rigid pins, every plate, stages side by side."""
+        for more in (("--detail", "coarse"), ("--detail", "rigid"), ("--detail", "fine"), ("--method", "rk4", "--step", "20 ns"),
+                     ("--method", "leapfrog-chebyshev"), ("--set", "detail.stick_slip=true")):
+            with self.subTest(more=more):
+                inside, references = self.exported(3, *SETTLING, *more)
+                self.assertEqual(self.steps(inside, 3, 1, references), self.steps(inside, 3, 0, references))
+
+    def test_folders_have_names_of_every_language(self):
+        inside, references = self.exported(2)
+        place = shutil.copytree(inside / "resources", self.folder / "Müller 変速機" / "resources")
+        self.assertEqual(self.steps(inside, 2, 1, references, place), self.steps(inside, 2, 0, references))
+
+    def test_a_library_older_than_that_for_linux_is_left_out(self):
+        place = self.folder / "built"
+        place.mkdir()
+        for name in ("cvtflow", "cvtflow_fmu.so", "cvtflow_fmu.dll", "cvtflow-scenes.path"):
+            shutil.copy2(pathlib.Path(PROGRAM).with_name(name), place)
+        newer = (place / "cvtflow_fmu.so").stat().st_mtime_ns
+        for age, expected in ((0, "Linux and Windows"), (10**9, "Linux only (cvtflow_fmu.dll is older")):
+            os.utime(place / "cvtflow_fmu.dll", ns=(newer - age, newer - age))
+            done = subprocess.run([str(place / "cvtflow"), "export-fmu", "tiny", "-o", str(self.folder / "old.fmu"), "--force"],
+                                  capture_output=True, text=True, check=True)
+            self.assertIn(expected, done.stdout)
+        with zipfile.ZipFile(self.folder / "old.fmu") as parts:
+            self.assertNotIn("binaries/x86_64-windows/tiny.dll", parts.namelist())
+
+    def test_missing_resources_are_an_error_not_a_crash(self):
+        for version in (2, 3):
+            inside, references = self.exported(version)
+            no_instance = 5
+            self.assertIn("status 3", self.steps(inside, version, 1, references, self.folder / "nowhere", no_instance))
+
     def test_parts_that_need_settling_and_control_are_the_same(self):
-        inside, references = self.exported(3, "--set", 'start.state=""', "--set", "start.settling_time=0.1 ms", "--set", "start.ramp_time=50 us",
-                                           "--set", "control.enabled=true", "--set", "run.method=rk4", "--set", "run.step=20 ns")
+        inside, references = self.exported(3, *SETTLING, "--set", "control.enabled=true", "--method", "rk4", "--step", "20 ns")
         self.assertEqual(self.steps(inside, 3, 1, references), self.steps(inside, 3, 0, references))
 
 

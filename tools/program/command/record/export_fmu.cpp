@@ -75,8 +75,14 @@ std::vector<FmuSystem> fmu_systems() {
             fmt::format("{}: found neither beside this program nor in lib/cvtflow of its installation (cmake --build build --target "
                         "cvtflow_fmu; x86-64 only)",
                         systems[0].library));
-    std::erase_if(systems, [](const FmuSystem& system) { return system.file.empty(); });
     return systems;
+}
+
+/// Why the FMU is for Linux only; empty: it is for both. A library for Windows that is older than that for Linux may be of other sources.
+std::string no_windows(const std::vector<FmuSystem>& systems) {
+    if (systems[1].file.empty()) return "no cvtflow_fmu.dll: docs/fmi.md";
+    if (fs::last_write_time(systems[1].file) >= fs::last_write_time(systems[0].file)) return "";
+    return "cvtflow_fmu.dll is older than cvtflow_fmu.so and is left out: cmake --build build --target cvtflow_fmu_windows";
 }
 
 /// A name reduced to letters, digits and underscores: the name of the FMU's library.
@@ -127,13 +133,15 @@ ExitStatus export_fmu(const FmuArguments& arguments) {
     for (const std::string& notice : {loaded.notice, replaced}) {
         if (!notice.empty() && !arguments.quiet) print_error(notice);
     }
-    const std::vector<FmuSystem> systems = fmu_systems();
+    std::vector<FmuSystem> systems = fmu_systems();
+    const std::string alone = no_windows(systems);
+    if (!alone.empty()) systems.pop_back();
     Simulation simulation = settled(Scene::parse(tasks::write_scene(loaded.scene), loaded.scene.path.string()));
     write_text(file, fmu_bytes(arguments, systems, loaded.scene, simulation));
     for (const std::string& notice : simulation.notices()) print_error(notice);
     if (!arguments.quiet)
         fmt::print("{}: FMI {}.0 for co-simulation, {}, {}\n", file, arguments.version,
-                   systems.size() == 2 ? "Linux and Windows" : "Linux only (no cvtflow_fmu.dll: docs/fmi.md)",
+                   alone.empty() ? "Linux and Windows" : fmt::format("Linux only ({})", alone),
                    size_text(static_cast<double>(fs::file_size(file))));
     return simulation.energy().reliable ? ExitStatus::finished : ExitStatus::unreliable;
 }
