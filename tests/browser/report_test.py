@@ -84,6 +84,11 @@ with open("forged.csv", "w", newline="") as table:
 cvtflow("report", "forged.csv", "-o", "forged_sweep.html")
 
 
+def in_percent(channel):
+    """Factor from the record to the page."""
+    return 100 if "slip" in channel or channel == "efficiency" else 1
+
+
 class Page(unittest.TestCase):
     """A page that is opened anew for each test, and must neither complain nor ask for anything."""
 
@@ -116,10 +121,11 @@ class RunReport(Page):
 
     def test_key_figures_are_those_of_the_record(self):
         rows = self.value("""[...document.querySelectorAll("#figures tbody tr")].map((r) =>
-            [r.dataset.channel, ...[...r.querySelectorAll("[data-value]")].map((c) => Number(c.dataset.value))])""")
+            [r.dataset.channel, r.cells[1].textContent, ...[...r.querySelectorAll("[data-value]")].map((c) => Number(c.dataset.value))])""")
         self.assertGreater(len(rows), 4)
-        for name, mean, _, least, largest in rows:
-            values = self.record["channels/" + name][:]
+        for name, unit, mean, _, least, largest in rows:
+            values = self.record["channels/" + name][:] * in_percent(name)
+            self.assertEqual(unit == "%", in_percent(name) == 100, name)
             for shown, true in ((mean, values.mean()), (least, values.min()), (largest, values.max())):
                 self.assertAlmostEqual(shown, true, delta=1e-8 * abs(true) + 1e-300)  # nine digits
 
@@ -136,8 +142,14 @@ class RunReport(Page):
         for name in ("ratio", "slip", "shaft_1/speed", "tight_tension"):
             self.assertIn(name, names)
             shown = numpy.array(self.value(f"[...curves.of(curves.runs[0], {name!r})]"))
-            true = self.record["channels/" + name][:]
+            true = self.record["channels/" + name][:] * in_percent(name)
             numpy.testing.assert_allclose(shown, true, rtol=1e-7)  # 24 bits
+
+    def test_slip_and_efficiency_have_panels_of_their_own_in_per_cent(self):
+        self.value("""(() => { curves.chosen = new Set(["slip", "friction_slip", "efficiency", "ratio"]); curves.draw(); })()""")
+        labels = self.value("curves.charts.map((c) => c.getOption('ylabel'))")
+        self.assertEqual(labels, ["slip [%]", "friction_slip [%]", "efficiency [%]", "ratio"])
+        self.assertIn("slip [%]", self.value("[...document.querySelectorAll('#colour option')].map((o) => o.textContent)"))
 
     def test_a_click_draws_a_channel_and_the_filter_finds_it(self):
         before = self.value("document.querySelectorAll('.panel canvas').length")
@@ -261,7 +273,10 @@ class SweepReport(Page):
 
     def test_a_click_on_a_heading_sorts_the_cases(self):
         before = self.column("slip_mean")
-        heading = "[...document.querySelectorAll('#cases-table th button')].find((b) => b.textContent === 'slip_mean')"
+        with open(os.path.join(SOURCE, "scenes/sweeps/slip_efficiency_results.csv"), newline="") as table:
+            rows = [100 * float(row["slip_mean"]) for row in csv.DictReader(table)]
+        numpy.testing.assert_allclose(before, rows, rtol=1e-15)
+        heading = "[...document.querySelectorAll('#cases-table th button')].find((b) => b.textContent === 'slip_mean [%]')"
         self.browser.click(*self.at(heading))
         self.assertEqual(self.column("slip_mean"), sorted(before))
         self.browser.click(*self.at(heading))

@@ -77,6 +77,17 @@ TEST_F(ReportCommand, ShowsEveryCaseOfASweep) {
     const std::string page = read("cases.html");
     EXPECT_THAT(page, testing::AllOf(HasSubstr("<b>ok</b>: 1 of 2 cases"), HasSubstr("<b>deep_tip</b>: 1 of 2 cases"),
                                      HasSubstr("id=\"cases-table\"")));
+    EXPECT_THAT(page, testing::AllOf(HasSubstr("slip_mean [%]</th>"),
+                                     HasSubstr("data-value=\"10\">10</td><td class=\"number\" data-value=\"10\">")))
+        << "a slip of 0.1 is 10 %, a torque of 10 is 10";
+}
+
+TEST_F(ReportCommand, ShowsSlipAndEfficiencyInPerCentAsPlotsDo) {
+    ASSERT_EQ(run({"report", "run.h5", "-o", "page.html"}).status, 0);
+    const std::string page = read("page.html");
+    for (const char* channel : {"slip", "friction_slip", "loss_slip", "efficiency"})
+        EXPECT_TRUE(std::regex_search(page, std::regex(std::string("<tr data-channel=\"") + channel + "\">.*</td><td>%</td>"))) << channel;
+    EXPECT_TRUE(std::regex_search(page, std::regex("<tr data-channel=\"ratio\">.*</td><td></td>"))) << "a ratio is no share";
 }
 
 TEST_F(ReportCommand, DrawsMapsOfCasesThatFormAGrid) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "tools/program/html/page.hpp"
+#include "tools/program/view/labels.hpp"
 
 namespace cvtflow::tools {
 
@@ -12,10 +13,16 @@ bool constant(const Curve& curve) {
     return std::all_of(curve.values.begin(), curve.values.end(), [&](double value) { return value == curve.values.front(); });
 }
 
+/// In the units that people read.
 std::vector<Curve> all_curves(const RecordedRun& run) {
     std::vector<Curve> curves;
     for (const engine::ChannelInfo& channel : run.reader().channels()) {
-        for (Curve& curve : run.curves(channel)) curves.push_back(std::move(curve));
+        const Shown how = shown(channel.name, channel.unit);
+        for (Curve& curve : run.curves(channel)) {
+            for (double& value : curve.values) value *= how.factor;
+            curve.unit = how.unit;
+            curves.push_back(std::move(curve));
+        }
     }
     return curves;
 }
@@ -76,7 +83,12 @@ nlohmann::json motion_data(const ChainMotion& motion) {
     };
     add("tip force", "N", motion.force);
     add("tension", "N", motion.tension);
-    if (motion.pulleys) add("slip", "1", motion.slip);
+    if (motion.pulleys) {
+        const Shown how = shown("slip", "1");
+        std::vector<float> slip = motion.slip;
+        for (float& value : slip) value *= static_cast<float>(how.factor);
+        add("slip", how.unit.c_str(), slip);
+    }
     for (const std::size_t shaft : {0U, 1U})
         data["shafts"].push_back({{"angle", packed(motion.angle[shaft])}, {"radius", packed(motion.radius[shaft])}});
     return data;

@@ -6,6 +6,7 @@
 
 #include "tools/program/text/markup.hpp"
 #include "tools/program/text/text.hpp"
+#include "tools/program/view/labels.hpp"
 #include "tools/program/view/run_difference.hpp"
 #include "tools/program/view/run_plots.hpp"
 
@@ -33,17 +34,18 @@ std::string keys_that_differ(const RecordedRun& a, const RecordedRun& b) {
            rows + "</tbody></table>\n";
 }
 
-std::string mean_cells(const MeanDifference& mean) {
-    return number_cell(mean.a, "{:.6g}") + number_cell(mean.b, "{:.6g}") + number_cell(mean.absolute(), "{:+.4g}") +
-           number_cell(100.0 * mean.relative(), "{:+.3g} %");
+std::string mean_cells(const MeanDifference& mean, double factor) {
+    return number_cell(factor * mean.a, "{:.6g}") + number_cell(factor * mean.b, "{:.6g}") +
+           number_cell(factor * mean.absolute(), "{:+.4g}") + number_cell(100.0 * mean.relative(), "{:+.3g} %");
 }
 
 std::string side_by_side(const RunDifference& d) {
     std::string rows;
     for (const ChannelDifference& each : d.channels) {
+        const Shown how = shown(each.curve.name, each.curve.unit);
         rows += fmt::format("<tr data-difference=\"{0}\"><td title=\"{1}\">{0}</td><td>{2}</td>", html(each.curve.name),
-                            html(each.curve.description), each.curve.unit == "1" ? "" : html(each.curve.unit)) +
-                mean_cells(each.all) + mean_cells(each.last) + number_cell(each.largest, "{:.4g}") +
+                            html(each.curve.description), html(how.unit)) +
+                mean_cells(each.all, how.factor) + mean_cells(each.last, how.factor) + number_cell(how.factor * each.largest, "{:.4g}") +
                 fmt::format("<td class=\"number\" data-value=\"{:.9g}\">{}</td></tr>\n", each.largest_time, time_text(each.largest_time));
     }
     return "<table class=\"sortable\"><caption>Key figures side by side: means of all common rows, of the last fifth of them, and the "
@@ -61,12 +63,13 @@ std::string curves_of_differences(const RunDifference& d) {
             same += (same.empty() ? "" : ", ") + each.curve.name;
             continue;
         }
+        const Shown how = shown(each.curve.name, each.curve.unit);
         std::vector<Point> points;
-        for (std::size_t k = 0; k < d.times.size(); ++k) points.push_back({1e3 * d.times[k], each.curve.values[k]});
+        for (std::size_t k = 0; k < d.times.size(); ++k) points.push_back({1e3 * d.times[k], how.factor * each.curve.values[k]});
         Plot plot;
         plot.title = each.curve.name + ": B - A";
         plot.x.label = "time [ms]";
-        plot.y.label = each.curve.unit == "1" ? "B - A" : fmt::format("B - A [{}]", each.curve.unit);
+        plot.y.label = how.unit.empty() ? "B - A" : fmt::format("B - A [{}]", how.unit);
         plot.height = 300.0;
         const bool dots = points.size() == 1;
         plot.series.push_back({"", thinned(points, columns_drawn_of_difference), dots ? Mark::dot : Mark::none, Line::solid, "", 1.4});

@@ -15,6 +15,7 @@
 #include "tools/program/text/markup.hpp"
 #include "tools/program/text/scene_text.hpp"
 #include "tools/program/text/text.hpp"
+#include "tools/program/view/labels.hpp"
 #include "tools/program/view/run_plots.hpp"
 
 namespace cvtflow::tools {
@@ -106,10 +107,11 @@ std::string figures(const RecordedRun& run) {
         const double mean = std::accumulate(v.begin(), v.end(), 0.0) / static_cast<double>(v.size());
         const double last = std::accumulate(fifth, v.end(), 0.0) / static_cast<double>(v.end() - fifth);
         const auto [least, largest] = std::minmax_element(v.begin(), v.end());
+        const Shown how = shown(curve.name, curve.unit);
         rows += fmt::format("<tr data-channel=\"{0}\"><td title=\"{1}\">{0}</td><td>{2}</td>", html(curve.name), html(curve.description),
-                            curve.unit == "1" ? "" : html(curve.unit));
+                            html(how.unit));
         for (const double number : {mean, last, *least, *largest})
-            rows += fmt::format("<td class=\"number\" data-value=\"{0:.9g}\">{0:.6g}</td>", number);
+            rows += fmt::format("<td class=\"number\" data-value=\"{0:.9g}\">{0:.6g}</td>", how.factor * number);
         rows += "</tr>\n";
     }
     return fmt::format(

@@ -10,6 +10,7 @@
 #include "tools/program/html/page.hpp"
 #include "tools/program/text/attribute_text.hpp"
 #include "tools/program/text/markup.hpp"
+#include "tools/program/view/labels.hpp"
 #include "tools/program/view/sweep_plots.hpp"
 
 namespace cvtflow::tools {
@@ -27,18 +28,23 @@ std::string endings(const SweepView& sweep) {
     return fmt::format("<ul class=\"status\">\n{}</ul>\n", items);
 }
 
+/// Text columns, whatever their name, have no unit.
+Shown how_to_show(const SweepColumn& column) { return column.number ? shown(column.name, column.unit) : Shown{}; }
+
 std::string cases_table(const SweepView& sweep) {
     std::string text = "<div class=\"wide\"><table class=\"sortable\" id=\"cases-table\"><thead><tr>";
-    for (const SweepColumn& column : sweep.columns)
+    for (const SweepColumn& column : sweep.columns) {
+        const std::string unit = how_to_show(column).unit;
         text += fmt::format("<th title=\"{}\">{}{}</th>", html(column.description), html(column.name),
-                            column.unit.empty() || column.unit == "1" ? "" : " [" + html(column.unit) + "]");
+                            unit.empty() ? "" : " [" + html(unit) + "]");
+    }
     text += "</tr></thead><tbody>\n";
     for (std::size_t row = 0; row < sweep.cells.size(); ++row) {
         text += "<tr>";
         for (std::size_t c = 0; c < sweep.columns.size(); ++c) {
             const std::string& cell = sweep.cells[row][c];
-            const double number = sweep.number(row, c);
-            text += sweep.columns[c].number ? fmt::format("<td class=\"number\" data-value=\"{}\">{:.6g}</td>", html(cell), number)
+            const double number = how_to_show(sweep.columns[c]).factor * sweep.number(row, c);
+            text += sweep.columns[c].number ? fmt::format("<td class=\"number\" data-value=\"{0:.17g}\">{0:.6g}</td>", number)
                                             : fmt::format("<td>{}</td>", html(cell));
         }
         text += "</tr>\n";
@@ -51,10 +57,10 @@ nlohmann::json data_of(const SweepView& sweep) {
     for (std::size_t c = 0; c < sweep.columns.size(); ++c) {
         const SweepColumn& column = sweep.columns[c];
         if (!column.number) continue;
+        const Shown how = how_to_show(column);
         nlohmann::json values = nlohmann::json::array();
-        for (std::size_t row = 0; row < sweep.cells.size(); ++row) values.push_back(sweep.number(row, c));
-        data["columns"].push_back(
-            {{"n", column.name}, {"u", column.unit == "1" ? "" : column.unit}, {"axis", column.axis}, {"v", std::move(values)}});
+        for (std::size_t row = 0; row < sweep.cells.size(); ++row) values.push_back(how.factor * sweep.number(row, c));
+        data["columns"].push_back({{"n", column.name}, {"u", how.unit}, {"axis", column.axis}, {"v", std::move(values)}});
     }
     const std::size_t status = sweep.column("status");
     for (const auto& row : sweep.cells) data["cases"].push_back(row[status]);

@@ -38,8 +38,9 @@ std::string words_of(std::string name) {
 }  // namespace
 
 Shown shown(const std::string& name, const std::string& unit) {
-    if (in_percent(name, unit)) return {words_of(name) + " [%]", 100.0};
-    return {unit.empty() || unit == "1" ? words_of(name) : fmt::format("{} [{}]", words_of(name), with_dots(unit)), 1.0};
+    if (in_percent(name, unit)) return {words_of(name) + " [%]", 100.0, "%"};
+    if (unit.empty() || unit == "1") return {words_of(name), 1.0, ""};
+    return {fmt::format("{} [{}]", words_of(name), with_dots(unit)), 1.0, unit};
 }
 
 std::string label_of_unit(const std::string& unit) {

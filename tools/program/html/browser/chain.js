@@ -42,7 +42,7 @@ class RunningChain extends DrawnChain {
     for (const slow of [1, 10, 100, 1000, 10000])
       speed.append(element("option", {value: slow}, slow === 1 ? "as in life" : `${slow} times slower`));
     speed.value = 100;
-    this.colours.forEach((c, k) => colour.append(element("option", {value: k}, c.unit === "1" ? c.name : `${c.name} [${c.unit}]`)));
+    this.colours.forEach((c, k) => colour.append(element("option", {value: k}, c.unit === "" ? c.name : `${c.name} [${c.unit}]`)));
     colour.addEventListener("change", () => this.choose(Number(colour.value)));
     this.colour = this.colours[0] || {name: "nothing", unit: "", values: new Float32Array(this.x.length), from: 0, to: 0};
     this.legend();
@@ -119,7 +119,7 @@ class RunningChain extends DrawnChain {
       paint.fillStyle = heatText(k / 199);
       paint.fillRect(k, 0, 1, 1);
     }
-    const of = (value) => readable(value) + (unit === "1" ? "" : " " + unit);
+    const of = (value) => readable(value) + (unit === "" ? "" : " " + unit);
     document.getElementById("legend").replaceChildren(name + ": " + of(from), bar, of(to));
   }
 
@@ -145,7 +145,7 @@ class RunningChain extends DrawnChain {
   tellPin() {
     if (this.pin < 0) return;
     const numbers =
-        this.colours.map((c) => `${c.name} ${readable(this.at(c.values, this.pin, this.moment))}${c.unit === "1" ? "" : " " + c.unit}`);
+        this.colours.map((c) => `${c.name} ${readable(this.at(c.values, this.pin, this.moment))}${c.unit === "" ? "" : " " + c.unit}`);
     document.getElementById("pin").textContent = `pin ${this.pin} at ${readable(1e3 * this.time())} ms: ${numbers.join(", ")}`;
   }
 
@@ -158,7 +158,7 @@ class RunningChain extends DrawnChain {
       labels: ["time [ms]", name],
       title: name,
       xlabel: "time [ms]",
-      ylabel: this.colour.unit === "1" ? "" : `[${this.colour.unit}]`,
+      ylabel: this.colour.unit === "" ? "" : `[${this.colour.unit}]`,
       titleHeight: 20,
       colors: [colours[1]],
       axisLineColor: style.getPropertyValue("--soft"),

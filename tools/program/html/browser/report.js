@@ -146,12 +146,12 @@ class Curves {
     for (const chart of this.charts) chart.updateOptions({dateWindow: window});
   }
 
-  /** Names by unit: one panel each; numbers without a unit stay alone. */
+  /** Names by unit: one panel each; numbers without a unit, and shares, stay alone: slip and efficiency share no axis. */
   panels() {
     const panels = new Map();
     for (const name of this.chosen) {
       const unit = this.runs[0].curves.get(name).u;
-      const key = unit === "1" ? name : unit;
+      const key = unit === "" || unit === "%" ? name : unit;
       panels.set(key, [...(panels.get(key) || []), name]);
     }
     return panels;
@@ -195,7 +195,7 @@ class Curves {
             labelsSeparateLines: true,
       legend: labels.length > 2 ? "always" : "onmouseover",
       xlabel: "time [ms]",
-      ylabel: escaped(unit === "1" ? key : "[" + unit + "]"),
+      ylabel: escaped(unit === "" ? key : unit === "%" ? key + " [%]" : "[" + unit + "]"),
       dateWindow: this.window,
       axisLineColor: style.getPropertyValue("--soft"),
       gridLineColor: style.getPropertyValue("--line"),
