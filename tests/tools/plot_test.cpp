@@ -130,6 +130,11 @@ TEST_F(PlotCommand, ALongRunIsDrawnAsMeansOverPinPeriods) {
     ASSERT_GT(means.size(), 60U);
     EXPECT_LT(means.size(), 80U) << "50 ms of 0.71 ms";
     EXPECT_NEAR(means[1].first - means[0].first, 1e3 * 8.12e-3 / (2000.0 / 60.0 * 2.0 * std::numbers::pi * 54.44e-3), 0.01);
+    ASSERT_EQ(run({"plot", "long.h5", "--losses", "-o", "losses.csv"}).status, 0);
+    std::istringstream lines(read("losses.csv"));
+    long joints = 0;
+    for (std::string line; std::getline(lines, line);) joints += line.find("joint friction") != std::string::npos ? 1 : 0;
+    EXPECT_EQ(joints, static_cast<long>(means.size())) << "losses as well";
     for (const auto& [time, slip] : means) EXPECT_TRUE(slip > 0.1 && slip < 0.6) << time << ": " << slip << " %";
 }
 

@@ -221,7 +221,7 @@ std::string run_page(const std::vector<RecordedRun>& runs) {
     page.sections.push_back({"spectra", "Spectra", spectra(runs)});
     const auto has_losses = [](const RecordedRun& run) { return !run.group("loss").empty(); };
     if (std::all_of(runs.begin(), runs.end(), has_losses))
-        page.sections.push_back({"losses", "Losses", of_all(runs, [](const RecordedRun& run) { return picture(loss_plot(run)); })});
+        page.sections.push_back({"losses", "Losses", of_all(runs, [](const RecordedRun& run) { return picture(loss_plot(run, false)); })});
     std::string origins;
     for (const RecordedRun& run : runs) origins += provenance(run);
     page.sections.push_back({"provenance", "Provenance", origins});

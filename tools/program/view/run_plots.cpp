@@ -123,6 +123,13 @@ double averaged_period(const RecordedRun& run) {
     return 1.0 / *pins;
 }
 
+std::string means_text(double period) { return period > 0.0 ? fmt::format("; means over pin periods ({})", time_text(period)) : ""; }
+
+/// A curve as it is drawn. @param period as averaged_period()
+PeriodMeans drawn_of(const RecordedRun& run, const Curve& curve, double period) {
+    return period > 0.0 ? period_means(run.times(), curve.values, period) : PeriodMeans{run.times(), curve.values};
+}
+
 /// Millimetres are as long in either direction.
 void equalise(Plot& plot) {
     double x[2]{INFINITY, -INFINITY}, y[2]{INFINITY, -INFINITY};
@@ -162,12 +169,11 @@ std::vector<Plot> time_plots(const std::vector<RecordedRun>& runs, const std::ve
     std::string means;
     for (const RecordedRun& run : runs) {
         const double period = every_output ? 0.0 : averaged_period(run);
-        if (period > 0.0) means = fmt::format("; means over pin periods ({})", time_text(period));
+        means = period > 0.0 ? means_text(period) : means;
         for (const Curve& curve : chosen(run, words)) {
             Plot& plot = panel_of(panels, curve);
             plot.x.label = "time [ms]";
-            PeriodMeans drawn{run.times(), curve.values};
-            if (period > 0.0) drawn = period_means(run.times(), curve.values, period);
+            PeriodMeans drawn = drawn_of(run, curve, period);
             for (double& value : drawn.values) value *= shown(curve.name, curve.unit).factor;
             plot.series.push_back(line_through(name_in(runs, run, curve.name), in_milliseconds(drawn.times), drawn.values));
         }
@@ -250,7 +256,7 @@ Plot round_plot(const std::vector<RecordedRun>& runs) {
     return plot;
 }
 
-Plot loss_plot(const RecordedRun& run) {
+Plot loss_plot(const RecordedRun& run, bool every_output) {
     std::vector<Curve> kinds = run.group("loss");
     if (kinds.empty()) throw UsageError(run.path() + ": the record has no losses");
     std::sort(kinds.begin(), kinds.end(), [](const Curve& a, const Curve& b) { return mean_of(a.values) > mean_of(b.values); });
@@ -258,15 +264,16 @@ Plot loss_plot(const RecordedRun& run) {
     for (const Curve& kind : kinds) total += mean_of(kind.values);
     Plot plot;
     plot.title = fmt::format("Losses by kind: {:.4g} W on average", total);
-    plot.subtitle = run.conditions();
+    const double period = every_output ? 0.0 : averaged_period(run);
+    plot.subtitle = run.conditions() + means_text(period);
     plot.x.label = "time [ms]", plot.y.label = "power dissipated [W]";
-    const std::vector<double> times = in_milliseconds(run.times());
     for (const Curve& kind : kinds) {
         const double mean = mean_of(kind.values);
+        const PeriodMeans drawn = drawn_of(run, kind, period);
         const std::string share = total > 0.0 ? fmt::format(" ({:.1f} %)", 100.0 * mean / total) : "";
         std::string name = kind.name.substr(5);
         std::replace(name.begin(), name.end(), '_', ' ');
-        plot.series.push_back(line_through(fmt::format("{}: {:.4g} W{}", name, mean, share), times, kind.values));
+        plot.series.push_back(line_through(fmt::format("{}: {:.4g} W{}", name, mean, share), in_milliseconds(drawn.times), drawn.values));
     }
     return plot;
 }

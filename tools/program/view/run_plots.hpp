@@ -21,8 +21,9 @@ namespace cvtflow::tools {
 /// The way of the followed pin in the plane of the chain. @throws UsageError if a record does not have it
 [[nodiscard]] Plot round_plot(const std::vector<RecordedRun>& runs);
 
-/// Losses of one run by kind over time, their means and shares in the legend, largest first. @throws UsageError if it has none
-[[nodiscard]] Plot loss_plot(const RecordedRun& run);
+/// Losses of one run by kind over time, their means and shares in the legend, largest first. @param every_output as above
+/// @throws UsageError if it has none
+[[nodiscard]] Plot loss_plot(const RecordedRun& run, bool every_output);
 
 /// Points thinned so that a line through them looks the same: the least and the largest of each of `columns` stretches.
 [[nodiscard]] std::vector<Point> thinned(const std::vector<Point>& points, std::size_t columns);

@@ -86,7 +86,7 @@ std::vector<Plot> plots_of_runs(const PlotArguments& arguments, const PlotWords&
     if (arguments.orders) return order_plots(runs, words.channels);
     if (!arguments.losses) return time_plots(runs, words.channels, arguments.every_output);
     std::vector<Plot> plots;
-    for (const RecordedRun& run : runs) plots.push_back(loss_plot(run));
+    for (const RecordedRun& run : runs) plots.push_back(loss_plot(run, arguments.every_output));
     return plots;
 }
 

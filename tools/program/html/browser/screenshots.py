@@ -1,4 +1,4 @@
-"""Pictures of a report, light and dark: screenshots.py REPORT.html DIR"""
+"""Pictures of a report: screenshots.py REPORT.html DIR"""
 
 import os
 import sys
@@ -12,5 +12,3 @@ with Browser(1150, 900) as browser:
     browser.screenshot(os.path.join(folder, "report.png"))
     browser.value("chain.show(chain.t.length / 2); chain.pick(10); document.getElementById('running').scrollIntoView()")
     browser.screenshot(os.path.join(folder, "chain.png"))
-    browser.value("document.getElementById('theme').click()")
-    browser.screenshot(os.path.join(folder, "chain-dark.png"))
