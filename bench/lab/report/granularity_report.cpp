@@ -130,7 +130,7 @@ std::vector<Plot> efficiency_plots(const Granularity& result) {
 Plot granularity_plot(const Granularity& result) {
     Plot plot;
     plot.title = "Shortest tasks with half of the efficiency: METG(50 %)";
-    plot.subtitle = conditions(result) + "; triangles: at most this, the shortest tasks measured were long enough";
+    plot.subtitle = conditions(result) + "; triangles: upper bounds";
     plot.x = {"tasks per level", Scale::logarithmic, 1.0, {}, {}};
     plot.y = {"METG(50 %) [us]", Scale::logarithmic, 1.0, {}, {}};
     std::vector<Series> bounds;
