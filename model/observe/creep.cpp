@@ -3,6 +3,7 @@
 #include "model/basis/order.hpp"
 #include "model/kernels/chain_parts.hpp"
 #include "model/kernels/pins/pin_among_others.hpp"
+#include "model/variator/rigid/rigid_chain.hpp"
 
 namespace cvtflow::model {
 
@@ -66,8 +67,11 @@ void add_chain(const ChainModel& chain, const double* state, const SheaveMotion*
 Creep observe_creep(const ChainModel& chain, const double* state, const SheaveMotion* sheaves, const Phase* phases) noexcept {
     Creep sums;
     const ChainLayout& layout = chain.layout();
-    const bool bends = !layout.whole || layout.link_size() == 2 * (layout.order + 1) + 2;  // a whole pin with other coordinates is rigid
-    if (layout.pulley_size == 0 || !bends) return sums;
+    if (layout.pulley_size == 0) return sums;
+    if (chain.rigid() != nullptr) {
+        const RigidReaction& found = chain.rigid()->forces().reaction;
+        return {found.hold, found.drag, found.creep_power};
+    }
     of_order(layout.order, [&]<int P>() { add_chain<P>(chain, state, sheaves, phases, sums); });
     return sums;
 }

@@ -14,7 +14,7 @@ struct Creep {
     double power = 0.0;            ///< Σ μ N g v_θ², of both pulleys: lost by sliding along the circumference, ≥ 0 [W]
 };
 
-/// Zero for rigid pins, whose tips slide by another law (EQUATIONS section 11) that this does not read.
+/// Of rigid pins: what the chain's last evaluation has found, which must have been of this state.
 /// Serial, about a third of an evaluation of the chain; sums are in the order of the links. state [unknowns], sheaves [4], phases [4 links]
 [[nodiscard]] Creep observe_creep(const ChainModel& chain, const double* state, const SheaveMotion* sheaves, const Phase* phases) noexcept;
 

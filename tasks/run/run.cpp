@@ -205,7 +205,7 @@ std::string operating_point(const RunReport& r) {
         return std::isfinite(means.efficiency) ? fmt::format("{:.2f} %", 100.0 * means.efficiency) : std::string("- (no input)");
     };
     line("slip                {:.3f} %      efficiency {}   (over {})", 100.0 * r.slip, percent(r.whole), periods_text(r.whole));
-    if (r.whole.loss_slip > 0.0)  // not computed for rigid pins
+    if (r.whole.loss_slip > 0.0)
         line("                    by friction {:.3f} %      lost by creep along the circumference {:.3f} % of the power",
              100.0 * r.whole.friction_slip, 100.0 * r.whole.loss_slip);
     line("last fifth          slip {:.3f} %      efficiency {}      tight {:.1f} N      slack {:.1f} N", 100.0 * r.last_fifth.slip,

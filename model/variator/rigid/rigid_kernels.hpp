@@ -17,12 +17,15 @@ struct RigidKick {
     [[nodiscard]] constexpr bool implicit() const noexcept { return step > 0.0; }
 };
 
-/// What tips do to the sheaves, and how near they are to where contact ends to be described.
+/// What tips do to the sheaves, how near they are to where contact ends to be described, and how they creep.
 struct RigidReaction {
     SheaveForces sheaves{};
     double deepest = -1e300;    ///< depth of a tip [m]
     double innermost = 1e300;   ///< radius of a pin, to 0.1 mm [m]
     double outermost = -1e300;  ///< radius of a pin that touches, to 0.1 mm [m]
+    /// Creep along the circumference, only of velocities as they are (model/observe/creep.hpp).
+    std::array<double, 2> hold{}, drag{};
+    double creep_power = 0.0;
 };
 
 /// Each function reads and writes columns of all pins; the caller renews the copies of neighbours in between.

@@ -11,6 +11,23 @@
 namespace cvtflow::model {
 namespace {
 
+/// Number of a tip as a type: 0 and 1 are the front half's at -z and +z, 2 and 3 the rear half's.
+template <std::size_t number>
+struct Tip {
+    static constexpr std::size_t half = number / 2, end = number % 2;
+    static constexpr int side = end == 0 ? -1 : 1, column = static_cast<int>(number);
+    constexpr operator std::size_t() const noexcept { return number; }
+};
+
+/// Calls act(Tip<number>()) for each tip.
+template <class Act>
+[[gnu::always_inline]] inline void for_tips(const Act& act) noexcept {
+    act(Tip<0>());
+    act(Tip<1>());
+    act(Tip<2>());
+    act(Tip<3>());
+}
+
 /// A pin half, and what it gives to the motion of its tips.
 struct HalfMotion {
     Plane line, outward;       ///< t and o of its pitch line

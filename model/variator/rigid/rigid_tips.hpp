@@ -10,23 +10,6 @@
 namespace cvtflow::model {
 namespace {
 
-/// Number of a tip as a type: 0 and 1 are the front half's at -z and +z, 2 and 3 the rear half's.
-template <std::size_t number>
-struct Tip {
-    static constexpr std::size_t half = number / 2, end = number % 2;
-    static constexpr int side = end == 0 ? -1 : 1, column = static_cast<int>(number);
-    constexpr operator std::size_t() const noexcept { return number; }
-};
-
-/// Calls act(Tip<number>()) for each tip.
-template <class Act>
-[[gnu::always_inline]] inline void for_tips(const Act& act) noexcept {
-    act(Tip<0>());
-    act(Tip<1>());
-    act(Tip<2>());
-    act(Tip<3>());
-}
-
 /// Tips of eight pins.
 class TipGroup {
 public:
@@ -115,14 +98,14 @@ public:
         growth_.z = per_mass * (read(columns_, Column::force_z, first_) + rubbing + total.z);
     }
 
-    [[gnu::always_inline]] void rub(ReactionSum& reaction, PinSum& lost) noexcept {
+    [[gnu::always_inline]] void rub(ReactionSum& reaction, CreepSum& creep, PinSum& lost) noexcept {
         TipForces total;
         ReactionSum::Sides on_side = {no_forces(), no_forces()};
         for_tips([&](auto tip) __attribute__((always_inline)) {
             const TipForce force = tip_force<tip.side>(tips_[tip], normal_[tip], friction(tip, lost));
             total.add<tip.side>(c_, half_[tip.half], tip.half, tips_[tip], force);
             add_on_sheave(tips_[tip], force, on_side[tip.end]);
-            if (!kick_.implicit()) show_force(tip, force);
+            if (!kick_.implicit()) show_force(tip, force, creep);
         });
         reaction.subtract(second_, present(columns_, first_), on_side);
         store(total);
@@ -174,8 +157,12 @@ private:
     }
 
     template <class Tip>
-    void show_force(Tip tip, const TipForce& f) noexcept {
+    void show_force(Tip tip, const TipForce& f, CreepSum& creep) noexcept {
         const TipPlace& place = tips_[tip];
+        const Slip& u = begin_[tip];
+        const PinLanes speed = sqrt(u.round * u.round + u.flank * u.flank);
+        const PinLanes grip = friction_factor(c_.tip_friction, c_.tip_friction.coefficient * normal_[tip].force, PinLanes(0.0), speed);
+        creep.add(present(columns_, first_), second_, grip, sqrt(dot(place.point, place.point)), u.round);
         const PinLanes outward = dot(f.push, place.radial) + dot(f.friction, place.radial);
         write(columns_, Column::outward + tip.column, first_, -outward);
         write(columns_, Column::axial + tip.column, first_, -(f.push_z + f.friction_z));
@@ -252,6 +239,7 @@ inline void press_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, 
                        RigidReaction& reaction, Account& account) noexcept {
     PinSum energy(columns), damping(columns), friction(columns);
     ReactionSum on_sheaves;
+    CreepSum creep;
     TipBounds bounds;
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         TipGroup group(c, sheaves, kick, columns, i);
@@ -268,9 +256,10 @@ inline void press_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, 
         }
         group.press(sheaves, energy, damping);
         group.predict();
-        group.rub(on_sheaves, friction);
+        group.rub(on_sheaves, creep, friction);
     }
     on_sheaves.store(reaction.sheaves);
+    creep.store(reaction);
     bounds.store(c, reaction);
     account.store(Energy::tips, energy.value());
     account.lose(Loss::tip_damping, damping.value());

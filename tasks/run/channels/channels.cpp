@@ -129,12 +129,11 @@ const Channel table[] = {
     {.name = "friction_slip",
      .unit = "1",
      .description = "slip that friction makes: against the speeds of shafts on which it would put no torque; zero without torque, of its "
-                    "sign; 0 for rigid pins",
+                    "sign",
      .read = scalar(&O::friction_slip)},
     {.name = "loss_slip",
      .unit = "1",
-     .description = "power lost by tips that slide along the circumference over the power of those shafts that bring any; never negative, "
-                    "0 for rigid pins",
+     .description = "power lost by tips that slide along the circumference over the power of those shafts that bring any; never negative",
      .read = scalar(&O::loss_slip)},
     {.name = "efficiency",
      .unit = "1",

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <random>
 
+#include "model/observe/observation.hpp"
 #include "model/start/start_state.hpp"
 #include "model/variator/variator.hpp"
 #include "tests/model/variator/rigid/plain_pins_fixture.hpp"
@@ -150,6 +151,25 @@ TEST(RigidModel, EnergyChangesByWorksMinusLosses) {
         EXPECT_NEAR(rate, expected, 2e-3 + 1e-5 * losses);
         for (const double loss : now.all.loss) EXPECT_GE(loss, 0.0);
     }
+}
+
+/// Rigid pulleys do not tilt: normal forces put no torque on them.
+TEST(RigidModel, DragOfCreepIsTheTorqueOfTheChainOnRigidPulleys) {
+    Parameters p = test::with_rigid_pins({});
+    p.detail.pulleys = PulleyDetail::rigid;
+    const Variator variator(p);
+    Observer observer(variator);
+    const std::vector<double> y = random_state(p, 11);
+    const std::vector<Phase> phases(static_cast<std::size_t>(tips_per_link * variator.layout().links), Phase::touching);
+    const Observation& now = observer.observe(0.0, y.data(), phases.data());
+    const RigidReaction& found = variator.chain().rigid()->forces().reaction;
+    for (std::size_t k = 0; k < 2; ++k) {
+        EXPECT_NE(now.chain_torque[k], 0.0);
+        EXPECT_NEAR(found.drag[k], now.chain_torque[k], 1e-11 * std::abs(now.chain_torque[k]));  // sums in another order
+        EXPECT_NEAR(now.free_speed[k], now.speed[k] + now.chain_torque[k] / found.hold[k], 1e-9 * std::abs(now.free_speed[k]));
+    }
+    EXPECT_GT(now.creep_power, 0.0);
+    EXPECT_LT(now.creep_power, now.account[Loss::tip_friction]) << "pins slide radially as well";
 }
 
 TEST(RigidModel, EveryInstructionSetHasTheSameBits) {
