@@ -127,6 +127,42 @@ TEST_P(EveryDetail, TheKernelsAgreeWithTheOracleOnRandomStates) {
     }
 }
 
+/// Both shafts coupled; or shaft 2 held by its governor, and clamped by the torque that acts.
+std::vector<model::Parameters> coupled_cases() {
+    std::vector<model::Parameters> cases;
+    for (const auto pulleys : {model::PulleyDetail::elastic, model::PulleyDetail::rigid}) {
+        for (const auto load : {model::LoadMode::coupling, model::LoadMode::speed}) {
+            model::Parameters p;
+            p.detail.pulleys = pulleys;
+            p.drive.mode = load == model::LoadMode::coupling ? model::DriveMode::coupling : model::DriveMode::speed;
+            p.drive.coupling = {500.0, 3.0};
+            p.load.mode = load;
+            p.load.linear = 0.1;
+            p.load.speed = model::TimeTable(179.0);
+            p.load.coupling = {400.0, 2.0};
+            p.clamping.safety = load == model::LoadMode::speed ? 1.5 : 0.0;
+            cases.push_back(p);
+        }
+    }
+    return cases;
+}
+
+TEST(Variator, AgreesWithTheOracleOnceCouplingsHaveTakenOver) {
+    for (const model::Parameters& parameters : coupled_cases()) {
+        model::Variator variator(parameters);
+        model::EvaluationScratch scratch(variator.layout());
+        const auto start = oracle::random_state(parameters, 1), later = oracle::random_state(parameters, 2);
+        variator.couple(0.0, start.state.data() + variator.layout().pulley_begin());
+        const oracle::FarEnds far = oracle::far_ends(parameters, start.state, start.phases);
+        const auto expected = oracle::right_hand_side(parameters, 1e-3, later.state, later.phases, &far);
+        const auto uncoupled = oracle::right_hand_side(parameters, 1e-3, later.state, later.phases);
+        std::vector<double> slope(expected.slope.size());
+        model::right_hand_side(variator, 1e-3, later.state.data(), later.phases.data(), slope.data(), scratch);
+        EXPECT_LT(worst_difference(variator.layout(), slope, expected.slope, expected.slope), 1e-12);
+        EXPECT_GT(worst_difference(variator.layout(), slope, uncoupled.slope, expected.slope), 1e-6) << "couplings act";
+    }
+}
+
 INSTANTIATE_TEST_SUITE_P(Variator, EveryDetail, testing::ValuesIn(detail_cases()),
                          [](const auto& instance) { return instance.param.name; });
 INSTANTIATE_TEST_SUITE_P(WholePins, EveryDetail, testing::ValuesIn(whole_cases()),

@@ -65,8 +65,9 @@ std::array<double, n> rounded(const std::array<Real, n>& values) {
 }  // namespace
 
 ResultOf<Real> exact_right_hand_side(const model::Parameters& parameters, double t, std::span<const Real> state,
-                                     std::span<const model::Phase> phases, bool with_slope) {
-    const System system = unpack(parameters, t, state, phases);
+                                     std::span<const model::Phase> phases, bool with_slope, const FarEnds* far) {
+    System system = unpack(parameters, t, state, phases);
+    system.far = far;
     Totals totals = all_forces(system);
     totals.energies.kinetic = kinetic_energy(system, state);
     ResultOf<Real> result;
@@ -77,9 +78,10 @@ ResultOf<Real> exact_right_hand_side(const model::Parameters& parameters, double
     return result;
 }
 
-Result right_hand_side(const model::Parameters& parameters, double t, std::span<const double> state, std::span<const model::Phase> phases) {
+Result right_hand_side(const model::Parameters& parameters, double t, std::span<const double> state, std::span<const model::Phase> phases,
+                       const FarEnds* far) {
     const std::vector<Real> exact_state(state.begin(), state.end());
-    const auto exact = exact_right_hand_side(parameters, t, exact_state, phases);
+    const auto exact = exact_right_hand_side(parameters, t, exact_state, phases, true, far);
     const auto& e = exact.energies;
     const auto round = [](Real value) { return static_cast<double>(value); };
     return {rounded(exact.slope),

@@ -44,11 +44,19 @@ using Powers = PowersOf<double>;
 using Energies = EnergiesOf<double>;
 using Result = ResultOf<double>;
 
+/// Angles of the far ends of both shafts at t = 0 where couplings have taken over there: those at which no torque jumps [rad].
+struct FarEnds {
+    std::array<Real, 2> angle{};
+};
+FarEnds far_ends(const model::Parameters& parameters, std::span<const double> state, std::span<const model::Phase> phases);
+
 /// `phases`: one per tip (model::tips_per_link per link); ignored when pulleys are absent.
-Result right_hand_side(const model::Parameters& parameters, double t, std::span<const double> state, std::span<const model::Phase> phases);
+/// `far`: none: couplings have not taken over.
+Result right_hand_side(const model::Parameters& parameters, double t, std::span<const double> state, std::span<const model::Phase> phases,
+                       const FarEnds* far = nullptr);
 
 /// The same with the oracle's full precision, for numerical derivatives. Skips the inertia solve (slope left empty) on request.
 ResultOf<Real> exact_right_hand_side(const model::Parameters& parameters, double t, std::span<const Real> state,
-                                     std::span<const model::Phase> phases, bool with_slope = true);
+                                     std::span<const model::Phase> phases, bool with_slope = true, const FarEnds* far = nullptr);
 
 }  // namespace cvtflow::oracle

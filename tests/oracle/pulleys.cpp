@@ -104,9 +104,34 @@ Real slip_error(const System& system) {
     return 1.0L - driven / driving - system.parameters.control.slip.at(std::max(system.t, 0.0));
 }
 
+/// Torque of a torsional spring and damper to an end that turns at the speed of a table [N·m]. @param from angle of that end at t = 0 [rad]
+Real spring_torque(const System& system, int shaft, const model::TimeTable& speed, Real from, Real stiffness, Real damping) {
+    const Body& body = system.body[shaft];
+    const Real ahead = from + Real{speed.integral(system.t)} - body.phi;
+    return stiffness * ahead + damping * (Real{speed.at(std::max(system.t, 0.0))} - body.phi_rate);
+}
+
+/// Spring and damper of a governor: critically damped with the inertia of the whole shaft [N·m/rad, N·m·s/rad].
+std::array<Real, 2> governor(const System& system, int shaft, Real frequency) {
+    const Real inertia = polar_inertia(system.parameters, shaft) + 2.0L * system.parameters.pulley.sheave_polar_inertia;
+    const Real omega = 2.0L * std::numbers::pi_v<Real> * frequency;
+    return {inertia * omega * omega, 2.0L * inertia * omega};
+}
+
+/// What holds shaft 2 once couplings have taken over: stiffness and damping.
+std::array<Real, 2> load_holder(const System& system) {
+    const auto& load = system.parameters.load;
+    if (load.mode == model::LoadMode::coupling) return {load.coupling.stiffness, load.coupling.damping};
+    return governor(system, 1, load.governor_frequency);
+}
+
 /// Torque against the travel of shaft 2, before the ramp [N·m].
 Real load_of(const System& system) {
     const auto& load = system.parameters.load;
+    if (system.far != nullptr && load.mode != model::LoadMode::torque) {
+        const auto [stiffness, damping] = load_holder(system);
+        return -spring_torque(system, 1, load.speed, system.far->angle[1], stiffness, damping);
+    }
     const Real speed = system.body[1].phi_rate;
     return load.torque.at(std::max(system.t, 0.0)) + load.linear * speed + load.quadratic * speed * std::abs(speed);
 }
@@ -183,14 +208,26 @@ Real drive_torque(const System& system) {
     const auto& p = system.parameters;
     const double from = std::max(system.t, 0.0);
     if (p.drive.mode == model::DriveMode::torque) return p.drive.torque.at(from);
-    const Real inertia = polar_inertia(p, 0) + 2.0L * p.pulley.sheave_polar_inertia;
-    const Real frequency = 2.0L * std::numbers::pi_v<Real> * p.drive.governor_frequency;
-    const Real angle = Real{p.drive.speed.integral(system.t)} - system.body[0].phi;
-    const Real speed = Real{p.drive.speed.at(from)} - system.body[0].phi_rate;
-    return inertia * frequency * frequency * angle + 2.0L * inertia * frequency * speed;
+    if (system.far != nullptr && p.drive.mode == model::DriveMode::coupling)
+        return spring_torque(system, 0, p.drive.speed, system.far->angle[0], p.drive.coupling.stiffness, p.drive.coupling.damping);
+    const auto [stiffness, damping] = governor(system, 0, p.drive.governor_frequency);
+    return spring_torque(system, 0, p.drive.speed, 0.0L, stiffness, damping);
 }
 
 }  // namespace
+
+FarEnds far_ends(const model::Parameters& parameters, std::span<const double> state, std::span<const model::Phase> phases) {
+    const std::vector<Real> exact(state.begin(), state.end());
+    const System system = unpack(parameters, 0.0, exact, phases);
+    const auto ahead = [&](int shaft, Real torque, const model::TimeTable& speed, Real stiffness, Real damping) {
+        const Body& body = system.body[shaft];
+        return body.phi + (torque - damping * (Real{speed.at(0.0)} - body.phi_rate)) / stiffness;
+    };
+    const auto [stiffness, damping] = load_holder(system);
+    const auto& drive = parameters.drive;
+    return {{ahead(0, drive_torque(system), drive.speed, drive.coupling.stiffness, drive.coupling.damping),
+             ahead(1, -load_of(system), parameters.load.speed, stiffness, damping)}};
+}
 
 void add_supports(const System& system, Totals& totals) {
     if (system.parameters.detail.pulleys != PulleyDetail::elastic) return;

@@ -83,6 +83,8 @@ struct System {
     std::vector<Link> pins;        ///< both ends the pin, frame by the bisector of its pitch lines, length 1
     std::vector<PitchLine> lines;  ///< from pin i on
 
+    const FarEnds* far = nullptr;  ///< of couplings that have taken over
+
     /// What carries the tips of half `end` of link i: the link, or the pin behind which it lies.
     [[nodiscard]] const Link& carrier(int i) const { return pins.empty() ? links[i] : pins[i]; }
 };
