@@ -31,15 +31,24 @@ struct RunOptions {
     bool replace = false;                            ///< with `from`: whether a file of that name that is not the run's own is replaced
 };
 
+/// A coupling of a shaft at the end of a run.
+struct CouplingReport {
+    int shaft = 0;                            ///< 0, 1
+    double twist = 0.0;                       ///< far end less shaft [rad]
+    double stored = 0.0;                      ///< [J]
+    double far_work = 0.0, dissipated = 0.0;  ///< since t = 0: done at the far end (negative: taken out), lost [J]
+};
+
 /// Mean values over the outputs with t ≥ 0, and what the run took.
 struct RunReport {
     Fault fault;
-    EnergyBalance energy;            ///< of the run, without settling
-    double suspicion = 0.0;          ///< of run and settling (EnergyLedger::suspicion); above 1 the results are unreliable [1]
-    double settling_residual = 0.0;  ///< relative residual of the energy balance of settling
-    SpanMeans whole, last_fifth;     ///< over the outputs of the run
-    std::vector<Note> notes;         ///< what is odd about results that are right
-    bool settled = false;            ///< whether the run began with settling
+    EnergyBalance energy;                   ///< of the run, without settling
+    double suspicion = 0.0;                 ///< of run and settling (EnergyLedger::suspicion); above 1 the results are unreliable [1]
+    double settling_residual = 0.0;         ///< relative residual of the energy balance of settling
+    SpanMeans whole, last_fifth;            ///< over the outputs of the run
+    std::vector<CouplingReport> couplings;  ///< of the shafts that have one
+    std::vector<Note> notes;                ///< what is odd about results that are right
+    bool settled = false;                   ///< whether the run began with settling
     std::vector<std::string> start_differences;
     double begin = 0.0, end = 0.0;  ///< simulated time, after settling [s]
     double step = 0.0;              ///< last one in use [s]

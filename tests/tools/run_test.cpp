@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <csignal>
@@ -53,6 +54,19 @@ TEST_F(Run, RecordsInResultsAndSumsUp) {
     EXPECT_THAT(outcome.out, HasSubstr("\n  record              results/tiny.h5 ("));
     EXPECT_EQ(record("results/tiny.h5").status(), "finished");
     EXPECT_EQ(record("results/tiny.h5").rows(), 3u);  // 0, 10, 20 us
+}
+
+TEST_F(Run, SumsUpWhatCouplingsStoreAndCarry) {
+    EXPECT_THAT(run_briefly().out, testing::Not(HasSubstr("coupling of shaft")));
+    const Outcome outcome = run_briefly({"-o", "coupled.h5", "--set", "load.mode=coupling", "--set", "load.speed=209 rad/s", "--set",
+                                         "record.channels=[\"shaft_2/twist\", \"shaft_2/coupling_energy\", \"shaft_2/coupling_work\"]"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const engine::RunReader there = record("coupled.h5");
+    const auto last = [&](const char* channel) { return there.channel(channel).back(); };
+    EXPECT_THAT(outcome.out,
+                HasSubstr(fmt::format("\n  coupling of shaft 2 twist {:.4g} rad, {:.4g} J stored at the end; far end: took {:.4g} J;",
+                                      last("shaft_2/twist"), last("shaft_2/coupling_energy"), -last("shaft_2/coupling_work"))));
+    EXPECT_THAT(outcome.out, testing::Not(HasSubstr("coupling of shaft 1")));
 }
 
 TEST_F(Run, TellsTransitionsOfSettlingBesideItsOwn) {
