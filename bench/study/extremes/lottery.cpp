@@ -179,8 +179,14 @@ private:
     settings.push_back(fmt::format("run.until={}", rules.duration));
     settings.emplace_back("run.output_interval=20 us");
     settings.emplace_back("run.schedule=serial");
+    if (!rules.detail.empty()) settings.insert(settings.end(), {"start.state=", "joint.law=linear"});  // of any level
     set_values(scene, settings);
+    if (!rules.detail.empty()) apply_detail(scene, rules.detail);
     return scene;
+}
+
+[[nodiscard]] std::string_view pin_words(model::PinDetail pins) noexcept {
+    return pins == model::PinDetail::whole ? "whole " : pins == model::PinDetail::rigid ? "rigid " : "";
 }
 
 void run_exactly(const Simulation& coarse, Scene scene, const engine::SavedState& start, LotteryTicket& ticket, const LotteryRules& rules) {
@@ -228,10 +234,9 @@ LotteryTicket play(std::uint64_t seed, long number, const LotteryRules& rules) {
     ticket.number = number;
     try {
         const Scene scene = lottery_scene(seed, number, rules);
-        ticket.detail =
-            fmt::format("{}{}{}{}", scene.parameters.detail.pins == model::PinDetail::whole ? "whole " : "", scene.parameters.detail.order,
-                        scene.parameters.detail.plates == model::PlateDetail::each ? " each" : " lumped",
-                        scene.parameters.detail.pulleys == model::PulleyDetail::elastic ? " elastic" : " rigid");
+        ticket.detail = fmt::format("{}{}{}{}", pin_words(scene.parameters.detail.pins), scene.parameters.detail.order,
+                                    scene.parameters.detail.plates == model::PlateDetail::each ? " each" : " lumped",
+                                    scene.parameters.detail.pulleys == model::PulleyDetail::elastic ? " elastic" : " rigid");
         settle_and_run(scene, ticket, rules);
     } catch (const std::exception& error) {
         ticket.status = "refused";

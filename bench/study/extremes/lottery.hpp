@@ -12,6 +12,7 @@ namespace cvtflow::bench {
 
 /// How a machine of the lottery is run.
 struct LotteryRules {
+    std::string detail;            ///< level of all machines; empty: as drawn
     double settling_time = 20e-3;  ///< [s]
     double duration = 20e-3;       ///< [s]
     double refinement = 4.0;       ///< what it is compared with takes steps so many times shorter [1]

@@ -76,13 +76,19 @@ Action declare_lottery(CLI::App& app) {
     app.add_option("--threads", arguments->threads, "Number of machines that run in parallel (default: 1)")
         ->check(CLI::Range(1, 1024))
         ->type_name("N");
+    app.add_option("--detail", arguments->rules.detail,
+                   "Level of detail of all machines, settled anew, with linear joints (default: as drawn)")
+        ->type_name("NAME");
+    app.add_option("--tolerance", arguments->rules.tolerance, "Largest error of slip and losses of a finished run (default: 0.01)")
+        ->check(CLI::PositiveNumber)
+        ->type_name("SHARE");
     app.add_flag("--settings", arguments->settings, "Print the settings of the machines and run nothing");
     app.add_flag("--csv", arguments->csv, "Print a CSV table");
     app.footer(
         "Draws every physical parameter within a factor of 2 of its default, and clamping, speed, load, ratio, detail, laws and chain. A "
         "third of\nthe machines are ready scenes with their states and some drawn parameters. Some loads are zero, reversed or jump. Each "
         "machine settles\nfor 20 ms and runs for 20 ms with the default method and step, then again with a quarter of the step. Slip and "
-        "losses of a finished\nrun must agree with that within 1 %.\n\nExit status 3: a finished run was wrong.");
+        "losses of a finished\nrun must agree with that within the tolerance.\n\nExit status 3: a finished run was wrong.");
     return [arguments] { return lottery(*arguments); };
 }
 

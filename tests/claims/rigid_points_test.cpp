@@ -1,0 +1,62 @@
+/// The table of docs/detail.md: rigid pins at operating points that were not used in building them.
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <map>
+
+#include "tasks/scene/csv/csv_text.hpp"
+#include "tests/claims/operating_point_fixture.hpp"
+
+namespace cvtflow::claims {
+namespace {
+
+using Row = std::map<std::string, std::string>;
+
+/// Rows of one level, by number of the point.
+std::vector<Row> published(const std::string& level) {
+    std::ifstream file(std::string(CVTFLOW_SOURCE_DIR) + "/bench/results/rigid_points.csv");
+    const auto lines = tasks::csv_lines(std::string((std::istreambuf_iterator<char>(file)), {}));
+    std::vector<Row> rows;
+    for (std::size_t k = 1; k < lines.size(); ++k) {
+        Row row;
+        for (std::size_t column = 0; column < lines[k].size(); ++column) row[lines[0][column]] = lines[k][column];
+        if (row["level"] == level) rows.push_back(row);
+    }
+    return rows;
+}
+
+/// Means of the last 40 ms, as bench/experiments/rigid_points takes them.
+std::map<std::string, double> run_rigid(const Row& point) {
+    std::vector<std::string> settings{"start.settling_time=60 ms", "run.until=80 ms", "run.output_interval=20 us",
+                                      "drive.speed=" + point.at("drive.speed") + " rpm"};
+    for (const char* key : {"start.ratio", "control.ratio", "clamping.driven", "clamping.driving", "load.torque"})
+        settings.push_back(std::string(key) + "=" + point.at(key));
+    const Operation run(scene_at_level("control", "rigid", settings));
+    EXPECT_FALSE(run.fault);
+    EXPECT_LE(run.suspicion, 1.0);
+    const auto mean = [&](const std::vector<double>& samples) { return run.mean(samples, 40e-3, 1.0); };
+    return {{"tight", mean(run.tight)}, {"slack", mean(run.slack)}, {"slip", mean(run.slip)}, {"thrust_ratio", mean(run.thrust_ratio)}};
+}
+
+/// Both directions of torque, small and large loads.
+TEST(RigidPoints, AreWhatIsPublishedAndNearFine) {
+    const std::vector<Row> rigid = published("rigid"), fine = published("fine");
+    ASSERT_EQ(rigid.size(), 24u);
+    ASSERT_EQ(fine.size(), 24u);
+    const std::map<std::string, double> targets{{"tight", 0.05}, {"slack", 0.05}, {"thrust_ratio", 0.05}, {"slip", 0.15}};
+    for (const std::size_t number : {4u, 12u, 18u, 22u}) {
+        const auto found = run_rigid(rigid[number]);
+        for (const auto& [name, target] : targets) {
+            const double is = found.at(name), was = std::stod(rigid[number].at(name)), near = std::stod(fine[number].at(name));
+            EXPECT_NEAR(is, was, 1e-3 * std::abs(was)) << name << " of point " << number;  // means over outputs or over the span
+            EXPECT_NEAR(is, near, target * std::abs(near)) << name << " of point " << number << " against fine";
+        }
+    }
+}
+
+}  // namespace
+}  // namespace cvtflow::claims
