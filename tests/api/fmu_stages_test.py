@@ -19,14 +19,15 @@ OK, ERROR = 0, 3
 class Fmu:
     """One instance of version 2 or 3, by its functions' short names."""
 
-    def __init__(self, folder, version):
+    def __init__(self, folder, version, scene="tiny"):
         self.version = version
-        file = f"{folder}/tiny{version}.fmu"
-        subprocess.run([PROGRAM, "export-fmu", "tiny", "-o", file, "-q", "--force", "--fmi", str(version)], check=True)
+        file = f"{folder}/{scene}{version}.fmu"
+        subprocess.run([PROGRAM, "export-fmu", scene, "-o", file, "-q", "--force", "--fmi", str(version)], check=True)
         inside = pathlib.Path(folder, f"fmi{version}")
         with zipfile.ZipFile(file) as parts:
             parts.extractall(inside)
         token = xml.etree.ElementTree.parse(inside / "modelDescription.xml").getroot()
+        self.references = {row.get("name"): int(row.get("valueReference")) for row in token.iter() if row.get("valueReference")}
         self.library = ctypes.CDLL(str(next((inside / "binaries").rglob("*.so"))))
         make = self.function("Instantiate" if version == 2 else "InstantiateCoSimulation")
         make.restype = ctypes.c_void_p
@@ -65,6 +66,18 @@ class Fmu:
         flags, reached = [ctypes.c_bool() for _ in range(3)], ctypes.c_double()
         return self.call("DoStep", ctypes.c_double(begin), ctypes.c_double(length), ctypes.c_bool(True),
                          *map(ctypes.byref, flags), ctypes.byref(reached))
+
+
+class RigidPins(unittest.TestCase):
+    def test_they_follow_the_target_of_their_scene(self):
+        with tempfile.TemporaryDirectory() as folder:
+            fmu = Fmu(folder, 2, "drive")
+            self.assertEqual([fmu.setup(), fmu.enter(), fmu.exit()], [OK, OK, OK])
+            for number in range(3):
+                self.assertEqual(fmu.step(1e-3 * number, 1e-3), OK)
+            ratio = ctypes.c_double()
+            self.assertEqual(fmu.call("GetReal", (ctypes.c_uint * 1)(fmu.references["ratio"]), ctypes.c_size_t(1), ctypes.byref(ratio)), OK)
+            self.assertAlmostEqual(ratio.value, 2.2, delta=0.01)  # scenes/drive.csv; control settles within half a per cent
 
 
 class Stages(unittest.TestCase):

@@ -46,6 +46,17 @@ class Results(unittest.TestCase):
             for name in ("ratio", "links/tension", "shaft_1/angle"):
                 np.testing.assert_array_equal(rows[name], record[name])
 
+    def test_rigid_pins_have_the_bits_of_the_program(self):
+        rigid = ["start.state=", "detail.pins=rigid", "run.method=leapfrog-sweep", "run.step=1 us"]
+        settings = [word for setting in [*BRIEF, *rigid] for word in ("--set", setting)]
+        with tempfile.TemporaryDirectory() as folder:
+            file = folder + "/record.h5"
+            program("run", SOURCE + "/scenes/tiny.toml", *settings, "--until", "0.1 ms", "-q", "-o", file)
+            record = cvtflow.Record(file)
+            rows = cvtflow.run(tiny(*rigid), until=1e-4, channels=["ratio", "friction_slip"])
+            for name in ("ratio", "friction_slip"):
+                np.testing.assert_array_equal(rows[name], record[name])
+
     def test_bits_do_not_depend_on_calls_threads_or_pickling(self):
         whole = hash_at(-2.5e-4)
         parts = cvtflow.Simulation(tiny(), cvtflow.Threads.own(2))

@@ -1,0 +1,22 @@
+/// Rigid pins in a host: one thread, the same bits.
+
+#include "host_fixture.hpp"
+
+namespace cvtflow::host {
+namespace {
+
+TEST(HostRigidPins, GiveTheSameBitsForEveryWayOfRunningAndContinued) {
+    const Scene scene = tiny({"detail.pins=rigid", "run.method=leapfrog-sweep", "run.step=1 us"});
+    Simulation whole(scene), pieces(scene, Threads::own(2)), restored(scene);
+    whole.advance_to(2e-5);
+    for (int k = -30; k <= 2; ++k) pieces.advance_to(1e-5 * k);
+    EXPECT_EQ(pieces.hash(), whole.hash());
+    EXPECT_NE(whole.channel("tight_tension")[0], 0.0);
+    restored.set_state(whole.state());
+    whole.advance_to(5e-5);
+    restored.advance_to(5e-5);
+    EXPECT_EQ(restored.hash(), whole.hash());
+}
+
+}  // namespace
+}  // namespace cvtflow::host
