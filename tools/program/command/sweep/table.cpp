@@ -14,6 +14,7 @@
 #include "tools/program/report/rainflow_report.hpp"
 #include "tools/program/text/batch_text.hpp"
 #include "tools/program/text/text.hpp"
+#include "tools/program/view/labels.hpp"
 
 namespace cvtflow::tools {
 
@@ -30,13 +31,19 @@ struct TableArguments {
     bool csv = false, json = false;
 };
 
+/// For a person: slip and efficiency are in per cent. --csv prints SI units.
+Shown how_to_show(const engine::CaseColumn& column) {
+    return column.type == engine::CaseColumnType::real ? shown(column.name, column.unit) : Shown{};
+}
+
 std::string heading(const engine::CaseColumn& column) {
-    return column.unit.empty() || column.unit == "1" ? column.name : fmt::format("{} [{}]", column.name, column.unit);
+    const std::string unit = how_to_show(column).unit;
+    return unit.empty() ? column.name : fmt::format("{} [{}]", column.name, unit);
 }
 
 std::string short_cell(const engine::CaseTable& table, std::size_t row, std::size_t column) {
     if (table.layout.columns()[column].type != engine::CaseColumnType::real) return table.layout.cell(table.row(row), column);
-    const double value = table.layout.real(table.row(row), column);
+    const double value = how_to_show(table.layout.columns()[column]).factor * table.layout.real(table.row(row), column);
     return std::isnan(value) ? "-" : fmt::format("{:.6g}", value);
 }
 
