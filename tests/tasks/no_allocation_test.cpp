@@ -46,7 +46,8 @@ public:
 /// Some steps of a scene from its start.
 void expect_no_allocation(Scene scene) {
     scene.run.output_interval = 20.0 * scene.run.step.value_or(Simulation(scene).automatic_step());
-    scene.run.segments = std::min(5, scene.parameters.chain.pins);
+    const bool one_segment = scene.parameters.detail.pins == model::PinDetail::rigid;
+    scene.run.segments = one_segment ? 1 : std::min(5, scene.parameters.chain.pins);
     scene.run.max_steps = 150;  // ends a settling run early
     scene.run.schedule = "serial";
     Simulation simulation(scene);
@@ -55,7 +56,7 @@ void expect_no_allocation(Scene scene) {
     const Fault fault = simulation.advance({.until = 1.0}, counter, never);
     EXPECT_EQ(fault.kind, FaultKind::max_steps) << fault.message();
     EXPECT_GE(counter.last_steps_ - counter.first_steps_, 60);
-    if (simulation.needs_settling()) {
+    if (simulation.needs_settling() && !one_segment) {  // rigid pins have no transitions
         EXPECT_GT(counter.transitions_, 0) << "tips just touch at the start, so some come and go";
     }
     EXPECT_EQ(counter.between_, 0);
