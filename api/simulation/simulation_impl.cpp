@@ -9,8 +9,8 @@
 #include "engine/base/spelling.hpp"
 #include "engine/thread/worker_threads.hpp"
 #include "tasks/method/stability/predicted_step.hpp"
+#include "tasks/method/stability/step_limit.hpp"
 #include "tasks/run/simulation.hpp"
-#include "tasks/run/step_advice.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/toml/units.hpp"
 #include "tasks/schedule/auto_schedule.hpp"
@@ -120,13 +120,13 @@ std::string Simulation::Impl::advice(tasks::FaultKind kind) const {
     using tasks::FaultKind;
     if (kind != FaultKind::non_finite && kind != FaultKind::blow_up && kind != FaultKind::penetration && kind != FaultKind::left_sheave)
         return "";
-    const std::string& method = simulation_.method_name();
-    const double stable =
-        tasks::largest_stable_step(simulation_.variator(), method, simulation_.time(), simulation_.state(), simulation_.phases());
+    tasks::StepLimitBound bound(simulation_.variator(), simulation_.method());
+    bound.look(simulation_.time(), simulation_.state(), simulation_.phases().data());
+    const double stable = bound.limit().step;
     if (!(stable > 0.0 && std::isfinite(stable))) return "";
     char text[64];
     std::snprintf(text, sizeof text, " up to about %.2g s here", stable);
-    return "; " + method + " is stable for steps" + text;
+    return "; " + simulation_.method_name() + " is stable for steps" + text;
 }
 
 void Simulation::Impl::advance(Simulation& self, double until, long steps) {
@@ -224,7 +224,7 @@ tasks::FrozenStart Simulation::Impl::present() const {
 
 double Simulation::Impl::largest_stable_step() {
     const Scope scope(*this, Scope::As::visitor);
-    return tasks::predicted_step_limit(simulation_.variator(), data().parameters, simulation_.method_name(), present()).step;
+    return tasks::predicted_step_limit(simulation_.variator(), data().parameters, simulation_.method(), present()).step;
 }
 
 double Simulation::Impl::step_length() const noexcept {

@@ -11,7 +11,6 @@
 #include "engine/base/spelling.hpp"
 #include "tasks/method/stability/predicted_step.hpp"
 #include "tasks/run/simulation.hpp"
-#include "tasks/run/step_advice.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/toml/units.hpp"
 

@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "engine/method/catalogue.hpp"
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 
 namespace cvtflow::bench {
 
@@ -22,7 +22,7 @@ Fault MethodRun::run(const FrozenStart& start, double duration, double step, dou
     Workspace& workspace = integrator_.workspace();
     integrator_.begin_at(start);
     if (step == 0.0 && choice_ == nullptr)
-        choice_ = std::make_unique<AutoStep>(workspace.variator, workspace.parameters, integrator_.method_name());
+        choice_ = std::make_unique<AutoStep>(workspace.variator, workspace.parameters, integrator_.chosen_method());
     StepSettings settings{start.time, start.time + duration, step, output_interval, 0, 0.0};
     if (step == 0.0) settings.choice = choice_.get();
     StepController controller(workspace, integrator_.method(), settings, observer, cancel);
@@ -50,7 +50,7 @@ std::vector<double> one_step(MethodRun& method, const FrozenStart& start, double
 std::vector<LocalError> local_errors(const model::Parameters& parameters, const std::string& method, const FrozenStart& start,
                                      std::span<const double> steps) {
     const model::Variator variator(parameters);
-    if (find_program(method) == nullptr) return local_errors(variator, required_plan(method), start, steps);
+    if (const Method found(method); found.program() == nullptr) return local_errors(variator, found.plan(), start, steps);
     MethodRun coarse(parameters, method), fine(parameters, "rk4");
     std::vector<LocalError> errors;
     for (const double h : steps) {

@@ -95,7 +95,7 @@ void judge_step(const Scene& scene, BatchEstimate& result) {
         const Simulation simulation(scene, Schedule{});
         if (simulation.needs_settling()) return;
         const double stable =
-            predicted_step_limit(simulation.variator(), scene.parameters, simulation.method_name(), frozen_start(simulation)).step;
+            predicted_step_limit(simulation.variator(), scene.parameters, simulation.method(), frozen_start(simulation)).step;
         result.stable_step = result.stable_step > 0.0 ? std::min(result.stable_step, stable) : stable;
         result.beyond = std::max(result.beyond, scene.run.step / stable);
     } catch (const std::exception&) {

@@ -7,9 +7,7 @@
 #include <string>
 
 #include "engine/method/analysis/stability.hpp"
-#include "engine/method/catalogue.hpp"
 #include "engine/thread/mutex.hpp"
-#include "tasks/method/method_choice.hpp"
 #include "tasks/method/program_stability.hpp"
 #include "tasks/step/method_memory.hpp"
 
@@ -47,35 +45,34 @@ constexpr double max_damping = 1e-4;
             stability.longest_damping};
 }
 
-[[nodiscard]] MethodReach found_reach(std::string_view method) {
-    if (const MethodProgram* program = find_program(method)) {
+[[nodiscard]] MethodReach found_reach(const Method& method) {
+    if (const MethodProgram* program = method.program()) {
         if (program->stability == nullptr) return {forever, forever, forever};
         const ProgramStability stability = program->stability();
         if (stability.equation == TestEquation::oscillator) return of_oscillator(stability);
         return {reach(stability, 0.0, 0.0, -min_damping, std::sqrt(1.0 - min_damping * min_damping)), reach(stability, 0.0, 0.0, -1.0, 0.0),
                 forever};
     }
-    const auto plan = engine::make_method(method);
-    return plan ? reach_of_table(*plan) : MethodReach{forever, forever, forever};
+    return reach_of_table(method.plan());
 }
 
 }  // namespace
 
-MethodReach reach_of(std::string_view method) {
+MethodReach reach_of(const Method& method) {
     static engine::Mutex mutex;
     static std::map<std::string, MethodReach, std::less<>> known;
     return mutex.guard([&] {
-        const auto found = known.find(method);
-        return found != known.end() ? found->second : known.emplace(method, found_reach(method)).first->second;
+        const auto found = known.find(method.name());
+        return found != known.end() ? found->second : known.emplace(method.name(), found_reach(method)).first->second;
     });
 }
 
 /// Whole pins have no stiff friction in joints that a step could leave something of: at 2.5 us slip, tensions and losses are those at
 /// 1.4 us to a thousandth (decision 84). Rigid pins: strands are off by 0.7 % at 5 us, and 6.2 us are stable.
-double longest_automatic_step(std::string_view method, const model::Parameters& parameters) {
+double longest_automatic_step(const Method& method, const model::Parameters& parameters) {
     if (parameters.detail.pins == model::PinDetail::rigid) return 5e-6;
     if (parameters.detail.pins == model::PinDetail::whole) return 2.5e-6;
-    const MethodProgram* program = find_program(method);
+    const MethodProgram* program = method.program();
     return program == nullptr ? usual_longest_step : program->longest_step;
 }
 
@@ -84,15 +81,15 @@ namespace {
 /// Of the leapfrog of rigid pins: h²ω² + 2 h d < 4, as dampers take the velocity before the step; friction sets no limit.
 constexpr MethodReach rigid_reach{2.0, forever, forever, 2.0, 2.0};
 
-[[nodiscard]] MethodReach reach_with(const model::Parameters& parameters, std::string_view method) {
-    const MethodProgram* program = find_program(method);
+[[nodiscard]] MethodReach reach_with(const model::Parameters& parameters, const Method& method) {
+    const MethodProgram* program = method.program();
     const bool leapfrog = program != nullptr && program->stability != nullptr;
     return leapfrog && parameters.detail.pins == model::PinDetail::rigid ? rigid_reach : reach_of(method);
 }
 
 }  // namespace
 
-AutoStep::AutoStep(const model::Variator& variator, const model::Parameters& parameters, std::string_view method)
+AutoStep::AutoStep(const model::Variator& variator, const model::Parameters& parameters, const Method& method)
     : reach_(reach_with(parameters, method)),
       longest_(longest_automatic_step(method, parameters)),
       interval_(parameters.detail.pins == model::PinDetail::rigid ? rigid_look_interval : look_interval),

@@ -5,9 +5,9 @@
 #include <limits>
 #include <memory>
 #include <span>
-#include <string_view>
 #include <vector>
 
+#include "tasks/method/method.hpp"
 #include "tasks/method/spectral_bound.hpp"
 #include "tasks/step/control/step_choice.hpp"
 
@@ -25,11 +25,11 @@ struct MethodReach {
 
 /// Of any method of the catalogue; computed once per name. Infinite where linear stability sets no limit, or where the method
 /// sees to it by itself (methods that choose among polynomials).
-[[nodiscard]] MethodReach reach_of(std::string_view method);
+[[nodiscard]] MethodReach reach_of(const Method& method);
 
 /// The longest step that is ever chosen for a method where steps are automatic: what the error of its friction allows (decisions 75, 96)
 /// [s].
-[[nodiscard]] double longest_automatic_step(std::string_view method, const model::Parameters& parameters);
+[[nodiscard]] double longest_automatic_step(const Method& method, const model::Parameters& parameters);
 
 class AutoStep final : public StepChoice {
 public:
@@ -41,7 +41,7 @@ public:
     static constexpr double look_interval = 1e-3;
 
     /// `variator`, that of `parameters` or of the same machine, must outlive it. Takes all its memory here.
-    AutoStep(const model::Variator& variator, const model::Parameters& parameters, std::string_view method);
+    AutoStep(const model::Variator& variator, const model::Parameters& parameters, const Method& method);
 
     [[nodiscard]] double longest() const noexcept override { return longest_; }
     void restart() noexcept override;

@@ -2,18 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <stdexcept>
-
 #include "engine/base/spelling.hpp"
-#include "engine/method/analysis/order.hpp"
 #include "engine/method/catalogue.hpp"
-#include "engine/method/compiled_plan.hpp"
 #include "tasks/method/friction/friction_methods.hpp"
 #include "tasks/method/implicit/catalogue.hpp"
 #include "tasks/method/spectral_method.hpp"
 #include "tasks/method/stability/step_map.hpp"
-#include "tasks/step/stage_method.hpp"
 
 namespace cvtflow::tasks {
 
@@ -79,33 +73,6 @@ const MethodProgram* find_program(std::string_view name) {
     return nullptr;
 }
 
-namespace {
-
-/// The estimate y - ŷ falls like the step to the lower order of both, plus one.
-int error_power_of(const engine::StagePlan& plan) {
-    return plan.error ? std::min(engine::order_of(plan), engine::embedded_order_of(plan)) + 1 : 0;
-}
-
-}  // namespace
-
-std::optional<engine::StagePlan> plan_for(std::string_view method) {
-    const MethodProgram* program = find_program(method);
-    if (program == nullptr) return engine::make_method(method);
-    engine::StagePlan plan = *engine::find_method("euler");
-    plan.name = program->name;
-    plan.description = program->description;
-    plan.source = program->source;
-    plan.state_slots = program->state_slots;
-    plan.slope_slots = program->slope_slots;
-    return plan;
-}
-
-engine::StagePlan required_plan(std::string_view method) {
-    std::optional<engine::StagePlan> plan = plan_for(method);
-    if (!plan) throw MethodRefused(no_method(method));
-    return std::move(*plan);
-}
-
 bool may_be_method(std::string_view name) {
     return find_program(name) != nullptr || engine::family_of(name) != nullptr || engine::find_method(name) != nullptr;
 }
@@ -124,36 +91,13 @@ std::string no_method(std::string_view method) {
     return fmt::format("no method '{}' ({})", method, near.empty() ? "cvtflow list methods" : fmt::format("did you mean '{}'?", near));
 }
 
-int evaluations_per_step(std::string_view method) {
-    if (const MethodProgram* program = find_program(method)) return program->evaluations;
-    const auto plan = engine::make_method(method);
-    if (!plan) return 0;
-    return static_cast<int>(plan->stages.size()) - (engine::CompiledPlan(*plan).last_is_result() ? 1 : 0);
-}
-
-bool may_estimate_error(std::string_view method) {
-    if (const MethodProgram* program = find_program(method)) return program->estimates_error;
-    const auto plan = engine::make_method(method);
-    return !plan || plan->error.has_value();
+std::string MethodProgram::objection(const model::Parameters& parameters) const {
+    const std::string_view setting = missing(parameters);
+    return setting.empty() ? "" : fmt::format("method '{}' requires {}", name, setting);
 }
 
 std::string_view missing_halves(const model::Parameters& parameters) noexcept {
     return parameters.detail.pins == model::PinDetail::halves ? "" : "detail.pins = \"halves\"";
-}
-
-std::string objection_to(std::string_view method, const model::Parameters& parameters) {
-    const MethodProgram* program = find_program(method);
-    const std::string_view missing = program == nullptr ? "" : program->missing(parameters);
-    return missing.empty() ? "" : fmt::format("method '{}' requires {}", method, missing);
-}
-
-std::unique_ptr<StepMethod> make_step_method(std::string_view method, Workspace& workspace) {
-    if (const std::string objection = objection_to(method, workspace.parameters); !objection.empty())
-        throw std::invalid_argument(objection);
-    if (const MethodProgram* program = find_program(method)) return program->make(workspace);
-    const auto plan = engine::make_method(method);
-    if (!plan) throw std::invalid_argument(no_method(method));
-    return std::make_unique<StageMethod>(workspace, error_power_of(*plan));
 }
 
 }  // namespace cvtflow::tasks

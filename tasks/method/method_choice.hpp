@@ -1,15 +1,13 @@
 #pragma once
-/// Methods of both kinds under one list of names: tables of stages (engine/method), and programs with cycles of their own.
+/// The list of all methods: tables of stages (engine/method), and programs with cycles of their own. method.hpp looks one up.
 
 #include <functional>
 #include <memory>
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "engine/method/stage_plan.hpp"
 #include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {
@@ -46,6 +44,9 @@ struct MethodProgram {
     bool estimates_error = false;              ///< of a step: StepMethod::error_power() is not 0
     /// What it needs that parameters do not have, as a setting; empty: it takes them.
     std::string_view (*missing)(const model::Parameters& parameters) = [](const model::Parameters&) { return std::string_view(); };
+
+    /// Why it cannot be used with these parameters: "method 'leapfrog-be' requires detail.pins = "halves""; empty: it can.
+    [[nodiscard]] std::string objection(const model::Parameters& parameters) const;
 };
 
 /// Of methods that do not take whole pins, whose accelerations depend on three neighbours each side: exact Jacobians and friction solved
@@ -57,11 +58,6 @@ struct MethodProgram {
 /// nullptr if the name is unknown.
 [[nodiscard]] const MethodProgram* find_program(std::string_view name);
 
-/// Table whose slots a workspace for this method needs: the method's own, or one that holds a program's slots. nullopt: no method of that
-/// name.
-[[nodiscard]] std::optional<engine::StagePlan> plan_for(std::string_view method);
-/// The same for a name that has to be one. @throws MethodRefused with no_method()
-[[nodiscard]] engine::StagePlan required_plan(std::string_view method);
 /// Whether there is a method or a family of that name. Whether a family has the member is known when it is made, which may take a tenth of
 /// a second.
 [[nodiscard]] bool may_be_method(std::string_view name);
@@ -69,16 +65,5 @@ struct MethodProgram {
 [[nodiscard]] std::vector<std::string> method_names();
 /// Why `method` is no method: what its family allows, or the name that was probably meant.
 [[nodiscard]] std::string no_method(std::string_view method);
-/// Evaluations of the right-hand side in one step without transitions, the first step excepted; 0: no such method, or it varies.
-[[nodiscard]] int evaluations_per_step(std::string_view method);
-/// Whether steps of the method come with an estimate of their error, so that it can be reported or decide (run.step_control). A member of a
-/// family is made to look. @return true also for an unknown method
-[[nodiscard]] bool may_estimate_error(std::string_view method);
-/// Why the method cannot be used with these parameters: "method 'leapfrog-be' requires detail.pins = "halves""; empty: it can, or there is
-/// no such method.
-[[nodiscard]] std::string objection_to(std::string_view method, const model::Parameters& parameters);
-/// The method at work on a workspace made with plan_for(method). @throws std::invalid_argument for unknown names, and as
-/// MethodProgram::make
-[[nodiscard]] std::unique_ptr<StepMethod> make_step_method(std::string_view method, Workspace& workspace);
 
 }  // namespace cvtflow::tasks

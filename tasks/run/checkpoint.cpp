@@ -13,7 +13,7 @@
 #include "engine/base/provenance.hpp"
 #include "engine/record/run/run_reader.hpp"
 #include "engine/record/run/state_file.hpp"
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/parameter_table.hpp"
 
@@ -36,17 +36,18 @@ void add_combination(const std::vector<engine::Term>& terms, engine::Hash& hash)
 }
 
 std::string hash_of_method(const Scene& scene) {
-    const auto plan = plan_for(method_of(scene));
-    if (!plan) return "none";
+    const std::optional<Method> method = Method::find(method_of(scene));
+    if (!method) return "none";
+    const engine::StagePlan& plan = method->plan();
     engine::Hash hash;
-    hash.add(std::string_view(plan->name));
-    for (const auto& stage : plan->stages) {
+    hash.add(std::string_view(plan.name));
+    for (const auto& stage : plan.stages) {
         add_combination(stage.states, hash);
         add_combination(stage.slopes, hash);
         hash.add(static_cast<std::uint64_t>(stage.keep + 1)).add(static_cast<std::uint64_t>(stage.slope + 1));
     }
-    add_combination(plan->result.states, hash);
-    add_combination(plan->result.slopes, hash);
+    add_combination(plan.result.states, hash);
+    add_combination(plan.result.slopes, hash);
     return hash.hex();
 }
 

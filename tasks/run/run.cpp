@@ -15,7 +15,7 @@
 #include "tasks/method/stability/predicted_step.hpp"
 #include "tasks/method/stability/step_search.hpp"
 #include "tasks/run/run_recorder.hpp"
-#include "tasks/run/step_advice.hpp"
+#include "tasks/run/unreliable_text.hpp"
 
 namespace cvtflow::tasks {
 
@@ -94,15 +94,15 @@ void restore(const Checkpoint& from, Simulation& simulation, RunRecorder& record
 /// is not enough, the growth of this one step decides, and its limit is searched for only where it is beyond: ten times the work.
 void warn_if_unstable(const Scene& scene, const RunOptions& options, const Simulation& simulation, RunReport& report) {
     if (scene.run.step.automatic()) return;  // what chooses it knows the limit
-    AutoStep advice(simulation.variator(), scene.parameters, simulation.method_name());
+    AutoStep advice(simulation.variator(), scene.parameters, simulation.method());
     const double automatic = advice.longest(simulation.time(), simulation.state(), simulation.phases().data());
     report.stable_step = advice.stable_step();
     report.step = scene.run.step;
     if (!report.beyond_stability()) return;
     const LinearChain chain(simulation.variator(), scene.parameters, frozen_start(simulation));
-    report.stable_step = predicted_growth(chain, simulation.method_name(), report.step) <= 1.0 + growth_factor_tolerance
+    report.stable_step = predicted_growth(chain, simulation.method(), report.step) <= 1.0 + growth_factor_tolerance
                              ? report.step
-                             : predicted_step_limit(chain, simulation.method_name()).step;
+                             : predicted_step_limit(chain, simulation.method()).step;
     if (!report.beyond_stability() || !options.notice) return;
     options.notice(fmt::format("run.step = {:.3g} s exceeds the stability limit of {} here ({:.3g} s): run.step = \"auto\" takes {:.3g} s",
                                report.step, simulation.method_name(), report.stable_step, automatic));

@@ -32,7 +32,7 @@ std::unique_ptr<Integrator> integrator_of(const Scene& scene, const std::vector<
     if (scene.run.step_control != StepControl::fixed && integrator->method().error_power() == 0) {
         throw SimulationError(
             fmt::format("run.step_control: '{}' has no error estimate; only \"fixed\" steps are possible (cvtflow list methods --all)",
-                        integrator->method_name()));
+                        integrator->chosen_method().name()));
     }
     return integrator;
 }
@@ -162,7 +162,7 @@ Fault Simulation::drive(StepController& controller) {
 }
 
 double Simulation::automatic_step() const {
-    return AutoStep(workspace_->variator, scene_.parameters, method_name()).longest(time_, state(), phases().data());
+    return AutoStep(workspace_->variator, scene_.parameters, method()).longest(time_, state(), phases().data());
 }
 
 StepSettings Simulation::settings_of(const Goal& goal) const {
@@ -226,7 +226,7 @@ void Simulation::rest_at_start() {
     if (!scene_.run.step.automatic())
         choice_.reset();
     else if (choice_ == nullptr)
-        choice_ = std::make_unique<AutoStep>(w.variator, scene_.parameters, method_name());
+        choice_ = std::make_unique<AutoStep>(w.variator, scene_.parameters, method());
     workspace_->energy.restart(integrator_->method().observation_stride());
     rest_.started = false;
     rest_.settling = needs_settling_;

@@ -106,7 +106,8 @@ public:
     /// Likewise, if the scene asks for errors.
     [[nodiscard]] const LocalErrorStatistics& local_errors() const noexcept { return local_errors_; }
     /// The method of its steps: run.method, or what that is where it is "auto".
-    [[nodiscard]] const std::string& method_name() const noexcept { return integrator_->method_name(); }
+    [[nodiscard]] const Method& method() const noexcept { return integrator_->chosen_method(); }
+    [[nodiscard]] const std::string& method_name() const noexcept { return method().name(); }
     /// Counters of the step method as text; may be empty.
     [[nodiscard]] std::string method_report() const { return integrator_->method().report(); }
     /// Step in use in the last run [s].

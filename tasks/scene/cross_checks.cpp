@@ -10,7 +10,7 @@
 #include "engine/base/spelling.hpp"
 #include "engine/executor/catalogue.hpp"
 #include "model/start/belt.hpp"
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 #include "tasks/scene/channel_names.hpp"
 #include "tasks/scene/toml/units.hpp"
 
@@ -171,7 +171,8 @@ Violation method_exists(const Scene& scene) {
 }
 
 Violation method_takes_machine(const Scene& scene) {
-    const std::string objection = objection_to(method_of(scene), scene.parameters);
+    const MethodProgram* program = find_program(method_of(scene));
+    const std::string objection = program == nullptr ? "" : program->objection(scene.parameters);
     return objection.empty() ? Violation{} : "run.method: " + objection;
 }
 
@@ -202,7 +203,9 @@ Violation rigid_pins_are_serial(const Scene& scene) {
 }
 
 Violation method_estimates_error(const Scene& scene) {
-    if (scene.run.step_control == StepControl::fixed || may_estimate_error(method_of(scene))) return {};
+    if (scene.run.step_control == StepControl::fixed) return {};
+    const std::optional<Method> method = Method::find(method_of(scene));
+    if (!method || method->estimates_error()) return {};
     return fmt::format("run.step_control: '{}' has no error estimate; only \"fixed\" steps are possible (cvtflow list methods --all)",
                        method_of(scene));
 }

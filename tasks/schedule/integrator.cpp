@@ -15,9 +15,9 @@ Partition partition_of(const model::Parameters& parameters, int segments) {
     return Partition::equal(parameters.chain.pins, segments);
 }
 
-std::unique_ptr<StepMethod> method_of(const std::string& name, Workspace& workspace) {
+std::unique_ptr<StepMethod> at_work(const Method& method, Workspace& workspace) {
     try {
-        return make_step_method(name, workspace);
+        return method.at_work(workspace);
     } catch (const std::invalid_argument& why) {
         throw MethodRefused(why.what());
     }
@@ -27,9 +27,9 @@ std::unique_ptr<StepMethod> method_of(const std::string& name, Workspace& worksp
 
 Integrator::Integrator(const model::Parameters& parameters, std::string_view method, const std::vector<Schedule>& candidates,
                        const ChooserOptions& options, engine::StampRecorder* recorder)
-    : name_(resolved_method(method, parameters)),
-      workspace_(parameters, required_plan(name_), partition_of(parameters, candidates.front().segments)),
-      method_(method_of(name_, workspace_)),
+    : chosen_(resolved_method(method, parameters)),
+      workspace_(parameters, chosen_.plan(), partition_of(parameters, candidates.front().segments)),
+      method_(at_work(chosen_, workspace_)),
       runner_(workspace_, *method_, candidates, options, recorder) {}
 
 void Integrator::begin_at(const FrozenStart& start) {
@@ -41,8 +41,8 @@ void Integrator::begin_at(const FrozenStart& start) {
 
 void Integrator::adopt(const model::Parameters& parameters) {
     workspace_.adopt(parameters);
-    if (find_program(name_) == nullptr) return;
-    method_ = method_of(name_, workspace_);  // what a program has derived from the parameters
+    if (chosen_.program() == nullptr) return;
+    method_ = at_work(chosen_, workspace_);  // what a program has derived from the parameters
     runner_.take_method(*method_);
 }
 

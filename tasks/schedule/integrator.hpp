@@ -2,11 +2,10 @@
 /// An integrator, assembled once: the memory of the step loop, the method, the graph of its tasks and the executor.
 
 #include <memory>
-#include <string>
 #include <string_view>
 #include <vector>
 
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 #include "tasks/schedule/schedule_runner.hpp"
 #include "tasks/step/frozen_start.hpp"
 #include "tasks/step/step_method.hpp"
@@ -28,7 +27,7 @@ public:
     [[nodiscard]] StepMethod& method() noexcept { return *method_; }
     [[nodiscard]] const StepMethod& method() const noexcept { return *method_; }
     /// Of the catalogue, never "auto".
-    [[nodiscard]] const std::string& method_name() const noexcept { return name_; }
+    [[nodiscard]] const Method& chosen_method() const noexcept { return chosen_; }
     [[nodiscard]] const ScheduleRunner& runner() const noexcept { return runner_; }
 
     /// The next integration begins there, and the method has no past. The controller is to be made afterwards.
@@ -39,7 +38,7 @@ public:
     void adopt(const model::Parameters& parameters);
 
 private:
-    std::string name_;
+    Method chosen_;
     Workspace workspace_;
     std::unique_ptr<StepMethod> method_;
     ScheduleRunner runner_;

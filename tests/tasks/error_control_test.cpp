@@ -57,7 +57,7 @@ TEST(ReusedSlopes, SaveAnEvaluationInEveryStepThatIsNotCut) {
                                                  {"rock2-s6", 6, 0}}) {
         const ControlledOutcome run = controlled_outcome(settled_tiny(with(method, "50ns")));
         ASSERT_FALSE(run.fault) << method;
-        EXPECT_EQ(evaluations_per_step(method), stages - reused) << method;
+        EXPECT_EQ(Method(method).evaluations_per_step(), stages - reused) << method;
         EXPECT_GE(run.counters.evaluations, (stages - reused) * run.counters.steps + reused + 2 * run.counters.truncated * reused)
             << method;
         EXPECT_LE(run.counters.evaluations, (stages - reused) * run.counters.steps + reused + 2 * run.counters.truncated + 4) << method;

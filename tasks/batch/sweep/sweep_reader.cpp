@@ -8,7 +8,7 @@
 #include "tasks/batch/sweep/axis_reader.hpp"
 #include "tasks/batch/sweep/sweep.hpp"
 #include "tasks/batch/sweep/sweep_keys.hpp"
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 #include "tasks/scene/cross_checks.hpp"
 #include "tasks/scene/toml/value_reader.hpp"
 
@@ -191,7 +191,7 @@ private:
         if (sweep_.accuracy.target > 0.0 && sweep_.start == StartMode::shared)
             problems_.push_back(
                 {{}, "accuracy: start.mode \"shared\" starts cases from a state in which none of them has settled; use \"settle\""});
-        if (!plan_for(method_of(sweep_.scene)))
+        if (!Method::find(method_of(sweep_.scene)))
             problems_.push_back({{}, fmt::format("run.method: unknown method {}", toml_text(sweep_.scene.run.method))});
     }
 

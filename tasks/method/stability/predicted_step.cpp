@@ -4,10 +4,8 @@
 #include <cmath>
 #include <complex>
 #include <functional>
-#include <stdexcept>
 
-#include "engine/method/catalogue.hpp"
-#include "tasks/method/method_choice.hpp"
+#include "engine/method/compiled_plan.hpp"
 #include "tasks/method/stability/growth.hpp"
 #include "tasks/method/stability/step_map.hpp"
 #include "tasks/method/stability/step_search.hpp"
@@ -16,11 +14,9 @@ namespace cvtflow::tasks {
 
 namespace {
 
-[[nodiscard]] std::unique_ptr<StepMap> map_of(const LinearChain& chain, std::string_view method) {
-    if (const MethodProgram* program = find_program(method)) return program->linear(chain);
-    const auto plan = engine::make_method(method);
-    if (!plan) throw std::invalid_argument(no_method(method));
-    return table_step(chain, engine::CompiledPlan(*plan));
+[[nodiscard]] std::unique_ptr<StepMap> map_of(const LinearChain& chain, const Method& method) {
+    if (method.program() != nullptr) return method.program()->linear(chain);
+    return table_step(chain, engine::CompiledPlan(method.plan()));
 }
 
 /// Σ x* part(x) / Σ |x|² of an eigenvector's coordinates: the part's eigenvalue, if it is one.
@@ -67,14 +63,14 @@ using AddPart = void (LinearChain::*)(double, const double*, double*) const;
 
 }  // namespace
 
-StepLimit predicted_step_limit(const LinearChain& chain, std::string_view method, double expected) {
+StepLimit predicted_step_limit(const LinearChain& chain, const Method& method, double expected) {
     const std::unique_ptr<StepMap> map = map_of(chain, method);
     if (expected == 0.0) {
         StepLimitBound bound(chain.variator(), method);
         bound.look(chain.start().time, chain.start().state.data(), chain.start().phases.data());
         expected = bound.limit().step;
     }
-    const MethodProgram* program = find_program(method);
+    const MethodProgram* program = method.program();
     if (program != nullptr && program->stability == nullptr && std::isinf(expected))
         expected = without_expectation;  // it has one, but only tables know it
     Growth beyond;                       // at the shortest unstable step so far
@@ -102,7 +98,7 @@ StepLimit predicted_step_limit(const LinearChain& chain, std::string_view method
     return explained(chain, step, beyond, apart);
 }
 
-double predicted_growth(const LinearChain& chain, std::string_view method, double h) {
+double predicted_growth(const LinearChain& chain, const Method& method, double h) {
     const std::unique_ptr<StepMap> map = map_of(chain, method);
     if (!map->prepare(h)) return std::numeric_limits<double>::infinity();
     return fastest_growth(map->size(),
@@ -114,7 +110,7 @@ double predicted_growth(const LinearChain& chain, std::string_view method, doubl
         .certain();
 }
 
-StepLimit predicted_step_limit(const model::Variator& variator, const model::Parameters& parameters, std::string_view method,
+StepLimit predicted_step_limit(const model::Variator& variator, const model::Parameters& parameters, const Method& method,
                                const FrozenStart& start) {
     return predicted_step_limit(LinearChain(variator, parameters, start), method);
 }

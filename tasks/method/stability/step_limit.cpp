@@ -5,11 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 
 #include "engine/method/analysis/stability.hpp"
-#include "engine/method/catalogue.hpp"
-#include "tasks/method/method_choice.hpp"
 
 namespace cvtflow::tasks {
 
@@ -36,17 +33,15 @@ std::string text_of(const StepLimit& limit) {
     return "";
 }
 
-StepLimitBound::StepLimitBound(const model::Variator& variator, std::string_view method) : bound_(variator) {
-    if (const MethodProgram* program = find_program(method)) {
+StepLimitBound::StepLimitBound(const model::Variator& variator, const Method& method) : bound_(variator) {
+    if (const MethodProgram* program = method.program()) {
         if (program->stability == nullptr) return;
         program_ = program->stability();
         takes_friction_apart_ = program_.equation == TestEquation::oscillator;
         return;
     }
-    const auto plan = engine::make_method(method);
-    if (!plan) throw std::invalid_argument(no_method(method));
-    real_reach_ = engine::stability_reach(*plan, {-1.0, 0.0}, stable_growth);
-    imaginary_reach_ = engine::stability_reach(*plan, {-ray_damping, std::sqrt(1.0 - ray_damping * ray_damping)}, stable_growth);
+    real_reach_ = engine::stability_reach(method.plan(), {-1.0, 0.0}, stable_growth);
+    imaginary_reach_ = engine::stability_reach(method.plan(), {-ray_damping, std::sqrt(1.0 - ray_damping * ray_damping)}, stable_growth);
 }
 
 int StepLimitBound::look(double t, const double* state, const model::Phase* phases) {

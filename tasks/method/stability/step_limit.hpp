@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "tasks/method/method.hpp"
 #include "tasks/method/program_stability.hpp"
 #include "tasks/method/spectral_bound.hpp"
 
@@ -38,7 +39,7 @@ struct StepLimit {
 class StepLimitBound {
 public:
     /// `variator` must outlive it. @throws std::invalid_argument for a name that is no method's
-    StepLimitBound(const model::Variator& variator, std::string_view method);
+    StepLimitBound(const model::Variator& variator, const Method& method);
 
     /// Looks at a state with its phases held: serial, deterministic. [layout.size()]
     /// @return evaluations of the right-hand side that it took

@@ -8,7 +8,7 @@
 
 #include "engine/base/spelling.hpp"
 #include "tasks/method/automatic_method.hpp"
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/toml/units.hpp"
 #include "tools/program/arguments/ready_scenes.hpp"
@@ -90,7 +90,7 @@ void apply_preset(tasks::Scene& scene, const std::string& preset) {
 }  // namespace
 
 void require_method(const std::string& method) {
-    if (method == tasks::automatic_method || tasks::plan_for(method)) return;
+    if (method == tasks::automatic_method || tasks::Method::find(method)) return;
     throw UsageError(tasks::no_method(method));
 }
 
@@ -99,7 +99,7 @@ namespace {
 /// A family of methods reports an unknown member when the method is made.
 void require_member(const tasks::Scene& scene, const std::string& own_method, const SceneArguments& arguments) {
     const std::string method = tasks::method_of(scene);
-    if (tasks::plan_for(method)) return;
+    if (tasks::Method::find(method)) return;
     const std::string problem = scene.method_place + "run.method: " + tasks::no_method(method);
     if (scene.run.method == own_method) throw tasks::SceneError(problem);
     throw UsageError(in_words_given(problem, arguments));

@@ -9,7 +9,7 @@
 #include "bench/lab/report/method/local_error_report.hpp"
 #include "bench/study/method_run.hpp"
 #include "engine/method/analysis/order.hpp"
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 #include "tasks/scene/toml/units.hpp"
 #include "tools/program/arguments/scene_arguments.hpp"
 #include "tools/program/guard.hpp"
@@ -61,7 +61,7 @@ std::string heading(const std::string& scene, const std::string& method, long to
         return fmt::format("{}: error of one step of {} (order {}: slope {} where the solution is smooth), {} touching at its start\n",
                            scene, method, program->order, program->order + 1, plural(touching, "tip"));
     }
-    const int order = engine::order_of(*tasks::plan_for(method));
+    const int order = engine::order_of(tasks::Method(method).plan());
     return fmt::format("{}: error of one step of {} (order {}: slope {} where the solution is smooth), phases held, {} touching\n", scene,
                        method, order, order + 1, plural(touching, "tip"));
 }

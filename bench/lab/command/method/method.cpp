@@ -8,7 +8,7 @@
 #include "bench/lab/text/method_text.hpp"
 #include "engine/base/spelling.hpp"
 #include "engine/method/catalogue.hpp"
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/text/text.hpp"
@@ -37,17 +37,18 @@ std::string program_text(const tasks::MethodProgram& program) {
 }
 
 ExitStatus method(const MethodArguments& arguments) {
-    if (const tasks::MethodProgram* program = tasks::find_program(arguments.name)) {
+    const std::optional<tasks::Method> found = tasks::Method::find(arguments.name);
+    if (!found) throw UsageError(tasks::no_method(arguments.name));
+    if (const tasks::MethodProgram* program = found->program()) {
         fmt::print("{}: {}\n{}", program->name, program->description, program_text(*program));
         return ExitStatus::finished;
     }
-    const auto plan = engine::make_method(arguments.name);
-    if (!plan) throw UsageError(tasks::no_method(arguments.name));
-    fmt::print("{}: {}\n{}", plan->name, plan->description, method_figures(*plan, arguments.length));
-    if (arguments.table || plan->stages.size() <= short_table) {
-        fmt::print("\n{}", method_table(*plan));
+    const engine::StagePlan& plan = found->plan();
+    fmt::print("{}: {}\n{}", plan.name, plan.description, method_figures(plan, arguments.length));
+    if (arguments.table || plan.stages.size() <= short_table) {
+        fmt::print("\n{}", method_table(plan));
     } else {
-        fmt::print("\n  --table prints the {} stages\n", plan->stages.size());
+        fmt::print("\n  --table prints the {} stages\n", plan.stages.size());
     }
     return ExitStatus::finished;
 }

@@ -44,7 +44,7 @@ Chosen chosen(const StabilityArguments& arguments) {
         require_method(name);
         const tasks::MethodProgram* program = tasks::find_program(name);
         if (program == nullptr) {
-            all.plans.push_back(*tasks::plan_for(name));
+            all.plans.push_back(tasks::Method(name).plan());
         } else if (program->stability == nullptr) {
             throw UsageError(fmt::format("{} chooses among tables of stages: name one of them (cvtflow list methods --all)", name));
         } else {

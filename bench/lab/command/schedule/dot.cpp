@@ -7,7 +7,7 @@
 
 #include "bench/lab/command/command.hpp"
 #include "bench/lab/text/dot_text.hpp"
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 #include "tasks/step/step_graph.hpp"
 #include "tools/program/arguments/scene_arguments.hpp"
 #include "tools/program/guard.hpp"
@@ -49,11 +49,12 @@ int cycle_named(const engine::TaskGraph& graph, const std::string& name, const s
 
 ExitStatus dot(const DotArguments& arguments) {
     const tasks::Scene scene = load_scene(arguments.scene).scene;
-    tasks::Workspace workspace(scene.parameters, *tasks::plan_for(tasks::method_of(scene)),
+    const tasks::Method chosen = tasks::method_of(scene);
+    tasks::Workspace workspace(scene.parameters, chosen.plan(),
                                tasks::Partition::equal(scene.parameters.chain.pins, std::max(1, scene.run.segments)));
-    const std::unique_ptr<tasks::StepMethod> method = tasks::make_step_method(tasks::method_of(scene), workspace);
+    const std::unique_ptr<tasks::StepMethod> method = chosen.at_work(workspace);
     const engine::TaskGraph graph = tasks::step_graph(workspace, {.kind = scene.run.assembly}, method.get());
-    fmt::print("{}", to_dot(graph, cycle_named(graph, arguments.cycle, tasks::method_of(scene))));
+    fmt::print("{}", to_dot(graph, cycle_named(graph, arguments.cycle, chosen.name())));
     return ExitStatus::finished;
 }
 

@@ -4,7 +4,7 @@
 
 #include <set>
 
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tasks/step/step_graph.hpp"
 #include "tests/tasks/tiny_fixture.hpp"
@@ -18,8 +18,8 @@ namespace {
 class GraphOf {
 public:
     GraphOf(const Scene& scene, const std::string& method, const AssemblyOptions& options)
-        : workspace_(scene.parameters, *plan_for(method), Partition::equal(scene.parameters.chain.pins, 3)),
-          method_(make_step_method(method, workspace_)) {
+        : workspace_(scene.parameters, Method(method).plan(), Partition::equal(scene.parameters.chain.pins, 3)),
+          method_(Method(method).at_work(workspace_)) {
         graph_ = step_graph(workspace_, options, method_.get());
     }
     [[nodiscard]] const engine::TaskGraph& graph() const { return graph_; }

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tasks/method/friction/staged/kick_tables.hpp"
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
 #include "tests/engine/executor/executor_fixture.hpp"
@@ -57,8 +57,8 @@ TEST(FrictionLeapfrog, ItsGraphHasNoRaces) {
     for (const char* name : {"leapfrog-rkc", "leapfrog-rkc-double"}) {
         const Scene scene = claims::ready_scene("baseline", {std::string("run.method=") + name});
         for (const int segments : {1, 2, 5, 84}) {
-            Workspace workspace(scene.parameters, *plan_for(name), Partition::equal(84, segments));
-            const auto method = make_step_method(name, workspace);
+            Workspace workspace(scene.parameters, Method(name).plan(), Partition::equal(84, segments));
+            const auto method = Method(name).at_work(workspace);
             for (const Assembly assembly : {Assembly::fused, Assembly::staged}) {
                 EXPECT_TRUE(engine::race_check(step_graph(workspace, {.kind = assembly}, method.get())).empty()) << name << " " << segments;
             }
@@ -69,8 +69,8 @@ TEST(FrictionLeapfrog, ItsGraphHasNoRaces) {
 /// Several stages are one cycle: eight levels, in which a segment waits for itself and for the two beside it.
 TEST(FrictionLeapfrog, StagesOfACycleWaitForNeighboursOnly) {
     const Scene scene = claims::ready_scene("baseline", {"run.method=leapfrog-chebyshev"});
-    Workspace workspace(scene.parameters, *plan_for("leapfrog-chebyshev"), Partition::equal(84, 5));
-    const auto method = make_step_method("leapfrog-chebyshev", workspace);
+    Workspace workspace(scene.parameters, Method("leapfrog-chebyshev").plan(), Partition::equal(84, 5));
+    const auto method = Method("leapfrog-chebyshev").at_work(workspace);
     const engine::TaskGraph graph = step_graph(workspace, {}, method.get());
     const int cycle = graph.cycles() - 2;  // the last is the step's end
     ASSERT_EQ(graph.levels(cycle), 8);

@@ -9,7 +9,7 @@
 #include <cstdlib>
 
 #include "bench/study/method_trial.hpp"
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/step/assembly/segment_tasks.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
@@ -29,7 +29,7 @@ public:
         : scene_(claims::ready_scene(scene, settings)),
           simulation_(scene_),
           links(scene_.parameters.chain.pins),
-          workspace_(scene_.parameters, *plan_for("leapfrog-be"), Partition::equal(links, 1)),
+          workspace_(scene_.parameters, Method("leapfrog-be").plan(), Partition::equal(links, 1)),
           solve(workspace_),
           field_(workspace_.variator.chain()),
           loads_(static_cast<std::size_t>(links)),
@@ -282,8 +282,8 @@ TEST(FrictionImplicit, ItsGraphHasNoRaces) {
     for (const std::string& method : methods) {
         const Scene scene = claims::ready_scene("baseline", {"run.method=" + method});
         for (const int segments : {1, 2, 5, 84}) {
-            Workspace workspace(scene.parameters, *plan_for(method), Partition::equal(84, segments));
-            const auto steps = make_step_method(method, workspace);
+            Workspace workspace(scene.parameters, Method(method).plan(), Partition::equal(84, segments));
+            const auto steps = Method(method).at_work(workspace);
             for (const Assembly assembly : {Assembly::fused, Assembly::staged}) {
                 EXPECT_TRUE(engine::race_check(step_graph(workspace, {.kind = assembly}, steps.get())).empty())
                     << method << " " << segments;

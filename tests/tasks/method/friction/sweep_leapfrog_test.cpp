@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/step/step_graph.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
@@ -53,8 +53,8 @@ INSTANTIATE_TEST_SUITE_P(SweepLeapfrog, SweepLeapfrogBits, testing::Values("leap
 TEST(SweepLeapfrog, ItsGraphHasNoRaces) {
     const Scene scene = claims::ready_scene("baseline", {"run.method=leapfrog-sweep"});
     for (const int segments : {1, 2, 5, 84}) {
-        Workspace workspace(scene.parameters, *plan_for("leapfrog-sweep"), Partition::equal(84, segments));
-        const auto method = make_step_method("leapfrog-sweep", workspace);
+        Workspace workspace(scene.parameters, Method("leapfrog-sweep").plan(), Partition::equal(84, segments));
+        const auto method = Method("leapfrog-sweep").at_work(workspace);
         for (const Assembly assembly : {Assembly::fused, Assembly::staged})
             EXPECT_TRUE(engine::race_check(step_graph(workspace, {.kind = assembly}, method.get())).empty()) << segments;
     }

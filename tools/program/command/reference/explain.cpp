@@ -37,7 +37,7 @@ std::string step_lines(const tasks::Scene& scene) {
     const tasks::Simulation simulation(scene);
     if (simulation.needs_settling()) return "  stable:   unknown until the scene has settled (cvtflow settle)\n";
     const tasks::StepLimit limit =
-        tasks::predicted_step_limit(simulation.variator(), scene.parameters, simulation.method_name(), tasks::frozen_start(simulation));
+        tasks::predicted_step_limit(simulation.variator(), scene.parameters, simulation.method(), tasks::frozen_start(simulation));
     const std::string chosen = scene.run.step.automatic()
                                    ? fmt::format("  auto:     {} at the start\n", time_text(simulation.automatic_step()))
                                    : std::string(scene.run.step > limit.step ? "  warning:  run.step exceeds this limit\n" : "");

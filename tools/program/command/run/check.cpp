@@ -6,7 +6,6 @@
 
 #include "tasks/batch/batch.hpp"
 #include "tasks/method/auto_step.hpp"
-#include "tasks/method/method_choice.hpp"
 #include "tasks/method/stability/predicted_step.hpp"
 #include "tasks/run/run_recorder.hpp"
 #include "tasks/run/simulation.hpp"
@@ -44,7 +43,7 @@ std::string start_line(const tasks::Scene& scene, const tasks::Simulation& simul
 /// @param step run.step, or the automatic one at the start [s]
 std::string cost_lines(const tasks::Scene& scene, const tasks::Simulation& simulation, double step) {
     const tasks::RunSettings& run = scene.run;
-    const long stages = static_cast<long>(tasks::evaluations_per_step(simulation.method_name()));
+    const long stages = static_cast<long>(simulation.method().evaluations_per_step());
     const long running = steps_over(run.until, run.output_interval, step);
     const long settling = simulation.needs_settling() ? steps_over(scene.parameters.start.settling_time, run.output_interval, step) : 0;
     const std::string length = run.step.automatic() ? "auto, " + time_text(step) + " at the start" : time_text(step);
@@ -73,7 +72,7 @@ std::string cost_lines(const tasks::Scene& scene, const tasks::Simulation& simul
 std::string stability_line(const tasks::Scene& scene, const tasks::Simulation& simulation, double step) {
     if (simulation.needs_settling()) return "";
     const tasks::StepLimit limit =
-        tasks::predicted_step_limit(simulation.variator(), scene.parameters, simulation.method_name(), tasks::frozen_start(simulation));
+        tasks::predicted_step_limit(simulation.variator(), scene.parameters, simulation.method(), tasks::frozen_start(simulation));
     std::string text = tasks::text_of(limit);
     if (step > limit.step)
         text += scene.run.step.automatic() ? fmt::format("; \"auto\" exceeds this limit: set run.step = \"{}\" or less",
