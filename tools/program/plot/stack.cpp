@@ -1,23 +1,37 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
+#include <utility>
 
 #include "tools/program/plot/plot.hpp"
 
 namespace cvtflow::tools {
 
+namespace {
+
+/// Room beside the axes of plots that share a horizontal axis and a width.
+struct Room {
+    double left = 0.0, right = 0.0;  ///< [px]
+};
+
+}  // namespace
+
 std::string svg(const std::vector<Plot>& plots) {
     if (plots.size() == 1) return svg(plots.front());
+    std::map<std::pair<std::string, double>, Room> rooms;
+    for (const Plot& plot : plots) {
+        const PictureSize size = picture_size(plot);
+        Room& room = rooms[{plot.x.label, plot.width}];
+        room = {std::max(room.left, size.left), std::max(room.right, size.right)};
+    }
     double width = 0.0, height = 0.0;
     std::string parts;
     for (const Plot& plot : plots) {
         Plot aligned = plot;
-        for (const Plot& other : plots) {
-            if (other.x.label != plot.x.label || other.width != plot.width) continue;
-            const PictureSize size = picture_size(other);
-            aligned.left_room = std::max(aligned.left_room, size.left);
-            aligned.right_room = std::max(aligned.right_room, size.right);
-        }
+        const Room& room = rooms.at({plot.x.label, plot.width});
+        aligned.left_room = std::max(aligned.left_room, room.left);
+        aligned.right_room = std::max(aligned.right_room, room.right);
         std::string part = svg(aligned);
         part.insert(part.find("<svg") + 4, fmt::format(" y=\"{:g}\"", height));
         parts += part;
