@@ -81,10 +81,16 @@ namespace {
 /// Of the leapfrog of rigid pins: h²ω² + 2 h d < 4, as dampers take the velocity before the step; friction sets no limit.
 constexpr MethodReach rigid_reach{2.0, forever, forever, 2.0, 2.0};
 
+/// Largest h ω of whole pins: beyond it losses are off by up to 1 % on one machine in six of `cvtflow-lab lottery` (decision 84) [1].
+constexpr double accurate_whole = 0.9;
+
 [[nodiscard]] MethodReach reach_with(const model::Parameters& parameters, const Method& method) {
     const MethodProgram* program = method.program();
     const bool leapfrog = program != nullptr && program->stability != nullptr;
-    return leapfrog && parameters.detail.pins == model::PinDetail::rigid ? rigid_reach : reach_of(method);
+    if (leapfrog && parameters.detail.pins == model::PinDetail::rigid) return rigid_reach;
+    MethodReach reach = reach_of(method);
+    if (parameters.detail.pins == model::PinDetail::whole) reach.accurate = std::min(reach.accurate, accurate_whole);
+    return reach;
 }
 
 }  // namespace
