@@ -31,7 +31,7 @@ constexpr NoteKind kinds[] = {
      "the state changes: ratio of the first and the last fifth differ by more than 1 %, slip by more than a fifth of it, the stored "
      "energy by more than 2 % of the input; or it was seen for less than a pin period"},
     {"standstill", "the shafts turn by less than 0.1 rad/s: slip is noise"},
-    {"no_load", "drive and load transfer less power than the machine loses: the efficiency is that of idling"},
+    {"no_load", "drive and load transfer less power than the machine loses: slip and efficiency are those of idling"},
     {"unresolved", "losses below the resolution of the energy balance: it would not show an error of 5 % in them"},
 };
 
@@ -213,7 +213,7 @@ std::vector<Note> RunMeans::notes(const EnergyBalance& balance, bool pulleys) co
         text_of(change()),
         "the machine is at rest: slip is noise",
         fmt::format("no load: drive and load transfer {} of the losses{}", percent(whole.carried),
-                    whole.no_load ? ", so there is no efficiency" : ": the efficiency is that of idling"),
+                    whole.no_load ? ": there is no efficiency, and slip is that of idling" : ": slip and efficiency are those of idling"),
         fmt::format("losses below the resolution of the energy balance: it would not show an error of {:.2g} J of {:.2g} J",
                     unresolved(balance), balance.loss),
     };

@@ -50,7 +50,7 @@ struct LotteryTicket {
     /// Relative differences.
     [[nodiscard]] double slip_error(const LotteryRules& rules) const noexcept;
     [[nodiscard]] double loss_error() const noexcept;
-    /// Whether slip and losses agree with the comparison.
+    /// Whether losses agree with the comparison, and slip, unless a note says that nothing is transferred.
     [[nodiscard]] bool right(const LotteryRules& rules) const noexcept;
     /// Whether it kept the promise: right, or not called finished.
     [[nodiscard]] bool honest(const LotteryRules& rules) const noexcept { return status != "finished" || right(rules); }
