@@ -20,12 +20,13 @@ void over_decays(const ProgramStability& method, Look look) {
 
 }  // namespace
 
-double reach(const ProgramStability& method, double x, double y, double along_x, double along_y) {
+double reach(const ProgramStability& method, double x, double y, double along_x, double along_y, double enough) {
     const auto stable = [&](double r) { return method.stable(x + r * along_x, y + r * along_y); };
     double inside = 0.0, outside = finest;
     while (stable(outside)) {
         inside = outside;
         if (inside > far_away) return std::numeric_limits<double>::infinity();
+        if (inside >= enough) return inside;
         outside = std::max(outside + finest, finer * outside);
     }
     for (int halving = 0; halving < 40; ++halving) {
@@ -38,7 +39,7 @@ double reach(const ProgramStability& method, double x, double y, double along_x,
 FrictionLimit limit_with_any_friction(const ProgramStability& method) {
     FrictionLimit limit{reach(method, 0.0, 0.0, 1.0, 0.0), 0.0};
     over_decays(method, [&](double friction) {
-        const double oscillation = reach(method, 0.0, friction, 1.0, 0.0);
+        const double oscillation = reach(method, 0.0, friction, 1.0, 0.0, limit.oscillation);
         if (oscillation < limit.oscillation) limit = {oscillation, friction};
     });
     return limit;

@@ -44,8 +44,9 @@ struct ProgramStability {
 inline constexpr double far_away = 1e6;
 
 /// Largest r ≤ far_away such that the step is stable from (x, y) to (x, y) + r (along_x, along_y): scan in steps of 0.01, then of 1 %, and
-/// bisection. x [1], y [1], along_x [1], along_y [1]
-[[nodiscard]] double reach(const ProgramStability& method, double x, double y, double along_x, double along_y);
+/// bisection. From `enough` on the exact value does not matter: the scan ends. x, y, along_x, along_y, enough [1]
+[[nodiscard]] double reach(const ProgramStability& method, double x, double y, double along_x, double along_y,
+                           double enough = std::numeric_limits<double>::infinity());
 
 /// Of a method for the oscillator.
 [[nodiscard]] FrictionLimit limit_with_any_friction(const ProgramStability& method);

@@ -10,7 +10,7 @@ namespace cvtflow::tasks {
 
 namespace {
 
-constexpr int between_judgements = 10;
+constexpr int first_judgement = 20;  // dimensions; then whenever they have doubled: eigenvalues of the Hessenberg matrix are dear
 
 /// Those that count, the largest first.
 [[nodiscard]] std::vector<std::complex<double>> candidates(const KrylovSpace& space, double from_one) {
@@ -48,13 +48,15 @@ void take_most_certain(Growth& growth, const KrylovSpace& space, const std::vect
     KrylovSpace space(size, settings.most, start);
     Growth growth;
     double before = 0.0;
+    int judge_at = first_judgement;
     for (bool settled = false; !settled && !space.full();) {
         ++growth.applications;
         if (!space.grow(map)) {
             growth.factor = std::numeric_limits<double>::infinity();
             return growth;
         }
-        if (space.dimension() % between_judgements != 0) continue;
+        if (space.dimension() != judge_at) continue;
+        judge_at *= 2;
         const std::vector<std::complex<double>> values = candidates(space, settings.from_one);
         const double now = values.empty() ? 0.0 : std::abs(values.front());
         settled = std::abs(now - before) < settings.settled * now;

@@ -29,7 +29,7 @@ struct GrowthSettings {
     /// Multipliers nearer to 1 do not count: what a step resolves so well grows by itself if it grows, whatever the method.
     double from_one = 0.1;  ///< [1]
     int most = 160;         ///< dimension of the Krylov space
-    double settled = 1e-4;  ///< change of the factor over the last ten directions
+    double settled = 1e-4;  ///< change of the factor since there were half as many directions
     int restarts = 3;       ///< with the eigenvector found so far, while growth is found but uncertain
 };
 
