@@ -120,9 +120,9 @@ std::string Simulation::Impl::advice(tasks::FaultKind kind) const {
     using tasks::FaultKind;
     if (kind != FaultKind::non_finite && kind != FaultKind::blow_up && kind != FaultKind::penetration && kind != FaultKind::left_sheave)
         return "";
-    tasks::StepLimitBound bound(simulation_.variator(), simulation_.method());
-    bound.look(simulation_.time(), simulation_.state(), simulation_.phases().data());
-    const double stable = bound.limit().step;
+    const double stable = tasks::estimated_step_limit(simulation_.variator(), simulation_.method(), simulation_.time(), simulation_.state(),
+                                                      simulation_.phases().data())
+                              .step;
     if (!(stable > 0.0 && std::isfinite(stable))) return "";
     char text[64];
     std::snprintf(text, sizeof text, " up to about %.2g s here", stable);

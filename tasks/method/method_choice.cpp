@@ -96,6 +96,11 @@ std::string MethodProgram::objection(const model::Parameters& parameters) const 
     return setting.empty() ? "" : fmt::format("method '{}' requires {}", name, setting);
 }
 
+std::string objection_to(std::string_view name, const model::Parameters& parameters) {
+    const MethodProgram* program = find_program(name);
+    return program == nullptr ? "" : program->objection(parameters);
+}
+
 std::string_view missing_halves(const model::Parameters& parameters) noexcept {
     return parameters.detail.pins == model::PinDetail::halves ? "" : "detail.pins = \"halves\"";
 }

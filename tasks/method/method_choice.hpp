@@ -61,6 +61,8 @@ struct MethodProgram {
 /// Whether there is a method or a family of that name. Whether a family has the member is known when it is made, which may take a tenth of
 /// a second.
 [[nodiscard]] bool may_be_method(std::string_view name);
+/// MethodProgram::objection() of the method of that name; empty for tables of stages and unknown names. Makes no member of a family.
+[[nodiscard]] std::string objection_to(std::string_view name, const model::Parameters& parameters);
 /// Names of all methods of both kinds, tables first.
 [[nodiscard]] std::vector<std::string> method_names();
 /// Why `method` is no method: what its family allows, or the name that was probably meant.

@@ -171,8 +171,7 @@ Violation method_exists(const Scene& scene) {
 }
 
 Violation method_takes_machine(const Scene& scene) {
-    const MethodProgram* program = find_program(method_of(scene));
-    const std::string objection = program == nullptr ? "" : program->objection(scene.parameters);
+    const std::string objection = objection_to(method_of(scene), scene.parameters);
     return objection.empty() ? Violation{} : "run.method: " + objection;
 }
 

@@ -134,8 +134,7 @@ std::vector<DetailOutcome> measure_all(const DetailArguments& arguments, const s
     for (const DetailVariant& variant : detail_variants(arguments.all)) {
         model::Parameters pins;
         pins.detail.pins = variant.pins;
-        const tasks::MethodProgram* program = tasks::find_program(arguments.method);
-        if (const std::string objection = program == nullptr ? "" : program->objection(pins); !objection.empty()) {
+        if (const std::string objection = tasks::objection_to(arguments.method, pins); !objection.empty()) {
             print_error(fmt::format("{}: {}: left out: {}", scene, variant.name(), objection));
             continue;
         }

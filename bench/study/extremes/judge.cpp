@@ -147,9 +147,7 @@ private:
 /// Stable step of both the row's and RK4's at its start; zero or infinite values mean that there is no answer.
 [[nodiscard]] double stable_step(const Simulation& simulation, const std::string& method) {
     const auto limit = [&](const Method& of) {
-        StepLimitBound bound(simulation.variator(), of);
-        bound.look(simulation.time(), simulation.state(), simulation.phases().data());
-        return bound.limit().step;
+        return estimated_step_limit(simulation.variator(), of, simulation.time(), simulation.state(), simulation.phases().data()).step;
     };
     return std::min(limit(method), limit("rk4"));
 }

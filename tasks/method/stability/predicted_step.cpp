@@ -65,11 +65,9 @@ using AddPart = void (LinearChain::*)(double, const double*, double*) const;
 
 StepLimit predicted_step_limit(const LinearChain& chain, const Method& method, double expected) {
     const std::unique_ptr<StepMap> map = map_of(chain, method);
-    if (expected == 0.0) {
-        StepLimitBound bound(chain.variator(), method);
-        bound.look(chain.start().time, chain.start().state.data(), chain.start().phases.data());
-        expected = bound.limit().step;
-    }
+    const FrozenStart& start = chain.start();
+    if (expected == 0.0)
+        expected = estimated_step_limit(chain.variator(), method, start.time, start.state.data(), start.phases.data()).step;
     const MethodProgram* program = method.program();
     if (program != nullptr && program->stability == nullptr && std::isinf(expected))
         expected = without_expectation;  // it has one, but only tables know it

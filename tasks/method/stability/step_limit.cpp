@@ -78,6 +78,13 @@ StepLimit StepLimitBound::of_oscillator() const {
     return {step, StepLimiter::oscillation, fastest, limit.friction / step};
 }
 
+StepLimit estimated_step_limit(const model::Variator& variator, const Method& method, double t, const double* state,
+                               const model::Phase* phases) {
+    StepLimitBound bound(variator, method);
+    bound.look(t, state, phases);
+    return bound.limit();
+}
+
 void StepLimitBound::save(std::vector<double>& memory) const {
     memory.insert(memory.end(), {calibration_, limit_.step, static_cast<double>(limit_.by), limit_.oscillation, limit_.friction});
     bound_.save(memory);

@@ -67,4 +67,8 @@ private:
     StepLimit limit_;
 };
 
+/// The limit at one state, estimated: StepLimitBound made, looked with and thrown away. t [s], state [unknowns]
+[[nodiscard]] StepLimit estimated_step_limit(const model::Variator& variator, const Method& method, double t, const double* state,
+                                             const model::Phase* phases);
+
 }  // namespace cvtflow::tasks

@@ -44,7 +44,7 @@ TEST(AutomaticMethod, HasRowsOfTheCatalogueOfWhichTheLastSuitsEveryMachine) {
     EXPECT_TRUE(rows.back().suits(odd));
     for (const AutomaticChoice& row : rows) {
         if (!row.suits(odd)) continue;
-        EXPECT_EQ(find_program(row.method)->objection(odd), "") << row.method;
+        EXPECT_EQ(objection_to(row.method, odd), "") << row.method;
     }
 }
 

@@ -57,11 +57,12 @@ std::vector<std::pair<model::FrictionLaw, std::string>> laws_of(const std::strin
 }
 
 std::string heading(const std::string& scene, const std::string& method, long touching) {
-    if (const tasks::MethodProgram* program = tasks::find_program(method)) {
+    const tasks::Method found(method);
+    if (const tasks::MethodProgram* program = found.program()) {
         return fmt::format("{}: error of one step of {} (order {}: slope {} where the solution is smooth), {} touching at its start\n",
                            scene, method, program->order, program->order + 1, plural(touching, "tip"));
     }
-    const int order = engine::order_of(tasks::Method(method).plan());
+    const int order = engine::order_of(found.plan());
     return fmt::format("{}: error of one step of {} (order {}: slope {} where the solution is smooth), phases held, {} touching\n", scene,
                        method, order, order + 1, plural(touching, "tip"));
 }

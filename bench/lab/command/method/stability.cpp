@@ -10,7 +10,7 @@
 #include "bench/lab/report/method/stability_report.hpp"
 #include "bench/study/spectrum.hpp"
 #include "engine/method/analysis/stability.hpp"
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 #include "tasks/method/stability/predicted_step.hpp"
 #include "tools/program/arguments/scene_arguments.hpp"
 #include "tools/program/guard.hpp"
@@ -41,10 +41,11 @@ struct Chosen {
 Chosen chosen(const StabilityArguments& arguments) {
     Chosen all;
     for (const std::string& name : arguments.methods) {
-        require_method(name);
-        const tasks::MethodProgram* program = tasks::find_program(name);
+        const std::optional<tasks::Method> method = tasks::Method::find(name);
+        if (!method) throw UsageError(tasks::no_method(name));
+        const tasks::MethodProgram* program = method->program();
         if (program == nullptr) {
-            all.plans.push_back(tasks::Method(name).plan());
+            all.plans.push_back(method->plan());
         } else if (program->stability == nullptr) {
             throw UsageError(fmt::format("{} chooses among tables of stages: name one of them (cvtflow list methods --all)", name));
         } else {
