@@ -72,9 +72,18 @@ enum class Column {
     force_z,
     force_p,
     force_q,
-    // Friction between neighbouring links' plates along the pins: of this step, of the last.
+    // Friction between neighbouring links' plates along the pins: of this step, of the last; sliding speed behind the step; sliding speed
+    // without friction, friction per sliding speed. ring_: equations of the chain, shared out over lanes (rigid_plates.hpp).
     rub,
     rub_before,
+    rub_speed,
+    rub_drive,
+    rub_grip,
+    ring_drive,
+    ring_grip,
+    ring_ahead,
+    ring_behind,
+    ring_rub,
     // Depth of each tip; only of velocities as they are (RigidKick).
     depth,
     // Tips: A g, moments on the pitch lines in front and behind, and moment on pitch line i of this and of the last step.

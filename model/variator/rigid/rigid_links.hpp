@@ -167,23 +167,5 @@ inline void gather_links(RigidColumns& columns) noexcept {
     }
 }
 
-/// Plates of neighbouring links rub along the pin that they share.
-inline void rub_plates(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept {
-    PinSum lost(columns);
-    const PinLanes per_mass(kick.step / c.mass), response(4.0 * kick.step / c.mass);
-    for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-        const auto old = [&](int at) { return read(columns, Column::rub_before, at); };
-        const auto axial = [&](int at) { return read(columns, Column::force_z, at) + read(columns, Column::tip_z, at); };
-        const PinLanes speed = read(columns, Column::vz, i + 1) - read(columns, Column::vz, i);
-        PinLanes slip = speed;
-        if (kick.implicit()) slip += per_mass * (axial(i + 1) - axial(i) + old(i + 1) - 2.0 * old(i) + old(i - 1)) + response * old(i);
-        const PinLanes capacity = c.plate_friction.coefficient * positive_part<rigid_lanes>(read(columns, Column::tension, i));
-        const PinLanes friction = friction_factor(c.plate_friction, capacity, response, abs(slip)) * slip;
-        write(columns, Column::rub, i, friction);
-        lost.add(i, (kick.implicit() ? 0.5 * (friction + old(i)) : friction) * speed);
-    }
-    account.lose(Loss::plate_friction, lost.value());
-}
-
 }  // namespace
 }  // namespace cvtflow::model

@@ -18,7 +18,7 @@ constexpr Column kept[][2] = {{Column::x, Column::vq},
                               {Column::stretch_drag, Column::shear_drag},
                               {Column::rolling, Column::rolling},
                               {Column::force_x, Column::force_q},
-                              {Column::rub, Column::rub_before},
+                              {Column::rub, Column::rub_speed},
                               {Column::tip_moment, Column::tip_moment},
                               {Column::tip_z, Column::tip_z},
                               {Column::tip_drag, Column::flank + (rigid_tips - 1)}};

@@ -1,0 +1,147 @@
+#pragma once
+/// Friction between the plates of neighbouring links along the pin that they share, of the whole chain at once. (model/EQUATIONS.md
+/// section 11)
+
+#include <algorithm>
+
+#include "model/law/friction.hpp"
+#include "model/variator/rigid/rigid_kernels.hpp"
+#include "model/variator/rigid/rigid_vectors.hpp"
+
+namespace cvtflow::model {
+namespace {
+
+/// How the links of the chain are shared out over lanes: lane L has links begin(L) … begin(L + 1) - 1, in the last of its rows; rows in
+/// front of them are absent. A chain of fewer than 8 links is repeated, which does not change the solution.
+struct RingShares {
+    int pins, links, rows;
+
+    explicit RingShares(int pins_of_chain) noexcept
+        : pins(pins_of_chain),
+          links(pins >= rigid_lanes ? pins : (rigid_lanes + pins - 1) / pins * pins),
+          rows(std::max(2, (links + rigid_lanes - 1) / rigid_lanes)) {}
+
+    [[nodiscard]] int begin(int lane) const noexcept { return links * lane / rigid_lanes; }
+    [[nodiscard]] int absent(int lane) const noexcept { return rows - (begin(lane + 1) - begin(lane)); }
+    /// Calls visit(place in the rows, link).
+    template <class Visit>
+    void for_links(const Visit& visit) const noexcept {
+        for (int lane = 0; lane < rigid_lanes; ++lane) {
+            int link = begin(lane);
+            while (link >= pins) link -= pins;
+            for (int row = absent(lane); row < rows; ++row) {
+                visit(row * rigid_lanes + lane, link);
+                link = link + 1 == pins ? 0 : link + 1;
+            }
+        }
+    }
+    [[nodiscard]] PinLanes absent_rows() const noexcept {
+        PinLanes all;
+        for (int lane = 0; lane < rigid_lanes; ++lane) all.set(static_cast<std::size_t>(lane), absent(lane));
+        return all;
+    }
+};
+
+/// Lane L + by of a vector, around the ring of lanes.
+template <int by>
+[[nodiscard]] inline PinLanes neighbour(const PinLanes& lanes) noexcept {
+    alignas(64) double twice[2 * rigid_lanes];
+    lanes.copy_to(twice);
+    lanes.copy_to(twice + rigid_lanes);
+    return load<rigid_lanes>(twice + (by + rigid_lanes) % rigid_lanes);
+}
+
+/// x_L = free + behind x_{L-by} + ahead x_{L+by}: one unknown per lane.
+struct LaneRing {
+    PinLanes free, behind, ahead;
+
+    /// The same of lanes twice as far away.
+    template <int by>
+    [[nodiscard]] LaneRing halved() const noexcept {
+        const PinLanes to = neighbour<-by>(ahead), from = neighbour<by>(behind);
+        const PinLanes inverse = 1.0 / (1.0 - behind * to - ahead * from);
+        return {(free + behind * neighbour<-by>(free) + ahead * neighbour<by>(free)) * inverse, behind * neighbour<-by>(behind) * inverse,
+                ahead * neighbour<by>(ahead) * inverse};
+    }
+    [[nodiscard]] PinLanes solution() const noexcept {
+        static_assert(rigid_lanes == 8);
+        const LaneRing opposite = halved<1>().halved<2>();  // both neighbours are the same lane
+        const PinLanes both = opposite.behind + opposite.ahead;
+        return (opposite.free + both * neighbour<4>(opposite.free)) / (1.0 - both * neighbour<4>(both));
+    }
+};
+
+/// Friction P of all links, (1 + 2aF) P_i - aF (P_{i-1} + P_{i+1}) = F s_i around the ring: F friction per sliding speed (ring_grip), s
+/// sliding speed without friction (ring_drive), a of a pin's speed per force over the step [m/s/N]. Each lane eliminates its links but the
+/// last, P_r = rub + behind P_{last of the lane before} + ahead P_{r+1}; what is left has one unknown per lane.
+inline void solve_ring(const RingShares& shares, double a, RigidColumns& columns) noexcept {
+    const PinLanes absent = shares.absent_rows();
+    const int last = (shares.rows - 1) * rigid_lanes;
+    PinLanes rub(0.0), behind(1.0), ahead(0.0);
+    PinLanes first_rub(0.0), first_behind(0.0), first_ahead(1.0);  // P of a lane's first link by those of both last ones
+    for (int at = 0, row = 0; at < last; at += rigid_lanes, ++row) {
+        const PinLanes number(row), grip = read(columns, Column::ring_grip, at), coupling = PinLanes(a) * grip;
+        const PinLanes inverse = 1.0 / (1.0 + coupling * (2.0 - ahead));
+        rub = (grip * read(columns, Column::ring_drive, at) + coupling * rub) * inverse;
+        behind = select_greater<rigid_lanes>(absent, number, behind, coupling * behind * inverse);
+        ahead = coupling * inverse;
+        first_rub += first_ahead * rub;
+        first_behind += select_greater<rigid_lanes>(absent, number, PinLanes(0.0), first_ahead * behind);
+        first_ahead = select_greater<rigid_lanes>(absent, number, first_ahead, first_ahead * ahead);
+        write(columns, Column::ring_rub, at, rub);
+        write(columns, Column::ring_behind, at, behind);
+        write(columns, Column::ring_ahead, at, ahead);
+    }
+    const PinLanes grip = read(columns, Column::ring_grip, last), coupling = PinLanes(a) * grip;
+    const PinLanes inverse = 1.0 / (1.0 + coupling * (2.0 - ahead - neighbour<1>(first_behind)));
+    const PinLanes free = grip * read(columns, Column::ring_drive, last) + coupling * (rub + neighbour<1>(first_rub));
+    PinLanes next = LaneRing{free * inverse, coupling * behind * inverse, coupling * neighbour<1>(first_ahead) * inverse}.solution();
+    const PinLanes before = neighbour<-1>(next);
+    write(columns, Column::ring_rub, last, next);
+    for (int at = last - rigid_lanes; at >= 0; at -= rigid_lanes) {
+        next = read(columns, Column::ring_rub, at) + read(columns, Column::ring_behind, at) * before +
+               read(columns, Column::ring_ahead, at) * next;
+        write(columns, Column::ring_rub, at, next);
+    }
+}
+
+/// Friction of the velocities that the step leaves behind, by the friction per speed that the last step has left.
+inline void solve_friction(double step_per_mass, RigidColumns& columns) noexcept {
+    const RingShares shares(columns.pins());
+    double *drive = columns[Column::ring_drive], *grip = columns[Column::ring_grip], *rub = columns[Column::rub];
+    const double *drive_of = columns[Column::rub_drive], *grip_of = columns[Column::rub_grip], *rub_in = columns[Column::ring_rub];
+    shares.for_links([&](int place, int link) {
+        drive[place] = drive_of[link];
+        grip[place] = grip_of[link];
+    });
+    solve_ring(shares, step_per_mass, columns);
+    shares.for_links([&](int place, int link) { rub[link] = rub_in[place]; });
+    columns.wrap(Column::rub, Column::rub);
+}
+
+/// Plates of neighbouring links rub along the pin that they share. The sliding speed that a step leaves behind is kept for the next one.
+inline void rub_plates(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept {
+    PinSum lost(columns);
+    const PinLanes per_mass(kick.step / c.mass);
+    const auto axial = [&](int i) { return read(columns, Column::force_z, i) + read(columns, Column::tip_z, i); };
+    const auto speed = [&](int i) { return read(columns, Column::vz, i + 1) - read(columns, Column::vz, i); };
+    for (int i = 0; i < columns.padded(); i += rigid_lanes) {
+        const PinLanes capacity = c.plate_friction.coefficient * positive_part<rigid_lanes>(read(columns, Column::tension, i));
+        const PinLanes kept = kick.implicit() ? read(columns, Column::rub_speed, i) : abs(speed(i));
+        const PinLanes grip = capacity * slip_factor<rigid_lanes>(c.plate_friction, kept);
+        write(columns, Column::rub_grip, i, grip);
+        write(columns, Column::rub_drive, i, speed(i) + per_mass * (axial(i + 1) - axial(i)));
+        if (!kick.implicit()) write(columns, Column::rub, i, grip * speed(i));
+    }
+    if (kick.implicit()) solve_friction(kick.step / c.mass, columns);
+    for (int i = 0; i < columns.padded(); i += rigid_lanes) {
+        const PinLanes friction = read(columns, Column::rub, i);
+        lost.add(i, (kick.implicit() ? 0.5 * (friction + read(columns, Column::rub_before, i)) : friction) * speed(i));
+        const PinLanes change = read(columns, Column::rub, i + 1) - 2.0 * friction + read(columns, Column::rub, i - 1);
+        write(columns, Column::rub_speed, i, abs(read(columns, Column::rub_drive, i) + per_mass * change));
+    }
+    account.lose(Loss::plate_friction, lost.value());
+}
+
+}  // namespace
+}  // namespace cvtflow::model

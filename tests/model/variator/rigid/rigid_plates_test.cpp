@@ -1,0 +1,81 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "model/variator/rigid/rigid_model.hpp"
+#include "tests/model/variator/rigid/plain_pins_fixture.hpp"
+
+namespace cvtflow::model {
+namespace {
+
+Parameters chain_of(int pins, FrictionLaw law) {
+    Parameters p;
+    p.chain.pins = pins;
+    p.detail.friction = law;
+    return test::with_rigid_pins(p);
+}
+
+/// Velocities, forces and kept sliding speeds without any order; a quarter of the links does not pull.
+void fill(RigidColumns& columns, unsigned seed) {
+    std::mt19937 random(seed);
+    const auto between = [&](double low, double high) { return low + (high - low) * static_cast<double>(random() % 1000) / 999.0; };
+    for (int pin = 0; pin < columns.pins(); ++pin) {
+        columns[Column::vz][pin] = between(-0.05, 0.05);
+        columns[Column::force_z][pin] = between(-300.0, 300.0);
+        columns[Column::tip_z][pin] = between(-300.0, 300.0);
+        columns[Column::tension][pin] = std::max(0.0, between(-1000.0, 3000.0));
+        columns[Column::rub_speed][pin] = between(0.0, 0.03);
+    }
+    columns.wrap(Column::vz, Column::vz);
+    columns.wrap(Column::force_z, Column::force_z);
+    columns.wrap(Column::tip_z, Column::tip_z);
+    columns.wrap(Column::tension, Column::tension);
+    columns.wrap(Column::rub_speed, Column::rub_speed);
+}
+
+/// Friction per sliding speed at a kept speed. (model/EQUATIONS.md section 7)
+double grip_of(const Parameters& p, double tension, double speed) {
+    const double v0 = p.plate.friction.saturation_speed, d = p.detail.friction == FrictionLaw::piecewise ? 0.0 : p.detail.smoothing;
+    const double beyond = speed - (1.0 - d) * v0;
+    double secant = 1.0 / std::max(speed, v0);
+    if (std::abs(speed - v0) < d * v0) secant = 1.0 / v0 - beyond * beyond / (4.0 * d * v0 * v0) / speed;
+    return p.plate.friction.coefficient * tension * secant;
+}
+
+/// Every link's friction is its grip times the sliding speed that all frictions together leave behind.
+TEST(RigidPlates, FrictionFollowsFromTheVelocitiesThatTheWholeChainLeavesBehind) {
+    constexpr double step = 5e-6;
+    for (const FrictionLaw law : {FrictionLaw::piecewise, FrictionLaw::smoothed}) {
+        for (const int pins : {3, 4, 7, 8, 9, 15, 16, 17, 23, 24, 84, 85, 200}) {
+            SCOPED_TRACE(pins);
+            const Parameters p = chain_of(pins, law);
+            const RigidModel model(p);
+            RigidColumns columns = model.columns();
+            fill(columns, static_cast<unsigned>(pins));
+            std::vector<double> kept(columns[Column::rub_speed], columns[Column::rub_speed] + pins);
+            Account account;
+            model.kernels().rub(model.coefficients(), {step}, columns, account);
+            const double* rub = columns[Column::rub];
+            double largest = 0.0;
+            for (int pin = 0; pin < pins; ++pin) {
+                const int next = (pin + 1) % pins, before = (pin + pins - 1) % pins;
+                const auto after = [&](int of, int from) {
+                    const double force = columns[Column::force_z][of] + columns[Column::tip_z][of] + rub[of] - rub[from];
+                    return columns[Column::vz][of] + step / model.coefficients().mass * force;
+                };
+                const double slides = after(next, pin) - after(pin, before);
+                const double grip = grip_of(p, columns[Column::tension][pin], kept[static_cast<std::size_t>(pin)]);
+                EXPECT_NEAR(rub[pin], grip * slides, 1e-9) << pin;
+                EXPECT_NEAR(columns[Column::rub_speed][pin], std::abs(slides), 1e-12) << pin;
+                largest = std::max(largest, std::abs(rub[pin]));
+            }
+            EXPECT_GT(largest, 10.0);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace cvtflow::model
