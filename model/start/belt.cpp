@@ -35,7 +35,9 @@ PitchPath::PitchPath(const BeltRadii& radii, double centre_distance) noexcept
       radii_(radii),
       centre_distance_(centre_distance),
       incline_(portable_asin((radii.driven - radii.driving) / centre_distance)),
-      strand_(centre_distance * portable_cos(incline_)),
+      sine_(portable_sin(incline_)),
+      cosine_(portable_cos(incline_)),
+      strand_(centre_distance * cosine_),
       driven_arc_(radii.driven * (pi + 2.0 * incline_)),
       driving_arc_(radii.driving * (pi - 2.0 * incline_)),
       length_(2.0 * strand_ + driven_arc_ + driving_arc_) {}
@@ -45,6 +47,8 @@ PitchPath::PitchPath(double radius) noexcept
       radii_{radius, radius},
       centre_distance_(0.0),
       incline_(0.0),
+      sine_(0.0),
+      cosine_(1.0),
       strand_(0.0),
       driven_arc_(0.0),
       driving_arc_(0.0),
@@ -53,16 +57,14 @@ PitchPath::PitchPath(double radius) noexcept
 Point PitchPath::at(double s) const noexcept {
     s -= length_ * std::floor(s / length_);
     if (ring_) return {radii_.driving * portable_cos(s / radii_.driving), radii_.driving * portable_sin(s / radii_.driving)};
-    const double sine = portable_sin(incline_);
-    const double cosine = portable_cos(incline_);
-    if (s < strand_) return {-radii_.driving * sine + s * cosine, -radii_.driving * cosine - s * sine};
+    if (s < strand_) return {-radii_.driving * sine_ + s * cosine_, -radii_.driving * cosine_ - s * sine_};
     s -= strand_;
     if (s < driven_arc_) {
         const double angle = -0.5 * pi - incline_ + s / radii_.driven;
         return {centre_distance_ + radii_.driven * portable_cos(angle), radii_.driven * portable_sin(angle)};
     }
     s -= driven_arc_;
-    if (s < strand_) return {centre_distance_ - radii_.driven * sine - s * cosine, radii_.driven * cosine - s * sine};
+    if (s < strand_) return {centre_distance_ - radii_.driven * sine_ - s * cosine_, radii_.driven * cosine_ - s * sine_};
     const double angle = 0.5 * pi + incline_ + (s - strand_) / radii_.driving;
     return {radii_.driving * portable_cos(angle), radii_.driving * portable_sin(angle)};
 }

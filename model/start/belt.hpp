@@ -1,5 +1,5 @@
 #pragma once
-/// The pitch path of the chain: two arcs and two tangents, or a ring. (design check 10.1)
+/// The pitch path of the chain: two arcs and two tangents, or a ring.
 
 #include <optional>
 
@@ -43,7 +43,7 @@ private:
     bool ring_;
     BeltRadii radii_;
     double centre_distance_;                             ///< [m]
-    double incline_;                                     ///< φ [rad]
+    double incline_, sine_, cosine_;                     ///< φ [rad], and its functions [1]
     double strand_, driven_arc_, driving_arc_, length_;  ///< [m]
 };
 
