@@ -1,5 +1,6 @@
 #include "engine/method/analysis/stability.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -58,6 +59,57 @@ private:
     double largest_ = 0.0;
 };
 
+/// |factor| of a plan at neighbouring points of a ray, side by side: the same operations as LinearProblem, for each point.
+class RayProblem {
+public:
+    static constexpr int points = 8;
+    using Lanes = Eigen::Array<double, points, 1>;  ///< one number per point
+
+    RayProblem(const StagePlan& plan, Complex direction)
+        : plan_(plan),
+          direction_(direction),
+          states_(static_cast<std::size_t>(plan.state_slots)),
+          slopes_(static_cast<std::size_t>(plan.slope_slots)) {}
+
+    [[nodiscard]] int stages() const { return plan_.stages(); }
+
+    /// @param r distances from 0 along the ray [1]   @return |factor| there
+    [[nodiscard]] Lanes magnitudes(const Lanes& r) {
+        const Pair z{r * direction_.real(), r * direction_.imag()};
+        states_[0] = {Lanes::Ones(), Lanes::Zero()};
+        for (int i = 0; i < plan_.stages(); ++i) {
+            const PlanStep step = plan_.stage(i);
+            const Pair y = combine(step);
+            if (step.keep >= 0) states_[static_cast<std::size_t>(step.keep)] = y;
+            slopes_[static_cast<std::size_t>(step.slope)] = {z.real * y.real - z.imag * y.imag, z.real * y.imag + z.imag * y.real};
+        }
+        const Pair result = combine(plan_.result());
+        Lanes magnitudes;
+        for (int k = 0; k < points; ++k) magnitudes[k] = std::abs(Complex(result.real[k], result.imag[k]));
+        return magnitudes;
+    }
+
+private:
+    struct Pair {
+        Lanes real, imag;
+    };
+
+    [[nodiscard]] Pair combine(const PlanStep& step) const {
+        Pair sum{Lanes::Zero(), Lanes::Zero()};
+        for (const Term& term : step.states) add(term.factor, states_[static_cast<std::size_t>(term.slot)], sum);
+        for (const Term& term : step.slopes) add(term.factor, slopes_[static_cast<std::size_t>(term.slot)], sum);
+        return sum;
+    }
+    static void add(double factor, const Pair& value, Pair& sum) {
+        sum.real += factor * value.real;
+        sum.imag += factor * value.imag;
+    }
+
+    CompiledPlan plan_;
+    Complex direction_;
+    std::vector<Pair> states_, slopes_;
+};
+
 constexpr int samples = 2000;
 
 /// Largest value of a function on [-length, 0], sampled as densely towards both ends as Chebyshev's points.
@@ -78,21 +130,27 @@ std::function<std::complex<double>(std::complex<double>)> stability_function(con
 }
 
 double stability_reach(const StagePlan& plan, std::complex<double> direction, double tolerance, double enough) {
-    LinearProblem problem(plan);
-    const auto stable = [&](double r) { return std::abs(problem.factor(r * direction)) <= 1.0 + tolerance; };
+    RayProblem problem(plan, direction);
     const double stages = problem.stages();
     const double limit = std::min(2.0 * stages * stages + 10.0, enough);
     const double stride = std::max(0.01, stages / 4000.0);
-    double inside = 0.0;
-    double outside = stride;
-    while (stable(outside)) {
-        inside = outside;
-        outside += stride;
-        if (inside > limit) return inside;
+    double inside = 0.0, outside = stride;
+    for (bool found = false; !found;) {
+        RayProblem::Lanes r;
+        r[0] = outside;
+        for (int k = 1; k < RayProblem::points; ++k) r[k] = r[k - 1] + stride;
+        const RayProblem::Lanes magnitudes = problem.magnitudes(r);
+        for (int k = 0; k < RayProblem::points && !found; ++k) {
+            if (inside > limit) return inside;
+            found = !(magnitudes[k] <= 1.0 + tolerance);
+            (found ? outside : inside) = r[k];
+        }
+        if (!found) outside = r[RayProblem::points - 1] + stride;
     }
+    LinearProblem halved(plan);
     for (int halving = 0; halving < 40; ++halving) {
         const double middle = 0.5 * (inside + outside);
-        (stable(middle) ? inside : outside) = middle;
+        (std::abs(halved.factor(middle * direction)) <= 1.0 + tolerance ? inside : outside) = middle;
     }
     return inside;
 }
