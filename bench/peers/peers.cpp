@@ -33,24 +33,31 @@ namespace {
 
 using namespace cvtflow;
 
+struct Candidate {
+    std::string method;
+    double step;  ///< [s]
+
+    [[nodiscard]] std::vector<std::string> settings() const { return {"run.method=" + method, fmt::format("run.step={:.17g}", step)}; }
+};
+
 struct Settings {
     std::string scene = "baseline", folder;
     double time = 120e-6, interval = 6e-6;  ///< [s]
     int rounds = 3;
     double agreement = 0.0;  ///< the smallest error of tensions that every solver has to come down to; 0: any [1]
     std::vector<double> tolerances{1e-2, 1e-3, 1e-4, 1e-5, 1e-6};
-    std::vector<bench::Candidate> methods{{"rk4", 50e-9},
-                                          {"rk4", 25e-9},
-                                          {"dumka3-p5", 3e-6},
-                                          {"dumka3-p5", 2e-6},
-                                          {"dumka3-p5", 1e-6},
-                                          {"leapfrog-chebyshev", 3e-6},
-                                          {"leapfrog-chebyshev", 2e-6},
-                                          {"leapfrog-chebyshev", 1e-6},
-                                          {"leapfrog-chebyshev", 0.5e-6},
-                                          {"leapfrog-rkc", 2e-6},
-                                          {"leapfrog-rkc", 1e-6},
-                                          {"leapfrog-rkc", 0.5e-6}};
+    std::vector<Candidate> methods{{"rk4", 50e-9},
+                                   {"rk4", 25e-9},
+                                   {"dumka3-p5", 3e-6},
+                                   {"dumka3-p5", 2e-6},
+                                   {"dumka3-p5", 1e-6},
+                                   {"leapfrog-chebyshev", 3e-6},
+                                   {"leapfrog-chebyshev", 2e-6},
+                                   {"leapfrog-chebyshev", 1e-6},
+                                   {"leapfrog-chebyshev", 0.5e-6},
+                                   {"leapfrog-rkc", 2e-6},
+                                   {"leapfrog-rkc", 1e-6},
+                                   {"leapfrog-rkc", 0.5e-6}};
 };
 
 /// One solver with one step or tolerance.
@@ -68,7 +75,7 @@ std::vector<std::string> parts_of(const std::string& list) {
     return parts;
 }
 
-bench::Candidate candidate_of(const std::string& word) {
+Candidate candidate_of(const std::string& word) {
     const std::size_t at = word.find('@');
     if (at == std::string::npos) throw std::invalid_argument("--methods: METHOD@US, not '" + word + "'");
     return {word.substr(0, at), 1e-6 * std::stod(word.substr(at + 1))};
@@ -104,25 +111,35 @@ Settings parse(int count, char** words) {
     return settings;
 }
 
-/// The longest time, a multiple of the interval, before any tip changes its phase [s].
-double quiet_stretch(const tasks::Scene& scene, const tasks::FrozenStart& start, const Settings& settings) {
-    bench::ComparisonOptions options;
-    options.duration = settings.time;
-    options.output_interval = settings.interval;
-    options.reference = {"rk4", 25e-9};
-    options.rounds = 0;
-    const engine::Cancellation never;
-    const bench::Comparison look = bench::compare(scene.parameters, start, {}, options, never);
-    if (look.reference.transitions.empty()) return settings.time;
-    const double first = look.reference.transitions.front().time - start.time;
-    return std::floor(first / settings.interval) * settings.interval;
+/// What our methods are measured by. duration [s], reference: settings
+bench::ErrorMeasure measure_over(double duration, const tasks::Scene& scene, const engine::SavedState& start, const Settings& settings,
+                                 const Candidate& reference) {
+    static const engine::Cancellation never;
+    bench::MeasureSettings measure{duration, settings.interval, reference.settings()};
+    measure.start = start;
+    return {scene, measure, never};
 }
 
-std::vector<Row> our_rows(const bench::Comparison& comparison, double duration) {
+/// The longest time, a multiple of the interval, before any tip changes its phase [s].
+double quiet_stretch(const tasks::Scene& scene, const engine::SavedState& start, const Settings& settings) {
+    const bench::Trajectory run = measure_over(settings.time, scene, start, settings, {"rk4", 25e-9}).reference();
+    if (run.transitions.empty()) return settings.time;
+    return std::floor(run.transitions.front().time / settings.interval) * settings.interval;
+}
+
+std::vector<Row> our_rows(const bench::ErrorMeasure& measure, const Settings& settings) {
     std::vector<Row> rows;
-    for (const bench::Compared& each : comparison.candidates) {
-        rows.push_back({each.candidate.method, fmt::format("{:.4g} us", 1e6 * each.step), each.fault ? each.fault.message() : "",
-                        each.seconds / duration, each.error_axial, each.error_tension, each.counters.steps, each.counters.evaluations, 0});
+    std::vector<std::vector<double>> seconds(settings.methods.size());
+    for (int round = 0; round < settings.rounds; ++round) {
+        rows.clear();
+        for (std::size_t k = 0; k < settings.methods.size(); ++k) {
+            const bench::Trajectory run = measure.run(settings.methods[k].settings());
+            const bench::TrajectoryErrors errors = measure.errors(run).overall;
+            seconds[k].push_back(run.wall_per_second());
+            rows.push_back({settings.methods[k].method, fmt::format("{:.4g} us", 1e6 * run.step), run.fault ? run.fault.message() : "",
+                            bench::median(seconds[k]), errors.axial_force, errors.tension, run.counters.steps, run.counters.evaluations,
+                            0});
+        }
     }
     return rows;
 }
@@ -133,8 +150,8 @@ double error_of(const std::vector<std::vector<double>>& is, const std::vector<st
     return error.value();
 }
 
-Row peer_row(const bench::Peer& peer, bench::Problem& problem, double tolerance, const bench::Course& reference, const Settings& settings,
-             double duration) {
+Row peer_row(const bench::Peer& peer, bench::Problem& problem, double tolerance, const bench::Trajectory& reference,
+             const Settings& settings, double duration) {
     std::vector<double> seconds;
     bench::PeerRun run;
     for (int round = 0; round < settings.rounds && run.fault.empty(); ++round) {
@@ -145,8 +162,8 @@ Row peer_row(const bench::Peer& peer, bench::Problem& problem, double tolerance,
         peer.name,    fmt::format("{:g}", tolerance), run.fault, bench::median(seconds) / duration, NAN, NAN, run.steps, run.evaluations,
         run.jacobians};
     if (!run.fault.empty()) return row;
-    row.error_axial = error_of(run.course.tip_axial, reference.tip_axial);
-    row.error_tension = error_of(run.course.tension, reference.tension);
+    row.error_axial = error_of(run.trajectory.axial_force, reference.axial_force);
+    row.error_tension = error_of(run.trajectory.tension, reference.tension);
     return row;
 }
 
@@ -206,26 +223,23 @@ int verdict(const std::vector<Row>& rows, double agreement) {
 }
 
 int run(const Settings& settings) {
-    const tasks::Scene scene = tasks::read_scene(std::filesystem::path(CVTFLOW_SOURCE_DIR "/scenes") / (settings.scene + ".toml"));
+    tasks::Scene scene = tasks::read_scene(std::filesystem::path(CVTFLOW_SOURCE_DIR "/scenes") / (settings.scene + ".toml"));
+    tasks::set_value(scene, "run.schedule=serial");
     tasks::Simulation simulation(scene);
     tasks::SilentObserver nobody;
     const engine::Cancellation never;
     if (simulation.needs_settling() && simulation.advance({.until = 0.0}, nobody, never))
         throw std::runtime_error("the start does not settle");
-    const tasks::FrozenStart start = tasks::frozen_start(simulation);
-    const double duration = quiet_stretch(scene, start, settings);
+    const engine::SavedState saved = simulation.saved_state();
+    const double duration = quiet_stretch(scene, saved, settings);
     if (duration < settings.interval) throw std::runtime_error("a tip changes its phase within the first interval: take a shorter one");
     double got = bench::processors_got(1, 0.1);
-    bench::ComparisonOptions options;
-    options.duration = duration;
-    options.output_interval = settings.interval;
-    options.rounds = settings.rounds;
-    const bench::Comparison comparison = bench::compare(scene.parameters, start, settings.methods, options, never);
-    std::vector<Row> rows = our_rows(comparison, duration);
-    bench::Problem problem(scene, start, duration, settings.interval);
+    const bench::ErrorMeasure measure = measure_over(duration, scene, saved, settings, {"rk4", 12.5e-9});
+    std::vector<Row> rows = our_rows(measure, settings);
+    bench::Problem problem(scene, tasks::frozen_start(simulation), duration, settings.interval);
     for (const bench::Peer& peer : bench::peers()) {
         for (const double tolerance : settings.tolerances)
-            rows.push_back(peer_row(peer, problem, tolerance, comparison.reference, settings, duration));
+            rows.push_back(peer_row(peer, problem, tolerance, measure.reference(), settings, duration));
     }
     got = std::min(got, bench::processors_got(1, 0.1));
     fmt::print("{}: {:g} us before the first transition, {} unknowns, one thread; SUNDIALS {}; calibration got {:.2f} of 1 processor\n",

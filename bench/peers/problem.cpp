@@ -99,11 +99,11 @@ std::vector<double> Problem::sizes() const {
     return sizes;
 }
 
-void Problem::observe(double t, const double* state, Course& course) {
+void Problem::observe(double t, const double* state, Trajectory& trajectory) {
     const model::Observation& seen = observer_.observe(t, state, start_.phases.data());
-    course.time.push_back(t - start_.time);
-    course.tip_axial.push_back(seen.tip_axial);
-    course.tension.push_back(seen.tension);
+    trajectory.times.push_back(t);
+    trajectory.axial_force.push_back(seen.tip_axial);
+    trajectory.tension.push_back(seen.tension);
 }
 
 }  // namespace cvtflow::bench

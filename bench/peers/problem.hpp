@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/study/comparison.hpp"
+#include "bench/study/tradeoff/error_measure.hpp"
 #include "model/jacobian/exact_jacobian.hpp"
 #include "model/observe/observation.hpp"
 #include "tasks/scene/scene.hpp"
@@ -38,8 +38,8 @@ public:
     /// A typical size of each unknown, for absolute tolerances: coordinates 1e-6, their rates 1e-2, all else 1.
     [[nodiscard]] std::vector<double> sizes() const;
 
-    /// Adds an output to a course. t [s], state [unknowns]
-    void observe(double t, const double* state, bench::Course& course);
+    /// Adds an output to a trajectory. t [s], state [unknowns]
+    void observe(double t, const double* state, Trajectory& trajectory);
 
     [[nodiscard]] long evaluations() const noexcept { return evaluations_; }
     void forget_evaluations() noexcept { evaluations_ = 0; }

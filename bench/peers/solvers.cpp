@@ -84,7 +84,6 @@ PeerRun go_through(Common& common, const Advance& advance) {
     problem.forget_evaluations();
     PeerRun run;
     const double begin = problem.start().time;
-    problem.observe(begin, N_VGetArrayPointer(common.state), run.course);
     for (int output = 1; output <= problem.outputs() && run.fault.empty(); ++output) {
         const double until = begin + output * problem.interval();
         const auto before = std::chrono::steady_clock::now();
@@ -92,7 +91,7 @@ PeerRun go_through(Common& common, const Advance& advance) {
         run.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
         if (code < 0) run.fault = "returned " + std::to_string(code) + " before output " + std::to_string(output);
         if (run.seconds > patience) run.fault = "takes too long";
-        problem.observe(until, N_VGetArrayPointer(common.state), run.course);
+        problem.observe(until, N_VGetArrayPointer(common.state), run.trajectory);
     }
     run.evaluations = problem.evaluations();
     return run;

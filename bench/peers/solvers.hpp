@@ -12,7 +12,7 @@ struct PeerRun {
     std::string fault;  ///< empty: it came to the end
     double seconds = 0.0;
     long steps = 0, evaluations = 0, jacobians = 0;
-    Course course;
+    Trajectory trajectory;
 };
 
 struct Peer {

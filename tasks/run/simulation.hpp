@@ -110,6 +110,7 @@ public:
     [[nodiscard]] const std::string& method_name() const noexcept { return method().name(); }
     /// Counters of the step method as text; may be empty.
     [[nodiscard]] std::string method_report() const { return integrator_->method().report(); }
+    [[nodiscard]] const StepMethod& step_method() const noexcept { return integrator_->method(); }
     /// Step in use in the last run [s].
     [[nodiscard]] double step() const noexcept { return step_; }
     /// Hash of state and phases: equal for every number of segments, threads and schedule.

@@ -5,10 +5,10 @@
 
 #include <cmath>
 
-#include "bench/study/method_trial.hpp"
 #include "bench/study/spectrum.hpp"
 #include "engine/linear/eigenvalues.hpp"
 #include "tasks/method/method_choice.hpp"
+#include "tests/claims/method_trial_fixture.hpp"
 #include "tests/claims/rig_fixture.hpp"
 #include "tests/claims/smooth_fixture.hpp"
 

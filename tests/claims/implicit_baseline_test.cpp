@@ -3,10 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include "bench/study/method_trial.hpp"
 #include "tasks/method/implicit/catalogue.hpp"
 #include "tasks/method/implicit/linear_plan.hpp"
 #include "tasks/tuning/relative_error.hpp"
+#include "tests/claims/method_trial_fixture.hpp"
 
 namespace cvtflow::claims {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "bench/study/method_trial.hpp"
 #include "tasks/method/method_choice.hpp"
+#include "tests/claims/method_trial_fixture.hpp"
 #include "tests/claims/smooth_fixture.hpp"
 
 namespace cvtflow::claims {

@@ -73,7 +73,6 @@ TEST_F(Errors, OnTheCommandLineExitWithTwo) {
         {{"explain"}, 2, "KEY is required (cvtflow explain --help)"},
         {{"list", "method"}, 2, "no list 'method', did you mean 'methods'?"},
         {{"stability"}, 2, "METHOD is required (cvtflow-lab stability --help)"},
-        {{"pin-entry", "tiny"}, 2, "METHOD@STEP is required (cvtflow-lab pin-entry --help)"},
         {{"local-error", "tiny", "--friction", "x"}, 2, "--friction: x not in {piecewise,smoothed,both} (cvtflow-lab local-error --help)"},
     };
     for (const Mistake& mistake : mistakes) expect(mistake);
@@ -160,10 +159,6 @@ const std::vector<Mistake> mistakes_in_scenes{
      1,
      "tiny: the start is not settled, so its eigenvalues are meaningless: add --settle, or a state file with --set start.state=FILE "
      "(cvtflow settle)"},
-    {{"pin-entry", "tiny", "rk4@50ns", "-q"},
-     1,
-     "tiny: the start is not settled, so comparisons are meaningless: add --settle, or a state file with --set start.state=FILE "
-     "(cvtflow settle)"},
     {{"stability", "rk4", "--scene", "basline", "-q"}, 1, "no scene 'basline' (did you mean 'baseline'?)"},
 };
 
@@ -202,11 +197,11 @@ TEST_F(Errors, InSettingsNameTheOptionThatWasGiven) {
         {{"stability", "dumka3"}, 2, "dumka3 chooses among tables of stages: name one of them (cvtflow list methods --all)"},
         {{"stability", "rk5"}, 2, "no method 'rk5' (did you mean 'rk4'?)"},
         {{"local-error", "tiny", "--settle", "--methods", "rk4,heum"}, 2, "no method 'heum' (did you mean 'heun'?)"},
-        {{"pin-entry", "tiny", "rk4"}, 2, "rk4: expected a method and its step, such as rk4@50ns"},
-        {{"pin-entry", "tiny", "rk4@50mm"}, 2, "rk4@50mm: '50mm' is not a time above 0, such as 40ns"},
-        {{"pin-entry", "tiny", "rk5@50ns"}, 2, "no method 'rk5' (did you mean 'rk4'?)"},
-        {{"pin-entry", "tiny", "rk4@50ns", "--time", "0s"}, 2, "--time: '0s' is not a time above 0, such as 40ns"},
-        {{"pin-entry", "tiny", "rk4@50ns", "--settle", "--pin", "24", "-q"}, 2, "--pin 24: the chain has pins 0 to 23"},
+        {{"compare", "tiny", "rk4"}, 2, "rk4: write METHOD@STEP, METHOD@auto, or METHOD@LONGEST~TOLERANCE for steps by error"},
+        {{"compare", "tiny", "rk4@50mm"}, 2, "rk4@50mm: '50mm' is not a time above 0, such as 40ns"},
+        {{"compare", "tiny", "rk5@50ns"}, 2, "no method 'rk5' (did you mean 'rk4'?)"},
+        {{"compare", "tiny", "rk4@50ns", "--duration", "0s"}, 2, "--duration: '0s' is not a time above 0, such as 40ns"},
+        {{"compare", "tiny", "rk4@50ns", "--pin", "24"}, 2, "--pin 24: the chain has pins 0 to 23; or \"first\""},
         {{"local-error", "tiny", "--settle", "--steps", "3mm"}, 2, "--steps 3mm: '3mm' is not a time above 0, such as 40ns"},
     };
     for (const Mistake& mistake : mistakes) expect(mistake);

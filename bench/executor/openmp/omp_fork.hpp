@@ -1,7 +1,7 @@
 #pragma once
 /// OpenMP as it is published for this model: forked and joined at every level.
 
-#include "engine/executor/openmp/omp_executor.hpp"
+#include "engine/executor/openmp/omp_region.hpp"
 
 namespace cvtflow::bench {
 

@@ -1,7 +1,7 @@
 #pragma once
 /// OpenMP's tasks with `depend`: its runtime finds out from addresses what our graph already knows.
 
-#include "engine/executor/openmp/omp_executor.hpp"
+#include "engine/executor/openmp/omp_region.hpp"
 
 namespace cvtflow::bench {
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Cost and errors of each key of detail, as a table: `cvtflow-lab detail` and `cvtflow-lab tradeoff --detail`.
+/// Cost and errors of each key of detail, as a table: `cvtflow-lab detail`.
 
 #include "bench/lab/measure/detail_measure.hpp"
 #include "tools/program/exit_status.hpp"

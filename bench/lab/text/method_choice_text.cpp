@@ -6,7 +6,6 @@
 #include "tasks/scene/toml/units.hpp"
 #include "tools/program/arguments/scene_arguments.hpp"
 #include "tools/program/guard.hpp"
-#include "tools/program/text/text.hpp"
 
 namespace cvtflow::bench {
 
@@ -33,6 +32,7 @@ std::vector<std::string> read_choice(const std::string& choice) {
     const auto at = choice.find('@'), tilde = choice.find('~');
     if (at == std::string::npos || at == 0 || (tilde != std::string::npos && tilde < at))
         throw UsageError(fmt::format("{}: write METHOD@STEP, METHOD@auto, or METHOD@LONGEST~TOLERANCE for steps by error", choice));
+    require_method(choice.substr(0, at));
     const std::string step = choice.substr(at + 1, tilde == std::string::npos ? tilde : tilde - at - 1);
     const double seconds = read_step(choice, step);
     std::vector<std::string> settings{"run.method=" + choice.substr(0, at),
@@ -44,20 +44,6 @@ std::vector<std::string> read_choice(const std::string& choice) {
         settings.emplace_back("run.step_control=fixed");
     }
     return settings;
-}
-
-Candidate read_candidate(const std::string& text) {
-    const std::size_t at = text.find('@');
-    if (at == std::string::npos) throw UsageError(fmt::format("{}: expected a method and its step, such as rk4@50ns", text));
-    const Candidate candidate{text.substr(0, at), read_step(text, text.substr(at + 1))};
-    require_method(candidate.method);
-    return candidate;
-}
-
-std::string candidate_name(const Candidate& candidate) {
-    std::string step = candidate.step == 0.0 ? std::string(automatic) : time_text(candidate.step);
-    std::erase(step, ' ');
-    return candidate.method + "@" + step;
 }
 
 }  // namespace cvtflow::bench

@@ -4,8 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "bench/study/comparison.hpp"
-
 namespace cvtflow::bench {
 
 /// A time above 0 with or without its unit [s]. @throws tasks::SceneError that begins with the option
@@ -13,9 +11,5 @@ namespace cvtflow::bench {
 
 /// "dumka3-p5@2us", "leapfrog-rkc@auto", "dopri54@1us~1e-3" (a tolerance) as settings of a scene. @throws tasks::SceneError
 [[nodiscard]] std::vector<std::string> read_choice(const std::string& choice);
-/// "rk4@50ns", "rk4@auto". @throws tasks::SceneError also for an unknown method
-[[nodiscard]] Candidate read_candidate(const std::string& text);
-/// The text from which read_candidate() makes this candidate.
-[[nodiscard]] std::string candidate_name(const Candidate& candidate);
 
 }  // namespace cvtflow::bench

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "model/observe/observation.hpp"
+#include "tasks/method/implicit/trapezoidal.hpp"
 
 namespace cvtflow::bench {
 
@@ -34,10 +35,13 @@ public:
         const auto started = Clock::now();
         const model::Observation& seen = observer_.observe(time, workspace.states[0], workspace.tips.phases.data());
         watch.add(seen, workspace);
-        if (time > begin_) add(time, seen);
+        if (time > begin_)
+            add(time, seen);
+        else
+            note_sides(workspace);
         observing_ += seconds(Clock::now() - started);
     }
-    void transition(const TransitionRecord&) override {}
+    void transition(const TransitionRecord& record) override { into_.transitions.push_back(record); }
 
     [[nodiscard]] double observing() const noexcept { return observing_; }
 
@@ -52,15 +56,22 @@ private:
         into_.losses.push_back(std::accumulate(seen.account.loss.begin(), seen.account.loss.end(), 0.0));
     }
 
+    void note_sides(const Workspace& workspace) {
+        const model::ChainLayout& at = workspace.layout();
+        for (int link = 0; link < at.links; ++link)
+            into_.side.push_back(workspace.states[0][at.link_begin(link) + at.x(model::End::rear, 0)]);
+    }
+
     model::Observer observer_;
     double begin_;
     Trajectory& into_;
     double observing_ = 0.0;
 };
 
-Trajectory observed(const Scene& scene, double duration, const engine::Cancellation& cancel) {
+Trajectory observed(const Scene& scene, const MeasureSettings& settings, double duration, const engine::Cancellation& cancel) {
     Trajectory trajectory;
     Simulation simulation(scene);
+    if (settings.start) simulation.reset(scene, &*settings.start);
     const double begin = simulation.time();
     if (simulation.needs_settling())
         throw SimulationError(fmt::format("{}: the start is not settled, nothing can be measured from there (cvtflow settle)", scene.name));
@@ -74,6 +85,8 @@ Trajectory observed(const Scene& scene, double duration, const engine::Cancellat
     trajectory.hash = simulation.hash();
     trajectory.watch = observer.watch.verdict(simulation.energy(), simulation.suspicion());
     trajectory.schedule = simulation.schedule().text();
+    if (const auto* trapezoidal = dynamic_cast<const TrapezoidalMethod*>(&simulation.step_method()))
+        trajectory.newton = trapezoidal->statistics();
     return trajectory;
 }
 
@@ -127,14 +140,35 @@ ErrorMeasure::ErrorMeasure(Scene scene, MeasureSettings settings, const engine::
 
 Trajectory ErrorMeasure::run(std::span<const std::string> settings) const {
     const Scene scene = with_outputs(scene_, settings_.interval, settings);
-    Trajectory best = observed(scene, settings_.duration, cancel_);
-    for (int repeat = 1; repeat < settings_.repeats; ++repeat) {
-        const Trajectory again = observed(scene, settings_.duration, cancel_);
-        best.wall = std::min(best.wall, again.wall);
+    Trajectory run = observed(scene, settings_, settings_.duration, cancel_);
+    if (scene.run.step.automatic() && !run.fault && settings_.steady > settings_.duration)
+        run.steady_wall = observed(scene, settings_, settings_.steady, cancel_).wall_per_second();
+    return run;
+}
+
+std::vector<double> Trajectory::pin_axial(int pin, int sheave_side) const {
+    const std::size_t links = side.size(), own = static_cast<std::size_t>(pin), before = (own + links - 1) % links;
+    const auto number = static_cast<std::size_t>(sheave_side);
+    std::vector<double> forces;
+    for (const std::vector<double>& tips : axial_force)
+        forces.push_back(tips[model::tips_per_link * own + number] + tips[model::tips_per_link * before + 2 + number]);
+    return forces;
+}
+
+std::optional<PinEntry> first_entry(const Trajectory& run, const model::Parameters& parameters) {
+    for (const TransitionRecord& record : run.transitions) {
+        const bool enters = record.from == model::Phase::free && record.to != model::Phase::free;
+        const double side = run.side[static_cast<std::size_t>(record.pin) % run.side.size()];  // the driving shaft is at x = 0
+        if (enters && side < 0.5 * parameters.pulley.centre_distance) return PinEntry{record.pin % parameters.chain.pins, record.time};
     }
-    if (scene.run.step.automatic() && !best.fault && settings_.steady > settings_.duration)
-        best.steady_wall = observed(scene, settings_.steady, cancel_).wall_per_second();
-    return best;
+    return std::nullopt;
+}
+
+double pin_error(const Trajectory& run, const Trajectory& reference, int pin) {
+    if (run.fault || run.times != reference.times) return infinite;
+    RelativeError error;
+    for (const int side : {0, 1}) error.add(run.pin_axial(pin, side), reference.pin_axial(pin, side));
+    return error.value();
 }
 
 }  // namespace cvtflow::bench

@@ -2,10 +2,13 @@
 /// What a run costs and how far it is from a run with a tight step: the two axes of every work-precision picture.
 /// A run is a scene and settings ("run.method=dumka3-p5", "run.step=2us", …); nothing here knows what kind of method that is.
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "engine/record/run/state_file.hpp"
+#include "tasks/method/implicit/newton.hpp"
 #include "tasks/run/run_watch.hpp"
 #include "tasks/run/simulation.hpp"
 
@@ -18,6 +21,9 @@ struct Trajectory {
     std::vector<std::vector<double>> tension;      ///< [outputs][links] [N]
     std::vector<double> slip;                      ///< [outputs] of both pulleys together
     std::vector<double> losses;                    ///< [outputs] power turned into heat [W]
+    std::vector<tasks::TransitionRecord> transitions;
+    std::vector<double> side;                       ///< [links] x of the rear halves at the start [m]
+    std::optional<tasks::NewtonStatistics> newton;  ///< of trapezoidal methods
 
     tasks::Counters counters;
     tasks::Fault fault;        ///< why it ended early, if it did
@@ -31,7 +37,20 @@ struct Trajectory {
 
     [[nodiscard]] double evaluations_per_second() const noexcept { return static_cast<double>(counters.evaluations) / simulated; }
     [[nodiscard]] double wall_per_second() const noexcept { return steady_wall > 0.0 ? steady_wall : wall / simulated; }
+    /// Axial force of a pin on the sheave at that side (0: -z, 1: +z): of its rear half and of the front half before it. [outputs] [N]
+    [[nodiscard]] std::vector<double> pin_axial(int pin, int sheave_side) const;
 };
+
+/// A pin that comes to touch a sheave of the driving shaft.
+struct PinEntry {
+    int pin = 0;
+    double time = 0.0;  ///< [s]
+};
+
+/// The first one; nothing if none enters.
+[[nodiscard]] std::optional<PinEntry> first_entry(const Trajectory& run, const model::Parameters& parameters);
+/// ‖axial force of a pin on both sheaves - reference‖/‖reference‖; infinite for a run that ended early [1]
+[[nodiscard]] double pin_error(const Trajectory& run, const Trajectory& reference, int pin);
 
 /// Relative errors: ‖x - reference‖/‖reference‖, Euclidean.
 struct TrajectoryErrors {
@@ -58,10 +77,10 @@ struct MeasureSettings {
     double duration = 120e-6;                                                 ///< from the scene's start [s]
     double interval = 12e-6;                                                  ///< between outputs [s]
     std::vector<std::string> reference{"run.method=rk4", "run.step=12.5ns"};  ///< settings of the reference
-    int repeats = 1;                                                          ///< a run is repeated so often, its shortest time counts
     /// Automatic steps look at the spectrum often in the beginning: what they cost is measured over this, if it is longer than `duration`
     /// [s].
     double steady = 4e-3;
+    std::optional<engine::SavedState> start = {};  ///< where runs begin; nothing: the scene's state file
 };
 
 /// The scene with outputs and states every `interval` [s], then with `settings` (key=value), which may say otherwise.
@@ -70,7 +89,7 @@ struct MeasureSettings {
 
 class ErrorMeasure {
 public:
-    /// Runs the reference. The scene starts from its state file.
+    /// Runs the reference.
     /// @throws SimulationError if the scene's start is not settled or the reference did not get through; others as Simulation and
     /// set_values
     ErrorMeasure(tasks::Scene scene, MeasureSettings settings, const engine::Cancellation& cancel);

@@ -30,12 +30,6 @@ TEST_F(LabCommands, HaveAHelpEach) {
     }
 }
 
-TEST_F(LabCommands, TradeoffWithDetailAloneComparesLevelsOfDetail) {
-    const Outcome outcome = run({"tradeoff", "tiny", "--detail"});
-    EXPECT_NE(outcome.status, 0);
-    EXPECT_THAT(outcome.err, HasSubstr("tiny: has no settled state of full detail"));
-}
-
 TEST_F(LabCommands, LocalErrorShowsTheOrder) {
     const Outcome outcome = run({"local-error", "tiny", "--settle", "--set", "start.settling_time=1ms", "--set", "start.ramp_time=0.5ms",
                                  "--friction", "both", "--steps", "80ns,160ns"});
@@ -81,10 +75,11 @@ TEST_F(LabCommands, WriteAsJsonWhatTheyMeasure) {
     EXPECT_NEAR(double(maps["programs"][0]["oscillator"]["h_omega"]), 2.0, 1e-3);  // of every leapfrog
     EXPECT_TRUE(maps["programs"][1].contains("linear"));
     ASSERT_EQ(run({"settle", "tiny", "-q", "-o", "s.h5", "--time", "20us", "--set", "start.ramp_time=10us"}).status, 0);
-    const auto trade = json_of({"tradeoff", "tiny", "rk4@50ns", "--reference", "rk4@25ns", "--duration", "24us", "--rounds", "2",
-                                "--confirm", "24us", "--confirm-against", "rk4@25ns", "--set", "start.state=s.h5"},
-                               "tradeoff_tiny.json");
-    EXPECT_EQ(trade["choices"][0]["wall_seconds_per_second"].size(), 2u);
+    const auto trade = json_of({"compare", "tiny", "rk4@50ns", "--front", "-q", "--reference", "rk4@25ns", "--duration", "24us", "--rounds",
+                                "2", "--confirm", "24us", "--confirm-against", "rk4@25ns", "--set", "start.state=s.h5"},
+                               "compare_tiny.json");
+    EXPECT_EQ(trade["rounds"], 2);
+    EXPECT_EQ(trade["recommended"].size(), 4u);
     // Other dials begin with a jolt, which steps of 0.5 us resolve: with automatic ones it is a matter of chance which variants balance.
     const auto detail = json_of({"detail", "baseline", "--settle", "20us", "--average", "20us", "--step", "0.5us", "--control", "0 s"},
                                 "detail_baseline.json");
@@ -138,17 +133,29 @@ TEST_F(LabCommands, DetailKeepsFaultsOutOfItsTable) {
     EXPECT_THAT(some.out, testing::Not(HasSubstr("a tip of")));
 }
 
-TEST_F(LabCommands, PinEntryCountsAndMeasuresErrors) {
-    const Outcome outcome = run(std::vector<std::string>{"pin-entry", "tiny", "rk4@50ns", "dumka3-p2@1us", "--time", "24us", "--reference",
-                                                         "rk4@25ns", "--rounds", "1", "--pin", "0", "-q", "-o", "c"} +
+TEST_F(LabCommands, CompareShowsThePinsForceByMethod) {
+    const Outcome outcome = run(std::vector<std::string>{"compare", "tiny", "rk4@50ns", "dumka3-p2@1us", "--duration", "24us",
+                                                         "--reference", "rk4@25ns", "--rounds", "1", "--pin", "0", "-q", "-o", "c"} +
                                 brief_settling);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_THAT(outcome.out, StartsWith("tiny: 24 us from t = 0 s, against rk4@25ns; one thread, medians of 1 round, alternating\n"));
-    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  rk4 +50 ns +[0-9]+ +[0-9 ]+ +[0-9.e+]+ +1\\.00 +[0-9.e+]+ +1\\.00 "));
-    EXPECT_THAT(read("c/comparison.csv"), StartsWith("method,step,steps,evaluations,transitions,"));
-    EXPECT_THAT(read("c/pin-force.csv"), StartsWith("time,reference,rk4@50ns,dumka3-p2@1us\n0,"));
-    EXPECT_EQ(nlohmann::json::parse(read("c/comparison.json"))["candidates"].size(), 2u);
+    EXPECT_THAT(outcome.out, StartsWith("tiny: errors against rk4@25ns over 24us from the settled start, "));
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  rk4@50ns +49\\.9 ns +[0-9 ]+ +[0-9.e+]+ +[0-9.e+]+ +1\\.00 +1\\.00 "));
+    EXPECT_THAT(read("c/compare_tiny.csv"), StartsWith("method,mean_step,steps,evaluations,transitions,"));
+    EXPECT_THAT(read("c/pin-force.csv"), StartsWith("time,reference,rk4@50ns,dumka3-p2@1us\n1.2e-05,"));
+    const auto json = nlohmann::json::parse(read("c/compare_tiny.json"));
+    EXPECT_EQ(json["choices"].size(), 2u);
+    EXPECT_EQ(json["pin"], 0);
+    EXPECT_EQ(double(json["choices"][0]["error_pin"]), 0.0) << "pin 0 touches no sheave";
     EXPECT_THAT(read("c/pin-force.svg"), HasSubstr(">reference</text>"));
+}
+
+TEST_F(LabCommands, CompareFindsThePinThatEntersFirst) {
+    // 24 pins pass within 2 ms and more, so one enters within a tenth of that or so; it carries no force before.
+    const Outcome outcome = run(std::vector<std::string>{"compare", "tiny", "dumka3-p2@2us", "--reference", "rk4@50ns", "--duration",
+                                                         "1.2ms", "--rounds", "1", "--pin", "first", "-q"} +
+                                brief_settling);
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  pin +[0-9]+, enters the driving sheaves at [0-9.]+ [num]s\n"));
+    EXPECT_THAT(outcome.err, testing::Not(HasSubstr("first")));
 }
 
 TEST_F(LabCommands, DotDrawsATaskPerSegment) {

@@ -1,18 +1,20 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <cmath>
 #include <memory>
 
+#include "bench/lab/command/accuracy/pareto_front.hpp"
 #include "bench/lab/command/command.hpp"
+#include "bench/lab/report/pin_report.hpp"
 #include "bench/lab/text/method_choice_text.hpp"
 #include "bench/lab/text/watch_text.hpp"
-#include "bench/study/tradeoff/error_measure.hpp"
+#include "tasks/method/implicit/catalogue.hpp"
+#include "tasks/method/implicit/linear_plan.hpp"
+#include "tasks/run/run.hpp"
 #include "tools/program/arguments/scene_arguments.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output/interrupt.hpp"
 #include "tools/program/output/output_folder.hpp"
-#include "tools/program/text/provenance_json.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::bench {
@@ -23,91 +25,93 @@ namespace {
 
 struct CompareArguments {
     SceneArguments scene;
-    std::vector<std::string> choices{"rk4@50ns", "dumka3-p5@2us", "dumka3-p7@3us", "dumka3-p8@4us", "dumka3-p9@2us"};
-    std::string reference = "rk4@12.5ns";
-    std::string duration = "120us", interval = "12us";
-    int repeats = 1;
+    std::vector<std::string> choices;
+    std::string reference = "rk4@12.5ns", duration = "240us", interval = "12us", pin;
+    int rounds = 3;
+    bool newton = false, front = false, quiet = false;
+    FrontArguments far;
     OutputArguments output;
 };
 
-/// A choice and its results.
-struct ComparedChoice {
-    std::string choice;
-    Trajectory run;
-    TrajectoryErrors errors;
+const std::vector<std::string> usual_choices{"rk4@50ns", "dumka3-p5@2us", "dumka3-p7@3us", "leapfrog-chebyshev@auto",
+                                             "leapfrog-sweep@auto"};
+const std::vector<std::string> front_choices{"rk4@50ns",
+                                             "rk4@25ns",
+                                             "dumka3-p4@2us",
+                                             "dumka3-p5@2us",
+                                             "dumka3-p5@3us",
+                                             "dumka3-p7@3us",
+                                             "rkc-s12@1us",
+                                             "rock2-s9@1us",
+                                             "rock4-s7@150ns",
+                                             "fitted-l130-w1.9@2us",
+                                             "fitted-l270-w4@4us",
+                                             "leapfrog-rkc@0.5us",
+                                             "leapfrog-rkc@1us",
+                                             "leapfrog-rkc@1.5us",
+                                             "leapfrog-rkc@2us",
+                                             "leapfrog-rkc@auto",
+                                             "leapfrog-chebyshev@1us",
+                                             "leapfrog-chebyshev@2us",
+                                             "leapfrog-chebyshev@auto",
+                                             "leapfrog-sweep@1us",
+                                             "leapfrog-sweep@auto"};
 
-    [[nodiscard]] double mean_step() const { return run.simulated / static_cast<double>(std::max(1L, run.counters.steps)); }
-};
-
-std::string error_cell(double error) { return std::isfinite(error) ? fmt::format("{:.1e}", error) : "lost"; }
-
-std::string table_of(const std::vector<ComparedChoice>& rows) {
-    const auto right = [](const char* heading) { return Table::Column{heading, Align::right}; };
-    Table table({{"method"},
-                 right("mean step"),
-                 right("evaluations"),
-                 right("per second"),
-                 right("axial force"),
-                 right("tension"),
-                 right("slip"),
-                 right("losses"),
-                 right("wall s/s"),
-                 right("fewer"),
-                 right("faster"),
-                 right("residual"),
-                 {"status"}});
-    const Trajectory& first = rows.front().run;
-    for (const ComparedChoice& row : rows) {
-        const Trajectory& run = row.run;
-        const TrajectoryErrors& errors = row.errors;
-        table.add({row.choice, fmt::format("{:.4g} ns", 1e9 * row.mean_step()), fmt::format("{}", run.counters.evaluations),
-                   fmt::format("{:.3g}", run.evaluations_per_second()), error_cell(errors.axial_force), error_cell(errors.tension),
-                   error_cell(errors.slip), error_cell(errors.losses), fmt::format("{:.4g}", run.wall_per_second()),
-                   fmt::format("{:.2f}", first.evaluations_per_second() / run.evaluations_per_second()),
-                   fmt::format("{:.2f}", first.wall_per_second() / run.wall_per_second()), residual_cell(run.fault, run.watch),
-                   run.watch.status(run.fault)});
-    }
-    return table.text(2);
+/// All variants of Newton's method and all linearly implicit methods, at 2 us.
+std::vector<std::string> implicit_choices() {
+    std::vector<std::string> choices;
+    for (const tasks::NewtonVariant& variant : tasks::newton_variants()) choices.push_back(std::string(variant.name) + "@2us");
+    for (const tasks::LinearPlan& plan : tasks::linear_plans()) choices.push_back(plan.name + "@2us");
+    return choices;
 }
 
-std::string error_number(double error) { return std::isfinite(error) ? fmt::format("{:.3e}", error) : ""; }
-
-std::string csv_of(const std::vector<ComparedChoice>& rows) {
-    std::string text =
-        "method,mean_step,evaluations,evaluations_per_second,error_axial_force,error_tension,error_slip,error_losses,wall_seconds_per_"
-        "second,";
-    text += watch_heading + std::string("\n");
-    for (const ComparedChoice& row : rows) {
-        text += fmt::format("{},{:.6g},{},{:.6g},{},{},{},{},{:.6g},{}\n", row.choice, row.mean_step(), row.run.counters.evaluations,
-                            row.run.evaluations_per_second(), error_number(row.errors.axial_force), error_number(row.errors.tension),
-                            error_number(row.errors.slip), error_number(row.errors.losses), row.run.wall_per_second(),
-                            watch_csv(row.run.fault, row.run.watch));
-    }
-    return text;
+void say(const CompareArguments& arguments, const std::string& what) {
+    if (!arguments.quiet) print_error(what);
 }
 
-std::string json_of(const std::vector<ComparedChoice>& rows, const std::string& scene, const CompareArguments& arguments,
-                    const Trajectory& reference) {
-    auto choices = nlohmann::ordered_json::array();
-    for (const ComparedChoice& row : rows) {
-        choices.push_back({{"method", row.choice},
-                           {"mean_step", row.mean_step()},
-                           {"evaluations", row.run.counters.evaluations},
-                           {"error_axial_force", row.errors.axial_force},
-                           {"error_tension", row.errors.tension},
-                           {"error_slip", row.errors.slip},
-                           {"error_losses", row.errors.losses},
-                           {"wall_seconds_per_second", row.run.wall_per_second()},
-                           {"fault", row.run.fault ? row.run.fault.message() : ""},
-                           {"watch", watch_json(row.run.fault, row.run.watch)}});
+/// A state for runs to begin with, if the scene has none.
+std::optional<engine::SavedState> settled(const CompareArguments& arguments, const tasks::Scene& scene) {
+    tasks::Simulation simulation(scene);
+    if (!simulation.needs_settling()) return std::nullopt;
+    say(arguments, fmt::format("settling {} first", time_text(scene.parameters.start.settling_time)));
+    tasks::SilentObserver silent;
+    if (const tasks::Fault fault = simulation.advance({.until = 0.0}, silent, catch_interrupts())) throw tasks::SettlingFault(fault);
+    return simulation.saved_state();
+}
+
+/// --pin N. @throws UsageError for a pin that the chain does not have
+void require_pin(const std::string& pin, int pins) {
+    int number = -1;
+    if (pin.empty() || pin == "first") return;
+    if (!CLI::detail::lexical_cast(pin, number) || number < 0 || number >= pins)
+        throw UsageError(fmt::format("--pin {}: the chain has pins 0 to {}; or \"first\"", pin, pins - 1));
+}
+
+/// Whose force is compared: --pin first, --pin N; nothing without --pin, or if no pin enters.
+std::optional<PinEntry> pin_of(const std::string& pin, const Trajectory& reference, const model::Parameters& parameters) {
+    if (pin.empty()) return std::nullopt;
+    return pin == "first" ? first_entry(reference, parameters) : std::optional<PinEntry>({std::stoi(pin), 0.0});
+}
+
+/// All choices in alternating rounds, so that other load affects them equally. Empty: interrupted.
+std::vector<ComparedChoice> measure_all(const CompareArguments& arguments, const ErrorMeasure& measure,
+                                        const engine::Cancellation& cancel) {
+    std::vector<ComparedChoice> choices;
+    for (const std::string& choice : arguments.choices) {
+        choices.emplace_back();
+        choices.back().choice = choice;
+        choices.back().settings = read_choice(choice);
     }
-    return json_text({{"scene", scene},
-                      {"provenance", provenance_json()},
-                      {"reference", arguments.reference},
-                      {"reference_watch", watch_json(reference.fault, reference.watch)},
-                      {"duration", arguments.duration},
-                      {"interval", arguments.interval},
-                      {"choices", choices}});
+    for (int round = 0; round < arguments.rounds; ++round) {
+        say(arguments, fmt::format("round {} of {}", round + 1, arguments.rounds));
+        for (ComparedChoice& choice : choices) {
+            if (cancel.requested()) return {};
+            choice.run = measure.run(choice.settings);
+            choice.errors = measure.errors(choice.run).overall;
+            choice.seconds.push_back(choice.run.wall_per_second());
+        }
+    }
+    return choices;
 }
 
 /// Prints faults and warnings.
@@ -116,64 +120,122 @@ void complain(const std::string& choice, const Trajectory& run) {
     if (!remark.empty()) print_error(choice + ": " + remark);
 }
 
-void report(const std::vector<ComparedChoice>& rows, const std::string& scene, const CompareArguments& arguments,
-            const Trajectory& reference) {
-    fmt::print("{}", table_of(rows));
-    const std::string brief = too_short(reference.watch);
-    if (!brief.empty()) fmt::print("{}", field("too short", brief));
+void write_files(const CompareArguments& arguments, const std::vector<ComparedChoice>& choices, const Trajectory& reference,
+                 const CompareSetting& setting) {
     OutputFolder folder(arguments.output);
-    folder.write("compare_" + scene + ".csv", csv_of(rows));
-    folder.write("compare_" + scene + ".json", json_of(rows, scene, arguments, reference));
+    folder.write("compare_" + setting.scene + ".csv", compare_csv(choices, setting));
+    folder.write("compare_" + setting.scene + ".json", compare_json(choices, setting));
+    if (setting.front) folder.write("compare_" + setting.scene + ".svg", svg(front_plot(choices, setting)));
+    if (setting.pin) {
+        folder.write("pin-force.csv", pin_csv(choices, reference, setting));
+        folder.write("pin-force.svg", svg(pin_plot(choices, reference, setting)));
+        folder.write("pin-force-error.svg", svg(pin_error_plot(choices, reference, setting)));
+    }
     fmt::print("{}", folder.written());
 }
 
-ExitStatus compare(const CompareArguments& arguments) {
-    std::vector<std::vector<std::string>> choices;
-    for (const std::string& choice : arguments.choices) choices.push_back(read_choice(choice));
-    MeasureSettings settings{read_time("--duration", arguments.duration), read_time("--interval", arguments.interval),
-                             read_choice(arguments.reference), 1};
+void report(const CompareArguments& arguments, const std::vector<ComparedChoice>& choices, const Trajectory& reference,
+            const CompareSetting& setting) {
+    fmt::print("{}: errors against {} over {} from the settled start, {} transitions; {}; medians of {}, alternating\n", setting.scene,
+               setting.reference, setting.duration, reference.counters.detected, reference.schedule, plural(setting.rounds, "round"));
+    if (setting.pin && arguments.pin == "first")
+        fmt::print("{}", field("pin", fmt::format("{}, enters the driving sheaves at {}", setting.pin->pin, time_text(setting.pin->time))));
+    if (!setting.pin && !arguments.pin.empty()) fmt::print("{}", field("pin", "none enters the driving sheaves in this time"));
+    fmt::print("{}", compare_table(choices, setting));
+    const std::string brief = too_short(reference.watch);
+    if (!brief.empty()) fmt::print("{}", field("too short", brief));
+    if (setting.front) fmt::print("{}", recommendations(choices, setting));
+    write_files(arguments, choices, reference, setting);
+}
+
+CompareSetting setting_of(const CompareArguments& arguments, const std::string& scene, const Trajectory& reference) {
+    CompareSetting setting;
+    setting.scene = scene;
+    setting.reference = arguments.reference;
+    setting.duration = arguments.duration;
+    setting.interval = arguments.interval;
+    setting.reference_watch = reference.watch;
+    setting.rounds = arguments.rounds;
+    setting.newton = arguments.newton;
+    return setting;
+}
+
+ExitStatus compare(const CompareArguments& arguments) try {
+    for (const std::string& choice : arguments.choices) static_cast<void>(read_choice(choice));
     const LoadedScene loaded = load_scene(arguments.scene);
+    if (!loaded.notice.empty()) say(arguments, loaded.notice);
     const engine::Cancellation& cancel = catch_interrupts();
     tasks::Scene scene = loaded.scene;
     if (scene.run.schedule == "auto") tasks::set_value(scene, "run.schedule=serial");
-    settings.repeats = arguments.repeats;
+    MeasureSettings settings{read_time("--duration", arguments.duration), read_time("--interval", arguments.interval),
+                             read_choice(arguments.reference)};
+    require_pin(arguments.pin, scene.parameters.chain.pins);
+    const ConfirmSettings far = confirm_settings(arguments.far, settings.interval);
+    settings.start = settled(arguments, scene);
     const ErrorMeasure measure(scene, settings, cancel);
-    fmt::print("{}: errors against {} over {} from the settled start, {} transitions; {}\n", scene.name, arguments.reference,
-               time_text(settings.duration), measure.reference().counters.detected, measure.reference().schedule);
+    CompareSetting setting = setting_of(arguments, scene.name, measure.reference());
+    setting.pin = pin_of(arguments.pin, measure.reference(), scene.parameters);
+    if (arguments.front) require_reliable(scene.name, arguments.reference, measure.reference());
     complain("the reference, " + arguments.reference, measure.reference());
-    std::vector<ComparedChoice> rows;
-    for (std::size_t i = 0; i < choices.size() && !cancel.requested(); ++i) {
-        const Trajectory run = measure.run(choices[i]);
-        rows.push_back({arguments.choices[i], run, measure.errors(run).overall});
-        complain(arguments.choices[i], run);
+    std::unique_ptr<ParetoFront> front;  // before the choices: its reference may fail
+    if (arguments.front) front = std::make_unique<ParetoFront>(scene, far, cancel, [&](const std::string& what) { say(arguments, what); });
+    std::vector<ComparedChoice> choices = measure_all(arguments, measure, cancel);
+    if (choices.empty()) return ExitStatus::cancelled;
+    for (ComparedChoice& choice : choices) {
+        if (setting.pin) choice.pin_error = pin_error(choice.run, measure.reference(), setting.pin->pin);
+        complain(choice.choice, choice.run);
     }
-    if (!rows.empty()) report(rows, scene.name, arguments, measure.reference());
-    return cancel.requested() ? ExitStatus::cancelled : ExitStatus::finished;
+    if (front) front->judge(choices, setting);
+    if (cancel.requested()) return ExitStatus::cancelled;
+    report(arguments, choices, measure.reference(), setting);
+    return ExitStatus::finished;
+} catch (const tasks::SimulationError&) {  // a reference that was interrupted
+    if (catch_interrupts().requested()) return ExitStatus::cancelled;
+    throw;
 }
+
+constexpr const char* explanation =
+    "Errors: relative, Euclidean norm over all tips (links) and outputs. fewer, faster: evaluations and time of the first choice\n"
+    "divided by those of this one. Steps are shortened to divide the interval. METHOD@auto: automatic steps, timed over at least\n"
+    "4 ms because choosing them takes most time at the start. residual: residual of the energy balance over the losses; runs whose\n"
+    "balance does not close are unreliable, whatever their errors. run.schedule = \"auto\" means serial here.\n"
+    "--newton: iterations, Jacobians and halvings per step of the trapezoidal rule; fell back: steps that needed an additional\n"
+    "Jacobian; unconverged: steps that used the best iterate.\n"
+    "--front: no other choice is both faster and more accurate than one on the front. Choices on the front or recommended run\n"
+    "again over --confirm, cheapest first, because bursts are rare. Choices with unstable steps, unreliable runs, or errors of mean\n"
+    "slip or losses above 1 % there are marked, and neither on the front nor recommended.\n"
+    "  cvtflow-lab compare baseline rk4@50ns dumka3-p5@2us fitted@3us dopri54@1us~1e-3\n"
+    "  cvtflow-lab compare baseline --pin first --duration 1ms -o results/pin\n"
+    "  cvtflow-lab compare baseline --newton --duration 48us";
 
 }  // namespace
 
 Action declare_compare(CLI::App& app) {
     const auto arguments = std::make_shared<CompareArguments>();
     declare_scene(app, arguments->scene);
-    app.add_option("CHOICE", arguments->choices, "METHOD@STEP, METHOD@auto, or METHOD@LONGEST~TOLERANCE; ratios refer to the first one")
-        ->type_name("")
-        ->capture_default_str();
+    app.add_option(
+           "CHOICE", arguments->choices,
+           "METHOD@STEP, METHOD@auto, or METHOD@LONGEST~TOLERANCE; ratios refer to the first one (default: five, more with --front, "
+           "all implicit ones with --newton)")
+        ->type_name("");
     app.add_option("--reference", arguments->reference, "Reference of the errors")->type_name("CHOICE")->capture_default_str();
     app.add_option("--duration", arguments->duration, "Simulated time")->type_name("TIME")->capture_default_str();
     app.add_option("--interval", arguments->interval, "Time between outputs")->type_name("TIME")->capture_default_str();
-    app.add_option("--repeats", arguments->repeats, "Runs of each choice; the fastest counts")
-        ->check(CLI::Range(1, 100))
-        ->capture_default_str();
+    app.add_option("--rounds", arguments->rounds, "Rounds of timing; choices alternate")->check(CLI::Range(1, 100))->capture_default_str();
+    app.add_option("--pin", arguments->pin, "Also compare the axial force of a pin: N, or first: the first that enters the driving sheaves")
+        ->type_name("N");
+    app.add_flag("--newton", arguments->newton, "Also show how Newton's method converged");
+    app.add_flag("--front", arguments->front, "Also find the Pareto front, confirm it by longer runs, and recommend choices");
+    declare_front(app, arguments->far);
+    declare_fresh_start(app, arguments->scene);
     declare_output(app, arguments->output);
-    app.footer(
-        "Errors: relative, Euclidean norm over all tips (links) and outputs. fewer, faster: evaluations and wall time of the first choice "
-        "divided by\nthose of this one. run.schedule = \"auto\" means serial here. METHOD@auto: automatic steps, timed over at least 4 ms "
-        "because choosing\nthem is most expensive at the start. residual: residual of the energy balance over the losses; runs whose "
-        "balance "
-        "does not close are\nunreliable, whatever their errors.\n"
-        "  cvtflow-lab compare baseline rk4@50ns dumka3-p5@2us fitted@3us dopri54@1us~1e-3");
-    return [arguments] { return compare(*arguments); };
+    app.add_flag("-q,--quiet", arguments->quiet, "No progress; results are printed all the same");
+    app.footer(explanation);
+    return [arguments] {
+        if (arguments->choices.empty())
+            arguments->choices = arguments->newton ? implicit_choices() : arguments->front ? front_choices : usual_choices;
+        return compare(*arguments);
+    };
 }
 
 }  // namespace cvtflow::bench

@@ -89,5 +89,55 @@ TEST_F(ErrorMeasureRuns, AnUnsettledStartIsRefused) {
     EXPECT_THROW(ErrorMeasure(tiny, brief(), never), SimulationError);
 }
 
+TEST_F(ErrorMeasureRuns, ShorterStepsOfAStabilisedMethodAreCloserAndCostMore) {
+    const engine::Cancellation never;
+    MeasureSettings settings = brief();
+    settings.duration = 60e-6;
+    settings.reference = {"run.method=rk4", "run.step=25ns"};
+    const ErrorMeasure measure(settled(), settings, never);
+    const Trajectory longer = measure.run(std::vector<std::string>{"run.method=dumka3-p2", "run.step=2us"}),
+                     shorter = measure.run(std::vector<std::string>{"run.method=dumka3-p2", "run.step=1us"});
+    EXPECT_LT(measure.errors(shorter).overall.tension, measure.errors(longer).overall.tension);
+    EXPECT_GT(shorter.counters.evaluations, longer.counters.evaluations);
+    double short_errors = 0.0, long_errors = 0.0;
+    for (int pin = 0; pin < 24; ++pin) {
+        short_errors += pin_error(shorter, measure.reference(), pin);
+        long_errors += pin_error(longer, measure.reference(), pin);
+        EXPECT_EQ(pin_error(measure.reference(), measure.reference(), pin), 0.0);
+    }
+    EXPECT_LT(short_errors, long_errors);
+}
+
+TEST(Trajectory, APinsForceIsThatOfItsTwoHalves) {
+    Trajectory run;
+    run.side = {0.0, 0.0, 0.0};
+    run.axial_force = {{1, 2, 3, 4, 10, 20, 30, 40, 100, 200, 300, 400}};  // 4 per link: rear -z, rear +z, front -z, front +z
+    EXPECT_EQ(run.pin_axial(1, 0), std::vector<double>{10 + 3});
+    EXPECT_EQ(run.pin_axial(1, 1), std::vector<double>{20 + 4});
+    EXPECT_EQ(run.pin_axial(0, 0), std::vector<double>{1 + 300});
+}
+
+TEST(Trajectory, APinEntersWhereATipOfTheDrivingSideComesToTouch) {
+    model::Parameters parameters;
+    parameters.chain.pins = 3;
+    Trajectory run;
+    run.side = {0.9 * parameters.pulley.centre_distance, 0.0, 0.0};
+    EXPECT_FALSE(first_entry(run, parameters));
+    const auto record = [&](double time, int pin, model::Phase from, model::Phase to) {
+        TransitionRecord transition{};
+        transition.time = time;
+        transition.pin = pin;
+        transition.from = from;
+        transition.to = to;
+        run.transitions.push_back(transition);
+    };
+    record(1e-6, 0, model::Phase::free, model::Phase::touching);  // enters the driven pulley
+    record(2e-6, 1, model::Phase::touching, model::Phase::free);  // leaves
+    record(3e-6, 2, model::Phase::free, model::Phase::touching);
+    ASSERT_TRUE(first_entry(run, parameters));
+    EXPECT_EQ(first_entry(run, parameters)->pin, 2);
+    EXPECT_EQ(first_entry(run, parameters)->time, 3e-6);
+}
+
 }  // namespace
 }  // namespace cvtflow::bench

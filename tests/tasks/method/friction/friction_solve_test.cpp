@@ -8,10 +8,10 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "bench/study/method_trial.hpp"
 #include "tasks/method/method.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/step/assembly/segment_tasks.hpp"
+#include "tests/claims/method_trial_fixture.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
 #include "tests/engine/executor/executor_fixture.hpp"
 #include "tests/engine/graph/race_check_fixture.hpp"

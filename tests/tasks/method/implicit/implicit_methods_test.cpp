@@ -4,10 +4,10 @@
 
 #include <cmath>
 
-#include "bench/study/method_trial.hpp"
 #include "settled_fixture.hpp"
 #include "tasks/method/implicit/catalogue.hpp"
 #include "tasks/tuning/relative_error.hpp"
+#include "tests/claims/method_trial_fixture.hpp"
 #include "tests/engine/allocation_fixture.hpp"
 #include "tests/engine/graph/race_check_fixture.hpp"
 

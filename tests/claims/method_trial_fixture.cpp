@@ -1,4 +1,4 @@
-#include "bench/study/method_trial.hpp"
+#include "tests/claims/method_trial_fixture.hpp"
 
 #include <chrono>
 #include <cmath>

@@ -1,0 +1,68 @@
+#pragma once
+/// Methods with their steps on one scene: errors, cost, Newton's method, a pin's force, and which of them are recommended.
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/study/tradeoff/confirmation.hpp"
+#include "bench/study/tradeoff/error_measure.hpp"
+#include "tasks/tuning/pareto.hpp"
+#include "tools/program/plot/plot.hpp"
+
+namespace cvtflow::bench {
+
+/// What --front finds out about a choice.
+struct FrontVerdict {
+    double stable_step = 0.0;  ///< up to which the method is stable [s]; infinite: any
+    std::optional<Confirmed> confirmed;
+    std::string objection;  ///< reason against it, whatever its errors; empty: none
+    bool front = false;
+
+    /// "confirmed", the objection, or empty: not confirmed.
+    [[nodiscard]] std::string standing() const { return !objection.empty() ? objection : confirmed ? "confirmed" : ""; }
+};
+
+/// One choice of method and step.
+struct ComparedChoice {
+    std::string choice;                 ///< as given: "rk4@50ns"
+    std::vector<std::string> settings;  ///< what it means for the scene
+    Trajectory run;                     ///< of the last round
+    TrajectoryErrors errors;
+    double pin_error = std::numeric_limits<double>::quiet_NaN();  ///< of the pin's axial force [1]
+    std::vector<double> seconds;                                  ///< wall time per simulated second, of each round
+    FrontVerdict verdict;
+
+    [[nodiscard]] double median() const;
+    [[nodiscard]] double mean_step() const { return run.simulated / static_cast<double>(std::max(1L, run.counters.steps)); }
+    /// Its error in forces, infinite where there is an objection, and its time.
+    [[nodiscard]] tasks::TradeoffPoint point() const;
+};
+
+/// What was measured, and how.
+struct CompareSetting {
+    std::string scene;
+    std::string reference, duration, interval;  ///< as given
+    tasks::RunVerdict reference_watch;
+    int rounds = 0;
+    bool newton = false;              ///< columns of Newton's method
+    std::optional<PinEntry> pin;      ///< whose force is compared
+    bool front = false;               ///< columns and recommendations of the Pareto front, and what follows
+    double confirm = 0.0;             ///< length of the long runs [s]
+    std::string confirm_reference;    ///< Confirmation::reference_text()
+    tasks::RunVerdict confirm_watch;  ///< of that run
+};
+
+/// Target errors of the recommendations.
+inline constexpr double recommended_errors[] = {1e-2, 1e-3, 1e-4, 1e-5};
+
+[[nodiscard]] std::string compare_table(const std::vector<ComparedChoice>& choices, const CompareSetting& setting);
+[[nodiscard]] std::string compare_csv(const std::vector<ComparedChoice>& choices, const CompareSetting& setting);
+[[nodiscard]] std::string compare_json(const std::vector<ComparedChoice>& choices, const CompareSetting& setting);
+[[nodiscard]] std::string recommendations(const std::vector<ComparedChoice>& choices, const CompareSetting& setting);
+/// Error against time, without choices that have an objection.
+[[nodiscard]] tools::Plot front_plot(const std::vector<ComparedChoice>& choices, const CompareSetting& setting);
+
+}  // namespace cvtflow::bench
