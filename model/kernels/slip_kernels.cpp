@@ -1,6 +1,5 @@
 #include "model/basis/order.hpp"
 #include "model/contact/slip/slip_chain.hpp"
-#include "model/contact/slip/slip_coupling.hpp"
 #include "model/contact/slip/slip_geometry.hpp"
 #include "model/contact/slip/slip_newton.hpp"
 #include "model/kernels/kernels.hpp"

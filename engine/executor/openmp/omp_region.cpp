@@ -8,6 +8,8 @@
 
 namespace cvtflow::engine {
 
+void OmpExecutor::release_threads() noexcept { omp_pause_resource_all(omp_pause_hard); }
+
 namespace {
 
 /// Called by the whole team; all tasks have finished on return. Shares are those of schedule(static), without the loop construct,

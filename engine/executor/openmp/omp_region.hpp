@@ -1,9 +1,19 @@
 #pragma once
 /// OpenMP with one parallel region for the whole run.
 
-#include "engine/executor/openmp/omp_executor.hpp"
+#include "engine/executor/run.hpp"
 
 namespace cvtflow::engine {
+
+/// The runtime keeps its threads from run to run. Where OMP_WAIT_POLICY=active is set they wait for the next one on their processors,
+/// without end, and whatever runs in between has these processors not to itself.
+class OmpExecutor : public RunningExecutor {
+public:
+    void release_threads() noexcept override;
+
+protected:
+    using RunningExecutor::RunningExecutor;
+};
 
 /// Levels end at OpenMP's barriers; the calling thread meets the controller between two of them. The threads belong to the OpenMP
 /// runtime and outlive the run.

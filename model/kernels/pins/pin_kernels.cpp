@@ -4,8 +4,8 @@
 
 #include "model/basis/order.hpp"
 #include "model/kernels/kernels.hpp"
-#include "model/kernels/pins/pin_friction.hpp"
 #include "model/kernels/pins/pin_pass.hpp"
+#include "model/kernels/pins/pin_tips.hpp"
 
 namespace cvtflow::model {
 

@@ -4,7 +4,6 @@
 #include <string>
 
 #include "tasks/method/friction/additive/additive_method.hpp"
-#include "tasks/method/friction/friction_stability.hpp"
 #include "tasks/method/friction/implicit_leapfrog.hpp"
 #include "tasks/method/friction/staged/friction_leapfrog.hpp"
 #include "tasks/method/friction/sweep/rigid_sweep.hpp"

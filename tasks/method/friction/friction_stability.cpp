@@ -1,4 +1,4 @@
-#include "tasks/method/friction/friction_stability.hpp"
+#include "tasks/method/friction/friction_methods.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <array>

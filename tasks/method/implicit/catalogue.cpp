@@ -2,7 +2,6 @@
 
 #include <string>
 
-#include "tasks/method/implicit/implicit_stability.hpp"
 #include "tasks/method/implicit/linear_method.hpp"
 #include "tasks/method/implicit/trapezoidal.hpp"
 #include "tasks/method/stability/step_map.hpp"

@@ -8,6 +8,7 @@
 
 #include "tasks/method/implicit/implicit_method.hpp"
 #include "tasks/method/implicit/linear_plan.hpp"
+#include "tasks/method/program_stability.hpp"
 
 namespace cvtflow::tasks {
 
@@ -50,5 +51,9 @@ private:
     std::vector<double> right_q_;    ///< r_q, link by link, then pulleys [coordinates]
     std::vector<double> reactions_;  ///< [links][border]: K r_q of the pulleys' rows
 };
+
+[[nodiscard]] ProgramStability linear_stability(const LinearPlan& plan);
+/// All variants converge to the same step.
+[[nodiscard]] ProgramStability trapezoidal_stability();
 
 }  // namespace cvtflow::tasks

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -54,5 +55,9 @@ inline constexpr std::size_t longest_toml = std::size_t{4} << 20U;
 
 /// `"text"` with TOML's escapes.
 [[nodiscard]] std::string toml_text(const std::string& text);
+
+/// The first excess over the limits on size and depth, in one pass without memory of its own. Knows no more of the grammar than what is
+/// text and what is not.
+[[nodiscard]] std::optional<Problem> beyond_limits(const std::string& text);
 
 }  // namespace cvtflow::tasks

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "engine/event/locate.hpp"
+#include "engine/event/interpolant.hpp"
 #include "tasks/step/assembly/near_blocks.hpp"
 #include "tasks/step/assembly/tip_states.hpp"
 #include "tasks/step/workspace.hpp"

@@ -1,4 +1,4 @@
-#include "engine/event/locate.hpp"
+#include "engine/event/interpolant.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "tasks/scene/toml/toml_limits.hpp"
+#include "tasks/scene/toml/toml_tree.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "tools/program/html/sweep_page.hpp"
+#include "tools/program/html/run_page.hpp"
 
 #include <fmt/format.h>
 

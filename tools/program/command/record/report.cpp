@@ -7,7 +7,6 @@
 #include "tools/program/command/command.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/html/run_page.hpp"
-#include "tools/program/html/sweep_page.hpp"
 #include "tools/program/output/output_place.hpp"
 #include "tools/program/output/text_file.hpp"
 #include "tools/program/text/text.hpp"

@@ -21,4 +21,8 @@ struct FmuFacts {
 [[nodiscard]] std::string model_description_2(const FmuFacts& facts, const std::vector<FmuVariable>& variables);
 [[nodiscard]] std::string model_description_3(const FmuFacts& facts, const std::vector<FmuVariable>& variables);
 
+/// terminalsAndIcons/terminalsAndIcons.xml: a bus for each shaft, with its inputs and with the outputs whose names begin with it. Empty if
+/// no variable belongs to a shaft.
+[[nodiscard]] std::string terminals_text(const std::vector<FmuVariable>& variables);
+
 }  // namespace cvtflow::tools
