@@ -1,4 +1,4 @@
-#include "tools/program/view/order_spectrum.hpp"
+#include "tools/program/view/order_lines.hpp"
 
 #include <gtest/gtest.h>
 

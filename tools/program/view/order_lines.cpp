@@ -3,11 +3,38 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <complex>
 #include <numbers>
 #include <numeric>
+#include <unsupported/Eigen/FFT>
 
 namespace cvtflow::tools {
+
+AmplitudeSpectrum amplitude_spectrum(const std::vector<double>& times, std::vector<double> values) {
+    AmplitudeSpectrum spectrum;
+    if (times.size() != values.size() || values.size() < 8) return spectrum;
+    const double distance = times[1] - times[0];
+    if (!(distance > 0.0)) return spectrum;
+    if (std::abs(times.back() - times[times.size() - 2] - distance) > 1e-3 * distance) values.pop_back();
+    const auto count = static_cast<double>(values.size());
+    const double mean = std::accumulate(values.begin(), values.end(), 0.0) / count;
+    std::vector<double> padded(2 * std::bit_ceil(values.size()));
+    double weights = 0.0;
+    for (std::size_t k = 0; k < values.size(); ++k) {
+        const double window = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * static_cast<double>(k) / count);
+        padded[k] = window * (values[k] - mean);
+        weights += window;
+    }
+    std::vector<std::complex<double>> transformed;
+    Eigen::FFT<double>().fwd(transformed, padded);
+    for (std::size_t k = 0; k <= padded.size() / 2; ++k) {
+        spectrum.frequency.push_back(static_cast<double>(k) / (static_cast<double>(padded.size()) * distance));
+        spectrum.amplitude.push_back(2.0 * std::abs(transformed[k]) / weights);
+    }
+    return spectrum;
+}
 
 namespace {
 

@@ -12,7 +12,6 @@
 #include "tools/program/text/text.hpp"
 #include "tools/program/view/labels.hpp"
 #include "tools/program/view/order_lines.hpp"
-#include "tools/program/view/order_spectrum.hpp"
 
 namespace cvtflow::tools {
 

@@ -18,7 +18,6 @@
 #include "tools/program/output/fmu/fmu_variables.hpp"
 #include "tools/program/output/fmu/generation_date.hpp"
 #include "tools/program/output/fmu/model_description.hpp"
-#include "tools/program/output/fmu/terminals.hpp"
 #include "tools/program/output/fmu/zip_file.hpp"
 #include "tools/program/output/output_place.hpp"
 #include "tools/program/output/replacing.hpp"

@@ -1,8 +1,10 @@
 #include "tools/program/output/fmu/zip_file.hpp"
 
-#include <array>
+#include <zlib.h>
+
 #include <cstdint>
 #include <limits>
+#include <new>
 #include <stdexcept>
 
 namespace cvtflow::tools {
@@ -14,20 +16,33 @@ constexpr std::uint16_t first_of_january_1980 = 0x21;  // a file is the same whe
 constexpr std::uint32_t plain_file = 0100644u << 16;
 constexpr std::uint16_t from_unix = 3 << 8 | version;
 
-/// CRC-32 of IEEE 802.3, as ZIP wants it.
-std::uint32_t crc(const std::string& bytes) {
-    static const auto table = [] {
-        std::array<std::uint32_t, 256> rows{};
-        for (std::uint32_t row = 0; row < 256; ++row) {
-            rows[row] = row;
-            for (int bit = 0; bit < 8; ++bit) rows[row] = rows[row] >> 1 ^ ((rows[row] & 1u) != 0 ? 0xEDB88320u : 0u);
-        }
-        return rows;
-    }();
-    std::uint32_t sum = ~0u;
-    for (const char byte : bytes) sum = sum >> 8 ^ table[(sum ^ static_cast<unsigned char>(byte)) & 0xFFu];
-    return ~sum;
+constexpr std::size_t worth_compressing = 65536;
+
+/// Without zlib's own header, as ZIP wants it.
+std::string deflated(const std::string& bytes) {
+    z_stream stream{};
+    if (deflateInit2(&stream, Z_BEST_COMPRESSION, Z_DEFLATED, -MAX_WBITS, MAX_MEM_LEVEL, Z_DEFAULT_STRATEGY) != Z_OK)
+        throw std::bad_alloc();
+    std::string out(deflateBound(&stream, bytes.size()), '\0');
+    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+    stream.avail_in = static_cast<uInt>(bytes.size());
+    stream.next_out = reinterpret_cast<Bytef*>(out.data());
+    stream.avail_out = static_cast<uInt>(out.size());
+    const int status = deflate(&stream, Z_FINISH);
+    out.resize(stream.total_out);
+    deflateEnd(&stream);
+    if (status != Z_STREAM_END) throw std::runtime_error("zip: zlib cannot compress");
+    return out;
 }
+
+/// A part as it is in the file.
+struct Packed {
+    const ZipPart& part;
+    bool compressed = part.bytes.size() >= worth_compressing;
+    std::string bytes = compressed ? deflated(part.bytes) : part.bytes;
+    std::uint32_t sum =
+        static_cast<std::uint32_t>(crc32(0, reinterpret_cast<const Bytef*>(part.bytes.data()), static_cast<uInt>(part.bytes.size())));
+};
 
 template <class T>
 void add(std::string& file, T number) {
@@ -35,15 +50,15 @@ void add(std::string& file, T number) {
 }
 
 /// What local header and directory have in common: flags, method, time, date, sum, sizes, lengths.
-void add_facts(std::string& file, const ZipPart& part) {
+void add_facts(std::string& file, const Packed& packed) {
     add<std::uint16_t>(file, 0x0800);  // names are UTF-8
-    add<std::uint16_t>(file, 0);       // stored
+    add<std::uint16_t>(file, packed.compressed ? Z_DEFLATED : 0);
     add<std::uint16_t>(file, 0);
     add(file, first_of_january_1980);
-    add(file, crc(part.bytes));
-    add(file, static_cast<std::uint32_t>(part.bytes.size()));
-    add(file, static_cast<std::uint32_t>(part.bytes.size()));
-    add(file, static_cast<std::uint16_t>(part.name.size()));
+    add(file, packed.sum);
+    add(file, static_cast<std::uint32_t>(packed.bytes.size()));
+    add(file, static_cast<std::uint32_t>(packed.part.bytes.size()));
+    add(file, static_cast<std::uint16_t>(packed.part.name.size()));
     add<std::uint16_t>(file, 0);
 }
 
@@ -52,16 +67,18 @@ void add_facts(std::string& file, const ZipPart& part) {
 std::string zip_file(const std::vector<ZipPart>& parts) {
     std::string file, directory;
     for (const ZipPart& part : parts) {
+        if (part.bytes.size() > std::numeric_limits<std::uint32_t>::max() / 2) throw std::length_error("zip: a part of more than 2 GiB");
+        const Packed packed{part};
         const auto begin = static_cast<std::uint32_t>(file.size());
         add<std::uint32_t>(file, 0x04034B50);
         add(file, version);
-        add_facts(file, part);
-        file += part.name + part.bytes;
+        add_facts(file, packed);
+        file += part.name + packed.bytes;
         if (file.size() > std::numeric_limits<std::uint32_t>::max() / 2) throw std::length_error("zip: more than 2 GiB");
         add<std::uint32_t>(directory, 0x02014B50);
         add(directory, from_unix);
         add(directory, version);
-        add_facts(directory, part);
+        add_facts(directory, packed);
         add<std::uint16_t>(directory, 0);
         add<std::uint16_t>(directory, 0);
         add<std::uint16_t>(directory, 0);

@@ -1,5 +1,5 @@
 #pragma once
-/// A ZIP file of a few parts, stored as they are.
+/// A ZIP file of a few parts, compressed from 64 KiB on.
 
 #include <string>
 #include <vector>
@@ -11,7 +11,7 @@ struct ZipPart {
     std::string bytes;
 };
 
-/// The file's bytes: the same for the same parts. @throws std::length_error beyond 4 GiB
+/// The file's bytes: the same for the same parts and version of zlib. @throws std::length_error beyond 2 GiB
 [[nodiscard]] std::string zip_file(const std::vector<ZipPart>& parts);
 
 }  // namespace cvtflow::tools
