@@ -30,7 +30,7 @@ class Folder(unittest.TestCase):
 class Tuning(Folder):
     def test_finds_a_scene_for_an_accuracy_once(self):
         scene = cvtflow.Scene.read(SOURCE + "/scenes/free_ring.toml")
-        first = cvtflow.tune(scene, accuracy=0.05, outputs=["tight_tension"], folder=self.folder)
+        first = cvtflow.tune(scene, accuracy="5 %", outputs=["tight_tension"], budget="10 min", folder=self.folder)
         self.assertLessEqual(first.error, 0.05)
         self.assertFalse(first.kept)
         self.assertIn(first.scene.value("run.method").strip('"'), first.choice)

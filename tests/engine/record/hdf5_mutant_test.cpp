@@ -199,13 +199,13 @@ TEST(ReaderLimits, EndWhatComputesAndWhatSleepsButNotWhatWaitsForItsTurn) {
 }
 
 TEST_F(Hdf5MutantTest, EveryReaderSurvivesThemAsTheyCome) {
-    run_children(1, 1500, false);
-    judge(1500);
+    run_children(1, 500, false);
+    judge(500);
 }
 
 TEST_F(Hdf5MutantTest, EveryReaderSurvivesThemSealedAnew) {
-    run_children(2, 1500, true);
-    judge(1500);
+    run_children(2, 500, true);
+    judge(500);
 }
 
 using NightlyHdf5MutantTest = Hdf5MutantTest;

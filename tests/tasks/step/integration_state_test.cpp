@@ -10,6 +10,7 @@
 #include "tasks/method/method_choice.hpp"
 #include "tasks/run/checkpoint.hpp"
 #include "tasks/run/simulation.hpp"
+#include "tests/sample_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
@@ -97,27 +98,30 @@ Course from_file_to_file(const Scene& scene, int segments) {
     return course;
 }
 
-class EveryMethod : public testing::TestWithParam<std::string> {};
-
-TEST_P(EveryMethod, GoesOnFromACheckpointBitForBit) {
-    Scene scene = tiny();
-    scene.run.method = GetParam();
-    scene.run.step = 5e-8;
-    try {
-        const Simulation usable(scene);
-    } catch (const SimulationError& error) {
-        GTEST_SKIP() << error.what();
+void expect_the_same_course(const std::vector<std::string>& methods) {
+    int usable = 0;
+    for (const std::string& method : methods) {
+        SCOPED_TRACE(method);
+        Scene scene = tiny();
+        scene.run.method = method;
+        scene.run.step = 5e-8;
+        try {
+            const Simulation simulation(scene);
+        } catch (const SimulationError&) {
+            continue;
+        }
+        ++usable;
+        const Course whole = undisturbed(scene);
+        EXPECT_GT(whole.settling.detected, 0);
+        EXPECT_EQ(from_file_to_file(scene, 3), whole);
     }
-    const Course whole = undisturbed(scene);
-    EXPECT_GT(whole.settling.detected, 0);
-    EXPECT_EQ(from_file_to_file(scene, 3), whole);
+    EXPECT_GT(2 * usable, static_cast<int>(methods.size()));
 }
 
-INSTANTIATE_TEST_SUITE_P(IntegrationState, EveryMethod, testing::ValuesIn(method_names()), [](const auto& instance) {
-    std::string name = instance.param;
-    for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
-    return name;
-});
+TEST(IntegrationState, OfAMethodGoesOnFromACheckpointBitForBit) {
+    expect_the_same_course(cvtflow::test::sample(method_names(), 12, "checkpoints"));
+}
+TEST(NightlyIntegrationState, OfEveryMethodGoesOnFromACheckpointBitForBit) { expect_the_same_course(method_names()); }
 
 TEST(IntegrationState, GoesOnWithStickAndSlipLedgerAndControl) {
     Scene scene = tiny();
