@@ -1,6 +1,6 @@
 #pragma once
 /// When a tip changes its phase: thresholds with hysteresis, as functions whose sign changes at the transition.
-/// (design section 8: a tip that would flip back at once stays)
+/// A tip that would flip back at once stays.
 
 #include "model/parameters/chain_layout.hpp"
 

@@ -1,6 +1,6 @@
 #pragma once
 /// Geometric start: a closed chain with every joint just touching (or pre-tensioned against its own centrifugal pull), every plate at its
-/// free length, sheaves just touching the tips, velocities of running without slip. (model/EQUATIONS.md, design section 8)
+/// free length, sheaves just touching the tips, velocities of running without slip. (model/EQUATIONS.md)
 
 #include <vector>
 

@@ -1,5 +1,5 @@
 /// Claim: the contact of tips and sheaves is Hertz's, its friction lets a pushed block creep, and a tip that flies onto a sheave arrives
-/// once and on time. (design check 10.7)
+/// once and on time.
 
 #include <gtest/gtest.h>
 

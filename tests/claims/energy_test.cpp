@@ -1,5 +1,5 @@
 /// Claim: without friction and damping energy is kept; with them, power in less power out is dissipation, by kind, to integrator accuracy.
-/// The chain's own forces keep its momentum and angular momentum. (design check 10.5)
+/// The chain's own forces keep its momentum and angular momentum.
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-/// Claim: a free closed chain that spins carries in every link the tension of its own centrifugal force. (design check 10.2)
+/// Claim: a free closed chain that spins carries in every link the tension of its own centrifugal force.
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 /// Claim: without friction between tips and sheaves, clamping S tightens both strands to 2 S tan β/Θ above the centrifugal pull, and every
-/// sheave carries S. (design check 10.3)
+/// sheave carries S.
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-/// Claim: the chain starts closed around its pulleys, with joints and plates exactly as deep and long as asked for. (design check 10.1)
+/// Claim: the chain starts closed around its pulleys, with joints and plates exactly as deep and long as asked for.
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 /// Claim: elastic forces are minus the gradient of the observed energies, and every friction and damping force dissipates, whatever the
-/// state. (design check 10.9, for the production kernels themselves)
+/// state. (for the production kernels themselves)
 
 #include <gtest/gtest.h>
 

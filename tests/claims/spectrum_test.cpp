@@ -1,4 +1,4 @@
-/// The spectrum of the variator (design check 10.6): where its stiffness comes from.
+/// The spectrum of the variator: where its stiffness comes from.
 
 #include "bench/study/spectrum.hpp"
 
