@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "model/variator/rigid/rigid_friction.hpp"
+#include "model/variator/rigid/rigid_vectors.hpp"
 #include "model/variator/rigid/rigid_kernels.hpp"
 #include "model/variator/rigid/rigid_tip.hpp"
 
