@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
-#include "model/variator/rigid/rigid_vectors.hpp"
 #include "model/variator/rigid/rigid_kernels.hpp"
 #include "model/variator/rigid/rigid_tip.hpp"
+#include "model/variator/rigid/rigid_vectors.hpp"
 
 namespace cvtflow::model {
 namespace {
