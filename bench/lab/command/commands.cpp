@@ -32,6 +32,7 @@ std::span<const tools::Command> commands() noexcept {
         Command{"detail", accuracy, "Compare levels of detail: what each dial costs and what it changes", declare_detail},
         Command{"extremes", accuracy, "Run the edges of every parameter and say what comes of each", declare_extremes},
         Command{"lottery", accuracy, "Run machines drawn by chance with defaults and count how they end", declare_lottery},
+        Command{"belt", accuracy, "Solve the theory of a continuous belt for a machine: thrust ratio, slip, shift, arcs", declare_belt},
         Command{"draw", picture, "Draw curves from numbers, as the pictures of the other commands", declare_draw},
     };
     return rows;

@@ -1,0 +1,132 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <map>
+#include <memory>
+#include <stdexcept>
+
+#include "bench/lab/command/command.hpp"
+#include "bench/study/belt/belt_drive.hpp"
+#include "tools/program/arguments/scene_arguments.hpp"
+#include "tools/program/guard.hpp"
+#include "tools/program/output/output_folder.hpp"
+
+namespace cvtflow::bench {
+
+using namespace tools;
+
+namespace {
+
+struct BeltArguments {
+    SceneArguments scene;
+    OutputArguments output;
+    std::vector<double> ratios, loads, growths{0.0};
+    std::vector<std::string> without;
+    double vibration = 0.0;
+};
+
+const std::map<std::string, bool BeltParts::*> parts_by_name{{"tilt", &BeltParts::tilting_sheaves},
+                                                             {"yield", &BeltParts::yielding_pins},
+                                                             {"stretch", &BeltParts::stretching_belt},
+                                                             {"crown", &BeltParts::crowned_flank},
+                                                             {"saturation", &BeltParts::saturation_speed}};
+
+/// Rows of the tables, and lines on the terminal.
+struct BeltTables {
+    std::string points =
+        "ratio,load,torque_Nm,growth_m_per_s,status,clamping_driving_N,thrust_ratio,tight_N,slack_N,slip,sliding_W,shift_per_s,torque_"
+        "limit_"
+        "Nm\n";
+    std::string arcs = "ratio,load,pulley,angle,tension_N,axial_N_per_rad,inset_m,along_m_per_s,across_m_per_s\n";
+    std::string lines =
+        fmt::format("{:>6} {:>6} {:>9} {:>9} {:>8} {:>9} {:>9} {:>9} {:>9}\n", "ratio", "load", "torque", "growth", "S1/S2", "tight",
+                    "slack", "slip", "shift") +
+        fmt::format("{:>6} {:>6} {:>9} {:>9} {:>8} {:>9} {:>9} {:>9} {:>9}\n", "", "", "N m", "mm/s", "", "N", "N", "%", "1/s");
+};
+
+void add_arcs(BeltTables& tables, const BeltDrive& drive, double ratio, double load) {
+    for (std::size_t k = 0; k < drive.arc.size(); ++k)
+        for (const BeltNode& node : drive.arc[k].nodes)
+            tables.arcs += fmt::format("{:g},{:g},{},{:.5f},{:.3f},{:.3f},{:.4g},{:.5g},{:.5g}\n", ratio, load, k + 1, node.angle,
+                                       node.tension, node.axial, node.inset, node.along, node.across);
+}
+
+/// load: as a share of 2 mu S_2 R_2/cos(beta)
+void add_point(BeltTables& tables, const model::Parameters& p, const BeltPoint& point, double load, const BeltParts& parts, bool arcs) {
+    const double limit = belt_torque_limit(p, point);
+    const std::string begin = fmt::format("{:g},{:g},{:.4f},{:g},", point.ratio, load, point.torque, point.growth);
+    const std::string words = fmt::format("{:>6g} {:>6g} {:>9.2f} {:>9.3f} ", point.ratio, load, point.torque, 1e3 * point.growth);
+    try {
+        const BeltDrive drive = solve_belt(p, point, parts);
+        tables.points += begin + fmt::format("ok,{:.3f},{:.6f},{:.3f},{:.3f},{:.4e},{:.3f},{:.6g},{:.4f}\n", drive.arc[0].clamping,
+                                             drive.thrust_ratio, drive.tight, drive.slack, drive.slip,
+                                             drive.arc[0].sliding_power + drive.arc[1].sliding_power, drive.shift + 0.0, limit);
+        tables.lines += words + fmt::format("{:>8.4f} {:>9.1f} {:>9.1f} {:>9.4f} {:>+9.4f}\n", drive.thrust_ratio, drive.tight, drive.slack,
+                                            100.0 * drive.slip, drive.shift + 0.0);
+        if (arcs) add_arcs(tables, drive, point.ratio, load);
+    } catch (const std::domain_error& error) {
+        tables.points += begin + fmt::format("slips,,,,,,,,{:.4f}\n", limit);
+        tables.lines += words + error.what() + "\n";
+    }
+}
+
+ExitStatus belt(const BeltArguments& arguments) {
+    const LoadedScene loaded = load_scene(arguments.scene);
+    const model::Parameters& p = loaded.scene.parameters;
+    if (p.detail.pulleys == model::PulleyDetail::absent) throw UsageError(loaded.scene.name + " has no pulleys");
+    BeltParts parts;
+    parts.vibration = arguments.vibration;
+    for (const std::string& name : arguments.without) parts.*parts_by_name.at(name) = false;
+    BeltTables tables;
+    OutputFolder folder(arguments.output);
+    const std::vector<double> ratios = arguments.ratios.empty() ? std::vector<double>{p.start.ratio} : arguments.ratios;
+    for (const double ratio : ratios) {
+        BeltPoint point{ratio, p.clamping.driven.at(0.0), p.load.torque.at(0.0), p.drive.speed.at(0.0)};
+        const double limit = belt_torque_limit(p, point);
+        for (const double load : arguments.loads.empty() ? std::vector<double>{point.torque / limit} : arguments.loads)
+            for (const double growth : arguments.growths) {
+                point.torque = load * limit;
+                point.growth = growth;
+                add_point(tables, p, point, load, parts, folder.wants("arcs.csv"));
+            }
+    }
+    folder.write("belt.csv", tables.points);
+    folder.write("arcs.csv", tables.arcs);
+    fmt::print("{}{}", tables.lines, folder.written());
+    return ExitStatus::finished;
+}
+
+}  // namespace
+
+Action declare_belt(CLI::App& app) {
+    const auto arguments = std::make_shared<BeltArguments>();
+    declare_scene(app, arguments->scene);
+    app.add_option("--ratios", arguments->ratios, "Ratios of radii, separated by commas (default: start.ratio)")
+        ->type_name("LIST")
+        ->delimiter(',')
+        ->check(CLI::Range(0.1, 10.0));
+    app.add_option("--loads", arguments->loads, "Loads as shares of 2 mu S_2 R_2/cos(beta), separated by commas (default: load.torque)")
+        ->type_name("LIST")
+        ->delimiter(',')
+        ->check(CLI::Range(-2.0, 2.0));
+    app.add_option("--growths", arguments->growths, "Rates of change of the driving radius [m/s], separated by commas (default: 0)")
+        ->type_name("LIST")
+        ->delimiter(',')
+        ->check(CLI::Range(-1.0, 1.0));
+    app.add_option("--without", arguments->without, "Leave out: tilt, yield, stretch, crown, saturation, separated by commas")
+        ->type_name("LIST")
+        ->delimiter(',')
+        ->check(CLI::IsMember(parts_by_name));
+    app.add_option("--vibration", arguments->vibration, "Standard deviation of the pins' velocity across the flank [m/s] (default: 0)")
+        ->type_name("SPEED")
+        ->check(CLI::Range(0.0, 10.0));
+    declare_output(app, arguments->output);
+    app.footer(
+        "A continuous belt with Coulomb friction in two directions between sheaves that tilt (Carbone, Mangialardi and Mantriota 2005), "
+        "with\n"
+        "the scene's machine, driven clamping force, speed and load at t = 0. docs/validation.md has its equations and its results beside\n"
+        "those of the chain. Files: belt.csv (a row per point), arcs.csv (forces and sliding along both arcs).");
+    return [arguments] { return belt(*arguments); };
+}
+
+}  // namespace cvtflow::bench

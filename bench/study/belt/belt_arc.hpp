@@ -1,0 +1,98 @@
+#pragma once
+/// The belt on one pulley, as theory has it: a continuous belt with Coulomb friction in two directions between sheaves that tilt
+/// (Carbone, Mangialardi, Mantriota 2005), here with the compliance of belt and pins. Equations: docs/validation.md. It shares no code with
+/// the model of the chain: only parameters.
+
+#include <vector>
+
+#include "model/parameters/parameters.hpp"
+
+namespace cvtflow::bench {
+
+/// What theory leaves out on request, to measure what each of them explains.
+struct BeltParts {
+    bool tilting_sheaves = true;   ///< sheaves tilt about the shaft: the groove opens as a sine over the arc
+    bool yielding_pins = true;     ///< pins shorten and tips flatten under their axial force
+    bool stretching_belt = true;   ///< plates and joints stretch
+    bool crowned_flank = true;     ///< the flank's angle depends on the radius
+    bool saturation_speed = true;  ///< friction grows over tip.friction.saturation_speed; without: a thousandth of that speed
+    double vibration = 0.0;        ///< standard deviation of the pins' velocity across, which friction averages over [m/s]
+    int nodes = 400;               ///< per arc
+};
+
+/// A pulley that runs at constant radius, or whose radius grows.
+struct BeltPulley {
+    double radius;        ///< R [m]
+    double wrap;          ///< α [rad]
+    double speed;         ///< ω [rad/s]
+    double growth = 0.0;  ///< dR/dt [m/s]
+};
+
+/// At an angle after the entry.
+struct BeltNode {
+    double angle;          ///< θ [rad]
+    double tension;        ///< of the belt, centrifugal part included [N]
+    double axial;          ///< s: axial force on one sheave per angle [N/rad]
+    double inset;          ///< radius minus R [m]
+    double along, across;  ///< sliding speed of the belt against the sheaves along the circumference, and outwards along the flank [m/s]
+    double friction_per_speed;  ///< [N·s/(m·rad)]
+};
+
+/// Quantities of an arc that satisfies its boundary conditions.
+struct BeltArc {
+    std::vector<BeltNode> nodes;
+    double clamping;             ///< S [N]
+    double torque;               ///< of the belt on the pulley [N·m]
+    double friction_speed;       ///< Ω°: speed of the pulley at which the same pins put no torque on it [rad/s]
+    double sliding_power = 0.0;  ///< lost by friction [W]
+};
+
+/// One pulley's equations.
+class BeltArcSolver {
+public:
+    BeltArcSolver(const model::Parameters& p, const BeltPulley& pulley, const BeltParts& parts);
+
+    /// Arc whose tension changes from `entry` to `exit` [N]. Throws std::domain_error where friction cannot carry that difference.
+    [[nodiscard]] BeltArc between(double entry, double exit) const;
+    /// Arc with that clamping force [N] whose tension grows by `difference` [N] (falls, if negative). Throws std::domain_error likewise.
+    [[nodiscard]] BeltArc clamped(double clamping, double difference) const;
+
+private:
+    /// Entry tension [kN], creep against the pulley [1e-3], tilting moments over R towards the middle of the arc and 90° further [kN].
+    struct Unknowns {
+        double entry, creep, middle, side;
+    };
+    struct Sums {
+        double clamping, difference, middle, side;  ///< [N]
+    };
+    /// What an arc has to satisfy: entry tension or clamping force, and difference of tensions [N].
+    struct Ends {
+        double first, difference;
+        bool entry_given;
+    };
+    /// Per angle: friction along the circumference [N/rad], axial force on one sheave [N/rad], friction over sliding speed [N·s/(m·rad)].
+    struct Contact {
+        double along, axial, per_speed;
+    };
+
+    [[nodiscard]] double yielding_inset(double axial) const;
+    [[nodiscard]] Contact contact(double reduced, double along, double across) const;
+    Sums sweep(const Unknowns& u, std::vector<BeltNode>* nodes) const;
+    [[nodiscard]] Unknowns guess(const Ends& ends) const;
+    [[nodiscard]] Unknowns converge(Unknowns u, const Ends& ends) const;
+    [[nodiscard]] BeltArc arc(const Ends& ends) const;
+
+    BeltPulley pulley_;
+    double friction_, saturation_, sin_, cos_;
+    double weight_;   ///< mass per length times the square of the speed: centrifugal tension [N]
+    double stretch_;  ///< strain per tension [1/N]
+    double tilt_;     ///< inset per tilting moment over R [m/N]
+    double hertz_;    ///< of a tip [N/m^1.5]
+    double bar_;      ///< compliance of a half along its axis [m/N]
+    double share_;    ///< angle of half a pin [rad]
+    double vibration_;
+    bool yielding_;
+    int count_;
+};
+
+}  // namespace cvtflow::bench
