@@ -76,6 +76,8 @@ public:
     /// false: the state at a transition is that of the cubic through workspace.states[0], slopes[0], end_state and an evaluation at the
     /// end, so slopes[0] must hold the slope at the start when the step is done.
     [[nodiscard]] virtual bool retakes() const noexcept { return false; }
+    /// true, of a method that retakes(): no step is cut. Tips that are due change their phase at its end.
+    [[nodiscard]] virtual bool keeps_steps() const noexcept { return false; }
     /// A run begins, or the state was set: discards the memory.
     virtual void restart() noexcept {}
     /// Tips have changed their phase since the last step.

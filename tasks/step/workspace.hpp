@@ -45,6 +45,7 @@ struct StepInput {
     ErrorScale error_scale;        ///< in which units
     Transition due;                ///< what it cuts for
     bool secant = false;           ///< slopes at both ends are made from the states there
+    bool kept = false;             ///< tips change their phase at its end, and nothing is located
     bool end_state_ready = false;  ///< the step method has left the links' result in end_state; a detect cycle combines nothing
     long evaluations = 0;          ///< of the right-hand side, so far
     double* slope_out = nullptr;   ///< [layout.size()] where an evaluate cycle writes slopes

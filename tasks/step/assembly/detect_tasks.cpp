@@ -139,7 +139,7 @@ void detect_segment(void* workspace, int segment) noexcept {
         check_contact(w, link, probe, verdict);
         if (is_far(w, link, probe)) continue;
         find_due(w, link, verdict);
-        if (near_contact(w, link)) check_middle(w, link, end + (link - own.first) * layout.link_block(), verdict);
+        if (!w.step.kept && near_contact(w, link)) check_middle(w, link, end + (link - own.first) * layout.link_block(), verdict);
     }
 }
 

@@ -42,7 +42,6 @@ StepController::StepController(Workspace& workspace, std::unique_ptr<StepMethod>
       integration_(integrate()) {
     w_.step.time = settings.begin;
     w_.step.dwell = dwell_steps * grid_.step;
-    w_.step.secant = method_.retakes();
     w_.step.evaluations = 0;
     method_.restart();  // a run does not depend on what ran before it
     w_.energy.restart(method_.observation_stride());
@@ -72,7 +71,6 @@ StepController::StepController(Workspace& workspace, StepMethod& method, const S
     w_.step.dwell = dwell_steps * grid_.step;
     w_.energy.load(from.energy, method_.observation_stride());
     if (settings.choice != nullptr) settings.choice->load(from.step_choice);
-    w_.step.secant = method_.retakes();
     w_.step.evaluations = from.counters.evaluations;
     method_.restart();
     std::span<const double> memory(from.method);
@@ -124,7 +122,7 @@ CycleSequence StepController::integrate() {
             const bool accurate = errors_.accepts(cut);
             if ((fault_ = accurate ? transitions_.check(counters_) : reject())) co_return;
             if (!accurate) continue;
-            if (!cut && !transitions_.due()) break;
+            if (!cut && (!transitions_.due() || w_.step.kept)) break;
             transitions_.complete_start_slopes();
             if (cut) break;
             if (!method_.retakes()) {
@@ -257,6 +255,7 @@ void StepController::accept() {
     w_.energy.step(w_.variator, begin, w_.states[0] + w_.layout().pulley_begin(), w_.step.time, w_.end_state + w_.layout().pulley_begin());
     std::swap(w_.states[0], w_.end_state);
     std::swap(w_.tips.before, w_.tips.after);
+    if (w_.step.kept && transitions_.due()) transitions_.change_at_end(observer_, counters_);
 }
 
 void StepController::shorten_to_transition() {

@@ -3,9 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tasks/step/assembly/tip_states.hpp"
+
 namespace cvtflow::tasks {
 
-TransitionSearch::TransitionSearch(Workspace& workspace, StepMethod& method) : w_(workspace), method_(method), secant_(method.retakes()) {}
+TransitionSearch::TransitionSearch(Workspace& workspace, StepMethod& method) : w_(workspace), method_(method), secant_(method.retakes()) {
+    w_.step.secant = secant_;
+    w_.step.kept = method.keeps_steps();
+}
 
 void TransitionSearch::prepare_detection() {
     const model::ChainLayout& at = w_.layout();
@@ -83,6 +88,22 @@ void TransitionSearch::prepare_truncation() {
 void TransitionSearch::truncate(RunObserver& observer, Counters& counters) {
     std::swap(w_.states[0], w_.cut_state);
     std::swap(w_.tips.before, w_.tips.after);
+    report_changes(observer, counters);
+}
+
+void TransitionSearch::change_at_end(RunObserver& observer, Counters& counters) {
+    std::copy(w_.tips.phases.begin(), w_.tips.phases.end(), w_.tips.phases_before.begin());
+    for (std::size_t tip = 0; tip < w_.tips.phases.size(); ++tip) {
+        model::Phase& phase = w_.tips.phases[tip];
+        const model::Phase to = w_.rule.next(phase, w_.tips.before[tip]);
+        if (to == phase || !may_change(w_, static_cast<int>(tip))) continue;
+        phase = to;
+        w_.tips.changed[tip] = w_.step.time;
+    }
+    report_changes(observer, counters);
+}
+
+void TransitionSearch::report_changes(RunObserver& observer, Counters& counters) {
     method_.transition();
     w_.list_touching();
     for (std::size_t tip = 0; tip < w_.tips.phases.size(); ++tip) {

@@ -27,8 +27,11 @@ public:
     void prepare_truncation();
     /// After it: the state at the cut is the current one. Reports every tip that has changed to `observer`.
     void truncate(RunObserver& observer, Counters& counters);
+    /// After a step that is kept has been accepted: tips that are due change their phase. Reports them to `observer`.
+    void change_at_end(RunObserver& observer, Counters& counters);
 
 private:
+    void report_changes(RunObserver& observer, Counters& counters);
     void make_secants();
 
     Workspace& w_;

@@ -43,6 +43,8 @@ public:
     void add_tasks(engine::TaskGraph& graph) override;
     void repartitioned() override { system_.repartition(w_.partition); }
     [[nodiscard]] bool retakes() const noexcept override { return true; }
+    /// Contact begins with no force at all; only with stick and slip the phase decides a force.
+    [[nodiscard]] bool keeps_steps() const noexcept override { return !w_.parameters.detail.stick_slip; }
     void restart() noexcept override;
     void transition() noexcept override {}  // forces stay good: that of a tip that has just landed is zero
     void save(std::vector<double>& memory) const override;
