@@ -1,6 +1,7 @@
 /// What the default method and its automatic step do to the figures that a run is made for: means over 20 ms of every ready scene with pin
-/// halves, against half the step of friction stages in double precision. The same by hand:
-///     cvtflow-lab compare baseline leapfrog-sweep@auto --reference leapfrog-chebyshev-double@714.2857ns --duration 20ms --interval 10us
+/// halves, against half the step of friction stages in double precision. Outputs are 25 us apart: closer ones shorten steps, and of fewer
+/// ones the mean slip depends on single pins that touch at an output of one run and not of the other. The same by hand:
+///     cvtflow-lab compare baseline leapfrog-sweep@auto --reference leapfrog-chebyshev-double@714.2857ns --duration 20ms --interval 25us
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -17,7 +18,7 @@ namespace {
 constexpr double slip_error = 2e-3, efficiency_error = 5e-5, axial_error = 1e-3, residual = 1e-3;
 
 RunReport run_with(const std::string& scene, std::vector<std::string> settings, const std::vector<std::string>& more) {
-    settings.insert(settings.end(), {"run.until=20 ms", "run.output_interval=10 us", "run.schedule=serial"});
+    settings.insert(settings.end(), {"run.until=20 ms", "run.output_interval=25 us", "run.schedule=serial"});
     settings.insert(settings.end(), more.begin(), more.end());
     return run_scene(claims::ready_scene(scene, settings), {});
 }
@@ -42,6 +43,10 @@ void expect_right(const std::string& scene, const std::vector<std::string>& more
 }
 
 TEST(DefaultErrors, AreWithinWhatIsPromisedOnTheBaseline) { expect_right("baseline"); }
+
+TEST(NightlyDefaultErrors, AreWithinWhatIsPromisedWithOutputsEveryTenMicroseconds) {
+    for (const char* scene : {"baseline", "overdrive"}) expect_right(scene, {"run.output_interval=10 us"});
+}
 
 TEST(NightlyDefaultErrors, AreWithinWhatIsPromisedOnEveryReadyScene) {
     for (const char* scene : {"baseline", "low", "overdrive", "control", "load_ramp", "manoeuvre", "shift"}) expect_right(scene);

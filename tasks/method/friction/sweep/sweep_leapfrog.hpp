@@ -45,6 +45,7 @@ public:
     [[nodiscard]] bool retakes() const noexcept override { return true; }
     /// Contact begins with no force at all; only with stick and slip the phase decides a force.
     [[nodiscard]] bool keeps_steps() const noexcept override { return !w_.parameters.detail.stick_slip; }
+    [[nodiscard]] long observation_stride() const noexcept override { return 12; }
     void restart() noexcept override;
     void transition() noexcept override {}  // forces stay good: that of a tip that has just landed is zero
     void save(std::vector<double>& memory) const override;
