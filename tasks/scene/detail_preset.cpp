@@ -16,7 +16,7 @@ std::span<const DetailPreset> detail_presets() noexcept {
     using model::PulleyDetail;
     static constexpr std::array presets{
         DetailPreset{"rigid", "rigid whole pins with four tips, lumped plates, elastic pulleys", rigid, 1, PlateDetail::lumped, 1,
-                     PulleyDetail::elastic, 1.0, 0.03, 0.0054, 0.053},
+                     PulleyDetail::elastic, 1.0, 0.03, 0.012, 0.057},
         DetailPreset{"coarse", "whole pins that roll by constraint, with slope, lumped plates, elastic pulleys", whole, 1,
                      PlateDetail::lumped, 1, PulleyDetail::elastic, 1.0, 0.31, 0.02, 0.042},
         DetailPreset{"medium", "halves with slope, lumped plates, elastic pulleys", halves, 1, PlateDetail::lumped, 3,

@@ -214,6 +214,30 @@ static void check_a_record(const char* path) {
     cvtflow_record_close(record);
 }
 
+/* The level of detail whose method keeps its state itself: stepped, copied, saved and restored. */
+static void check_rigid_pins(const cvtflow_scene* scene) {
+    const char* settings[] = {"run.method=auto", "run.step=1 us"};
+    cvtflow_scene* level = NULL;
+    cvtflow_scene* rigid = NULL;
+    cvtflow_simulation* simulation = NULL;
+    cvtflow_options options = CVTFLOW_INIT(cvtflow_options);
+    const double* values = NULL;
+    size_t channel = 0, width = 0;
+    options.way = CVTFLOW_OWN;
+    options.threads = 2;
+    CHECK(cvtflow_scene_with_detail(scene, "rigid", &level, NULL) == CVTFLOW_OK);
+    CHECK(cvtflow_scene_with(level, settings, 2, &rigid, NULL) == CVTFLOW_OK);
+    CHECK(cvtflow_create(rigid, &options, &simulation, NULL) == CVTFLOW_OK);
+    CHECK(strcmp(cvtflow_method(simulation), "leapfrog-sweep") == 0);
+    CHECK(cvtflow_advance_to(simulation, -2.9e-4, NULL) == CVTFLOW_OK);
+    check_states(simulation);
+    CHECK(cvtflow_channel_find(simulation, "tight_tension", &channel, NULL) == CVTFLOW_OK);
+    CHECK(cvtflow_channel_values(simulation, channel, &values, &width, NULL) == CVTFLOW_OK && width == 1 && values[0] > 100.0);
+    cvtflow_destroy(simulation);
+    cvtflow_scene_release(rigid);
+    cvtflow_scene_release(level);
+}
+
 int main(int argc, char** argv) {
     cvtflow_scene* scene = argc > 1 ? brief_scene(argv[1]) : NULL;
     cvtflow_simulation* simulation = NULL;
@@ -223,6 +247,7 @@ int main(int argc, char** argv) {
     check_texts(scene);
     check_inputs();
     check_records();
+    check_rigid_pins(scene);
     if (argc > 2) check_a_record(argv[2]);
     options.way = CVTFLOW_OWN;
     options.threads = 2;

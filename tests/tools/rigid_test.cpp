@@ -48,6 +48,13 @@ TEST_F(RigidPins, RunSettleAndAreReportedPlottedAndExported) {
     EXPECT_EQ(run(Words{"run", "tiny", "-q", "-o", "again.h5", "--set", "start.state=state.h5"} + level + brief).status, 0);
 }
 
+/// A start that settles begins with a jolt which steps of 5 us do not resolve, and which is no reason to call the run unreliable.
+TEST_F(RigidPins, AreReliableAtTheAutomaticStepOfASmallMachine) {
+    const Outcome outcome = run({"run", "tiny", "--detail", "rigid", "--method", "auto", "-o", "tiny.h5"});
+    EXPECT_EQ(outcome.status, 0) << outcome.out;
+    EXPECT_THAT(outcome.out, AllOf(HasSubstr("step 5e-06 s (auto"), Not(HasSubstr("unreliable"))));
+}
+
 TEST_F(RigidPins, ResumeBitForBitAfterKills) {
     const Words all = Words{"run", "tiny", "-q", "--until", "200 ms", "-o"};
     ASSERT_EQ(run(all + Words{"whole.h5"} + level).status, 0);

@@ -51,7 +51,8 @@ struct RigidKernels {
     void (*accelerate)(const RigidCoefficients& c, RigidColumns& columns) noexcept;
     /// Coordinates by velocities over a time [s].
     void (*drift)(double step, RigidColumns& columns) noexcept;
-    /// Velocities by accelerations over a time [s]. @return kinetic energy of the pins afterwards [J]
+    /// Velocities by accelerations over a time [s]. @return ½ v·M v' of the pins' velocities before and after, which a leapfrog conserves
+    /// in any linear oscillation [J]
     double (*kick)(const RigidCoefficients& c, double step, RigidColumns& columns) noexcept;
     /// Depths of the tips of pins 0 … 7 [m]. @param depth [tips][8]
     void (*depths)(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns, double* depth) noexcept;

@@ -32,15 +32,15 @@ inline void drift_pins(double step, RigidColumns& columns) noexcept {
     }
 }
 
-/// Of one coordinate; returns the sum of v² over the pins.
+/// Of one coordinate; returns the sum over the pins of velocities before times those after.
 inline double kick_coordinate(RigidColumns& columns, int k, double step) noexcept {
-    PinSum square(columns);
+    PinSum product(columns);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-        const PinLanes v = read(columns, Column::vx + k, i) + step * read(columns, Column::force_x + k, i);
-        square.add(i, v * v);
+        const PinLanes before = read(columns, Column::vx + k, i), v = before + step * read(columns, Column::force_x + k, i);
+        product.add(i, before * v);
         write(columns, Column::vx + k, i, v);
     }
-    return square.value();
+    return product.value();
 }
 
 inline double kick_pins(const RigidCoefficients& c, double step, RigidColumns& columns) noexcept {

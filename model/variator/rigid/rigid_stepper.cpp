@@ -44,14 +44,15 @@ RigidStepper::RigidStepper(const Variator& variator)
 void RigidStepper::start(double t, const double* y) {
     const ChainLayout& at = model_.layout();
     time_ = t;
-    lead_ = 0.0;
+    lead_ = shift_ = 0.0;
     model_.read(y, columns_);
     std::copy_n(y + at.pulley_begin(), tail_.size(), tail_.begin());
     ledger_.fill(0.0);
     if (at.ledger) std::copy_n(y + at.ledger_begin(), ledger_.size(), ledger_.begin());
     evaluate(0.0);
     columns_.copy(Column::rub, Column::rub_before);
-    kinetic_ = model_.kernels().kick(model_.coefficients(), 0.0, columns_) + tail_kinetic();
+    tail_kinetic_ = tail_kinetic();
+    kinetic_ = model_.kernels().kick(model_.coefficients(), 0.0, columns_) + tail_kinetic_;
     balance_ = total_ = {};
     balance_.energy = forces_.account.energy;
     balance_.energy[static_cast<std::size_t>(Energy::kinetic)] = kinetic_;
@@ -70,9 +71,10 @@ void RigidStepper::step(double begin, double step) noexcept {
 /// The share of the step behind that the mean of both steps' lengths leaves out, by the same forces.
 void RigidStepper::lead(double time) noexcept {
     const double more = time - lead_;
-    kinetic_ = model_.kernels().kick(model_.coefficients(), more, columns_);
+    shift_ += (time * time - lead_ * lead_) * jerked();  // ½ v·M v' of velocities around t_n, with no work done
+    model_.kernels().kick(model_.coefficients(), more, columns_);
     for (std::size_t k = static_cast<std::size_t>(model_.layout().pulley_size); k < tail_.size(); ++k) tail_[k] += more * tail_slope_[k];
-    kinetic_ += tail_kinetic();
+    tail_kinetic_ = tail_kinetic();
     for (std::size_t k = 0; k < loss_kinds; ++k) total_.lost[k] += more * forces_.account.loss[k];
     if (model_.layout().pulley_size != 0) {
         const WorkRates power = variator_.pulleys().works(tail_.data(), inputs_);
@@ -100,13 +102,14 @@ void RigidStepper::evaluate(double kick) noexcept {
 
 /// Half of it belongs to the step behind. Powers of a kick are those of the mean of the velocities before and after.
 void RigidStepper::kick(double length) noexcept {
-    const double before = kinetic_, half = 0.5 * length;
+    const double before = tail_kinetic_, half = 0.5 * length;
     WorkRates power{};
     if (model_.layout().pulley_size != 0) power = variator_.pulleys().works(tail_.data(), inputs_);
     kinetic_ = model_.kernels().kick(model_.coefficients(), length, columns_);
     columns_.copy(Column::rub, Column::rub_before);
     for (std::size_t k = static_cast<std::size_t>(model_.layout().pulley_size); k < tail_.size(); ++k) tail_[k] += length * tail_slope_[k];
-    kinetic_ += tail_kinetic();
+    tail_kinetic_ = tail_kinetic();
+    kinetic_ += 0.5 * (before + tail_kinetic_);
     if (model_.layout().pulley_size != 0) {
         const WorkRates after = variator_.pulleys().works(tail_.data(), inputs_);
         for (std::size_t k = 0; k < work_kinds; ++k) power[k] = 0.5 * (power[k] + after[k]);
@@ -119,8 +122,18 @@ void RigidStepper::kick(double length) noexcept {
     book(half, balance_);
     book(length, total_);
     balance_.energy = forces_.account.energy;
-    balance_.energy[static_cast<std::size_t>(Energy::kinetic)] = 0.5 * (before + kinetic_);
+    balance_.energy[static_cast<std::size_t>(Energy::kinetic)] = kinetic_ + shift_;
     lead_ = half;
+}
+
+double RigidStepper::jerked() const noexcept {
+    const RigidCoefficients& c = model_.coefficients();
+    double sum = 0.0;
+    for (int k = 0; k < rigid_coordinates; ++k) {
+        const double *a = columns_[Column::force_x + k], mass = k < 3 ? c.mass : c.tilt_mass;
+        for (int pin = 0; pin < c.pins; ++pin) sum += 0.5 * mass * a[pin] * a[pin];
+    }
+    return sum;
 }
 
 double RigidStepper::tail_kinetic() const noexcept {
@@ -154,6 +167,8 @@ void RigidStepper::visit(Stepper& s, const Visitor& visitor) {
     visitor(&s.time_, 1);
     visitor(&s.lead_, 1);
     visitor(&s.kinetic_, 1);
+    visitor(&s.tail_kinetic_, 1);
+    visitor(&s.shift_, 1);
     visitor(s.tail_.data(), s.tail_.size());
     visitor(s.tail_slope_.data(), s.tail_slope_.size());
     visitor(s.ledger_.data(), s.ledger_.size());

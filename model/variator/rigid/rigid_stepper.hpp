@@ -44,7 +44,7 @@ public:
         const int pin = tip < rigid_tips / 2 ? link : model_.layout().next(link);
         return columns_[Column::normal + (tip + rigid_tips / 2) % rigid_tips][pin] > 0.0;
     }
-    /// Kinetic energy of the velocities as they are [J].
+    /// Kinetic energy: of pins ½ v·M v' of the velocities around the last kick, of pulleys the mean of both [J].
     [[nodiscard]] double kinetic() const noexcept { return kinetic_; }
     /// State at time(): velocities are means of those before and after. @param y [unknowns]
     void state(double* y) const noexcept;
@@ -61,6 +61,7 @@ private:
     void evaluate(double kick) noexcept;  ///< forces; kick 0: friction of the velocities as they are
     void kick(double length) noexcept;
     [[nodiscard]] double tail_kinetic() const noexcept;
+    [[nodiscard]] double jerked() const noexcept;  ///< ½ a·M a of the pins [J/s²]
     /// Calls visitor(number) for every number that the next step depends on. @tparam Stepper this class, const or not
     template <class Stepper, class Visitor>
     static void visit(Stepper& stepper, const Visitor& visitor);
@@ -72,7 +73,8 @@ private:
     RigidForces forces_;
     Inputs inputs_;
     std::vector<double> tail_, tail_slope_;                 ///< pulleys and controls
-    double kinetic_ = 0.0;                                  ///< [J]
+    double kinetic_ = 0.0, tail_kinetic_ = 0.0;             ///< [J]; of the pulleys' velocities as they are
+    double shift_ = 0.0;                                    ///< of the kinetic energy by all changes of lead_ so far [J]
     std::array<double, loss_kinds + work_kinds> ledger_{};  ///< of the state at the start [J]
     RigidBalance balance_, total_;                          ///< total_: to the middle of the step behind
 };

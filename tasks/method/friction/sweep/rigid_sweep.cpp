@@ -1,6 +1,7 @@
 #include "tasks/method/friction/sweep/rigid_sweep.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "tasks/step/assembly/motion_check.hpp"
 
@@ -36,7 +37,7 @@ NextCycle RigidSweep::begin() {
 
 /// Whether a pin may be where or as fast as none should be; false for almost all steps without one.
 bool RigidSweep::is_suspect() const noexcept {
-    if (!(stepper_.kinetic() <= fastest_)) return true;
+    if (!(std::abs(stepper_.kinetic()) <= fastest_)) return true;
     if (w_.layout().pulley_size == 0) return false;
     const model::RigidReaction& found = stepper_.forces().reaction;
     const model::Pulley& pulley = w_.parameters.pulley;
