@@ -30,6 +30,8 @@ CVTFLOW_SAME(CVTFLOW_RATIO, Input::ratio);
 CVTFLOW_SAME(CVTFLOW_LOAD_SPEED, Input::load_speed);
 CVTFLOW_SAME(CVTFLOW_LOAD_ANGLE, Input::load_angle);
 CVTFLOW_SAME(CVTFLOW_DRIVE_ANGLE, Input::drive_angle);
+CVTFLOW_SAME(CVTFLOW_PRESSURE_DRIVING, Input::pressure_driving);
+CVTFLOW_SAME(CVTFLOW_PRESSURE_DRIVEN, Input::pressure_driven);
 #undef CVTFLOW_SAME
 
 extern "C" {

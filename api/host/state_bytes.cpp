@@ -11,7 +11,7 @@ namespace cvtflow::api {
 
 namespace {
 
-constexpr std::string_view magic = "CVTFLOW4";
+constexpr std::string_view magic = "CVTFLOW5";
 
 [[noreturn]] void reject(const char* why) { throw Error(ErrorCode::state, std::string("saved state: ") + why); }
 
@@ -84,8 +84,8 @@ template <class Stream, class Record>
 void visit(Stream& stream, Record& record) {
     auto& held = record.held;
     stream(record.fingerprint);
-    for (auto* value :
-         {&held.driving, &held.driven, &held.load_torque, &held.drive_torque, &held.drive_speed, &held.load_speed, &held.ratio})
+    for (auto* value : {&held.driving, &held.driven, &held.load_torque, &held.drive_torque, &held.drive_speed, &held.load_speed,
+                        &held.ratio, &held.driving_pressure, &held.driven_pressure})
         stream(*value);
     for (auto& reference : held.reference) {
         for (auto* number : {&reference.since, &reference.angle, &reference.zero}) stream(*number);

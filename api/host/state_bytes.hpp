@@ -1,7 +1,7 @@
 #pragma once
 /// An integration state as bytes, for hosts to keep and bring back. Internal to api.
 ///
-///     "CVTFLOW4"  fingerprint of the scene  held inputs  integration state  FNV-1a of all before
+///     "CVTFLOW5"  fingerprint of the scene  held inputs  integration state  FNV-1a of all before
 ///
 /// Numbers lie as they are in memory (little-endian, IEEE 754): states travel between processes, not between architectures.
 

@@ -35,7 +35,8 @@ struct InputRow {
 constexpr double largest_angle = 1e9;  // [rad]
 
 using P = model::Parameters;
-[[nodiscard]] bool always(const P&) { return true; }
+[[nodiscard]] bool by_pressure(const P& p) { return p.hydraulics.mode == model::HydraulicMode::pressure; }
+[[nodiscard]] bool by_force(const P& p) { return !by_pressure(p); }
 [[nodiscard]] bool by_torque(const P& p) { return p.drive.mode == model::DriveMode::torque; }
 [[nodiscard]] bool by_speed(const P& p) { return p.drive.mode != model::DriveMode::torque; }
 [[nodiscard]] bool by_coupling(const P& p) { return p.drive.mode == model::DriveMode::coupling; }
@@ -44,11 +45,13 @@ using P = model::Parameters;
 [[nodiscard]] bool loaded_by_coupling(const P& p) { return p.load.mode == model::LoadMode::coupling; }
 [[nodiscard]] bool controlled(const P& p) { return p.control.enabled && p.control.quantity == model::ControlledQuantity::ratio; }
 
+constexpr const char* not_by_pressure = "clamping forces, not hydraulics.mode = \"pressure\"";
+
 constexpr InputRow input_rows[] = {
     {"clamping_driving", "clamping.driving", &model::HeldInputs::driving,
-     [](const P& p) -> const model::TimeTable& { return p.clamping.driving; }, always, ""},
+     [](const P& p) -> const model::TimeTable& { return p.clamping.driving; }, by_force, not_by_pressure},
     {"clamping_driven", "clamping.driven", &model::HeldInputs::driven,
-     [](const P& p) -> const model::TimeTable& { return p.clamping.driven; }, always, ""},
+     [](const P& p) -> const model::TimeTable& { return p.clamping.driven; }, by_force, not_by_pressure},
     {"load_torque", "load.torque", &model::HeldInputs::load_torque, [](const P& p) -> const model::TimeTable& { return p.load.torque; },
      loaded_by_torque, "load.mode = \"torque\""},
     {"drive_torque", "drive.torque", &model::HeldInputs::drive_torque, [](const P& p) -> const model::TimeTable& { return p.drive.torque; },
@@ -61,6 +64,10 @@ constexpr InputRow input_rows[] = {
      loaded_by_speed, "load.mode = \"speed\" or \"coupling\"", 1},
     {"load_angle", "load_angle", nullptr, nullptr, loaded_by_coupling, "load.mode = \"coupling\"", 1},
     {"drive_angle", "drive_angle", nullptr, nullptr, by_coupling, "drive.mode = \"coupling\"", 0},
+    {"pressure_driving", "hydraulics.driving_pressure", &model::HeldInputs::driving_pressure,
+     [](const P& p) -> const model::TimeTable& { return p.hydraulics.driving.pressure; }, by_pressure, "hydraulics.mode = \"pressure\""},
+    {"pressure_driven", "hydraulics.driven_pressure", &model::HeldInputs::driven_pressure,
+     [](const P& p) -> const model::TimeTable& { return p.hydraulics.driven.pressure; }, by_pressure, "hydraulics.mode = \"pressure\""},
 };
 
 [[nodiscard]] const InputRow& input_row(Input input) {

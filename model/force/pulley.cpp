@@ -23,6 +23,7 @@ void PulleyModel::adopt(const Parameters& p) {
     load_ = p.load;
     clamping_ = p.clamping;
     control_ = p.control;
+    hydraulics_.adopt(p.hydraulics);
     start_ = p.start;
     held_ = {};
     size_ = layout_of(p).pulley_size;

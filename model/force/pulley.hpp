@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "model/force/account.hpp"
+#include "model/force/hydraulics.hpp"
 #include "model/force/sheave_motion.hpp"
 #include "model/machine/coefficients.hpp"
 
@@ -19,8 +20,8 @@ struct Inputs {
     double drive_torque = 0.0;         ///< on shaft 1 [N·m]
     double load_torque = 0.0;          ///< on shaft 2, negative brakes [N·m]
     std::array<double, 2> clamping{};  ///< S_1, S_2 [N]
-    /// I' of the controllers, zero without them [1]
-    std::array<double, 2> control_rate{};
+    /// I' of the controllers [1], then rates of the hydraulics; zero without them
+    std::array<double, 2 + hydraulic_unknowns> control_rate{};
     bool control_limited = false;  ///< a controller asks for more than its authority
 };
 
@@ -48,8 +49,10 @@ struct HeldInputs {
     std::optional<double> drive_speed;          ///< drive modes speed and coupling [rad/s]; the reference angle goes on from reference[0]
     std::optional<double> load_speed;           ///< load modes speed and coupling [rad/s]; the reference angle goes on from reference[1]
     std::optional<double> ratio;                ///< of ratio control [1]
+    std::optional<double> driving_pressure;     ///< hydraulics.mode pressure [Pa]
+    std::optional<double> driven_pressure;      ///< [Pa]
     std::array<ReferenceAngle, 2> reference{};  ///< of the shafts
-    bool coupled = false;                       ///< whether couplings, and load mode speed, have taken over (PulleyModel::couple)
+    bool coupled = false;                       ///< whether couplings, load mode speed and hydraulics have taken over (PulleyModel::couple)
     bool operator==(const HeldInputs&) const = default;
 };
 
@@ -73,7 +76,8 @@ public:
     void motions(const double* block, SheaveMotion* sheaves) const noexcept;
     /// Running radius by the position of the movable sheave, as a transmission measures it: straight flanks, stiff sheaves [m].
     [[nodiscard]] double running_radius(const double* block, int shaft) const noexcept;
-    /// Inputs at time t. t [s], tail [unknowns of the pulleys, and behind them the integrals I of controllers, if there are any, in s]
+    /// Inputs at time t. t [s], tail [unknowns of the pulleys, and behind them integrals I of controllers [s] and the hydraulics', if there
+    /// are any]
     [[nodiscard]] Inputs inputs(double t, const double* tail) const noexcept;
     /// Puts values in place of tables; between steps only.
     void hold(const HeldInputs& held) noexcept { held_ = held; }
@@ -84,6 +88,11 @@ public:
     /// Couplings, and load mode speed, take over: with the twist that carries the torque that acts at this instant. Before, shaft 1 is held
     /// by the governor of mode speed and shaft 2 by load.torque. t [s], tail as inputs()
     void couple(double t, const double* tail) noexcept;
+    /// Oil with which cylinders have the clamping forces that act at this instant; call it before couple(). t [s], tail as inputs()
+    void fill_cylinders(double t, double* tail) const noexcept;
+    /// Hydraulics at one instant, and their energies so far; zero without any or before they act. t [s], tail as inputs()
+    [[nodiscard]] HydraulicInstant hydraulics(double t, const double* tail) const noexcept;
+    [[nodiscard]] HydraulicEnergy hydraulic_energy(const double* tail) const noexcept;  ///< tail as inputs()
     /// Whether a coupling acts on shaft 0 or 1; its state, zero where none does. t [s], block [unknowns of the pulleys]
     [[nodiscard]] bool coupled(int shaft) const noexcept;
     [[nodiscard]] CouplingState coupling(double t, const double* block, int shaft) const noexcept;
@@ -143,6 +152,13 @@ private:
     }
     /// [N]. table: S_2(t) [N], load: M [N·m], block [unknowns of the pulleys]
     [[nodiscard]] double driven_clamping(double table, double load, const double* block) const noexcept;
+    /// Clamping forces before limits and controllers: of the tables or a host; by pressures where these are requested. now ≥ 0 [s]
+    [[nodiscard]] std::array<double, 2> given_clamping(double now, const double* tail) const noexcept;  ///< tail as inputs()
+    [[nodiscard]] Inputs requested(double t, const double* tail) const noexcept;                        ///< as inputs(), before hydraulics
+    [[nodiscard]] bool hydraulics_act() const noexcept { return hydraulics_.present() && held_.coupled && size_ != 0; }
+    [[nodiscard]] HydraulicInstant hydraulics_of(double t, const double* tail, const Inputs& requested) const noexcept;
+    [[nodiscard]] const double* oil(const double* tail) const noexcept { return tail + 2 * size_ + controllers_; }
+    [[nodiscard]] CylinderMotion cylinder_motion(const double* block, int shaft) const noexcept;  ///< block [unknowns of the pulleys]
     /// One of the machine's controllers: what it holds, by which clamping force, and its gains.
     struct Governing {
         ControlledQuantity quantity = ControlledQuantity::ratio;
@@ -164,6 +180,7 @@ private:
     Control control_;
     int controllers_ = 0;
     std::array<Governing, 2> governing_;
+    HydraulicModel hydraulics_;
     Start start_;
     HeldInputs held_;
     int size_;

@@ -145,6 +145,8 @@ void Observer::observe_pulleys(double t, const double* state, const Phase* phase
     o.work = pulleys.works(block, inputs);
     o.torque = {inputs.drive_torque, inputs.load_torque};
     o.clamping = inputs.clamping;
+    o.hydraulics = pulleys.hydraulics(t, block);
+    o.hydraulic_energy = pulleys.hydraulic_energy(block);
     o.control_limited = inputs.control_limited;
     for (std::size_t sheave = 0; sheave < 4; ++sheave) o.axial_force[sheave] = forces[sheave][4];
     for (int shaft = 0; shaft < 2; ++shaft) {

@@ -43,6 +43,8 @@ struct Observation {
     std::vector<double> tip_axial;    ///< [4 links] axial force of each tip on its sheave [N]
     Account account;                  ///< energies and losses
     WorkRates work{};                 ///< powers of drive, load, clamping [W]
+    HydraulicInstant hydraulics;      ///< zero without any
+    HydraulicEnergy hydraulic_energy;
 };
 
 /// Evaluates observations; owns their memory. Not for the step loop: serial, some tens of microseconds.

@@ -12,11 +12,12 @@ ChainLayout layout_of(const Parameters& parameters) noexcept {
         return 0;
     }();
     const bool has_pulleys = pulley_size != 0;
+    const int hydraulics = parameters.hydraulics.mode != HydraulicMode::none ? hydraulic_unknowns : 0;
     const bool rigid = parameters.detail.pins == PinDetail::rigid;
     return {rigid ? 1 : parameters.detail.order,
             parameters.chain.pins,
             pulley_size,
-            has_pulleys ? controllers(parameters.control) : 0,
+            has_pulleys ? controllers(parameters.control) + hydraulics : 0,
             parameters.ledger,
             parameters.detail.pins != PinDetail::halves,
             rigid};

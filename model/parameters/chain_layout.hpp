@@ -1,9 +1,9 @@
 #pragma once
 /// The only index arithmetic of the state vector.
 ///
-///     link 0: [q (link_size) | v (link_size)]  link 1: …  link N-1  pulleys: [q (pulley_size) | v (pulley_size)]  control: [I, …]
-///     ledger: [losses, works]   q of a link: [a.x_0…a.x_p  b.x_0…b.x_p | a.y…  b.y… | a.z a.e b.z b.e],  a = rear half (R_link), b = front
-///     half (L_{link+1})
+///     link 0: [q (link_size) | v (link_size)]  link 1: …  link N-1  pulleys: [q (pulley_size) | v (pulley_size)]  control: [I, …,
+///     hydraulics] ledger: [losses, works]   q of a link: [a.x_0…a.x_p  b.x_0…b.x_p | a.y…  b.y… | a.z a.e b.z b.e],  a = rear half
+///     (R_link), b = front half (L_{link+1})
 ///
 /// With whole pins (detail.pins) a block is a pin instead of a link, the one behind which link begins:
 ///
@@ -22,6 +22,12 @@ enum class Work { drive, load, clamping };
 inline constexpr int loss_kinds = 9;
 inline constexpr int work_kinds = 3;
 
+/// Unknowns of the hydraulics behind the integrals of controllers: set pressures x_1, x_2 of the valves and oil u_1, u_2 in the cylinders,
+/// both as travel of the piston [m]; then energies [J]: work of the pump, lost over the relief valve, over the valves and by leakage, work
+/// of the oil on the sheaves.
+enum class HydraulicUnknown { set_1, set_2, oil_1, oil_2, pump, relief, valves, leakage, sheaves };
+inline constexpr int hydraulic_unknowns = 9;
+
 /// Which half of a link.
 enum class End { rear = 0, front = 1 };
 
@@ -29,7 +35,7 @@ struct ChainLayout {
     int order = 3;         ///< p
     int links = 84;        ///< N = number of pins
     int pulley_size = 36;  ///< generalized coordinates of shafts and sheaves: 36, 4 or 0
-    int controls = 0;      ///< integrals of controllers, 0…2: of S_1's (or of the only one), of S_2's beside it
+    int controls = 0;      ///< integrals of controllers, 0…2: of S_1's (or of the only one), of S_2's beside it; and hydraulic_unknowns
     bool ledger = false;
     bool whole = false;  ///< pins are one body each
     bool rigid = false;  ///< as well as whole: without bending and without e; order is 1
@@ -45,6 +51,9 @@ struct ChainLayout {
     [[nodiscard]] constexpr int pulley_block() const noexcept { return 2 * pulley_size; }
     [[nodiscard]] constexpr int control_begin() const noexcept { return pulley_begin() + pulley_block(); }
     [[nodiscard]] constexpr int ledger_begin() const noexcept { return control_begin() + controls; }
+    [[nodiscard]] constexpr bool hydraulic() const noexcept { return controls >= hydraulic_unknowns; }
+    /// First of the unknowns of the hydraulics, if there are any.
+    [[nodiscard]] constexpr int hydraulics_begin() const noexcept { return ledger_begin() - hydraulic_unknowns; }
     /// Number of unknowns.
     [[nodiscard]] constexpr int size() const noexcept { return ledger_begin() + (ledger ? loss_kinds + work_kinds : 0); }
     /// Number of generalized coordinates (half of the second-order unknowns).

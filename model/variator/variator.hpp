@@ -35,7 +35,7 @@ public:
 
     /// Puts values in place of the inputs' tables; between steps only.
     void hold(const HeldInputs& held) noexcept { pulleys_.hold(held); }
-    /// Couplings take over (PulleyModel::couple). t [s], tail [unknowns behind the links]
+    /// Couplings and hydraulics take over (PulleyModel::couple). t [s], tail [unknowns behind the links]
     void couple(double t, const double* tail) noexcept { pulleys_.couple(t, tail); }
 
     /// Groups of links whose reactions are summed first, so that sums do not depend on segments.

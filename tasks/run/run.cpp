@@ -15,6 +15,7 @@
 #include "tasks/method/stability/predicted_step.hpp"
 #include "tasks/method/stability/step_search.hpp"
 #include "tasks/run/run_recorder.hpp"
+#include "tasks/run/simulation_couplings.hpp"
 #include "tasks/run/unreliable_text.hpp"
 
 namespace cvtflow::tasks {
@@ -128,19 +129,6 @@ void run_parts(const Scene& scene, const RunOptions& options, Simulation& simula
     report.wall += since(started);
 }
 
-std::vector<CouplingReport> couplings_of(const Simulation& simulation) {
-    std::vector<CouplingReport> found;
-    const model::PulleyModel& pulleys = simulation.variator().pulleys();
-    const EnergyLedger::Couplings& energy = simulation.energy().couplings();
-    for (const int shaft : {0, 1}) {
-        if (!pulleys.coupled(shaft)) continue;
-        const auto now = pulleys.coupling(simulation.time(), simulation.state() + simulation.workspace().layout().pulley_begin(), shaft);
-        const auto k = static_cast<std::size_t>(shaft);
-        found.push_back({shaft, now.twist, now.energy, energy.work[k], energy.dissipated[k]});
-    }
-    return found;
-}
-
 }  // namespace
 
 RunReport run_scene(const Scene& scene, const RunOptions& options) {
@@ -224,9 +212,7 @@ std::string operating_point(const RunReport& r) {
              100.0 * r.whole.friction_slip, 100.0 * r.whole.loss_slip);
     line("last fifth          slip {:.3f} %      efficiency {}      tight {:.1f} N      slack {:.1f} N", 100.0 * r.last_fifth.slip,
          percent(r.last_fifth), r.last_fifth.tight, r.last_fifth.slack);
-    for (const CouplingReport& c : r.couplings)
-        line("coupling of shaft {} twist {:.4g} rad, {:.4g} J stored at the end; far end: {} {:.4g} J; {:.3g} J lost", c.shaft + 1, c.twist,
-             c.stored, c.far_work >= 0.0 ? "brought" : "took", std::abs(c.far_work), c.dissipated);
+    text += outside_lines(r);
     return text;
 }
 

@@ -56,6 +56,13 @@ constexpr NoteKind kinds[] = {
     return change;
 }
 
+/// By the mean powers of the hydraulics, which change little within a pin period.
+[[nodiscard]] double efficiency_with_pump(const SpanMeans& means, const EnergySums& before, const EnergySums& after) noexcept {
+    if (means.hydraulics.pump == 0.0) return means.efficiency;
+    const double lasted = after.time - before.time;
+    return after.efficiency_since(before, means.hydraulics.pump * lasted, means.hydraulics.lost() * lasted);
+}
+
 }  // namespace
 
 std::span<const NoteKind> note_kinds() noexcept { return kinds; }
@@ -85,6 +92,7 @@ void RunMeans::add(const model::Observation& now, const EnergySums& sums, double
     bin.creep += now.creep_power;
     bin.brought += std::max(0.0, now.work[0]) + std::max(0.0, now.work[1]);
     bin.energy = sums;
+    bin.hydraulics = now.hydraulic_energy;
     pin_period_ = pin_period;
 }
 
@@ -125,9 +133,8 @@ SpanMeans RunMeans::span(double from, double to) const {
     if (bins_.empty()) return means;
     const auto size = static_cast<double>(bins_.size());
     const auto width = [&](double share) { return static_cast<std::size_t>(share * size); };
-    const std::size_t most = bins_.size();
-    const std::size_t begin = from == 0.0 ? 0 : most - std::max<std::size_t>(1, width(1.0 - from)),
-                      end = to == 1.0 ? most : std::max<std::size_t>(1, width(to));
+    const std::size_t begin = from == 0.0 ? 0 : bins_.size() - std::max<std::size_t>(1, width(1.0 - from)),
+                      end = to == 1.0 ? bins_.size() : std::max<std::size_t>(1, width(to));
     Bin sum;
     for (std::size_t k = begin; k < end; ++k) sum.add(bins_[k]);
     means.ratio = sum.ratio / sum.outputs;
@@ -153,6 +160,8 @@ SpanMeans RunMeans::span(double from, double to) const {
     const double in = input(before, after);
     means.no_load = in > 0.0 && taken < min_load * in;
     means.efficiency = means.no_load ? std::numeric_limits<double>::quiet_NaN() : after.efficiency_since(before);
+    means.hydraulics = model::mean_powers(bins_[begin == 0 ? 0 : begin - 1].hydraulics, bins_[end - 1].hydraulics, means.end - means.begin);
+    means.with_pump = means.no_load ? means.efficiency : efficiency_with_pump(means, before, after);
     means.carried = lost > 0.0 ? taken / lost : 0.0;
     means.stored = in > 0.0 ? change_of_energy(before, after) / in : 0.0;
     return means;

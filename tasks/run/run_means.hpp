@@ -15,19 +15,21 @@ namespace cvtflow::tasks {
 
 /// Means over a span of time; zero where nothing was seen.
 struct SpanMeans {
-    double begin = 0.0, end = 0.0;    ///< [s]
-    double ratio = 0.0, slip = 0.0;   ///< [1]
-    double friction_slip = 0.0;       ///< [1]
-    double loss_slip = 0.0;           ///< power lost by creep over the power of shafts that bring any; 0 where none does [1]
-    double tight = 0.0, slack = 0.0;  ///< [N]
-    double limited = 0.0;             ///< share of outputs at which a controller had reached its authority
-    double loose = 0.0;               ///< share of outputs at which the slack strand carried no tension
-    double efficiency = 0.0;          ///< 1 - losses/input; not a number without input or without load [1]
-    double stored = 0.0;              ///< change of the stored energy over the input; 0 without input [1]
-    bool no_load = false;             ///< no shaft took a hundredth of the input: there is no efficiency
-    double periods = 0.0;             ///< whole pin periods that efficiency is over; 0: less than one [1]
-    double turning = 0.0;             ///< speed of the shafts, whichever way, mean of both [rad/s]
-    double carried = 0.0;             ///< what drive and load have taken out of the machine over its losses, in the same time [1]
+    double begin = 0.0, end = 0.0;        ///< [s]
+    double ratio = 0.0, slip = 0.0;       ///< [1]
+    double friction_slip = 0.0;           ///< [1]
+    double loss_slip = 0.0;               ///< power lost by creep over the power of shafts that bring any; 0 where none does [1]
+    double tight = 0.0, slack = 0.0;      ///< [N]
+    double limited = 0.0;                 ///< share of outputs at which a controller had reached its authority
+    double loose = 0.0;                   ///< share of outputs at which the slack strand carried no tension
+    double efficiency = 0.0;              ///< 1 - losses/input; not a number without input or without load [1]
+    double stored = 0.0;                  ///< change of the stored energy over the input; 0 without input [1]
+    bool no_load = false;                 ///< no shaft took a hundredth of the input: there is no efficiency
+    double periods = 0.0;                 ///< whole pin periods that efficiency is over; 0: less than one [1]
+    double turning = 0.0;                 ///< speed of the shafts, whichever way, mean of both [rad/s]
+    model::HydraulicEnergy hydraulics{};  ///< mean powers [W]; `stored` is the mean rate of what is stored
+    double with_pump = 0.0;               ///< efficiency with the pump's power and losses; as efficiency where there is no pump [1]
+    double carried = 0.0;                 ///< what drive and load have taken out of the machine over its losses, in the same time [1]
 };
 
 /// Something about results that a reader must know. They are right by themselves.
@@ -64,6 +66,7 @@ private:
         double friction_slip = 0.0, creep = 0.0,
                brought = 0.0;  ///< sums of bench slip [1] and of powers: lost by creep, brought by shafts [W]
         EnergySums energy;
+        model::HydraulicEnergy hydraulics;
 
         /// The sums of another one too; time and energies stay.
         void add(const Bin& other) noexcept;

@@ -122,11 +122,14 @@ constexpr std::size_t ledger_size = model::loss_kinds + model::work_kinds;
 }  // namespace
 
 /// Links and pulleys must fit; control and ledger, which a saved state may have or lack, continue, or begin at zero if they are new.
+/// Cylinders begin with the clamping forces that act here (couple).
 void Simulation::take_state(const engine::SavedState& saved) {
     const model::ChainLayout& at = workspace_->layout();
     const std::size_t mechanical = static_cast<std::size_t>(at.control_begin());
     const std::size_t behind_pulleys = saved.state.size() - std::min(saved.state.size(), mechanical);
-    const std::size_t integrals = behind_pulleys % ledger_size;  // of up to 2 controllers, 12 of a ledger
+    constexpr std::size_t oil = model::hydraulic_unknowns;
+    const std::size_t first_order = behind_pulleys % ledger_size;  // of up to 2 controllers, 9 of hydraulics; 12 of a ledger
+    const std::size_t integrals = first_order % oil;
     const bool fits = saved.state.size() >= mechanical && integrals <= 2 && behind_pulleys / ledger_size <= 1;
     if (!fits || saved.phases.size() != workspace_->tips.phases.size()) {
         std::string message = fmt::format("{}start.state: {} contains {} unknowns, this scene has {}", scene_.state_place,
@@ -140,8 +143,9 @@ void Simulation::take_state(const engine::SavedState& saved) {
     }
     const auto behind = saved.state.begin() + static_cast<std::ptrdiff_t>(mechanical);
     std::copy(saved.state.begin(), behind, workspace_->states[0]);
-    std::copy_n(behind, std::min(integrals, static_cast<std::size_t>(at.controls)), workspace_->states[0] + at.control_begin());
-    const auto ledger = behind + static_cast<std::ptrdiff_t>(integrals);
+    const std::size_t controllers = static_cast<std::size_t>(at.controls) % oil;
+    std::copy_n(behind, std::min(integrals, controllers), workspace_->states[0] + at.control_begin());
+    const auto ledger = behind + static_cast<std::ptrdiff_t>(first_order);
     if (at.ledger) std::copy(ledger, saved.state.end(), workspace_->states[0] + at.ledger_begin());
     const bool stick_slip = scene_.parameters.detail.stick_slip;
     std::transform(saved.phases.begin(), saved.phases.end(), workspace_->tips.phases.begin(),

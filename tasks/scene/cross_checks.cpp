@@ -224,9 +224,7 @@ Violation executor_exists(const Scene& scene) {
                        engine::missing_executor(name, others));
 }
 
-}  // namespace
-
-std::span<const CrossCheck> cross_checks() {
+const std::vector<CrossCheck>& general_checks() {
     static const std::vector<CrossCheck> checks{
         {{"chain.pins", "chain.pitch", "pulley.centre_distance", "start.ratio", "pulley.innermost", "pulley.outermost", "detail.pulleys",
           "start.layout", "start.state"},
@@ -259,6 +257,18 @@ std::span<const CrossCheck> cross_checks() {
         {{"run.schedule"}, executor_exists},
     };
     return checks;
+}
+
+}  // namespace
+
+std::span<const CrossCheck> cross_checks() {
+    static const std::vector<CrossCheck> all = [] {
+        std::vector<CrossCheck> rows = general_checks();
+        const auto more = hydraulic_checks();
+        rows.insert(rows.end(), more.begin(), more.end());
+        return rows;
+    }();
+    return all;
 }
 
 }  // namespace cvtflow::tasks

@@ -18,5 +18,7 @@ struct CrossCheck {
 };
 
 [[nodiscard]] std::span<const CrossCheck> cross_checks();
+/// Those of the hydraulics; cross_checks() contains them.
+[[nodiscard]] std::span<const CrossCheck> hydraulic_checks();
 
 }  // namespace cvtflow::tasks

@@ -22,6 +22,10 @@ double seconds_since(WallClock::time_point then) { return std::chrono::duration<
 /// An operating point begins anew with its inputs held, which a far end that turns on by itself does not allow.
 void require_held_inputs(const Scene& scene) {
     const model::Parameters& p = scene.parameters;
+    if (p.hydraulics.mode != model::HydraulicMode::none)
+        throw SceneError(fmt::format(
+            "{}: hydraulics.mode \"{}\" cannot be tuned: oil carries on what it held; tune with \"none\", and use the result here",
+            scene.name, p.hydraulics.mode == model::HydraulicMode::force ? "force" : "pressure"));
     if (p.drive.mode != model::DriveMode::coupling && p.load.mode == model::LoadMode::torque) return;
     throw SceneError(
         fmt::format("{}: drive.mode \"coupling\" and load.mode \"speed\" and \"coupling\" cannot be tuned; tune with "

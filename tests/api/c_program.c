@@ -168,7 +168,7 @@ static void check_inputs(void) {
     cvtflow_channel_info info = CVTFLOW_INIT(cvtflow_channel_info);
     int32_t number = 0;
     while (cvtflow_input_describe(number, &info, NULL) == CVTFLOW_OK) ++number;
-    CHECK(number == CVTFLOW_DRIVE_ANGLE + 1);
+    CHECK(number == CVTFLOW_PRESSURE_DRIVEN + 1);
     CHECK(cvtflow_input_describe(CVTFLOW_LOAD_TORQUE, &info, NULL) == CVTFLOW_OK);
     CHECK(strcmp(info.name, "load_torque") == 0 && strcmp(info.unit, "N*m") == 0 && info.width == 1);
 }

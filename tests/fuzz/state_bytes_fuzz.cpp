@@ -35,7 +35,7 @@ void go_on(const tasks::IntegrationState& from) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
     std::vector<std::byte> framed;
-    for (const char letter : std::string_view("CVTFLOW4")) framed.push_back(static_cast<std::byte>(letter));
+    for (const char letter : std::string_view("CVTFLOW5")) framed.push_back(static_cast<std::byte>(letter));
     const auto* begin = reinterpret_cast<const std::byte*>(bytes);
     framed.insert(framed.end(), begin, begin + size);
     const std::uint64_t sum = engine::Hash().add(std::span<const std::byte>(framed)).value();

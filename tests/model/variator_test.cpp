@@ -147,6 +147,48 @@ std::vector<model::Parameters> coupled_cases() {
     return cases;
 }
 
+/// Cylinders by forces and both controllers; by pressures, with springs, compensation and a motor; with a pump that is short of flow.
+std::vector<model::Parameters> hydraulic_cases() {
+    std::vector<model::Parameters> cases(4);
+    for (model::Parameters& p : cases) {
+        p.hydraulics.mode = model::HydraulicMode::force;
+        p.detail.order = 1;
+        p.detail.plates = model::PlateDetail::lumped;
+        p.control.enabled = true;
+        p.control.driven = model::DrivenControl::slip;
+    }
+    cases[1].hydraulics.mode = model::HydraulicMode::pressure;
+    cases[1].control.enabled = false;
+    cases[1].control.driven = model::DrivenControl::none;
+    cases[1].clamping.safety = 1.3;
+    cases[1].hydraulics.driving.compensation = 0.01;
+    cases[1].hydraulics.driven.spring = 2e3;
+    cases[1].hydraulics.driven.spring_rate = 3e4;
+    cases[1].hydraulics.pump_ratio = 0.0;
+    cases[1].hydraulics.pump_speed = model::TimeTable(300.0);
+    cases[2].hydraulics.pump_displacement = 1e-8;
+    cases[3].detail.pulleys = model::PulleyDetail::rigid;
+    return cases;
+}
+
+TEST(Variator, AgreesWithTheOracleWithHydraulics) {
+    for (const model::Parameters& parameters : hydraulic_cases()) {
+        model::Variator variator(parameters);
+        model::EvaluationScratch scratch(variator.layout());
+        for (const std::uint64_t seed : {1u, 2u, 3u, 4u}) {
+            const auto random = oracle::random_state(parameters, seed);
+            const oracle::FarEnds far{};
+            variator.couple(0.0, random.state.data() + variator.layout().pulley_begin());
+            const auto expected = oracle::right_hand_side(parameters, 1e-3, random.state, random.phases, &far);
+            const auto before = oracle::right_hand_side(parameters, 1e-3, random.state, random.phases);
+            std::vector<double> slope(expected.slope.size());
+            model::right_hand_side(variator, 1e-3, random.state.data(), random.phases.data(), slope.data(), scratch);
+            EXPECT_LT(worst_difference(variator.layout(), slope, expected.slope, expected.slope), 1e-12) << seed;
+            EXPECT_GT(worst_difference(variator.layout(), slope, before.slope, expected.slope), 1e-6) << "hydraulics act";
+        }
+    }
+}
+
 TEST(Variator, AgreesWithTheOracleOnceCouplingsHaveTakenOver) {
     for (const model::Parameters& parameters : coupled_cases()) {
         model::Variator variator(parameters);

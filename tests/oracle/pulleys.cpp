@@ -140,9 +140,12 @@ Real load_of(const System& system) {
 Real given_force(const System& system, int shaft) {
     const auto& p = system.parameters;
     const double from = std::max(system.t, 0.0);
-    if (shaft == 0) return p.clamping.driving.at(from);
+    const bool by_pressure = p.hydraulics.mode == model::HydraulicMode::pressure;
+    const model::Cylinder& cylinder = shaft == 0 ? p.hydraulics.driving : p.hydraulics.driven;
+    const Real pressed = cylinder.area * Real{cylinder.pressure.at(from)} + force_without_pressure(system, shaft);
+    if (shaft == 0) return by_pressure ? pressed : Real{p.clamping.driving.at(from)};
     const Real carried = 2.0L * p.tip.friction.coefficient * radius_by_position(system, 1) / std::cos(Real{p.tip.angle});
-    return std::max(Real{p.clamping.driven.at(from)}, p.clamping.safety * std::abs(load_of(system)) / carried);
+    return std::max(by_pressure ? pressed : Real{p.clamping.driven.at(from)}, p.clamping.safety * std::abs(load_of(system)) / carried);
 }
 
 /// A controller: what it sees and what it asks for, from its own integral.
@@ -179,10 +182,10 @@ struct Controller {
     [[nodiscard]] Real rate() const { return std::abs(required()) > authority() && required() * error() > 0.0L ? 0.0L : error(); }
 };
 
-/// S_1 and S_2 [N].
-Real clamping_force(const System& system, int shaft) {
+/// S_1 and S_2, before hydraulics [N].
+Real requested_force(const System& system, int shaft) {
     Real force = given_force(system, shaft);
-    for (int number = 0; number < system.layout.controls; ++number) {
+    for (int number = 0; number < system.controllers(); ++number) {
         const Controller controller{system, number};
         if (controller.shaft() == shaft)
             force = std::max(0.0L, force + std::clamp(controller.required(), -controller.authority(), controller.authority()));
@@ -190,12 +193,11 @@ Real clamping_force(const System& system, int shaft) {
     return Real{model::ramp(system.parameters.start, system.t)} * force;
 }
 
-void add_clamping(const System& system, int shaft, Totals& totals) {
+void add_clamping(const System& system, int shaft, Real clamping, Totals& totals) {
     const int side = shaft == 0 ? 1 : 0;
     const Real s = side_sign(side);
     const int number = model::sheave_body(shaft, side);
     const Real rate = system.body[number].w_rate - system.body[shaft].w_rate;
-    const Real clamping = clamping_force(system, shaft);
     const Real damping = system.parameters.pulley.cylinder_damping;
     const Real on_sheave = -s * clamping - damping * rate;
     totals.body[number].force.z += on_sheave;
@@ -248,14 +250,16 @@ void add_gyroscopic(const System& system, Totals& totals) {
 }
 
 void add_inputs(const System& system, Totals& totals) {
-    for (const int shaft : {0, 1}) add_clamping(system, shaft, totals);
+    std::array<Real, 2> clamping{requested_force(system, 0), requested_force(system, 1)};
+    if (system.layout.hydraulic() && system.far != nullptr) clamping = hydraulic_forces(system, clamping, totals);
+    for (const int shaft : {0, 1}) add_clamping(system, shaft, clamping[shaft], totals);
     const Real torque = drive_torque(system);
     totals.body[0].moment.z += torque;
     totals.work(model::Work::drive) += torque * system.body[0].phi_rate;
     const Real load = Real{model::ramp(system.parameters.start, system.t)} * load_of(system);
     totals.body[1].moment.z -= load;
     totals.work(model::Work::load) -= load * system.body[1].phi_rate;
-    for (int number = 0; number < system.layout.controls; ++number) totals.control_rate[number] = Controller{system, number}.rate();
+    for (int number = 0; number < system.controllers(); ++number) totals.control_rate[number] = Controller{system, number}.rate();
 }
 
 }  // namespace cvtflow::oracle

@@ -2,6 +2,7 @@
 
 #include "tests/oracle/legendre.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 
 namespace cvtflow::oracle {
@@ -125,7 +126,8 @@ System unpack(const model::Parameters& parameters, double t, std::span<const Rea
     const auto v = state.subspan(layout.pulley_begin() + layout.pulley_size, layout.pulley_size);
     if (parameters.detail.pulleys == PulleyDetail::elastic) system.body = unpack_elastic(q, v);
     if (parameters.detail.pulleys == PulleyDetail::rigid) system.body = unpack_rigid(q, v);
-    for (int k = 0; k < layout.controls; ++k) system.control_integral[k] = state[layout.control_begin() + k];
+    for (int k = 0; k < system.controllers(); ++k) system.control_integral[k] = state[layout.control_begin() + k];
+    if (layout.hydraulic()) std::copy_n(state.begin() + layout.hydraulics_begin(), system.oil.size(), system.oil.begin());
     return system;
 }
 

@@ -83,7 +83,10 @@ struct System {
     std::vector<Link> pins;        ///< both ends the pin, frame by the bisector of its pitch lines, length 1
     std::vector<PitchLine> lines;  ///< from pin i on
 
-    const FarEnds* far = nullptr;  ///< of couplings that have taken over
+    const FarEnds* far = nullptr;  ///< of couplings that have taken over, and with them hydraulics
+    std::array<Real, model::hydraulic_unknowns> oil{};
+
+    [[nodiscard]] int controllers() const { return layout.controls % model::hydraulic_unknowns; }
 
     /// What carries the tips of half `end` of link i: the link, or the pin behind which it lies.
     [[nodiscard]] const Link& carrier(int i) const { return pins.empty() ? links[i] : pins[i]; }
@@ -95,9 +98,9 @@ struct Totals {
     std::array<BodyForce, bodies> body;
     PowersOf<Real> powers;
     EnergiesOf<Real> energies;
-    Real control_rate[2] = {};   ///< I' [1]
-    std::vector<LinkForce> pin;  ///< on whole pins themselves, as on `pins`
-    std::vector<Real> rolling;   ///< moment on the link behind a whole pin, against the one before it [N·m]
+    Real control_rate[2 + model::hydraulic_unknowns] = {};  ///< I' [1], then those of the hydraulics
+    std::vector<LinkForce> pin;                             ///< on whole pins themselves, as on `pins`
+    std::vector<Real> rolling;                              ///< moment on the link behind a whole pin, against the one before it [N·m]
 
     [[nodiscard]] Real& loss(model::Loss kind) { return powers.losses[static_cast<std::size_t>(kind)]; }
     [[nodiscard]] Real& work(model::Work kind) { return powers.works[static_cast<std::size_t>(kind)]; }
@@ -127,6 +130,13 @@ void add_rolling(const System& system, Totals& totals);
 std::vector<Real> pack_whole_pins(const System& system, const Totals& totals);
 Half unpack_half(const model::Parameters& parameters, const model::ChainLayout& layout, model::End end, std::span<const Real> block);
 void make_frame(Link& link);  ///< from its halves
+
+/// Travel of a movable sheave toward the chain [m].
+Real travel(const System& system, int shaft);
+/// Force of spring and rotating oil behind a piston [N].
+Real force_without_pressure(const System& system, int shaft);
+/// Clamping forces by pressure [N], with the rates of the hydraulics in `totals`. requested [N]
+std::array<Real, 2> hydraulic_forces(const System& system, const std::array<Real, 2>& requested, Totals& totals);
 
 // The force laws, section by section.
 void add_inner_elements(const System& system, Totals& totals);  // 3

@@ -69,6 +69,19 @@ TEST_F(Run, SumsUpWhatCouplingsStoreAndCarry) {
     EXPECT_THAT(outcome.out, testing::Not(HasSubstr("coupling of shaft 1")));
 }
 
+TEST_F(Run, SumsUpWhatThePumpTakes) {
+    EXPECT_THAT(run_briefly().out, testing::Not(HasSubstr("hydraulics")));
+    const Outcome outcome = run_briefly({"-o", "oil.h5", "--set", "hydraulics.mode=force"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const engine::RunReader there = record("oil.h5");
+    const auto last = [&](const char* channel) { return there.channel(channel).back(); };
+    const double power = last("hydraulics/pump") / 20e-6, lost = last("hydraulics/mechanical") / 20e-6;
+    EXPECT_GT(power, 0.0);
+    EXPECT_THAT(outcome.out, HasSubstr(fmt::format("\n  hydraulics          pump {:.1f} W: mechanical {:.1f}  ", power, lost)));
+    EXPECT_NEAR(last("pump/power"), power, 0.1 * power);
+    EXPECT_THAT(outcome.out, HasSubstr("efficiency with pump"));
+}
+
 TEST_F(Run, TellsTransitionsOfSettlingBesideItsOwn) {
     // Clamped while it settles, for 50 us: tips come to the sheaves then.
     const Outcome outcome = run({"run", "tiny", "-o", "none", "--until", "5us", "--set", "start.settling_time=50us", "--set",

@@ -72,15 +72,17 @@ typedef struct cvtflow_options {
 } cvtflow_options;
 
 typedef enum cvtflow_input {
-    CVTFLOW_CLAMPING_DRIVING = 0, /* S_1 [N] */
-    CVTFLOW_CLAMPING_DRIVEN = 1,  /* S_2 [N] */
+    CVTFLOW_CLAMPING_DRIVING = 0, /* S_1 [N], not with hydraulics.mode = "pressure" */
+    CVTFLOW_CLAMPING_DRIVEN = 1,  /* S_2 [N], likewise */
     CVTFLOW_LOAD_TORQUE = 2,      /* [N m], load.mode = "torque" */
     CVTFLOW_DRIVE_TORQUE = 3,     /* [N m], drive.mode = "torque" */
     CVTFLOW_DRIVE_SPEED = 4,      /* [rad/s], of shaft 1, drive.mode = "speed", or of the far end, "coupling" */
     CVTFLOW_RATIO = 5,            /* [1], control.enabled */
     CVTFLOW_LOAD_SPEED = 6,       /* [rad/s], of shaft 2, load.mode = "speed", or of the far end, "coupling" */
     CVTFLOW_LOAD_ANGLE = 7,       /* [rad], turned by the far end since t = 0, load.mode = "coupling" */
-    CVTFLOW_DRIVE_ANGLE = 8       /* [rad], turned by the far end since t = 0, drive.mode = "coupling" */
+    CVTFLOW_DRIVE_ANGLE = 8,      /* [rad], turned by the far end since t = 0, drive.mode = "coupling" */
+    CVTFLOW_PRESSURE_DRIVING = 9, /* [Pa], hydraulics.mode = "pressure" */
+    CVTFLOW_PRESSURE_DRIVEN = 10  /* [Pa], hydraulics.mode = "pressure" */
 } cvtflow_input;
 
 typedef struct cvtflow_counters {

@@ -33,8 +33,8 @@ inline namespace v0 {
 /// What a host may set between steps; a set value replaces the scene's table from then on. A far end turns on from its present angle with
 /// the speed that is set; setting its angle as well keeps a host's sum of angles and the simulation's together.
 enum class Input : int {
-    clamping_driving = 0,  ///< S_1 [N], ≥ 0
-    clamping_driven = 1,   ///< S_2 [N], ≥ 0
+    clamping_driving = 0,  ///< S_1 [N], ≥ 0; not with hydraulics.mode = "pressure"
+    clamping_driven = 1,   ///< S_2 [N], ≥ 0; likewise
     load_torque = 2,       ///< against the travel of shaft 2, load.mode = "torque" [N·m]
     drive_torque = 3,      ///< on shaft 1, drive.mode = "torque" [N·m]
     drive_speed = 4,       ///< of shaft 1, drive.mode = "speed", or of the far end, "coupling" [rad/s]
@@ -42,6 +42,8 @@ enum class Input : int {
     load_speed = 6,        ///< of shaft 2, load.mode = "speed", or of the far end, "coupling" [rad/s]
     load_angle = 7,        ///< that the far end has turned since t = 0, load.mode = "coupling" [rad]
     drive_angle = 8,       ///< that the far end has turned since t = 0, drive.mode = "coupling" [rad]
+    pressure_driving = 9,  ///< target of the driving valve, hydraulics.mode = "pressure" [Pa]
+    pressure_driven = 10,  ///< target of the driven valve, hydraulics.mode = "pressure" [Pa]
 };
 
 struct InputInfo {

@@ -58,11 +58,16 @@ void RigidStepper::start(double t, const double* y) {
     balance_.energy[static_cast<std::size_t>(Energy::kinetic)] = kinetic_;
 }
 
+std::size_t RigidStepper::kicked_end() const noexcept {
+    return tail_.size() - (model_.layout().hydraulic() ? static_cast<std::size_t>(hydraulic_unknowns) : 0);
+}
+
 void RigidStepper::step(double begin, double step) noexcept {
     if (lead_ != 0.5 * step) lead(0.5 * step);
     const int size = model_.layout().pulley_size;
     model_.kernels().drift(step, columns_);
     for (int k = 0; k < size; ++k) tail_[static_cast<std::size_t>(k)] += step * tail_[static_cast<std::size_t>(size + k)];
+    for (std::size_t k = kicked_end(); k < tail_.size(); ++k) tail_[k] += step * tail_slope_[k];
     time_ = begin + step;
     evaluate(step);
     kick(step);
@@ -73,7 +78,8 @@ void RigidStepper::lead(double time) noexcept {
     const double more = time - lead_;
     shift_ += (time * time - lead_ * lead_) * jerked();  // ½ v·M v' of velocities around t_n, with no work done
     model_.kernels().kick(model_.coefficients(), more, columns_);
-    for (std::size_t k = static_cast<std::size_t>(model_.layout().pulley_size); k < tail_.size(); ++k) tail_[k] += more * tail_slope_[k];
+    for (std::size_t k = static_cast<std::size_t>(model_.layout().pulley_size), end = kicked_end(); k < end; ++k)
+        tail_[k] += more * tail_slope_[k];
     tail_kinetic_ = tail_kinetic();
     for (std::size_t k = 0; k < loss_kinds; ++k) total_.lost[k] += more * forces_.account.loss[k];
     if (model_.layout().pulley_size != 0) {
@@ -107,7 +113,8 @@ void RigidStepper::kick(double length) noexcept {
     if (model_.layout().pulley_size != 0) power = variator_.pulleys().works(tail_.data(), inputs_);
     kinetic_ = model_.kernels().kick(model_.coefficients(), length, columns_);
     columns_.copy(Column::rub, Column::rub_before);
-    for (std::size_t k = static_cast<std::size_t>(model_.layout().pulley_size); k < tail_.size(); ++k) tail_[k] += length * tail_slope_[k];
+    for (std::size_t k = static_cast<std::size_t>(model_.layout().pulley_size), end = kicked_end(); k < end; ++k)
+        tail_[k] += length * tail_slope_[k];
     tail_kinetic_ = tail_kinetic();
     kinetic_ += 0.5 * (before + tail_kinetic_);
     if (model_.layout().pulley_size != 0) {
@@ -154,8 +161,8 @@ void RigidStepper::state(double* y) const noexcept {
 void RigidStepper::tail_state(double* tail) const noexcept {
     const ChainLayout& at = model_.layout();
     const std::size_t size = static_cast<std::size_t>(at.pulley_size);
-    std::copy_n(tail_.begin(), size, tail);
-    for (std::size_t k = size; k < tail_.size(); ++k) tail[k] = tail_[k] - lead_ * tail_slope_[k];
+    std::copy(tail_.begin(), tail_.end(), tail);
+    for (std::size_t k = size, end = kicked_end(); k < end; ++k) tail[k] = tail_[k] - lead_ * tail_slope_[k];
     if (!at.ledger) return;
     double* ledger = tail + tail_.size();
     for (std::size_t k = 0; k < loss_kinds; ++k) ledger[k] = ledger_[k] + balance_.lost[k];

@@ -57,6 +57,8 @@ public:
     void load(std::span<const double> memory);
 
 private:
+    /// The unknowns that a kick changes behind the pulleys' coordinates: velocities and integrals. Those of the hydraulics drift.
+    [[nodiscard]] std::size_t kicked_end() const noexcept;
     void lead(double time) noexcept;      ///< velocities ahead of coordinates by a time [s]
     void evaluate(double kick) noexcept;  ///< forces; kick 0: friction of the velocities as they are
     void kick(double length) noexcept;
@@ -72,7 +74,7 @@ private:
     RigidColumns columns_;
     RigidForces forces_;
     Inputs inputs_;
-    std::vector<double> tail_, tail_slope_;                 ///< pulleys and controls
+    std::vector<double> tail_, tail_slope_;                 ///< pulleys, controls, hydraulics
     double kinetic_ = 0.0, tail_kinetic_ = 0.0;             ///< [J]; of the pulleys' velocities as they are
     double shift_ = 0.0;                                    ///< of the kinetic energy by all changes of lead_ so far [J]
     std::array<double, loss_kinds + work_kinds> ledger_{};  ///< of the state at the start [J]

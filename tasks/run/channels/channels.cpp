@@ -200,7 +200,7 @@ double Instant::chain_torque(std::size_t shaft) const noexcept {
 std::span<const Channel> channels() {
     static const std::vector<Channel> all = [] {
         std::vector<Channel> rows(std::begin(table), std::end(table));
-        for (const auto more : {energy_channels(), force_channels(), coupling_channels()})
+        for (const auto more : {energy_channels(), force_channels(), coupling_channels(), hydraulic_channels()})
             rows.insert(rows.end(), more.begin(), more.end());
         return rows;
     }();
@@ -220,8 +220,8 @@ bool means(std::string_view name, const Channel& channel) {
 std::vector<const Channel*> chosen_channels(std::span<const std::string> names, const model::ChainLayout& layout) {
     std::vector<const Channel*> chosen;
     for (const Channel& channel : channels()) {
-        const bool wanted =
-            channel.usual || std::any_of(names.begin(), names.end(), [&](const std::string& name) { return means(name, channel); });
+        const bool wanted = channel.usual || (channel.of_hydraulics && layout.hydraulic()) ||
+                            std::any_of(names.begin(), names.end(), [&](const std::string& name) { return means(name, channel); });
         if (wanted && (!channel.needs_pulleys || layout.pulley_size != 0)) chosen.push_back(&channel);
     }
     return chosen;

@@ -36,7 +36,8 @@ struct Channel {
     Width width = always(1);     ///< numbers of an instant
     Read read = {};              ///< values [unit of the channel]
     bool needs_pulleys = true;
-    bool usual = true;  ///< recorded in every run; others where record.channels names them
+    bool usual = true;           ///< recorded in every run; others where record.channels names them
+    bool of_hydraulics = false;  ///< recorded in every run with hydraulics
 
     /// A width that does not depend on the machine.
     [[nodiscard]] static Width always(int numbers) {
@@ -44,7 +45,8 @@ struct Channel {
     }
 };
 
-/// All there are: those of channels.cpp, of energy_channels.cpp, and those on demand of force_channels.cpp and coupling_channels.cpp.
+/// All there are: those of channels.cpp, of energy_channels.cpp, and those on demand of force_channels.cpp, coupling_channels.cpp and
+/// hydraulic_channels.cpp.
 [[nodiscard]] std::span<const Channel> channels();
 
 /// What of the catalogue a record has: the usual ones and those that `names` ask for, where the machine has them.
@@ -56,6 +58,9 @@ struct Channel {
 
 /// Couplings of the shafts, on demand.
 [[nodiscard]] std::span<const Channel> coupling_channels();
+
+/// Cylinders, valves and pump; those of a machine with hydraulics, on demand of all others, where they are zero.
+[[nodiscard]] std::span<const Channel> hydraulic_channels();
 
 /// Forces and figures of merit that a record has on demand.
 [[nodiscard]] std::span<const Channel> force_channels();

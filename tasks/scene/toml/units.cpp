@@ -54,7 +54,7 @@ struct NamedDimension {
     std::string_view unit;
 };
 
-constexpr std::array<NamedDimension, 24> named_dimensions{{
+constexpr std::array<NamedDimension, 26> named_dimensions{{
     {"a plain number", "1"},
     {"a length", "m"},
     {"an area", "m^2"},
@@ -79,6 +79,8 @@ constexpr std::array<NamedDimension, 24> named_dimensions{{
     {"a rotational drag", "N*m*s^2/rad^2"},
     {"a moment of inertia", "kg*m^2"},
     {"a density", "kg/m^3"},
+    {"a pressure rate", "Pa/s"},
+    {"a flow per pressure", "m^3/s/Pa"},
 }};
 
 struct UsualUnits {
@@ -86,16 +88,17 @@ struct UsualUnits {
     std::array<std::string_view, 3> usual;  // unused places are empty
 };
 
-constexpr std::array<UsualUnits, 11> usual_table{{
+constexpr std::array<UsualUnits, 12> usual_table{{
     {"m", {"mm", "um", "cm"}},
     {"m^2", {"mm^2", "cm^2"}},
+    {"m^3", {"cm^3", "mm^3"}},
     {"kg", {"g", "mg"}},
     {"s", {"ms", "us", "ns"}},
     {"rad", {"deg", "mrad"}},
     {"m/s", {"mm/s", "um/s"}},
     {"rad/s", {"rpm"}},
     {"N", {"kN", "MN"}},
-    {"Pa", {"GPa", "MPa"}},
+    {"Pa", {"GPa", "MPa", "bar"}},
     {"N/m", {"kN/mm", "N/mm", "MN/m"}},
     {"N*m", {"kN*m", "N*mm"}},
 }};
@@ -104,8 +107,7 @@ constexpr std::array<UsualUnits, 11> usual_table{{
 struct Product {
     Dimension dimension;
     int decimal_halves = 0;
-    double numerator = 1.0;
-    double denominator = 1.0;
+    double numerator = 1.0, denominator = 1.0;
 };
 
 std::optional<Unit> find_simple_unit(std::string_view symbol) {

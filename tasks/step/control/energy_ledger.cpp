@@ -270,15 +270,6 @@ std::array<double, 2> EnergyLedger::chain_torque(double time, const std::array<d
     return m_.outputs > 1.0 ? m_.chain_torque : std::array{unknown, unknown};
 }
 
-double EnergyLedger::efficiency(double time) const noexcept {
-    const double count = outputs_before(time);
-    if (count == 0.0) return std::numeric_limits<double>::quiet_NaN();
-    const double first = period_begin(time), start = time - m_.pin_period;
-    const EnergySums& before = past(first);
-    const bool inside = first + 1.0 < count && before.time < start;
-    return sums(time).efficiency_since(inside ? EnergySums::between(before, past(first + 1.0), start) : before);
-}
-
 void EnergyLedger::save(std::vector<double>& memory) const {
     static_assert(std::is_trivially_copyable_v<Memory> && sizeof(Memory) % sizeof(double) == 0);
     memory.resize(sizeof(Memory) / sizeof(double));

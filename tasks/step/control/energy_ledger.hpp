@@ -53,6 +53,13 @@ struct EnergySums {
     [[nodiscard]] static EnergySums between(const EnergySums& from, const EnergySums& to, double time) noexcept;
     /// 1 - losses/input from `before` to here, input: the works of those inputs that brought energy; not a number without input.
     [[nodiscard]] double efficiency_since(const EnergySums& before) const noexcept;
+    /// The same with further works and losses in that time [J]. Works are then those of the shafts: what clamps is fed by the further ones.
+    [[nodiscard]] double efficiency_since(const EnergySums& before, double further_work, double further_loss) const noexcept;
+};
+
+/// Powers beside those of the ledger [W].
+struct FurtherPowers {
+    double input = 0.0, lost = 0.0;
 };
 
 /// What a method counts itself, in every step: sums since the integration began, and what is stored now.
@@ -109,6 +116,8 @@ public:
     /// 1 - losses/input over the last whole pin period up to now, over less where a run has not lasted so long; not a number at the first
     /// output and before. time: now [s]
     [[nodiscard]] double efficiency(double time) const noexcept;
+    /// The same with powers that have lasted as long. time: now [s]
+    [[nodiscard]] double efficiency(double time, const FurtherPowers& further) const noexcept;
 
     /// Of the couplings of both shafts so far: work of their far ends, and what they have dissipated.
     struct Couplings {
@@ -142,6 +151,8 @@ private:
     [[nodiscard]] double outputs_before(double time) const noexcept;  ///< of those kept; time [s]
     /// Number of the last output kept that lies a pin period or more before `time` [s]; 0 where none does.
     [[nodiscard]] double period_begin(double time) const noexcept;
+    /// Sums one pin period before `time` [s], or at the first output kept; some must be.
+    [[nodiscard]] EnergySums sums_before(double time) const noexcept;
     void add_noise(double power, double spacing) noexcept;
     void close_sample(double time) noexcept;
     void close_window() noexcept;

@@ -23,4 +23,32 @@ double EnergySums::efficiency_since(const EnergySums& before) const noexcept {
     return input > 0.0 ? 1.0 - (lost() - before.lost()) / input : std::numeric_limits<double>::quiet_NaN();
 }
 
+double EnergySums::efficiency_since(const EnergySums& before, double further_work, double further_loss) const noexcept {
+    double input = further_work;
+    for (const model::Work by : {model::Work::drive, model::Work::load}) {
+        const auto k = static_cast<std::size_t>(by);
+        input += std::max(0.0, work[k] - before.work[k]);
+    }
+    return input > 0.0 ? 1.0 - (lost() - before.lost() + further_loss) / input : std::numeric_limits<double>::quiet_NaN();
+}
+
+EnergySums EnergyLedger::sums_before(double time) const noexcept {
+    const double first = period_begin(time), start = time - m_.pin_period;
+    const EnergySums& before = past(first);
+    const bool inside = first + 1.0 < outputs_before(time) && before.time < start;
+    return inside ? EnergySums::between(before, past(first + 1.0), start) : before;
+}
+
+double EnergyLedger::efficiency(double time) const noexcept {
+    if (outputs_before(time) == 0.0) return std::numeric_limits<double>::quiet_NaN();
+    return sums(time).efficiency_since(sums_before(time));
+}
+
+double EnergyLedger::efficiency(double time, const FurtherPowers& further) const noexcept {
+    if (outputs_before(time) == 0.0) return std::numeric_limits<double>::quiet_NaN();
+    const EnergySums before = sums_before(time);
+    const double lasted = time - before.time;
+    return sums(time).efficiency_since(before, further.input * lasted, further.lost * lasted);
+}
+
 }  // namespace cvtflow::tasks

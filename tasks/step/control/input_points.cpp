@@ -29,8 +29,12 @@ double next_input_point(const model::Parameters& p, const model::HeldInputs& hel
     look(p.drive.torque, by_torque && !held.drive_torque);
     look(p.load.torque, loaded && !held.load_torque);
     look(p.load.speed, !loaded && !held.load_speed);
-    look(p.clamping.driving, !held.driving);
-    look(p.clamping.driven, !held.driven);
+    const bool by_pressure = p.hydraulics.mode == model::HydraulicMode::pressure;
+    look(p.clamping.driving, !held.driving && !by_pressure);
+    look(p.clamping.driven, !held.driven && !by_pressure);
+    look(p.hydraulics.driving.pressure, by_pressure && !held.driving_pressure);
+    look(p.hydraulics.driven.pressure, by_pressure && !held.driven_pressure);
+    look(p.hydraulics.pump_speed, p.hydraulics.mode != model::HydraulicMode::none);
     look(p.control.ratio, controlled && !held.ratio);
     look(p.control.slip, controlled);
     look(p.control.safety, controlled);

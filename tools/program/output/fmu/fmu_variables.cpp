@@ -80,12 +80,20 @@ void add_range(FmuVariable& row, const tasks::Parameter& key) {
     row.display_unit = display_unit(row.unit);
 }
 
+/// hydraulics.driving_pressure of pressure_driving.
+bool is_pressure_of(std::string_view key, std::string_view input) {
+    constexpr std::string_view group = "pressure_", section = "hydraulics_", quantity = "_pressure";
+    return input.starts_with(group) && key.starts_with(section) && key.ends_with(quantity) &&
+           key.substr(section.size(), key.size() - section.size() - quantity.size()) == input.substr(group.size());
+}
+
 /// The key whose table an input replaces: load.torque of load_torque, control.ratio of ratio.
 const tasks::Parameter* key_of_input(std::string_view name) {
     for (const tasks::Parameter& row : tasks::parameter_table()) {
         std::string flat(row.key);
         std::replace(flat.begin(), flat.end(), '.', '_');
-        if (row.kind() == tasks::Kind::time_table && (flat == name || flat == "control_" + std::string(name))) return &row;
+        if (row.kind() == tasks::Kind::time_table && (flat == name || flat == "control_" + std::string(name) || is_pressure_of(flat, name)))
+            return &row;
     }
     return nullptr;
 }
@@ -93,7 +101,7 @@ const tasks::Parameter* key_of_input(std::string_view name) {
 std::vector<FmuVariable> inputs(const Simulation& simulation, const Names& wanted) {
     std::vector<FmuVariable> rows;
     Names names;
-    for (int number = 0; number <= static_cast<int>(Input::drive_angle); ++number) {
+    for (int number = 0; number <= static_cast<int>(Input::pressure_driven); ++number) {
         const auto input = static_cast<Input>(number);
         const InputInfo info = input_info(input);
         try {

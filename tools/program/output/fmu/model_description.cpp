@@ -133,7 +133,8 @@ struct ShaftOfInput {
 /// Outputs say it in their names. The ratio belongs to both shafts, so to none.
 constexpr ShaftOfInput shaft_of_inputs[] = {{"clamping_driving", "shaft_1"}, {"drive_torque", "shaft_1"}, {"drive_speed", "shaft_1"},
                                             {"clamping_driven", "shaft_2"},  {"drive_angle", "shaft_1"},  {"load_torque", "shaft_2"},
-                                            {"load_speed", "shaft_2"},       {"load_angle", "shaft_2"}};
+                                            {"load_speed", "shaft_2"},       {"load_angle", "shaft_2"},   {"pressure_driving", "shaft_1"},
+                                            {"pressure_driven", "shaft_2"}};
 
 struct Terminal {
     std::string_view name, description;

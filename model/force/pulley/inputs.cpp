@@ -109,15 +109,63 @@ double PulleyModel::control_error(const Governing& by, double now, double load, 
     return geared != 0.0 ? 1.0 - driven * running_radius(block, 1) / geared - control_.slip.at(now) : 0.0;
 }
 
+CylinderMotion PulleyModel::cylinder_motion(const double* block, int shaft) const noexcept {
+    const double side = -movable_side(shaft);
+    return {side * opening(block, shaft), side * opening(block + size_, shaft), shaft_speed(block, shaft)};
+}
+
+std::array<double, 2> PulleyModel::given_clamping(double now, const double* tail) const noexcept {
+    if (hydraulics_.data().mode != HydraulicMode::pressure)
+        return {held_.driving ? *held_.driving : clamping_.driving.at(now), held_.driven ? *held_.driven : clamping_.driven.at(now)};
+    const Hydraulics& of = hydraulics_.data();
+    const std::array<double, 2> pressure{held_.driving_pressure ? *held_.driving_pressure : of.driving.pressure.at(now),
+                                         held_.driven_pressure ? *held_.driven_pressure : of.driven.pressure.at(now)};
+    std::array<double, 2> force{};
+    for (int shaft = 0; shaft < 2; ++shaft) {
+        const auto k = static_cast<std::size_t>(shaft);
+        force[k] = hydraulics_.area(shaft) * pressure[k] + hydraulics_.other_force(shaft, cylinder_motion(tail, shaft));
+    }
+    return force;
+}
+
 Inputs PulleyModel::inputs(double t, const double* tail) const noexcept {
+    Inputs in = requested(t, tail);
+    if (!hydraulics_act()) return in;
+    const HydraulicInstant now = hydraulics_of(t, tail, in);
+    in.clamping = now.force;
+    hydraulics_.rates(now, in.control_rate.data() + controllers_);
+    return in;
+}
+
+HydraulicInstant PulleyModel::hydraulics_of(double t, const double* tail, const Inputs& requested) const noexcept {
+    const Hydraulics& of = hydraulics_.data();
+    const double pump = of.pump_ratio * std::abs(shaft_speed(tail, 0)) + of.pump_speed.at(std::max(t, 0.0));
+    return hydraulics_.instant(oil(tail), {cylinder_motion(tail, 0), cylinder_motion(tail, 1)}, requested.clamping, pump);
+}
+
+HydraulicInstant PulleyModel::hydraulics(double t, const double* tail) const noexcept {
+    return hydraulics_act() ? hydraulics_of(t, tail, requested(t, tail)) : HydraulicInstant{};
+}
+
+HydraulicEnergy PulleyModel::hydraulic_energy(const double* tail) const noexcept {
+    if (!hydraulics_act()) return {};
+    return hydraulics_.energy(oil(tail), {cylinder_motion(tail, 0), cylinder_motion(tail, 1)});
+}
+
+void PulleyModel::fill_cylinders(double t, double* tail) const noexcept {
+    if (!hydraulics_.present() || size_ == 0) return;
+    const Inputs now = requested(t, tail);
+    hydraulics_.fill({cylinder_motion(tail, 0), cylinder_motion(tail, 1)}, now.clamping, tail + 2 * size_ + controllers_);
+}
+
+Inputs PulleyModel::requested(double t, const double* tail) const noexcept {
     const double now = std::max(t, 0.0);
     const double factor = ramp(start_, t);
     const double load = resisting_torque(t, tail);
     Inputs in;
     in.drive_torque = drive_torque(t, tail);
     in.load_torque = -factor * load;
-    std::array<double, 2> clamping{held_.driving ? *held_.driving : clamping_.driving.at(now),
-                                   held_.driven ? *held_.driven : clamping_.driven.at(now)};
+    std::array<double, 2> clamping = given_clamping(now, tail);
     clamping[1] = driven_clamping(clamping[1], load, tail);
     for (int k = 0; k < controllers_; ++k) {
         const Governing& by = governing_[static_cast<std::size_t>(k)];

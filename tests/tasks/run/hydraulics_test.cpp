@@ -1,0 +1,125 @@
+/// Cylinders, valves and pump in a run: balance of powers, controllers that act through them, and that a run continues bit for bit.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "tasks/run/simulation.hpp"
+#include "tasks/tuning/tuner.hpp"
+
+namespace cvtflow::tasks {
+namespace {
+
+SilentObserver oil_unwatched;
+const engine::Cancellation oil_uncancelled;
+
+/// The pump is sized for the clamping forces of `tiny`.
+Scene hydraulic_scene(const std::string& detail, std::vector<std::string> more = {}) {
+    Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml");
+    apply_detail(scene, detail);
+    std::vector<std::string> settings{"start.settling_time=2 ms", "start.ramp_time=1 ms", "run.step=0.5 us", "hydraulics.mode=force",
+                                      "hydraulics.valve_lag=0.2 ms"};
+    if (detail != "rigid") settings.emplace_back("run.step=0.2 us");
+    settings.insert(settings.end(), more.begin(), more.end());
+    set_values(scene, settings);
+    return scene;
+}
+
+void settle_and_advance(Simulation& simulation, double until) {
+    Fault fault;
+    if (simulation.needs_settling()) fault = simulation.advance({.until = 0.0}, oil_unwatched, oil_uncancelled);
+    if (!fault) fault = simulation.advance({.until = until}, oil_unwatched, oil_uncancelled);
+    ASSERT_FALSE(fault) << fault.message();
+}
+
+const double* tail_of(const Simulation& simulation) { return simulation.state() + simulation.workspace().layout().pulley_begin(); }
+
+model::HydraulicEnergy energy_of(const Simulation& simulation) {
+    return simulation.variator().pulleys().hydraulic_energy(tail_of(simulation));
+}
+
+model::Inputs inputs_of(const Simulation& simulation) {
+    return simulation.variator().pulleys().inputs(simulation.time(), tail_of(simulation));
+}
+
+model::HydraulicInstant oil_in(const Simulation& simulation) {
+    return simulation.variator().pulleys().hydraulics(simulation.time(), tail_of(simulation));
+}
+
+/// S_2 rises by half within 0.2 ms: a transient of everything.
+const std::vector<std::string> step_of_force{"clamping.driven=[[0, 4000], [0.2e-3, 6000]]", "clamping.driving=5000"};
+
+class SimulationHydraulics : public testing::TestWithParam<std::string> {};
+
+TEST_P(SimulationHydraulics, TheirPowersBalance) {
+    Simulation simulation(hydraulic_scene(GetParam(), step_of_force));
+    settle_and_advance(simulation, 0.0);
+    const model::HydraulicEnergy before = energy_of(simulation);
+    EXPECT_EQ(before.pump, 0.0);
+    settle_and_advance(simulation, 2e-3);
+    const model::HydraulicEnergy now = energy_of(simulation);
+    const double residual = now.pump - now.lost() - now.sheaves - (now.stored - before.stored);
+    EXPECT_GT(now.pump, 0.0);
+    EXPECT_LT(std::abs(residual), 1e-3 * now.pump);
+    EXPECT_LT(std::abs(residual), 2e-2 * (std::abs(now.sheaves) + std::abs(now.stored - before.stored))) << "these are a small part";
+    EXPECT_TRUE(simulation.energy().reliable());
+}
+
+TEST_P(SimulationHydraulics, TakeOverWithoutAJumpAndFollowTheForceThatIsRequested) {
+    Simulation simulation(hydraulic_scene(GetParam(), step_of_force));
+    settle_and_advance(simulation, 0.0);
+    EXPECT_NEAR(inputs_of(simulation).clamping[0], 5000.0, 1e-3);
+    EXPECT_NEAR(inputs_of(simulation).clamping[1], 4000.0, 1e-3);
+    settle_and_advance(simulation, 3e-3);  // 14 time constants of the valve
+    const model::HydraulicInstant now = oil_in(simulation);
+    EXPECT_NEAR(now.set[1], now.target[1], 1e-3 * now.target[1]);
+    const double droop = now.flow[1] / simulation.workspace().parameters.hydraulics.valve_conductance;
+    EXPECT_NEAR(now.pressure[1], now.set[1] - droop, 1e-9 * now.set[1]);
+    EXPECT_NEAR(now.force[1], 6000.0, 0.1 * 6000.0) << "less the droop of a valve that fills a cylinder whose sheave moves";
+    EXPECT_GT(now.force[1], 5000.0);
+}
+
+TEST_P(SimulationHydraulics, ContinueBitForBitFromAnIntegrationState) {
+    const Scene scene = hydraulic_scene(GetParam(), step_of_force);
+    Simulation whole(scene), other(scene);
+    settle_and_advance(whole, 3e-4);
+    const IntegrationState middle = whole.integration_state();
+    settle_and_advance(whole, 6e-4);
+    other.restore(middle);
+    settle_and_advance(other, 6e-4);
+    EXPECT_EQ(other.hash(), whole.hash());
+    EXPECT_EQ(energy_of(other).pump, energy_of(whole).pump);
+}
+
+INSTANTIATE_TEST_SUITE_P(Levels, SimulationHydraulics, testing::Values("rigid", "medium"),
+                         [](const auto& instance) { return instance.param; });
+
+/// In mode pressure the tables are pressures, and controllers add to them.
+TEST(SimulationHydraulicsByPressure, PressuresAreThoseOfTheTables) {
+    Simulation simulation(hydraulic_scene(
+        "rigid", {"hydraulics.mode=pressure", "hydraulics.driving_pressure=[[0, 3e5], [1e-4, 4e5]]", "hydraulics.driven_pressure=5 bar"}));
+    settle_and_advance(simulation, 3e-3);
+    const model::HydraulicInstant now = oil_in(simulation);
+    EXPECT_NEAR(now.target[0], 4e5, 1e-3);
+    EXPECT_NEAR(now.target[1], 5e5, 1e-3);
+    EXPECT_NEAR(now.set[0], 4e5, 1e-3 * 4e5);
+    EXPECT_NEAR(now.set[1], 5e5, 1e-3 * 5e5);
+}
+
+TEST(SimulationHydraulicsByPressure, ASavedStateStartsCylindersWithTheForcesThatAreRequested) {
+    Simulation simulation(hydraulic_scene("rigid", step_of_force));
+    settle_and_advance(simulation, 0.0);
+    const engine::SavedState saved = simulation.saved_state();
+    const Scene stiffer = hydraulic_scene("rigid", {"clamping.driven=4000", "clamping.driving=5000", "hydraulics.oil_modulus=5e8"});
+    Simulation other(stiffer);
+    other.reset(stiffer, &saved);
+    EXPECT_NEAR(inputs_of(other).clamping[1], 4000.0, 1e-3);
+    EXPECT_NEAR(inputs_of(other).clamping[0], 5000.0, 1e-3);
+}
+
+TEST(SimulationHydraulicsByPressure, CannotBeTuned) { EXPECT_THROW(Tuner(hydraulic_scene("medium"), {}, oil_uncancelled), SceneError); }
+
+}  // namespace
+}  // namespace cvtflow::tasks
