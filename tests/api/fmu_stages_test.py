@@ -70,14 +70,15 @@ class Fmu:
 
 class RigidPins(unittest.TestCase):
     def test_they_follow_the_target_of_their_scene(self):
-        with tempfile.TemporaryDirectory() as folder:
-            fmu = Fmu(folder, 2, "drive")
-            self.assertEqual([fmu.setup(), fmu.enter(), fmu.exit()], [OK, OK, OK])
-            for number in range(3):
-                self.assertEqual(fmu.step(1e-3 * number, 1e-3), OK)
-            ratio = ctypes.c_double()
-            self.assertEqual(fmu.call("GetReal", (ctypes.c_uint * 1)(fmu.references["ratio"]), ctypes.c_size_t(1), ctypes.byref(ratio)), OK)
-            self.assertAlmostEqual(ratio.value, 2.2, delta=0.01)  # scenes/drive.csv; control settles within half a per cent
+        for scene, target in ("drive", 2.2), ("urban_cycle", 0.9318):  # of their files; control settles within half a per cent
+            with self.subTest(scene=scene), tempfile.TemporaryDirectory() as folder:
+                fmu = Fmu(folder, 2, scene)
+                self.assertEqual([fmu.setup(), fmu.enter(), fmu.exit()], [OK, OK, OK])
+                for number in range(3):
+                    self.assertEqual(fmu.step(1e-3 * number, 1e-3), OK)
+                ratio, reference = ctypes.c_double(), (ctypes.c_uint * 1)(fmu.references["ratio"])
+                self.assertEqual(fmu.call("GetReal", reference, ctypes.c_size_t(1), ctypes.byref(ratio)), OK)
+                self.assertAlmostEqual(ratio.value, target, delta=0.01 * target)
 
 
 class Stages(unittest.TestCase):

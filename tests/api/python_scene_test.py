@@ -1,5 +1,6 @@
 """Scenes from dicts and keywords, listing of keys, quantities with units, channels by name, reprs."""
 
+import importlib.util
 import os
 import tempfile
 import unittest
@@ -43,6 +44,16 @@ class Scenes(unittest.TestCase):
             Path(folder, "drive.csv").write_text("time [ms],torque [N*m]\n0,8\n1,12\n")
             csv = {"csv": folder + "/drive.csv", "value": "torque"}
             self.assertEqual(tiny().with_(load={"torque": csv}), requested)
+
+    def test_the_urban_cycle_is_what_its_script_writes_and_runs(self):
+        place = Path(SOURCE, "examples/python/urban_cycle.py")
+        script = importlib.util.module_from_spec(importlib.util.spec_from_file_location("urban_cycle", place))
+        script.__spec__.loader.exec_module(script)
+        self.assertEqual(Path(SOURCE, "scenes/urban_cycle.csv").read_text(), script.text())
+        simulation = cvtflow.Simulation(cvtflow.Scene.ready("urban_cycle"))
+        simulation.advance_to(2e-3)
+        self.assertAlmostEqual(simulation.get("ratio"), 0.93, delta=0.01)
+        self.assertGreater(simulation.get("pump/power"), 50.0)
 
     def test_a_series_of_pandas_is_a_table_over_time(self):
         try:
