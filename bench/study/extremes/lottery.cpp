@@ -130,6 +130,20 @@ void draw_load(Urn& urn, const Scene& scene, double duration, std::vector<std::s
         settings.push_back(fmt::format("load.torque=[[0,{0:.6g}],[{1:.9g},{0:.6g}],[{2:.9g},{3:.6g}]]", load, when, when + 1e-6, other));
 }
 
+/// Cylinders and a pump for every other machine, drawn last: machines are those of before but for that.
+void draw_hydraulics(Urn& urn, std::vector<std::string>& settings) {
+    if (urn.draw() < 0.5) return;
+    settings.emplace_back("hydraulics.mode=force");
+    Scene scene;
+    for (const Parameter& parameter : parameter_table()) {
+        const bool drawn = parameter.section() == "hydraulics" && parameter.kind() == Kind::number && parameter.unit != "m" &&
+                           !parameter.name().starts_with("pump_");
+        if (drawn) draw_parameter(parameter, urn, scene, settings);
+    }
+    settings.push_back(fmt::format("hydraulics.pump_displacement={:.6g}", urn.draw(6e-6, 25e-6)));
+    settings.push_back(fmt::format("hydraulics.driven_spring={:.6g}", urn.draw(0.0, 2e3)));
+}
+
 }  // namespace
 
 LotteryMachine lottery_machine(std::uint64_t seed, long number) {
@@ -139,6 +153,7 @@ LotteryMachine lottery_machine(std::uint64_t seed, long number) {
     LotteryMachine machine = number % 3 == 2 ? machine_of_ready_scene(urn, scene) : machine_of_defaults(urn, scene);
     if (machine.scene.empty() || urn.draw() < 0.4) draw_chain(urn, scene, machine.settings);
     draw_load(urn, scene, typical_duration, machine.settings);
+    draw_hydraulics(urn, machine.settings);
     return machine;
 }
 
