@@ -50,6 +50,14 @@ std::string status_list(const RecordedRun& run) {
     return fmt::format("<ul class=\"status\">\n{}</ul>\n", text);
 }
 
+/// A value as text; of a long table its beginning and how many points it has.
+std::string brief(const std::string& value) {
+    constexpr std::size_t longest = 160;
+    const auto end = value.rfind("], [", longest);
+    if (value.size() <= longest || end == std::string::npos) return value;
+    return fmt::format("{}], … ({} points)", value.substr(0, end), std::count(value.begin(), value.end(), '[') - 1);
+}
+
 /// Keys whose values are not the defaults.
 std::string differences(const tasks::Scene& scene) {
     const tasks::Scene defaults;
@@ -57,8 +65,8 @@ std::string differences(const tasks::Scene& scene) {
     for (const tasks::Parameter& parameter : tasks::parameter_table()) {
         const std::string value = tasks::value_text(parameter, scene), usual = tasks::value_text(parameter, defaults);
         if (value == usual || parameter.section() == "scene") continue;
-        rows += fmt::format("<tr><td><code>{}</code></td><td>{}</td><td>{}</td><td>{}</td></tr>\n", parameter.key, html(value), html(usual),
-                            html(parameter.meaning));
+        rows += fmt::format("<tr><td><code>{}</code></td><td>{}</td><td>{}</td><td>{}</td></tr>\n", parameter.key, html(brief(value)),
+                            html(usual), html(parameter.meaning));
     }
     if (rows.empty()) return "<p>Every key of the scene has its default.</p>\n";
     return "<table><caption>Differences from "
