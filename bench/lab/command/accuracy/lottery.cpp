@@ -85,9 +85,10 @@ Action declare_lottery(CLI::App& app) {
     app.add_flag("--settings", arguments->settings, "Print the settings of the machines and run nothing");
     app.add_flag("--csv", arguments->csv, "Print a CSV table");
     app.footer(
-        "Draws every physical parameter within a factor of 2 of its default, and clamping, speed, load, ratio, detail, laws and chain. A "
-        "third of\nthe machines are ready scenes with their states and some drawn parameters. Some loads are zero, reversed or jump. Each "
-        "machine settles\nfor 20 ms and runs for 20 ms with the default method and step, then again with a quarter of the step. Slip and "
+        "Draws every physical parameter within a factor of 2 of its default, and clamping, speed, load, ratio, detail, laws and chain. "
+        "Every\nother machine has hydraulics, drawn likewise. A third of the machines are ready scenes with their states and some drawn\n"
+        "parameters. Some loads are zero, reversed or jump. Each machine settles\nfor 20 ms and runs for 20 ms with the default method and "
+        "step, then again with a quarter of the step. Slip and "
         "losses of a finished\nrun must agree with that within the tolerance.\n\nExit status 3: a finished run was wrong.");
     return [arguments] { return lottery(*arguments); };
 }
