@@ -317,7 +317,7 @@ const std::vector<Parameter>& rows() {
      "model choice", [](Scene& s) -> Slot { return &s.parameters.control.driven_authority; }},
 
     {"hydraulics.mode", "", 0, 0, {"none", "force", "pressure"},
-     "What makes the clamping forces from t = 0 on: none: they act as requested; force, pressure: cylinders, valves and a pump, from"
+     "What makes the clamping forces from t = 0 on: none: they act as requested; force, pressure: cylinders, valves and a pump, from "
      "the forces of clamping and control, or from driving_pressure and driven_pressure with control.",
      "model choice", [](Scene& s) -> Slot { return &s.parameters.hydraulics.mode; }},
     {"hydraulics.driving_area", "m^2", 1e-4, 1, {},
