@@ -95,7 +95,8 @@ template <class Number>
 FrictionNumbers<Number>::FrictionNumbers(const ChainModel& chain)
     : joint(curve_in<Number>(chain.coefficients().joint.friction)),
       plate(curve_in<Number>(chain.coefficients().plate_friction)),
-      tip(curve_in<Number>(chain.coefficients().tip.friction)) {
+      tip(curve_in<Number>(chain.coefficients().tip.friction)),
+      tip_law(chain.coefficients().tip.law) {
     const Coefficients& c = chain.coefficients();
     const auto round_all = [](const auto& from, auto& to) {
         std::ranges::transform(from, to.begin(), [](double x) { return static_cast<Number>(x); });

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <type_traits>
 #include <vector>
 
@@ -86,6 +87,7 @@ struct FrictionNumbers {
     explicit FrictionNumbers(const ChainModel& chain);
 
     FrictionCurve joint, plate, tip;
+    std::shared_ptr<const TipLaw> tip_law;                                       ///< nullptr: none
     std::array<Number, max_joint_lanes> joint_position{};                        ///< ξ [1]
     std::array<std::array<Number, max_joint_lanes>, max_lateral> joint_basis{};  ///< P_m(ξ)
     std::array<Number, max_plate_lanes> plate_position{};                        ///< ξ [1]

@@ -139,6 +139,14 @@ private:
 
     /// Of tips `low` and low + 1, whose slips have these squares.
     [[nodiscard]] std::pair<V, V> factors(int own, int low, const V& first, const V& second) const noexcept {
+        if (Steepest || numbers_.tip_law == nullptr) return plain_factors(own, low, first, second);
+        const auto [a, b] = plain_factors(own, low, first, second);
+        const TipLaw& law = *numbers_.tip_law;
+        return {a * speed_factor_of_square<W>(law, first), b * speed_factor_of_square<W>(law, second)};
+    }
+
+    /// Without the law by speed of the tips, which makes them no larger.
+    [[nodiscard]] std::pair<V, V> plain_factors(int own, int low, const V& first, const V& second) const noexcept {
         if (Steepest || !friction_.by_phase()) return sliding_factors<W, Steepest>(numbers_.tip, first, second);
         return {1.0 / within_branch(own, low, sqrt(first)), 1.0 / within_branch(own, low + 1, sqrt(second))};
     }

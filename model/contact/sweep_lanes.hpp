@@ -231,11 +231,12 @@ private:
 
     /// @return change of its force
     [[nodiscard]] AtTip<V> solve_tip(int own, int corner, const AtTip<V>& v, const V& turn) const noexcept {
-        const V friction_limit = contact(field_.components.tip(corner) + Tip::friction_limit, own), stiff = responses_.tip * friction_limit;
+        const V friction_limit = contact(field_.components.tip(corner) + Tip::friction_limit, own), full = responses_.tip * friction_limit;
         const AtTip<V> old = tip_force(own, corner);
         const AtTip<V> free =
             slip(own, corner, {v.x - responses_.tip * old.x, v.y - responses_.tip * old.y, v.z - responses_.tip * old.z}, turn);
-        const V factor = V(-1.0) / (stiff + tip_speed(own, corner, sqrt(free.square()) - stiff));
+        const V speed = sqrt(free.square()), lawful = lawful_share(full, speed), stiff = lawful * full;
+        const V factor = -(lawful / (stiff + tip_speed(own, corner, speed - stiff)));
         const V none(0.0);
         const auto held = [&](const V& slip) { return select_greater<W>(friction_limit, none, factor * slip, none); };
         const AtTip<V> share{held(free.x), held(free.y), held(free.z)};
@@ -246,6 +247,12 @@ private:
         const V forces[3] = {friction_limit * share.x, friction_limit * share.y, friction_limit * share.z};
         for (int axis = 0; axis < 3; ++axis) forces[axis].copy_to(sweep_.impulses->at(3 * corner + axis, column(own)));
         return {forces[0] - old.x, forces[1] - old.y, forces[2] - old.z};
+    }
+
+    /// Factor of the tips' law at the sliding speed that friction leaves. @param full speed that friction of its full strength takes
+    [[nodiscard]] V lawful_share(const V& full, const V& speed) const noexcept {
+        if (numbers_.tip_law == nullptr) return V(1.0);
+        return speed_factor<W>(*numbers_.tip_law, braked_speed<W>(*numbers_.tip_law, full, speed, V(numbers_.tip.saturation_speed)));
     }
 
     /// Sliding speed within the branch of the law that holds.

@@ -125,7 +125,8 @@ TipCoefficients tip_coefficients(const Parameters& p) {
             p.pulley.arc_position + t.radius * sine,
             2.0 / layout_of(p).bodies() * t.hertz,  // both halves of a whole pin touch at once
             p.chain.damping_ratio * critical / (t.hertz * t.reference_depth * root),
-            FrictionCurve(t.friction, p.detail)};
+            FrictionCurve(t.friction, p.detail),
+            tip_law(p, p.oil.temperature)};
 }
 
 }  // namespace

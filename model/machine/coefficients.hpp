@@ -2,10 +2,12 @@
 /// Numbers derived once from the parameters: what the kernels read in the loop. Immutable during a run.
 
 #include <array>
+#include <memory>
 #include <vector>
 
 #include "model/basis/order.hpp"
 #include "model/law/friction_curve.hpp"
+#include "model/law/tip_law.hpp"
 #include "model/parameters/chain_layout.hpp"
 #include "model/parameters/parameters.hpp"
 
@@ -53,6 +55,7 @@ struct TipCoefficients {
     double touching_radius;  ///< r_m + R_p sin β: radius of the sphere's centre when it touches at r_m
     double hertz, damping;   ///< K [N/m^1.5], χ_T [s/m]
     FrictionCurve friction;
+    std::shared_ptr<const TipLaw> law;  ///< nullptr: friction depends on speed by the curve alone
 };
 
 struct JointCoefficients {

@@ -15,12 +15,12 @@ void add_tips(const TipCoefficients& tip, const TipGeometry<P, Lanes<W>>& geomet
               const Lanes<W>& touching, const PhaseLanes& phases, std::size_t shaft, Creep& sums) noexcept {
     const Lanes<W> normal = tip_forces<false, W>(tip, geometry, motion, touching, phases, nullptr).normal;
     const auto v = tangential(motion.material, geometry.normal);
-    const Lanes<W> grip = tip.friction.coefficient * normal * phase_slip_factor<W>(tip.friction, dot(v, v), phases);
+    const Lanes<W> hold = grip<W>(tip, normal, sqrt(positive_part<W>(geometry.depth)), dot(v, v), phases);
     const auto& r = motion.sheave_arm;
     const Lanes<W> square = r.x * r.x + r.y * r.y, around = r.x * v.y - r.y * v.x;
-    sums.hold[shaft] += sum<W>(grip * square);
-    sums.drag[shaft] += sum<W>(grip * around);
-    sums.power += sum<W>(grip * around * around / square);
+    sums.hold[shaft] += sum<W>(hold * square);
+    sums.drag[shaft] += sum<W>(hold * around);
+    sums.power += sum<W>(hold * around * around / square);
 }
 
 template <int P>

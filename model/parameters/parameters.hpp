@@ -27,6 +27,13 @@ struct TimeTable {
     bool operator==(const TimeTable&) const = default;
 };
 
+/// A number over a speed, between whose points a law interpolates. Speeds ascend strictly; one point is a constant.
+struct SpeedTable {
+    std::vector<double> speed{0.0};   ///< [m/s]
+    std::vector<double> value{0.09};  ///< unit of the quantity [unit of the quantity]
+    bool operator==(const SpeedTable&) const = default;
+};
+
 enum class PinDetail { halves, whole, rigid };
 inline constexpr std::array<std::string_view, 3> pin_detail_names{"halves", "whole", "rigid"};
 [[nodiscard]] constexpr std::string_view name_of(PinDetail pins) noexcept { return pin_detail_names[static_cast<std::size_t>(pins)]; }
@@ -34,6 +41,8 @@ enum class PlateDetail { each, lumped };
 enum class PulleyDetail { elastic, rigid, absent };
 enum class FrictionLaw { piecewise, smoothed };
 inline constexpr std::array<std::string_view, 2> friction_law_names{"piecewise", "smoothed"};
+/// Friction of tips: one coefficient, a table over the sliding speed, or a lubricated contact.
+enum class TipFriction { constant, table, lubricated };
 enum class JointLaw { linear, palmgren };
 enum class DriveMode { speed, torque, coupling };
 enum class LoadMode { torque, speed, coupling };
@@ -111,7 +120,22 @@ struct Tip {
     double reference_depth = 9e-6;       ///< δ_T at which ζ is anchored [m]
     double deepest = 2e-4;               ///< deeper penetration is a fault [m]
     Friction friction{0.09, 0.01};
+    TipFriction friction_law = TipFriction::constant;
+    SpeedTable friction_table;          ///< of law table: μ over the sliding speed [1]
+    double limiting_traction = 0.05;    ///< of law lubricated: μ of a full film [1]
+    double roughness = 0.2e-6;          ///< of law lubricated: root mean square of both surfaces [m]
+    double pressure_sensitivity = 0.0;  ///< a: relative change of μ per relative change of pressure [1]
+    double reference_pressure = 1e9;    ///< at which μ is as given [Pa]
     bool operator==(const Tip&) const = default;
+};
+
+/// Oil of tips with the lubricated law.
+struct Oil {
+    double temperature = 353.15;         ///< [K]
+    double viscosity_40 = 0.030;         ///< dynamic, at 40 °C [Pa·s]
+    double viscosity_100 = 0.006;        ///< at 100 °C [Pa·s]
+    double pressure_viscosity = 1.8e-8;  ///< α of Barus' law [1/Pa]
+    bool operator==(const Oil&) const = default;
 };
 
 struct Pulley {
@@ -250,6 +274,7 @@ struct Parameters {
     Plate plate;
     Joint joint;
     Tip tip;
+    Oil oil;
     Pulley pulley;
     Drive drive;
     Load load;

@@ -81,6 +81,27 @@ Violation radii_ordered(const Scene& scene) {
     return fmt::format("pulley.innermost: {} is not smaller than pulley.outermost = {}", mm(pulley.innermost), mm(pulley.outermost));
 }
 
+/// The largest friction of a tip is known everywhere as tip.friction_coefficient: clamping by torque, safety factors, stability.
+Violation tip_law_has_its_largest(const Scene& scene) {
+    const model::Tip& tip = scene.parameters.tip;
+    const double coefficient = tip.friction.coefficient;
+    if (tip.friction_law == model::TipFriction::lubricated && tip.limiting_traction > coefficient)
+        return fmt::format("tip.limiting_traction: {} is above tip.friction_coefficient = {}", number_text(tip.limiting_traction),
+                           number_text(coefficient));
+    if (tip.friction_law != model::TipFriction::table) return {};
+    const double largest = *std::ranges::max_element(tip.friction_table.value);
+    if (std::abs(largest - coefficient) <= 1e-9 * coefficient) return {};
+    return fmt::format("tip.friction_table: its largest value is {}, but tip.friction_coefficient is {}; they must be equal",
+                       number_text(largest), number_text(coefficient));
+}
+
+Violation tip_law_has_piecewise_corner(const Scene& scene) {
+    const auto& p = scene.parameters;
+    if (p.tip.friction_law == model::TipFriction::constant || p.detail.pins != model::PinDetail::rigid) return {};
+    if (p.detail.friction == model::FrictionLaw::piecewise) return {};
+    return "tip.friction_law: detail.pins = \"rigid\" takes it with detail.friction = \"piecewise\" only";
+}
+
 Violation arc_on_sheave(const Scene& scene) {
     const auto& pulley = scene.parameters.pulley;
     if (pulley.innermost >= pulley.outermost) return {};  // reported by radii_ordered
@@ -235,6 +256,8 @@ const std::vector<CrossCheck>& general_checks() {
         {{"joint.radius", "half.width"}, profile_is_round},
         {{"pulley.innermost", "pulley.outermost"}, radii_ordered},
         {{"pulley.arc_position", "pulley.innermost", "pulley.outermost"}, arc_on_sheave},
+        {{"tip.friction_law", "tip.friction_table", "tip.friction_coefficient", "tip.limiting_traction"}, tip_law_has_its_largest},
+        {{"tip.friction_law", "detail.pins", "detail.friction"}, tip_law_has_piecewise_corner},
         {{"start.layout", "detail.pulleys"}, layout_has_pulleys},
         {{"start.ramp_time", "start.settling_time", "start.layout"}, ramp_within_settling},
         {{"control.enabled", "detail.pulleys"}, control_has_pulleys},
@@ -247,7 +270,7 @@ const std::vector<CrossCheck>& general_checks() {
         {{"run.followed_pin", "chain.pins"}, followed_pin_exists},
         {{"run.segments", "chain.pins"}, segments_have_links},
         {{"run.method"}, method_exists},
-        {{"run.method", "detail.pins", "detail.friction"}, method_takes_machine},
+        {{"run.method", "detail.pins", "detail.friction", "tip.friction_law"}, method_takes_machine},
         {{"run.assembly", "detail.pins"}, assembly_takes_pins},
         {{"detail.pins", "detail.order", "detail.plates", "detail.stick_slip", "joint.law", "drive.mode", "load.mode"},
          rigid_pins_are_simple},

@@ -12,17 +12,21 @@
 namespace cvtflow::tasks {
 
 /// The member of a scene that a key sets. Its type decides how the key is written (Kind).
-using Slot = std::variant<double*, int*, long*, std::uint64_t*, bool*, std::string*, std::vector<double>*, model::TimeTable*,
-                          model::PinDetail*, model::PlateDetail*, model::PulleyDetail*, model::FrictionLaw*, model::JointLaw*,
-                          model::DriveMode*, model::LoadMode*, model::ControlledQuantity*, model::DrivenControl*, model::HydraulicMode*,
-                          model::StartLayout*, Assembly*, PartitionKind*, StepControl*, AutoNumber*, std::vector<std::string>*>;
+using Slot =
+    std::variant<double*, int*, long*, std::uint64_t*, bool*, std::string*, std::vector<double>*, model::TimeTable*, model::SpeedTable*,
+                 model::PinDetail*, model::PlateDetail*, model::PulleyDetail*, model::FrictionLaw*, model::JointLaw*, model::TipFriction*,
+                 model::DriveMode*, model::LoadMode*, model::ControlledQuantity*, model::DrivenControl*, model::HydraulicMode*,
+                 model::StartLayout*, Assembly*, PartitionKind*, StepControl*, AutoNumber*, std::vector<std::string>*>;
 
-enum class Kind { number, auto_number, integer, choice, boolean, text, number_list, time_table, text_list };
+enum class Kind { number, auto_number, integer, choice, boolean, text, number_list, time_table, speed_table, text_list };
 
 /// Most points of a time table or of a list.
 inline constexpr std::size_t max_points = 10000;
 /// Latest time of a time table [s]; the earliest is 0 (while settling, tables are taken at 0).
 inline constexpr double latest_time = 1e6;
+/// Most points of a table over a speed, and the highest speed [m/s]; the lowest is 0.
+inline constexpr std::size_t max_speed_points = 16;
+inline constexpr double highest_speed = 1e3;
 
 struct Parameter {
     std::string_view key;                   ///< "section.name"

@@ -88,7 +88,8 @@ void Reading::section(const Entry& entry) {
 void Reading::value(const Parameter& parameter, const Node& node) {
     const std::size_t before = problems_.size();
     given_[parameter.key] = node.position;
-    const bool names_file = parameter.kind() == Kind::time_table && std::holds_alternative<Node::Table>(node.value);
+    const bool takes_file = parameter.kind() == Kind::time_table || parameter.kind() == Kind::speed_table;
+    const bool names_file = takes_file && std::holds_alternative<Node::Table>(node.value);
     if (names_file && start_ == StartState::recorded)
         problem(node.position, fmt::format("{}: a recorded scene has the points of its tables; it names no file", parameter.key));
     else if (names_file)

@@ -110,6 +110,23 @@ std::vector<double> unscaled_slope(model::Parameters parameters, const oracle::R
     return oracle::right_hand_side(parameters, 1e-3, random.state, random.phases).slope;
 }
 
+/// Every law of tips, with and without an influence of pressure.
+std::vector<DetailCase> tip_law_cases() {
+    std::vector<DetailCase> cases;
+    for (const auto pins : {model::PinDetail::halves, model::PinDetail::whole}) {
+        for (const auto law : {model::TipFriction::constant, model::TipFriction::table, model::TipFriction::lubricated}) {
+            model::Parameters p;
+            p.detail.pins = pins;
+            p.tip.friction_law = law;
+            p.tip.friction_table = {{0.0, 0.01, 0.1, 0.5, 5.0}, {0.06, 0.09, 0.08, 0.02, 0.07}};
+            p.tip.pressure_sensitivity = law == model::TipFriction::lubricated ? 0.0 : 0.3;
+            p.tip.roughness = 5e-9;
+            cases.push_back({(pins == model::PinDetail::halves ? "halves_" : "whole_") + std::to_string(static_cast<int>(law)), p});
+        }
+    }
+    return cases;
+}
+
 class EveryDetail : public testing::TestWithParam<DetailCase> {};
 
 TEST_P(EveryDetail, TheKernelsAgreeWithTheOracleOnRandomStates) {
@@ -206,6 +223,8 @@ TEST(Variator, AgreesWithTheOracleOnceCouplingsHaveTakenOver) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Variator, EveryDetail, testing::ValuesIn(detail_cases()),
+                         [](const auto& instance) { return instance.param.name; });
+INSTANTIATE_TEST_SUITE_P(TipLaws, EveryDetail, testing::ValuesIn(tip_law_cases()),
                          [](const auto& instance) { return instance.param.name; });
 INSTANTIATE_TEST_SUITE_P(WholePins, EveryDetail, testing::ValuesIn(whole_cases()),
                          [](const auto& instance) { return instance.param.name; });

@@ -154,7 +154,8 @@ void add_tip(const System& system, int number, End end, int side, Phase phase, T
     totals.loss(model::Loss::tip_damping) += (force - elastic) * depth_rate;
 
     const TipSliding v = tip_sliding(system, link, end, c);
-    const Vec3 f = (-tip.friction.coefficient * force * tip_friction_slope(system, phase, norm(v.tangential))) * v.tangential;
+    const Real speed = norm(v.tangential), law = tip_law_factor(system.parameters, speed, c.depth);
+    const Vec3 f = (-tip.friction.coefficient * force * law * tip_friction_slope(system, phase, speed)) * v.tangential;
     push_friction(system, target, c, f);
     totals.loss(model::Loss::tip_friction) -= dot(f, v.whole);
 }

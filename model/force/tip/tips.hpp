@@ -8,6 +8,7 @@
 #include "model/force/lane_accounts.hpp"
 #include "model/force/tip/tip_geometry.hpp"
 #include "model/law/friction.hpp"
+#include "model/law/tip_factors.hpp"
 
 namespace cvtflow::model {
 namespace {
@@ -100,6 +101,16 @@ template <int W>
     return factor;
 }
 
+/// Friction of a tip per sliding speed [N·s/m].
+/// @param root √δ   @param square of the sliding speed
+template <int W>
+[[nodiscard]] inline Lanes<W> grip(const TipCoefficients& tip, const Lanes<W>& normal, const Lanes<W>& root, const Lanes<W>& square,
+                                   const PhaseLanes& phases) noexcept {
+    const Lanes<W> plain = tip.friction.coefficient * normal * phase_slip_factor<W>(tip.friction, square, phases);
+    if (tip.law == nullptr) return plain;
+    return plain * (pressure_factor<W>(*tip.law, root) * speed_factor_of_square<W>(*tip.law, square));
+}
+
 /// Normal force and friction of tips.
 template <class Tips>
 struct TipForces {
@@ -114,10 +125,10 @@ template <bool Observe, int W, int P, class Book>
                                                                         const PhaseLanes& phases, [[maybe_unused]] Book account) noexcept {
     using Tips = Lanes<W>;
     const Tips depth = touching * positive_part<W>(g.depth);
-    const Tips elastic = tip.hertz * depth * sqrt(depth);
+    const Tips root = sqrt(depth), elastic = tip.hertz * depth * root;
     const Tips normal = positive_part<W>(elastic * (1.0 + tip.damping * motion.closing));
     const Vector3<Tips> v = tangential(motion.material, g.normal);
-    const Tips friction_per_speed = -tip.friction.coefficient * normal * phase_slip_factor<W>(tip.friction, dot(v, v), phases);
+    const Tips friction_per_speed = -grip<W>(tip, normal, root, dot(v, v), phases);
     const Vector3<Tips> friction{friction_per_speed * v.x, friction_per_speed * v.y, friction_per_speed * v.z};
     if constexpr (Observe) {
         account->store(Energy::tips, 0.4 * booked<W>(account, elastic * depth));

@@ -78,7 +78,9 @@ public:
         put(row + Tip::normal + 2, own, count, g.normal.z);
         put(row + Tip::lever_x, own, count, m.lever_x);
         put(row + Tip::lever_y, own, count, m.lever_y);
-        put(row + Tip::friction_limit, own, count, c_.tip.friction.coefficient * normal);
+        const V limit = c_.tip.friction.coefficient * normal;
+        put(row + Tip::friction_limit, own, count,
+            c_.tip.law == nullptr ? limit : limit * pressure_factor<W>(*c_.tip.law, root_of(g.depth)));
         surface(own, count, corner, m, sheave, shaft);
         keep_arms(own, count, corner, m.sheave_arm);
         if (by_phase_) branches(own, count, corner);
@@ -100,6 +102,7 @@ public:
     }
 
 protected:
+    [[nodiscard]] static V root_of(const V& depth) noexcept { return sqrt(positive_part<W>(depth)); }
     void put(int row, int own, int count, const V& lanes) const noexcept { put_to(field_.columns, row, own, count, lanes); }
 
     /// Lanes of a group that represent links of the range: [first, last).

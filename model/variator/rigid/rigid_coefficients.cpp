@@ -53,6 +53,7 @@ RigidCoefficients::RigidCoefficients(const Parameters& parameters) {
     softness = hertz * cosine * cosine * half_length / (p.chain.young_modulus * p.half.area);
     further_steps = softness * std::sqrt(p.tip.deepest) > well_started_softness ? 4 : 0;
     tip_friction = c.tip.friction;
+    tip_law = c.tip.law;
     middle = c.middle;
 }
 

@@ -143,6 +143,7 @@ struct NormalForce {
     PinLanes elastic, force;  ///< N_e, N [N]
     PinLanes energy;          ///< [J]
     PinLanes shortening;      ///< η: of the half pin per depth
+    PinLanes root_depth;      ///< √δ of Hertz' part of the depth [√m]
 };
 
 /// y = √δ_0 φ with φ² (1 + u φ) = 1, u = b √δ_0: a rational start p/q, to 1e-4 for u ≤ `well_started_softness`, and Newton's method. The
@@ -161,6 +162,7 @@ struct NormalForce {
     }
     const PinLanes y = root * phi, square = y * y;
     NormalForce n;
+    n.root_depth = y;
     n.elastic = c.hertz * square * y;
     n.force = n.elastic * positive_part<rigid_lanes>(1.0 + c.damping * rate);
     n.energy = n.elastic * square * (0.4 + 0.5 * (u * phi));

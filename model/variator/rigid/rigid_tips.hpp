@@ -161,7 +161,7 @@ private:
         const TipPlace& place = tips_[tip];
         const Slip& u = begin_[tip];
         const PinLanes speed = sqrt(u.round * u.round + u.flank * u.flank);
-        const PinLanes grip = friction_factor(c_.tip_friction, c_.tip_friction.coefficient * normal_[tip].force, PinLanes(0.0), speed);
+        const PinLanes grip = friction_factor(c_.tip_friction, friction_limit(tip, PinLanes(0.0), speed), PinLanes(0.0), speed);
         creep.add(present(columns_, first_), second_, grip, sqrt(dot(place.point, place.point)), u.round);
         const PinLanes outward = dot(f.push, place.radial) + dot(f.friction, place.radial);
         write(columns_, Column::outward + tip.column, first_, -outward);
@@ -192,13 +192,23 @@ private:
         const PinLanes response(1.1 * kick_.step * (1.0 / c_.mass + 1.0 / c_.tilt_mass));
         const Slip free = implicit ? slip_now(tip) - response * old : begin_[tip];
         const PinLanes speed = sqrt(free.round * free.round + free.flank * free.flank);
-        const Slip force = (-friction_factor(c_.tip_friction, c_.tip_friction.coefficient * normal_[tip].force, response, speed)) * free;
+        const Slip force = (-friction_factor(c_.tip_friction, friction_limit(tip, response, speed), response, speed)) * free;
         const Slip mean = implicit ? PinLanes(0.5) * (free + response * force + begin_[tip]) : free;
         lost.add(first_, -(force.round * mean.round + force.flank * mean.flank));
         write(columns_, Column::round + tip.column, first_, force.round);
         write(columns_, Column::flank + tip.column, first_, force.flank);
         if (implicit) follow(tip, force - old);
         return force;
+    }
+
+    /// Most friction of a tip, by its law at the speed that friction leaves. @param speed without friction
+    [[nodiscard, gnu::always_inline]] PinLanes friction_limit(std::size_t tip, const PinLanes& response,
+                                                              const PinLanes& speed) const noexcept {
+        const NormalForce& n = normal_[tip];
+        const PinLanes limit = c_.tip_friction.coefficient * n.force;
+        if (c_.tip_law == nullptr) return limit;
+        const PinLanes full = limit * pressure_factor<rigid_lanes>(*c_.tip_law, n.root_depth), slowest(c_.tip_friction.saturation_speed);
+        return full * speed_factor<rigid_lanes>(*c_.tip_law, braked_speed<rigid_lanes>(*c_.tip_law, response * full, speed, slowest));
     }
 
     /// Velocities behind a change of a tip's friction.

@@ -7,6 +7,7 @@
 
 #include "model/basis/lanes.hpp"
 #include "model/law/friction.hpp"
+#include "model/law/tip_factors.hpp"
 #include "model/variator/rigid/rigid_kernels.hpp"
 
 namespace cvtflow::model {

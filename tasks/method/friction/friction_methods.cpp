@@ -24,6 +24,12 @@ constexpr const char* ours = "this project (tasks/method/friction)";
     return parameters.detail.pins != model::PinDetail::rigid ? "" : "detail.pins = \"halves\" or \"whole\"";
 }
 
+/// Friction solved for as one convex problem: it must not fall with the sliding speed, and slips belong to pin halves.
+[[nodiscard]] std::string_view missing_for_slips(const model::Parameters& parameters) noexcept {
+    if (const std::string_view pins = missing_halves(parameters); !pins.empty()) return pins;
+    return parameters.tip.friction_law == model::TipFriction::constant ? "" : "tip.friction_law = \"constant\"";
+}
+
 enum class Precision { with_single_stages, double_throughout };
 
 /// Friction by explicit stages on velocities alone.
@@ -84,7 +90,7 @@ template <class Number>
             .solves = solves,
             .stability = [table] { return leapfrog_stability(table()); },
             .linear = [table](const LinearChain& chain) { return leapfrog_step(chain, table()); },
-            .missing = missing_halves};
+            .missing = missing_for_slips};
 }
 
 [[nodiscard]] MethodProgram additive(const char* description, const char* solves, AdditiveTable (*table)()) {
@@ -101,7 +107,7 @@ template <class Number>
             .stability = [table] { return additive_stability(table()); },
             .linear = [table](const LinearChain& chain) { return additive_step(chain, table()); },
             .estimates_error = !t.embedded.empty(),
-            .missing = missing_halves};
+            .missing = missing_for_slips};
 }
 
 }  // namespace

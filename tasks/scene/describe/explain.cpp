@@ -32,6 +32,11 @@ std::string form_text(const Parameter& parameter) {
         case Kind::text: return "a text";
         case Kind::text_list: return "a text, or a list of texts";
         case Kind::number_list: return number + ", or a list of them";
+        case Kind::speed_table:
+            return fmt::format(
+                "{}, a list of at most {} points [speed, value], or {{csv = \"FILE\", time = \"COLUMN\", value = \"COLUMN\"}} "
+                "with the speed in column time",
+                number, max_speed_points);
         case Kind::time_table:
             return number +
                    ", a list of points [time, value], linear between them, or {csv = \"FILE\", time = \"COLUMN\", value = \"COLUMN\"}";

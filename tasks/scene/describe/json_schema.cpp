@@ -18,23 +18,24 @@ Json number_schema(double min, double max) {
     return {{"anyOf", {plain, with_unit}}};
 }
 
-Json list_schema(Json item) { return {{"type", "array"}, {"items", std::move(item)}, {"minItems", 1}, {"maxItems", max_points}}; }
+Json list_schema(Json item, std::size_t most) {
+    return {{"type", "array"}, {"items", std::move(item)}, {"minItems", 1}, {"maxItems", most}};
+}
 
-Json point_schema(double min, double max) {
-    return {
-        {"type", "array"}, {"prefixItems", {number_schema(0.0, latest_time), number_schema(min, max)}}, {"minItems", 2}, {"maxItems", 2}};
+Json point_schema(double last, double min, double max) {
+    return {{"type", "array"}, {"prefixItems", {number_schema(0.0, last), number_schema(min, max)}}, {"minItems", 2}, {"maxItems", 2}};
 }
 
 /// `number` or a list of `item`.
-Json or_list(Json number, Json item) {
-    number["anyOf"].push_back(list_schema(std::move(item)));
+Json or_list(Json number, Json item, std::size_t most = max_points) {
+    number["anyOf"].push_back(list_schema(std::move(item), most));
     return number;
 }
 
 /// A number, points, or columns of a CSV file.
-Json time_table_schema(Json number, const Parameter& parameter) {
+Json table_schema(Json number, const Parameter& parameter, double last, std::size_t most) {
     const Json text{{"type", "string"}};
-    Json schema = or_list(std::move(number), point_schema(parameter.min, parameter.max));
+    Json schema = or_list(std::move(number), point_schema(last, parameter.min, parameter.max), most);
     schema["anyOf"].push_back({{"type", "object"},
                                {"properties", {{"csv", text}, {"time", text}, {"value", text}}},
                                {"required", {"csv"}},
@@ -59,7 +60,8 @@ Json value_schema(const Parameter& parameter) {
             return {{"anyOf", {text, {{"type", "array"}, {"items", text}, {"maxItems", max_points}}}}};
         }
         case Kind::number_list: return or_list(number, number);
-        case Kind::time_table: return time_table_schema(number, parameter);
+        case Kind::time_table: return table_schema(number, parameter, latest_time, max_points);
+        case Kind::speed_table: return table_schema(number, parameter, highest_speed, max_speed_points);
     }
     return {};
 }

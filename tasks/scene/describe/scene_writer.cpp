@@ -24,11 +24,10 @@ std::string texts_text(const std::vector<std::string>& values) {
     return fmt::format("[{}]", fmt::join(texts, ", "));
 }
 
-std::string table_text(const model::TimeTable& table) {
-    if (table.time == std::vector{0.0}) return number_text(table.value.front());
+std::string table_text(const std::vector<double>& place, const std::vector<double>& value) {
+    if (place == std::vector{0.0}) return number_text(value.front());
     std::vector<std::string> points;
-    for (std::size_t i = 0; i < table.time.size(); ++i)
-        points.push_back(fmt::format("[{}, {}]", number_text(table.time[i]), number_text(table.value[i])));
+    for (std::size_t i = 0; i < place.size(); ++i) points.push_back(fmt::format("[{}, {}]", number_text(place[i]), number_text(value[i])));
     return fmt::format("[{}]", fmt::join(points, ", "));
 }
 
@@ -52,7 +51,9 @@ std::string value_text(const Parameter& parameter, const Scene& scene) {
             else if constexpr (std::is_same_v<T, std::vector<std::string>>)
                 return texts_text(*member);
             else if constexpr (std::is_same_v<T, model::TimeTable>)
-                return table_text(*member);
+                return table_text(member->time, member->value);
+            else if constexpr (std::is_same_v<T, model::SpeedTable>)
+                return table_text(member->speed, member->value);
             else if constexpr (std::is_enum_v<T>)
                 return toml_text(std::string(parameter.choices[static_cast<std::size_t>(*member)]));
             else

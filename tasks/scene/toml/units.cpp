@@ -45,6 +45,9 @@ constexpr std::array units{
     Unit{"N", {2, 2, -4, 0}, 0, 1, 1, true},
     Unit{"Pa", {-2, 2, -4, 0}, 0, 1, 1, true},
     Unit{"bar", {-2, 2, -4, 0}, 5, 1, 1, false},
+    Unit{"K", {0, 0, 0, 0, 2}, 0, 1, 1, false},
+    Unit{"W", {4, 2, -6, 0}, 0, 1, 1, true},
+    Unit{"J", {4, 2, -4, 0}, 0, 1, 1, true},
 };
 
 constexpr std::array<std::pair<char, int>, 6> prefixes{{{'n', -9}, {'u', -6}, {'m', -3}, {'k', 3}, {'M', 6}, {'G', 9}}};
@@ -54,7 +57,7 @@ struct NamedDimension {
     std::string_view unit;
 };
 
-constexpr std::array<NamedDimension, 26> named_dimensions{{
+constexpr std::array<NamedDimension, 31> named_dimensions{{
     {"a plain number", "1"},
     {"a length", "m"},
     {"an area", "m^2"},
@@ -81,6 +84,11 @@ constexpr std::array<NamedDimension, 26> named_dimensions{{
     {"a density", "kg/m^3"},
     {"a pressure rate", "Pa/s"},
     {"a flow per pressure", "m^3/s/Pa"},
+    {"a temperature", "K"},
+    {"a viscosity", "Pa*s"},
+    {"an inverse pressure", "1/Pa"},
+    {"a heat capacity", "J/K"},
+    {"a thermal conductance", "W/K"},
 }};
 
 struct UsualUnits {
@@ -141,6 +149,7 @@ void multiply(Product& product, const Unit& unit, int halves) {
     product.dimension.mass += unit.dimension.mass * halves / 2;
     product.dimension.time += unit.dimension.time * halves / 2;
     product.dimension.angle += unit.dimension.angle * halves / 2;
+    product.dimension.temperature += unit.dimension.temperature * halves / 2;
     product.decimal_halves += unit.decimal * halves;
     const double power = 0.5 * std::abs(halves);
     const double up = power == 1.0 ? unit.numerator : model::portable_pow(unit.numerator, power);

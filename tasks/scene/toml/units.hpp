@@ -8,13 +8,14 @@
 
 namespace cvtflow::tasks {
 
-/// Exponents of m, kg, s and rad, counted in halves (Hertz' stiffness is in N/m^1.5). An angle has a dimension of its own: it distinguishes
-/// a speed of rotation (rad/s) from a frequency (Hz) and a torque (N*m) from a torsional stiffness (N*m/rad).
+/// Exponents of m, kg, s, rad and K, counted in halves (Hertz' stiffness is in N/m^1.5). An angle has a dimension of its own: it
+/// distinguishes a speed of rotation (rad/s) from a frequency (Hz) and a torque (N*m) from a torsional stiffness (N*m/rad).
 struct Dimension {
     int length = 0;
     int mass = 0;
     int time = 0;
     int angle = 0;
+    int temperature = 0;
     bool operator==(const Dimension&) const = default;
 };
 

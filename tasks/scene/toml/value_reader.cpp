@@ -64,6 +64,7 @@ double default_number(const Parameter& parameter) {
     if (const auto* number = std::get_if<double*>(&slot)) return **number;
     if (const auto* list = std::get_if<std::vector<double>*>(&slot)) return (*list)->front();
     if (const auto* table = std::get_if<model::TimeTable*>(&slot)) return (*table)->value.front();
+    if (const auto* table = std::get_if<model::SpeedTable*>(&slot)) return (*table)->value.front();
     if (std::holds_alternative<AutoNumber*>(slot)) return usual_step;
     return 0.0;
 }
@@ -143,15 +144,13 @@ public:
     }
 
     void read(const Node& node, model::TimeTable& member) {
-        const auto* list = std::get_if<Node::Array>(&node.value);
-        if (!list) {
-            if (const auto value = number(node, rule())) member = model::TimeTable(*value);
-            return;
-        }
-        if (!has_points(node, *list)) return;
-        model::TimeTable table({}, {});
-        for (const Node& point : *list) read_point(point, table);
-        if (table.time.size() == list->size()) member = std::move(table);
+        if (auto points = read_points(node, max_points, {parameter_.key, "s", 0.0, latest_time, 0.0}))
+            member = model::TimeTable(std::move(points->first), std::move(points->second));
+    }
+
+    void read(const Node& node, model::SpeedTable& member) {
+        if (auto points = read_points(node, max_speed_points, {parameter_.key, "m/s", 0.0, highest_speed, 0.1}))
+            member = {std::move(points->first), std::move(points->second)};
     }
 
 private:
@@ -168,23 +167,42 @@ private:
         problems_.push_back({node.position, fmt::format("{}: {}", parameter_.key, fmt::format(text, std::forward<Args>(args)...))});
     }
 
-    bool has_points(const Node& node, const Node::Array& list) {
+    bool has_points(const Node& node, const Node::Array& list, std::size_t most = max_points) {
         if (list.empty()) refuse(node, "the list is empty");
-        if (list.size() > max_points) refuse(node, "{} points are more than {}", list.size(), max_points);
-        return !list.empty() && list.size() <= max_points;
+        if (list.size() > most) refuse(node, "{} points are more than {}", list.size(), most);
+        return !list.empty() && list.size() <= most;
     }
 
-    /// Appends [time, value] to `table` if it is good and later than what is there.
-    void read_point(const Node& point, model::TimeTable& table) {
+    using Points = std::pair<std::vector<double>, std::vector<double>>;
+
+    /// A number, which is one point at 0, or points [place, value] in ascending order. @param place what the first number of a point must
+    /// be
+    std::optional<Points> read_points(const Node& node, std::size_t most, const Rule& place) {
+        const auto* list = std::get_if<Node::Array>(&node.value);
+        if (!list) {
+            const auto value = number(node, rule());
+            return value ? std::optional<Points>({{0.0}, {*value}}) : std::nullopt;
+        }
+        if (!has_points(node, *list, most)) return std::nullopt;
+        Points points;
+        for (const Node& point : *list) read_point(point, place, points);
+        return points.first.size() == list->size() ? std::optional<Points>(std::move(points)) : std::nullopt;
+    }
+
+    /// Appends [place, value] to `points` if it is good and beyond what is there.
+    void read_point(const Node& point, const Rule& place, Points& points) {
+        const bool timed = place.unit == "s";
         const auto* pair = std::get_if<Node::Array>(&point.value);
-        if (!pair || pair->size() != 2) return refuse(point, "{} is not a pair [time, value]", pair ? "this list" : written(point));
-        const auto time = number((*pair)[0], {parameter_.key, "s", 0.0, latest_time, 0.0});
+        if (!pair || pair->size() != 2)
+            return refuse(point, "{} is not a pair [{}, value]", pair ? "this list" : written(point), timed ? "time" : "speed");
+        const auto at = number((*pair)[0], place);
         const auto value = number((*pair)[1], rule());
-        if (!time || !value) return;
-        if (!table.time.empty() && *time <= table.time.back())
-            return refuse((*pair)[0], "time {} s is not later than {} s", number_text(*time), number_text(table.time.back()));
-        table.time.push_back(*time);
-        table.value.push_back(*value);
+        if (!at || !value) return;
+        if (!points.first.empty() && *at <= points.first.back())
+            return refuse((*pair)[0], "{} {} {} is not {} than {} {}", timed ? "time" : "speed", number_text(*at), place.unit,
+                          timed ? "later" : "higher", number_text(points.first.back()), place.unit);
+        points.first.push_back(*at);
+        points.second.push_back(*value);
     }
 
     /// The number of `node` in SI, checked against `rule`.

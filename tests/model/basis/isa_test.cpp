@@ -82,6 +82,16 @@ TEST(Isa, EveryInstructionSetGivesTheSameBitsWithAccountsAndSmoothedFriction) {
     }
 }
 
+TEST(Isa, EveryInstructionSetGivesTheSameBitsWithATableOfFriction) {
+    Parameters p = oracle::small_scene();
+    p.tip.friction_law = TipFriction::table;
+    p.tip.friction_table = {{0.0, 0.01, 0.1, 0.5}, {0.06, 0.09, 0.08, 0.02}};
+    p.tip.pressure_sensitivity = 0.2;
+    expect_same_bits(p, "halves", 91);
+    p.detail.pins = PinDetail::whole;
+    expect_same_bits(p, "whole", 92);
+}
+
 TEST(Isa, UsableOnesAscendFromTheBaseline) {
     const std::vector<Isa> usable = usable_isas();
     ASSERT_FALSE(usable.empty());

@@ -213,7 +213,8 @@ private:
         start_ = z_;
         const Measure round = along(tip.round), flank = along(tip.flank);
         const Real u = rate(round), v = rate(flank), speed = std::hypot(u, v);
-        const Real factor = p_.tip.friction.coefficient * normal * oracle::friction_slope(p_.detail, p_.tip.friction, speed);
+        const Real law = oracle::tip_law_factor(p_, speed, y * y);
+        const Real factor = p_.tip.friction.coefficient * normal * law * oracle::friction_slope(p_.detail, p_.tip.friction, speed);
         push(round, -factor * u, pin);
         push(flank, -factor * v, pin);
         lost += factor * speed * speed;

@@ -50,6 +50,11 @@ std::vector<oracle::Case> machines() {
             one.parameters.detail.friction = law;
             if (pulleys == PulleyDetail::absent) one.parameters.start.layout = StartLayout::ring;
             if (pulleys == PulleyDetail::rigid) one.parameters.detail.mass_scaling = 3.0;
+            if (law == FrictionLaw::piecewise && pulleys == PulleyDetail::elastic) {
+                one.parameters.tip.friction_law = TipFriction::table;
+                one.parameters.tip.friction_table = {{0.0, 0.02, 0.1}, {0.07, 0.09, 0.05}};
+                one.parameters.tip.pressure_sensitivity = -0.4;
+            }
             one.name = "pulleys " + std::to_string(static_cast<int>(pulleys)) + ", law " + std::to_string(static_cast<int>(law));
             cases.push_back(one);
         }

@@ -1,0 +1,55 @@
+#pragma once
+/// Friction of a tip beyond one coefficient: by sliding speed (a table, or a lubricated contact) and by contact pressure.
+/// (model/EQUATIONS.md section 7)
+
+#include <array>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "model/parameters/parameters.hpp"
+
+namespace cvtflow::model {
+
+/// Monotone C¹ interpolation with a fixed number of knots: constant below the first and above the last, in between cubics that keep the
+/// order of the values (F. N. Fritsch and R. E. Carlson, SIAM J. Numer. Anal. 17 (1980) 238-246).
+struct SpeedProfile {
+    static constexpr std::size_t max_knots = 16;
+
+    int intervals = 0;
+    double first = 1.0;                       ///< value up to the first knot
+    std::array<double, max_knots> begin{};    ///< of each interval [m/s]
+    std::array<double, max_knots> inverse{};  ///< 1/width [s/m]
+    std::array<double, max_knots> linear{};   ///< value gained within the interval: linear t + square t² + cube t³, t = 0…1
+    std::array<double, max_knots> square{}, cube{};
+
+    /// @param speed ascending, at most max_knots [m/s]
+    [[nodiscard]] static SpeedProfile through(std::span<const double> speed, std::span<const double> value) noexcept;
+    /// speed [m/s]
+    [[nodiscard]] double at(double speed) const noexcept;
+};
+
+/// Factors on the friction that `tip.friction_coefficient` alone would give.
+struct TipLaw {
+    SpeedProfile by_speed;          ///< of the sliding speed, at most 1
+    double without_pressure = 1.0;  ///< factor by pressure where there is none
+    double per_root_depth = 0.0;    ///< and what it gains per √δ of Hertz' depth, as pressure is proportional to √δ [1/√m]
+};
+
+/// The law of a scene; nullptr for one coefficient at all speeds and pressures.
+/// @param temperature of the oil, for the lubricated law [K]
+[[nodiscard]] std::shared_ptr<const TipLaw> tip_law(const Parameters& parameters, double temperature);
+
+/// Dynamic viscosity by Vogel's equation through both given points [Pa·s]. temperature [K]
+[[nodiscard]] double oil_viscosity(const Oil& oil, double temperature) noexcept;
+/// Central film thickness over the roughness of a tip that slides with this speed (Hamrock and Dowson) [1]. speed [m/s]
+[[nodiscard]] double film_ratio(const Parameters& parameters, double speed, double temperature) noexcept;
+/// Coefficient of friction of the lubricated law (Olver and Spikes) [1]. speed [m/s], temperature [K]
+[[nodiscard]] double lubricated_coefficient(const Parameters& parameters, double speed, double temperature) noexcept;
+
+/// E* of tip and sheave of steel, from `chain.young_modulus` [Pa].
+[[nodiscard]] double contact_modulus(const Parameters& parameters) noexcept;
+/// Largest Hertz pressure per √δ [Pa/√m].
+[[nodiscard]] double pressure_per_root_depth(const Parameters& parameters) noexcept;
+
+}  // namespace cvtflow::model
