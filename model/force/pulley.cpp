@@ -19,6 +19,7 @@ PulleyModel::PulleyModel(const Parameters& p) { adopt(p); }
 
 void PulleyModel::adopt(const Parameters& p) {
     pulley_ = p.pulley;
+    imperfection_ = p.imperfection;
     drive_ = p.drive;
     load_ = p.load;
     clamping_ = p.clamping;
@@ -86,8 +87,9 @@ void PulleyModel::add_attachment(int shaft, int side) {
     radial_y[2] = body_freedom(shaft, tilt_x);
     spring(radial_y, {1.0, -1.0, z}, pulley_.attachment_radial, pulley_.sheave_mass);
     if (body != movable_body(shaft)) spring(between(axial), difference, pulley_.attachment_axial, pulley_.sheave_mass);
-    spring(between(tilt_x), difference, pulley_.attachment_tilt, pulley_.sheave_tilt_inertia);
-    spring(between(tilt_y), difference, pulley_.attachment_tilt, pulley_.sheave_tilt_inertia);
+    const double against_tilt = imperfect(shaft, side) ? imperfection_.attachment * pulley_.attachment_tilt : pulley_.attachment_tilt;
+    spring(between(tilt_x), difference, against_tilt, pulley_.sheave_tilt_inertia);
+    spring(between(tilt_y), difference, against_tilt, pulley_.sheave_tilt_inertia);
     spring(between(turn), difference, pulley_.attachment_torsion, pulley_.sheave_polar_inertia);
 }
 
@@ -102,7 +104,7 @@ void PulleyModel::motions(const double* block, SheaveMotion* sheaves) const noex
     for (int shaft = 0; shaft < 2; ++shaft) {
         const double axis = shaft * pulley_.centre_distance;
         for (int side = 0; side < 2; ++side) {
-            const double plane = side == 0 ? -half_length_ : half_length_;
+            const double plane = (side == 0 ? -half_length_ : half_length_) + shaft * imperfection_.misalignment;
             SheaveMotion& s = sheaves[2 * shaft + side];
             if (elastic()) {
                 const int b = body_freedom(sheave_body(shaft, side), 0);
@@ -112,8 +114,18 @@ void PulleyModel::motions(const double* block, SheaveMotion* sheaves) const noex
                 const bool moves = sheave_body(shaft, side) == movable_body(shaft);
                 s = {axis, 0.0, plane + (moves ? q[2 + shaft] : 0.0), 0.0, 0.0, 0.0, 0.0, moves ? v[2 + shaft] : 0.0, 0.0, 0.0, v[shaft]};
             }
+            if (imperfection_.runout == 0.0 || !imperfect(shaft, side)) continue;
+            const auto [x, y] = eccentricity(q[sheave_rotation(shaft, side)]);
+            s.x += x;
+            s.y += y;
+            s.vx -= y * s.spin_z;
+            s.vy += x * s.spin_z;
         }
     }
+}
+
+std::array<double, 2> PulleyModel::eccentricity(double angle) const noexcept {
+    return {imperfection_.runout * portable_cos(angle), imperfection_.runout * portable_sin(angle)};
 }
 
 WorkRates PulleyModel::works(const double* block, const Inputs& inputs) const noexcept {
@@ -177,7 +189,8 @@ void PulleyModel::add_clamping(const double* block, const Inputs& inputs, double
     }
 }
 
-void PulleyModel::add_chain(const SheaveForces& chain, double* force) const noexcept {
+/// Virtual work of a force on an eccentric flank, whose displacement (x, y) turns with its sheave: x F_y - y F_x on the angle.
+void PulleyModel::add_chain(const double* block, const SheaveForces& chain, double* force) const noexcept {
     for (int shaft = 0; shaft < 2; ++shaft) {
         for (int side = 0; side < 2; ++side) {
             const auto& load = chain[at(2 * shaft + side)];
@@ -187,6 +200,9 @@ void PulleyModel::add_chain(const SheaveForces& chain, double* force) const noex
                 force[shaft] += load[turn];
                 if (sheave_body(shaft, side) == movable_body(shaft)) force[2 + shaft] += load[axial];
             }
+            if (imperfection_.runout == 0.0 || !imperfect(shaft, side)) continue;
+            const auto [x, y] = eccentricity(block[sheave_rotation(shaft, side)]);
+            force[sheave_rotation(shaft, side)] += x * load[uy] - y * load[ux];
         }
     }
 }
@@ -200,7 +216,7 @@ void PulleyModel::slope(const double* block, const Inputs& inputs, const SheaveF
     add_supports(block, force, account);
     add_gyroscopic(v, force);
     add_clamping(block, inputs, force, account);
-    add_chain(chain, force);
+    add_chain(block, chain, force);
     force[rotation(0)] += inputs.drive_torque;
     force[rotation(1)] += inputs.load_torque;
     for (int k = 0; k < size_; ++k) force[k] /= inertia_[at(k)];

@@ -72,6 +72,8 @@ public:
     void adopt(const Parameters& parameters);
 
     [[nodiscard]] int size() const noexcept { return size_; }
+    /// Whether a flank moves as its shaft turns.
+    [[nodiscard]] bool eccentric() const noexcept { return imperfection_.runout != 0.0; }
     /// Positions and velocities of the four sheaves from the pulleys' block [q | v].
     void motions(const double* block, SheaveMotion* sheaves) const noexcept;
     /// Running radius by the position of the movable sheave, as a transmission measures it: straight flanks, stiff sheaves [m].
@@ -112,6 +114,9 @@ public:
     [[nodiscard]] double clamped_position(const double* block, int shaft) const noexcept { return opening(block, shaft); }
     /// Index of a shaft's rotation, and of its movable sheave's axial motion, in the pulleys' q.
     [[nodiscard]] int rotation(int shaft) const noexcept { return elastic() ? body_freedom(shaft, 5) : shaft; }
+    [[nodiscard]] int sheave_rotation(int shaft, int side) const noexcept {
+        return elastic() ? body_freedom(sheave_body(shaft, side), 5) : shaft;
+    }
     [[nodiscard]] int movable(int shaft) const noexcept { return elastic() ? body_freedom(movable_body(shaft), 4) : 2 + shaft; }
     [[nodiscard]] double inertia(int coordinate) const noexcept { return inertia_[static_cast<std::size_t>(coordinate)]; }
     /// Adds losses and energies of supports, cylinders and motion. block [unknowns of the pulleys]
@@ -132,6 +137,10 @@ private:
     [[nodiscard]] static double movable_side(int shaft) noexcept { return shaft == 0 ? 1.0 : -1.0; }
     /// w of the movable sheave relative to its shaft, of positions or velocities.
     [[nodiscard]] double opening(const double* coordinates, int shaft) const noexcept;
+    /// Whether it is the sheave that imperfections name.
+    [[nodiscard]] bool imperfect(int shaft, int side) const noexcept { return 2 * shaft + side == static_cast<int>(imperfection_.sheave); }
+    /// Displacement of an eccentric flank, at the angle of its sheave, and its derivative by the angle [m].
+    [[nodiscard]] std::array<double, 2> eccentricity(double angle) const noexcept;
     void add_inertia();
     void add_bearings(int shaft);
     void add_attachment(int shaft, int side);
@@ -141,7 +150,8 @@ private:
     void add_gyroscopic(const double* v, double* force) const noexcept;  ///< v [velocities of the pulleys], force [N, N·m]
     /// block [unknowns of the pulleys], force [N, N·m]
     void add_clamping(const double* block, const Inputs& inputs, double* force, Account* account) const noexcept;
-    void add_chain(const SheaveForces& chain, double* force) const noexcept;          ///< force [N, N·m]
+    /// block [unknowns of the pulleys], force [N, N·m]
+    void add_chain(const double* block, const SheaveForces& chain, double* force) const noexcept;
     [[nodiscard]] double drive_torque(double t, const double* block) const noexcept;  ///< t [s], block [unknowns of the pulleys]
     /// By what holds a shaft by its angle and speed [N·m]. t [s], block [unknowns of the pulleys]
     [[nodiscard]] double holding_torque(const Spring& by, double t, const double* block, int shaft) const noexcept;
@@ -174,6 +184,7 @@ private:
     [[nodiscard]] BearingLoad held_bearing(const double* block, int shaft, const Inputs& inputs, const SheaveForces& chain) const noexcept;
 
     Pulley pulley_;
+    Imperfection imperfection_;
     Drive drive_;
     Load load_;
     Clamping clamping_;

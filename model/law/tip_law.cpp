@@ -24,7 +24,7 @@ constexpr double thinnest = 1e-3, thickest = 50.0;
 constexpr double speed_power = 0.67;
 
 /// Knots at equal ratios of the film.
-[[nodiscard]] SpeedProfile lubricated_profile(const Parameters& p, double temperature) {
+[[nodiscard]] SpeedProfile lubricated_profile(const Parameters& p, double temperature) noexcept {
     constexpr std::size_t count = SpeedProfile::max_knots;
     std::array<double, count> speed{}, value{};
     const double unit = 1.0 / portable_pow(film_ratio(p, 1.0, temperature), 1.0 / speed_power);  // speed at which the ratio is 1
@@ -82,10 +82,14 @@ double contact_modulus(const Parameters& parameters) noexcept {
     return 0.5 * parameters.chain.young_modulus / (1.0 - poisson * poisson);
 }
 
-/// K = (4/3) E* √R and p = (2 E*/π) √(δ/R).
+double contact_radius(const Parameters& parameters) noexcept {
+    const double root = 0.75 * parameters.tip.hertz / contact_modulus(parameters);
+    return root * root;
+}
+
+/// p = (2 E*/π) √(δ/R).
 double pressure_per_root_depth(const Parameters& parameters) noexcept {
-    const double modulus = contact_modulus(parameters), root_radius = 0.75 * parameters.tip.hertz / modulus;
-    return 2.0 * modulus / (std::numbers::pi * root_radius);
+    return 2.0 * contact_modulus(parameters) / (std::numbers::pi * std::sqrt(contact_radius(parameters)));
 }
 
 double oil_viscosity(const Oil& oil, double temperature) noexcept {
@@ -97,7 +101,7 @@ double oil_viscosity(const Oil& oil, double temperature) noexcept {
 
 /// H = 2.69 U^0.67 G^0.53 W^-0.067 (1 - 0.61 e^{-0.73}) of a circular contact, at the reference depth's force.
 double film_ratio(const Parameters& p, double speed, double temperature) noexcept {
-    const double modulus = contact_modulus(p), root_radius = 0.75 * p.tip.hertz / modulus, radius = root_radius * root_radius;
+    const double modulus = contact_modulus(p), radius = contact_radius(p);
     const double depth = p.tip.reference_depth, force = p.tip.hertz * depth * std::sqrt(depth);
     const double entrained = 0.5 * oil_viscosity(p.oil, temperature) * speed / (2.0 * modulus * radius);
     const double film = 2.69 * 0.706 * portable_pow(entrained, speed_power) * portable_pow(p.oil.pressure_viscosity * 2.0 * modulus, 0.53) *
@@ -110,12 +114,16 @@ double lubricated_coefficient(const Parameters& p, double speed, double temperat
     return p.tip.limiting_traction + (p.tip.friction.coefficient - p.tip.limiting_traction) / (ratio * ratio);
 }
 
-std::shared_ptr<const TipLaw> tip_law(const Parameters& p, double temperature) {
+void warm(TipLaw& law, const Parameters& p, double temperature) noexcept {
+    if (p.tip.friction_law != TipFriction::lubricated || p.tip.friction.coefficient <= 0.0) return;
+    law.by_speed = lubricated_profile(p, temperature);
+}
+
+std::shared_ptr<TipLaw> tip_law(const Parameters& p, double temperature) {
     if (p.tip.friction_law == TipFriction::constant && p.tip.pressure_sensitivity == 0.0) return nullptr;
     auto law = std::make_shared<TipLaw>();
     if (p.tip.friction_law == TipFriction::table) law->by_speed = table_profile(p.tip.friction_table);
-    if (p.tip.friction_law == TipFriction::lubricated && p.tip.friction.coefficient > 0.0)
-        law->by_speed = lubricated_profile(p, temperature);
+    warm(*law, p, temperature);
     law->without_pressure = 1.0 - p.tip.pressure_sensitivity;
     law->per_root_depth = p.tip.pressure_sensitivity * pressure_per_root_depth(p) / p.tip.reference_pressure;
     return law;

@@ -38,7 +38,9 @@ struct TipLaw {
 
 /// The law of a scene; nullptr for one coefficient at all speeds and pressures.
 /// @param temperature of the oil, for the lubricated law [K]
-[[nodiscard]] std::shared_ptr<const TipLaw> tip_law(const Parameters& parameters, double temperature);
+[[nodiscard]] std::shared_ptr<TipLaw> tip_law(const Parameters& parameters, double temperature);
+/// The same law at another temperature of the oil; allocates nothing. temperature [K]
+void warm(TipLaw& law, const Parameters& parameters, double temperature) noexcept;
 
 /// Dynamic viscosity by Vogel's equation through both given points [Pa·s]. temperature [K]
 [[nodiscard]] double oil_viscosity(const Oil& oil, double temperature) noexcept;
@@ -49,6 +51,8 @@ struct TipLaw {
 
 /// E* of tip and sheave of steel, from `chain.young_modulus` [Pa].
 [[nodiscard]] double contact_modulus(const Parameters& parameters) noexcept;
+/// Radius R of the equivalent sphere on a plane, from K = (4/3) E* √R [m].
+[[nodiscard]] double contact_radius(const Parameters& parameters) noexcept;
 /// Largest Hertz pressure per √δ [Pa/√m].
 [[nodiscard]] double pressure_per_root_depth(const Parameters& parameters) noexcept;
 

@@ -55,7 +55,7 @@ struct TipCoefficients {
     double touching_radius;  ///< r_m + R_p sin β: radius of the sphere's centre when it touches at r_m
     double hertz, damping;   ///< K [N/m^1.5], χ_T [s/m]
     FrictionCurve friction;
-    std::shared_ptr<const TipLaw> law;  ///< nullptr: friction depends on speed by the curve alone
+    std::shared_ptr<TipLaw> law;  ///< nullptr: friction depends on speed by the curve alone
 };
 
 struct JointCoefficients {
@@ -85,8 +85,9 @@ struct Coefficients {
     PointLanes<max_joint_lanes> joint_points;
     JointCoefficients joint;
     TipCoefficients tip;
-    double middle;           ///< a/2: links with smaller x belong to shaft 0 [m]
-    double centre_distance;  ///< a [m]
+    SpeedProfile clamping_limit;  ///< over the slip speed; 0 everywhere: none [N]
+    double middle;                ///< a/2: links with smaller x belong to shaft 0 [m]
+    double centre_distance;       ///< a [m]
 
     [[nodiscard]] const LinkKind& kind(int link) const noexcept {
         return kinds[static_cast<std::size_t>(kind_of[static_cast<std::size_t>(link)])];

@@ -50,6 +50,10 @@ void read_tips(const ForceReading& from, int link) {
     contact.normal.copy_to(&from.forces.tip_normal[first]);
     TipLanes((x * push.y - y * push.x) * inverse).copy_to(&from.forces.tip_tangential[first]);
     TipLanes((x * push.x + y * push.y) * inverse).copy_to(&from.forces.tip_radial[first]);
+    const Vector3<TipLanes> slip = tangential(motion.material, geometry.normal);
+    sqrt(dot(slip, slip)).copy_to(&from.forces.tip_sliding[first]);
+    TipLanes(-dot(contact.friction, motion.material)).copy_to(&from.forces.tip_power[first]);
+    sqrt(x * x + y * y).copy_to(&from.forces.tip_radius[first]);
 }
 
 /// Both tips of a whole pin, whose forces are stored as those of the rear tips of the link behind it.
@@ -72,6 +76,10 @@ void read_pin_tips(const ForceReading& from, int pin) {
             from.forces.tip_normal[tip] = contact.normal[0];
             from.forces.tip_tangential[tip] = (x * push.y[0] - y * push.x[0]) * inverse;
             from.forces.tip_radial[tip] = (x * push.x[0] + y * push.y[0]) * inverse;
+            const auto slip = tangential(motion.material, geometry.normal);
+            from.forces.tip_sliding[tip] = std::sqrt(dot(slip, slip)[0]);
+            from.forces.tip_power[tip] = -dot(contact.friction, motion.material)[0];
+            from.forces.tip_radius[tip] = 1.0 / inverse;
         });
 }
 
@@ -180,7 +188,9 @@ int plates_per_link(const ChainModel& chain) noexcept { return chain.coefficient
 void observe_forces(const ChainModel& chain, const double* state, const SheaveMotion* sheaves, const Phase* phases, ChainForces& forces) {
     const std::size_t links = place(chain.layout().links);
     forces.plates_per_link = plates_per_link(chain);
-    for (auto* list : {&forces.tip_normal, &forces.tip_tangential, &forces.tip_radial}) list->assign(tips_per_link * links, 0.0);
+    for (auto* list :
+         {&forces.tip_normal, &forces.tip_tangential, &forces.tip_radial, &forces.tip_sliding, &forces.tip_power, &forces.tip_radius})
+        list->assign(tips_per_link * links, 0.0);
     for (auto* list : {&forces.bending_travel, &forces.bending_height, &forces.half_axial}) list->assign(2 * links, 0.0);
     for (auto* list : {&forces.joint_normal, &forces.joint_friction, &forces.joint_axial}) list->assign(links, 0.0);
     forces.plate_tension.assign(place(forces.plates_per_link) * links, 0.0);

@@ -10,8 +10,11 @@ namespace cvtflow::model {
 struct ChainForces {
     std::vector<double> tip_normal;  ///< [4 links] N of the contact [N]
     std::vector<double>
-        tip_tangential;              ///< [4 links] of the tip on its sheave, in the sense of positive rotation about the shaft's axis [N]
-    std::vector<double> tip_radial;  ///< [4 links] of the tip on its sheave, away from the shaft's axis [N]
+        tip_tangential;               ///< [4 links] of the tip on its sheave, in the sense of positive rotation about the shaft's axis [N]
+    std::vector<double> tip_radial;   ///< [4 links] of the tip on its sheave, away from the shaft's axis [N]
+    std::vector<double> tip_sliding;  ///< [4 links] speed along its sheave's surface [m/s]
+    std::vector<double> tip_power;    ///< [4 links] lost by friction [W]
+    std::vector<double> tip_radius;   ///< [4 links] of its contact about the shaft's axis [m]
     std::vector<double> plate_tension;   ///< [plates_per_link links] elastic and damping tension; link by link [N]
     std::vector<double> joint_normal;    ///< [links] pressing of the two halves of a pin on one another [N]
     std::vector<double> joint_friction;  ///< [links] along the rolling profile, on the front half of the link before [N]

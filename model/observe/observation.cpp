@@ -172,6 +172,12 @@ void Observer::observe_slip(const double* state, const Phase* phases) noexcept {
     o.slip = against(o.pin_speed);
     o.friction_slip = against(o.free_speed);
     o.creep_power = creep.power;
+    o.limit_use = 0.0;
+    const SpeedProfile& limit = variator_.chain().coefficients().clamping_limit;
+    for (std::size_t k = 0; k < 2; ++k) {
+        const double bearable = limit.at(std::abs(o.speed[k] - o.pin_speed[k]) * o.radius[k]);
+        if (bearable > 0.0) o.limit_use = std::max(o.limit_use, o.clamping[k] / bearable);
+    }
     const double brought = std::max(0.0, o.work[0]) + std::max(0.0, o.work[1]);
     o.loss_slip = brought > 0.0 ? o.creep_power / brought : 0.0;
 }

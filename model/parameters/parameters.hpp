@@ -43,6 +43,8 @@ enum class FrictionLaw { piecewise, smoothed };
 inline constexpr std::array<std::string_view, 2> friction_law_names{"piecewise", "smoothed"};
 /// Friction of tips: one coefficient, a table over the sliding speed, or a lubricated contact.
 enum class TipFriction { constant, table, lubricated };
+/// In the order of their numbers: 1-, 1+, 2-, 2+.
+enum class Sheave { driving_fixed, driving_movable, driven_movable, driven_fixed };
 enum class JointLaw { linear, palmgren };
 enum class DriveMode { speed, torque, coupling };
 enum class LoadMode { torque, speed, coupling };
@@ -138,6 +140,24 @@ struct Oil {
     bool operator==(const Oil&) const = default;
 };
 
+/// Heat balance of the losses: pulleys and chain, and the oil around them.
+struct Heat {
+    bool enabled = false;
+    double ambient = 353.15;             ///< of the oil that flows in [K]
+    double pulley_capacity = 12e3;       ///< of pulleys and chain [J/K]
+    double oil_capacity = 2e3;           ///< of the oil around them [J/K]
+    double pulley_conductance = 100.0;   ///< from pulleys and chain to the oil [W/K]
+    double ambient_conductance = 100.0;  ///< from the oil to ambient [W/K]
+    bool operator==(const Heat&) const = default;
+};
+
+/// What wear is made of the recorded loads of tips, and the limit of clamping over slip.
+struct Wear {
+    double coefficient = 1e-17;               ///< Archard's, volume per force and way [m²/N]
+    SpeedTable clamping_limit{{0.0}, {0.0}};  ///< largest clamping force over the slip speed; one value of 0: none [N]
+    bool operator==(const Wear&) const = default;
+};
+
 struct Pulley {
     double centre_distance = 0.170;       ///< a [m]
     double arc_radius = 2.0;              ///< R_c of the sheave's meridian [m]
@@ -167,6 +187,15 @@ struct Coupling {
     double stiffness = 1000.0;  ///< k [N·m/rad]
     double damping = 2.0;       ///< c [N·m·s/rad]
     bool operator==(const Coupling&) const = default;
+};
+
+/// What a machine has that its drawing has not.
+struct Imperfection {
+    double misalignment = 0.0;              ///< of pulley 2 along its axis, towards +z [m]
+    Sheave sheave = Sheave::driving_fixed;  ///< the one with run-out or another attachment
+    double runout = 0.0;                    ///< radial eccentricity of its flank about the shaft's axis [m]
+    double attachment = 1.0;                ///< its attachment's stiffness against tilt, over that of the others
+    bool operator==(const Imperfection&) const = default;
 };
 
 struct Drive {
@@ -275,7 +304,10 @@ struct Parameters {
     Joint joint;
     Tip tip;
     Oil oil;
+    Heat heat;
+    Wear wear;
     Pulley pulley;
+    Imperfection imperfection;
     Drive drive;
     Load load;
     Clamping clamping;

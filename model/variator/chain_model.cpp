@@ -32,7 +32,9 @@ const double* NeighbourWindow::of(const ChainLayout& layout, const double* state
 
 ChainModel::ChainModel(const Parameters& parameters, Isa isa)
     : coefficients_(parameters), inertia_(link_inertia(parameters)), isa_(isa), kernels_(kernels_for(parameters, isa)) {
-    if (layout().rigid) rigid_ = std::make_shared<const RigidChain>(parameters, isa);
+    if (!layout().rigid) return;
+    rigid_ = std::make_shared<const RigidChain>(parameters, isa);
+    coefficients_.tip.law = rigid_->model().coefficients().tip_law;
 }
 
 }  // namespace cvtflow::model

@@ -106,6 +106,11 @@ public:
     void probe_links(const double* states, int links, const SheaveMotion* sheaves, bool slip, TipProbe* probes) const noexcept {
         kernels_.probe_links(*this, states, links, sheaves, slip, probes);
     }
+    /// The oil between tips and sheaves has another temperature: the lubricated law changes in place, for all that was made of this chain.
+    /// Between steps only. temperature [K]
+    void warm(const Parameters& parameters, double temperature) noexcept {
+        if (coefficients_.tip.law != nullptr) model::warm(*coefficients_.tip.law, parameters, temperature);
+    }
     /// Number of the shaft that a link belongs to: its middle lies nearer. state [unknowns]
     [[nodiscard]] int shaft_of(const double* state) const noexcept {
         const ChainLayout& at = layout();

@@ -37,8 +37,8 @@ void add(const SheaveLoad& load, SheaveLoad& total) noexcept {
 
 bool Variator::same_machine(const Parameters& a, const Parameters& b) {
     const auto machine = [](const Parameters& of) {
-        return std::tie(of.detail, of.chain, of.half, of.plate, of.joint, of.tip, of.oil, of.pulley, of.control.enabled, of.control.driven,
-                        of.hydraulics.mode, of.ledger);
+        return std::tie(of.detail, of.chain, of.half, of.plate, of.joint, of.tip, of.oil, of.wear, of.pulley, of.imperfection,
+                        of.control.enabled, of.control.driven, of.hydraulics.mode, of.ledger);
     };
     return machine(a) == machine(b);
 }

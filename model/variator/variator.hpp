@@ -35,6 +35,8 @@ public:
 
     /// Puts values in place of the inputs' tables; between steps only.
     void hold(const HeldInputs& held) noexcept { pulleys_.hold(held); }
+    /// ChainModel::warm(). temperature [K]
+    void warm(const Parameters& parameters, double temperature) noexcept { chain_.warm(parameters, temperature); }
     /// Couplings and hydraulics take over (PulleyModel::couple). t [s], tail [unknowns behind the links]
     void couple(double t, const double* tail) noexcept { pulleys_.couple(t, tail); }
 

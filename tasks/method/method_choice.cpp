@@ -102,7 +102,8 @@ std::string objection_to(std::string_view name, const model::Parameters& paramet
 }
 
 std::string_view missing_halves(const model::Parameters& parameters) noexcept {
-    return parameters.detail.pins == model::PinDetail::halves ? "" : "detail.pins = \"halves\"";
+    if (parameters.detail.pins != model::PinDetail::halves) return "detail.pins = \"halves\"";
+    return parameters.imperfection.runout == 0.0 ? "" : "imperfection.runout = 0";
 }
 
 }  // namespace cvtflow::tasks

@@ -50,7 +50,7 @@ struct MethodProgram {
 };
 
 /// Of methods that do not take whole pins, whose accelerations depend on three neighbours each side: exact Jacobians and friction solved
-/// for in slips are made for halves, whose depend on one.
+/// for in slips are made for halves, whose depend on one. Nor do they know that an eccentric flank moves as its shaft turns.
 [[nodiscard]] std::string_view missing_halves(const model::Parameters& parameters) noexcept;
 
 /// All programs, each under a name of its own.

@@ -154,6 +154,7 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
     if (simulation.step_choice() != nullptr) report.stable_step = simulation.step_choice()->stable_step();
     report.energy = simulation.energy().balance();
     report.couplings = couplings_of(simulation);
+    report.heat = simulation.workspace().heat;
     report.suspicion = simulation.suspicion();
     report.settling_residual = simulation.integration_state().settling_residual;
     report.method_report = simulation.method_report();
@@ -265,7 +266,7 @@ std::string summary(const RunReport& r) {
     if (r.settled)
         text += fmt::format("  settled             {} steps, {} evaluations, {:.2f} s of wall time\n", r.settling.steps,
                             r.settling.evaluations, r.settling_wall);
-    if (r.outputs > 0) text += operating_point(r);
+    if (r.outputs > 0) text += operating_point(r) + heat_text(r.heat);
     text += fmt::format("  method              {}, step {}: {} steps, {} evaluations\n", r.method, step_text(r), r.counters.steps,
                         r.counters.evaluations);
     text += error_lines(r);

@@ -47,6 +47,7 @@ struct RunReport {
     double settling_residual = 0.0;         ///< relative residual of the energy balance of settling
     SpanMeans whole, last_fifth;            ///< over the outputs of the run
     std::vector<CouplingReport> couplings;  ///< of the shafts that have one
+    model::HeatBalance heat;                ///< as the run has left it
     std::vector<Note> notes;                ///< what is odd about results that are right
     bool settled = false;                   ///< whether the run began with settling
     std::vector<std::string> start_differences;

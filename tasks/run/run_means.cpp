@@ -26,6 +26,7 @@ constexpr NoteKind kinds[] = {
     {"gross_slip", "mean slip of the last fifth above 3 %"},
     {"control_limit", "a controller was at the limit of its authority at more than 5 % of the last fifth's outputs"},
     {"slack_strand", "the slack strand carried no tension at more than 5 % of the last fifth's outputs"},
+    {"clamping_limit", "a clamping force was above wear.clamping_limit at the slip speed of an output"},
     {"efficiency", "efficiency of the whole run, or of its last fifth, outside 0 … 1"},
     {"unsteady",
      "the state changes: ratio of the first and the last fifth differ by more than 1 %, slip by more than a fifth of it, the stored "
@@ -87,6 +88,7 @@ void RunMeans::add(const model::Observation& now, const EnergySums& sums, double
     bin.slack += now.slack;
     bin.limited += now.control_limited ? 1.0 : 0.0;
     bin.loose += now.slack <= 0.0 ? 1.0 : 0.0;
+    bin.beyond += now.limit_use > 1.0 ? 1.0 : 0.0;
     bin.turning += 0.5 * (std::abs(now.speed[0]) + std::abs(now.speed[1]));
     bin.friction_slip += now.friction_slip;
     bin.creep += now.creep_power;
@@ -104,6 +106,7 @@ void RunMeans::Bin::add(const Bin& other) noexcept {
     slack += other.slack;
     limited += other.limited;
     loose += other.loose;
+    beyond += other.beyond;
     turning += other.turning;
     friction_slip += other.friction_slip;
     creep += other.creep;
@@ -145,6 +148,7 @@ SpanMeans RunMeans::span(double from, double to) const {
     means.slack = sum.slack / sum.outputs;
     means.limited = sum.limited / sum.outputs;
     means.loose = sum.loose / sum.outputs;
+    means.beyond = sum.beyond / sum.outputs;
     means.turning = sum.turning / sum.outputs;
     means.begin = begin == 0 ? bins_.front().time : bins_[begin - 1].time;
     means.end = bins_[end - 1].time;
@@ -193,7 +197,7 @@ std::string RunMeans::text_of(Change change) const {
     return {};
 }
 
-std::array<bool, 8> RunMeans::odd(const EnergyBalance& balance) const {
+std::array<bool, 9> RunMeans::odd(const EnergyBalance& balance) const {
     if (bins_.empty()) return {};
     const SpanMeans whole = all(), last = last_fifth();
     const auto impossible = [](double efficiency) { return efficiency < 0.0 || efficiency > 1.0; };  // not a number: none
@@ -201,6 +205,7 @@ std::array<bool, 8> RunMeans::odd(const EnergyBalance& balance) const {
     return {std::abs(last.slip) > gross_slip && !stands,
             last.limited > often,
             last.loose > often,
+            whole.beyond > 0.0,
             !whole.no_load && (impossible(whole.efficiency) || impossible(last.efficiency)),
             change() != Change::none && !stands,
             stands,
@@ -209,7 +214,7 @@ std::array<bool, 8> RunMeans::odd(const EnergyBalance& balance) const {
 }
 
 std::vector<Note> RunMeans::notes(const EnergyBalance& balance, bool pulleys) const {
-    std::array<bool, 8> found = odd(balance);
+    std::array<bool, 9> found = odd(balance);
     if (!pulleys) std::fill(found.begin(), found.end() - 1, false);
     const SpanMeans whole = all(), last = last_fifth();
     const auto percent = [](double share) { return fmt::format("{:.3g} %", 100.0 * share); };
@@ -217,6 +222,7 @@ std::vector<Note> RunMeans::notes(const EnergyBalance& balance, bool pulleys) co
         fmt::format("the chain slips by {}", percent(last.slip)),
         fmt::format("control is at the limit of its authority ({} of the last fifth)", percent(last.limited)),
         fmt::format("the slack strand carries no tension ({} of the last fifth)", percent(last.loose)),
+        fmt::format("clamping exceeds wear.clamping_limit at its slip speed at {} of the outputs", percent(whole.beyond)),
         fmt::format("an efficiency of {} ({} in the last fifth) is none: what moves has taken or given energy", percent(whole.efficiency),
                     percent(last.efficiency)),
         text_of(change()),
@@ -234,7 +240,7 @@ std::vector<Note> RunMeans::notes(const EnergyBalance& balance, bool pulleys) co
 }
 
 void RunMeans::name_notes(const EnergyBalance& balance, std::string& names) const {
-    const std::array<bool, 8> found = odd(balance);
+    const std::array<bool, 9> found = odd(balance);
     names.clear();
     for (std::size_t k = 0; k < found.size(); ++k) {
         if (found[k]) names.append(names.empty() ? "" : " ").append(kinds[k].name);

@@ -22,6 +22,7 @@ struct SpanMeans {
     double tight = 0.0, slack = 0.0;      ///< [N]
     double limited = 0.0;                 ///< share of outputs at which a controller had reached its authority
     double loose = 0.0;                   ///< share of outputs at which the slack strand carried no tension
+    double beyond = 0.0;                  ///< share of outputs at which clamping was above its limit over the slip speed
     double efficiency = 0.0;              ///< 1 - losses/input; not a number without input or without load [1]
     double stored = 0.0;                  ///< change of the stored energy over the input; 0 without input [1]
     bool no_load = false;                 ///< no shaft took a hundredth of the input: there is no efficiency
@@ -60,8 +61,8 @@ private:
     /// Sums over some outputs, and the energies at the last of them. Numbers only.
     struct Bin {
         double outputs = 0.0, time = 0.0;  ///< how many [1]; their span [s]
-        double ratio = 0.0, slip = 0.0, tight = 0.0, slack = 0.0, limited = 0.0,
-               loose = 0.0;    ///< sums of ratio, slip, limited, loose [1] and of tensions [N]
+        double ratio = 0.0, slip = 0.0, tight = 0.0, slack = 0.0, limited = 0.0, loose = 0.0,
+               beyond = 0.0;   ///< sums of ratio, slip, limited, loose, beyond [1] and of tensions [N]
         double turning = 0.0;  ///< sum of speeds [rad/s]
         double friction_slip = 0.0, creep = 0.0,
                brought = 0.0;  ///< sums of bench slip [1] and of powers: lost by creep, brought by shafts [W]
@@ -74,7 +75,7 @@ private:
     static constexpr std::size_t max_bins = 2000;
 
     /// Which of note_kinds() there are.
-    [[nodiscard]] std::array<bool, 8> odd(const EnergyBalance& balance) const;
+    [[nodiscard]] std::array<bool, 9> odd(const EnergyBalance& balance) const;
     /// Why means are over a changing state.
     enum class Change { none, drift, brief, energy };
     [[nodiscard]] Change change() const;

@@ -161,6 +161,7 @@ Fault Simulation::drive(StepController& controller) {
     step_ = controller.step();
     time_ = controller.time();
     controller.save(rest_);
+    workspace_->heat.save(rest_.heat);
     controller.rethrow();
     return controller.fault();
 }
@@ -232,6 +233,8 @@ void Simulation::rest_at_start() {
     else if (choice_ == nullptr)
         choice_ = std::make_unique<AutoStep>(w.variator, scene_.parameters, method());
     workspace_->energy.restart(integrator_->method().observation_stride());
+    workspace_->heat.restart(scene_.parameters);
+    workspace_->warm();
     rest_.started = false;
     rest_.settling = needs_settling_;
     rest_.time = time_;
@@ -241,6 +244,7 @@ void Simulation::rest_at_start() {
     rest_.changed = w.tips.changed;
     rest_.before = w.tips.before;
     rest_.energy.clear();
+    rest_.heat.clear();
     rest_.step_choice.clear();
 }
 
@@ -260,6 +264,9 @@ void Simulation::restore(const IntegrationState& from) {
     integrator_->method().restart();
     w.energy.load(from.energy, integrator_->method().observation_stride());
     restore_couplings(from.couplings);
+    w.heat.restart(scene_.parameters);
+    if (!w.heat.load(from.heat)) throw SimulationError("the state contains malformed temperatures");
+    w.warm();
     rest_ = from;
     needs_settling_ = from.settling;
     time_ = from.time;

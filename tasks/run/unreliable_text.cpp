@@ -11,4 +11,11 @@ std::string unreliable_text(double suspicion, const AutoNumber& setting, double 
     return fmt::format("unreliable: the residual of the energy balance is {:.2g} times the tolerance; {}", suspicion, advice);
 }
 
+std::string heat_text(const model::HeatBalance& heat) {
+    if (!heat.enabled()) return {};
+    return fmt::format(
+        "  temperature         pulleys {:.3f} K      oil {:.3f} K      heat {:.4g} J: {:.4g} J stored, {:.4g} J to ambient\n",
+        heat.pulleys(), heat.oil(), heat.given(), heat.stored(), heat.taken());
+}
+
 }  // namespace cvtflow::tasks

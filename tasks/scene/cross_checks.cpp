@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -100,6 +101,14 @@ Violation tip_law_has_piecewise_corner(const Scene& scene) {
     if (p.tip.friction_law == model::TipFriction::constant || p.detail.pins != model::PinDetail::rigid) return {};
     if (p.detail.friction == model::FrictionLaw::piecewise) return {};
     return "tip.friction_law: detail.pins = \"rigid\" takes it with detail.friction = \"piecewise\" only";
+}
+
+Violation imperfections_have_pulleys(const Scene& scene) {
+    const auto& [detail, i] = std::tie(scene.parameters.detail, scene.parameters.imperfection);
+    const bool some = i.misalignment != 0.0 || i.runout != 0.0 || i.attachment != 1.0;
+    if (some && detail.pulleys == PulleyDetail::absent) return "imperfection.misalignment: imperfections are of pulleys, which are absent";
+    if (i.attachment == 1.0 || detail.pulleys == PulleyDetail::elastic) return {};
+    return "imperfection.attachment: an attachment yields with detail.pulleys = \"elastic\" only";
 }
 
 Violation arc_on_sheave(const Scene& scene) {
@@ -256,8 +265,9 @@ const std::vector<CrossCheck>& general_checks() {
         {{"joint.radius", "half.width"}, profile_is_round},
         {{"pulley.innermost", "pulley.outermost"}, radii_ordered},
         {{"pulley.arc_position", "pulley.innermost", "pulley.outermost"}, arc_on_sheave},
-        {{"tip.friction_law", "tip.friction_table", "tip.friction_coefficient", "tip.limiting_traction"}, tip_law_has_its_largest},
+        {{"tip.friction_table", "tip.limiting_traction", "tip.friction_law", "tip.friction_coefficient"}, tip_law_has_its_largest},
         {{"tip.friction_law", "detail.pins", "detail.friction"}, tip_law_has_piecewise_corner},
+        {{"imperfection.attachment", "imperfection.runout", "imperfection.misalignment", "detail.pulleys"}, imperfections_have_pulleys},
         {{"start.layout", "detail.pulleys"}, layout_has_pulleys},
         {{"start.ramp_time", "start.settling_time", "start.layout"}, ramp_within_settling},
         {{"control.enabled", "detail.pulleys"}, control_has_pulleys},
@@ -270,7 +280,7 @@ const std::vector<CrossCheck>& general_checks() {
         {{"run.followed_pin", "chain.pins"}, followed_pin_exists},
         {{"run.segments", "chain.pins"}, segments_have_links},
         {{"run.method"}, method_exists},
-        {{"run.method", "detail.pins", "detail.friction", "tip.friction_law"}, method_takes_machine},
+        {{"run.method", "detail.pins", "detail.friction", "tip.friction_law", "imperfection.runout"}, method_takes_machine},
         {{"run.assembly", "detail.pins"}, assembly_takes_pins},
         {{"detail.pins", "detail.order", "detail.plates", "detail.stick_slip", "joint.law", "drive.mode", "load.mode"},
          rigid_pins_are_simple},

@@ -12,11 +12,11 @@
 namespace cvtflow::tasks {
 
 /// The member of a scene that a key sets. Its type decides how the key is written (Kind).
-using Slot =
-    std::variant<double*, int*, long*, std::uint64_t*, bool*, std::string*, std::vector<double>*, model::TimeTable*, model::SpeedTable*,
-                 model::PinDetail*, model::PlateDetail*, model::PulleyDetail*, model::FrictionLaw*, model::JointLaw*, model::TipFriction*,
-                 model::DriveMode*, model::LoadMode*, model::ControlledQuantity*, model::DrivenControl*, model::HydraulicMode*,
-                 model::StartLayout*, Assembly*, PartitionKind*, StepControl*, AutoNumber*, std::vector<std::string>*>;
+using Slot = std::variant<double*, int*, long*, std::uint64_t*, bool*, std::string*, std::vector<double>*, model::TimeTable*,
+                          model::SpeedTable*, model::PinDetail*, model::PlateDetail*, model::PulleyDetail*, model::FrictionLaw*,
+                          model::JointLaw*, model::TipFriction*, model::Sheave*, model::DriveMode*, model::LoadMode*,
+                          model::ControlledQuantity*, model::DrivenControl*, model::HydraulicMode*, model::StartLayout*, Assembly*,
+                          PartitionKind*, StepControl*, AutoNumber*, std::vector<std::string>*>;
 
 enum class Kind { number, auto_number, integer, choice, boolean, text, number_list, time_table, speed_table, text_list };
 

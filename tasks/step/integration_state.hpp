@@ -31,6 +31,7 @@ struct IntegrationState {
     double settling_residual = 0.0;           ///< relative residual of the energy balance then
     std::vector<double> energy;               ///< works, losses and balance so far (EnergyLedger) [what EnergyLedger::save() wrote]
     std::vector<double> step_choice;          ///< memory of the automatic step, from save(); empty for given steps
+    std::vector<double> heat;       ///< temperatures and what they balance, from HeatBalance::save(); empty without [what save() wrote]
     std::vector<double> couplings;  ///< [6] reference angles of both shafts since couplings took over: since, angle, zero; empty: not yet
     std::vector<double> method;     ///< what else a method remembers from step to step; empty for one-step methods [what save() wrote]
 
@@ -67,6 +68,7 @@ void visit_fields(State& state, Visitor& visitor) {
     visitor("energy", state.energy);
     visitor("step_choice", state.step_choice);
     visitor("couplings", state.couplings);
+    visitor("heat", state.heat);
 }
 
 }  // namespace cvtflow::tasks

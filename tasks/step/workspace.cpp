@@ -65,6 +65,12 @@ void Workspace::adopt(const model::Parameters& other) {
     tips.changed.assign(tips.changed.size(), -1e300);
 }
 
+void Workspace::warm(double time) noexcept {
+    if (!heat.enabled()) return;
+    heat.advance(time, energy.sums(time).loss);
+    warm();
+}
+
 void Workspace::repartition(Partition parts) {
     partition = std::move(parts);
     segment_results.resize(static_cast<std::size_t>(partition.size()));

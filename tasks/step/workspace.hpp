@@ -8,6 +8,7 @@
 #include "engine/method/compiled_plan.hpp"
 #include "model/kernels/staged/staged_chain.hpp"
 #include "model/law/phase_rule.hpp"
+#include "model/machine/heat_balance.hpp"
 #include "model/variator/variator.hpp"
 #include "tasks/step/control/energy_ledger.hpp"
 #include "tasks/step/control/step_control.hpp"
@@ -121,10 +122,15 @@ public:
     std::vector<model::LineVector<double>> windows;  ///< [segments] stage states of the segment's links and of the layout's halo
     std::vector<SegmentResult> segment_results;      ///< [segments]
     EnergyLedger energy;                             ///< works, losses and balance so far, written by the controller
+    model::HeatBalance heat;                         ///< temperatures, changed at outputs by the controller
 
     [[nodiscard]] const model::ChainLayout& layout() const noexcept { return variator.layout(); }
     /// Another variator of the same layout, at rest before its start; between runs only.
     void adopt(const model::Parameters& other);
+    /// Temperatures follow the losses so far, and the tips' law the temperatures; at an output. time [s]
+    void warm(double time) noexcept;
+    /// The tips' law takes the temperatures that are: at a start, and where an integration resumes.
+    void warm() noexcept { variator.warm(parameters, heat.film()); }
     /// Sets other segments; while no executor runs, and between two steps. Then call StepMethod::repartitioned.
     void repartition(Partition parts);
     /// Brings the list of touching links up to date; after every change of phases.

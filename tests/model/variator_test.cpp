@@ -127,6 +127,25 @@ std::vector<DetailCase> tip_law_cases() {
     return cases;
 }
 
+std::vector<DetailCase> imperfect_cases() {
+    std::vector<DetailCase> cases;
+    for (const auto pins : {model::PinDetail::halves, model::PinDetail::whole}) {
+        for (const auto pulleys : {model::PulleyDetail::elastic, model::PulleyDetail::rigid}) {
+            model::Parameters p;
+            p.detail.pins = pins;
+            p.detail.pulleys = pulleys;
+            p.imperfection.misalignment = 3e-6;  // random states are microns deep
+            p.imperfection.sheave = pins == model::PinDetail::halves ? model::Sheave::driven_movable : model::Sheave::driving_fixed;
+            p.imperfection.runout = 5e-6;
+            p.imperfection.attachment = pulleys == model::PulleyDetail::elastic ? 0.5 : 1.0;
+            cases.push_back({std::string(pins == model::PinDetail::halves ? "halves_" : "whole_") +
+                                 (pulleys == model::PulleyDetail::elastic ? "elastic" : "rigid"),
+                             p});
+        }
+    }
+    return cases;
+}
+
 class EveryDetail : public testing::TestWithParam<DetailCase> {};
 
 TEST_P(EveryDetail, TheKernelsAgreeWithTheOracleOnRandomStates) {
@@ -223,6 +242,8 @@ TEST(Variator, AgreesWithTheOracleOnceCouplingsHaveTakenOver) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Variator, EveryDetail, testing::ValuesIn(detail_cases()),
+                         [](const auto& instance) { return instance.param.name; });
+INSTANTIATE_TEST_SUITE_P(Imperfect, EveryDetail, testing::ValuesIn(imperfect_cases()),
                          [](const auto& instance) { return instance.param.name; });
 INSTANTIATE_TEST_SUITE_P(TipLaws, EveryDetail, testing::ValuesIn(tip_law_cases()),
                          [](const auto& instance) { return instance.param.name; });

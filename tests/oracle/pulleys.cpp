@@ -66,8 +66,11 @@ void add_attachment(const System& system, int shaft, int side, Totals& totals) {
         on_sheave.force.z -= fz;
         on_hub.force.z += fz;
     }
-    const Vec3 moment{support.force(sheave.tau.x - hub.tau.x, sheave.tau_rate.x - hub.tau_rate.x, p.attachment_tilt, p.sheave_tilt_inertia),
-                      support.force(sheave.tau.y - hub.tau.y, sheave.tau_rate.y - hub.tau_rate.y, p.attachment_tilt, p.sheave_tilt_inertia),
+    const auto& imperfection = system.parameters.imperfection;
+    const bool named = static_cast<int>(imperfection.sheave) == 2 * shaft + side;
+    const Real tilt = named ? Real{p.attachment_tilt} * imperfection.attachment : Real{p.attachment_tilt};
+    const Vec3 moment{support.force(sheave.tau.x - hub.tau.x, sheave.tau_rate.x - hub.tau_rate.x, tilt, p.sheave_tilt_inertia),
+                      support.force(sheave.tau.y - hub.tau.y, sheave.tau_rate.y - hub.tau_rate.y, tilt, p.sheave_tilt_inertia),
                       support.force(sheave.phi - hub.phi, sheave.phi_rate - hub.phi_rate, p.attachment_torsion, p.sheave_polar_inertia)};
     on_sheave.moment += -moment;
     on_hub.moment += moment;

@@ -22,6 +22,17 @@ constexpr Vec3 k_axis{0.0L, 0.0L, 1.0L};
 
 Vec3 tilt_of(const Body& sheave) { return in_space(sheave.tau, 0.0L); }
 
+/// Where an imperfect flank lies against its body: eccentric by its run-out, which turns with it, and pulley 2 beside its place.
+Vec3 flank_offset(const System& system, int shaft, int side) {
+    const auto& i = system.parameters.imperfection;
+    const Real angle = system.body[model::sheave_body(shaft, side)].phi;
+    const Real out = static_cast<int>(i.sheave) == 2 * shaft + side ? Real{i.runout} : 0.0L;
+    return {out * std::cos(angle), out * std::sin(angle), shaft == 1 ? Real{i.misalignment} : 0.0L};
+}
+Vec3 flank_rate(const System& system, int shaft, int side) {
+    return system.body[model::sheave_body(shaft, side)].phi_rate * cross(k_axis, flank_offset(system, shaft, side));
+}
+
 }  // namespace
 
 TipContact tip_contact(const System& system, const Link& link, End end, int side) {
@@ -45,7 +56,7 @@ TipContact tip_contact(const System& system, const Link& link, End end, int side
     c.centre_turning = (tip.radius * sine) * (in_space(link.t, 0.0L) - dot(slope, link.t) * k_axis);
 
     const Vec2 shaft_axis{c.shaft == 0 ? 0.0L : Real{pulley.centre_distance}, 0.0L};
-    const Vec3 origin = in_space(shaft_axis + sheave.u, c.s * half.length / 2.0L + sheave.w);
+    const Vec3 origin = in_space(shaft_axis + sheave.u, c.s * half.length / 2.0L + sheave.w) + flank_offset(system, c.shaft, side);
     c.r = c.centre - origin;
     const Vec3 tilt = tilt_of(sheave);
     const Vec3 l = c.r - cross(tilt, c.r);
@@ -66,7 +77,8 @@ TipSliding tip_sliding(const System& system, const Link& link, End end, const Ti
     const Vec3 end_rate = in_space(half.rate_at(c.s), half.z_rate + c.s * half.e_rate);
     const Vec3 of_half = end_rate + link.turning * cross(k_axis, point - c.end);
     const Vec3 spin = in_space(sheave.tau_rate, sheave.phi_rate);
-    const Vec3 of_sheave = in_space(sheave.u_rate, sheave.w_rate) + cross(spin, c.r - radius * c.normal);
+    const Vec3 of_origin = in_space(sheave.u_rate, sheave.w_rate) + flank_rate(system, c.shaft, c.side);
+    const Vec3 of_sheave = of_origin + cross(spin, c.r - radius * c.normal);
     const Vec3 v = of_half - of_sheave;
     return {v, v - dot(v, c.normal) * c.normal};
 }
@@ -90,6 +102,13 @@ struct TipTarget {
     LinkForce& on_link;
     HalfForce& on_half;
     BodyForce& on_sheave;
+    Vec3 offset;  ///< of the flank [m]
+
+    /// A force at the flank's origin, whose offset turns with the sheave.
+    void push_sheave(Vec3 force) const {
+        on_sheave.force += force;
+        on_sheave.moment.z += cross(offset, force).z;
+    }
 };
 
 /// The normal force N along the gradient of the depth.
@@ -106,7 +125,7 @@ void push_normal(const System& system, const TipTarget& target, const TipContact
     target.on_half.z += force * c.normal.z;
     target.on_half.e += c.s * force * c.normal.z;
     target.on_link.turn(target.link, force * dot(c.normal, c.centre_turning));
-    target.on_sheave.force += -force * c.normal;
+    target.push_sheave(-force * c.normal);
     const Vec3 lever = cross(c.r, c.local_normal);
     target.on_sheave.moment += -force * Vec3{lever.x, lever.y, 0.0L};
 }
@@ -117,7 +136,7 @@ void push_friction(const System& system, const TipTarget& target, const TipConta
     const Vec3 point = c.centre - radius * c.normal;
     target.on_half.push(c.s, f);
     target.on_link.turn(target.link, cross(point - c.end, f).z);
-    target.on_sheave.force += -f;
+    target.push_sheave(-f);
     target.on_sheave.moment += -cross(c.r - radius * c.normal, f);
 }
 
@@ -135,7 +154,7 @@ void add_tip(const System& system, int number, End end, int side, Phase phase, T
     if (c.depth <= 0.0L) return;
     const Half& half = link.half(end);
     const Body& sheave = system.body[c.sheave];
-    const Vec3 sheave_rate = in_space(sheave.u_rate, sheave.w_rate);
+    const Vec3 sheave_rate = in_space(sheave.u_rate, sheave.w_rate) + flank_rate(system, c.shaft, side);
     const Vec3 tilt_rate = in_space(sheave.tau_rate, 0.0L);
     const Real depth_rate =
         -dot(c.normal, centre_rate(system, link, half, c)) + dot(c.normal, sheave_rate) + dot(tilt_rate, cross(c.r, c.local_normal));
@@ -148,7 +167,7 @@ void add_tip(const System& system, int number, End end, int side, Phase phase, T
     const Real elastic = hertz * c.depth * std::sqrt(c.depth);
     const Real force = std::max(0.0L, elastic * (1.0L + chi * depth_rate));
     LinkForce& on = system.layout.whole ? totals.pin[number] : totals.link[number];
-    const TipTarget target{link, half, on, on.half(end), totals.body[c.sheave]};
+    const TipTarget target{link, half, on, on.half(end), totals.body[c.sheave], flank_offset(system, c.shaft, side)};
     push_normal(system, target, c, force);
     totals.energies.tips += 0.4L * hertz * c.depth * c.depth * std::sqrt(c.depth);
     totals.loss(model::Loss::tip_damping) += (force - elastic) * depth_rate;

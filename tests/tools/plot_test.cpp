@@ -52,6 +52,29 @@ TEST_F(PlotCommand, DrawsEveryKindOfPictureOfARecord) {
     }
 }
 
+/// The energy by radius adds up to the friction of the tips over the record, by the same rule.
+TEST_F(PlotCommand, DrawsWearOverTheRadius) {
+    EXPECT_THAT(run({"plot", "run.h5", "--wear", "-o", "w.svg"}).err, HasSubstr("--set record.channels=wear/*"));
+    const Outcome outcome = run_briefly({"-o", "worn.h5", "--set", "run.output_interval=1 us", "--until", "20 us", "--set",
+                                         "record.channels=wear/*", "--set", "wear.coefficient=1e-16"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    ASSERT_EQ(run({"plot", "worn.h5", "--wear", "-o", "w.csv"}).status, 0);
+    EXPECT_EQ(run({"plot", "worn.h5", "--wear", "-o", "w.svg"}).status, 0);
+    EXPECT_THAT(read("w.svg"), HasSubstr("coefficient 1e-16"));
+    const engine::RunReader record((folder_ / "worn.h5").string());
+    const std::vector<double> power = record.channel("loss/tip_friction"), times = record.times();
+    double rubbed = 0.0, mapped = 0.0;
+    for (std::size_t k = 1; k < times.size(); ++k) rubbed += 0.5 * (power[k] + power[k - 1]) * (times[k] - times[k - 1]);
+    const std::string csv = read("w.csv");
+    for (const char* sheave : {"sheave 1-", "sheave 1+", "sheave 2-", "sheave 2+"}) {
+        for (const auto& [radius, energy] : points_of(csv, sheave, "Friction energy of the tips by radius")) {
+            if (std::isfinite(energy)) mapped += energy * 12.0 / 32.0;  // J/mm over rings of 12 mm/32
+        }
+    }
+    EXPECT_GT(rubbed, 0.0);
+    EXPECT_NEAR(mapped, rubbed, 1e-5 * rubbed);  // CSV has some digits only
+}
+
 TEST_F(PlotCommand, TheCsvHasTheNumbersOfTheRecord) {
     ASSERT_EQ(run({"plot", "run.h5", "ratio", "-o", "p.csv"}).status, 0);
     const engine::RunReader record((folder_ / "run.h5").string());

@@ -56,6 +56,18 @@ TEST_F(Run, RecordsInResultsAndSumsUp) {
     EXPECT_EQ(record("results/tiny.h5").rows(), 3u);  // 0, 10, 20 us
 }
 
+TEST_F(Run, SaysThatClampingWasAboveItsLimit) {
+    EXPECT_THAT(run_briefly({"--set", "wear.clamping_limit=[[0, 1], [0.1, 0.5]]"}).out,
+                HasSubstr("clamping exceeds wear.clamping_limit at its slip speed at 100 % of the outputs"));
+    EXPECT_THAT(run_briefly({"--set", "wear.clamping_limit=[[0, 1e6], [0.1, 1e6]]"}).out, testing::Not(HasSubstr("clamping_limit")));
+}
+
+TEST_F(Run, SumsUpTemperaturesAndWhereHeatWent) {
+    EXPECT_THAT(run_briefly().out, testing::Not(HasSubstr("temperature")));
+    EXPECT_THAT(run_briefly({"--set", "heat.enabled=true"}).out,
+                AllOf(HasSubstr("\n  temperature         pulleys 353.15"), HasSubstr(" to ambient\n")));
+}
+
 TEST_F(Run, SumsUpWhatCouplingsStoreAndCarry) {
     EXPECT_THAT(run_briefly().out, testing::Not(HasSubstr("coupling of shaft")));
     const Outcome outcome = run_briefly({"-o", "coupled.h5", "--set", "load.mode=coupling", "--set", "load.speed=209 rad/s", "--set",

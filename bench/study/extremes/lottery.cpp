@@ -42,7 +42,9 @@ private:
 [[nodiscard]] bool drawn(const Parameter& parameter) {
     constexpr std::string_view sections[] = {"chain", "half", "plate", "joint", "tip", "pulley"};
     const bool physical = std::find(std::begin(sections), std::end(sections), parameter.section()) != std::end(sections);
-    return physical && parameter.kind() == Kind::number && parameter.unit != "m" && parameter.unit != "rad";
+    constexpr std::string_view laws[] = {"tip.limiting_traction", "tip.pressure_sensitivity", "tip.reference_pressure"};  // draw_extras
+    const bool of_a_law = std::find(std::begin(laws), std::end(laws), parameter.key) != std::end(laws);
+    return physical && !of_a_law && parameter.kind() == Kind::number && parameter.unit != "m" && parameter.unit != "rad";
 }
 
 struct OperatingPoint {
@@ -144,6 +146,29 @@ void draw_hydraulics(Urn& urn, std::vector<std::string>& settings) {
     settings.push_back(fmt::format("hydraulics.driven_spring={:.6g}", urn.draw(0.0, 2e3)));
 }
 
+/// Laws of tips, temperatures and imperfections of some machines, from an urn of their own: other machines stay what they are.
+void draw_extras(Urn urn, const Scene& scene, LotteryMachine& machine) {
+    std::vector<std::string>& settings = machine.settings;
+    const double law = urn.draw(), coefficient = scene.parameters.tip.friction.coefficient, fall = urn.draw(0.5, 1.0);
+    const double sensitivity = urn.draw(-0.3, 0.3), warm = urn.draw(), off = urn.draw(), runout = urn.draw(0.0, 20.0);
+    if (law < 0.15) {
+        settings.emplace_back("tip.friction_law=table");
+        settings.push_back(fmt::format("tip.friction_coefficient={:.6g}", coefficient));
+        settings.push_back(fmt::format("tip.friction_table=[[0.02,{:.6g}],[0.5,{:.6g}],[2,{:.6g}]]", coefficient, coefficient * fall,
+                                       coefficient * std::sqrt(fall)));
+    } else if (law < 0.3) {
+        settings.emplace_back("tip.friction_law=lubricated");
+        settings.push_back(fmt::format("tip.limiting_traction={:.6g}", coefficient * fall));
+        settings.push_back(fmt::format("oil.temperature={:.6g}", urn.draw(300.0, 400.0)));
+        if (warm < 0.5) settings.emplace_back("heat.enabled=true");
+    }
+    if (law < 0.3) settings.push_back(fmt::format("tip.pressure_sensitivity={:.6g}", sensitivity));
+    if (off < 0.2 && law < 0.6) {
+        settings.push_back(fmt::format("imperfection.misalignment={:.6g} mm", urn.draw(-0.3, 0.3)));
+        settings.push_back(fmt::format("imperfection.runout={:.6g} um", runout));
+    }
+}
+
 }  // namespace
 
 LotteryMachine lottery_machine(std::uint64_t seed, long number) {
@@ -154,6 +179,7 @@ LotteryMachine lottery_machine(std::uint64_t seed, long number) {
     if (machine.scene.empty() || urn.draw() < 0.4) draw_chain(urn, scene, machine.settings);
     draw_load(urn, scene, typical_duration, machine.settings);
     draw_hydraulics(urn, machine.settings);
+    draw_extras(Urn(seed + 31, number), scene, machine);
     return machine;
 }
 

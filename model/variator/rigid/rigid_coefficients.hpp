@@ -35,8 +35,8 @@ struct RigidCoefficients {
     double softness;         ///< b = K cos²β/k_e: axial compliance of half a pin beside Hertz's [1/√m]
     int further_steps;       ///< of Newton's method, for tips that yield more than its start is made for
     FrictionCurve tip_friction;
-    std::shared_ptr<const TipLaw> tip_law;  ///< nullptr: none
-    double middle;                          ///< a/2 [m]
+    std::shared_ptr<TipLaw> tip_law;  ///< nullptr: none
+    double middle;                    ///< a/2 [m]
 
     /// Writes the constants of the links into their columns.
     void fill(const Parameters& parameters, RigidColumns& columns) const;

@@ -107,7 +107,10 @@ enum class Column {
     flank = round + rigid_tips,
     outward = flank + rigid_tips,
     axial = outward + rigid_tips,
-    count = axial + rigid_tips
+    // Sliding speed of each tip and its distance from the axis, only of velocities as they are.
+    sliding = axial + rigid_tips,
+    reach = sliding + rigid_tips,
+    count = reach + rigid_tips
 };
 
 /// Column number `offset` of the group that begins with `first`.

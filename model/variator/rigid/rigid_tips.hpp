@@ -62,7 +62,7 @@ public:
 
     void release() noexcept {
         columns_.clear(Column::tip_lean_x, Column::tip_rear, first_);
-        columns_.clear(Column::tip_x, kick_.implicit() ? Column::flank + (rigid_tips - 1) : Column::axial + (rigid_tips - 1), first_);
+        columns_.clear(Column::tip_x, kick_.implicit() ? Column::flank + (rigid_tips - 1) : Column::reach + (rigid_tips - 1), first_);
     }
 
     [[gnu::always_inline]] void press(const SheaveMotion* sheaves, PinSum& energy, PinSum& damping) noexcept {
@@ -162,7 +162,10 @@ private:
         const Slip& u = begin_[tip];
         const PinLanes speed = sqrt(u.round * u.round + u.flank * u.flank);
         const PinLanes grip = friction_factor(c_.tip_friction, friction_limit(tip, PinLanes(0.0), speed), PinLanes(0.0), speed);
-        creep.add(present(columns_, first_), second_, grip, sqrt(dot(place.point, place.point)), u.round);
+        const PinLanes radius = sqrt(dot(place.point, place.point));
+        creep.add(present(columns_, first_), second_, grip, radius, u.round);
+        write(columns_, Column::sliding + tip.column, first_, speed);
+        write(columns_, Column::reach + tip.column, first_, radius);
         const PinLanes outward = dot(f.push, place.radial) + dot(f.friction, place.radial);
         write(columns_, Column::outward + tip.column, first_, -outward);
         write(columns_, Column::axial + tip.column, first_, -(f.push_z + f.friction_z));
@@ -201,14 +204,13 @@ private:
         return force;
     }
 
-    /// Most friction of a tip, by its law at the speed that friction leaves. @param speed without friction
-    [[nodiscard, gnu::always_inline]] PinLanes friction_limit(std::size_t tip, const PinLanes& response,
-                                                              const PinLanes& speed) const noexcept {
+    /// Most friction of a tip, by its law at the speed that friction leaves. @param v without friction
+    [[nodiscard, gnu::always_inline]] PinLanes friction_limit(std::size_t tip, const PinLanes& response, const PinLanes& v) const noexcept {
         const NormalForce& n = normal_[tip];
         const PinLanes limit = c_.tip_friction.coefficient * n.force;
         if (c_.tip_law == nullptr) return limit;
         const PinLanes full = limit * pressure_factor<rigid_lanes>(*c_.tip_law, n.root_depth), slowest(c_.tip_friction.saturation_speed);
-        return full * speed_factor<rigid_lanes>(*c_.tip_law, braked_speed<rigid_lanes>(*c_.tip_law, response * full, speed, slowest));
+        return full * speed_factor<rigid_lanes>(*c_.tip_law, braked_speed<rigid_lanes>(*c_.tip_law, response * full, v, slowest));
     }
 
     /// Velocities behind a change of a tip's friction.

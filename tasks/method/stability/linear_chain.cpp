@@ -87,7 +87,7 @@ struct Derivatives {
 
 [[nodiscard]] Derivatives derivatives_of(const model::Variator& variator, const FrozenStart& start) {
     const model::ChainLayout& layout = variator.layout();
-    if (layout.whole) return differences_of(variator, start);
+    if (layout.whole || variator.pulleys().eccentric()) return differences_of(variator, start);
     model::ExactJacobian exact(variator);
     model::AccelerationJacobian jacobian(layout);
     exact.links(start.state.data(), start.phases.data(), 0, layout.links, jacobian);

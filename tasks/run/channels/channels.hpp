@@ -45,8 +45,8 @@ struct Channel {
     }
 };
 
-/// All there are: those of channels.cpp, of energy_channels.cpp, and those on demand of force_channels.cpp, coupling_channels.cpp and
-/// hydraulic_channels.cpp.
+/// All there are: those of channels.cpp, of energy_channels.cpp, and those on demand of force_channels.cpp, coupling_channels.cpp,
+/// hydraulic_channels.cpp and wear_channels.cpp.
 [[nodiscard]] std::span<const Channel> channels();
 
 /// What of the catalogue a record has: the usual ones and those that `names` ask for, where the machine has them.
@@ -64,6 +64,11 @@ struct Channel {
 
 /// Forces and figures of merit that a record has on demand.
 [[nodiscard]] std::span<const Channel> force_channels();
+
+/// Rings of a sheave, of equal width from pulley.innermost to pulley.outermost, over which wear is counted.
+inline constexpr int wear_cells = 32;
+/// Loads of tips that wear comes from, and temperatures, on demand.
+[[nodiscard]] std::span<const Channel> wear_channels();
 
 /// Short names of loss, work and energy kinds, in the order of their enumerators.
 [[nodiscard]] std::string_view loss_name(int kind) noexcept;

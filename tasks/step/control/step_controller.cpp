@@ -183,6 +183,7 @@ bool StepController::deliver_output() {
     if (due) {  // not where a call ends: no result depends on that
         (void)book_energy(false);
         w_.energy.output(w_.step.time, w_.shaft_momentum());
+        w_.warm(w_.step.time);
     }
     if (due || over) observer_.output(w_.step.time, w_, counters_);
     if (due) ++outputs_;

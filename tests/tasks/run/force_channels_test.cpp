@@ -80,7 +80,8 @@ private:
     Simulation simulation_;
     model::Observer observer_;
     int pin_;
-    std::vector<std::string> all_{"tips/*", "shaft_1/*", "shaft_2/*", "plates/*", "contact_thrust_ratio", "loss/*", "misalignment"};
+    std::vector<std::string> all_{"tips/*", "shaft_1/*",    "shaft_2/*", "plates/*", "contact_thrust_ratio",
+                                  "loss/*", "misalignment", "wear/*"};
     std::map<std::string_view, std::vector<double>> sums_;
     std::array<double, 2> torque_{};
     double outputs_ = 0.0;
@@ -104,6 +105,18 @@ TEST(ForceChannels, OfTheBaselineAddUpToClampingTorqueAndTension) {
     double losses = 0.0;
     for (int kind = 0; kind < model::loss_kinds; ++kind) losses += run.mean("loss/" + std::string(loss_name(kind)));
     EXPECT_NEAR(run.mean("loss/total"), losses, 1e-9 * losses);
+    // Rings and tips share out the same friction; friction is at most μ N, and is that where tips slide faster than they saturate.
+    const double rubbed = run.mean("loss/tip_friction");
+    EXPECT_NEAR(run.sum("wear/tip_power"), rubbed, 1e-9 * rubbed);
+    EXPECT_NEAR(run.sum("wear/friction_power"), rubbed, 1e-9 * rubbed);
+    EXPECT_NEAR(run.sum("wear/force_speed"), run.sum("wear/tip_force_speed"), 1e-9 * run.sum("wear/force_speed"));
+    EXPECT_LE(rubbed, 0.09 * run.sum("wear/force_speed"));
+    EXPECT_GT(rubbed, 0.05 * run.sum("wear/force_speed"));
+    // The chain runs on 54.4 mm: everything is in the rings around it, 32 from 25 to 80 mm.
+    double near = 0.0;
+    for (std::size_t sheave = 0; sheave < 4; ++sheave)
+        for (const std::size_t ring : {16u, 17u, 18u}) near += run.mean("wear/friction_power", 32 * sheave + ring);
+    EXPECT_NEAR(near, rubbed, 1e-9 * rubbed);
 }
 
 }  // namespace

@@ -118,6 +118,23 @@ TEST(RunMeans, AreOverWholePinPeriodsAndSayWhatIsOdd) {
     EXPECT_EQ(again.all().slip, means.all().slip);
 }
 
+/// One output above the limit of clamping is enough.
+TEST(RunMeans, SayWhereClampingWasAboveItsLimit) {
+    for (const double most : {0.99, 1.01}) {
+        RunMeans means;
+        for (int k = 0; k <= 1000; ++k) {
+            model::Observation now;
+            now.time = 1e-3 * k;
+            now.limit_use = k == 500 ? most : 0.5;
+            means.add(now, {}, 1e-3);
+        }
+        std::string names;
+        means.name_notes({}, names);
+        EXPECT_EQ(names.find("clamping_limit") != std::string::npos, most > 1.0) << names;
+        EXPECT_NEAR(means.all().beyond, most > 1.0 ? 1.0 / 1001.0 : 0.0, 1e-15);
+    }
+}
+
 /// 1 s of a machine that carries nothing. speed of its shafts [rad/s]
 std::string notes_of_idling(double speed) {
     RunMeans means;

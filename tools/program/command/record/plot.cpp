@@ -18,6 +18,7 @@
 #include "tools/program/output/text_file.hpp"
 #include "tools/program/view/run_plots.hpp"
 #include "tools/program/view/sweep_plots.hpp"
+#include "tools/program/view/wear_plots.hpp"
 
 extern char** environ;
 
@@ -59,7 +60,7 @@ struct PlotArguments {
     std::vector<std::string> words;
     std::string output, x, y, colour;
     std::vector<std::string> where;
-    bool orders = false, round = false, losses = false, every_output = false;
+    bool orders = false, round = false, losses = false, wear = false, every_output = false;
 };
 
 /// Files come first, then channels.
@@ -82,6 +83,8 @@ std::vector<Plot> plots_of_runs(const PlotArguments& arguments, const PlotWords&
         throw UsageError("--x, --y, --colour and --where are for sweeps; " + words.files.front() + " is not a sweep");
     std::vector<RecordedRun> runs;
     for (const std::string& file : words.files) runs.emplace_back(file);
+    if (arguments.wear && runs.size() > 1) throw UsageError("--wear draws one record");
+    if (arguments.wear) return wear_plots(runs.front());
     if (arguments.round) return {round_plot(runs)};
     if (arguments.orders) return order_plots(runs, words.channels);
     if (!arguments.losses) return time_plots(runs, words.channels, arguments.every_output);
@@ -91,8 +94,8 @@ std::vector<Plot> plots_of_runs(const PlotArguments& arguments, const PlotWords&
 }
 
 std::vector<Plot> plots_of_sweeps(const PlotArguments& arguments, const PlotWords& words) {
-    if (arguments.orders || arguments.round || arguments.losses || !words.channels.empty())
-        throw UsageError("channels, --orders, --round and --losses are for records; " + words.files.front() + " is a sweep");
+    if (arguments.orders || arguments.round || arguments.losses || arguments.wear || !words.channels.empty())
+        throw UsageError("channels, --orders, --round, --losses and --wear are for records; " + words.files.front() + " is a sweep");
     if (arguments.x.empty() || arguments.y.empty())
         throw UsageError("a sweep needs --x COLUMN and --y COLUMN; cvtflow table shows its columns");
     std::vector<Plot> plots;
@@ -146,6 +149,7 @@ Action declare_plot(CLI::App& app) {
                  "Draw every output, also for more than 60 pin periods (default then: means over each period)");
     app.add_flag("--round", arguments->round, "Draw quantities of the followed pin around the chain's path");
     app.add_flag("--losses", arguments->losses, "Draw losses by kind, with means and shares");
+    app.add_flag("--wear", arguments->wear, "Draw wear over the sheaves' radii and over the tips (record.channels = wear/*)");
     app.add_option("--x", arguments->x, "Sweeps: column along the horizontal axis")->type_name("COLUMN");
     app.add_option("--y", arguments->y, "Sweeps: column along the vertical axis")->type_name("COLUMN");
     app.add_option("--colour", arguments->colour, "Sweeps: column drawn as a map with contours")->type_name("COLUMN");

@@ -1,0 +1,58 @@
+#include "model/machine/heat_balance.hpp"
+
+#include <cmath>
+#include <cstring>
+#include <numeric>
+
+namespace cvtflow::model {
+
+void HeatBalance::restart(const Parameters& parameters) noexcept {
+    heat_ = parameters.heat;
+    start_ = parameters.oil.temperature;
+    m_ = {};
+    m_.time = -1.0;
+    m_.pulleys = m_.oil = start_;
+}
+
+/// Backward Euler, so that steps may be longer than a time constant, with temperatures at the end of the step in every flow: then what the
+/// losses give is stored or has gone to ambient, to rounding.
+void HeatBalance::advance(double time, const std::array<double, loss_kinds>& lost) noexcept {
+    if (!heat_.enabled) return;
+    const double all = std::accumulate(lost.begin(), lost.end(), 0.0);
+    const double tips = lost[static_cast<std::size_t>(Loss::tip_friction)] + lost[static_cast<std::size_t>(Loss::tip_damping)];
+    const double heat_tips = tips - m_.lost_by_tips, heat_else = all - tips - m_.lost_else, dt = time - m_.time;
+    const bool runs = m_.time >= 0.0 && dt > 0.0;
+    m_.time = time;
+    m_.lost_by_tips = tips;
+    m_.lost_else = all - tips;
+    if (!runs) return;
+    const double exchange = dt * heat_.pulley_conductance, loss = dt * heat_.ambient_conductance;
+    const double a = heat_.pulley_capacity + exchange, d = heat_.oil_capacity + exchange + loss;
+    const double of_pulleys = heat_.pulley_capacity * m_.pulleys + heat_tips;
+    const double of_oil = heat_.oil_capacity * m_.oil + heat_else + loss * heat_.ambient;
+    const double determinant = a * d - exchange * exchange;
+    m_.pulleys = (d * of_pulleys + exchange * of_oil) / determinant;
+    m_.oil = (exchange * of_pulleys + a * of_oil) / determinant;
+    m_.given += heat_tips + heat_else;
+    m_.taken += loss * (m_.oil - heat_.ambient);
+}
+
+double HeatBalance::stored() const noexcept {
+    return heat_.pulley_capacity * (m_.pulleys - start_) + heat_.oil_capacity * (m_.oil - start_);
+}
+
+void HeatBalance::save(std::vector<double>& memory) const {
+    memory.clear();
+    if (!heat_.enabled) return;
+    memory.resize(sizeof(Memory) / sizeof(double));
+    std::memcpy(memory.data(), &m_, sizeof(Memory));
+}
+
+bool HeatBalance::load(std::span<const double> memory) noexcept {
+    if (memory.empty()) return true;
+    if (!heat_.enabled || memory.size() != sizeof(Memory) / sizeof(double)) return false;
+    std::memcpy(&m_, memory.data(), sizeof(Memory));
+    return std::isfinite(m_.pulleys) && std::isfinite(m_.oil) && m_.pulleys > 0.0 && m_.oil > 0.0;
+}
+
+}  // namespace cvtflow::model

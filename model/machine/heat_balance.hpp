@@ -1,0 +1,47 @@
+#pragma once
+/// Temperatures of pulleys with chain, and of the oil around them, by a lumped heat balance that the losses feed. (model/EQUATIONS.md
+/// section 12)
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "model/parameters/chain_layout.hpp"
+#include "model/parameters/parameters.hpp"
+
+namespace cvtflow::model {
+
+class HeatBalance {
+public:
+    /// All at rest at the oil's temperature, as a settled machine is.
+    void restart(const Parameters& parameters) noexcept;
+    /// Losses so far, by kind: what they have grown by since the last call heats. Before t = 0 temperatures stay.
+    /// time [s], lost [J]
+    void advance(double time, const std::array<double, loss_kinds>& lost) noexcept;
+
+    [[nodiscard]] bool enabled() const noexcept { return heat_.enabled; }
+    [[nodiscard]] double pulleys() const noexcept { return m_.pulleys; }  ///< [K]
+    [[nodiscard]] double oil() const noexcept { return m_.oil; }          ///< [K]
+    /// Of the film between tips and sheaves: mean of both [K].
+    [[nodiscard]] double film() const noexcept { return 0.5 * (m_.pulleys + m_.oil); }
+    [[nodiscard]] double given() const noexcept { return m_.given; }  ///< by the losses since t = 0 [J]
+    [[nodiscard]] double taken() const noexcept { return m_.taken; }  ///< by ambient since t = 0 [J]
+    [[nodiscard]] double stored() const noexcept;                     ///< since t = 0 [J]
+
+    /// For saved states; nothing if the balance is off.
+    void save(std::vector<double>& memory) const;
+    /// @return false for a malformed memory
+    [[nodiscard]] bool load(std::span<const double> memory) noexcept;
+
+private:
+    struct Memory {
+        double time, pulleys, oil;       ///< [s], [K], [K]
+        double lost_by_tips, lost_else;  ///< at that time [J]
+        double given, taken;             ///< [J]
+    };
+    Heat heat_;
+    double start_ = 0.0;  ///< temperature at t = 0 [K]
+    Memory m_{};
+};
+
+}  // namespace cvtflow::model

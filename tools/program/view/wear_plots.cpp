@@ -1,0 +1,121 @@
+#include "tools/program/view/wear_plots.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "model/basis/portable_math.hpp"
+#include "model/law/tip_law.hpp"
+#include "tools/program/guard.hpp"
+
+namespace cvtflow::tools {
+
+namespace {
+
+constexpr const char* sheave_names[] = {"1-", "1+", "2-", "2+"};
+
+/// All rows of a channel, `width` numbers each.
+struct Rows {
+    std::vector<double> values;
+    std::size_t width;
+};
+
+Rows rows_of(const RecordedRun& run, const std::string& name) {
+    const auto& channels = run.reader().channels();
+    const auto found = std::find_if(channels.begin(), channels.end(), [&](const engine::ChannelInfo& c) { return c.name == name; });
+    if (found == channels.end())
+        throw UsageError(fmt::format("{}: the record has no channel {}; record it with --set record.channels=wear/*", run.path(), name));
+    return {run.reader().channel(name), static_cast<std::size_t>(found->width)};
+}
+
+/// ∫ dt of every number.
+std::vector<double> integrals(const RecordedRun& run, const Rows& rows) {
+    std::vector<double> sums(rows.width, 0.0);
+    for (std::size_t k = 1; k < run.times().size(); ++k) {
+        const double half = 0.5 * (run.times()[k] - run.times()[k - 1]);
+        for (std::size_t n = 0; n < rows.width; ++n)
+            sums[n] += half * (rows.values[k * rows.width + n] + rows.values[(k - 1) * rows.width + n]);
+    }
+    return sums;
+}
+
+std::vector<double> largest(const Rows& rows) {
+    std::vector<double> most(rows.width, 0.0);
+    for (std::size_t k = 0; k < rows.values.size(); ++k) most[k % rows.width] = std::max(most[k % rows.width], rows.values[k]);
+    return most;
+}
+
+/// Rings of a sheave.
+struct Rings {
+    double from, width;  ///< [m]
+    std::size_t count;
+    [[nodiscard]] double middle(std::size_t ring) const { return from + (static_cast<double>(ring) + 0.5) * width; }
+};
+
+/// A curve per sheave over the radius; `values` are of the rings of all sheaves, one after the other.
+template <class Scale>
+Plot over_radius(const RecordedRun& run, const Rings& rings, const std::vector<double>& values, const std::string& title,
+                 const std::string& label, const Scale& scale) {
+    Plot plot;
+    plot.title = title;
+    plot.subtitle = run.conditions();
+    plot.x.label = "radius [mm]";
+    plot.y.label = label;
+    plot.height = 300.0;
+    for (std::size_t sheave = 0; sheave < 4; ++sheave) {
+        Series series{fmt::format("sheave {}", sheave_names[sheave]), {}, Mark::small_dot, Line::solid, "", 1.6};
+        for (std::size_t ring = 0; ring < rings.count; ++ring) {
+            const double value = values[sheave * rings.count + ring];
+            series.points.push_back({1e3 * rings.middle(ring), value > 0.0 ? value * scale(ring) : NAN});
+        }
+        plot.series.push_back(std::move(series));
+    }
+    return plot;
+}
+
+/// Worn volume over the area of the largest contact, π a², a = π R p/(2 E*).
+Plot over_tips(const RecordedRun& run, const model::Parameters& p) {
+    const std::vector<double> way = integrals(run, rows_of(run, "wear/tip_force_speed")),
+                              pressure = largest(rows_of(run, "wear/tip_pressure"));
+    Plot plot;
+    plot.title = "Worn depth of every tip";
+    plot.subtitle = run.conditions();
+    plot.x.label = "tip";
+    plot.y.label = "depth [nm]";
+    plot.height = 300.0;
+    Series series{"", {}, Mark::small_dot, Line::none, "", 1.4};
+    for (std::size_t tip = 0; tip < way.size(); ++tip) {
+        const double a = 0.5 * std::numbers::pi * model::contact_radius(p) * pressure[tip] / model::contact_modulus(p);
+        if (a > 0.0) series.points.push_back({static_cast<double>(tip), 1e9 * p.wear.coefficient * way[tip] / (std::numbers::pi * a * a)});
+    }
+    plot.series.push_back(std::move(series));
+    return plot;
+}
+
+}  // namespace
+
+std::vector<Plot> wear_plots(const RecordedRun& run) {
+    const Rows power = rows_of(run, "wear/friction_power");
+    const std::vector<double> energy = integrals(run, power), way = integrals(run, rows_of(run, "wear/force_speed")),
+                              loads = largest(rows_of(run, "wear/pressure_speed"));
+    if (!run.scene()) throw UsageError(run.path() + ": its scene cannot be read by this program");
+    const model::Parameters& p = run.scene()->parameters;
+    const std::size_t count = power.width / 4;
+    const Rings rings{p.pulley.innermost, (p.pulley.outermost - p.pulley.innermost) / static_cast<double>(count), count};
+    const double cosine = model::portable_cos(p.tip.angle);
+    const auto per_mm = [&](std::size_t) { return 1e-3 / rings.width; };
+    const auto mega = [](std::size_t) { return 1e-6; };
+    const auto nanometres = [&](std::size_t ring) {
+        return 1e9 * p.wear.coefficient * cosine / (2.0 * std::numbers::pi * rings.middle(ring) * rings.width);
+    };
+    return {over_radius(run, rings, energy, "Friction energy of the tips by radius", "energy per radius [J/mm]", per_mm),
+            over_radius(run, rings, loads, "Largest pressure times sliding speed", "p v [MPa m/s]", mega),
+            over_radius(run, rings, way, fmt::format("Worn depth of the sheaves, Archard's coefficient {:.3g} 1/Pa", p.wear.coefficient),
+                        "depth [nm]", nanometres),
+            over_tips(run, p)};
+}
+
+}  // namespace cvtflow::tools
