@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <tuple>
 
 #include <fmt/format.h>
 
@@ -80,35 +79,6 @@ Violation radii_ordered(const Scene& scene) {
     const auto& pulley = scene.parameters.pulley;
     if (pulley.innermost < pulley.outermost) return {};
     return fmt::format("pulley.innermost: {} is not smaller than pulley.outermost = {}", mm(pulley.innermost), mm(pulley.outermost));
-}
-
-/// The largest friction of a tip is known everywhere as tip.friction_coefficient: clamping by torque, safety factors, stability.
-Violation tip_law_has_its_largest(const Scene& scene) {
-    const model::Tip& tip = scene.parameters.tip;
-    const double coefficient = tip.friction.coefficient;
-    if (tip.friction_law == model::TipFriction::lubricated && tip.limiting_traction > coefficient)
-        return fmt::format("tip.limiting_traction: {} is above tip.friction_coefficient = {}", number_text(tip.limiting_traction),
-                           number_text(coefficient));
-    if (tip.friction_law != model::TipFriction::table) return {};
-    const double largest = *std::ranges::max_element(tip.friction_table.value);
-    if (std::abs(largest - coefficient) <= 1e-9 * coefficient) return {};
-    return fmt::format("tip.friction_table: its largest value is {}, but tip.friction_coefficient is {}; they must be equal",
-                       number_text(largest), number_text(coefficient));
-}
-
-Violation tip_law_has_piecewise_corner(const Scene& scene) {
-    const auto& p = scene.parameters;
-    if (p.tip.friction_law == model::TipFriction::constant || p.detail.pins != model::PinDetail::rigid) return {};
-    if (p.detail.friction == model::FrictionLaw::piecewise) return {};
-    return "tip.friction_law: detail.pins = \"rigid\" takes it with detail.friction = \"piecewise\" only";
-}
-
-Violation imperfections_have_pulleys(const Scene& scene) {
-    const auto& [detail, i] = std::tie(scene.parameters.detail, scene.parameters.imperfection);
-    const bool some = i.misalignment != 0.0 || i.runout != 0.0 || i.attachment != 1.0;
-    if (some && detail.pulleys == PulleyDetail::absent) return "imperfection.misalignment: imperfections are of pulleys, which are absent";
-    if (i.attachment == 1.0 || detail.pulleys == PulleyDetail::elastic) return {};
-    return "imperfection.attachment: an attachment yields with detail.pulleys = \"elastic\" only";
 }
 
 Violation arc_on_sheave(const Scene& scene) {
@@ -265,9 +235,6 @@ const std::vector<CrossCheck>& general_checks() {
         {{"joint.radius", "half.width"}, profile_is_round},
         {{"pulley.innermost", "pulley.outermost"}, radii_ordered},
         {{"pulley.arc_position", "pulley.innermost", "pulley.outermost"}, arc_on_sheave},
-        {{"tip.friction_table", "tip.limiting_traction", "tip.friction_law", "tip.friction_coefficient"}, tip_law_has_its_largest},
-        {{"tip.friction_law", "detail.pins", "detail.friction"}, tip_law_has_piecewise_corner},
-        {{"imperfection.attachment", "imperfection.runout", "imperfection.misalignment", "detail.pulleys"}, imperfections_have_pulleys},
         {{"start.layout", "detail.pulleys"}, layout_has_pulleys},
         {{"start.ramp_time", "start.settling_time", "start.layout"}, ramp_within_settling},
         {{"control.enabled", "detail.pulleys"}, control_has_pulleys},
@@ -297,8 +264,7 @@ const std::vector<CrossCheck>& general_checks() {
 std::span<const CrossCheck> cross_checks() {
     static const std::vector<CrossCheck> all = [] {
         std::vector<CrossCheck> rows = general_checks();
-        const auto more = hydraulic_checks();
-        rows.insert(rows.end(), more.begin(), more.end());
+        for (const auto more : {tip_checks(), hydraulic_checks()}) rows.insert(rows.end(), more.begin(), more.end());
         return rows;
     }();
     return all;

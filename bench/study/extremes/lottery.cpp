@@ -146,7 +146,7 @@ void draw_hydraulics(Urn& urn, std::vector<std::string>& settings) {
     settings.push_back(fmt::format("hydraulics.driven_spring={:.6g}", urn.draw(0.0, 2e3)));
 }
 
-/// Laws of tips, temperatures and imperfections of some machines, from an urn of their own: other machines stay what they are.
+/// Laws of tips, temperatures and imperfections, from an urn of their own: other machines stay what they are.
 void draw_extras(Urn urn, const Scene& scene, LotteryMachine& machine) {
     std::vector<std::string>& settings = machine.settings;
     const double law = urn.draw(), coefficient = scene.parameters.tip.friction.coefficient, fall = urn.draw(0.5, 1.0);
@@ -163,10 +163,9 @@ void draw_extras(Urn urn, const Scene& scene, LotteryMachine& machine) {
         if (warm < 0.5) settings.emplace_back("heat.enabled=true");
     }
     if (law < 0.3) settings.push_back(fmt::format("tip.pressure_sensitivity={:.6g}", sensitivity));
-    if (off < 0.2 && law < 0.6) {
-        settings.push_back(fmt::format("imperfection.misalignment={:.6g} mm", urn.draw(-0.3, 0.3)));
-        settings.push_back(fmt::format("imperfection.runout={:.6g} um", runout));
-    }
+    if (off >= 0.2 || law >= 0.6) return;
+    settings.push_back(fmt::format("imperfection.misalignment={:.6g} mm", urn.draw(-0.3, 0.3)));
+    settings.push_back(fmt::format("imperfection.runout={:.6g} um", runout));
 }
 
 }  // namespace
