@@ -141,6 +141,7 @@ Coefficients::Coefficients(const Parameters& p)
       joint(joint_coefficients(p)),
       tip(tip_coefficients(p)),
       clamping_limit(SpeedProfile::through(p.wear.clamping_limit.speed, p.wear.clamping_limit.value)),
+      eccentric(p.imperfection.runout != 0.0),
       middle(0.5 * p.pulley.centre_distance),
       centre_distance(p.pulley.centre_distance) {
     extension = damped_spring(4.0 * p.chain.young_modulus * p.half.area / p.half.length, p.detail.mass_scaling * p.half.mass / 3.0,

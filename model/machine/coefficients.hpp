@@ -86,6 +86,7 @@ struct Coefficients {
     JointCoefficients joint;
     TipCoefficients tip;
     SpeedProfile clamping_limit;  ///< over the slip speed; 0 everywhere: none [N]
+    bool eccentric;               ///< a flank moves as its shaft turns
     double middle;                ///< a/2: links with smaller x belong to shaft 0 [m]
     double centre_distance;       ///< a [m]
 

@@ -52,8 +52,8 @@ class Scenes(unittest.TestCase):
         self.assertEqual(Path(SOURCE, "scenes/urban_cycle.csv").read_text(), script.text())
         simulation = cvtflow.Simulation(cvtflow.Scene.ready("urban_cycle"))
         simulation.advance_to(2e-3)
-        self.assertAlmostEqual(simulation.get("ratio"), 0.93, delta=0.01)
-        self.assertGreater(simulation.get("pump/power"), 50.0)
+        self.assertAlmostEqual(simulation.channels["ratio"], 0.93, delta=0.01)
+        self.assertGreater(simulation.channels["pump/power"], 50.0)
 
     def test_a_series_of_pandas_is_a_table_over_time(self):
         try:

@@ -68,7 +68,8 @@ void play_rigid(long count) {
     rules.detail = "rigid";
     rules.tolerance = 0.03;
     for (const bench::LotteryTicket& ticket : bench::play_all(1, 0, count, 2, rules)) {
-        EXPECT_TRUE(ticket.status == "finished" || ticket.status == "unreliable") << ticket.number << ": " << ticket.message;
+        const bool refused = ticket.message.ends_with("takes it with detail.friction = \"piecewise\" only");  // a law of tips
+        EXPECT_TRUE(refused || ticket.status == "finished" || ticket.status == "unreliable") << ticket.number << ": " << ticket.message;
         EXPECT_TRUE(ticket.honest(rules)) << ticket.number << ": slip off by " << ticket.slip_error(rules) << ", losses by "
                                           << ticket.loss_error();
         EXPECT_FALSE(ticket.false_alarm(rules)) << "machine " << ticket.number << " is right and called unreliable";

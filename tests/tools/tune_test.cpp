@@ -86,13 +86,13 @@ TEST_F(Tune, SweepsWithAnAccuracyCarryTheirErrorsAndSayWhereTheyMissIt) {
     write("sweep.toml",
           "[sweep]\nscene = \"tiny\"\n[set]\nrun.until = \"1 ms\"\nrun.method = \"leapfrog-chebyshev\"\nstart.settling_time = \"2 ms\"\n"
           "start.ramp_time = \"1 ms\"\n[[axes]]\nkey = \"load.torque\"\nvalues = [6, 9, 12]\n[outputs]\nfrom = \"0.4 ms\"\n"
-          "scalars = [\"tight_tension mean\"]\n[start]\nmode = \"settle\"\n[accuracy]\ntarget = \"0.4 %\"\nverify = 2\n");
+          "scalars = [\"tight_tension mean\"]\n[start]\nmode = \"settle\"\n[accuracy]\ntarget = \"3 %\"\nverify = 2\n");
     const Outcome outcome = batch();
     ASSERT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_THAT(outcome.err, ContainsRegex("cvtflow: sweep: 2 cases verified, 0 beyond 0.4 %; at most: tight_tension_mean "));
+    EXPECT_THAT(outcome.err, ContainsRegex("cvtflow: sweep: 2 cases verified, 0 beyond 3 %; at most: tight_tension_mean "));
     EXPECT_EQ(hash_in(outcome.out), table().attribute("results_hash"));
     EXPECT_THAT(run({"table", "out"}).out,
-                HasSubstr("\naccuracy 4e-3: " + table().attribute("accuracy_choice") + " (largest error at the corners "));
+                HasSubstr("\naccuracy 3e-2: " + table().attribute("accuracy_choice") + " (largest error at the corners "));
     const Outcome again = run({"resume", "out"});
     EXPECT_EQ(again.status, 0) << again.err;
     EXPECT_THAT(again.err, HasSubstr(", from the cache"));
@@ -104,7 +104,7 @@ TEST_F(Tune, SweepsWithAnAccuracyCarryTheirErrorsAndSayWhereTheyMissIt) {
     std::filesystem::remove(folder_ / "out" / "cases.h5");
     const Outcome missed = batch({"-q"});
     EXPECT_EQ(missed.status, 7) << missed.err;
-    EXPECT_THAT(missed.err, HasSubstr("cvtflow: sweep: misses its target: 2 cases verified, 2 beyond 0.4 %; at most: "));
+    EXPECT_THAT(missed.err, HasSubstr("cvtflow: sweep: misses its target: 2 cases verified, 2 beyond 3 %; at most: "));
 }
 
 }  // namespace

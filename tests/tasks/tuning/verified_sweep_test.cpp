@@ -87,15 +87,15 @@ TEST_F(VerifiedSweeps, FindOutWhereATableIsNotAsAccurateAsItSays) {
     Sweep asked = sweep(three);
     asked.scalars.resize(1);
     TunedSweep coarse{asked, {{"coarse", "leapfrog-chebyshev"}, 0.0, 0.0}, std::nullopt};
-    coarse.sweep.accuracy.target = 0.004;
+    coarse.sweep.accuracy.target = 0.03;  // after 2 ms of settling, references of other steps differ by 0.35 %
     Sweep strict = asked;
-    strict.accuracy.target = 0.004;
+    strict.accuracy.target = 0.03;
     coarse.sweep.scene = chosen_scene(asked.scene, coarse.kept.choice, 0.0);
     EXPECT_TRUE(run(coarse.sweep).finished);
     static_cast<void>(verify_sweep(strict, coarse, out(), go_on_, {}));
     const SweepVerdict verdict = sweep_verdict(table());
     EXPECT_EQ(verdict.verified, 3);
-    EXPECT_GE(verdict.missed, 2) << verdict.text() << ": with 24 pins whole ones are wrong by per cents";
+    EXPECT_GE(verdict.missed, 2) << verdict.text() << ": with 24 pins whole ones are wrong by half";
     EXPECT_FALSE(verdict.held());
 }
 
