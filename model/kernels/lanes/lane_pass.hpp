@@ -115,7 +115,7 @@ public:
 
     void tips(int own, int count, const Columns& columns, V* f, V& moment, LinkLoad* loads) const noexcept {
         const int first = range_.first + own;
-        if (c_.layout.pulley_size == 4 && !c_.eccentric) {
+        if ((c_.layout.pulley_size | static_cast<int>(c_.eccentric)) == 4) {  // an eccentric sheave also moves across its axis
             LaneTips<P, W, true, Contacts>(c_, range_, first, count, contacts_).add(columns, f, moment, loads + own);
         } else {
             LaneTips<P, W, false, Contacts>(c_, range_, first, count, contacts_).add(columns, f, moment, loads + own);
