@@ -13,7 +13,8 @@ namespace {
 using tasks::Scene;
 
 [[nodiscard]] std::uint64_t hash_of(const std::string& level, const std::string& method, const std::vector<std::string>& law) {
-    std::vector<std::string> settings{"start.state=", "start.settling_time=0.2 ms", "start.ramp_time=0.1 ms", "run.until=0.1 ms"};
+    std::vector<std::string> settings{"start.state=", "start.settling_time=0.2 ms", "start.ramp_time=0.1 ms", "run.until=0.1 ms",
+                                      "run.step=0.5 us"};
     settings.insert(settings.end(), law.begin(), law.end());
     Scene scene = scene_at_level("tiny", level, settings);
     scene.run.method = method;
