@@ -60,7 +60,7 @@ std::span<const Channel> hydraulic_channels() {
         row("hydraulics/volumetric", "J", "lost in the pump by its leakage so far", energy(&E::volumetric)),
         row("hydraulics/relief", "J", "lost by flow that no cylinder takes so far", energy(&E::relief)),
         row("hydraulics/valves", "J", "lost by throttling in the valves so far", energy(&E::valves)),
-        row("hydraulics/leakage", "J", "lost by leakage of the cylinders so far", energy(&E::leakage)),
+        row("hydraulics/leaked", "J", "lost by leakage of the cylinders so far", energy(&E::leakage)),
         row("hydraulics/sheaves", "J", "work of the oil's pressure on the movable sheaves so far", energy(&E::sheaves)),
         row("hydraulics/stored", "J", "energy of the compressed oil", energy(&E::stored)),
         row("efficiency_with_pump", "1", "1 - losses/input over the last pin period, the pump's losses and power included",
