@@ -16,6 +16,16 @@ struct Zero {};
 template <class Real>
 concept Computed = !std::same_as<Real, Zero>;
 
+/// The number, or 0.
+template <Computed Real>
+[[nodiscard]] inline Real number(const Real& number) noexcept {
+    return number;
+}
+template <Computed Real>
+[[nodiscard]] inline Real number(Zero) noexcept {
+    return Real(0.0);
+}
+
 template <Computed Real>
 [[nodiscard]] inline Zero operator*(const Real&, Zero) noexcept {
     return {};

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "model/basis/ten_ninths.hpp"
+#include "model/basis/zero.hpp"
 #include "model/force/account.hpp"
 #include "model/force/difference.hpp"
 #include "model/law/friction.hpp"
@@ -148,26 +149,35 @@ template <int W>
     return {pressing, square, j.friction.coefficient * pressing.normal * slip_factor_of_square<W>(j.friction, square)};
 }
 
+/// What the normal force and friction of a rolling contact add. @param friction_per_speed as of RollingForces, or Zero
+template <int P, int W, class Real, class Points, class Friction>
+[[nodiscard, gnu::always_inline]] inline JointTerms<P, W> rolling_terms(const JointCoefficients& j, const JointFrames<Real>& frames,
+                                                                        const Points& points, const JointMotion<W>& m,
+                                                                        const Lanes<W>& normal,
+                                                                        const Friction& friction_per_speed) noexcept {
+    const auto tangential = -friction_per_speed * m.slip;
+    JointTerms<P, W> terms;
+    points.spread(normal * m.nx - tangential * m.ny, normal * m.ny + tangential * m.nx, number<Lanes<W>>(-friction_per_speed * m.axial),
+                  terms.data());
+    const Lanes<W> leaning = j.arm * normal;
+    terms[2 * P + 4] = leaning * (frames.before.tx * m.ny - frames.before.ty * m.nx) + tangential * m.lever_before;
+    terms[2 * P + 5] = leaning * (frames.after.tx * m.ny - frames.after.ty * m.nx) + tangential * m.lever_after;
+    return terms;
+}
+
 /// Rolling contact: normal force and friction.
 template <int P, int W, bool Observe, class Real, class Points>
 [[nodiscard]] inline JointTerms<P, W> rolling_contact_force(const JointCoefficients& j, const JointFrames<Real>& frames,
                                                             const Points& points, const Lanes<W>& weight, const JointMotion<W>& m,
                                                             Account* account) noexcept {
-    using V = Lanes<W>;
     const auto [pressing, square, friction_per_speed] = rolling_forces<W>(j, weight, m);
-    const auto& [contact, closing, normal] = pressing;
-    const V tangential = -friction_per_speed * m.slip;
-    JointTerms<P, W> terms;
-    points.spread(normal * m.nx - tangential * m.ny, normal * m.ny + tangential * m.nx, -friction_per_speed * m.axial, terms.data());
-    const V leaning = j.arm * normal;
-    terms[2 * P + 4] = leaning * (frames.before.tx * m.ny - frames.before.ty * m.nx) + tangential * m.lever_before;
-    terms[2 * P + 5] = leaning * (frames.after.tx * m.ny - frames.after.ty * m.nx) + tangential * m.lever_after;
     if constexpr (Observe) {
+        const auto& [contact, closing, normal] = pressing;
         account->store(Energy::joints, sum<W>(contact.energy));
         account->lose(Loss::joint_damping, sum<W>((normal - contact.elastic) * closing));
         account->lose(Loss::joint_friction, sum<W>(friction_per_speed * square));
     }
-    return terms;
+    return rolling_terms<P, W>(j, frames, points, m, pressing.normal, friction_per_speed);
 }
 
 /// How far the square of the transverse offset of the arc centres exceeds that of the clearance, times |t₋ + t₊|².

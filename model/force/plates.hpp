@@ -9,17 +9,45 @@
 namespace cvtflow::model {
 namespace {
 
-/// Elastic and damping tension of plates [N], as plate_terms() has it.
+/// How plates are stretched.
+template <int W>
+struct PlateStretch {
+    Lanes<W> dx, dy, dz;           ///< between the halves [m]
+    Lanes<W> vz;                   ///< sliding [m/s]
+    Lanes<W> stretch, stretching;  ///< [m], [m/s]
+    Lanes<W> tension;              ///< elastic and damping [N]
+    Lanes<W> inverse_length;       ///< [1/m]
+    Lanes<W> sliding;              ///< regular_speed(|vz|) [m/s]
+    Lanes<W> inverse_sliding;      ///< [s/m]
+};
+
+/// @param stiffness, damping Lanes<W> over plates, or numbers of the one plate
 template <int P, int W, class Real, class Points, class Number>
-[[nodiscard]] inline Lanes<W> plate_tension(const Coefficients& c, const Real& free_length, const Points& at_plates,
-                                            const Number& stiffness, const Number& damping, const Difference<P, Real>& d,
-                                            const Difference<P, Real>& rate) noexcept {
+[[nodiscard, gnu::always_inline]] inline PlateStretch<W> plate_stretch(const Coefficients& c, const Real& free_length,
+                                                                       const Points& at_plates, const Number& stiffness,
+                                                                       const Number& damping, const Difference<P, Real>& d,
+                                                                       const Difference<P, Real>& rate) noexcept {
     using V = Lanes<W>;
-    const V dx = at_plates.along(d.x), dy = at_plates.along(d.y), dz = d.z + at_plates.xi * d.e;
-    const V vx = at_plates.along(rate.x), vy = at_plates.along(rate.y), vz = rate.z + at_plates.xi * rate.e;
-    const V length = sqrt(dx * dx + dy * dy + dz * dz);
-    const Reciprocals<W> inverse(length, regular_speed<W>(c.plate_friction, abs(vz)));
-    return stiffness * (length - free_length) + damping * ((dx * vx + dy * vy + dz * vz) * inverse.first);
+    PlateStretch<W> s;
+    s.dx = at_plates.along(d.x), s.dy = at_plates.along(d.y), s.dz = d.z + at_plates.xi * d.e;
+    const V vx = at_plates.along(rate.x), vy = at_plates.along(rate.y);
+    s.vz = rate.z + at_plates.xi * rate.e;
+    const V length = sqrt(s.dx * s.dx + s.dy * s.dy + s.dz * s.dz);
+    s.sliding = regular_speed<W>(c.plate_friction, abs(s.vz));
+    const Reciprocals<W> inverse(length, s.sliding);
+    s.inverse_length = inverse.first;
+    s.inverse_sliding = inverse.second;
+    s.stretch = length - free_length;
+    s.stretching = (s.dx * vx + s.dy * vy + s.dz * s.vz) * inverse.first;
+    s.tension = stiffness * s.stretch + damping * s.stretching;
+    return s;
+}
+
+/// Friction of plates against axial sliding [N].
+template <int W>
+[[nodiscard]] inline Lanes<W> plate_slide(const Coefficients& c, const PlateStretch<W>& s) noexcept {
+    return c.plate_friction.coefficient * positive_part<W>(s.tension) * slip_factor<W>(c.plate_friction, s.sliding, s.inverse_sliding) *
+           s.vz;
 }
 
 /// Behind the terms of a force, where observed: stored energy, power lost to damping and to friction.
@@ -36,30 +64,17 @@ inline void book_plates(const Real* books, Book account) noexcept {
 }
 
 /// What W plates of a link, or one plate of W links, add to the force on the front half, in the order of Difference.
-/// @param stiffness, damping Lanes<W> over plates, or numbers of the one plate
-template <int P, int W, bool Observe, class Real, class Points, class Number>
-[[nodiscard]] inline std::array<Lanes<W>, plate_rows<P, Observe>> plate_terms(const Coefficients& c, const Real& free_length,
-                                                                              const Points& at_plates, const Number& stiffness,
-                                                                              const Number& damping, const Difference<P, Real>& d,
-                                                                              const Difference<P, Real>& rate) noexcept {
-    using V = Lanes<W>;
-    const V dx = at_plates.along(d.x), dy = at_plates.along(d.y), dz = d.z + at_plates.xi * d.e;
-    const V vx = at_plates.along(rate.x), vy = at_plates.along(rate.y), vz = rate.z + at_plates.xi * rate.e;
-    const V length = sqrt(dx * dx + dy * dy + dz * dz);
-    const V sliding = regular_speed<W>(c.plate_friction, abs(vz));
-    const Reciprocals<W> inverse(length, sliding);
-    const V stretch = length - free_length;
-    const V stretching = (dx * vx + dy * vy + dz * vz) * inverse.first;
-    const V tension = stiffness * stretch + damping * stretching;
-    const V slide =
-        c.plate_friction.coefficient * positive_part<W>(tension) * slip_factor<W>(c.plate_friction, sliding, inverse.second) * vz;
-    const V along = tension * inverse.first;
-    std::array<V, plate_rows<P, Observe>> terms;
-    at_plates.spread(-along * dx, -along * dy, -along * dz - slide, terms.data());
+/// @param slide plate_slide(), or Zero
+template <int P, int W, bool Observe, class Points, class Number, class Slide>
+[[nodiscard, gnu::always_inline]] inline std::array<Lanes<W>, plate_rows<P, Observe>> plate_terms(
+    const Points& at_plates, const Number& stiffness, const Number& damping, const PlateStretch<W>& s, const Slide& slide) noexcept {
+    const Lanes<W> along = s.tension * s.inverse_length;
+    std::array<Lanes<W>, plate_rows<P, Observe>> terms;
+    at_plates.spread(-along * s.dx, -along * s.dy, -along * s.dz - slide, terms.data());
     if constexpr (Observe) {
-        terms[2 * P + 4] = stiffness * stretch * stretch;
-        terms[2 * P + 5] = damping * stretching * stretching;
-        terms[2 * P + 6] = slide * vz;
+        terms[2 * P + 4] = stiffness * s.stretch * s.stretch;
+        terms[2 * P + 5] = damping * s.stretching * s.stretching;
+        terms[2 * P + 6] = slide * s.vz;
     }
     return terms;
 }
@@ -70,9 +85,10 @@ inline void plate_chunk(const Coefficients& c, double free_length, const Differe
                         Difference<P>& pull, [[maybe_unused]] Account* account) noexcept {
     const auto of = [first](const auto& numbers) { return load<W>(&numbers[static_cast<std::size_t>(first)]); };
     alignas(64) double total[plate_rows<P, Observe>];
-    sums<W>(
-        plate_terms<P, W, Observe>(c, free_length, AxisPoints<P, W>(c.plates, first), of(c.plates.weight), of(c.plates.damping), d, rate),
-        total);
+    const AxisPoints<P, W> points(c.plates, first);
+    const auto weight = of(c.plates.weight), damping = of(c.plates.damping);
+    const PlateStretch<W> stretch = plate_stretch<P, W>(c, free_length, points, weight, damping, d, rate);
+    sums<W>(plate_terms<P, W, Observe>(points, weight, damping, stretch, plate_slide(c, stretch)), total);
     pull.add(total);
     if constexpr (Observe) book_plates(total + 2 * P + 4, account);
 }

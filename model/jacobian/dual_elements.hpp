@@ -23,8 +23,9 @@ inline constexpr int two_dozen = directions<24>;
                                                                        const Difference<0, Lanes<six>>& d,
                                                                        const Difference<0, Lanes<six>>& rate) noexcept {
     const auto j = static_cast<std::size_t>(plate);
-    return plate_terms<0, six, false>(c, Lanes<six>(kind.free_length), AxisPoint<0, six>(c.plates, plate), c.plates.weight[j],
-                                      c.plates.damping[j], d, rate);
+    const AxisPoint<0, six> place(c.plates, plate);
+    const auto stretch = plate_stretch<0, six>(c, Lanes<six>(kind.free_length), place, c.plates.weight[j], c.plates.damping[j], d, rate);
+    return plate_terms<0, six, false>(place, c.plates.weight[j], c.plates.damping[j], stretch, plate_slide(c, stretch));
 }
 
 using PointOfJoint = JointTerms<0, eleven>;

@@ -92,9 +92,9 @@ void read_plates(const ForceReading& from, int link) {
     alignas(64) std::array<double, max_plate_lanes + W> tension{};
     const auto of = [](const auto& numbers, int first) { return load<W>(&numbers[place(first)]); };
     for (int first = 0; first < c.plates.count; first += W) {
-        plate_tension<P, W>(c, c.kind(link).free_length, AxisPoints<P, W>(c.plates, first), of(c.plates.weight, first),
+        plate_stretch<P, W>(c, c.kind(link).free_length, AxisPoints<P, W>(c.plates, first), of(c.plates.weight, first),
                             of(c.plates.damping, first), d, rate)
-            .copy_to(&tension[place(first)]);
+            .tension.copy_to(&tension[place(first)]);
     }
     std::copy_n(tension.begin(), c.plates.count, &from.forces.plate_tension[place(c.plates.count * link)]);
 }

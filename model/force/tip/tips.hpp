@@ -111,12 +111,31 @@ template <int W>
     return plain * (pressure_factor<W>(*tip.law, root) * speed_factor_of_square<W>(*tip.law, square));
 }
 
-/// Normal force and friction of tips.
-template <class Tips>
+/// Normal force and friction of tips. @tparam Friction Zero: none
+template <class Tips, class Friction = Tips>
 struct TipForces {
-    Tips normal;             ///< N [N]
-    Vector3<Tips> friction;  ///< f on the tip [N]
+    Tips normal;                 ///< N [N]
+    Vector3<Friction> friction;  ///< f on the tip [N]
 };
+
+template <int W>
+struct TipPressing {
+    Lanes<W> depth;    ///< δ of a tip that touches, else 0 [m]
+    Lanes<W> root;     ///< √δ
+    Lanes<W> elastic;  ///< [N]
+    Lanes<W> normal;   ///< N [N]
+};
+
+/// @param touching 1 or 0
+template <int W, int P>
+[[nodiscard, gnu::always_inline]] inline TipPressing<W> tip_pressing(const TipCoefficients& tip, const TipGeometry<P, Lanes<W>>& g,
+                                                                     const TipMotion<Lanes<W>>& motion, const Lanes<W>& touching) noexcept {
+    TipPressing<W> p;
+    p.depth = touching * positive_part<W>(g.depth);
+    p.root = sqrt(p.depth), p.elastic = tip.hertz * p.depth * p.root;
+    p.normal = positive_part<W>(p.elastic * (1.0 + tip.damping * motion.closing));
+    return p;
+}
 
 /// @param touching 1 or 0   @param account where observed: Account of the link whose tips the lanes are, or LaneAccounts<W>
 template <bool Observe, int W, int P, class Book>
@@ -124,9 +143,7 @@ template <bool Observe, int W, int P, class Book>
                                                                         const TipMotion<Lanes<W>>& motion, const Lanes<W>& touching,
                                                                         const PhaseLanes& phases, [[maybe_unused]] Book account) noexcept {
     using Tips = Lanes<W>;
-    const Tips depth = touching * positive_part<W>(g.depth);
-    const Tips root = sqrt(depth), elastic = tip.hertz * depth * root;
-    const Tips normal = positive_part<W>(elastic * (1.0 + tip.damping * motion.closing));
+    const auto [depth, root, elastic, normal] = tip_pressing<W>(tip, g, motion, touching);
     const Vector3<Tips> v = tangential(motion.material, g.normal);
     const Tips friction_per_speed = -grip<W>(tip, normal, root, dot(v, v), phases);
     const Vector3<Tips> friction{friction_per_speed * v.x, friction_per_speed * v.y, friction_per_speed * v.z};
@@ -146,10 +163,10 @@ struct TipAction {
     Tips moment;
 };
 
-template <int P, class Real, class Tips>
+template <int P, class Real, class Tips, class Friction>
 [[nodiscard, gnu::always_inline]] inline TipAction<Tips> tip_action(const Coefficients& c, const LinkFrameOf<Real>& frame,
                                                                     const TipGeometry<P, Tips>& g, const TipMotion<Tips>& motion,
-                                                                    const TipForces<Tips>& t) noexcept {
+                                                                    const TipForces<Tips, Friction>& t) noexcept {
     const double outward = c.tip.radius * c.tip.sine;
     const Tips sideways = (c.tip.radius * c.tip.cosine) * g.side;
     const Vector3<Tips> pressing{t.normal * g.normal.x, t.normal * g.normal.y, t.normal * g.normal.z};
@@ -204,15 +221,15 @@ struct TipReaction {
     Vector3<Tips> force, moment;
 };
 
-template <int P, class Tips>
+template <int P, class Tips, class Friction>
 [[nodiscard, gnu::always_inline]] inline TipReaction<Tips> tip_reaction(const TipGeometry<P, Tips>& g, const TipMotion<Tips>& motion,
-                                                                        const TipForces<Tips>& t) noexcept {
+                                                                        const TipForces<Tips, Friction>& t) noexcept {
     const Vector3<Tips>& p = motion.sheave_arm;
     const Vector3<Tips>& r = g.arm;
     return {{-(t.normal * g.normal.x + t.friction.x), -(t.normal * g.normal.y + t.friction.y), -(t.normal * g.normal.z + t.friction.z)},
             {-t.normal * (r.y * g.local.z - r.z * g.local.y) - (p.y * t.friction.z - p.z * t.friction.y),
              -t.normal * (r.z * g.local.x - r.x * g.local.z) - (p.z * t.friction.x - p.x * t.friction.z),
-             -(p.x * t.friction.y - p.y * t.friction.x)}};
+             number<Tips>(-(p.x * t.friction.y - p.y * t.friction.x))}};
 }
 
 /// Reactions of the four tips of a link on the two sheaves.

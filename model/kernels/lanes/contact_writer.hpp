@@ -18,6 +18,32 @@ namespace {
 /// No observation: forces only.
 struct NoContacts {
     static constexpr bool wanted = false, relative = false;
+    [[nodiscard]] static int rows(int, int) noexcept { return 0; }
+};
+
+/// Where the numbers of W links go in rows of columns; lanes first … last - 1 represent links.
+template <int W, class Number>
+struct GroupRows {
+    Number* to;  ///< row 0, lane 0
+    std::ptrdiff_t stride;
+    int first, last;
+
+    void put(int row, const Lanes<W>& lanes) const noexcept {
+        Number* const place = to + row * stride;
+        if (last - first == W) return store(lanes, place);
+        alignas(64) Number buffer[W];
+        store(lanes, buffer);
+        if (first < last) std::copy_n(buffer + first, last - first, place + first);
+    }
+
+private:
+    static void store(const Lanes<W>& lanes, Number* place) noexcept {
+        if constexpr (std::is_same_v<Number, float>) {
+            store_rounded<W>(lanes, place);
+        } else {
+            lanes.copy_to(place);
+        }
+    }
 };
 
 /// Groups of W links; `own` counts from the range's first, `count` of the lanes represent links. Lanes outside the range are left out.
@@ -28,6 +54,7 @@ public:
     using V = Lanes<W>;
     using Joint = ContactComponents::Joint;
     using Tip = ContactComponents::Tip;
+    using Rows = GroupRows<W, Number>;
     static constexpr bool wanted = true, relative = std::is_same_v<Number, float>;
 
     /// @param real coefficients with friction in them
@@ -35,60 +62,66 @@ public:
                   ContactFieldOf<Number>& field, ColumnsOf<Number>& frictionless) noexcept
         : c_(real), range_(range), drift_(drift), by_phase_(by_phase), field_(field), frictionless_(frictionless) {}
 
+    /// Of the field, for the links own, …
+    [[nodiscard]] Rows rows(int own, int count) const noexcept { return rows_of(field_.columns, own, count); }
+
     void frame(int own, int count, const LinkFrameOf<V>& frame) const noexcept {
-        put(ContactComponents::frame_x, own, count, frame.tx);
-        put(ContactComponents::frame_y, own, count, frame.ty);
-        put(ContactComponents::inverse_length, own, count, frame.inverse_length);
+        const Rows to = rows(own, count);
+        to.put(ContactComponents::frame_x, frame.tx);
+        to.put(ContactComponents::frame_y, frame.ty);
+        to.put(ContactComponents::inverse_length, frame.inverse_length);
     }
 
-    void joint(int own, int count, int point, const JointMotion<W>& m) const noexcept {
+    /// @param to rows() of the links
+    void joint(const Rows& to, int point, const JointMotion<W>& m, const V& normal) const noexcept {
         const int row = field_.components.joint(point);
-        const V weight(c_.joint_points.weight[static_cast<std::size_t>(point)]);
-        put(row + Joint::normal_x, own, count, m.nx);
-        put(row + Joint::normal_y, own, count, m.ny);
-        put(row + Joint::lever_before, own, count, m.lever_before);
-        put(row + Joint::lever_after, own, count, m.lever_after);
-        put(row + Joint::friction_limit, own, count, c_.joint.friction.coefficient * normal_force<W>(c_.joint, weight, m).normal);
-        if constexpr (relative) put(field_.components.sliding(point), own, count, m.slip);
+        to.put(row + Joint::normal_x, m.nx);
+        to.put(row + Joint::normal_y, m.ny);
+        to.put(row + Joint::lever_before, m.lever_before);
+        to.put(row + Joint::lever_after, m.lever_after);
+        to.put(row + Joint::friction_limit, c_.joint.friction.coefficient * normal);
+        if constexpr (relative) to.put(field_.components.sliding(point), m.slip);
     }
 
     /// How fast the gap of a joint opens, and that between the pins of a link.
-    void gaps(int row, int own, int count, const Difference<P, V>& rate) const noexcept {
-        put(row, own, count, rate.z);
-        put(row + 1, own, count, rate.e);
+    void gaps(const Rows& to, int row, const Difference<P, V>& rate) const noexcept {
+        to.put(row, rate.z);
+        to.put(row + 1, rate.e);
     }
     [[nodiscard]] const ContactComponents& components() const noexcept { return field_.components; }
 
-    void plate(int own, int count, int plate, const V& tension) const noexcept {
-        put(field_.components.plate(plate), own, count, c_.plate_friction.coefficient * positive_part<W>(tension));
+    void plate(const Rows& to, int plate, const V& tension) const noexcept {
+        to.put(field_.components.plate(plate), c_.plate_friction.coefficient * positive_part<W>(tension));
     }
 
     /// Links that touch nowhere.
     void no_tips(int own, int count) const noexcept {
-        for (int corner = 0; corner < tips_per_link; ++corner) put(field_.components.tip(corner) + Tip::friction_limit, own, count, V(0.0));
+        const Rows to = rows(own, count);
+        for (int corner = 0; corner < tips_per_link; ++corner) to.put(field_.components.tip(corner) + Tip::friction_limit, V(0.0));
     }
 
     /// @param sheave of the tip's side for every link, shaft its number
     template <class Geometry>
     void tip(int own, int count, int corner, const Geometry& g, const TipMotion<V>& m, const V& normal, const SheaveMotionLanes<W>& sheave,
              const V& shaft) const noexcept {
+        const Rows to = rows(own, count);
         const int row = field_.components.tip(corner);
-        put(row + Tip::normal, own, count, g.normal.x);
-        put(row + Tip::normal + 1, own, count, g.normal.y);
-        put(row + Tip::normal + 2, own, count, g.normal.z);
-        put(row + Tip::lever_x, own, count, m.lever_x);
-        put(row + Tip::lever_y, own, count, m.lever_y);
+        to.put(row + Tip::normal, g.normal.x);
+        to.put(row + Tip::normal + 1, g.normal.y);
+        to.put(row + Tip::normal + 2, g.normal.z);
+        to.put(row + Tip::lever_x, m.lever_x);
+        to.put(row + Tip::lever_y, m.lever_y);
         const V limit = c_.tip.friction.coefficient * normal;
-        put(row + Tip::friction_limit, own, count,
-            c_.tip.law == nullptr ? limit : limit * pressure_factor<W>(*c_.tip.law, root_of(g.depth)));
-        surface(own, count, corner, m, sheave, shaft);
+        to.put(row + Tip::friction_limit, c_.tip.law == nullptr ? limit : limit * pressure_factor<W>(*c_.tip.law, root_of(g.depth)));
+        surface(to, corner, m, sheave, shaft);
         keep_arms(own, count, corner, m.sheave_arm);
         if (by_phase_) branches(own, count, corner);
     }
 
     /// Accelerations of a group, rows of the coordinates.
     void accelerations(int own, int count, const V* rows, int coordinates = at<P>.link_size()) const noexcept {
-        for (int row = 0; row < coordinates; ++row) put_to(frictionless_, row, own, count, rows[row]);
+        const Rows to = rows_of(frictionless_, own, count);
+        for (int row = 0; row < coordinates; ++row) to.put(row, rows[row]);
     }
 
     /// Ghost columns, `halo` on each side of the chain's, where the range holds the link that they repeat.
@@ -103,31 +136,16 @@ public:
 
 protected:
     [[nodiscard]] static V root_of(const V& depth) noexcept { return sqrt(positive_part<W>(depth)); }
-    void put(int row, int own, int count, const V& lanes) const noexcept { put_to(field_.columns, row, own, count, lanes); }
-
     /// Lanes of a group that represent links of the range: [first, last).
     [[nodiscard]] static int first_lane(int own) noexcept { return std::max(0, -own); }
     [[nodiscard]] int last_lane(int own, int count) const noexcept { return std::min({count, W, range_.last - range_.first - own}); }
 
-    void put_to(ColumnsOf<Number>& columns, int row, int own, int count, const V& lanes) const noexcept {
-        const int first = first_lane(own), last = last_lane(own, count);
-        Number* to = columns.at(row, range_.first + own + range_.shift);
-        if (last - first == W) return store_as(lanes, to);
-        alignas(64) Number buffer[W];
-        store_as(lanes, buffer);
-        if (first < last) std::copy_n(buffer + first, last - first, to + first);
-    }
-
-    static void store_as(const V& lanes, Number* to) noexcept {
-        if constexpr (relative) {
-            store_rounded<W>(lanes, to);
-        } else {
-            lanes.copy_to(to);
-        }
+    [[nodiscard]] Rows rows_of(ColumnsOf<Number>& columns, int own, int count) const noexcept {
+        return {columns.at(0, range_.first + own + range_.shift), columns.stride(), first_lane(own), last_lane(own, count)};
     }
 
     /// Velocity of the sheave at a tip's contact, and how it changes over the step while both go round.
-    void surface(int own, int count, int corner, const TipMotion<V>& m, const SheaveMotionLanes<W>& s, const V& shaft) const noexcept {
+    void surface(const Rows& to, int corner, const TipMotion<V>& m, const SheaveMotionLanes<W>& s, const V& shaft) const noexcept {
         const Vector3<V>& p = m.sheave_arm;
         const SheaveMotion& first = drift_.change[corner % 2];
         const SheaveMotion& second = drift_.change[2 + corner % 2];
@@ -138,12 +156,12 @@ protected:
         const V cx = change(&SheaveMotion::spin_x), cy = change(&SheaveMotion::spin_y), cz = change(&SheaveMotion::spin_z);
         const double h = drift_.step;
         const int row = field_.components.tip(corner);
-        put(row + Tip::sheave, own, count, relative ? -m.material.x : s.vx + x);
-        put(row + Tip::sheave + 1, own, count, relative ? -m.material.y : s.vy + y);
-        put(row + Tip::sheave + 2, own, count, relative ? -m.material.z : s.vz + z);
-        put(row + Tip::drift, own, count, change(&SheaveMotion::vx) + cy * p.z - cz * p.y + h * (s.spin_y * z - s.spin_z * y));
-        put(row + Tip::drift + 1, own, count, change(&SheaveMotion::vy) + cz * p.x - cx * p.z + h * (s.spin_z * x - s.spin_x * z));
-        put(row + Tip::drift + 2, own, count, change(&SheaveMotion::vz) + cx * p.y - cy * p.x + h * (s.spin_x * y - s.spin_y * x));
+        to.put(row + Tip::sheave, relative ? -m.material.x : s.vx + x);
+        to.put(row + Tip::sheave + 1, relative ? -m.material.y : s.vy + y);
+        to.put(row + Tip::sheave + 2, relative ? -m.material.z : s.vz + z);
+        to.put(row + Tip::drift, change(&SheaveMotion::vx) + cy * p.z - cz * p.y + h * (s.spin_y * z - s.spin_z * y));
+        to.put(row + Tip::drift + 1, change(&SheaveMotion::vy) + cz * p.x - cx * p.z + h * (s.spin_z * x - s.spin_x * z));
+        to.put(row + Tip::drift + 2, change(&SheaveMotion::vz) + cx * p.y - cy * p.x + h * (s.spin_x * y - s.spin_y * x));
     }
 
     void keep_arms(int own, int count, int corner, const Vector3<V>& p) const noexcept {
@@ -202,8 +220,8 @@ public:
             from[static_cast<std::size_t>(lane)] = start_.states + (own + std::min(lane, count - 1) + 1) * block - rows;
         std::array<Lanes<W>, rows> begin;
         load_rows<W, rows>(from, begin.data());
-        for (int row = 0; row < size; ++row)
-            Base::put_to(start_.velocity, row, own, count, begin[static_cast<std::size_t>(rows - size + row)] - v[row]);
+        const auto to = Base::rows_of(start_.velocity, own, count);
+        for (int row = 0; row < size; ++row) to.put(row, begin[static_cast<std::size_t>(rows - size + row)] - v[row]);
     }
 
 private:

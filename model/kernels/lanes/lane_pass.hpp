@@ -81,16 +81,22 @@ public:
             {before(a.tx, b.tx), before(a.ty, b.ty), before(a.inverse_length, b.inverse_length), before(a.turning, b.turning)}, b);
         const Difference<P, V> gap = opening(earlier.q(), here.q()), rate = opening(earlier.v(), here.v());
         const auto& points = c_.joint_points;
-        if constexpr (Contacts::relative) contacts_.gaps(contacts_.components().joint_gap(), own, std::min(W, links_ - own), rate);
+        [[maybe_unused]] const auto rows = contacts_.rows(own, std::min(W, links_ - own));
+        if constexpr (Contacts::relative) contacts_.gaps(rows, contacts_.components().joint_gap(), rate);
         JointTerms<P, W> total;
         V worst(0.0);
         const auto pressed = [&](int point) noexcept {
             const AxisPoint<P, W> at_point(points, point);
+            const V weight(points.weight[static_cast<std::size_t>(point)]);
             const auto motion = joint_motion<P, W>(c_.joint, frames, at_point, gap, rate);
             worst = larger<W>(beyond_clearance<W>(c_.joint, frames, motion), worst);
-            if constexpr (Contacts::wanted) contacts_.joint(own, std::min(W, links_ - own), point, motion);
-            return rolling_contact_force<P, W, false>(c_.joint, frames, at_point, V(points.weight[static_cast<std::size_t>(point)]), motion,
-                                                      nullptr);
+            if constexpr (Contacts::wanted) {
+                const V normal = normal_force<W>(c_.joint, weight, motion).normal;
+                contacts_.joint(rows, point, motion, normal);
+                return rolling_terms<P, W>(c_.joint, frames, at_point, motion, normal, Zero{});
+            } else {
+                return rolling_contact_force<P, W, false>(c_.joint, frames, at_point, weight, motion, nullptr);
+            }
         };
         pairwise_sum<W>(points.count, points.width, pressed, total);
         Joints out;
@@ -175,18 +181,20 @@ public:
         constexpr bool observe = !std::is_same_v<Book, std::nullptr_t>;
         const Difference<P, V> d(columns.q(), End::front, columns.q(), End::rear), rate(columns.v(), End::front, columns.v(), End::rear);
         const auto& points = c_.plates;
-        if constexpr (Contacts::relative) contacts_.gaps(contacts_.components().plate_gap(), own, count, rate);
+        [[maybe_unused]] const auto rows = contacts_.rows(own, count);
+        if constexpr (Contacts::relative) contacts_.gaps(rows, contacts_.components().plate_gap(), rate);
         Difference<P, V> pull;
         for (int first = 0; first < points.count; first += points.width) {
             const auto pulled = [&](int plate) noexcept {
                 const std::size_t j = static_cast<std::size_t>(first + plate);
+                const AxisPoint<P, W> place(points, first + plate);
+                const auto stretch = plate_stretch<P, W>(c_, kind.free_length, place, points.weight[j], points.damping[j], d, rate);
                 if constexpr (Contacts::wanted) {
-                    contacts_.plate(own, count, first + plate,
-                                    plate_tension<P, W>(c_, kind.free_length, AxisPoint<P, W>(points, first + plate), points.weight[j],
-                                                        points.damping[j], d, rate));
+                    contacts_.plate(rows, first + plate, stretch.tension);
+                    return plate_terms<P, W, observe>(place, points.weight[j], points.damping[j], stretch, Zero{});
+                } else {
+                    return plate_terms<P, W, observe>(place, points.weight[j], points.damping[j], stretch, plate_slide(c_, stretch));
                 }
-                return plate_terms<P, W, observe>(c_, kind.free_length, AxisPoint<P, W>(points, first + plate), points.weight[j],
-                                                  points.damping[j], d, rate);
             };
             std::array<V, plate_rows<P, observe>> total;
             pairwise_sum<W>(std::min(points.width, points.count - first), points.width, pulled, total);

@@ -74,12 +74,22 @@ private:
         }();
         const auto geometry = tip_geometry<P>(c_, corner, columns.frame, columns.q(), own);
         const auto motion = tip_motion<P>(c_, corner, columns.frame, columns.v(), own, geometry);
-        constexpr std::uint32_t stick_or_slip = 0x02020202;
-        const PhaseLanes phases{phases_ + number, tips_per_link, (any_ & stick_or_slip) != 0, static_cast<std::size_t>(count_)};
-        const auto forces = tip_forces<false, W>(c_.tip, geometry, motion, touching(number), phases, nullptr);
+        const auto forces = forces_of(number, geometry, motion);
         if constexpr (Contacts::wanted) contacts_.tip(own_, count_, number, geometry, motion, forces.normal, sheaves[number % 2], shaft);
         reaction = tip_reaction(geometry, motion, forces);
         return tip_action(c_, columns.frame, geometry, motion, forces);
+    }
+
+    /// Without friction where contacts are recorded: it is solved for apart from all else.
+    template <class Geometry>
+    [[nodiscard, gnu::always_inline]] auto forces_of(int number, const Geometry& geometry, const TipMotion<V>& motion) const noexcept {
+        if constexpr (Contacts::wanted) {
+            return TipForces<V, Zero>{tip_pressing<W>(c_.tip, geometry, motion, touching(number)).normal, {}};
+        } else {
+            constexpr std::uint32_t stick_or_slip = 0x02020202;
+            const PhaseLanes phases{phases_ + number, tips_per_link, (any_ & stick_or_slip) != 0, static_cast<std::size_t>(count_)};
+            return tip_forces<false, W>(c_.tip, geometry, motion, touching(number), phases, nullptr);
+        }
     }
 
     /// 1 where a tip touches, else 0.

@@ -3,6 +3,7 @@
 /// does for one link, in the same order (sums over plates, points and tips in the same trees), so that it gives the same bits whatever its
 /// neighbours are.
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 
@@ -45,36 +46,30 @@ inline void store_rows(const Lanes<W>* rows, const std::array<double*, W>& to, i
     }
 }
 
-template <int W, std::size_t rows>
-inline void add_rows(std::array<Lanes<W>, rows>& total, const std::array<Lanes<W>, rows>& terms) noexcept {
-    for (std::size_t row = 0; row < rows; ++row) total[row] += terms[row];
-}
-
-/// Sum of terms_at(0) … terms_at(count - 1) in the tree of sums() over `width` lanes: pairs that lie width/2 apart first.
+/// Sum of terms_at(0) … terms_at(count - 1) in the tree of sums() over `width` lanes: pairs that lie width/2 apart first. A pair is added
+/// up in registers; what is finished beside it waits in memory, a branch per level. What is missing counts as -0, which changes no bit.
 /// @param width a power of two ≥ count, at most 16
 template <int W, std::size_t rows, class Body>
-inline void pairwise_sum(int count, int width, const Body& terms_at, std::array<Lanes<W>, rows>& total) noexcept {
-    std::array<std::array<Lanes<W>, rows>, 5> partial;  // of the finished branches, the largest first
-    std::array<bool, 5> present{};
-    std::size_t height = 0;
-    int point = 0;
-    for (int leaf = 0; leaf < width; ++leaf) {
-        const bool here = point < count;
-        if ((leaf & 1) == 0) {
-            present[height] = here;
-            if (here) partial[height] = terms_at(point);
-            ++height;
-        } else {
-            if (here) add_rows<W>(partial[height - 1], terms_at(point));
-            for (int ones = leaf >> 1; (ones & 1) != 0; ones >>= 1) {
-                if (present[--height]) add_rows<W>(partial[height - 1], partial[height]);
-            }
+[[gnu::always_inline]] inline void pairwise_sum(int count, int width, const Body& terms_at, std::array<Lanes<W>, rows>& total) noexcept {
+    std::array<std::array<Lanes<W>, rows>, 3> finished;
+    const int pairs = std::max(width / 2, 1);
+    for (int pair = 0, point = 0; pair < pairs; ++pair) {
+        std::array<Lanes<W>, rows> sum;
+        for (Lanes<W>& row : sum) row = Lanes<W>(-0.0);
+        for (int each = point; each < count; each += pairs) {
+            const auto terms = terms_at(each);
+            for (std::size_t row = 0; row < rows; ++row) sum[row] += terms[row];
         }
-        int bit = width / 2;  // next in the order of reversed bits
+        std::size_t level = 0;
+        for (; (pair >> level & 1) != 0; ++level) {
+            for (std::size_t row = 0; row < rows; ++row) sum[row] = finished[level][row] + sum[row];
+        }
+        std::array<Lanes<W>, rows>& to = pair + 1 == pairs ? total : finished[level];
+        for (std::size_t row = 0; row < rows; ++row) to[row] = sum[row];
+        int bit = pairs / 2;  // next in the order of reversed bits
         for (; (point & bit) != 0; bit /= 2) point -= bit;
         point += bit;
     }
-    total = partial[0];
 }
 
 /// States of W links.
