@@ -187,8 +187,6 @@ Violation rigid_pins_are_simple(const Scene& scene) {
     if (detail.order != 1) return fmt::format("detail.order: {} has order 1, not {}", rigid, detail.order);
     if (detail.plates != model::PlateDetail::lumped) return fmt::format("detail.plates: {} has \"lumped\" plates", rigid);
     if (detail.stick_slip) return fmt::format("detail.stick_slip: {} has no phases stick and slip", rigid);
-    const bool coupled = scene.parameters.drive.mode == DriveMode::coupling || scene.parameters.load.mode == model::LoadMode::coupling;
-    if (coupled) return fmt::format("detail.pins: {} takes no couplings of shafts: drive.mode or load.mode = \"coupling\"", rigid);
     if (scene.parameters.joint.law != model::JointLaw::linear) return fmt::format("joint.law: {} has joints of law \"linear\"", rigid);
     return {};
 }
@@ -249,8 +247,7 @@ const std::vector<CrossCheck>& general_checks() {
         {{"run.method"}, method_exists},
         {{"run.method", "detail.pins", "detail.friction", "tip.friction_law", "imperfection.runout"}, method_takes_machine},
         {{"run.assembly", "detail.pins"}, assembly_takes_pins},
-        {{"detail.pins", "detail.order", "detail.plates", "detail.stick_slip", "joint.law", "drive.mode", "load.mode"},
-         rigid_pins_are_simple},
+        {{"detail.pins", "detail.order", "detail.plates", "detail.stick_slip", "joint.law"}, rigid_pins_are_simple},
         {{"detail.pins", "run.schedule", "run.segments"}, rigid_pins_are_serial},
         {{"run.step_control", "run.method"}, method_estimates_error},
         {{"record.channels"}, channels_exist},

@@ -53,6 +53,7 @@ void RigidStepper::start(double t, const double* y) {
     columns_.copy(Column::rub, Column::rub_before);
     tail_kinetic_ = tail_kinetic();
     kinetic_ = model_.kernels().kick(model_.coefficients(), 0.0, columns_) + tail_kinetic_;
+    couple(coupling_rates());
     balance_ = total_ = {};
     balance_.energy = forces_.account.energy;
     balance_.energy[static_cast<std::size_t>(Energy::kinetic)] = kinetic_;
@@ -81,6 +82,10 @@ void RigidStepper::lead(double time) noexcept {
     for (std::size_t k = static_cast<std::size_t>(model_.layout().pulley_size), end = kicked_end(); k < end; ++k)
         tail_[k] += more * tail_slope_[k];
     tail_kinetic_ = tail_kinetic();
+    for (std::size_t k = 0; k < 2; ++k) {
+        total_.far[k] += more * far_power_[k];
+        total_.twisted[k] += more * twist_power_[k];
+    }
     for (std::size_t k = 0; k < loss_kinds; ++k) total_.lost[k] += more * forces_.account.loss[k];
     if (model_.layout().pulley_size != 0) {
         const WorkRates power = variator_.pulleys().works(tail_.data(), inputs_);
@@ -109,6 +114,7 @@ void RigidStepper::evaluate(double kick) noexcept {
 /// Half of it belongs to the step behind. Powers of a kick are those of the mean of the velocities before and after.
 void RigidStepper::kick(double length) noexcept {
     const double before = tail_kinetic_, half = 0.5 * length;
+    const std::array<double, 2> rates = coupling_rates();
     WorkRates power{};
     if (model_.layout().pulley_size != 0) power = variator_.pulleys().works(tail_.data(), inputs_);
     kinetic_ = model_.kernels().kick(model_.coefficients(), length, columns_);
@@ -117,6 +123,7 @@ void RigidStepper::kick(double length) noexcept {
         tail_[k] += length * tail_slope_[k];
     tail_kinetic_ = tail_kinetic();
     kinetic_ += 0.5 * (before + tail_kinetic_);
+    couple(rates);
     if (model_.layout().pulley_size != 0) {
         const WorkRates after = variator_.pulleys().works(tail_.data(), inputs_);
         for (std::size_t k = 0; k < work_kinds; ++k) power[k] = 0.5 * (power[k] + after[k]);
@@ -125,6 +132,10 @@ void RigidStepper::kick(double length) noexcept {
         for (std::size_t k = 0; k < loss_kinds; ++k) to.lost[k] = total_.lost[k] + share * forces_.account.loss[k];
         for (std::size_t k = 0; k < work_kinds; ++k) to.worked[k] = total_.worked[k] + share * power[k];
         to.impulse = {total_.impulse[0] + share * inputs_.drive_torque, total_.impulse[1] + share * inputs_.load_torque};
+        for (std::size_t k = 0; k < 2; ++k) {
+            to.far[k] = total_.far[k] + share * far_power_[k];
+            to.twisted[k] = total_.twisted[k] + share * twist_power_[k];
+        }
     };
     book(half, balance_);
     book(length, total_);
@@ -141,6 +152,28 @@ double RigidStepper::jerked() const noexcept {
         for (int pin = 0; pin < c.pins; ++pin) sum += 0.5 * mass * a[pin] * a[pin];
     }
     return sum;
+}
+
+std::array<double, 2> RigidStepper::coupling_rates() const noexcept {
+    const PulleyModel& pulleys = variator_.pulleys();
+    std::array<double, 2> rates{};
+    for (int shaft = 0; shaft < 2 && model_.layout().pulley_size != 0; ++shaft) {
+        if (pulleys.coupled(shaft)) rates[static_cast<std::size_t>(shaft)] = pulleys.coupling(time_, tail_.data(), shaft).rate;
+    }
+    return rates;
+}
+
+void RigidStepper::couple(const std::array<double, 2>& rates) noexcept {
+    const PulleyModel& pulleys = variator_.pulleys();
+    const std::array<double, 2> torque{inputs_.drive_torque, inputs_.load_torque};
+    far_power_ = twist_power_ = {};
+    for (int shaft = 0; shaft < 2 && model_.layout().pulley_size != 0; ++shaft) {
+        if (!pulleys.coupled(shaft)) continue;
+        const std::size_t k = static_cast<std::size_t>(shaft);
+        const CouplingState now = pulleys.coupling(time_, tail_.data(), shaft);
+        far_power_[k] = torque[k] * pulleys.reference_speed(time_, shaft);
+        twist_power_[k] = now.damping * rates[k] * 0.5 * (rates[k] + now.rate);  // the damper's torque is of the velocities before
+    }
 }
 
 double RigidStepper::tail_kinetic() const noexcept {
@@ -176,6 +209,8 @@ void RigidStepper::visit(Stepper& s, const Visitor& visitor) {
     visitor(&s.kinetic_, 1);
     visitor(&s.tail_kinetic_, 1);
     visitor(&s.shift_, 1);
+    visitor(s.far_power_.data(), 2);
+    visitor(s.twist_power_.data(), 2);
     visitor(s.tail_.data(), s.tail_.size());
     visitor(s.tail_slope_.data(), s.tail_slope_.size());
     visitor(s.ledger_.data(), s.ledger_.size());
@@ -188,6 +223,8 @@ void RigidStepper::visit(Stepper& s, const Visitor& visitor) {
         visitor(balance->lost.data(), loss_kinds);
         visitor(balance->worked.data(), work_kinds);
         visitor(balance->impulse.data(), 2);
+        visitor(balance->far.data(), 2);
+        visitor(balance->twisted.data(), 2);
     }
     for (const auto& [first, last] : kept) {
         for (int c = static_cast<int>(first); c <= static_cast<int>(last); ++c)

@@ -15,6 +15,8 @@ struct RigidBalance {
     std::array<double, loss_kinds> lost{};      ///< [J]
     std::array<double, work_kinds> worked{};    ///< [J]
     std::array<double, 2> impulse{};            ///< of the torques from outside on both shafts [N·m·s]
+    /// Of couplings at both shafts: work of their far ends, and what they have dissipated [J].
+    std::array<double, 2> far{}, twisted{};
 
     [[nodiscard]] double stored() const noexcept;
     [[nodiscard]] double losses() const noexcept;
@@ -63,7 +65,9 @@ private:
     void evaluate(double kick) noexcept;  ///< forces; kick 0: friction of the velocities as they are
     void kick(double length) noexcept;
     [[nodiscard]] double tail_kinetic() const noexcept;
-    [[nodiscard]] double jerked() const noexcept;  ///< ½ a·M a of the pins [J/s²]
+    [[nodiscard]] double jerked() const noexcept;                         ///< ½ a·M a of the pins [J/s²]
+    [[nodiscard]] std::array<double, 2> coupling_rates() const noexcept;  ///< [rad/s], zero where no coupling acts
+    void couple(const std::array<double, 2>& rates) noexcept;             ///< powers of the couplings, given rates before the kick
     /// Calls visitor(number) for every number that the next step depends on. @tparam Stepper this class, const or not
     template <class Stepper, class Visitor>
     static void visit(Stepper& stepper, const Visitor& visitor);
@@ -77,6 +81,7 @@ private:
     std::vector<double> tail_, tail_slope_;                 ///< pulleys, controls, hydraulics
     double kinetic_ = 0.0, tail_kinetic_ = 0.0;             ///< [J]; of the pulleys' velocities as they are
     double shift_ = 0.0;                                    ///< of the kinetic energy by all changes of lead_ so far [J]
+    std::array<double, 2> far_power_{}, twist_power_{};     ///< of couplings, in the last kick [W]
     std::array<double, loss_kinds + work_kinds> ledger_{};  ///< of the state at the start [J]
     RigidBalance balance_, total_;                          ///< total_: to the middle of the step behind
 };

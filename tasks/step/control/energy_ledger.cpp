@@ -155,6 +155,7 @@ void EnergyLedger::book(double time, const StepAccount& account, std::optional<d
     if (time < 0.0) add_noise(total(m_.power), spacing);  // the shock of a start, which steps do not resolve
     m_.work = account.work;
     m_.impulse = account.impulse;
+    m_.couplings = account.couplings;
     for (std::size_t k = 0; k < m_.work.size(); ++k) m_.through += std::max(0.0, m_.work[k] - m_.work_sampled[k]);
     m_.stored = account.stored;
     m_.max_stored = std::max(m_.max_stored, m_.stored);

@@ -62,12 +62,18 @@ struct FurtherPowers {
     double input = 0.0, lost = 0.0;
 };
 
+/// Of the couplings of both shafts so far: work of their far ends, and what they have dissipated.
+struct CouplingSums {
+    std::array<double, 2> work{}, dissipated{};  ///< [J]
+};
+
 /// What a method counts itself, in every step: sums since the integration began, and what is stored now.
 struct StepAccount {
     std::array<double, model::loss_kinds> lost{};  ///< [J]
     model::WorkRates work{};                       ///< by input [J]
     std::array<double, 2> impulse{};               ///< of the torques from outside on both shafts [N·m·s]
     double stored = 0.0;                           ///< [J]
+    CouplingSums couplings;
 };
 
 class EnergyLedger {
@@ -89,6 +95,7 @@ public:
         m_.steps += 1.0;
         m_.work = account.work;
         m_.impulse = account.impulse;
+        m_.couplings = account.couplings;
     }
     /// Whether losses should be sampled before the next step. time [s]
     [[nodiscard]] bool due(double time) const noexcept;
@@ -119,10 +126,7 @@ public:
     /// The same with powers that have lasted as long. time: now [s]
     [[nodiscard]] double efficiency(double time, const FurtherPowers& further) const noexcept;
 
-    /// Of the couplings of both shafts so far: work of their far ends, and what they have dissipated.
-    struct Couplings {
-        std::array<double, 2> work{}, dissipated{};  ///< [J]
-    };
+    using Couplings = CouplingSums;
     [[nodiscard]] const Couplings& couplings() const noexcept { return m_.couplings; }
     /// Of drive and load on their shafts so far [N·m·s].
     [[nodiscard]] const std::array<double, 2>& impulse() const noexcept { return m_.impulse; }

@@ -59,6 +59,29 @@ TEST(SimulationCouplings, TheirEnergyBalanceClosesToRounding) {
     EXPECT_TRUE(energy.reliable());
 }
 
+/// Rigid pins count each step's works themselves, at mean velocities: the identity holds to the second order of their long steps.
+TEST(SimulationCouplings, RigidPinsCountWorkAndLossOfBothCouplings) {
+    Scene scene = coupled_scene();
+    set_values(scene, std::vector<std::string>{"detail.pins=rigid", "run.method=auto", "run.step=1 us"});
+    Simulation simulation(scene);
+    run(simulation, 0.0);
+    double stored[2];
+    for (int shaft = 0; shaft < 2; ++shaft)
+        stored[shaft] = simulation.variator().pulleys().coupling(0.0, pulleys_of(simulation), shaft).energy;
+    run(simulation, 1e-3);
+    const EnergyLedger& energy = simulation.energy();
+    const EnergySums sums = energy.sums(simulation.time());
+    for (std::size_t k = 0; k < 2; ++k) {
+        const int shaft = static_cast<int>(k);
+        const double now = simulation.variator().pulleys().coupling(simulation.time(), pulleys_of(simulation), shaft).energy;
+        const double far = energy.couplings().work[k], lost = energy.couplings().dissipated[k];
+        EXPECT_GT(std::abs(far), 0.01) << shaft;
+        EXPECT_GT(lost, 0.0) << shaft;
+        EXPECT_NEAR(far, sums.work[k] + (now - stored[k]) + lost, 1e-4 * std::abs(far)) << shaft;
+    }
+    EXPECT_TRUE(energy.reliable());
+}
+
 TEST(SimulationCouplings, AFarEndThatSlowsDownBrakesTheShaft) {
     Simulation simulation(coupled_scene());
     run(simulation, 0.0);

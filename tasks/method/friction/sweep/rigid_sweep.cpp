@@ -76,7 +76,7 @@ void RigidSweep::show() {
 const StepAccount& RigidSweep::account() {
     start_if_cold();
     const model::RigidBalance& now = stepper_.balance();
-    account_ = {now.lost, now.worked, now.impulse, now.stored()};
+    account_ = {now.lost, now.worked, now.impulse, now.stored(), {now.far, now.twisted}};
     return account_;
 }
 
