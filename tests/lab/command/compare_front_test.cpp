@@ -91,6 +91,14 @@ TEST_F(CompareFront, NamesAReferenceThatIsWrongItself) {
               "cvtflow-lab: --confirm: '0 s' is not a time above 0, such as 40ns\n");
 }
 
+TEST_F(CompareFront, RefusesAConfirmationWithoutAFront) {
+    for (const auto& words : {std::vector<std::string>{"--confirm", "1ms"}, {"--confirm-against", "rk4@50ns"}}) {
+        const Outcome outcome = run(std::vector<std::string>{"compare", "control"} + words);
+        EXPECT_NE(outcome.status, 0);
+        EXPECT_THAT(outcome.err, HasSubstr(words.front() + " requires --front"));
+    }
+}
+
 TEST_F(NightlyCompareFront, RecommendsNothingWrongOfAllItsChoices) {
     for (const std::string scene : {"control", "shift"}) EXPECT_EQ(row(judged(scene, {}), "leapfrog-chebyshev@2us")["front"], false);
 }

@@ -225,8 +225,9 @@ Action declare_compare(CLI::App& app) {
     app.add_option("--pin", arguments->pin, "Also compare the axial force of a pin: N, or first: the first that enters the driving sheaves")
         ->type_name("N");
     app.add_flag("--newton", arguments->newton, "Also show how Newton's method converged");
-    app.add_flag("--front", arguments->front, "Also find the Pareto front, confirm it by longer runs, and recommend choices");
-    declare_front(app, arguments->far);
+    CLI::Option* const front =
+        app.add_flag("--front", arguments->front, "Also find the Pareto front, confirm it by longer runs, and recommend choices");
+    declare_front(app, front, arguments->far);
     declare_fresh_start(app, arguments->scene);
     declare_output(app, arguments->output);
     app.add_flag("-q,--quiet", arguments->quiet, "No progress; results are printed all the same");

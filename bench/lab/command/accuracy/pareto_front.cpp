@@ -12,13 +12,15 @@ namespace cvtflow::bench {
 
 using namespace tools;
 
-void declare_front(CLI::App& app, FrontArguments& arguments) {
+void declare_front(CLI::App& app, CLI::Option* front, FrontArguments& arguments) {
     app.add_option("--confirm", arguments.confirm, "With --front: length of the run that confirms a recommendation")
         ->type_name("TIME")
-        ->capture_default_str();
+        ->capture_default_str()
+        ->needs(front);
     app.add_option("--confirm-against", arguments.reference,
                    "Reference of that run (default: leapfrog-chebyshev at a quarter of its automatic step, refined)")
-        ->type_name("CHOICE");
+        ->type_name("CHOICE")
+        ->needs(front);
 }
 
 ConfirmSettings confirm_settings(const FrontArguments& arguments, double interval) {

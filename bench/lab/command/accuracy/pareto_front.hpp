@@ -9,7 +9,8 @@
 
 namespace CLI {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace cvtflow::bench {
 
@@ -17,8 +18,8 @@ struct FrontArguments {
     std::string confirm = "20 ms", reference;
 };
 
-/// --confirm, --confirm-against.
-void declare_front(CLI::App& app, FrontArguments& arguments);
+/// --confirm, --confirm-against. @param front the option that they need
+void declare_front(CLI::App& app, CLI::Option* front, FrontArguments& arguments);
 /// interval [s]. @throws tasks::SceneError
 [[nodiscard]] ConfirmSettings confirm_settings(const FrontArguments& arguments, double interval);
 /// @throws tasks::SimulationError if the energy balance of the reference does not close
