@@ -142,7 +142,7 @@ void Simulation::take_state(const engine::SavedState& saved) {
         throw SimulationError(fmt::format("{}start.state: {} contains an invalid tip phase", scene_.state_place, scene_.state_file));
     }
     const auto behind = saved.state.begin() + static_cast<std::ptrdiff_t>(mechanical);
-    std::copy(saved.state.begin(), behind, workspace_->states[0]);
+    std::fill_n(std::copy(saved.state.begin(), behind, workspace_->states[0]), static_cast<std::size_t>(at.size()) - mechanical, 0.0);
     const std::size_t controllers = static_cast<std::size_t>(at.controls) % oil;
     std::copy_n(behind, std::min(integrals, controllers), workspace_->states[0] + at.control_begin());
     const auto ledger = behind + static_cast<std::ptrdiff_t>(first_order);

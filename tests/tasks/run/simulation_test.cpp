@@ -270,6 +270,24 @@ TEST(Simulation, SettlesAnewWhereItsStateBelongsToAnotherMachine) {
     }
 }
 
+/// A workspace that another case has used: what a saved state lacks begins at zero, as in a new simulation.
+TEST(Simulation, BeginsControlAndLedgerAtZeroWhereTheSavedStateHasNone) {
+    Scene scene = tiny_scene();
+    Simulation plain(scene);
+    ASSERT_FALSE(plain.advance({.until = 0.0}, silent, uncancelled));
+    const StateFile file(plain);
+    scene.state_file = file.path();
+    for (const char* setting : {"control.enabled=true", "control.integral=1e8 N/s", "record.ledger=true"}) set_value(scene, setting);
+    const Simulation started(scene);
+    Simulation reused(scene);
+    ASSERT_FALSE(reused.advance({.until = reused.time() + 20e-6}, silent, uncancelled));
+    const model::ChainLayout& at = reused.workspace().layout();
+    ASSERT_NE(reused.state()[at.control_begin()], 0.0) << "an integral of the first case";
+    reused.reset(scene, saved_start(scene).get());
+    EXPECT_EQ(reused.state()[at.control_begin()], 0.0);
+    EXPECT_EQ(reused.hash(), started.hash());
+}
+
 TEST(Simulation, RefusesAnUnknownMethod) {
     Scene scene = tiny_scene();
     scene.run.method = "rk17";
