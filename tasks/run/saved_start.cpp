@@ -69,6 +69,12 @@ std::string_view settled_scene_text(const engine::SavedState& saved) {
     return text == nullptr ? std::string_view() : std::string_view(*text);
 }
 
+model::Parameters settled_parameters(const engine::SavedState& saved, const Scene& scene) {
+    model::Parameters parameters = scene.parameters;
+    if (const std::optional<Scene> then = settled_scene(saved, scene.state_file)) parameters.detail = then->parameters.detail;
+    return parameters;
+}
+
 double start_misfit(const engine::SavedState& saved, const Scene& scene) {
     const std::optional<Scene> then = settled_scene(saved, scene.state_file);
     if (!then || model::Variator::same_machine(then->parameters, scene.parameters)) return 0.0;

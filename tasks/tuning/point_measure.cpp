@@ -63,6 +63,7 @@ void PointMeasure::settle_finest() {
     if (const auto saved = fitting_start(point_.scene)) {
         settled_ = *saved;
         settled_with_ = point_.scene;
+        settled_with_.parameters = settled_parameters(*saved, point_.scene);
         if (suspicion_of(*settled_) > 1.0)
             throw SimulationError(point_.scene.state_file + " is unreliable: the energy balance did not close while settling");
         return;

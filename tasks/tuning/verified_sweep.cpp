@@ -37,10 +37,12 @@ std::string key_of(const Sweep& sweep, const TuneSettings& settings) {
 
 /// The scene's own start state, brought over where the detail has other unknowns, in the folder of the sweep.
 void give_state(const Scene& own, const std::string& file, Scene& chosen) {
-    if (own.state_file.empty() || model::layout_of(own.parameters) == model::layout_of(chosen.parameters)) return;
+    if (own.state_file.empty()) return;
     const auto saved = fitting_start(own);
     if (saved == nullptr) return chosen.state_file.clear();
-    engine::SavedState state = convert_state(*saved, own.parameters, chosen.parameters);
+    const model::Parameters settled = settled_parameters(*saved, own);
+    if (model::layout_of(settled) == model::layout_of(chosen.parameters)) return;
+    engine::SavedState state = convert_state(*saved, settled, chosen.parameters);
     fs::create_directories(fs::path(file).parent_path());
     engine::write_state(file, state);
     chosen.state_file = fs::absolute(file).string();

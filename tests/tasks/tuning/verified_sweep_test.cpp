@@ -64,6 +64,21 @@ TEST_F(VerifiedSweeps, CarryTheErrorsOfTheCasesThatWereRunAgain) {
     EXPECT_EQ(all.attribute("results_hash"), results_hash(all)) << "of the rows as they are now";
 }
 
+/// The detail of such a sweep is chosen, so that of its scene need not be that of the scene's state.
+TEST_F(VerifiedSweeps, BeginWithAStateOfAnotherDetail) {
+    const std::string file = (folder_ / "sweep.toml").string();
+    std::ofstream(file) << "[sweep]\nscene = \"baseline\"\n[set]\ndetail.order = 1\nrun.until = \"0.4 ms\"\n[[axes]]\nkey = "
+                           "\"load.torque\"\nvalues = [140, 150]\n[outputs]\nscalars = [\"tight_tension mean\"]\n"
+                           "[accuracy]\ntarget = \"20 %\"\nverify = 1\n";
+    const Sweep asked = read_sweep(file, find_scene);
+    const TunedSweep tuned = tuned_sweep(asked, out(), go_on_, {});
+    ASSERT_TRUE(tuned.result);
+    EXPECT_THAT(tuned.result->left_out, testing::Each(testing::Not(testing::HasSubstr("case "))));
+    EXPECT_TRUE(run(tuned.sweep).finished);
+    EXPECT_THAT(verify_sweep(asked, tuned, out(), go_on_, {}), testing::IsEmpty());
+    EXPECT_EQ(sweep_verdict(table()).missed, 0);
+}
+
 TEST_F(VerifiedSweeps, AreTunedOnceAndAloneDecideWhatIsRun) {
     const Sweep asked = sweep(three);
     const TunedSweep first = tuned_sweep(asked, out(), go_on_, {}), second = tuned_sweep(asked, out(), go_on_, {});
