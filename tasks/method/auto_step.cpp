@@ -103,7 +103,7 @@ constexpr double accurate_whole = 0.9;
 AutoStep::AutoStep(const model::Variator& variator, const model::Parameters& parameters, const Method& method)
     : reach_(reach_with(parameters, method)),
       longest_(longest_automatic_step(method, parameters)),
-      interval_(parameters.detail.pins == model::PinDetail::rigid ? rigid_look_interval : look_interval),
+      interval_(parameters.detail.pins == model::PinDetail::rigid && reach_.damping != forever ? rigid_look_interval : look_interval),
       bound_(variator) {
     if (reach_.damping == forever) return;
     model::Parameters without_friction = parameters;

@@ -58,7 +58,7 @@ public:
     void load(std::span<const double> memory) override;  ///< memory [what save() wrote]
 
 private:
-    /// Of rigid pins, whose spectrum is that of their row of links and hardly moves [s].
+    /// Of the leapfrog of rigid pins: the row of links sets its limit, which hardly moves; in that of tables friction counts [s].
     static constexpr double rigid_look_interval = 20e-3;
 
     [[nodiscard]] double damped_step(double time, const double* state, const model::Phase* phases) noexcept;

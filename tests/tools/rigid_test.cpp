@@ -108,6 +108,13 @@ TEST_F(RigidPins, RefuseWhatTheyDoNotHave) {
     EXPECT_THAT(refusal({"--set", "run.segments=2"}), HasSubstr("is one segment"));
 }
 
+/// In the steps of tables friction counts, which a start changes faster than 20 ms: estimates as for other pins.
+TEST_F(RigidPins, AreReliableAtTheAutomaticStepOfATable) {
+    const Outcome outcome = run({"run", "tiny", "--detail", "rigid", "--method", "rk4", "-o", "tiny.h5"});
+    EXPECT_EQ(outcome.status, 0) << outcome.out;
+    EXPECT_THAT(outcome.out, AllOf(HasSubstr("(auto"), Not(HasSubstr("unreliable"))));
+}
+
 /// Any table integrates the same forces; both are within the step's error of each other.
 TEST_F(RigidPins, TakeOtherMethodsAsACheck) {
     const Words at{"--set", "start.settling_time=1 ms", "--set", "start.ramp_time=1 ms", "--until", "1 ms"};
