@@ -82,6 +82,22 @@ TEST(BeltTheory, DoesNotDependOnItsNodes) {
     }
 }
 
+/// A table without a slope is the constant law; friction that falls with the sliding speed slips more and carries less.
+TEST(BeltTheory, FollowsTheLawOfFriction) {
+    model::Parameters p;
+    BeltParts parts;
+    parts.nodes = 96;  // as many as under a law
+    const BeltDrive constant = belt_at(p, 1.0, 0.75, parts);
+    p.tip.friction_law = model::TipFriction::table;
+    const double mu = p.tip.friction.coefficient;
+    p.tip.friction_table = {{0.005, 0.2}, {mu, mu}};
+    EXPECT_NEAR(belt_at(p, 1.0, 0.75, parts).slip, constant.slip, 1e-9 * constant.slip);
+    p.tip.friction_table = {{0.005, 0.2}, {mu, mu / 1.5}};
+    EXPECT_GT(belt_at(p, 1.0, 0.75, parts).slip, 1.02 * constant.slip);  // tips slide at some 30 mm/s: 10 % less friction
+    EXPECT_NO_THROW((void)belt_at(model::Parameters(), 1.0, 0.95, parts));
+    EXPECT_THROW((void)belt_at(p, 1.0, 0.95, parts), std::domain_error);
+}
+
 /// ln of the thrust ratio over that at constant ratio, while the driving radius grows. [m/s]
 [[nodiscard]] double thrust_push(const model::Parameters& p, double growth, const BeltParts& parts, double times = 1.0) {
     BeltPoint point = belt_point(p, 1.0, 0.3);

@@ -1,10 +1,12 @@
 #pragma once
 /// The belt on one pulley, as theory has it: a continuous belt with Coulomb friction in two directions between sheaves that tilt
-/// (Carbone, Mangialardi, Mantriota 2005), here with the compliance of belt and pins. Equations: docs/validation.md. It shares no code with
-/// the model of the chain: only parameters.
+/// (Carbone, Mangialardi, Mantriota 2005), here with the compliance of belt and pins. Equations: docs/validation.md. It shares with
+/// the model of the chain only parameters and the curve of friction over the sliding speed.
 
+#include <memory>
 #include <vector>
 
+#include "model/law/tip_law.hpp"
 #include "model/parameters/parameters.hpp"
 
 namespace cvtflow::bench {
@@ -17,7 +19,7 @@ struct BeltParts {
     bool crowned_flank = true;     ///< the flank's angle depends on the radius
     bool saturation_speed = true;  ///< friction grows over tip.friction.saturation_speed; without: a thousandth of that speed
     double vibration = 0.0;        ///< standard deviation of the pins' velocity across, which friction averages over [m/s]
-    int nodes = 400;               ///< per arc
+    int nodes = 400;               ///< per arc; at most 96 under a law of friction over the speed
 };
 
 /// A pulley that runs at constant radius, or whose radius grows.
@@ -76,7 +78,8 @@ private:
     };
 
     [[nodiscard]] double yielding_inset(double axial) const;
-    [[nodiscard]] Contact contact(double reduced, double along, double across) const;
+    [[nodiscard]] double coefficient(double speed) const;
+    [[nodiscard]] Contact contact(double reduced, double along, double across, double pace) const;
     Sums sweep(const Unknowns& u, std::vector<BeltNode>* nodes) const;
     [[nodiscard]] Unknowns guess(const Ends& ends) const;
     [[nodiscard]] Unknowns converge(Unknowns u, const Ends& ends) const;
@@ -84,6 +87,8 @@ private:
 
     BeltPulley pulley_;
     double friction_, saturation_, sin_, cos_;
+    std::shared_ptr<const model::TipLaw> law_;  ///< of friction over the sliding speed; null: constant
+
     double weight_;   ///< mass per length times the square of the speed: centrifugal tension [N]
     double stretch_;  ///< strain per tension [1/N]
     double tilt_;     ///< inset per tilting moment over R [m/N]

@@ -74,6 +74,8 @@ ExitStatus belt(const BeltArguments& arguments) {
     const LoadedScene loaded = load_scene(arguments.scene);
     const model::Parameters& p = loaded.scene.parameters;
     if (p.detail.pulleys == model::PulleyDetail::absent) throw UsageError(loaded.scene.name + " has no pulleys");
+    if (p.tip.pressure_sensitivity != 0.0)
+        throw UsageError("friction of the theory does not depend on pressure: set tip.pressure_sensitivity=0");
     BeltParts parts;
     parts.vibration = arguments.vibration;
     for (const std::string& name : arguments.without) parts.*parts_by_name.at(name) = false;
