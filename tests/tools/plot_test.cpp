@@ -61,6 +61,7 @@ TEST_F(PlotCommand, DrawsWearOverTheRadius) {
     ASSERT_EQ(run({"plot", "worn.h5", "--wear", "-o", "w.csv"}).status, 0);
     EXPECT_EQ(run({"plot", "worn.h5", "--wear", "-o", "w.svg"}).status, 0);
     EXPECT_THAT(read("w.svg"), HasSubstr("coefficient 1e-16"));
+    EXPECT_THAT(read("w.svg"), HasSubstr("; 21 outputs sum to "));
     const engine::RunReader record((folder_ / "worn.h5").string());
     const std::vector<double> power = record.channel("loss/tip_friction"), times = record.times();
     double rubbed = 0.0, mapped = 0.0;

@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include <map>
 #include <regex>
 
 #include "tests/tools/program_fixture.hpp"
@@ -41,6 +42,18 @@ TEST_F(ReportCommand, WarnsFirstOfWhatIsNotFinished) {
     cut("run.h5", "cut.h5", std::filesystem::file_size(folder_ / "run.h5") - 32);  // without its seal
     ASSERT_EQ(run({"report", "cut.h5"}).status, 0);
     EXPECT_THAT(read("cut.html"), HasSubstr("has no seal"));
+}
+
+TEST_F(ReportCommand, ContainsEnergiesByKindAndTheWearThatWasRecorded) {
+    ASSERT_EQ(run({"report", "run.h5"}).status, 0);
+    EXPECT_THAT(read("run.html"), testing::AllOf(HasSubstr("<td>dissipated/tip_friction</td>"), Not(HasSubstr("id=\"wear\""))));
+    for (const auto& [channels, shown] : std::map<std::string, bool>{{"wear/*", true}, {"wear/friction_power", false}}) {
+        const Outcome outcome =
+            run_briefly({"-o", "worn.h5", "--force", "--set", "run.output_interval=1 us", "--set", "record.channels=" + channels});
+        ASSERT_EQ(outcome.status, 0) << outcome.err;
+        ASSERT_EQ(run({"report", "worn.h5"}).status, 0);
+        EXPECT_EQ(read("worn.html").find("Friction energy of the tips by radius") != std::string::npos, shown) << channels;
+    }
 }
 
 TEST_F(ReportCommand, ShowsSeveralRecordsBesideEachOther) {

@@ -17,6 +17,7 @@
 #include "tools/program/text/text.hpp"
 #include "tools/program/view/labels.hpp"
 #include "tools/program/view/run_plots.hpp"
+#include "tools/program/view/wear_plots.hpp"
 
 namespace cvtflow::tools {
 
@@ -128,6 +129,23 @@ std::string figures(const RecordedRun& run) {
         html(run.path()), rows);
 }
 
+/// What a channel of energies so far gained over the record, by kind. Empty if the record has none.
+std::string energies(const RecordedRun& run) {
+    std::string rows;
+    for (const char* group : {"work", "dissipated", "hydraulics"}) {
+        for (const Curve& curve : run.group(group)) {
+            const double gained = curve.values.back() - curve.values.front();
+            if (curve.unit != "J" || gained == 0.0) continue;
+            rows += fmt::format("<tr><td>{}</td><td>{}</td><td class=\"number\" data-value=\"{:.9g}\">{:.6g}</td></tr>\n", html(curve.name),
+                                html(curve.description), gained, gained);
+        }
+    }
+    if (rows.empty()) return "";
+    return "<table class=\"sortable\"><caption>Energies over the record</caption><thead><tr><th>channel</th><th>meaning</th><th>J</th></tr>"
+           "</thead><tbody>\n" +
+           rows + "</tbody></table>\n";
+}
+
 std::string picture(Plot plot) {
     for (Series& series : plot.series) series.points = thinned(series.points, columns_of_picture);
     return "<figure>" + svg(plot) + "</figure>\n";
@@ -144,6 +162,12 @@ std::string provenance(const RecordedRun& run) {
             texts += fmt::format("<details><summary>{}</summary><pre>{}</pre></details>\n", html(each.name), html(value));
     }
     return fmt::format("<h3>{}</h3>\n", html(run.path())) + definition_table(rows) + texts;
+}
+
+std::string wear(const RecordedRun& run) {
+    std::string text;
+    for (Plot& plot : wear_plots(run)) text += picture(std::move(plot));
+    return text;
 }
 
 template <class Each>
@@ -229,7 +253,9 @@ std::string run_page(const std::vector<RecordedRun>& runs) {
     page.sections.push_back({"spectra", "Spectra", spectra(runs)});
     const auto has_losses = [](const RecordedRun& run) { return !run.group("loss").empty(); };
     if (std::all_of(runs.begin(), runs.end(), has_losses))
-        page.sections.push_back({"losses", "Losses", of_all(runs, [](const RecordedRun& run) { return picture(loss_plot(run, false)); })});
+        page.sections.push_back(
+            {"losses", "Losses", of_all(runs, [](const RecordedRun& run) { return picture(loss_plot(run, false)) + energies(run); })});
+    if (std::all_of(runs.begin(), runs.end(), has_wear)) page.sections.push_back({"wear", "Wear", of_all(runs, wear)});
     std::string origins;
     for (const RecordedRun& run : runs) origins += provenance(run);
     page.sections.push_back({"provenance", "Provenance", origins});

@@ -86,10 +86,18 @@ Series line_through(const std::string& name, const std::vector<double>& x, const
     return {name, thinned(points, columns_drawn), Mark::none, Line::solid, "", 1.4};
 }
 
-std::vector<double> in_milliseconds(std::vector<double> times) {
-    for (double& time : times) time *= 1e3;
-    return times;
-}
+constexpr double long_record = 10.0;  ///< time from which pictures count in seconds [s]
+
+struct TimeAxis {
+    const char* label;
+    double per_second;
+
+    explicit TimeAxis(bool is_long) : label(is_long ? "time [s]" : "time [ms]"), per_second(is_long ? 1.0 : 1e3) {}
+    [[nodiscard]] std::vector<double> of(std::vector<double> times) const {
+        for (double& time : times) time *= per_second;
+        return times;
+    }
+};
 
 /// Means over whole pin periods at the middles of these; what a long run shows.
 struct PeriodMeans {
@@ -166,15 +174,16 @@ std::vector<Point> thinned(const std::vector<Point>& points, std::size_t columns
 std::vector<Plot> time_plots(const std::vector<RecordedRun>& runs, const std::vector<std::string>& words, bool every_output) {
     std::vector<Panel> panels;
     std::string means;
+    const TimeAxis axis(std::any_of(runs.begin(), runs.end(), [](const RecordedRun& run) { return run.times().back() > long_record; }));
     for (const RecordedRun& run : runs) {
         const double period = every_output ? 0.0 : averaged_period(run);
         means = period > 0.0 ? means_text(period) : means;
         for (const Curve& curve : chosen(run, words)) {
             Plot& plot = panel_of(panels, curve);
-            plot.x.label = "time [ms]";
+            plot.x.label = axis.label;
             PeriodMeans drawn = drawn_of(run, curve, period);
             for (double& value : drawn.values) value *= shown(curve.name, curve.unit).factor;
-            plot.series.push_back(line_through(name_in(runs, run, curve.name), in_milliseconds(drawn.times), drawn.values));
+            plot.series.push_back(line_through(name_in(runs, run, curve.name), axis.of(drawn.times), drawn.values));
         }
     }
     return finished(panels, subtitle_of(runs) + means);
@@ -265,14 +274,15 @@ Plot loss_plot(const RecordedRun& run, bool every_output) {
     plot.title = fmt::format("Losses by kind: {:.4g} W on average", total);
     const double period = every_output ? 0.0 : averaged_period(run);
     plot.subtitle = run.conditions() + means_text(period);
-    plot.x.label = "time [ms]", plot.y.label = "power dissipated [W]";
+    const TimeAxis axis(run.times().back() > long_record);
+    plot.x.label = axis.label, plot.y.label = "power dissipated [W]";
     for (const Curve& kind : kinds) {
         const double mean = mean_of(kind.values);
         const PeriodMeans drawn = drawn_of(run, kind, period);
         const std::string share = total > 0.0 ? fmt::format(" ({:.1f} %)", 100.0 * mean / total) : "";
         std::string name = kind.name.substr(5);
         std::replace(name.begin(), name.end(), '_', ' ');
-        plot.series.push_back(line_through(fmt::format("{}: {:.4g} W{}", name, mean, share), in_milliseconds(drawn.times), drawn.values));
+        plot.series.push_back(line_through(fmt::format("{}: {:.4g} W{}", name, mean, share), axis.of(drawn.times), drawn.values));
     }
     return plot;
 }

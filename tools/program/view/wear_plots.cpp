@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <string>
 
 #include "model/basis/portable_math.hpp"
@@ -23,6 +24,11 @@ struct Rows {
     std::size_t width;
 };
 
+bool contains(const RecordedRun& run, const std::string& name) {
+    const auto& channels = run.reader().channels();
+    return std::any_of(channels.begin(), channels.end(), [&](const engine::ChannelInfo& channel) { return channel.name == name; });
+}
+
 Rows rows_of(const RecordedRun& run, const std::string& name) {
     const auto& channels = run.reader().channels();
     const auto found = std::find_if(channels.begin(), channels.end(), [&](const engine::ChannelInfo& c) { return c.name == name; });
@@ -40,6 +46,15 @@ std::vector<double> integrals(const RecordedRun& run, const Rows& rows) {
             sums[n] += half * (rows.values[k * rows.width + n] + rows.values[(k - 1) * rows.width + n]);
     }
     return sums;
+}
+
+/// How well the outputs sample the wear: their sum beside the energy that the run has accounted for in every step.
+std::string sampled_text(const RecordedRun& run, double sampled) {
+    constexpr const char* counted = "dissipated/tip_friction";
+    if (!contains(run, counted)) return "";
+    const std::vector<double> so_far = run.reader().channel(counted);
+    return fmt::format("; {} outputs sum to {:.4g} J of the {:.4g} J that friction of tips dissipated", run.times().size(), sampled,
+                       so_far.back() - so_far.front());
 }
 
 std::vector<double> largest(const Rows& rows) {
@@ -97,6 +112,11 @@ Plot over_tips(const RecordedRun& run, const model::Parameters& p) {
 
 }  // namespace
 
+bool has_wear(const RecordedRun& run) {
+    const auto names = {"wear/friction_power", "wear/force_speed", "wear/pressure_speed", "wear/tip_force_speed", "wear/tip_pressure"};
+    return run.scene() && std::all_of(names.begin(), names.end(), [&](const char* name) { return contains(run, name); });
+}
+
 std::vector<Plot> wear_plots(const RecordedRun& run) {
     const Rows power = rows_of(run, "wear/friction_power");
     const std::vector<double> energy = integrals(run, power), way = integrals(run, rows_of(run, "wear/force_speed")),
@@ -111,8 +131,9 @@ std::vector<Plot> wear_plots(const RecordedRun& run) {
     const auto nanometres = [&](std::size_t ring) {
         return 1e9 * p.wear.coefficient * cosine / (2.0 * std::numbers::pi * rings.middle(ring) * rings.width);
     };
-    return {over_radius(run, rings, energy, "Friction energy of the tips by radius", "energy per radius [J/mm]", per_mm),
-            over_radius(run, rings, loads, "Largest pressure times sliding speed", "p v [MPa m/s]", mega),
+    Plot by_energy = over_radius(run, rings, energy, "Friction energy of the tips by radius", "energy per radius [J/mm]", per_mm);
+    by_energy.subtitle += sampled_text(run, std::accumulate(energy.begin(), energy.end(), 0.0));
+    return {std::move(by_energy), over_radius(run, rings, loads, "Largest pressure times sliding speed", "p v [MPa m/s]", mega),
             over_radius(run, rings, way, fmt::format("Worn depth of the sheaves, Archard's coefficient {:.3g} 1/Pa", p.wear.coefficient),
                         "depth [nm]", nanometres),
             over_tips(run, p)};
