@@ -98,6 +98,15 @@ constexpr double accurate_whole = 0.9;
     return reach;
 }
 
+/// Longest stable step of an oscillation ω with an explicit damping δ. A leapfrog that takes the damping at velocities extrapolated to the
+/// middle of the step is stable up to (h ω/2)² + h δ = 1. Where friction beside it takes some of the stability away, shares add up instead:
+/// h ω/2 + h δ = 1.
+/// @param oscillation, damping shares of their limits per second
+[[nodiscard]] double damped_limit(double oscillation, double damping, bool friction_matters) noexcept {
+    if (friction_matters) return 1.0 / (oscillation + damping);
+    return 2.0 / (damping + std::sqrt(damping * damping + 4.0 * oscillation * oscillation));
+}
+
 }  // namespace
 
 AutoStep::AutoStep(const model::Variator& variator, const model::Parameters& parameters, const Method& method)
@@ -106,6 +115,7 @@ AutoStep::AutoStep(const model::Variator& variator, const model::Parameters& par
       interval_(parameters.detail.pins == model::PinDetail::rigid && reach_.damping != forever ? rigid_look_interval : look_interval),
       bound_(variator) {
     if (reach_.damping == forever) return;
+    friction_matters_ = parameters.detail.pins == model::PinDetail::rigid || reach_.oscillation < (1.0 - 1e-6) * reach_.frictionless;
     model::Parameters without_friction = parameters;
     for (model::Friction* friction : {&without_friction.plate.friction, &without_friction.joint.friction, &without_friction.tip.friction})
         friction->coefficient = 0.0;
@@ -120,7 +130,7 @@ double AutoStep::damped_step(double time, const double* state, const model::Phas
     for (SpectralBound& part : damped_parts_) {
         part.forget();
         evaluations_ += part.estimate_at_rest(time, state, phases);
-        step = std::min(step, 1.0 / (part.imaginary() / reach_.frictionless + part.real() / reach_.damping));
+        step = std::min(step, damped_limit(part.imaginary() / reach_.frictionless, part.real() / reach_.damping, friction_matters_));
     }
     return step;
 }
@@ -147,7 +157,7 @@ double AutoStep::longest(double time, const double* state, const model::Phase* p
         stable_ = std::min({within(reach_.oscillation, bound_.imaginary()), within(reach_.decay, bound_.real()), damped_});
     }
     const double accurate = bound_.imaginary() > 0.0 ? reach_.accurate / bound_.imaginary() : forever;
-    return std::min({margin * stable_, accurate, longest_});
+    return std::min({(friction_matters_ ? margin : sharp_margin) * stable_, accurate, longest_});
 }
 
 void AutoStep::save(std::vector<double>& memory) const {

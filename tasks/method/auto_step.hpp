@@ -18,8 +18,7 @@ struct MethodReach {
     double oscillation;  ///< largest h ω of an elastic oscillation, whatever the friction beside it [1]
     double decay;        ///< largest h |λ| of friction and damping [1]
     double accurate;     ///< largest h ω that it does not damp much more than the chain does itself [1]
-    /// Of methods that take friction apart, without any: h ω without damping, and h δ of a damping δ without oscillation. Of both, shares
-    /// add up. [1]
+    /// Of methods that take friction apart, without any: h ω without damping, and h δ of a damping δ without oscillation. [1]
     double frictionless = std::numeric_limits<double>::infinity(), damping = std::numeric_limits<double>::infinity();
 };
 
@@ -36,6 +35,9 @@ public:
     /// Share of the stable step that is taken. The spectrum is estimated from below, to some per cent, and changes between two estimates;
     /// friction beside an oscillation is not the worst one. DECISIONS 75 has what was measured.
     static constexpr double margin = 0.85;
+    /// The same where friction takes no stability away: the limit is that of the whole linearised step to half a per cent, and what is left
+    /// is that of the spectrum.
+    static constexpr double sharp_margin = 0.9;
     /// Time between two estimates of the spectrum [s]; shorter at the start, when tips reach the sheaves and loads rise:
     /// whenever the time since the beginning has doubled.
     static constexpr double look_interval = 1e-3;
@@ -68,6 +70,7 @@ private:
     double interval_;  ///< between two looks, in the long run [s]
     SpectralBound bound_;
     std::unique_ptr<const model::Variator> frictionless_;      ///< the machine without friction, where damping has a limit of its own
+    bool friction_matters_ = true;                             ///< for the stability of oscillations with damping
     std::vector<SpectralBound> damped_parts_;                  ///< of it
     double damped_ = std::numeric_limits<double>::infinity();  ///< longest stable step without friction [s]
     double looked_ = -1e300, begun_ = -1e300;                  ///< when [s]
