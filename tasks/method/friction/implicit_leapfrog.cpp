@@ -65,7 +65,7 @@ NextCycle ImplicitLeapfrog::next() {
         case At::gather:
         case At::stage: at_ = At::solve; return solve_.begin(w_.step.h);
         case At::solve: return after_solve(solve_.next());
-        case At::finish: frame_.end(); return NextCycle::done();
+        case At::finish: frame_.end(w_.variator.sheave_forces(w_.tips.phases.data(), w_.links.loads.data())); return NextCycle::done();
     }
     return NextCycle::failed();
 }

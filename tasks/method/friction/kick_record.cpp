@@ -59,6 +59,7 @@ void react_to_kick(Workspace& w, const SegmentColumns& columns, int segment, con
             load.add(corner % 2, -fx, -fy, -fz, p.x[corner], p.y[corner], p.z[corner]);
         }
     }
+    if (w.layout().pulley_size != 0) w.add_up(own);
 }
 
 template <class Number>

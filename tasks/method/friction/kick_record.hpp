@@ -24,7 +24,7 @@ template <class Number>
 void record_kick(Workspace& workspace, const model::FrictionOperator& friction, const model::ContactDrift& drift,
                  const SegmentColumns& columns, int segment, const KickColumns<Number>& to, std::vector<model::LinkLoad>& normal_loads);
 
-/// Loads of a segment's links: of the normal forces, and the mean reaction of the tips' friction. normal_loads [links]
+/// Loads of a segment's links and their sums: of the normal forces, and the mean reaction of the tips' friction. normal_loads [links]
 template <class Number>
 void react_to_kick(Workspace& workspace, const SegmentColumns& columns, int segment, const model::ContactFieldOf<Number>& contacts,
                    const model::ColumnsOf<Number>& impulses, const std::vector<model::LinkLoad>& normal_loads) noexcept;

@@ -66,11 +66,10 @@ void LeapfrogFrame::begin() {
     for (int k = 0; k < 4; ++k) drift_.change[k] = change_of(w_.pulleys.sheaves[k], sheaves_before_[k], rise_);
 }
 
-void LeapfrogFrame::end() {
+void LeapfrogFrame::end(const model::SheaveForces& chain) {
     const model::ChainLayout& at = w_.layout();
     const int begin = at.pulley_begin(), half = at.pulley_size;
-    close_evaluation(w_, w_.step.time + 0.5 * w_.step.h, w_.pulleys.tail.data(),
-                     w_.variator.sheave_forces(w_.tips.phases.data(), w_.links.loads.data()), w_.slopes[2]);
+    close_evaluation(w_, w_.step.time + 0.5 * w_.step.h, w_.pulleys.tail.data(), chain, w_.slopes[2]);
     for (int k = begin + half; k < at.size(); ++k) w_.states[1][k] = w_.states[0][k] + w_.step.h * w_.slopes[2][k];
     for (int k = begin; k < begin + half; ++k)
         w_.states[1][k] = w_.states[0][k] + 0.5 * w_.step.h * (w_.states[0][k + half] + w_.states[1][k + half]);

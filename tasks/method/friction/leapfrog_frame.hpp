@@ -30,8 +30,8 @@ public:
     void turn_over();
     /// workspace.step.row for the middle of the step, and the sheaves there.
     void begin();
-    /// Pulleys, from the loads of all links; workspace.step.row for the result, whose links are in state slot 1.
-    void end();
+    /// Pulleys, from what the chain does to them; workspace.step.row for the result, whose links are in state slot 1.
+    void end(const model::SheaveForces& chain);
 
     [[nodiscard]] const model::ContactDrift& drift() const noexcept { return drift_; }
     /// How much a force changes over the step, in units of the difference between its last two values; 0 without a step before.

@@ -133,7 +133,7 @@ NextCycle FrictionLeapfrog<Number>::next() {
     switch (state_) {
         case State::evaluating: state_ = State::recording; return contact_cycle;
         case State::recording: return start_kick();
-        case State::finishing: frame_.end(); return NextCycle::done();
+        case State::finishing: frame_.end(w_.sheave_forces()); return NextCycle::done();
         case State::stages: break;
     }
     if (stage_ < table_->plan.stages()) return start_stages();

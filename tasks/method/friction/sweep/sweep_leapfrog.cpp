@@ -152,7 +152,7 @@ NextCycle SweepLeapfrog<Number>::next() {
     }
     state_ = State::sweeping;
     if (pass_ < passes_) return next_passes();
-    frame_.end();
+    frame_.end(w_.sheave_forces());
     system_.end();
     return NextCycle::done();
 }
