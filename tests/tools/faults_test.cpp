@@ -64,6 +64,7 @@ const std::vector<Order>& orders() {
         {"export-fmu", {"export-fmu", "tiny", "-o", "new.fmu"}},
         {"explain", {"explain", "run.method"}},
         {"belt", {"belt", "tiny", "-o", "new"}},
+        {"noise", {"noise", "tiny", "--detail", "rigid", "--random", "1", "--candidates", "1", "--checked", "1", "-o", "new"}},
         {"lottery", {"lottery", "--machines", "1", "--settings"}},
         {"stability", {"stability", "rk4", "-q"}},
         {"compare", measured({"compare", "tiny", "rk4@100ns", "trapezoidal-full@100ns", "--reference", "rk4@50ns", "--duration", "2us",

@@ -23,6 +23,7 @@ tools::Action declare_detail(CLI::App& app);
 tools::Action declare_extremes(CLI::App& app);
 tools::Action declare_lottery(CLI::App& app);
 tools::Action declare_belt(CLI::App& app);
+tools::Action declare_noise(CLI::App& app);
 tools::Action declare_draw(CLI::App& app);
 
 }  // namespace cvtflow::bench

@@ -8,6 +8,7 @@ namespace {
 constexpr const char* schedule = "Commands about schedules";
 constexpr const char* method = "Commands about methods";
 constexpr const char* accuracy = "Commands about accuracy";
+constexpr const char* machine = "Commands about machines";
 constexpr const char* picture = "Commands about pictures";
 
 }  // namespace
@@ -33,6 +34,7 @@ std::span<const tools::Command> commands() noexcept {
         Command{"extremes", accuracy, "Run the edges of every parameter and say what comes of each", declare_extremes},
         Command{"lottery", accuracy, "Run machines drawn by chance with defaults and count how they end", declare_lottery},
         Command{"belt", accuracy, "Solve the theory of a continuous belt for a machine: thrust ratio, slip, shift, arcs", declare_belt},
+        Command{"noise", machine, "Search a sequence of pitches with little tonality: forces and torques by orders", declare_noise},
         Command{"draw", picture, "Draw curves from numbers, as the pictures of the other commands", declare_draw},
     };
     return rows;

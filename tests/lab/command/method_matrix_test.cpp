@@ -241,7 +241,8 @@ std::vector<std::string> one_of_each_family(bool programs) {
 /// Commands that are not in it, and why.
 const std::map<std::string, std::string> finds_methods{{"tune", "tries every method by itself, whatever the scene names (Tuner.*)"},
                                                        {"work", "counts instructions of a step, one by one (WorkCommand.*)"},
-                                                       {"belt", "solves a theory of belts, without a method (BeltCommand.*)"}};
+                                                       {"belt", "solves a theory of belts, without a method (BeltCommand.*)"},
+                                                       {"noise", "takes the automatic method of two levels of detail (NoiseCommand.*)"}};
 
 TEST_F(MatrixOfMethods, HoldsEveryCommandThatTakesAMethod) {
     std::set<std::string> in_matrix;
