@@ -44,6 +44,24 @@ TEST(HostCouplings, ACopyContinuesBitForBit) {
     EXPECT_EQ(copy.hash(), simulation.hash());
 }
 
+/// Rigid pins count impulse and work in every step; half of the step at an exchange passes at the speed before it.
+TEST(HostCouplings, RigidPinsExchangeWithAVehicle) {
+    Simulation simulation(tiny({"load.mode=coupling", "load.speed=209 rad/s", "load.coupling_stiffness=200 N*m/rad", "detail.pins=rigid",
+                                "detail.order=1", "detail.plates=lumped", "run.method=auto", "run.step=1 us"}));
+    simulation.advance_to(0.0);
+    const double before = simulation.channel("shaft_2/impulse")[0], work = simulation.channel("shaft_2/coupling_work")[0];
+    const double torque = simulation.channel("shaft_2/torque")[0];
+    simulation.set_input(Input::load_speed, 205.0);
+    simulation.advance_to(5e-5);
+    const double given = simulation.channel("shaft_2/impulse")[0] - before;
+    EXPECT_LT(given, 0.0);
+    EXPECT_NEAR(simulation.channel("shaft_2/coupling_work")[0] - work, 205.0 * given, 1.1 * 0.5e-6 * 4.0 * std::abs(torque));
+    Simulation copy = simulation.copy();
+    for (Simulation* one : {&simulation, &copy}) one->advance_to(1e-4);
+    EXPECT_EQ(copy.hash(), simulation.hash());
+    EXPECT_EQ(copy.channel("shaft_2/coupling_work")[0], simulation.channel("shaft_2/coupling_work")[0]);
+}
+
 TEST(HostCouplings, InputsOfOtherModesAreRefused) {
     Simulation coupling(coupled()), plain(tiny());
     EXPECT_EQ(error_of([&] { coupling.set_input(Input::load_torque, 5.0); }), "load.torque: needs load.mode = \"torque\"");
