@@ -21,6 +21,8 @@ Violation tip_law_has_its_largest(const Scene& scene) {
         return fmt::format("tip.limiting_traction: {} is above tip.friction_coefficient = {}", number_text(tip.limiting_traction),
                            number_text(coefficient));
     if (tip.friction_law != model::TipFriction::table) return {};
+    if (tip.friction_table.speed.size() < 2)
+        return "tip.friction_table: tip.friction_law = \"table\" takes its friction from at least two points [speed, coefficient]";
     const double largest = *std::ranges::max_element(tip.friction_table.value);
     if (std::abs(largest - coefficient) <= 1e-9 * coefficient) return {};
     return fmt::format("tip.friction_table: its largest value is {}, but tip.friction_coefficient is {}; they must be equal",

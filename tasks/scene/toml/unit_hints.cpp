@@ -15,7 +15,10 @@ namespace cvtflow::tasks {
 namespace {
 
 /// Words and abbreviations that no rule below corrects.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 13> words{{{"U", "rpm"},
+constexpr std::array<std::pair<std::string_view, std::string_view>, 16> words{{{"C", "degC"},
+                                                                               {"celsius", "degC"},
+                                                                               {"Celsius", "degC"},
+                                                                               {"U", "rpm"},
                                                                                {"r", "rpm"},
                                                                                {"rev", "rpm"},
                                                                                {"tr", "rpm"},

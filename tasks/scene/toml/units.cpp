@@ -50,6 +50,10 @@ constexpr std::array units{
     Unit{"J", {4, 2, -4, 0}, 0, 1, 1, true},
 };
 
+/// The one unit with an offset: it stands alone, not in products.
+constexpr std::string_view celsius = "degC";
+constexpr double celsius_zero = 27315;  // [0.01 K]
+
 constexpr std::array<std::pair<char, int>, 6> prefixes{{{'n', -9}, {'u', -6}, {'m', -3}, {'k', 3}, {'M', 6}, {'G', 9}}};
 
 struct NamedDimension {
@@ -76,7 +80,7 @@ struct UsualUnits {
     std::array<std::string_view, 3> usual;  // unused places are empty
 };
 
-constexpr std::array<UsualUnits, 12> usual_table{{
+constexpr std::array<UsualUnits, 13> usual_table{{
     {"m", {"mm", "um", "cm"}},
     {"m^2", {"mm^2", "cm^2"}},
     {"m^3", {"cm^3", "mm^3"}},
@@ -89,6 +93,7 @@ constexpr std::array<UsualUnits, 12> usual_table{{
     {"Pa", {"GPa", "MPa", "bar"}},
     {"N/m", {"kN/mm", "N/mm", "MN/m"}},
     {"N*m", {"kN*m", "N*mm"}},
+    {"K", {celsius}},
 }};
 
 /// A product of units, while it is read.
@@ -225,6 +230,7 @@ std::variant<Quantity, std::string> parse_quantity(std::string_view text) {
     if (unit.empty()) return quantity;
     if (unit.front() == ',')
         return fmt::format("has a decimal comma{}", engine::did_you_mean(fmt::format("{}.{}", digits, unit.substr(1))));
+    if (unit == celsius) return Quantity{(100 * quantity.number + celsius_zero) / 100, quantity.number, dimension_of("K"), true};
     auto product = read_product(unit);
     if (auto* wrong = std::get_if<std::string>(&product)) return std::move(*wrong);
     const auto& factor = std::get<Product>(product);
@@ -238,7 +244,7 @@ std::variant<Quantity, std::string> parse_quantity(std::string_view text) {
 }
 
 std::vector<std::string> unit_symbols() {
-    std::vector<std::string> symbols;
+    std::vector<std::string> symbols{std::string(celsius)};
     for (const Unit& unit : units) {
         if (unit.symbol == "1") continue;
         symbols.emplace_back(unit.symbol);
@@ -249,6 +255,7 @@ std::vector<std::string> unit_symbols() {
 }
 
 Dimension dimension_of(std::string_view unit) {
+    if (unit == celsius) unit = "K";
     const auto product = read_product(unit);
     if (const auto* wrong = std::get_if<std::string>(&product)) throw std::invalid_argument(fmt::format("unit {} {}", unit, *wrong));
     return std::get<Product>(product).dimension;

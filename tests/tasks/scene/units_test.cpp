@@ -44,6 +44,14 @@ TEST(Units, TheBaselineInUsualUnitsIsTheDefaultToTheLastBit) {
     EXPECT_EQ(si("2000 rpm"), model::Drive{}.speed.at(0.0));
 }
 
+TEST(Units, DegreesCelsiusStandAlone) {
+    EXPECT_EQ(si("80 degC"), 353.15);
+    EXPECT_EQ(si("-40 °C"), 233.15);
+    EXPECT_EQ(std::get<Quantity>(parse_quantity("80 degC")).dimension, dimension_of("K"));
+    EXPECT_THAT(quantity_complaint("1 J/degC"), testing::HasSubstr("unknown unit \"degC\""));
+    EXPECT_THAT(quantity_complaint("80 C"), testing::HasSubstr("did you mean \"degC\""));
+}
+
 TEST(Units, ProductsAndPowersMultiply) {
     EXPECT_EQ(si("5.7e7 N/m"), 5.7e7);
     EXPECT_EQ(si("150 N*m"), 150.0);
@@ -141,7 +149,7 @@ TEST(Units, AngleTellsRotationFromFrequency) {
 }
 
 TEST(Units, UsualUnitsHaveTheDimensionOfTheirSiUnit) {
-    for (const char* unit : {"m", "m^2", "kg", "s", "rad", "m/s", "rad/s", "N", "Pa", "N/m", "N*m"}) {
+    for (const char* unit : {"m", "m^2", "kg", "s", "rad", "m/s", "rad/s", "N", "Pa", "N/m", "N*m", "K"}) {
         EXPECT_FALSE(usual_units(unit).empty()) << unit;
         for (const auto usual : usual_units(unit)) EXPECT_EQ(dimension_of(usual), dimension_of(unit)) << usual;
     }

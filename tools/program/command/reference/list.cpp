@@ -136,7 +136,7 @@ std::string units() {
     }
     return table.text() +
            "\nAny product of m cm g s min h rad deg rpm Hz N Pa bar % with prefixes n u m k M G and powers is accepted: \"5.7e4 N/mm\", "
-           "\"2.5e10 N/m^1.5\".\nTorques also as Nm, kNm, Nmm.\n";
+           "\"2.5e10 N/m^1.5\".\nTorques also as Nm, kNm, Nmm; temperatures as degC, °C.\n";
 }
 
 struct Listing {

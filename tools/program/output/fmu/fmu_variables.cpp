@@ -66,9 +66,9 @@ double magnitude(double value) {
     return size > 0.0 && std::isfinite(size) ? std::pow(10.0, std::floor(std::log10(size))) : 0.0;
 }
 
-/// What people read a quantity in; empty where that is the SI unit, or scenes do not know the unit (J, W).
+/// What people read a quantity in; empty where that is the SI unit, has an offset (K), or scenes do not know the unit (J, W).
 std::string display_unit(const std::string& unit) {
-    if (unit == "N*m" || unit == "J" || unit == "W") return "";
+    if (unit == "N*m" || unit == "J" || unit == "W" || unit == "K") return "";
     const auto usual = tasks::usual_units(unit);
     return usual.empty() ? "" : std::string(usual.front());
 }
