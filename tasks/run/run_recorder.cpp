@@ -15,6 +15,9 @@ namespace cvtflow::tasks {
 
 namespace {
 
+/// Rows of channels that are written together: handing all datasets to HDF5 costs as much as hundreds of rows.
+constexpr int channel_rows = 2048;
+
 engine::TableInfo transition_table() {
     return {"transitions",
             "changes of phase of tips: 0 free, 1 touching, 2 stick, 3 slip",
@@ -100,7 +103,7 @@ RunRecorder::RunRecorder(const Scene& scene, const Simulation& simulation, const
         run_ = options.from != nullptr && !options.from->run.empty() ? options.from->run : new_identity();
         contents_ = contents_of(scene, simulation.variator().chain(), channels_, run_);
         if (options.from != nullptr) former_ = former_record(options);
-        file_ = std::make_unique<engine::RunFile>(options.file, contents_);
+        file_ = std::make_unique<engine::RunFile>(options.file, contents_, engine::RunFileOptions{.channel_rows = channel_rows});
     }
 }
 

@@ -34,7 +34,7 @@ struct RunContents {
 
 struct RunFileOptions {
     double flush_seconds = 5.0;  ///< wall time after which an append first flushes by itself [s]
-    int channel_rows = 512;      ///< rows of channels gathered in memory, and per chunk of the file
+    int channel_rows = 512;      ///< rows of channels gathered in memory; chunks of the file have as many, at most 512
     int deflate_states = 0;      ///< compression of states, 0 (none) … 9
     bool replace = true;         ///< whether files of that name, finished or .part, may be overwritten
 };

@@ -10,7 +10,7 @@
 namespace cvtflow::engine::hdf5 {
 namespace {
 
-constexpr std::size_t table_rows = 64;
+constexpr std::size_t table_rows = 64, most_channel_rows = 512;  // per chunk
 
 /// Chunks of about 256 KiB; a chunk is also what a kill can cost between two flushes.
 std::size_t state_rows(std::size_t state_size) { return std::clamp<std::size_t>((std::size_t{1} << 18U) / (8 * state_size), 1, 64); }
@@ -112,15 +112,16 @@ void check_contents(const RunContents& contents) {
 RunLayout run_layout(const RunContents& contents, const RunFileOptions& options) {
     RunLayout layout;
     const auto rows = static_cast<std::size_t>(std::max(1, options.channel_rows));
+    const std::size_t chunk = std::min(rows, most_channel_rows);
     layout.channels.rows = rows;
     for (const ChannelInfo& channel : contents.channels) {
         layout.channels.series.push_back({.path = "/channels/" + channel.name,
                                           .type = H5T_NATIVE_DOUBLE,
                                           .width = static_cast<std::size_t>(channel.width),
                                           .flat = channel.width == 1,
-                                          .chunk = rows});
+                                          .chunk = chunk});
     }
-    layout.channels.series.push_back({.path = "/channels/time", .type = H5T_NATIVE_DOUBLE, .chunk = rows});
+    layout.channels.series.push_back({.path = "/channels/time", .type = H5T_NATIVE_DOUBLE, .chunk = chunk});
     if (contents.state_size > 0) {
         const std::size_t few = state_rows(contents.state_size);
         layout.states.rows = few;
