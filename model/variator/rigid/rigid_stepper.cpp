@@ -1,12 +1,16 @@
 #include "model/variator/rigid/rigid_stepper.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <stdexcept>
 
 namespace cvtflow::model {
 
 namespace {
+
+/// Steps that differ by less, as a part of themselves, are of one length: they are differences of times, which are rounded.
+constexpr double equal_steps = 1e-8;
 
 template <class Values>
 [[nodiscard]] double total(const Values& values) noexcept {
@@ -64,7 +68,7 @@ std::size_t RigidStepper::kicked_end() const noexcept {
 }
 
 void RigidStepper::step(double begin, double step) noexcept {
-    if (lead_ != 0.5 * step) lead(0.5 * step);
+    if (std::abs(0.5 * step - lead_) > equal_steps * step) lead(0.5 * step);
     const int size = model_.layout().pulley_size;
     model_.kernels().drift(step, columns_);
     for (int k = 0; k < size; ++k) tail_[static_cast<std::size_t>(k)] += step * tail_[static_cast<std::size_t>(size + k)];

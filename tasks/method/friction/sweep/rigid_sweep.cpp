@@ -29,6 +29,7 @@ void RigidSweep::start_if_cold() {
 NextCycle RigidSweep::begin() {
     start_if_cold();
     stepper_.step(w_.step.time, w_.step.h);
+    shown_ = false;
     ++w_.step.evaluations;
     if (!is_suspect()) return NextCycle::done();
     fault_ = find_fault();
@@ -64,7 +65,8 @@ Fault RigidSweep::find_fault() {
 
 /// A tip touches where it presses.
 void RigidSweep::show() {
-    if (cold_) return;
+    if (cold_ || shown_) return;
+    shown_ = true;
     const model::ChainLayout& at = w_.layout();
     stepper_.state(w_.states[0]);
     for (int tip = 0; tip < model::tips_per_link * at.links; ++tip) {
@@ -88,7 +90,7 @@ void RigidSweep::save(std::vector<double>& memory) const {
 void RigidSweep::load(std::span<const double> memory) {
     if (memory.empty()) return;
     stepper_.load(memory);
-    cold_ = false;
+    cold_ = shown_ = false;
 }
 
 }  // namespace cvtflow::tasks

@@ -33,7 +33,8 @@ private:
     double fastest_;  ///< kinetic energy with which no pin can be too fast [J]
     StepAccount account_;
     Fault fault_;
-    bool cold_ = true;  ///< the state is in the workspace
+    bool cold_ = true;    ///< the state is in the workspace
+    bool shown_ = false;  ///< it is there as well
 };
 
 }  // namespace cvtflow::tasks
