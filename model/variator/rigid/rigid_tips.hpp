@@ -255,7 +255,7 @@ inline void press_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, 
     TipBounds bounds;
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         TipGroup group(c, sheaves, kick, columns, i);
-        if (kick.implicit() && group.far()) {
+        if (kick.implicit() && !pressed(columns, i) && group.far()) {
             group.release();
             continue;
         }

@@ -59,6 +59,13 @@ struct Plane {
     return load<rigid_lanes>(ones_and_zeros.data() + std::max(0, first + rigid_lanes - columns.pins()));
 }
 
+/// Whether a tip of pins i … i + 7 pressed when forces were last evaluated.
+[[nodiscard]] inline bool pressed(const RigidColumns& columns, int i) noexcept {
+    PinLanes most = read(columns, Column::normal, i);
+    for (int tip = 1; tip < rigid_tips; ++tip) most = larger<rigid_lanes>(most, read(columns, Column::normal + tip, i));
+    return !all_at_most<rigid_lanes>(most, 0.0);
+}
+
 /// A sum over pins, without those that only fill the last vector.
 class PinSum {
 public:
