@@ -28,8 +28,9 @@ struct Quantity {
 };
 
 /// Reads "number unit". The unit is a product of symbols with * and /, each with an optional power ^ (halves are allowed); / divides by the
-/// one symbol that follows. A torque may be written without a sign (Nm, kNm, Nmm), a temperature in degrees Celsius (80 degC, 80 °C). Prefixes n u m k M G. Unit signs µ · ² ³ ° are
-/// understood. A power of ten is moved into the digits, so "8.12 mm" is the same double as 8.12e-3.
+/// one symbol that follows. A torque may be written without a sign (Nm, kNm, Nmm), a temperature in degrees Celsius (80 degC, 80 °C).
+/// Prefixes n u m k M G. Unit signs µ · ² ³ ° are understood. A power of ten is moved into the digits, so "8.12 mm" is the same double as
+/// 8.12e-3.
 /// @return the quantity, or what is wrong with the text (a sentence without the text itself)
 [[nodiscard]] std::variant<Quantity, std::string> parse_quantity(std::string_view text);
 
