@@ -1,10 +1,12 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
 #include "bench/study/noise/measured_noise.hpp"
+#include "bench/study/noise/pitch_sequence.hpp"
 #include "tasks/scene/ready_scenes.hpp"
 #include "tests/tools/program_fixture.hpp"
 
@@ -82,6 +84,37 @@ TEST(MeasuredNoise, AUniformChainSoundsWherePinsPass) {
     // The radius at ratio 1; pins sink between elastic sheaves by some tenths of a millimetre.
     const double speed = scene.parameters.drive.speed.at(0.0) * 16.06e-3;
     EXPECT_NEAR(spectrum.round, speed / (24 * 8.12e-3), 0.03 * spectrum.round);
+}
+
+/// Known of chains with mixed pitches: random sequences of two lengths lower the passing of pins by about 8 dB. The closed form does so in
+/// the mean of many sequences whose pitches differ by 9.5 % from their mean; the mean of 2,000 scatters by 0.1 dB. The torque of the
+/// simulated chain follows the closed form, by the same sequences, within 1 dB: an impulse depends on the pitches beside it, too.
+TEST(MeasuredNoise, RandomPitchesLowerThePassingOfPinsAsImpulsesDo) {
+    tasks::Scene scene = tasks::read_scene(tasks::find_scene("baseline"));
+    tasks::apply_detail(scene, "rigid");
+    tasks::set_values(scene, std::vector<std::string>{"start.state=", "start.settling_time=20 ms", "run.method=auto"});
+    const PitchSearch search(84, 2, 0.08, 16.7);
+    double many = 0.0, few = 0.0, simulated = 0.0;
+    for (int k = 1; k <= 2000; ++k) {
+        std::mt19937_64 urn(static_cast<std::uint64_t>(k));
+        many += impulse_powers(search.random(urn), 0.095, 84)[84] / 2000.0;
+    }
+    EXPECT_NEAR(10.0 * std::log10(many), -8.0, 0.5);
+    double uniform = 0.0;
+    for (int k = 0; k <= 6; ++k) {
+        std::mt19937_64 urn(static_cast<std::uint64_t>(k));
+        const PitchSequence sequence = k == 0 ? PitchSequence(84, 0) : search.random(urn);
+        scene.parameters.chain.pitch = pitches_of(sequence, 8.12e-3, 0.08);
+        const NoiseSpectrum spectrum = measure_noise(scene, 1, engine::Cancellation());
+        ASSERT_TRUE(spectrum.usable()) << spectrum.fault;
+        if (k == 0) {
+            uniform = spectrum.torque[84];
+            continue;
+        }
+        few += impulse_powers(sequence, 0.08, 84)[84];
+        simulated += spectrum.torque[84] / uniform;
+    }
+    EXPECT_NEAR(10.0 * std::log10(simulated), 10.0 * std::log10(few), 1.0) << "sums over six sequences";
 }
 
 }  // namespace

@@ -32,6 +32,13 @@ TEST_F(WorkCommand, RefusesMoreSegmentsThanLinks) {
     EXPECT_THAT(outcome.err, HasSubstr("--segments 1000: the chain has "));
 }
 
+/// It printed an empty table with quotients of zeros.
+TEST_F(WorkCommand, RefusesStepsWithoutTasks) {
+    const Outcome outcome = run({"work", "tiny", "--detail", "rigid", "--method", "auto", "--segments", "1", "-q"});
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("is not made of tasks"));
+}
+
 TEST_F(DrawCommand, DrawsPicturesBelowOneAnother) {
     write("p.json", R"([{"title": "One", "x": {"label": "step [s]", "scale": "log"}, "y": {"label": "error", "from": 0, "to": 2},
                          "series": [{"name": "curve", "points": [[1e-6, 1], [1e-5, 2]], "mark": "none", "line": "dashed"}]},
