@@ -5,13 +5,14 @@
 /// SCENE and KEY=VALUE are those of `cvtflow run SCENE --set KEY=VALUE`. The machine starts from the scene's state if that fits, else
 /// geometrically, runs to `until` and is averaged over the last `mean`. CSV on the standard output, one row per run.
 ///
-///     detail=rigid      a level of detail of `cvtflow list detail`
+///     detail=rigid      a level of detail of `cvtflow list detail`, or several separated by commas, in turns
 ///     step=auto         or microseconds; several separated by commas make several rows
 ///     until=100         [ms]
 ///     mean=20           [ms]
 ///     mode=points       points: a row of means.  parts: microseconds per step by part.  stable: the longest stable step
 ///
-///     us_per_step       processor time; s_per_s: of a simulated second, with outputs every 20 us
+///     us_per_step       processor time; s_per_s: of a simulated second, with outputs every 20 us that nobody looks at
+///     s_per_s_observed  the same with an observation at each output, of the time that is averaged
 ///     tight, slack      mean tensions of the strands [N]; slip, efficiency [%]
 ///     thrust_ratio      S_1/S_2, which under ratio control is what holds the ratio
 ///     residual          energy balance: change - work + loss, over the losses
@@ -50,10 +51,10 @@ struct Options {
     std::vector<std::string> settings;
 
     [[nodiscard]] double milliseconds(const std::string& name) const { return 1e-3 * std::stod(text.at(name)); }
-    [[nodiscard]] std::vector<std::string> steps() const {
+    [[nodiscard]] std::vector<std::string> listed(const std::string& name) const {
         std::vector<std::string> all;
-        std::stringstream list(text.at("step"));
-        for (std::string one; std::getline(list, one, ',');) all.push_back(one == "auto" ? one : one + " us");
+        std::stringstream list(text.at(name));
+        for (std::string one; std::getline(list, one, ',');) all.push_back(one);
         return all;
     }
 };
@@ -86,7 +87,7 @@ struct Means {
     long outputs = 0;
     std::array<double, model::loss_kinds> lost{};
     std::array<double, model::work_kinds> worked{};
-    double span = 0.0, residual = 0.0, processor = 0.0, simulated = 0.0, step = 0.0;
+    double span = 0.0, residual = 0.0, processor = 0.0, observing = 0.0, simulated = 0.0, step = 0.0;
     long steps = 0;
 
     void add(double tight_now, double slack_now, double slip_now, double ratio_now, double thrust, std::array<double, 2> radii) {
@@ -108,19 +109,19 @@ struct Means {
 
 void print_head() {
     fmt::print(
-        "scene,detail,step_us,us_per_step,s_per_s,tight,slack,slip_percent,ratio,thrust_ratio,radius_1_mm,radius_2_mm,"
+        "scene,detail,step_us,us_per_step,s_per_s,s_per_s_observed,tight,slack,slip_percent,ratio,thrust_ratio,radius_1_mm,radius_2_mm,"
         "efficiency_percent,loss_W,residual");
     for (int kind = 0; kind < model::loss_kinds; ++kind) fmt::print(",loss_{}", tasks::loss_name(kind));
     fmt::print("\n");
 }
 
-void print_row(const Options& options, const Means& m) {
+void print_row(const Options& options, const std::string& detail, const Means& m) {
     const double n = static_cast<double>(m.outputs);
     std::string scene = options.scene;
     for (const std::string& setting : options.settings) scene += " " + setting;
-    fmt::print("{},{},{:.3f},{:.3f},{:.3f},{:.1f},{:.1f},{:.4f},{:.5f},{:.4f},{:.4f},{:.4f},{:.3f},{:.1f},{:.2e}", scene,
-               options.text.at("detail"), 1e6 * m.step, 1e6 * m.processor / static_cast<double>(m.steps), m.processor / m.simulated,
-               m.tight / n, m.slack / n, 100.0 * m.slip / n, m.ratio / n, m.thrust_ratio / n, 1e3 * m.radius[0] / n, 1e3 * m.radius[1] / n,
+    fmt::print("{},{},{:.3f},{:.3f},{:.3f},{:.3f},{:.1f},{:.1f},{:.4f},{:.5f},{:.4f},{:.4f},{:.4f},{:.3f},{:.1f},{:.2e}", scene, detail,
+               1e6 * m.step, 1e6 * m.processor / static_cast<double>(m.steps), m.processor / m.simulated, m.observing / m.span, m.tight / n,
+               m.slack / n, 100.0 * m.slip / n, m.ratio / n, m.thrust_ratio / n, 1e3 * m.radius[0] / n, 1e3 * m.radius[1] / n,
                100.0 * m.efficiency(), m.losses() / m.span, m.residual / m.losses());
     for (const double loss : m.lost) fmt::print(",{:.2f}", loss / m.span);
     fmt::print("\n");
@@ -129,7 +130,8 @@ void print_row(const Options& options, const Means& m) {
 
 /// The program's engine at a level of detail.
 [[nodiscard]] Means means_of_level(const Options& options, tasks::Scene scene, const std::string& step) {
-    tasks::set_values(scene, std::vector<std::string>{"run.step=" + step, "run.schedule=serial", "run.output_interval=20 us"});
+    tasks::set_values(scene, std::vector<std::string>{"run.step=" + (step == "auto" ? step : step + " us"), "run.schedule=serial",
+                                                      "run.output_interval=20 us"});
     tasks::Simulation simulation(scene, tasks::Schedule{});
     tasks::SilentObserver silent;
     const engine::Cancellation never;
@@ -143,12 +145,14 @@ void print_row(const Options& options, const Means& m) {
     advance(from);
     Means m;
     m.processor = processor_time() - clock;
+    const double observing = processor_time();
     const tasks::EnergySums before = simulation.energy().sums(simulation.time());
     while (simulation.time() < until) {
         advance(simulation.time() + output_interval);
         const model::Observation& o = observer.observe(simulation.time(), simulation.state(), simulation.phases().data());
         m.add(o.tight, o.slack, o.slip, o.ratio, o.clamping[0] / o.clamping[1], o.radius);
     }
+    m.observing = processor_time() - observing;
     const tasks::EnergySums after = simulation.energy().sums(simulation.time());
     m.step = simulation.step();
     m.simulated = from - begin;
@@ -254,12 +258,19 @@ void print_stable(const tasks::Scene& scene) {
 void run(const Options& options) {
     tasks::Scene scene = tasks::read_scene(tasks::find_scene(options.scene), tasks::StartState::required);
     tasks::set_values(scene, options.settings);
-    tasks::apply_detail(scene, options.text.at("detail"));
     const std::string& mode = options.text.at("mode");
-    if (mode == "parts") return print_parts(scene);
-    if (mode == "stable") return print_stable(scene);
+    if (mode != "points") {
+        tasks::apply_detail(scene, "rigid");
+        return mode == "parts" ? print_parts(scene) : print_stable(scene);
+    }
     print_head();
-    for (const std::string& step : options.steps()) print_row(options, means_of_level(options, scene, step));
+    for (const std::string& step : options.listed("step")) {
+        for (const std::string& detail : options.listed("detail")) {
+            tasks::Scene at_level = scene;
+            tasks::apply_detail(at_level, detail);
+            print_row(options, detail, means_of_level(options, std::move(at_level), step));
+        }
+    }
 }
 
 }  // namespace
