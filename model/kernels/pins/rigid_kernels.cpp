@@ -3,7 +3,7 @@
 #include "model/variator/rigid/rigid_links.hpp"
 #include "model/variator/rigid/rigid_motion.hpp"
 #include "model/variator/rigid/rigid_plates.hpp"
-#include "model/variator/rigid/rigid_tips.hpp"
+#include "model/variator/rigid/tips/rigid_tips.hpp"
 
 namespace cvtflow::model {
 

@@ -84,6 +84,10 @@ enum class Column {
     ring_ahead,
     ring_behind,
     ring_rub,
+    // > 0: the pin may touch in this step; whether tips' numbers were written for it in the last step and (+2) in this one
+    // (rigid_near.hpp).
+    near,
+    written,
     // Depth of each tip; only of velocities as they are (RigidKick).
     depth,
     // Tips: A g, moments on the pitch lines in front and behind, and moment on pitch line i of this and of the last step.
@@ -118,7 +122,7 @@ enum class Column {
     return static_cast<Column>(static_cast<int>(first) + offset);
 }
 
-/// All columns; each has copies of its cyclic neighbours in front (one vector) and behind (up to a full vector, and one more).
+/// All columns; each has copies of its cyclic neighbours in front (one) and behind (a vector).
 class RigidColumns {
 public:
     explicit RigidColumns(int pins)
@@ -139,14 +143,27 @@ public:
         for (int c = static_cast<int>(first); c <= static_cast<int>(last); ++c) {
             double* values = (*this)[static_cast<Column>(c)];
             values[-1] = values[pins_ - 1];
-            for (int k = pins_, from = 0; k <= padded_; ++k, from = from + 1 == pins_ ? 0 : from + 1) values[k] = values[from];
+            if (pins_ >= rigid_lanes)
+                std::copy_n(values, rigid_lanes, values + pins_);
+            else
+                for (int k = pins_; k < pins_ + rigid_lanes; ++k) values[k] = values[k - pins_];
         }
     }
 
-    /// Zeros to entries i … i + 7 of columns first … last.
-    void clear(Column first, Column last, int i) noexcept {
+    /// Copies behind the last pin become the numbers of the first pins. @param count [≤ lanes, ≤ pins]
+    void unwrap(Column first, Column last, int count) noexcept {
+        for (int c = static_cast<int>(first); c <= static_cast<int>(last); ++c) {
+            double* values = (*this)[static_cast<Column>(c)];
+            for (int k = 0; k < count; ++k) values[k] = values[pins_ + k];
+        }
+    }
+
+    /// Zeros to entries i … i + count - 1 of columns first … last.
+    void clear(Column first, Column last, int i, int count) noexcept {
         double* values = (*this)[first] + i;
-        for (int c = static_cast<int>(first); c <= static_cast<int>(last); ++c, values += stride_) std::fill_n(values, rigid_lanes, 0.0);
+        for (int c = static_cast<int>(first); c <= static_cast<int>(last); ++c, values += stride_) {
+            for (int k = 0; k < count; ++k) values[k] = 0.0;
+        }
     }
 
     /// All entries of one column to another.

@@ -25,7 +25,7 @@ constexpr Column kept[][2] = {{Column::x, Column::vq},
                               {Column::rub, Column::rub_speed},
                               {Column::tip_moment, Column::tip_moment},
                               {Column::tip_z, Column::tip_z},
-                              {Column::tip_drag, Column::flank + (rigid_tips - 1)}};
+                              {Column::normal, Column::flank + (rigid_tips - 1)}};
 
 }  // namespace
 
@@ -250,6 +250,7 @@ void RigidStepper::load(std::span<const double> memory) {
         memory = memory.subspan(count);
     });
     for (const auto& [first, last] : kept) columns_.wrap(first, last);
+    std::fill_n(columns_[Column::written], columns_.pins(), 1.0);
 }
 
 }  // namespace cvtflow::model

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "model/basis/lanes.hpp"
+#include "model/basis/single_lanes.hpp"
 #include "model/law/friction.hpp"
 #include "model/law/tip_factors.hpp"
 #include "model/variator/rigid/rigid_kernels.hpp"
@@ -16,17 +16,52 @@ namespace {
 
 using PinLanes = Lanes<rigid_lanes>;
 
-struct Plane {
-    PinLanes x, y;
-    friend Plane operator+(const Plane& a, const Plane& b) noexcept { return {a.x + b.x, a.y + b.y}; }
-    friend Plane operator-(const Plane& a, const Plane& b) noexcept { return {a.x - b.x, a.y - b.y}; }
-    friend Plane operator*(const PinLanes& f, const Plane& a) noexcept { return {f * a.x, f * a.y}; }
-    friend PinLanes dot(const Plane& a, const Plane& b) noexcept { return a.x * b.x + a.y * b.y; }
+/// What tips compute with in a step: floats, behind differences of places and velocities that are taken in doubles. Twice as many pins side
+/// by side, as each waits for roots and divisions most of the time.
+inline constexpr int rigid_singles = singles<2 * rigid_lanes>;
+
+template <int W>
+struct PlaneOf {
+    Lanes<W> x, y;
+    friend PlaneOf operator+(const PlaneOf& a, const PlaneOf& b) noexcept { return {a.x + b.x, a.y + b.y}; }
+    friend PlaneOf operator-(const PlaneOf& a, const PlaneOf& b) noexcept { return {a.x - b.x, a.y - b.y}; }
+    friend PlaneOf operator*(const Lanes<W>& f, const PlaneOf& a) noexcept { return {f * a.x, f * a.y}; }
+    friend Lanes<W> dot(const PlaneOf& a, const PlaneOf& b) noexcept { return a.x * b.x + a.y * b.y; }
     /// z component of the cross product.
-    friend PinLanes cross(const Plane& a, const Plane& b) noexcept { return a.x * b.y - a.y * b.x; }
+    friend Lanes<W> cross(const PlaneOf& a, const PlaneOf& b) noexcept { return a.x * b.y - a.y * b.x; }
     /// k×a
-    friend Plane turned(const Plane& a) noexcept { return {-a.y, a.x}; }
+    friend PlaneOf turned(const PlaneOf& a) noexcept { return {-a.y, a.x}; }
 };
+using Plane = PlaneOf<rigid_lanes>;
+
+/// As many doubles as a width has numbers.
+template <int W>
+using DoublesOf = Lanes<lane_count<W>>;
+template <int W>
+using DoublePlaneOf = PlaneOf<lane_count<W>>;
+
+/// Doubles as numbers of a width.
+template <int W>
+[[nodiscard, gnu::always_inline]] inline Lanes<W> as(const DoublesOf<W>& v) noexcept {
+    if constexpr (is_single<W>) {
+        return narrow<lane_count<W>>(v);
+    } else {
+        return v;
+    }
+}
+template <int W>
+[[nodiscard, gnu::always_inline]] inline PlaneOf<W> as(const DoublePlaneOf<W>& v) noexcept {
+    return {as<W>(v.x), as<W>(v.y)};
+}
+/// Numbers of a width as doubles.
+template <int W>
+[[nodiscard, gnu::always_inline]] inline DoublesOf<W> widened(const Lanes<W>& v) noexcept {
+    if constexpr (is_single<W>) {
+        return widen<lane_count<W>>(v.floats);
+    } else {
+        return v;
+    }
+}
 
 /// Entries i … i + 7 of a column.
 [[nodiscard, gnu::always_inline]] inline PinLanes read(const RigidColumns& columns, Column c, int i) noexcept {
@@ -53,24 +88,23 @@ struct Plane {
     return acting * rate;
 }
 
-/// 1 for pins first … first + 7, 0 for those that only fill the last vector.
-[[nodiscard, gnu::always_inline]] inline PinLanes present(const RigidColumns& columns, int first) noexcept {
+/// 1 for the first lanes, 0 for the others.
+[[nodiscard, gnu::always_inline]] inline PinLanes first_lanes(int count) noexcept {
     static constexpr std::array<double, 2 * rigid_lanes> ones_and_zeros{1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0};
-    return load<rigid_lanes>(ones_and_zeros.data() + std::max(0, first + rigid_lanes - columns.pins()));
+    return load<rigid_lanes>(ones_and_zeros.data() + (rigid_lanes - count));
 }
 
-/// Whether a tip of pins i … i + 7 pressed when forces were last evaluated.
-[[nodiscard]] inline bool pressed(const RigidColumns& columns, int i) noexcept {
-    PinLanes most = read(columns, Column::normal, i);
-    for (int tip = 1; tip < rigid_tips; ++tip) most = larger<rigid_lanes>(most, read(columns, Column::normal + tip, i));
-    return !all_at_most<rigid_lanes>(most, 0.0);
+/// 1 for pins first … first + 7, 0 for those that only fill the last vector.
+[[nodiscard, gnu::always_inline]] inline PinLanes present(const RigidColumns& columns, int first) noexcept {
+    return first_lanes(std::min(rigid_lanes, columns.pins() - first));
 }
 
 /// A sum over pins, without those that only fill the last vector.
 class PinSum {
 public:
     explicit PinSum(const RigidColumns& columns) noexcept : columns_(columns) {}
-    [[gnu::always_inline]] void add(int first, const PinLanes& terms) noexcept { total_ += present(columns_, first) * terms; }
+    [[gnu::always_inline]] void add(int first, const PinLanes& terms) noexcept { add(present(columns_, first), terms); }
+    [[gnu::always_inline]] void add(const PinLanes& present, const PinLanes& terms) noexcept { total_ += present * terms; }
     [[nodiscard]] double value() const noexcept { return sum<rigid_lanes>(total_); }
 
 private:
@@ -139,25 +173,27 @@ private:
 
 /// Sliding speed v that solves v + r C s(v) = w, with the law's share s: the contact slides by w without friction, and friction C s slows
 /// it by r C s. The left side is concave, so Newton's method climbs towards the solution from below.
-[[nodiscard]] inline PinLanes sliding_speed(const FrictionCurve& curve, const PinLanes& braking, const PinLanes& speed) noexcept {
-    PinLanes v = larger<rigid_lanes>(speed - braking, speed / (1.0 + curve.inverse_saturation_speed * braking));
+template <int W>
+[[nodiscard]] inline Lanes<W> sliding_speed(const FrictionCurve& curve, const Lanes<W>& braking, const Lanes<W>& speed) noexcept {
+    Lanes<W> v = larger<W>(speed - braking, speed / (1.0 + curve.inverse_saturation_speed * braking));
     for (int iteration = 0; iteration < 3; ++iteration) {
-        const PinLanes excess = v + braking * friction_share<rigid_lanes>(curve, v) - speed;
-        v -= excess / (1.0 + braking * slip_tangent<rigid_lanes>(curve, v));
+        const Lanes<W> excess = v + braking * friction_share<W>(curve, v) - speed;
+        v -= excess / (1.0 + braking * slip_tangent<W>(curve, v));
     }
-    return positive_part<rigid_lanes>(v);
+    return positive_part<W>(v);
 }
 
 /// Friction per free sliding velocity, so that F = -factor u.
 /// @param capacity C = μ N, most friction [N]   @param response r of the sliding velocity to friction [m/s/N]
 /// @param speed |u| of the velocity without friction [m/s]
-[[nodiscard]] inline PinLanes friction_factor(const FrictionCurve& curve, const PinLanes& capacity, const PinLanes& response,
-                                              const PinLanes& speed) noexcept {
-    const PinLanes braking = response * capacity;
+template <int W>
+[[nodiscard]] inline Lanes<W> friction_factor(const FrictionCurve& curve, const Lanes<W>& capacity, const Lanes<W>& response,
+                                              const Lanes<W>& speed) noexcept {
+    const Lanes<W> braking = response * capacity;
     if (curve.law == FrictionLaw::piecewise) {  // the speed is known: D = max(|u| - r C, v0)
-        return capacity / (larger<rigid_lanes>(speed - braking, PinLanes(curve.saturation_speed)) + braking);
+        return capacity / (larger<W>(speed - braking, Lanes<W>(curve.saturation_speed)) + braking);
     }
-    const PinLanes secant = slip_factor<rigid_lanes>(curve, sliding_speed(curve, braking, speed));
+    const Lanes<W> secant = slip_factor<W>(curve, sliding_speed<W>(curve, braking, speed));
     return capacity * secant / (1.0 + braking * secant);
 }
 

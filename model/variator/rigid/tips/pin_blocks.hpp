@@ -1,0 +1,77 @@
+#pragma once
+/// Blocks of pins side by side, and how their columns are read and written. (model/EQUATIONS.md section 11)
+
+#include <algorithm>
+#include <array>
+
+#include "model/variator/rigid/rigid_vectors.hpp"
+
+namespace cvtflow::model {
+namespace {
+
+/// Pins side by side, of which the first `count` are meant: the others, if any, are copies or are in another block as well.
+struct PinBlock {
+    int first, count;
+
+    /// 1 for pins that are meant.
+    [[nodiscard, gnu::always_inline]] PinLanes present() const noexcept { return first_lanes(count); }
+};
+
+/// Block of the pins from i = 0, 8, 16 … on.
+[[nodiscard]] inline PinBlock aligned_block(const RigidColumns& columns, int i) noexcept {
+    return {i, std::min(rigid_lanes, columns.pins() - i)};
+}
+
+/// Columns of pins side by side, in blocks of eight.
+/// @tparam W width of what is computed from them
+template <int W>
+class PinBlocks {
+public:
+    using D = DoublesOf<W>;
+    using PlaneD = DoublePlaneOf<W>;
+    static constexpr int lanes = lane_count<W>, blocks = lanes / rigid_lanes;
+    using Blocks = std::array<PinBlock, blocks>;
+
+    PinBlocks(RigidColumns& columns, const Blocks& own) noexcept : columns_(columns), own_(own) {}
+
+protected:
+    /// Entries of a column for all pins, or for those so many before or behind them.
+    [[nodiscard, gnu::always_inline]] D read_pins(Column c, int offset = 0) const noexcept {
+        if constexpr (blocks == 1) {
+            return read(columns_, c, own_[0].first + offset);
+        } else {
+            return {read(columns_, c, own_[0].first + offset), read(columns_, c, own_[1].first + offset)};
+        }
+    }
+    [[nodiscard, gnu::always_inline]] PlaneD read_plane_of(Column c, int offset = 0) const noexcept {
+        return {read_pins(c, offset), read_pins(c + 1, offset)};
+    }
+    [[gnu::always_inline]] void write_pins(Column c, const D& values) noexcept {
+        for (int block = 0; block < blocks; ++block) write(columns_, c, own_[static_cast<std::size_t>(block)].first, piece(values, block));
+    }
+    /// Numbers of the pins of one block.
+    [[nodiscard, gnu::always_inline]] static PinLanes piece(const D& values, int block) noexcept {
+        if constexpr (blocks == 1) {
+            return values;
+        } else {
+            return half<lanes>(values, block);
+        }
+    }
+    [[nodiscard, gnu::always_inline]] static std::array<PinLanes, 6> pieces(const std::array<Lanes<W>, 6>& all, int block) noexcept {
+        std::array<PinLanes, 6> found;
+        for (std::size_t k = 0; k < 6; ++k) found[k] = piece(widened<W>(all[k]), block);
+        return found;
+    }
+    [[nodiscard, gnu::always_inline]] PinLanes present_in(int block) const noexcept {
+        return own_[static_cast<std::size_t>(block)].present();
+    }
+    [[gnu::always_inline]] void add(PinSum& sum, const Lanes<W>& terms) const noexcept {
+        for (int block = 0; block < blocks; ++block) sum.add(present_in(block), piece(widened<W>(terms), block));
+    }
+
+    RigidColumns& columns_;
+    Blocks own_;
+};
+
+}  // namespace
+}  // namespace cvtflow::model

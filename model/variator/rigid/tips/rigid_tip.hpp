@@ -1,0 +1,256 @@
+#pragma once
+/// One tip of rigid pins side by side: where it is on its sheave, its normal force, its sliding velocity and what it does to both.
+/// (model/EQUATIONS.md section 11)
+
+#include <algorithm>
+
+#include "model/force/sheave_motion.hpp"
+#include "model/variator/rigid/rigid_coefficients.hpp"
+#include "model/variator/rigid/rigid_vectors.hpp"
+
+namespace cvtflow::model {
+namespace {
+
+/// Half and end of tip 0 … 3: 0 and 1 are the front half's at -z and +z, 2 and 3 the rear half's. Tips are gone through by loops, in steps
+/// of the same length: written out one by one, they would be more than the processor keeps of decoded instructions.
+[[nodiscard]] constexpr std::size_t half_of_tip(std::size_t tip) noexcept { return tip / 2; }
+[[nodiscard]] constexpr std::size_t end_of_tip(std::size_t tip) noexcept { return tip % 2; }
+
+/// A pin half, and what it gives to the motion of its tips.
+template <int W>
+struct HalfMotion {
+    PlaneOf<W> line, outward;          ///< t and o of its pitch line
+    DoublePlaneOf<W> centre;           ///< R_p sin β o from the origin
+    PlaneOf<W> sphere;                 ///< R_p sin β o
+    DoublesOf<W> rise;                 ///< R_p sin β σ·o [m]
+    DoublesOf<W> turn;                 ///< θ' [rad/s]
+    Lanes<W> slope_along;              ///< σ·t [rad]
+    DoublePlaneOf<W> sphere_velocity;  ///< of the half's middle, with that of R_p sin β o
+    Lanes<W> rise_rate;                ///< without the change of σ·t [m/s]
+};
+
+/// The sheaves of one side as pins side by side see them, and what that end of the pins gives to the motion of its tips.
+template <int W>
+struct SideMotion {
+    double side;                       ///< ±1: -z or +z
+    DoublePlaneOf<W> arm;              ///< of a sphere's centre without its half, from the sheave's origin
+    PlaneOf<W> sphere;                 ///< of it against the pin's end
+    DoublesOf<W> z;                    ///< from where the undisplaced flank plane is [m]
+    DoublesOf<W> tilt_x, tilt_y;       ///< [rad]
+    DoublePlaneOf<W> velocity;         ///< of the pin's end against the sheave, without what spins
+    DoublePlaneOf<W> sphere_velocity;  ///< the same of a sphere's centre
+    Lanes<W> velocity_z;               ///< [m/s]
+    DoublesOf<W> spin_z;
+    Lanes<W> spin_x, spin_y;
+};
+
+/// Coordinates or velocities of pins.
+template <int W>
+struct PinMotion {
+    PlaneOf<W> middle, end;
+    Lanes<W> z;
+};
+
+template <int W>
+struct TipPlace {
+    PlaneOf<W> point;  ///< P - O
+    Lanes<W> point_z;
+    Lanes<W> inverse_radius;  ///< of the sphere's centre [1/m]
+    PlaneOf<W> radial;        ///< unit vector from the axis to the sphere's centre, in the sheave's frame
+    Lanes<W> out, in;         ///< ν_r, ν_z: components of the normal, outward and towards the other sheave
+    PlaneOf<W> normal;        ///< G
+    Lanes<W> normal_z;
+    PlaneOf<W> reach;               ///< P - E
+    Lanes<W> depth;                 ///< δ_0 [m]
+    Lanes<W> tilting_x, tilting_y;  ///< (r×ν): depth per tilt of the sheave [m]
+};
+
+/// Extremes of all tips: depth, inverse radius of the spheres' centres, that of tips that touch.
+template <int W>
+struct TipBounds {
+    Lanes<W> deepest{-1e30}, nearest{0.0}, farthest{1e30};
+
+    void add(const TipPlace<W>& tip) noexcept {
+        deepest = larger<W>(tip.depth, deepest);
+        nearest = larger<W>(tip.inverse_radius, nearest);
+        const Lanes<W> touching = select_greater<W>(tip.depth, Lanes<W>(0.0), tip.inverse_radius, Lanes<W>(1e30));
+        farthest = smaller<W>(touching, farthest);
+    }
+    void store(const RigidCoefficients& c, RigidReaction& to) const noexcept {
+        const DoublesOf<W> deep = widened<W>(deepest), close = widened<W>(nearest), away = widened<W>(farthest);
+        double near = 0.0, far = 1e30;
+        for (std::size_t lane = 0; lane < static_cast<std::size_t>(lane_count<W>); ++lane) {
+            to.deepest = std::max(to.deepest, deep[lane]);
+            near = std::max(near, close[lane]);
+            far = std::min(far, away[lane]);
+        }
+        to.innermost = 1.0 / near - c.outward;
+        to.outermost = 1.0 / far - c.outward;
+    }
+};
+
+/// 1/√v. For floats from a root and a division of theirs and one step of Newton's method, which leaves 1e-13.
+template <int W>
+[[nodiscard, gnu::always_inline]] inline DoublesOf<W> inverse_root(const DoublesOf<W>& v) noexcept {
+    if constexpr (is_single<W>) {
+        const DoublesOf<W> start = widened<W>(1.0 / sqrt(as<W>(v)));
+        return start * (1.5 - 0.5 * v * (start * start));
+    } else {
+        return 1.0 / sqrt(v);
+    }
+}
+
+/// Place, normal and depth. Differences of lengths in doubles: a depth is a thousandth of them and has to be good to a part of itself.
+template <int W>
+[[gnu::always_inline]] inline void place_tip(const RigidCoefficients& c, const HalfMotion<W>& half, const SideMotion<W>& sheave,
+                                             TipPlace<W>& tip) noexcept {
+    const DoublePlaneOf<W> at = half.centre + sheave.arm;  // r = S - O
+    const DoublesOf<W> rise = sheave.z - half.rise, at_z = rise - sheave.side * c.radius * c.cosine;
+    const DoublePlaneOf<W> l{at.x - sheave.tilt_y * at_z, at.y + sheave.tilt_x * at_z};
+    const DoublesOf<W> square = dot(l, l), inverse = inverse_root<W>(square), a = square * inverse - c.touching_radius;
+    const DoublesOf<W> h = DoublesOf<W>(-sheave.side) * (rise - sheave.tilt_x * at.y + sheave.tilt_y * at.x);
+    const DoublesOf<W> out = c.sine + c.inverse_reach * a, in = c.cosine + c.inverse_reach * h;
+    tip.depth = as<W>(DoublesOf<W>(-0.5) * (a * (c.sine + out) + h * (c.cosine + in)));
+    tip.inverse_radius = as<W>(inverse);
+    tip.radial = tip.inverse_radius * as<W>(l);
+    tip.out = as<W>(out);
+    tip.in = as<W>(in);
+    const PlaneOf<W> local = tip.out * tip.radial, arm = as<W>(at);
+    const Lanes<W> local_z = Lanes<W>(-sheave.side) * tip.in, tilt_x = as<W>(sheave.tilt_x), tilt_y = as<W>(sheave.tilt_y),
+                   arm_z = as<W>(at_z);
+    tip.normal = {local.x + tilt_y * local_z, local.y - tilt_x * local_z};
+    tip.normal_z = local_z + tilt_x * local.y - tilt_y * local.x;
+    tip.tilting_x = arm.y * local_z - arm_z * local.y;
+    tip.tilting_y = arm_z * local.x - arm.x * local_z;
+    const PlaneOf<W> inwards = Lanes<W>(c.radius) * tip.normal;
+    tip.point = arm - inwards;
+    tip.point_z = arm_z - c.radius * tip.normal_z;
+    tip.reach = half.sphere + sheave.sphere - inwards;
+}
+
+/// δ_0' [m/s]. @param lead time by which velocities are ahead of coordinates: until then the normal turns with the pin [s]
+template <int W>
+[[nodiscard, gnu::always_inline]] inline Lanes<W> depth_rate(const HalfMotion<W>& half, const SideMotion<W>& sheave, const TipPlace<W>& tip,
+                                                             const Lanes<W>& lead) noexcept {
+    const PlaneOf<W> moved = as<W>(half.sphere_velocity + sheave.sphere_velocity);
+    const Lanes<W> moved_z = sheave.velocity_z - half.rise_rate;
+    const Lanes<W> around = cross(tip.radial, moved);
+    const Lanes<W> turning = lead * tip.out * (around * around) * tip.inverse_radius;
+    return sheave.spin_x * tip.tilting_x + sheave.spin_y * tip.tilting_y - dot(tip.normal, moved) - tip.normal_z * moved_z - turning;
+}
+
+/// Hertz's contact in series with the axial compliance of half a pin.
+template <int W>
+struct NormalForce {
+    Lanes<W> elastic, force;  ///< N_e, N [N]
+    Lanes<W> energy;          ///< [J]
+    Lanes<W> shortening;      ///< η: of the half pin per depth
+    Lanes<W> root_depth;      ///< √δ of Hertz' part of the depth [√m]
+};
+
+/// y = √δ_0 φ with φ² (1 + u φ) = 1, u = b √δ_0: a rational start p/q, to 1e-4 for u ≤ `well_started_softness`, and Newton's method. The
+/// division of its first step is that of η as well, which is therefore known as well as the start.
+/// @param depth δ_0 [m], ≤ 0: no contact   @param rate δ_0' [m/s]   @param further steps of Newton's method behind the first
+template <int W>
+[[nodiscard, gnu::always_inline]] inline NormalForce<W> normal_force(const RigidCoefficients& c, const Lanes<W>& depth,
+                                                                     const Lanes<W>& rate, int further) noexcept {
+    const Lanes<W> root = sqrt(positive_part<W>(depth)), u = c.softness * root;
+    const Lanes<W> p = 1.0 + u * (1.33761 + 0.1541 * u), q = 1.0 + u * (1.83676 + 0.46388 * u);
+    const Lanes<W> up = u * p, pq = p * q, inverse = 1.0 / (pq * (2.0 * q + 3.0 * up));
+    Lanes<W> phi = (p * p * (q + 2.0 * up) + q * q * q) * inverse, yielding = 3.0 * up * pq * inverse;
+    for (int step = 0; step < further; ++step) {
+        const Lanes<W> by = u * phi, slope = 2.0 + 3.0 * by;
+        phi = (phi * phi * (1.0 + 2.0 * by) + 1.0) / (phi * slope);
+        yielding = 3.0 * by / slope;
+    }
+    const Lanes<W> y = root * phi, square = y * y;
+    NormalForce<W> n;
+    n.root_depth = y;
+    n.elastic = c.hertz * square * y;
+    n.force = n.elastic * positive_part<W>(1.0 + c.damping * rate);
+    n.energy = n.elastic * square * (0.4 + 0.5 * (u * phi));
+    n.shortening = (1.0 / c.cosine) * yielding;
+    return n;
+}
+
+/// Sliding velocity along the circumference and along the flank.
+template <int W>
+struct Slip {
+    Lanes<W> round, flank;
+    friend Slip operator+(const Slip& a, const Slip& b) noexcept { return {a.round + b.round, a.flank + b.flank}; }
+    friend Slip operator-(const Slip& a, const Slip& b) noexcept { return {a.round - b.round, a.flank - b.flank}; }
+    friend Slip operator*(const Lanes<W>& f, const Slip& a) noexcept { return {f * a.round, f * a.flank}; }
+};
+
+/// Sliding velocity that a velocity of the pin against the sheave is.
+template <int W>
+[[nodiscard, gnu::always_inline]] inline Slip<W> slip_of(double side, const TipPlace<W>& tip, const PlaneOf<W>& v,
+                                                         const Lanes<W>& v_z) noexcept {
+    return {cross(tip.radial, v), tip.in * dot(tip.radial, v) + Lanes<W>(side) * (tip.out * v_z)};
+}
+
+/// The sphere's centre moves almost as the sheave does there: that difference is taken in doubles.
+/// @param shortening_rate of the half pin [m/s]
+template <int W>
+[[nodiscard, gnu::always_inline]] inline Slip<W> tip_slip(const RigidCoefficients& c, const HalfMotion<W>& half,
+                                                          const SideMotion<W>& sheave, const TipPlace<W>& tip,
+                                                          const Lanes<W>& shortening_rate) noexcept {
+    const DoublePlaneOf<W> centre = half.sphere_velocity + sheave.velocity - sheave.spin_z * turned(half.centre + sheave.arm);
+    const Lanes<W> lag = as<W>(sheave.spin_z - half.turn);
+    const PlaneOf<W> spinning = turned(as<W>(half.turn) * sheave.sphere + (c.radius * lag) * tip.normal);
+    const PlaneOf<W> v = as<W>(centre) + spinning - PlaneOf<W>{sheave.spin_y * tip.point_z, -(sheave.spin_x * tip.point_z)};
+    const Lanes<W> surface_z = sheave.spin_x * tip.point.y - sheave.spin_y * tip.point.x;
+    return slip_of<W>(sheave.side, tip, v, sheave.velocity_z - Lanes<W>(sheave.side) * shortening_rate - surface_z);
+}
+
+/// A tip's force on its pin: normal force, which the friction's share of the half pin's shortening adds to, and friction.
+template <int W>
+struct TipForce {
+    Lanes<W> normal;
+    PlaneOf<W> push, friction;
+    Lanes<W> push_z, friction_z;
+};
+
+template <int W>
+[[nodiscard, gnu::always_inline]] inline TipForce<W> tip_force(double side, const TipPlace<W>& tip, const NormalForce<W>& n,
+                                                               const Slip<W>& friction) noexcept {
+    TipForce<W> f;
+    f.friction = friction.round * turned(tip.radial) + (friction.flank * tip.in) * tip.radial;
+    f.friction_z = Lanes<W>(side) * (friction.flank * tip.out);
+    f.normal = n.force + n.shortening * (friction.flank * tip.out);
+    f.push = f.normal * tip.normal;
+    f.push_z = f.normal * tip.normal_z;
+    return f;
+}
+
+/// Generalised forces of tips on pins, and on the pitch lines of their halves.
+template <int W>
+struct TipForces {
+    PlaneOf<W> half[2] = {{0.0, 0.0}, {0.0, 0.0}};
+    PlaneOf<W> end{0.0, 0.0};
+    Lanes<W> z{0.0}, moment[2] = {0.0, 0.0};
+
+    /// Virtual work of a tip's force on the coordinates of its pin and on the direction of its half.
+    [[gnu::always_inline]] void add(const RigidCoefficients& c, double side, const HalfMotion<W>& on, std::size_t which,
+                                    const TipPlace<W>& tip, const TipForce<W>& f) noexcept {
+        half[which] = half[which] + (f.push + f.friction);
+        z += f.push_z + f.friction_z;
+        const PlaneOf<W> at_end = Lanes<W>(c.lever) * f.push + f.friction;
+        end = end + Lanes<W>(side) * at_end - (c.outward / c.half_length * f.push_z) * on.outward;
+        moment[which] += c.outward * (dot(f.push, on.line) - on.slope_along * f.push_z) + cross(tip.reach, f.friction);
+    }
+};
+
+/// Adds the opposite of the generalised forces on the sheave: (F_x, F_y, M_τx, M_τy, F_z, M_φ).
+template <int W>
+[[gnu::always_inline]] inline void add_on_sheave(const TipPlace<W>& tip, const TipForce<W>& f, std::array<Lanes<W>, 6>& to) noexcept {
+    to[0] += f.push.x + f.friction.x;
+    to[1] += f.push.y + f.friction.y;
+    to[2] += f.normal * tip.tilting_x + tip.point.y * f.friction_z - tip.point_z * f.friction.y;
+    to[3] += f.normal * tip.tilting_y + tip.point_z * f.friction.x - tip.point.x * f.friction_z;
+    to[4] += f.push_z + f.friction_z;
+    to[5] += cross(tip.point, f.friction);
+}
+
+}  // namespace
+}  // namespace cvtflow::model

@@ -1,0 +1,100 @@
+#pragma once
+/// The tips of the whole chain: of all pins for velocities as they are, in a step of those that may touch. (model/EQUATIONS.md section 11)
+
+#include "model/variator/rigid/tips/near_pins.hpp"
+#include "model/variator/rigid/tips/tip_group.hpp"
+
+namespace cvtflow::model {
+namespace {
+
+/// What the tips of a whole chain add up to.
+template <int W>
+class TipSums {
+public:
+    explicit TipSums(const RigidColumns& columns) noexcept : energy_(columns), damping_(columns), friction_(columns) {}
+
+    [[gnu::noinline]] void add(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
+                               const typename TipGroup<W>::Blocks& blocks) noexcept {
+        TipGroup<W> group(c, sheaves, kick, columns, blocks);
+        group.place();
+        group.bound(bounds_);
+        if constexpr (!is_single<W>) group.show_depths();
+        if (group.free()) return group.release();
+        group.press(sheaves, energy_, damping_);
+        group.predict();
+        group.rub(on_sheaves_, creep_, friction_);
+    }
+    void store(const RigidCoefficients& c, RigidReaction& reaction, Account& account) const noexcept {
+        on_sheaves_.store(reaction.sheaves);
+        creep_.store(reaction);
+        bounds_.store(c, reaction);
+        account.store(Energy::tips, energy_.value());
+        account.lose(Loss::tip_damping, damping_.value());
+        account.lose(Loss::tip_friction, friction_.value());
+    }
+
+private:
+    PinSum energy_, damping_, friction_;
+    ReactionSum on_sheaves_;
+    CreepSum creep_;
+    TipBounds<W> bounds_;
+};
+
+/// > 0 for pins that may touch: for those that pressed in the last step, and those that are not certainly free.
+inline void find_near_pins(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns) noexcept {
+    const PinLanes one(1.0), none(0.0);
+    for (int i = 0; i < columns.padded(); i += rigid_lanes) {
+        const PinLanes pressed = last_pressing(columns, i);
+        PinLanes near = select_greater<rigid_lanes>(pressed, none, one, none);
+        if (!all_at_most<rigid_lanes>(one - near, 0.0))
+            near = larger<rigid_lanes>(near, TipGroup<rigid_lanes>(c, sheaves, kick, columns, {PinBlock{i, rigid_lanes}}).nearness());
+        write(columns, Column::near, i, near);
+    }
+}
+
+/// Pins that are certainly free are left out, the others taken two blocks at a time.
+inline void press_near_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
+                            RigidReaction& reaction, Account& account) noexcept {
+    find_near_pins(c, sheaves, kick, columns);
+    TipSums<rigid_singles> sums(columns);
+    PinBlock waiting{0, 0};
+    const int beyond = over_near_pins(columns, [&](const PinBlock& block) {
+        if (waiting.count != 0) sums.add(c, sheaves, kick, columns, {waiting, block});
+        waiting = waiting.count != 0 ? PinBlock{0, 0} : block;
+    });
+    if (waiting.count != 0) sums.add(c, sheaves, kick, columns, {waiting, {waiting.first, 0}});
+    finish_near_pins(columns, beyond);
+    sums.store(c, reaction, account);
+}
+
+inline void press_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
+                       RigidReaction& reaction, Account& account) noexcept {
+    if (kick.implicit()) return press_near_tips(c, sheaves, kick, columns, reaction, account);
+    TipSums<rigid_lanes> sums(columns);
+    for (int i = 0; i < columns.padded(); i += rigid_lanes) {
+        sums.add(c, sheaves, kick, columns, {aligned_block(columns, i)});
+        write(columns, Column::written, i, PinLanes(1.0));
+    }
+    sums.store(c, reaction, account);
+}
+
+inline void tip_depths(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns, double* depth) noexcept {
+    const RigidKick kick;
+    TipGroup<rigid_lanes> group(c, sheaves, kick, columns, {PinBlock{0, rigid_lanes}});
+    group.place();
+    for (std::size_t tip = 0; tip < rigid_tips; ++tip) group.depth(tip).copy_to(depth + tip * rigid_lanes);
+}
+
+/// M_i = n_i·(A_i g_i + A_{i+1} g_{i+1}) + moments of the tips on the halves that turn with pitch line i.
+inline void tip_moments(RigidColumns& columns) noexcept {
+    for (int i = 0; i < columns.padded(); i += rigid_lanes) {
+        const Plane normal = turned(read_plane(columns, Column::line_x, i));
+        const Plane lean = read_plane(columns, Column::tip_lean_x, i) + read_plane(columns, Column::tip_lean_x, i + 1);
+        write(columns, Column::tip_moment_before, i, read(columns, Column::tip_moment, i));
+        write(columns, Column::tip_moment, i,
+              dot(normal, lean) + read(columns, Column::tip_rear, i) + read(columns, Column::tip_front, i + 1));
+    }
+}
+
+}  // namespace
+}  // namespace cvtflow::model

@@ -1,0 +1,287 @@
+#pragma once
+/// The four tips of pins side by side: where they are, normal forces, friction, and their sums on pins and sheaves. (model/EQUATIONS.md
+/// section 11)
+
+#include <algorithm>
+
+#include "model/variator/rigid/rigid_links.hpp"
+#include "model/variator/rigid/tips/pin_blocks.hpp"
+#include "model/variator/rigid/tips/rigid_tip.hpp"
+
+namespace cvtflow::model {
+namespace {
+
+/// Tips of eight pins: in floats for the steps of a leapfrog, in doubles for velocities as they are.
+template <int W>
+class TipGroup : private PinBlocks<W> {
+    using V = Lanes<W>;
+    using D = DoublesOf<W>;
+    using PlaneV = PlaneOf<W>;
+    using PlaneD = DoublePlaneOf<W>;
+    using Base = PinBlocks<W>;
+    using Base::add, Base::blocks, Base::columns_, Base::lanes, Base::own_, Base::piece, Base::pieces, Base::present_in, Base::read_pins,
+        Base::read_plane_of, Base::write_pins;
+    static constexpr bool implicit = is_single<W>;
+
+public:
+    using typename Base::Blocks;
+
+    [[gnu::always_inline]] TipGroup(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
+                                    const Blocks& own) noexcept
+        : Base(columns, own), c_(c), kick_(kick) {
+        at_ = read_motion(Column::x);
+        second_ = select_greater<lanes>(at_.middle.x, D(c.middle), D(1.0), D(0.0));
+        for (std::size_t k = 0; k < 2; ++k) {
+            read_half(half_[k], k);
+            read_side(sheaves[k], sheaves[2 + k], k, side_[k]);
+        }
+    }
+
+    /// At least the depth of each pin's tips: each half's sphere nearest to the axis against the flank nearest to it, as if of one tip.
+    [[nodiscard, gnu::always_inline]] D nearness() const noexcept {
+        const SideMotion<W>&low = side_[0], &high = side_[1];
+        const auto size = [](const Plane& v) { return abs(v.x) + abs(v.y); };
+        const auto more = [](const PinLanes& a, const PinLanes& b) { return larger<rigid_lanes>(a, b); };
+        const PinLanes tilt = more(size({low.tilt_x, low.tilt_y}), size({high.tilt_x, high.tilt_y}));
+        const PinLanes apart = size(low.arm - high.arm), off = more(abs(low.z), abs(high.z)) + c_.radius * c_.cosine;
+        const auto of_half = [&](const HalfMotion<W>& half) {
+            const Plane arm = half.centre + low.arm;
+            const PinLanes radius = sqrt(dot(arm, arm)), rise = abs(half.rise);
+            const PinLanes a = radius - apart - tilt * (off + rise) - c_.touching_radius;
+            const PinLanes h = smaller<rigid_lanes>(low.z, -high.z) - rise - tilt * (radius + apart);
+            return -(c_.sine * a + c_.cosine * h);
+        };
+        return more(of_half(half_[0]), of_half(half_[1]));
+    }
+
+    [[gnu::always_inline]] void place() noexcept {
+        for (std::size_t tip = 0; tip < rigid_tips; ++tip) place_tip<W>(c_, half_[half_of_tip(tip)], side_[end_of_tip(tip)], tips_[tip]);
+    }
+
+    [[nodiscard]] bool free() const noexcept {
+        const V front = larger<W>(tips_[0].depth, tips_[1].depth), rear = larger<W>(tips_[2].depth, tips_[3].depth);
+        return all_at_most<W>(larger<W>(front, rear), 0.0);
+    }
+
+    void bound(TipBounds<W>& bounds) const noexcept {
+        for (const TipPlace<W>& tip : tips_) bounds.add(tip);
+    }
+
+    [[nodiscard]] D depth(std::size_t tip) const noexcept { return widened<W>(tips_[tip].depth); }
+    void show_depths() noexcept {
+        for (std::size_t tip = 0; tip < rigid_tips; ++tip) write_pins(Column::depth + static_cast<int>(tip), depth(tip));
+    }
+
+    void release() noexcept {
+        for (const PinBlock& block : own_) {
+            columns_.clear(Column::tip_lean_x, Column::tip_rear, block.first, rigid_lanes);
+            columns_.clear(Column::tip_x, (implicit ? Column::flank : Column::reach) + (rigid_tips - 1), block.first, rigid_lanes);
+        }
+    }
+
+    [[gnu::always_inline]] void press(const SheaveMotion* sheaves, PinSum& energy, PinSum& damping) noexcept {
+        rate_ = read_motion(Column::vx);
+        for (std::size_t k = 0; k < 2; ++k) {
+            read_half_rates(half_[k], k);
+            read_side_rates(sheaves[k], sheaves[2 + k], side_[k]);
+        }
+        const V lead(-0.5 * kick_.step);
+        const int further = c_.further_steps + (implicit ? 0 : 1);
+        V stored(0.0), damped(0.0);
+        for (std::size_t tip = 0; tip < rigid_tips; ++tip) {
+            const HalfMotion<W>& half = half_[half_of_tip(tip)];
+            const SideMotion<W>& side = side_[end_of_tip(tip)];
+            const int number = static_cast<int>(tip);
+            const V rate = depth_rate<W>(half, side, tips_[tip], lead);
+            NormalForce<W>& n = normal_[tip] = normal_force<W>(c_, tips_[tip].depth, rate, further);
+            begin_[tip] = tip_slip<W>(c_, half, side, tips_[tip], n.shortening * rate);
+            write_pins(Column::normal + number, widened<W>(n.force));
+            stored += n.energy;
+            damped += damping_power(Column::tip_drag + number, n.force - n.elastic, rate);
+        }
+        add(energy, stored);
+        add(damping, damped);
+    }
+
+    /// By how much velocities of the pins grow in the step if friction stays as it was.
+    [[gnu::always_inline]] void predict() noexcept {
+        if (!implicit) return;
+        TipForces<W> total;
+        for (std::size_t tip = 0; tip < rigid_tips; ++tip) {
+            const TipForce<W> force = tip_force<W>(side_of(tip), tips_[tip], normal_[tip], memory(tip));
+            total.add(c_, side_of(tip), half_[half_of_tip(tip)], half_of_tip(tip), tips_[tip], force);
+        }
+        const V per_mass(kick_.step / c_.mass), per_tilt(kick_.step / c_.tilt_mass);
+        const D rubbing = read_pins(Column::rub) - read_pins(Column::rub, -1);
+        growth_.middle = per_mass * (as<W>(read_plane_of(Column::force_x)) + total.half[0] + total.half[1]);
+        growth_.end = per_tilt * (as<W>(read_plane_of(Column::force_p)) + total.end);
+        growth_.z = per_mass * (as<W>(read_pins(Column::force_z) + rubbing) + total.z);
+    }
+
+    [[gnu::always_inline]] void rub(ReactionSum& reaction, CreepSum& creep, PinSum& lost) noexcept {
+        TipForces<W> total;
+        std::array<V, 6> on_side[2];
+        for (auto& forces : on_side) forces.fill(V(0.0));
+        V rubbed(0.0);
+        for (std::size_t tip = 0; tip < rigid_tips; ++tip) {
+            const TipForce<W> force = tip_force<W>(side_of(tip), tips_[tip], normal_[tip], friction(tip, rubbed));
+            total.add(c_, side_of(tip), half_[half_of_tip(tip)], half_of_tip(tip), tips_[tip], force);
+            add_on_sheave<W>(tips_[tip], force, on_side[end_of_tip(tip)]);
+            if constexpr (!implicit) show_force(tip, force, creep);
+        }
+        add(lost, rubbed);
+        for (int block = 0; block < blocks; ++block)
+            reaction.subtract(piece(second_, block), present_in(block), {pieces(on_side[0], block), pieces(on_side[1], block)});
+        store(total);
+    }
+
+private:
+    [[nodiscard, gnu::always_inline]] PinMotion<lanes> read_motion(Column first) const noexcept {
+        return {read_plane_of(first), read_plane_of(first + 3), read_pins(first + 2)};
+    }
+    /// As drag_power().
+    [[nodiscard, gnu::always_inline]] V damping_power(Column c, const V& force, const V& rate) noexcept {
+        const V acting = implicit ? 0.5 * (force + as<W>(read_pins(c))) : force;
+        write_pins(c, widened<W>(force));
+        return acting * rate;
+    }
+
+    [[nodiscard]] double side_of(std::size_t tip) const noexcept { return side_[end_of_tip(tip)].side; }
+    /// Number of a half's pitch line against the pin's, and its share of the halves' offset from each other.
+    [[nodiscard]] static constexpr int line_of(std::size_t half) noexcept { return half == 0 ? -1 : 0; }
+    [[nodiscard]] static constexpr double share_of(std::size_t half) noexcept { return half == 0 ? 0.5 : -0.5; }
+    [[gnu::always_inline]] void read_half(HalfMotion<W>& half, std::size_t which) noexcept {
+        const PlaneD offset = D(share_of(which)) * read_plane_of(Column::part_x), t = read_plane_of(Column::line_x, line_of(which));
+        const PlaneD outward{t.y, -t.x}, sphere = D(c_.outward) * outward;
+        half.line = as<W>(t);
+        half.outward = as<W>(outward);
+        half.sphere = as<W>(sphere);
+        half.centre = at_.middle + offset + sphere;
+        half.rise = D(c_.outward / c_.half_length) * dot(at_.end, outward);
+    }
+    [[gnu::always_inline]] void read_half_rates(HalfMotion<W>& half, std::size_t which) noexcept {
+        half.turn = read_pins(Column::line_turn, line_of(which));
+        half.slope_along = V(1.0 / c_.half_length) * dot(as<W>(at_.end), half.line);
+        const PlaneD velocity = rate_.middle + D(share_of(which)) * read_plane_of(Column::part_vx);
+        half.sphere_velocity = velocity + (c_.outward * half.turn) * read_plane_of(Column::line_x, line_of(which));
+        half.rise_rate =
+            V(c_.outward / c_.half_length) * dot(as<W>(rate_.end), half.outward) + c_.outward * (as<W>(half.turn) * half.slope_along);
+    }
+
+    /// A number of the sheaves of one side, for each pin that of its shaft.
+    [[nodiscard]] D of(double SheaveMotion::*number, const SheaveMotion& driving, const SheaveMotion& driven) const noexcept {
+        return select_greater<lanes>(second_, D(0.5), D(driven.*number), D(driving.*number));
+    }
+
+    [[gnu::always_inline]] void read_side(const SheaveMotion& driving, const SheaveMotion& driven, std::size_t end,
+                                          SideMotion<W>& s) noexcept {
+        const double side = s.side = end == 0 ? -1.0 : 1.0;
+        const auto value = [&](double SheaveMotion::*number) { return of(number, driving, driven); };
+        s.sphere = V(side * (c_.lever - 1.0)) * as<W>(at_.end);
+        s.arm = D(side * c_.lever) * at_.end - PlaneD{value(&SheaveMotion::x), value(&SheaveMotion::y)};
+        s.z = at_.z - (value(&SheaveMotion::z) - side * c_.half_length);
+        s.tilt_x = value(&SheaveMotion::tilt_x);
+        s.tilt_y = value(&SheaveMotion::tilt_y);
+    }
+    /// Velocities lead by half a step, in which the pins move on above the spinning sheave; those of the beginning trail by as much.
+    [[gnu::always_inline]] void read_side_rates(const SheaveMotion& driving, const SheaveMotion& driven, SideMotion<W>& s) noexcept {
+        const auto value = [&](double SheaveMotion::*number) { return of(number, driving, driven); };
+        s.spin_x = as<W>(value(&SheaveMotion::spin_x));
+        s.spin_y = as<W>(value(&SheaveMotion::spin_y));
+        s.spin_z = value(&SheaveMotion::spin_z);
+        const PlaneD velocity{value(&SheaveMotion::vx), value(&SheaveMotion::vy)};
+        s.velocity = D(s.side) * rate_.end - velocity + (0.5 * kick_.step * s.spin_z) * turned(rate_.middle);
+        s.sphere_velocity = D(s.side * c_.lever) * rate_.end - velocity;
+        s.velocity_z = as<W>(rate_.z - value(&SheaveMotion::vz));
+    }
+
+    void show_force(std::size_t tip, const TipForce<W>& f, CreepSum& creep) noexcept {
+        const TipPlace<W>& place = tips_[tip];
+        const Slip<W>& u = begin_[tip];
+        const int number = static_cast<int>(tip);
+        const V speed = sqrt(u.round * u.round + u.flank * u.flank);
+        const V grip = friction_factor<W>(c_.tip_friction, friction_limit(tip, V(0.0), speed), V(0.0), speed);
+        const V radius = sqrt(dot(place.point, place.point));
+        creep.add(present_in(0), second_, grip, radius, u.round);
+        write_pins(Column::sliding + number, speed);
+        write_pins(Column::reach + number, radius);
+        const V outward = dot(f.push, place.radial) + dot(f.friction, place.radial);
+        write_pins(Column::outward + number, -outward);
+        write_pins(Column::axial + number, -(f.push_z + f.friction_z));
+    }
+
+    /// Friction of the last step.
+    [[nodiscard]] Slip<W> memory(std::size_t tip) const noexcept {
+        const int number = static_cast<int>(tip);
+        return {as<W>(read_pins(Column::round + number)), as<W>(read_pins(Column::flank + number))};
+    }
+
+    /// Sliding velocity behind the growth of the velocities: the pin has moved on by half a step as well.
+    [[nodiscard]] Slip<W> slip_now(std::size_t tip) const noexcept {
+        const V moved = as<W>(kick_.step * side_[end_of_tip(tip)].spin_z);
+        const PlaneV carried = moved * turned(as<W>(rate_.middle) + V(0.5) * growth_.middle);
+        const PlaneV change = growth_.middle + V(side_of(tip)) * growth_.end - carried;
+        return begin_[tip] + slip_of<W>(side_of(tip), tips_[tip], change, growth_.z);
+    }
+
+    /// Friction now. Contacts of a pin are solved one after the other, each with the velocities that those before it leave: the velocity
+    /// that its friction of the last step leaves is corrected by r times the change, r its own response, with some room for what its
+    /// moments do to neighbouring pins.
+    [[nodiscard, gnu::always_inline]] Slip<W> friction(std::size_t tip, V& lost) noexcept {
+        const Slip<W> old = memory(tip);
+        const V response(1.1 * kick_.step * (1.0 / c_.mass + 1.0 / c_.tilt_mass));
+        const Slip<W> free = implicit ? slip_now(tip) - response * old : begin_[tip];
+        const V speed = sqrt(free.round * free.round + free.flank * free.flank);
+        const Slip<W> force = (-friction_factor<W>(c_.tip_friction, friction_limit(tip, response, speed), response, speed)) * free;
+        const Slip<W> mean = implicit ? V(0.5) * (free + response * force + begin_[tip]) : free;
+        lost += -(force.round * mean.round + force.flank * mean.flank);
+        write_pins(Column::round + static_cast<int>(tip), widened<W>(force.round));
+        write_pins(Column::flank + static_cast<int>(tip), widened<W>(force.flank));
+        if (implicit) follow(tip, force - old);
+        return force;
+    }
+
+    /// Most friction of a tip, by its law at the speed that friction leaves. @param v without friction
+    [[nodiscard, gnu::always_inline]] V friction_limit(std::size_t tip, const V& response, const V& v) const noexcept {
+        const NormalForce<W>& n = normal_[tip];
+        const V limit = c_.tip_friction.coefficient * n.force;
+        if (c_.tip_law == nullptr) return limit;
+        const V full = limit * pressure_factor<W>(*c_.tip_law, n.root_depth), slowest(c_.tip_friction.saturation_speed);
+        return full * speed_factor<W>(*c_.tip_law, braked_speed<W>(*c_.tip_law, response * full, v, slowest));
+    }
+
+    /// Velocities behind a change of a tip's friction.
+    [[gnu::always_inline]] void follow(std::size_t tip, const Slip<W>& change) noexcept {
+        const TipPlace<W>& place = tips_[tip];
+        const PlaneV f = change.round * turned(place.radial) + (change.flank * place.in) * place.radial;
+        growth_.middle = growth_.middle + V(kick_.step / c_.mass) * f;
+        growth_.end = growth_.end + V(side_of(tip) * kick_.step / c_.tilt_mass) * f;
+        growth_.z += V(side_of(tip) * kick_.step / c_.mass) * (change.flank * place.out);
+    }
+
+    [[gnu::always_inline]] void store(const TipForces<W>& total) noexcept {
+        const PlaneV opening = V(0.5) * (total.half[0] - total.half[1]), sum = total.half[0] + total.half[1];
+        for (int block = 0; block < blocks; ++block) {
+            const int first = own_[static_cast<std::size_t>(block)].first;
+            const Plane parting{piece(widened<W>(opening.x), block), piece(widened<W>(opening.y), block)};
+            write_plane(columns_, Column::tip_lean_x, first, read_rolling(columns_, first) * parting);
+        }
+        const V numbers[] = {total.moment[0], total.moment[1]}, forces[] = {sum.x, sum.y, total.z, total.end.x, total.end.y};
+        for (int k = 0; k < 2; ++k) write_pins(Column::tip_front + k, widened<W>(numbers[k]));
+        for (int k = 0; k < 5; ++k) write_pins(Column::tip_x + k, widened<W>(forces[k]));
+    }
+
+    const RigidCoefficients& c_;
+    const RigidKick& kick_;
+    PinMotion<lanes> at_, rate_;
+    PinMotion<W> growth_;  ///< of the velocities in this step
+    HalfMotion<W> half_[2];
+    SideMotion<W> side_[2];
+    D second_;
+    TipPlace<W> tips_[rigid_tips];
+    NormalForce<W> normal_[rigid_tips];
+    Slip<W> begin_[rigid_tips];  ///< sliding velocities at the beginning of the step
+};
+
+}  // namespace
+}  // namespace cvtflow::model
