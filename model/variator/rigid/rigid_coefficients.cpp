@@ -33,6 +33,7 @@ RigidCoefficients::RigidCoefficients(const Parameters& parameters) {
     pins = p.chain.pins;
     mass = 2.0 * p.half.mass + plates;
     plate_square = mean_square_position(p);
+    plate_reach = std::sqrt(plate_square);
     tilt_mass = p.detail.mass_scaling * (2.0 * p.half.mass / 3.0 + plates * plate_square);
     half_length = c.half_length;
     pull = damped_spring(in_series(p.plate.count * p.plate.stiffness, p.joint.stiffness), 0.25 * mass, zeta);

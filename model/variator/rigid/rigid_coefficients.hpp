@@ -20,6 +20,7 @@ struct RigidCoefficients {
     // Links.
     Spring pull;           ///< plates and joint in series
     double plate_square;   ///< mean ξ² of the plates
+    double plate_reach;    ///< ξ̂: its root
     double arm, diameter;  ///< c_a = ρ - w/2, 2ρ [m]
     double rolling_arm;    ///< a_r over sqrt(N) [m/√N]
     FrictionCurve plate_friction, joint_friction;

@@ -72,14 +72,19 @@ enum class Column {
     force_z,
     force_p,
     force_q,
-    // Friction between neighbouring links' plates along the pins: of this step, of the last; sliding speed behind the step; sliding speed
-    // without friction, friction per sliding speed. ring_: equations of the chain, shared out over lanes (rigid_plates.hpp).
+    // Friction between neighbouring links' plates along the pins: of all plates, of those at +z less those at -z, of all in the last step;
+    // sliding speeds of both behind the step; without friction, sliding speed of the pins and friction; friction per sliding speed, of all
+    // and of those at +z. ring_: equations of the chain, shared out over lanes (rigid_plates.hpp).
     rub,
+    rub_spread,
     rub_before,
-    rub_speed,
+    rub_speed_low,
+    rub_speed_high,
     rub_drive,
+    rub_push,
     rub_grip,
-    ring_drive,
+    rub_grip_high,
+    ring_push,
     ring_grip,
     ring_ahead,
     ring_behind,
@@ -103,6 +108,8 @@ enum class Column {
     tip_z,
     tip_p,
     tip_q,
+    // e': rate at which an end moves outward against the middle as the pin lengthens, mean of both halves and ends [m/s].
+    lengthening,
     // Of each tip: normal force, its damping part, friction along the circumference and along the flank; force on its sheave, away from
     // the axis and along z, only of velocities as they are.
     normal,

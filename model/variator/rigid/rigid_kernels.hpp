@@ -40,7 +40,9 @@ struct RigidKernels {
     void (*lean)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
     /// Generalised forces of the links on the pins.
     void (*gather)(RigidColumns& columns) noexcept;
-    /// Friction of plates along the pins.
+    /// Rates at which pins lengthen, of velocities as they are. @param sheaves [4]
+    void (*lengthen)(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns) noexcept;
+    /// Friction of plates along the pins, which lengthen meanwhile: in a step, as they did in the last one.
     void (*rub)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
     /// Normal forces and friction of the tips. @param sheaves [4]
     void (*tips)(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,

@@ -40,8 +40,10 @@ void RigidModel::accelerate(const SheaveMotion* sheaves, const RigidKick& kick, 
     columns.wrap(Column::lean_x, Column::rolling);
     kernels_.gather(columns);
     columns.wrap(Column::force_z, Column::force_z);
+    if (sheaves != nullptr && !kick.implicit()) kernels_.lengthen(coefficients_, sheaves, columns);
+    columns.wrap(Column::lengthening, Column::lengthening);
     kernels_.rub(coefficients_, kick, columns, f.account);
-    columns.wrap(Column::rub, Column::rub);
+    columns.wrap(Column::rub, Column::rub_spread);
     if (sheaves != nullptr) {
         kernels_.tips(coefficients_, sheaves, kick, columns, f.reaction, f.account);
         columns.wrap(Column::tip_lean_x, Column::tip_rear);

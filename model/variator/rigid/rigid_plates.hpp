@@ -71,9 +71,9 @@ struct LaneRing {
     }
 };
 
-/// Friction P of all links, (1 + 2aF) P_i - aF (P_{i-1} + P_{i+1}) = F s_i around the ring: F friction per sliding speed (ring_grip), s
-/// sliding speed without friction (ring_drive), a of a pin's speed per force over the step [m/s/N]. Each lane eliminates its links but the
-/// last, P_r = rub + behind P_{last of the lane before} + ahead P_{r+1}; what is left has one unknown per lane.
+/// Friction P of all links, (1 + 2aF) P_i - aF (P_{i-1} + P_{i+1}) = B_i around the ring: F friction per sliding speed (ring_grip), B
+/// friction if no link's friction changed the sliding (ring_push), a of a pin's speed per force over the step [m/s/N]. Each lane eliminates
+/// its links but the last, P_r = rub + behind P_{last of the lane before} + ahead P_{r+1}; what is left has one unknown per lane.
 inline void solve_ring(const RingShares& shares, double a, RigidColumns& columns) noexcept {
     const PinLanes absent = shares.absent_rows();
     const int last = (shares.rows - 1) * rigid_lanes;
@@ -82,7 +82,7 @@ inline void solve_ring(const RingShares& shares, double a, RigidColumns& columns
     for (int at = 0, row = 0; at < last; at += rigid_lanes, ++row) {
         const PinLanes number(row), grip = read(columns, Column::ring_grip, at), coupling = PinLanes(a) * grip;
         const PinLanes inverse = 1.0 / (1.0 + coupling * (2.0 - ahead));
-        rub = (grip * read(columns, Column::ring_drive, at) + coupling * rub) * inverse;
+        rub = (read(columns, Column::ring_push, at) + coupling * rub) * inverse;
         behind = select_greater<rigid_lanes>(absent, number, behind, coupling * behind * inverse);
         ahead = coupling * inverse;
         first_rub += first_ahead * rub;
@@ -94,7 +94,7 @@ inline void solve_ring(const RingShares& shares, double a, RigidColumns& columns
     }
     const PinLanes grip = read(columns, Column::ring_grip, last), coupling = PinLanes(a) * grip;
     const PinLanes inverse = 1.0 / (1.0 + coupling * (2.0 - ahead - neighbour<1>(first_behind)));
-    const PinLanes free = grip * read(columns, Column::ring_drive, last) + coupling * (rub + neighbour<1>(first_rub));
+    const PinLanes free = read(columns, Column::ring_push, last) + coupling * (rub + neighbour<1>(first_rub));
     PinLanes next = LaneRing{free * inverse, coupling * behind * inverse, coupling * neighbour<1>(first_ahead) * inverse}.solution();
     const PinLanes before = neighbour<-1>(next);
     write(columns, Column::ring_rub, last, next);
@@ -108,10 +108,10 @@ inline void solve_ring(const RingShares& shares, double a, RigidColumns& columns
 /// Friction of the velocities that the step leaves behind, by the friction per speed that the last step has left.
 inline void solve_friction(double step_per_mass, RigidColumns& columns) noexcept {
     const RingShares shares(columns.pins());
-    double *drive = columns[Column::ring_drive], *grip = columns[Column::ring_grip], *rub = columns[Column::rub];
-    const double *drive_of = columns[Column::rub_drive], *grip_of = columns[Column::rub_grip], *rub_in = columns[Column::ring_rub];
+    double *push = columns[Column::ring_push], *grip = columns[Column::ring_grip], *rub = columns[Column::rub];
+    const double *push_of = columns[Column::rub_push], *grip_of = columns[Column::rub_grip], *rub_in = columns[Column::ring_rub];
     shares.for_links([&](int place, int link) {
-        drive[place] = drive_of[link];
+        push[place] = push_of[link];
         grip[place] = grip_of[link];
     });
     solve_ring(shares, step_per_mass, columns);
@@ -119,26 +119,41 @@ inline void solve_friction(double step_per_mass, RigidColumns& columns) noexcept
     columns.wrap(Column::rub, Column::rub);
 }
 
-/// Plates of neighbouring links rub along the pin that they share. The sliding speed that a step leaves behind is kept for the next one.
+/// By how much faster than the pins the plates at +z slide, and those at -z slower, as both pins lengthen [m/s].
+[[nodiscard]] inline PinLanes plate_parting(const RigidCoefficients& c, const RigidColumns& columns, int i) noexcept {
+    return c.plate_reach * (read(columns, Column::lengthening, i + 1) - read(columns, Column::lengthening, i));
+}
+
+/// Plates of neighbouring links rub along the pin that they share. The sliding speeds that a step leaves behind are kept for the next one.
+/// What the pins' lengthening loses is counted with the tips that do its work.
 inline void rub_plates(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept {
     PinSum lost(columns);
     const PinLanes per_mass(kick.step / c.mass);
     const auto axial = [&](int i) { return read(columns, Column::force_z, i) + read(columns, Column::tip_z, i); };
     const auto speed = [&](int i) { return read(columns, Column::vz, i + 1) - read(columns, Column::vz, i); };
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-        const PinLanes capacity = c.plate_friction.coefficient * positive_part<rigid_lanes>(read(columns, Column::tension, i));
-        const PinLanes kept = kick.implicit() ? read(columns, Column::rub_speed, i) : abs(speed(i));
-        const PinLanes grip = capacity * slip_factor<rigid_lanes>(c.plate_friction, kept);
-        write(columns, Column::rub_grip, i, grip);
-        write(columns, Column::rub_drive, i, speed(i) + per_mass * (axial(i + 1) - axial(i)));
-        if (!kick.implicit()) write(columns, Column::rub, i, grip * speed(i));
+        const PinLanes capacity = (0.5 * c.plate_friction.coefficient) * positive_part<rigid_lanes>(read(columns, Column::tension, i));
+        const PinLanes parting = plate_parting(c, columns, i), drive = speed(i) + per_mass * (axial(i + 1) - axial(i));
+        const auto grip_at = [&](const PinLanes& now, Column kept) {
+            return capacity * slip_factor<rigid_lanes>(c.plate_friction, kick.implicit() ? read(columns, kept, i) : abs(now));
+        };
+        const PinLanes low = grip_at(drive - parting, Column::rub_speed_low), high = grip_at(drive + parting, Column::rub_speed_high);
+        const PinLanes push = low * (drive - parting) + high * (drive + parting);
+        write(columns, Column::rub_grip, i, low + high);
+        write(columns, Column::rub_grip_high, i, high);
+        write(columns, Column::rub_drive, i, drive);
+        write(columns, Column::rub_push, i, push);
+        if (!kick.implicit()) write(columns, Column::rub, i, push);
     }
     if (kick.implicit()) solve_friction(kick.step / c.mass, columns);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-        const PinLanes friction = read(columns, Column::rub, i);
+        const PinLanes friction = read(columns, Column::rub, i), parting = plate_parting(c, columns, i);
         lost.add(i, (kick.implicit() ? 0.5 * (friction + read(columns, Column::rub_before, i)) : friction) * speed(i));
         const PinLanes change = read(columns, Column::rub, i + 1) - 2.0 * friction + read(columns, Column::rub, i - 1);
-        write(columns, Column::rub_speed, i, abs(read(columns, Column::rub_drive, i) + per_mass * change));
+        const PinLanes slide = read(columns, Column::rub_drive, i) + per_mass * change, high = read(columns, Column::rub_grip_high, i);
+        write(columns, Column::rub_spread, i, 2.0 * (high * (slide + parting)) - friction);
+        write(columns, Column::rub_speed_low, i, abs(slide - parting));
+        write(columns, Column::rub_speed_high, i, abs(slide + parting));
     }
     account.lose(Loss::plate_friction, lost.value());
 }

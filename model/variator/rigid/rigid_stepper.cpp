@@ -22,9 +22,10 @@ constexpr Column kept[][2] = {{Column::x, Column::vq},
                               {Column::stretch_drag, Column::shear_drag},
                               {Column::rolling, Column::rolling},
                               {Column::force_x, Column::force_q},
-                              {Column::rub, Column::rub_speed},
+                              {Column::rub, Column::rub_speed_high},
                               {Column::tip_moment, Column::tip_moment},
                               {Column::tip_z, Column::tip_z},
+                              {Column::lengthening, Column::lengthening},
                               {Column::normal, Column::flank + (rigid_tips - 1)}};
 
 }  // namespace

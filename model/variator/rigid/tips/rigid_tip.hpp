@@ -211,13 +211,14 @@ struct TipForce {
     Lanes<W> push_z, friction_z;
 };
 
+/// @param pull what plates lengthen the pin with, of one tip [N]
 template <int W>
 [[nodiscard, gnu::always_inline]] inline TipForce<W> tip_force(double side, const TipPlace<W>& tip, const NormalForce<W>& n,
-                                                               const Slip<W>& friction) noexcept {
+                                                               const Lanes<W>& pull, const Slip<W>& friction) noexcept {
     TipForce<W> f;
     f.friction = friction.round * turned(tip.radial) + (friction.flank * tip.in) * tip.radial;
     f.friction_z = Lanes<W>(side) * (friction.flank * tip.out);
-    f.normal = n.force + n.shortening * (friction.flank * tip.out);
+    f.normal = n.force + n.shortening * (friction.flank * tip.out + pull);
     f.push = f.normal * tip.normal;
     f.push_z = f.normal * tip.normal_z;
     return f;

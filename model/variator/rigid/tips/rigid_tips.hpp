@@ -11,7 +11,7 @@ namespace {
 template <int W>
 class TipSums {
 public:
-    explicit TipSums(const RigidColumns& columns) noexcept : energy_(columns), damping_(columns), friction_(columns) {}
+    explicit TipSums(const RigidColumns& columns) noexcept : energy_(columns), damping_(columns), plates_(columns), friction_(columns) {}
 
     [[gnu::noinline]] void add(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
                                const typename TipGroup<W>::Blocks& blocks) noexcept {
@@ -20,7 +20,7 @@ public:
         group.bound(bounds_);
         if constexpr (!is_single<W>) group.show_depths();
         if (group.free()) return group.release();
-        group.press(sheaves, energy_, damping_);
+        group.press(sheaves, energy_, damping_, plates_);
         group.predict();
         group.rub(on_sheaves_, creep_, friction_);
     }
@@ -31,10 +31,11 @@ public:
         account.store(Energy::tips, energy_.value());
         account.lose(Loss::tip_damping, damping_.value());
         account.lose(Loss::tip_friction, friction_.value());
+        account.lose(Loss::plate_friction, plates_.value());
     }
 
 private:
-    PinSum energy_, damping_, friction_;
+    PinSum energy_, damping_, plates_, friction_;
     ReactionSum on_sheaves_;
     CreepSum creep_;
     TipBounds<W> bounds_;
@@ -83,6 +84,17 @@ inline void tip_depths(const RigidCoefficients& c, const SheaveMotion* sheaves, 
     TipGroup<rigid_lanes> group(c, sheaves, kick, columns, {PinBlock{0, rigid_lanes}});
     group.place();
     for (std::size_t tip = 0; tip < rigid_tips; ++tip) group.depth(tip).copy_to(depth + tip * rigid_lanes);
+}
+
+/// Presses the tips of all pins for the rates at which these lengthen; plates wait for them.
+inline void lengthen_pins(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns) noexcept {
+    const RigidKick kick;
+    PinSum ignored(columns);
+    for (int i = 0; i < columns.padded(); i += rigid_lanes) {
+        TipGroup<rigid_lanes> group(c, sheaves, kick, columns, {aligned_block(columns, i)});
+        group.place();
+        group.press(sheaves, ignored, ignored, ignored);
+    }
 }
 
 /// M_i = n_i·(A_i g_i + A_{i+1} g_{i+1}) + moments of the tips on the halves that turn with pitch line i.

@@ -79,7 +79,7 @@ public:
         }
     }
 
-    [[gnu::always_inline]] void press(const SheaveMotion* sheaves, PinSum& energy, PinSum& damping) noexcept {
+    [[gnu::always_inline]] void press(const SheaveMotion* sheaves, PinSum& energy, PinSum& damping, PinSum& plates) noexcept {
         rate_ = read_motion(Column::vx);
         for (std::size_t k = 0; k < 2; ++k) {
             read_half_rates(half_[k], k);
@@ -87,18 +87,23 @@ public:
         }
         const V lead(-0.5 * kick_.step);
         const int further = c_.further_steps + (implicit ? 0 : 1);
-        V stored(0.0), damped(0.0);
+        V stored(0.0), damped(0.0), shortened(0.0);
         for (std::size_t tip = 0; tip < rigid_tips; ++tip) {
             const HalfMotion<W>& half = half_[half_of_tip(tip)];
             const SideMotion<W>& side = side_[end_of_tip(tip)];
             const int number = static_cast<int>(tip);
             const V rate = depth_rate<W>(half, side, tips_[tip], lead);
             NormalForce<W>& n = normal_[tip] = normal_force<W>(c_, tips_[tip].depth, rate, further);
-            begin_[tip] = tip_slip<W>(c_, half, side, tips_[tip], n.shortening * rate);
+            const V shortening = n.shortening * rate;
+            begin_[tip] = tip_slip<W>(c_, half, side, tips_[tip], shortening);
+            shortened += shortening;
             write_pins(Column::normal + number, widened<W>(n.force));
             stored += n.energy;
             damped += damping_power(Column::tip_drag + number, n.force - n.elastic, rate);
         }
+        write_pins(Column::lengthening, widened<W>(V(-0.25) * shortened));
+        pull_ = V(0.25 * c_.plate_reach) * as<W>(read_pins(Column::rub_spread) - read_pins(Column::rub_spread, -1));
+        add(plates, pull_ * shortened);
         add(energy, stored);
         add(damping, damped);
     }
@@ -108,7 +113,7 @@ public:
         if (!implicit) return;
         TipForces<W> total;
         for (std::size_t tip = 0; tip < rigid_tips; ++tip) {
-            const TipForce<W> force = tip_force<W>(side_of(tip), tips_[tip], normal_[tip], memory(tip));
+            const TipForce<W> force = tip_force<W>(side_of(tip), tips_[tip], normal_[tip], pull_, memory(tip));
             total.add(c_, side_of(tip), half_[half_of_tip(tip)], half_of_tip(tip), tips_[tip], force);
         }
         const V per_mass(kick_.step / c_.mass), per_tilt(kick_.step / c_.tilt_mass);
@@ -124,7 +129,7 @@ public:
         for (auto& forces : on_side) forces.fill(V(0.0));
         V rubbed(0.0);
         for (std::size_t tip = 0; tip < rigid_tips; ++tip) {
-            const TipForce<W> force = tip_force<W>(side_of(tip), tips_[tip], normal_[tip], friction(tip, rubbed));
+            const TipForce<W> force = tip_force<W>(side_of(tip), tips_[tip], normal_[tip], pull_, friction(tip, rubbed));
             total.add(c_, side_of(tip), half_[half_of_tip(tip)], half_of_tip(tip), tips_[tip], force);
             add_on_sheave<W>(tips_[tip], force, on_side[end_of_tip(tip)]);
             if constexpr (!implicit) show_force(tip, force, creep);
@@ -280,6 +285,7 @@ private:
     D second_;
     TipPlace<W> tips_[rigid_tips];
     NormalForce<W> normal_[rigid_tips];
+    V pull_;                     ///< a fourth of what plates lengthen the pin with [N]
     Slip<W> begin_[rigid_tips];  ///< sliding velocities at the beginning of the step
 };
 

@@ -114,8 +114,38 @@ private:
                pull_damping * square_ + per_half * per_half * damping(bending, tilt), i);
         spring(deflection(2), per_half * per_half * torsion, per_half * per_half * damping(torsion, tilt), i);
         spring(deflection(3), 3.0L * bending, damping(3.0L * bending, tilt), i);
-        const Measure rise = [i](const Place& at) { return at.coordinate(2, i + 1) - at.coordinate(2, i); };
-        rub(rise, p_.plate.friction, std::max(0.0L, tension_), i);
+        const std::array<Real, 4> before = shares(i), behind = shares(i + 1);
+        for (const Real reach : {-std::sqrt(square_), std::sqrt(square_)}) {
+            const Measure offset = [=, this](const Place& at) {
+                return at.coordinate(2, i + 1) - at.coordinate(2, i) +
+                       reach * (lengthening(at, i + 1, behind) - lengthening(at, i, before));
+            };
+            rub(offset, p_.plate.friction, 0.5L * std::max(0.0L, tension_), i);
+        }
+    }
+
+    /// By how much a half shortens per depth of a tip at which y² (1 + b y) = δ.
+    [[nodiscard]] Real shortening(Real y) const {
+        return 3.0L * softness_ * y / (2.0L + 3.0L * softness_ * y) / std::cos(Real{p_.tip.angle});
+    }
+
+    /// The same of the four tips of a pin now; zero where they do not touch.
+    [[nodiscard]] std::array<Real, 4> shares(int pin) const {
+        std::array<Real, 4> all{};
+        if (z_.size() == static_cast<std::size_t>(5 * p_.chain.pins)) return all;
+        for (std::size_t tip = 0; tip < 4; ++tip) {
+            const Real depth = Place(p_, z_).tip(pin, tip < 2 ? 1.0L : -1.0L, tip % 2).depth;
+            if (depth > 0.0L) all[tip] = shortening(root_of_depth(depth, softness_));
+        }
+        return all;
+    }
+
+    /// What a small motion lengthens half a pin by, mean of its halves and ends.
+    [[nodiscard]] static Real lengthening(const Place& at, int pin, const std::array<Real, 4>& share) {
+        Real sum = 0.0L;
+        for (std::size_t tip = 0; tip < 4; ++tip)
+            if (share[tip] > 0.0L) sum -= 0.25L * share[tip] * at.tip(pin, tip < 2 ? 1.0L : -1.0L, tip % 2).depth;
+        return sum;
     }
 
     void rub(const Measure& length, const Friction& friction, Real normal, int pin) {
@@ -196,7 +226,7 @@ private:
         const Place::Tip tip = here.tip(pin, which, side);
         const int shaft = here.shaft_of(pin), line = which > 0.0L ? pin - 1 : pin;
         const Real s = side == 0 ? -1.0L : 1.0L;
-        const Real share = 3.0L * softness_ * y / (2.0L + 3.0L * softness_ * y) / std::cos(Real{p_.tip.angle});
+        const Real share = shortening(y);
         const Vec3 point = tip.centre - Real{p_.tip.radius} * tip.normal;
         const Vec3 reach = point - tip.end, arm = point - here.sheave(shaft, side).origin;
         // What a small motion moves at the point of contact along a direction fixed now.

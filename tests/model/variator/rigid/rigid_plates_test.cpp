@@ -27,25 +27,28 @@ void fill(RigidColumns& columns, unsigned seed) {
         columns[Column::force_z][pin] = between(-300.0, 300.0);
         columns[Column::tip_z][pin] = between(-300.0, 300.0);
         columns[Column::tension][pin] = std::max(0.0, between(-1000.0, 3000.0));
-        columns[Column::rub_speed][pin] = between(0.0, 0.03);
+        columns[Column::rub_speed_low][pin] = between(0.0, 0.03);
+        columns[Column::rub_speed_high][pin] = between(0.0, 0.03);
+        columns[Column::lengthening][pin] = between(-0.03, 0.03);
     }
     columns.wrap(Column::vz, Column::vz);
     columns.wrap(Column::force_z, Column::force_z);
     columns.wrap(Column::tip_z, Column::tip_z);
     columns.wrap(Column::tension, Column::tension);
-    columns.wrap(Column::rub_speed, Column::rub_speed);
+    columns.wrap(Column::rub_speed_low, Column::rub_speed_high);
+    columns.wrap(Column::lengthening, Column::lengthening);
 }
 
-/// Friction per sliding speed at a kept speed. (model/EQUATIONS.md section 7)
+/// Friction of half the plates per sliding speed at a kept speed. (model/EQUATIONS.md section 7)
 double grip_of(const Parameters& p, double tension, double speed) {
     const double v0 = p.plate.friction.saturation_speed, d = p.detail.friction == FrictionLaw::piecewise ? 0.0 : p.detail.smoothing;
     const double beyond = speed - (1.0 - d) * v0;
     double secant = 1.0 / std::max(speed, v0);
     if (std::abs(speed - v0) < d * v0) secant = 1.0 / v0 - beyond * beyond / (4.0 * d * v0 * v0) / speed;
-    return p.plate.friction.coefficient * tension * secant;
+    return 0.5 * p.plate.friction.coefficient * tension * secant;
 }
 
-/// Every link's friction is its grip times the sliding speed that all frictions together leave behind.
+/// The friction of each half of a link's plates is its grip times the sliding speed that all frictions together leave behind.
 TEST(RigidPlates, FrictionFollowsFromTheVelocitiesThatTheWholeChainLeavesBehind) {
     constexpr double step = 5e-6;
     for (const FrictionLaw law : {FrictionLaw::piecewise, FrictionLaw::smoothed}) {
@@ -55,7 +58,8 @@ TEST(RigidPlates, FrictionFollowsFromTheVelocitiesThatTheWholeChainLeavesBehind)
             const RigidModel model(p);
             RigidColumns columns = model.columns();
             fill(columns, static_cast<unsigned>(pins));
-            std::vector<double> kept(columns[Column::rub_speed], columns[Column::rub_speed] + pins);
+            const std::vector<double> low(columns[Column::rub_speed_low], columns[Column::rub_speed_low] + pins);
+            const std::vector<double> high(columns[Column::rub_speed_high], columns[Column::rub_speed_high] + pins);
             Account account;
             model.kernels().rub(model.coefficients(), {step}, columns, account);
             const double* rub = columns[Column::rub];
@@ -67,9 +71,15 @@ TEST(RigidPlates, FrictionFollowsFromTheVelocitiesThatTheWholeChainLeavesBehind)
                     return columns[Column::vz][of] + step / model.coefficients().mass * force;
                 };
                 const double slides = after(next, pin) - after(pin, before);
-                const double grip = grip_of(p, columns[Column::tension][pin], kept[static_cast<std::size_t>(pin)]);
-                EXPECT_NEAR(rub[pin], grip * slides, 1e-9) << pin;
-                EXPECT_NEAR(columns[Column::rub_speed][pin], std::abs(slides), 1e-12) << pin;
+                const double parting =
+                    model.coefficients().plate_reach * (columns[Column::lengthening][next] - columns[Column::lengthening][pin]);
+                const double tension = columns[Column::tension][pin];
+                const double at_low = grip_of(p, tension, low[static_cast<std::size_t>(pin)]) * (slides - parting);
+                const double at_high = grip_of(p, tension, high[static_cast<std::size_t>(pin)]) * (slides + parting);
+                EXPECT_NEAR(rub[pin], at_low + at_high, 1e-9) << pin;
+                EXPECT_NEAR(columns[Column::rub_spread][pin], at_high - at_low, 1e-9) << pin;
+                EXPECT_NEAR(columns[Column::rub_speed_low][pin], std::abs(slides - parting), 1e-12) << pin;
+                EXPECT_NEAR(columns[Column::rub_speed_high][pin], std::abs(slides + parting), 1e-12) << pin;
                 largest = std::max(largest, std::abs(rub[pin]));
             }
             EXPECT_GT(largest, 10.0);
