@@ -93,7 +93,8 @@ void Tuner::find_methods() {
     std::vector<std::string> dear;
     for (const auto& [seconds, name] : costs) {
         const double over = seconds / costs.front().first;
-        const bool usual = std::ranges::any_of(automatic_choices(), [&](const AutomaticChoice& row) { return row.method == name; });
+        const bool usual =
+            std::ranges::any_of(automatic_choices(), [&name = name](const AutomaticChoice& row) { return row.method == name; });
         const bool taken = usual || (methods_.size() < max_methods && over <= method_reach);
         if (taken)
             methods_.push_back(name);
