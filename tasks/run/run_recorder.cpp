@@ -15,8 +15,14 @@ namespace cvtflow::tasks {
 
 namespace {
 
-/// Rows of channels that are written together: handing all datasets to HDF5 costs as much as hundreds of rows.
-constexpr int channel_rows = 2048;
+/// Rows of channels that are written together: handing all datasets to HDF5 costs as much as hundreds of rows. Thousands of channels take
+/// fewer rows, so that what is gathered stays within some megabytes.
+int rows_together(const std::vector<engine::ChannelInfo>& channels) {
+    constexpr std::size_t fewest = 512, most = 2048, numbers = std::size_t{1} << 21U;
+    std::size_t width = 1;  // of the time
+    for (const engine::ChannelInfo& channel : channels) width += static_cast<std::size_t>(channel.width);
+    return static_cast<int>(std::clamp(numbers / width, fewest, most));
+}
 
 engine::TableInfo transition_table() {
     return {"transitions",
@@ -103,7 +109,8 @@ RunRecorder::RunRecorder(const Scene& scene, const Simulation& simulation, const
         run_ = options.from != nullptr && !options.from->run.empty() ? options.from->run : new_identity();
         contents_ = contents_of(scene, simulation.variator().chain(), channels_, run_);
         if (options.from != nullptr) former_ = former_record(options);
-        file_ = std::make_unique<engine::RunFile>(options.file, contents_, engine::RunFileOptions{.channel_rows = channel_rows});
+        file_ = std::make_unique<engine::RunFile>(options.file, contents_,
+                                                  engine::RunFileOptions{.channel_rows = rows_together(contents_.channels)});
     }
 }
 
