@@ -36,7 +36,7 @@ void Simulation::restore_couplings(std::span<const double> numbers) {
 std::vector<CouplingReport> couplings_of(const Simulation& simulation) {
     std::vector<CouplingReport> found;
     const model::PulleyModel& pulleys = simulation.variator().pulleys();
-    const EnergyLedger::Couplings& energy = simulation.energy().couplings();
+    const CouplingSums& energy = simulation.energy().couplings();
     for (const int shaft : {0, 1}) {
         if (!pulleys.coupled(shaft)) continue;
         const auto now = pulleys.coupling(simulation.time(), simulation.state() + simulation.workspace().layout().pulley_begin(), shaft);

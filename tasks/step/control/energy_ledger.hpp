@@ -126,8 +126,7 @@ public:
     /// The same with powers that have lasted as long. time: now [s]
     [[nodiscard]] double efficiency(double time, const FurtherPowers& further) const noexcept;
 
-    using Couplings = CouplingSums;
-    [[nodiscard]] const Couplings& couplings() const noexcept { return m_.couplings; }
+    [[nodiscard]] const CouplingSums& couplings() const noexcept { return m_.couplings; }
     /// Of drive and load on their shafts so far [N·m·s].
     [[nodiscard]] const std::array<double, 2>& impulse() const noexcept { return m_.impulse; }
 
@@ -171,7 +170,7 @@ private:
         model::WorkRates work, work_sampled;
         std::array<double, 2> impulse, impulse_output, momentum_output;  ///< [N·m·s]
         std::array<double, 2> chain_torque;                              ///< [N·m]
-        Couplings couplings;
+        CouplingSums couplings;
         double outputs, output_time;  ///< [1, s]
         Span all, part;
         double worst, doubt;  ///< doubt: 1 while samples lie close [1]
