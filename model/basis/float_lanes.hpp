@@ -193,24 +193,54 @@ template <int W>
 /// The larger of both; b if a is NaN.
 [[nodiscard]] inline FloatLanes larger(const FloatLanes& a, const FloatLanes& b) noexcept { return larger_floats<float_lanes>(a, b); }
 
-/// Half a vector of floats for every vector of doubles.
-typedef float HalfFloats __attribute__((vector_size(native_lanes * sizeof(float))));
-
-template <int... lane>
-[[nodiscard]] inline Floats<native_floats> joined(HalfFloats low, HalfFloats high, std::integer_sequence<int, lane...>) noexcept {
-    return Floats<native_floats>(__builtin_shufflevector(low, high, lane...));
+/// Two vectors of doubles rounded to the nearest floats. (Of __builtin_convertvector and __builtin_shufflevector gcc 12 makes several
+/// instructions each, some of them by way of memory.)
+template <int W, class Doubles = typename NativeVector<W / 2>::Type>
+[[nodiscard]] inline typename FloatVector<W>::Type float_narrow(Doubles low, Doubles high) noexcept {
+#if defined(__AVX512DQ__)
+    if constexpr (W == 16) {
+        const __m512 first = _mm512_castps256_ps512(_mm512_maskz_cvtpd_ps(0xff, low));
+        return _mm512_insertf32x8(first, _mm512_maskz_cvtpd_ps(0xff, high), 1);
+    }
+#endif
+#if defined(__AVX2__)
+    if constexpr (W == 8) return _mm256_set_m128(_mm256_cvtpd_ps(high), _mm256_cvtpd_ps(low));
+#endif
+#if defined(__x86_64__)
+    if constexpr (W == 4) return _mm_movelh_ps(_mm_cvtpd_ps(low), _mm_cvtpd_ps(high));
+#endif
+    const Lanes<W / 2> first(low), second(high);
+    typename FloatVector<W>::Type floats;
+    for (int lane = 0; lane < W; ++lane) {
+        const std::size_t of_half = static_cast<std::size_t>(lane % (W / 2));
+        floats[lane] = static_cast<float>(lane < W / 2 ? first[of_half] : second[of_half]);
+    }
+    return floats;
 }
-template <int begin, int... lane>
-[[nodiscard]] inline HalfFloats half_of(Floats<native_floats> floats, std::integer_sequence<int, lane...>) noexcept {
-    return __builtin_shufflevector(floats.v, floats.v, (begin + lane)...);
+
+/// The first half of the floats, or the second.
+template <int W, bool second>
+[[nodiscard]] inline Lanes<W / 2> float_widen(typename FloatVector<W>::Type v) noexcept {
+#if defined(__AVX512DQ__)
+    if constexpr (W == 16)
+        return Lanes<W / 2>(_mm512_maskz_cvtps_pd(0xff, second ? _mm512_extractf32x8_ps(v, 1) : _mm512_castps512_ps256(v)));
+#endif
+#if defined(__AVX2__)
+    if constexpr (W == 8) return Lanes<W / 2>(_mm256_cvtps_pd(second ? _mm256_extractf128_ps(v, 1) : _mm256_castps256_ps128(v)));
+#endif
+#if defined(__x86_64__)
+    if constexpr (W == 4) return Lanes<W / 2>(_mm_cvtps_pd(second ? _mm_movehl_ps(v, v) : v));
+#endif
+    Lanes<W / 2> doubles;
+    for (int lane = 0; lane < W / 2; ++lane) doubles.set(static_cast<std::size_t>(lane), v[second ? W / 2 + lane : lane]);
+    return doubles;
 }
 
 /// Rounded to the nearest float.
 template <int W>
 [[nodiscard]] inline Floats<W> narrow(const Lanes<W>& lanes) noexcept {
     if constexpr (W == native_floats) {
-        return joined(__builtin_convertvector(lanes.low.v, HalfFloats), __builtin_convertvector(lanes.high.v, HalfFloats),
-                      std::make_integer_sequence<int, W>{});
+        return float_narrow<W>(lanes.low.v, lanes.high.v);
     } else {
         return {narrow<W / 2>(lanes.low), narrow<W / 2>(lanes.high)};
     }
@@ -219,10 +249,7 @@ template <int W>
 template <int W>
 [[nodiscard]] inline Lanes<W> widen(const Floats<W>& floats) noexcept {
     if constexpr (W == native_floats) {
-        using Half = Lanes<native_lanes>;
-        constexpr auto all = std::make_integer_sequence<int, native_lanes>{};
-        return {Half(__builtin_convertvector(half_of<0>(floats, all), typename Half::Vector)),
-                Half(__builtin_convertvector(half_of<native_lanes>(floats, all), typename Half::Vector))};
+        return {float_widen<W, false>(floats.v), float_widen<W, true>(floats.v)};
     } else {
         return {widen<W / 2>(floats.low), widen<W / 2>(floats.high)};
     }
