@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "tasks/method/falling_friction.hpp"
 #include "tasks/method/method.hpp"
 #include "tasks/method/spectral_bound.hpp"
 #include "tasks/step/control/step_choice.hpp"
@@ -73,6 +74,8 @@ private:
     bool friction_matters_ = true;                             ///< for the stability of oscillations with damping
     std::vector<SpectralBound> damped_parts_;                  ///< of it
     double damped_ = std::numeric_limits<double>::infinity();  ///< longest stable step without friction [s]
+    std::unique_ptr<FallingFriction> falling_;                 ///< of machines whose friction depends on the sliding speed
+    double growth_ = 0.0;                                      ///< of sliding, as found [1/s]
     double looked_ = -1e300, begun_ = -1e300;                  ///< when [s]
     double damped_at_ = -1e300;                                ///< when damped_ was found [s]
     double stable_ = 0.0;                                      ///< the longest stable step found [s]

@@ -1,0 +1,72 @@
+#include "tasks/method/falling_friction.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+
+#include "tasks/method/auto_step.hpp"
+#include "tasks/run/simulation.hpp"
+#include "tests/claims/operating_point_fixture.hpp"
+
+namespace cvtflow::tasks {
+namespace {
+
+double growth_of(const Simulation& simulation, const Scene& scene) {
+    FallingFriction falling(simulation.variator(), scene.parameters);
+    return falling.growth(simulation.time(), simulation.state(), simulation.phases().data());
+}
+
+/// After a short settling: tips bear loads.
+std::unique_ptr<const Simulation> loaded(const Scene& scene) {
+    auto simulation = std::make_unique<Simulation>(scene);
+    SilentObserver silent;
+    const engine::Cancellation never;
+    EXPECT_FALSE(simulation->advance({.until = 0.0}, silent, never));
+    return simulation;
+}
+
+Scene scene_with(const char* law, const char* table = "tip.friction_coefficient=0.09") {
+    return claims::ready_scene("tiny",
+                               {std::string("tip.friction_law=") + law, table, "start.settling_time=0.5 ms", "start.ramp_time=0.2 ms"});
+}
+
+/// Friction of two knots falls linearly between them: -μ' is the slope of the line, and differences of 2 % see it but for the ends.
+TEST(FallingFriction, GrowsWithForceAndSlopeOverMass) {
+    const Scene scene = scene_with("table", "tip.friction_table=[[0.1,0.09],[0.6,0.04]]");
+    const auto started = loaded(scene);
+    const Simulation& simulation = *started;
+    model::Observer observer(simulation.variator());
+    const auto& axial = observer.observe(simulation.time(), simulation.state(), simulation.phases().data()).tip_axial;
+    double force = 0.0;
+    for (const double tip : axial) force = std::max(force, std::abs(tip));
+    ASSERT_GT(force, 100.0);
+    const double exact = 2.0 * force * 0.1 / scene.parameters.half.mass;
+    // A cubic with free ends is not the line: Fritsch and Carlson's has slope 0 at both, hence 1.5 times the secant in the middle.
+    EXPECT_NEAR(growth_of(simulation, scene), 1.5 * exact, 0.01 * exact);
+}
+
+TEST(FallingFriction, IsZeroWhereFrictionRisesOrDoesNotChange) {
+    for (const Scene& scene : {scene_with("constant"), scene_with("table", "tip.friction_table=[[0.1,0.04],[0.6,0.09]]")})
+        EXPECT_EQ(growth_of(*loaded(scene), scene), 0.0);
+}
+
+/// The automatic step follows the growth where it is steep, and is that of the law's cap where it is not.
+TEST(FallingFriction, ShortensAutomaticSteps) {
+    double steps[2];
+    const char* tables[] = {"tip.friction_table=[[0.02,0.09],[0.5,0.089]]", "tip.friction_table=[[0.02,0.09],[0.022,0.02]]"};
+    for (int k = 0; k < 2; ++k) {
+        const Scene scene = scene_with("table", tables[k]);
+        const auto started = loaded(scene);
+        const Simulation& simulation = *started;
+        AutoStep automatic(simulation.variator(), scene.parameters, "leapfrog-sweep");
+        steps[k] = automatic.longest(simulation.time(), simulation.state(), simulation.phases().data());
+        EXPECT_LE(steps[k] * growth_of(simulation, scene), 0.15 * (1.0 + 1e-12)) << tables[k];
+    }
+    EXPECT_LT(steps[1], 0.5 * steps[0]);
+}
+
+}  // namespace
+}  // namespace cvtflow::tasks
