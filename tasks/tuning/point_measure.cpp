@@ -140,6 +140,7 @@ PointRun PointMeasure::trial(const TuneChoice& choice, double duration) {
     const Fault fault = simulation->advance({.until = begin + duration}, nobody, cancel_);
     book(*simulation, began, std::max(simulation->time() - begin, 1e-9), run);
     if (fault) run.objection = fault.message();
+    run.hash = simulation->hash();
     return run;
 }
 

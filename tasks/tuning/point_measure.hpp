@@ -1,6 +1,7 @@
 #pragma once
 /// One operating point: what a choice of detail, method and step gives there, what that costs, and what it should be.
 
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
@@ -35,7 +36,8 @@ struct PointRun {
     std::string objection;       ///< why they are invalid: a fault, or an energy balance that does not close; empty if valid
     double step = 0.0;           ///< fixed one; 0: automatic [s]
     double seconds = 0.0;        ///< processor time per simulated second [s/s]
-    double work = 0.0;  ///< evaluations of the right-hand side times unknowns, per simulated second: the same on every machine [1/s]
+    double work = 0.0;       ///< evaluations of the right-hand side times unknowns, per simulated second: the same on every machine [1/s]
+    std::uint64_t hash = 0;  ///< of the state at the end of a trial
 };
 
 class PointMeasure {

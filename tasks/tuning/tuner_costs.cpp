@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "tasks/method/automatic_method.hpp"
 #include "tasks/method/method_choice.hpp"
@@ -109,6 +110,7 @@ void Tuner::find_methods() {
 std::vector<std::pair<TunedChoice, double>> Tuner::find_bases() {
     std::vector<std::pair<TunedChoice, double>> bases;
     std::vector<std::pair<std::string, std::string>> objections;
+    std::map<std::pair<std::string, std::uint64_t>, std::string> steps;  // method by level and end of its trial
     for (const std::string& level : levels_for(scene_)) {
         for (const std::string& method : methods_) {
             require_going_on();
@@ -119,6 +121,8 @@ std::vector<std::pair<TunedChoice, double>> Tuner::find_bases() {
             if (std::any_of(bases.begin(), bases.end(), same)) continue;
             try {
                 const PointRun run = points_.front().trial(base.choice, cost_trial);
+                const auto [first, differs] = steps.try_emplace({level, run.hash}, method);
+                if (!differs && run.objection.empty()) throw SimulationError("takes the steps of " + first->second);
                 base.work = run.work;
                 bases.emplace_back(base, run.seconds);
             } catch (const std::exception& error) {  // a method that the scene's detail takes need not take every level: whole pins
