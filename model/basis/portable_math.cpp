@@ -1,5 +1,8 @@
 #include "model/basis/portable_math.hpp"
 
+#include <array>
+#include <cstddef>
+
 namespace cvtflow::model {
 
 namespace {
@@ -21,13 +24,55 @@ Real alternating(Real r, int first) noexcept {
     return sum;
 }
 
+/// 1/k! of k = 0 … 23
+constexpr std::array<Real, 24> inverse_factorial = [] {
+    std::array<Real, 24> found{};
+    Real factorial = 1.0L;
+    for (std::size_t k = 0; k < found.size(); ++k) {
+        if (k > 1) factorial *= static_cast<Real>(k);
+        found[k] = 1.0L / factorial;
+    }
+    return found;
+}();
+
+/// alternating() to 2^-62 of its value, without divisions: terms that add and those that subtract, side by side.
+Real alternating_by_products(Real r, int first) noexcept {
+    constexpr int last = 18;
+    const Real square = r * r, fourth = square * square;
+    const Real* coefficient = inverse_factorial.data() + first;
+    Real adding = coefficient[last - 2], subtracting = coefficient[last];
+    for (int k = last - 6; k >= 0; k -= 4) {
+        adding = coefficient[k] + fourth * adding;
+        subtracting = coefficient[k + 2] + fourth * subtracting;
+    }
+    const Real sum = adding - square * subtracting;
+    return first == 0 ? sum : r * sum;
+}
+
+/// x - turns π/2
+Real without_turns(Real x, Real turns) noexcept { return (x - turns * half_pi_high) - turns * half_pi_low; }
+
+/// sin(r + quarter π/2) by a series of r.
+template <class Series>
+Real wave_of(const Series& series, Real r, long quarter) noexcept {
+    const Real value = series(r, quarter % 2 == 0 ? 1 : 0);
+    return (quarter & 2) == 0 ? value : -value;
+}
+
 /// sin(x + quarter π/2)
 Real wave(Real x, int quarter) noexcept {
     const Real turns = std::rint(x / half_pi);
-    const Real r = (x - turns * half_pi_high) - turns * half_pi_low;
-    const int number = (static_cast<int>(static_cast<long>(turns) & 3) + quarter) & 3;
-    const Real value = alternating(r, number % 2 == 0 ? 1 : 0);
-    return number < 2 ? value : -value;
+    return wave_of(alternating, without_turns(x, turns), static_cast<long>(turns) + quarter);
+}
+
+/// wave() rounded to a double. Both series are good to 2^-61, so where all within 2^-60 of one of them is rounded to one double, the other
+/// gives it as well: the quick one does but for one in sixty.
+double rounded_wave(double x, int quarter) noexcept {
+    constexpr Real error = 0x1p-60L;
+    const double turns = std::rint(x * static_cast<double>(1.0L / half_pi));
+    const Real quick = wave_of(alternating_by_products, without_turns(x, turns), static_cast<long>(turns) + quarter);
+    const double low = static_cast<double>(quick - error * quick), high = static_cast<double>(quick + error * quick);
+    return low == high ? low : static_cast<double>(wave(x, quarter));
 }
 
 /// log(x), x > 0
@@ -61,8 +106,8 @@ Real exponential(Real x) noexcept {
 
 }  // namespace
 
-double portable_sin(double x) noexcept { return static_cast<double>(wave(x, 0)); }
-double portable_cos(double x) noexcept { return static_cast<double>(wave(x, 1)); }
+double portable_sin(double x) noexcept { return rounded_wave(x, 0); }
+double portable_cos(double x) noexcept { return rounded_wave(x, 1); }
 
 /// Half the angle by Newton's method on its tangent.
 double portable_asin(double x) noexcept {
