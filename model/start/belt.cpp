@@ -80,18 +80,25 @@ double PitchPath::side_at(double s) const noexcept {
 }
 
 double PitchPath::advance(double s, double chord) const noexcept {
+    Point point = at(s);
+    return advance(s, chord, point);
+}
+
+double PitchPath::advance(double s, double chord, Point& point) const noexcept {
     constexpr int most = 60;
-    const Point from = at(s);
+    const Point from = point;
     double to = s + chord, before = s;
     for (int iteration = 1; iteration <= most; ++iteration) {  // the chord grows almost as fast as the arc: a contraction
-        const Point reached = at(to);
-        const double error = chord - portable_hypot(reached.x - from.x, reached.y - from.y);
+        point = at(to);
+        const double error = chord - portable_hypot(point.x - from.x, point.y - from.y);
         const double next = to + error;
-        if (std::abs(error) < 1e-17 || next == to) return next;
-        if (next == before)
-            return (most - iteration) % 2 == 0 ? next : to;  // to and fro between two neighbouring numbers until the last iteration
+        if (next == to) return to;
+        const bool near = std::abs(error) < 1e-17, to_and_fro = next == before;  // between two neighbours until the last iteration
+        if (!near && to_and_fro && (most - iteration) % 2 != 0) return to;
         before = std::exchange(to, next);
+        if (near || to_and_fro) break;
     }
+    point = at(to);
     return to;
 }
 

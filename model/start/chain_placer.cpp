@@ -17,7 +17,8 @@ namespace {
 /// How much further than once round the chords lead.
 [[nodiscard]] double excess(const PitchPath& path, const std::vector<double>& chord, double phase) {
     double s = phase;
-    for (const double c : chord) s = path.advance(s, c);
+    Point point = path.at(s);
+    for (const double c : chord) s = path.advance(s, c, point);
     return s - phase - path.length();
 }
 
@@ -69,10 +70,11 @@ std::pair<std::vector<Point>, PlacedChain> ChainPlacer::close(const std::vector<
     const PitchPath path = path_of_(chain.radius);
     std::vector<Point> pins;
     double s = phase;
+    Point point = path.at(s);
     for (const double c : chord) {
-        pins.push_back(path.at(s));
+        pins.push_back(point);
         chain.along.push_back(path.side_at(s));
-        s = path.advance(s, c);
+        s = path.advance(s, c, point);
     }
     return {pins, chain};
 }

@@ -57,15 +57,22 @@ void fill_velocities(const ChainLayout& at, const PlacedChain& before, const Pla
 class SheaveFitter {
 public:
     SheaveFitter(const Parameters& p, std::vector<double>& state, const std::vector<double>& along)
-        : model_(p), pulleys_(p), state_(state), along_(along) {}
+        : model_(p),
+          pulleys_(p),
+          state_(state),
+          along_(along),
+          blocks_(static_cast<std::size_t>((model_.layout().links + 2 * model_.layout().halo()) * model_.layout().link_block())),
+          probes_(static_cast<std::size_t>(model_.layout().links)) {}
 
     /// Axial distance from the driving to the driven arc [m].
     double fit() {
         for (int iteration = 0; iteration < 30; ++iteration) {
+            probe();
             for (int shaft = 0; shaft < 2; ++shaft) shift_[shaft] -= fixed_sign(shaft) * deepest(shaft, shaft == 0 ? 0 : 1);
             place_axially();
         }
         for (int iteration = 0; iteration < 30; ++iteration) {
+            probe();
             for (int shaft = 0; shaft < 2; ++shaft) {
                 const double overlap = deepest(shaft, shaft == 0 ? 1 : 0);
                 state_[static_cast<std::size_t>(model_.layout().pulley_begin() + pulleys_.movable(shaft))] -= fixed_sign(shaft) * overlap;
@@ -84,18 +91,23 @@ private:
         });
     }
 
-    /// Largest depth of tips on one side of one shaft.
-    [[nodiscard]] double deepest(int shaft, int side) const {
+    /// Depths of all tips.
+    void probe() {
         const ChainLayout& at = model_.layout();
         SheaveMotion sheaves[4];
         pulleys_.motions(state_.data() + at.pulley_begin(), sheaves);
+        for (int place = 0; place < at.links + 2 * at.halo(); ++place)
+            std::copy_n(state_.data() + at.link_begin(at.wrapped(place - at.halo())), at.link_block(),
+                        blocks_.data() + place * at.link_block());
+        model_.probe_links(blocks_.data() + at.halo() * at.link_block(), at.links, sheaves, false, probes_.data());
+    }
+
+    /// Largest of the depths on one side of one shaft.
+    [[nodiscard]] double deepest(int shaft, int side) const {
         double depth = -1.0;
-        for (int link = 0; link < at.links; ++link) {
-            NeighbourWindow strip;
-            const double* block = strip.of(at, state_.data(), link);
-            if (model_.shaft_of(block) != shaft) continue;
-            TipProbe probe;
-            model_.probe(block, sheaves, false, probe);
+        for (int link = 0; link < model_.layout().links; ++link) {
+            if (model_.shaft_of(state_.data() + model_.layout().link_begin(link)) != shaft) continue;
+            const TipProbe& probe = probes_[static_cast<std::size_t>(link)];
             depth = std::max({depth, probe.depth[side], probe.depth[2 + side]});
         }
         return depth;
@@ -105,6 +117,8 @@ private:
     PulleyModel pulleys_;
     std::vector<double>& state_;
     const std::vector<double>& along_;
+    std::vector<double> blocks_;    ///< of all links, with their neighbours around the ring
+    std::vector<TipProbe> probes_;  ///< [links]
     double shift_[2] = {0.0, 0.0};
 };
 
