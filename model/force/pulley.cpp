@@ -154,6 +154,7 @@ double PulleyModel::momentum(const double* block, int shaft) const noexcept {
 }
 
 void PulleyModel::add_supports(const double* block, double* force, Account* account) const noexcept {
+    double stored = 0.0, lost = 0.0;
     for (const Support& s : supports_) {
         double u = 0.0;
         double rate = 0.0;
@@ -163,10 +164,12 @@ void PulleyModel::add_supports(const double* block, double* force, Account* acco
         }
         const double f = s.spring.stiffness * u + s.spring.damping * rate;
         for (std::size_t k = 0; k < 3; ++k) force[s.index[k]] -= s.factor[k] * f;
-        if (account == nullptr) continue;
-        account->store(Energy::supports, 0.5 * s.spring.stiffness * u * u);
-        account->lose(Loss::supports, s.spring.damping * rate * rate);
+        stored += 0.5 * s.spring.stiffness * u * u;
+        lost += s.spring.damping * rate * rate;
     }
+    if (account == nullptr) return;
+    account->store(Energy::supports, stored);
+    account->lose(Loss::supports, lost);
 }
 
 void PulleyModel::add_gyroscopic(const double* v, double* force) const noexcept {
