@@ -69,9 +69,10 @@ void RigidSweep::show() {
     shown_ = true;
     const model::ChainLayout& at = w_.layout();
     stepper_.state(w_.states[0]);
-    for (int tip = 0; tip < model::tips_per_link * at.links; ++tip) {
-        const bool touches = stepper_.touches(tip / model::tips_per_link, tip % model::tips_per_link);
-        w_.tips.phases[static_cast<std::size_t>(tip)] = touches ? model::Phase::touching : model::Phase::free;
+    auto phase = w_.tips.phases.begin();
+    for (int link = 0; link < at.links; ++link) {
+        for (int tip = 0; tip < model::tips_per_link; ++tip)
+            *phase++ = stepper_.touches(link, tip) ? model::Phase::touching : model::Phase::free;
     }
 }
 
