@@ -11,6 +11,33 @@
 namespace cvtflow::model {
 namespace {
 
+/// Numbers of all tips, as wide as what is computed with them: derived once per pass and not for each tip.
+template <int W>
+struct TipNumbers {
+    TipNumbers(const RigidCoefficients& c, const RigidKick& kick) noexcept
+        : radius(c.radius),
+          inverse_reach(c.inverse_reach),
+          softness(c.softness),
+          hertz(c.hertz),
+          damping(c.damping),
+          per_cosine(1.0 / c.cosine),
+          lever(c.lever),
+          outward(c.outward),
+          outward_per_half(c.outward / c.half_length),
+          per_half(1.0 / c.half_length),
+          per_mass(kick.step / c.mass),
+          per_tilt(kick.step / c.tilt_mass),
+          response(1.1 * kick.step * (1.0 / c.mass + 1.0 / c.tilt_mass)),
+          further_steps(c.further_steps + (kick.implicit() ? 0 : 1)) {}
+
+    Lanes<W> radius, inverse_reach, softness, hertz, damping, per_cosine, lever, outward;  ///< as of RigidCoefficients
+    Lanes<W> outward_per_half;                                                             ///< R_p sin β/(ℓ_p/2)
+    Lanes<W> per_half;                                                                     ///< 1/(ℓ_p/2) [1/m]
+    Lanes<W> per_mass, per_tilt;                                                           ///< velocity per force over the step [m/s/N]
+    Lanes<W> response;  ///< of the sliding velocity to friction, with some room for neighbours [m/s/N]
+    int further_steps;  ///< of Newton's method
+};
+
 /// Half and end of tip 0 … 3: 0 and 1 are the front half's at -z and +z, 2 and 3 the rear half's. Tips are gone through by loops, in steps
 /// of the same length: written out one by one, they would be more than the processor keeps of decoded instructions.
 [[nodiscard]] constexpr std::size_t half_of_tip(std::size_t tip) noexcept { return tip / 2; }
@@ -90,31 +117,44 @@ struct TipBounds {
 };
 
 /// 1/√v. For floats from a root and a division of theirs and one step of Newton's method, which leaves 1e-13.
+/// @param start 1/√v as a number of the width
 template <int W>
-[[nodiscard, gnu::always_inline]] inline DoublesOf<W> inverse_root(const DoublesOf<W>& v) noexcept {
+[[nodiscard, gnu::always_inline]] inline DoublesOf<W> inverse_root(const DoublesOf<W>& v, const Lanes<W>& start) noexcept {
     if constexpr (is_single<W>) {
-        const DoublesOf<W> start = widened<W>(1.0 / sqrt(as<W>(v)));
-        return start * (1.5 - 0.5 * v * (start * start));
+        const DoublesOf<W> wide = widened<W>(start);
+        return wide * (1.5 - 0.5 * v * (wide * wide));
     } else {
-        return 1.0 / sqrt(v);
+        return start;
     }
 }
 
+/// Where a sphere's centre is: r = S - O, and the same in the sheave's frame.
+template <int W>
+struct SpherePlace {
+    DoublePlaneOf<W> at, l;
+    DoublesOf<W> rise, at_z;
+
+    [[gnu::always_inline]] SpherePlace(const RigidCoefficients& c, const HalfMotion<W>& half, const SideMotion<W>& sheave) noexcept
+        : at(half.centre + sheave.arm), rise(sheave.z - half.rise), at_z(rise - sheave.side * c.radius * c.cosine) {
+        l = {at.x - sheave.tilt_y * at_z, at.y + sheave.tilt_x * at_z};
+    }
+};
+
 /// Place, normal and depth. Differences of lengths in doubles: a depth is a thousandth of them and has to be good to a part of itself.
 template <int W>
-[[gnu::always_inline]] inline void place_tip(const RigidCoefficients& c, const HalfMotion<W>& half, const SideMotion<W>& sheave,
-                                             TipPlace<W>& tip) noexcept {
-    const DoublePlaneOf<W> at = half.centre + sheave.arm;  // r = S - O
-    const DoublesOf<W> rise = sheave.z - half.rise, at_z = rise - sheave.side * c.radius * c.cosine;
-    const DoublePlaneOf<W> l{at.x - sheave.tilt_y * at_z, at.y + sheave.tilt_x * at_z};
-    const DoublesOf<W> square = dot(l, l), inverse = inverse_root<W>(square), a = square * inverse - c.touching_radius;
+[[gnu::always_inline]] inline void place_tip(const RigidCoefficients& c, const TipNumbers<W>& n, const HalfMotion<W>& half,
+                                             const SideMotion<W>& sheave, const Lanes<W>& start, TipPlace<W>& tip) noexcept {
+    const SpherePlace<W> sphere(c, half, sheave);
+    const DoublePlaneOf<W>&at = sphere.at, &l = sphere.l;
+    const DoublesOf<W>&rise = sphere.rise, &at_z = sphere.at_z;
+    const DoublesOf<W> square = dot(l, l), inverse = inverse_root<W>(square, start), a = square * inverse - c.touching_radius;
     const DoublesOf<W> h = DoublesOf<W>(-sheave.side) * (rise - sheave.tilt_x * at.y + sheave.tilt_y * at.x);
-    const DoublesOf<W> out = c.sine + c.inverse_reach * a, in = c.cosine + c.inverse_reach * h;
-    tip.depth = as<W>(DoublesOf<W>(-0.5) * (a * (c.sine + out) + h * (c.cosine + in)));
+    const Lanes<W> bent_a = n.inverse_reach * as<W>(a), bent_h = n.inverse_reach * as<W>(h);
+    tip.depth = Lanes<W>(-0.5) * (bent_a * as<W>(a) + bent_h * as<W>(h)) - as<W>(c.sine * a + c.cosine * h);
     tip.inverse_radius = as<W>(inverse);
     tip.radial = tip.inverse_radius * as<W>(l);
-    tip.out = as<W>(out);
-    tip.in = as<W>(in);
+    tip.out = c.sine + bent_a;
+    tip.in = c.cosine + bent_h;
     const PlaneOf<W> local = tip.out * tip.radial, arm = as<W>(at);
     const Lanes<W> local_z = Lanes<W>(-sheave.side) * tip.in, tilt_x = as<W>(sheave.tilt_x), tilt_y = as<W>(sheave.tilt_y),
                    arm_z = as<W>(at_z);
@@ -122,9 +162,9 @@ template <int W>
     tip.normal_z = local_z + tilt_x * local.y - tilt_y * local.x;
     tip.tilting_x = arm.y * local_z - arm_z * local.y;
     tip.tilting_y = arm_z * local.x - arm.x * local_z;
-    const PlaneOf<W> inwards = Lanes<W>(c.radius) * tip.normal;
+    const PlaneOf<W> inwards = n.radius * tip.normal;
     tip.point = arm - inwards;
-    tip.point_z = arm_z - c.radius * tip.normal_z;
+    tip.point_z = arm_z - n.radius * tip.normal_z;
     tip.reach = half.sphere + sheave.sphere - inwards;
 }
 
@@ -150,15 +190,15 @@ struct NormalForce {
 
 /// y = √δ_0 φ with φ² (1 + u φ) = 1, u = b √δ_0: a rational start p/q, to 1e-4 for u ≤ `well_started_softness`, and Newton's method. The
 /// division of its first step is that of η as well, which is therefore known as well as the start.
-/// @param depth δ_0 [m], ≤ 0: no contact   @param rate δ_0' [m/s]   @param further steps of Newton's method behind the first
+/// @param depth δ_0 [m], ≤ 0: no contact   @param rate δ_0' [m/s]
 template <int W>
-[[nodiscard, gnu::always_inline]] inline NormalForce<W> normal_force(const RigidCoefficients& c, const Lanes<W>& depth,
-                                                                     const Lanes<W>& rate, int further) noexcept {
+[[nodiscard, gnu::always_inline]] inline NormalForce<W> normal_force(const TipNumbers<W>& c, const Lanes<W>& depth,
+                                                                     const Lanes<W>& rate) noexcept {
     const Lanes<W> root = sqrt(positive_part<W>(depth)), u = c.softness * root;
     const Lanes<W> p = 1.0 + u * (1.33761 + 0.1541 * u), q = 1.0 + u * (1.83676 + 0.46388 * u);
     const Lanes<W> up = u * p, pq = p * q, inverse = 1.0 / (pq * (2.0 * q + 3.0 * up));
     Lanes<W> phi = (p * p * (q + 2.0 * up) + q * q * q) * inverse, yielding = 3.0 * up * pq * inverse;
-    for (int step = 0; step < further; ++step) {
+    for (int step = 0; step < c.further_steps; ++step) {
         const Lanes<W> by = u * phi, slope = 2.0 + 3.0 * by;
         phi = (phi * phi * (1.0 + 2.0 * by) + 1.0) / (phi * slope);
         yielding = 3.0 * by / slope;
@@ -169,7 +209,7 @@ template <int W>
     n.elastic = c.hertz * square * y;
     n.force = n.elastic * positive_part<W>(1.0 + c.damping * rate);
     n.energy = n.elastic * square * (0.4 + 0.5 * (u * phi));
-    n.shortening = (1.0 / c.cosine) * yielding;
+    n.shortening = c.per_cosine * yielding;
     return n;
 }
 
@@ -192,9 +232,8 @@ template <int W>
 /// The sphere's centre moves almost as the sheave does there: that difference is taken in doubles.
 /// @param shortening_rate of the half pin [m/s]
 template <int W>
-[[nodiscard, gnu::always_inline]] inline Slip<W> tip_slip(const RigidCoefficients& c, const HalfMotion<W>& half,
-                                                          const SideMotion<W>& sheave, const TipPlace<W>& tip,
-                                                          const Lanes<W>& shortening_rate) noexcept {
+[[nodiscard, gnu::always_inline]] inline Slip<W> tip_slip(const TipNumbers<W>& c, const HalfMotion<W>& half, const SideMotion<W>& sheave,
+                                                          const TipPlace<W>& tip, const Lanes<W>& shortening_rate) noexcept {
     const DoublePlaneOf<W> centre = half.sphere_velocity + sheave.velocity - sheave.spin_z * turned(half.centre + sheave.arm);
     const Lanes<W> lag = as<W>(sheave.spin_z - half.turn);
     const PlaneOf<W> spinning = turned(as<W>(half.turn) * sheave.sphere + (c.radius * lag) * tip.normal);
@@ -232,12 +271,15 @@ struct TipForces {
     Lanes<W> z{0.0}, moment[2] = {0.0, 0.0};
 
     /// Virtual work of a tip's force on the coordinates of its pin and on the direction of its half.
-    [[gnu::always_inline]] void add(const RigidCoefficients& c, double side, const HalfMotion<W>& on, std::size_t which,
-                                    const TipPlace<W>& tip, const TipForce<W>& f) noexcept {
+    [[gnu::always_inline]] void add(const TipNumbers<W>& c, double side, const HalfMotion<W>& on, std::size_t which,
+                                    const TipForce<W>& f) noexcept {
         half[which] = half[which] + (f.push + f.friction);
         z += f.push_z + f.friction_z;
-        const PlaneOf<W> at_end = Lanes<W>(c.lever) * f.push + f.friction;
-        end = end + Lanes<W>(side) * at_end - (c.outward / c.half_length * f.push_z) * on.outward;
+        const PlaneOf<W> at_end = c.lever * f.push + f.friction;
+        end = end + Lanes<W>(side) * at_end - (c.outward_per_half * f.push_z) * on.outward;
+    }
+    [[gnu::always_inline]] void add_moment(const TipNumbers<W>& c, const HalfMotion<W>& on, std::size_t which, const TipPlace<W>& tip,
+                                           const TipForce<W>& f) noexcept {
         moment[which] += c.outward * (dot(f.push, on.line) - on.slope_along * f.push_z) + cross(tip.reach, f.friction);
     }
 };

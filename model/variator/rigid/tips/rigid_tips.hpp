@@ -11,11 +11,12 @@ namespace {
 template <int W>
 class TipSums {
 public:
-    explicit TipSums(const RigidColumns& columns) noexcept : energy_(columns), damping_(columns), plates_(columns), friction_(columns) {}
+    TipSums(const RigidCoefficients& c, const RigidKick& kick, const RigidColumns& columns) noexcept
+        : numbers_(c, kick), energy_(columns), damping_(columns), plates_(columns), friction_(columns) {}
 
     [[gnu::noinline]] void add(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
                                const typename TipGroup<W>::Blocks& blocks) noexcept {
-        TipGroup<W> group(c, sheaves, kick, columns, blocks);
+        TipGroup<W> group(c, numbers_, sheaves, kick, columns, blocks);
         group.place();
         group.bound(bounds_);
         if constexpr (!is_single<W>) group.show_depths();
@@ -35,6 +36,7 @@ public:
     }
 
 private:
+    TipNumbers<W> numbers_;
     PinSum energy_, damping_, plates_, friction_;
     ReactionSum on_sheaves_;
     CreepSum creep_;
@@ -43,12 +45,14 @@ private:
 
 /// > 0 for pins that may touch: for those that pressed in the last step, and those that are not certainly free.
 inline void find_near_pins(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns) noexcept {
+    const TipNumbers<rigid_lanes> numbers(c, kick);
     const PinLanes one(1.0), none(0.0);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const PinLanes pressed = last_pressing(columns, i);
         PinLanes near = select_greater<rigid_lanes>(pressed, none, one, none);
         if (!all_at_most<rigid_lanes>(one - near, 0.0))
-            near = larger<rigid_lanes>(near, TipGroup<rigid_lanes>(c, sheaves, kick, columns, {PinBlock{i, rigid_lanes}}).nearness());
+            near =
+                larger<rigid_lanes>(near, TipGroup<rigid_lanes>(c, numbers, sheaves, kick, columns, {PinBlock{i, rigid_lanes}}).nearness());
         write(columns, Column::near, i, near);
     }
 }
@@ -57,7 +61,7 @@ inline void find_near_pins(const RigidCoefficients& c, const SheaveMotion* sheav
 inline void press_near_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
                             RigidReaction& reaction, Account& account) noexcept {
     find_near_pins(c, sheaves, kick, columns);
-    TipSums<rigid_singles> sums(columns);
+    TipSums<rigid_singles> sums(c, kick, columns);
     PinBlock waiting{0, 0};
     const int beyond = over_near_pins(columns, [&](const PinBlock& block) {
         if (waiting.count != 0) sums.add(c, sheaves, kick, columns, {waiting, block});
@@ -71,7 +75,7 @@ inline void press_near_tips(const RigidCoefficients& c, const SheaveMotion* shea
 inline void press_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
                        RigidReaction& reaction, Account& account) noexcept {
     if (kick.implicit()) return press_near_tips(c, sheaves, kick, columns, reaction, account);
-    TipSums<rigid_lanes> sums(columns);
+    TipSums<rigid_lanes> sums(c, kick, columns);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         sums.add(c, sheaves, kick, columns, {aligned_block(columns, i)});
         write(columns, Column::written, i, PinLanes(1.0));
@@ -81,7 +85,8 @@ inline void press_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, 
 
 inline void tip_depths(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns, double* depth) noexcept {
     const RigidKick kick;
-    TipGroup<rigid_lanes> group(c, sheaves, kick, columns, {PinBlock{0, rigid_lanes}});
+    const TipNumbers<rigid_lanes> numbers(c, kick);
+    TipGroup<rigid_lanes> group(c, numbers, sheaves, kick, columns, {PinBlock{0, rigid_lanes}});
     group.place();
     for (std::size_t tip = 0; tip < rigid_tips; ++tip) group.depth(tip).copy_to(depth + tip * rigid_lanes);
 }
@@ -89,9 +94,10 @@ inline void tip_depths(const RigidCoefficients& c, const SheaveMotion* sheaves, 
 /// Presses the tips of all pins for the rates at which these lengthen; plates wait for them.
 inline void lengthen_pins(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns) noexcept {
     const RigidKick kick;
+    const TipNumbers<rigid_lanes> numbers(c, kick);
     PinSum ignored(columns);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-        TipGroup<rigid_lanes> group(c, sheaves, kick, columns, {aligned_block(columns, i)});
+        TipGroup<rigid_lanes> group(c, numbers, sheaves, kick, columns, {aligned_block(columns, i)});
         group.place();
         group.press(sheaves, ignored, ignored, ignored);
     }

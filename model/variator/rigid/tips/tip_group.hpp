@@ -26,9 +26,9 @@ class TipGroup : private PinBlocks<W> {
 public:
     using typename Base::Blocks;
 
-    [[gnu::always_inline]] TipGroup(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
-                                    const Blocks& own) noexcept
-        : Base(columns, own), c_(c), kick_(kick) {
+    [[gnu::always_inline]] TipGroup(const RigidCoefficients& c, const TipNumbers<W>& numbers, const SheaveMotion* sheaves,
+                                    const RigidKick& kick, RigidColumns& columns, const Blocks& own) noexcept
+        : Base(columns, own), c_(c), n_(numbers), kick_(kick) {
         at_ = read_motion(Column::x);
         second_ = select_greater<lanes>(at_.middle.x, D(c.middle), D(1.0), D(0.0));
         for (std::size_t k = 0; k < 2; ++k) {
@@ -55,7 +55,13 @@ public:
     }
 
     [[gnu::always_inline]] void place() noexcept {
-        for (std::size_t tip = 0; tip < rigid_tips; ++tip) place_tip<W>(c_, half_[half_of_tip(tip)], side_[end_of_tip(tip)], tips_[tip]);
+        V inverse[rigid_tips];  // 1/|l| of all tips at once, as each of them waits for a root and a division
+        for (std::size_t tip = 0; tip < rigid_tips; ++tip) {
+            const PlaneD l = SpherePlace<W>(c_, half_[half_of_tip(tip)], side_[end_of_tip(tip)]).l;
+            inverse[tip] = 1.0 / sqrt(as<W>(dot(l, l)));
+        }
+        for (std::size_t tip = 0; tip < rigid_tips; ++tip)
+            place_tip<W>(c_, n_, half_[half_of_tip(tip)], side_[end_of_tip(tip)], inverse[tip], tips_[tip]);
     }
 
     [[nodiscard]] bool free() const noexcept {
@@ -86,16 +92,15 @@ public:
             read_side_rates(sheaves[k], sheaves[2 + k], side_[k]);
         }
         const V lead(-0.5 * kick_.step);
-        const int further = c_.further_steps + (implicit ? 0 : 1);
         V stored(0.0), damped(0.0), shortened(0.0);
         for (std::size_t tip = 0; tip < rigid_tips; ++tip) {
             const HalfMotion<W>& half = half_[half_of_tip(tip)];
             const SideMotion<W>& side = side_[end_of_tip(tip)];
             const int number = static_cast<int>(tip);
             const V rate = depth_rate<W>(half, side, tips_[tip], lead);
-            NormalForce<W>& n = normal_[tip] = normal_force<W>(c_, tips_[tip].depth, rate, further);
+            NormalForce<W>& n = normal_[tip] = normal_force<W>(n_, tips_[tip].depth, rate);
             const V shortening = n.shortening * rate;
-            begin_[tip] = tip_slip<W>(c_, half, side, tips_[tip], shortening);
+            begin_[tip] = tip_slip<W>(n_, half, side, tips_[tip], shortening);
             shortened += shortening;
             write_pins(Column::normal + number, widened<W>(n.force));
             stored += n.energy;
@@ -114,13 +119,12 @@ public:
         TipForces<W> total;
         for (std::size_t tip = 0; tip < rigid_tips; ++tip) {
             const TipForce<W> force = tip_force<W>(side_of(tip), tips_[tip], normal_[tip], pull_, memory(tip));
-            total.add(c_, side_of(tip), half_[half_of_tip(tip)], half_of_tip(tip), tips_[tip], force);
+            total.add(n_, side_of(tip), half_[half_of_tip(tip)], half_of_tip(tip), force);
         }
-        const V per_mass(kick_.step / c_.mass), per_tilt(kick_.step / c_.tilt_mass);
         const D rubbing = read_pins(Column::rub) - read_pins(Column::rub, -1);
-        growth_.middle = per_mass * (as<W>(read_plane_of(Column::force_x)) + total.half[0] + total.half[1]);
-        growth_.end = per_tilt * (as<W>(read_plane_of(Column::force_p)) + total.end);
-        growth_.z = per_mass * (as<W>(read_pins(Column::force_z) + rubbing) + total.z);
+        growth_.middle = n_.per_mass * (as<W>(read_plane_of(Column::force_x)) + total.half[0] + total.half[1]);
+        growth_.end = n_.per_tilt * (as<W>(read_plane_of(Column::force_p)) + total.end);
+        growth_.z = n_.per_mass * (as<W>(read_pins(Column::force_z) + rubbing) + total.z);
     }
 
     [[gnu::always_inline]] void rub(ReactionSum& reaction, CreepSum& creep, PinSum& lost) noexcept {
@@ -130,7 +134,8 @@ public:
         V rubbed(0.0);
         for (std::size_t tip = 0; tip < rigid_tips; ++tip) {
             const TipForce<W> force = tip_force<W>(side_of(tip), tips_[tip], normal_[tip], pull_, friction(tip, rubbed));
-            total.add(c_, side_of(tip), half_[half_of_tip(tip)], half_of_tip(tip), tips_[tip], force);
+            total.add(n_, side_of(tip), half_[half_of_tip(tip)], half_of_tip(tip), force);
+            total.add_moment(n_, half_[half_of_tip(tip)], half_of_tip(tip), tips_[tip], force);
             add_on_sheave<W>(tips_[tip], force, on_side[end_of_tip(tip)]);
             if constexpr (!implicit) show_force(tip, force, creep);
         }
@@ -166,11 +171,10 @@ private:
     }
     [[gnu::always_inline]] void read_half_rates(HalfMotion<W>& half, std::size_t which) noexcept {
         half.turn = read_pins(Column::line_turn, line_of(which));
-        half.slope_along = V(1.0 / c_.half_length) * dot(as<W>(at_.end), half.line);
+        half.slope_along = n_.per_half * dot(as<W>(at_.end), half.line);
         const PlaneD velocity = rate_.middle + D(share_of(which)) * read_plane_of(Column::part_vx);
         half.sphere_velocity = velocity + (c_.outward * half.turn) * read_plane_of(Column::line_x, line_of(which));
-        half.rise_rate =
-            V(c_.outward / c_.half_length) * dot(as<W>(rate_.end), half.outward) + c_.outward * (as<W>(half.turn) * half.slope_along);
+        half.rise_rate = n_.outward_per_half * dot(as<W>(rate_.end), half.outward) + n_.outward * (as<W>(half.turn) * half.slope_along);
     }
 
     /// A number of the sheaves of one side, for each pin that of its shaft.
@@ -234,11 +238,10 @@ private:
     /// moments do to neighbouring pins.
     [[nodiscard, gnu::always_inline]] Slip<W> friction(std::size_t tip, V& lost) noexcept {
         const Slip<W> old = memory(tip);
-        const V response(1.1 * kick_.step * (1.0 / c_.mass + 1.0 / c_.tilt_mass));
-        const Slip<W> free = implicit ? slip_now(tip) - response * old : begin_[tip];
+        const Slip<W> free = implicit ? slip_now(tip) - n_.response * old : begin_[tip];
         const V speed = sqrt(free.round * free.round + free.flank * free.flank);
-        const Slip<W> force = (-friction_factor<W>(c_.tip_friction, friction_limit(tip, response, speed), response, speed)) * free;
-        const Slip<W> mean = implicit ? V(0.5) * (free + response * force + begin_[tip]) : free;
+        const Slip<W> force = (-friction_factor<W>(c_.tip_friction, friction_limit(tip, n_.response, speed), n_.response, speed)) * free;
+        const Slip<W> mean = implicit ? V(0.5) * (free + n_.response * force + begin_[tip]) : free;
         lost += -(force.round * mean.round + force.flank * mean.flank);
         write_pins(Column::round + static_cast<int>(tip), widened<W>(force.round));
         write_pins(Column::flank + static_cast<int>(tip), widened<W>(force.flank));
@@ -259,9 +262,9 @@ private:
     [[gnu::always_inline]] void follow(std::size_t tip, const Slip<W>& change) noexcept {
         const TipPlace<W>& place = tips_[tip];
         const PlaneV f = change.round * turned(place.radial) + (change.flank * place.in) * place.radial;
-        growth_.middle = growth_.middle + V(kick_.step / c_.mass) * f;
-        growth_.end = growth_.end + V(side_of(tip) * kick_.step / c_.tilt_mass) * f;
-        growth_.z += V(side_of(tip) * kick_.step / c_.mass) * (change.flank * place.out);
+        growth_.middle = growth_.middle + n_.per_mass * f;
+        growth_.end = growth_.end + (V(side_of(tip)) * n_.per_tilt) * f;
+        growth_.z += (V(side_of(tip)) * n_.per_mass) * (change.flank * place.out);
     }
 
     [[gnu::always_inline]] void store(const TipForces<W>& total) noexcept {
@@ -277,6 +280,7 @@ private:
     }
 
     const RigidCoefficients& c_;
+    const TipNumbers<W>& n_;
     const RigidKick& kick_;
     PinMotion<lanes> at_, rate_;
     PinMotion<W> growth_;  ///< of the velocities in this step
