@@ -176,9 +176,26 @@ public:
     /// All entries of one column to another.
     void copy(Column from, Column to) noexcept { std::copy_n((*this)[from] - rigid_lanes, stride_, (*this)[to] - rigid_lanes); }
 
+    [[nodiscard]] int stride() const noexcept { return stride_; }
+
 private:
     int pins_, padded_, stride_;
     LineVector<double> memory_;
+};
+
+/// Where the columns are, to be held by value: behind each write to a column the compiler would read it from RigidColumns again.
+class RigidView {
+public:
+    explicit RigidView(RigidColumns& columns) noexcept
+        : first_(columns[Column{}]), stride_(columns.stride()), pins_(columns.pins()), padded_(columns.padded()) {}
+    [[nodiscard]] double* operator[](Column c) const noexcept { return first_ + static_cast<int>(c) * stride_; }
+    [[nodiscard]] int pins() const noexcept { return pins_; }
+    [[nodiscard]] int padded() const noexcept { return padded_; }
+
+private:
+    double* first_;
+    std::ptrdiff_t stride_;
+    int pins_, padded_;
 };
 
 }  // namespace cvtflow::model

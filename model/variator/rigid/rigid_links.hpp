@@ -7,7 +7,8 @@
 namespace cvtflow::model {
 namespace {
 
-inline void pitch_lines(RigidColumns& columns) noexcept {
+inline void pitch_lines(RigidColumns& all) noexcept {
+    const RigidView columns(all);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const Plane chord = read_plane(columns, Column::x, i + 1) - read_plane(columns, Column::x, i);
         const Plane rate = read_plane(columns, Column::vx, i + 1) - read_plane(columns, Column::vx, i);
@@ -26,11 +27,12 @@ struct Rolling {
     [[nodiscard]] Plane operator*(const Plane& f) const noexcept { return along * f - (across * dot(bisector, f)) * bisector; }
 };
 
-[[nodiscard]] inline Rolling read_rolling(const RigidColumns& columns, int i) noexcept {
+[[nodiscard]] inline Rolling read_rolling(const RigidView& columns, int i) noexcept {
     return {read_plane(columns, Column::bisector_x, i), read(columns, Column::along, i), read(columns, Column::across, i)};
 }
 
-inline void roll_halves(const RigidCoefficients& c, RigidColumns& columns) noexcept {
+inline void roll_halves(const RigidCoefficients& c, RigidColumns& all) noexcept {
+    const RigidView columns(all);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const Plane behind = read_plane(columns, Column::line_x, i - 1), ahead = read_plane(columns, Column::line_x, i);
         const Plane both = behind + ahead;
@@ -58,7 +60,7 @@ struct LinkMotion {
     PinLanes shear, shear_rate;      ///< [rad]
 };
 
-[[nodiscard, gnu::always_inline]] inline LinkMotion link_motion(const RigidCoefficients& c, const RigidColumns& columns, int i) noexcept {
+[[nodiscard, gnu::always_inline]] inline LinkMotion link_motion(const RigidCoefficients& c, const RigidView& columns, int i) noexcept {
     const auto difference = [&](Column of) { return read_plane(columns, of, i + 1) - read_plane(columns, of, i); };
     const auto total = [&](Column of) { return read_plane(columns, of, i + 1) + read_plane(columns, of, i); };
     const PinLanes per_length = read(columns, Column::inverse_length, i), per_half(1.0 / c.half_length), two_per = 2.0 * per_length;
@@ -90,11 +92,11 @@ struct LinkMotion {
 
 /// Energies and losses of links.
 struct LinkSums {
-    explicit LinkSums(const RigidColumns& columns) noexcept : plates(columns), pack(columns), damping(columns), inner(columns) {}
+    explicit LinkSums(const RigidView& columns) noexcept : plates(columns), pack(columns), damping(columns), inner(columns) {}
     PinSum plates, pack, damping, inner;
 };
 
-inline void link_force(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, int i, LinkSums& sums) noexcept {
+inline void link_force(const RigidCoefficients& c, const RigidKick& kick, const RigidView& columns, int i, LinkSums& sums) noexcept {
     const LinkMotion m = link_motion(c, columns, i);
     const PinLanes yaw_stiffness = read(columns, Column::yaw, i), yaw_damping = read(columns, Column::yaw_damping, i);
     const PinLanes shear_stiffness = read(columns, Column::shear, i), shear_damping = read(columns, Column::shear_damping, i);
@@ -121,7 +123,8 @@ inline void link_force(const RigidCoefficients& c, const RigidKick& kick, RigidC
                           drag_power(kick, columns, Column::shear_drag, i, shear_drag, m.shear_rate));
 }
 
-inline void link_forces(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept {
+inline void link_forces(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all, Account& account) noexcept {
+    const RigidView columns(all);
     LinkSums sums(columns);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) link_force(c, kick, columns, i, sums);
     account.store(Energy::plates, sums.plates.value());
@@ -131,7 +134,8 @@ inline void link_forces(const RigidCoefficients& c, const RigidKick& kick, Rigid
 }
 
 /// Halves that are pressed together by N resist rolling, as if a share of the strip of contact slid.
-inline void lean_halves(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept {
+inline void lean_halves(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all, Account& account) noexcept {
+    const RigidView columns(all);
     PinSum lost(columns);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const Plane half = PinLanes(0.5) * (read_plane(columns, Column::pull_x, i - 1) + read_plane(columns, Column::pull_x, i));
@@ -148,7 +152,7 @@ inline void lean_halves(const RigidCoefficients& c, const RigidKick& kick, Rigid
 }
 
 /// What link i does to the pins at its ends in the plane: forces of its halves and the moment on its pitch line.
-[[nodiscard, gnu::always_inline]] inline Plane link_thrust(const RigidColumns& columns, int i) noexcept {
+[[nodiscard, gnu::always_inline]] inline Plane link_thrust(const RigidView& columns, int i) noexcept {
     const Plane normal = turned(read_plane(columns, Column::line_x, i));
     const Plane lean = read_plane(columns, Column::lean_x, i) + read_plane(columns, Column::lean_x, i + 1);
     const PinLanes moment = dot(normal, lean) + read(columns, Column::rolling, i + 1) - read(columns, Column::rolling, i) +
@@ -156,7 +160,8 @@ inline void lean_halves(const RigidCoefficients& c, const RigidKick& kick, Rigid
     return read_plane(columns, Column::pull_x, i) + (moment * read(columns, Column::line_inverse, i)) * normal;
 }
 
-inline void gather_links(RigidColumns& columns) noexcept {
+inline void gather_links(RigidColumns& all) noexcept {
+    const RigidView columns(all);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         write_plane(columns, Column::force_x, i, link_thrust(columns, i - 1) - link_thrust(columns, i));
         write(columns, Column::force_z, i, read(columns, Column::pull_z, i - 1) - read(columns, Column::pull_z, i));

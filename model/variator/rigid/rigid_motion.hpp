@@ -7,12 +7,13 @@ namespace cvtflow::model {
 namespace {
 
 /// What this step's tips change in the moment on pitch line i, as a force on pin i+1.
-[[nodiscard, gnu::always_inline]] inline Plane moment_thrust(const RigidColumns& columns, int i) noexcept {
+[[nodiscard, gnu::always_inline]] inline Plane moment_thrust(const RigidView& columns, int i) noexcept {
     const PinLanes change = read(columns, Column::tip_moment, i) - read(columns, Column::tip_moment_before, i);
     return (change * read(columns, Column::line_inverse, i)) * turned(read_plane(columns, Column::line_x, i));
 }
 
-inline void accelerate_pins(const RigidCoefficients& c, RigidColumns& columns) noexcept {
+inline void accelerate_pins(const RigidCoefficients& c, RigidColumns& all) noexcept {
+    const RigidView columns(all);
     const PinLanes per_mass(1.0 / c.mass), per_tilt(1.0 / c.tilt_mass);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const Plane force = read_plane(columns, Column::force_x, i) + read_plane(columns, Column::tip_x, i) +
@@ -25,7 +26,8 @@ inline void accelerate_pins(const RigidCoefficients& c, RigidColumns& columns) n
     }
 }
 
-inline void drift_pins(double step, RigidColumns& columns) noexcept {
+inline void drift_pins(double step, RigidColumns& all) noexcept {
+    const RigidView columns(all);
     for (int k = 0; k < rigid_coordinates; ++k) {
         for (int i = 0; i < columns.padded(); i += rigid_lanes)
             write(columns, Column::x + k, i, read(columns, Column::x + k, i) + step * read(columns, Column::vx + k, i));
@@ -33,7 +35,8 @@ inline void drift_pins(double step, RigidColumns& columns) noexcept {
 }
 
 /// Of one coordinate; returns the sum over the pins of velocities before times those after.
-inline double kick_coordinate(RigidColumns& columns, int k, double step) noexcept {
+inline double kick_coordinate(RigidColumns& all, int k, double step) noexcept {
+    const RigidView columns(all);
     PinSum product(columns);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const PinLanes before = read(columns, Column::vx + k, i), v = before + step * read(columns, Column::force_x + k, i);

@@ -83,7 +83,7 @@ struct LaneRing {
 /// Friction P of all links, (1 + 2aF) P_i - aF (P_{i-1} + P_{i+1}) = B_i around the ring: F friction per sliding speed (ring_grip), B
 /// friction if no link's friction changed the sliding (ring_push), a of a pin's speed per force over the step [m/s/N]. Each lane eliminates
 /// its links but the last, P_r = rub + behind P_{last of the lane before} + ahead P_{r+1}; what is left has one unknown per lane.
-inline void solve_ring(const RingShares& shares, double a, RigidColumns& columns) noexcept {
+inline void solve_ring(const RingShares& shares, double a, const RigidView& columns) noexcept {
     const PinLanes absent = shares.absent_rows();
     const int last = (shares.rows - 1) * rigid_lanes;
     PinLanes rub(0.0), behind(1.0), ahead(0.0);
@@ -123,19 +123,20 @@ inline void solve_friction(double step_per_mass, RigidColumns& columns) noexcept
         push[place] = push_of[link];
         grip[place] = grip_of[link];
     });
-    solve_ring(shares, step_per_mass, columns);
+    solve_ring(shares, step_per_mass, RigidView(columns));
     shares.for_links([&](int place, int link) { rub[link] = rub_in[place]; });
     columns.wrap(Column::rub, Column::rub);
 }
 
 /// By how much faster than the pins the plates at +z slide, and those at -z slower, as both pins lengthen [m/s].
-[[nodiscard]] inline PinLanes plate_parting(const RigidCoefficients& c, const RigidColumns& columns, int i) noexcept {
+[[nodiscard]] inline PinLanes plate_parting(const RigidCoefficients& c, const RigidView& columns, int i) noexcept {
     return c.plate_reach * (read(columns, Column::lengthening, i + 1) - read(columns, Column::lengthening, i));
 }
 
 /// Plates of neighbouring links rub along the pin that they share. The sliding speeds that a step leaves behind are kept for the next one.
 /// What the pins' lengthening loses is counted with the tips that do its work.
-inline void rub_plates(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept {
+inline void rub_plates(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all, Account& account) noexcept {
+    const RigidView columns(all);
     PinSum lost(columns);
     const PinLanes per_mass(kick.step / c.mass);
     const auto axial = [&](int i) { return read(columns, Column::force_z, i) + read(columns, Column::tip_z, i); };
@@ -154,7 +155,7 @@ inline void rub_plates(const RigidCoefficients& c, const RigidKick& kick, RigidC
         write(columns, Column::rub_push, i, push);
         if (!kick.implicit()) write(columns, Column::rub, i, push);
     }
-    if (kick.implicit()) solve_friction(kick.step / c.mass, columns);
+    if (kick.implicit()) solve_friction(kick.step / c.mass, all);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const PinLanes friction = read(columns, Column::rub, i), parting = plate_parting(c, columns, i);
         lost.add(i, (kick.implicit() ? 0.5 * (friction + read(columns, Column::rub_before, i)) : friction) * speed(i));

@@ -64,25 +64,30 @@ template <int W>
 }
 
 /// Entries i … i + 7 of a column.
-[[nodiscard, gnu::always_inline]] inline PinLanes read(const RigidColumns& columns, Column c, int i) noexcept {
+template <class C>
+[[nodiscard, gnu::always_inline]] inline PinLanes read(const C& columns, Column c, int i) noexcept {
     return load<rigid_lanes>(columns[c] + i);
 }
 /// A column and the one behind it.
-[[nodiscard, gnu::always_inline]] inline Plane read_plane(const RigidColumns& columns, Column c, int i) noexcept {
+template <class C>
+[[nodiscard, gnu::always_inline]] inline Plane read_plane(const C& columns, Column c, int i) noexcept {
     return {read(columns, c, i), read(columns, c + 1, i)};
 }
-[[gnu::always_inline]] inline void write(RigidColumns& columns, Column c, int i, const PinLanes& value) noexcept {
+template <class C>
+[[gnu::always_inline]] inline void write(C& columns, Column c, int i, const PinLanes& value) noexcept {
     value.copy_to(columns[c] + i);
 }
-[[gnu::always_inline]] inline void write_plane(RigidColumns& columns, Column c, int i, const Plane& value) noexcept {
+template <class C>
+[[gnu::always_inline]] inline void write_plane(C& columns, Column c, int i, const Plane& value) noexcept {
     write(columns, c, i, value.x);
     write(columns, c + 1, i, value.y);
 }
 
 /// Power that a damping force takes away, and the force into its column. A force acts over a step, and the velocity that begins it is
 /// the one that ended the step before: its share of the work is the mean of both steps' forces times it.
-[[nodiscard, gnu::always_inline]] inline PinLanes drag_power(const RigidKick& kick, RigidColumns& columns, Column c, int i,
-                                                             const PinLanes& force, const PinLanes& rate) noexcept {
+template <class C>
+[[nodiscard, gnu::always_inline]] inline PinLanes drag_power(const RigidKick& kick, C& columns, Column c, int i, const PinLanes& force,
+                                                             const PinLanes& rate) noexcept {
     const PinLanes acting = kick.implicit() ? 0.5 * (force + read(columns, c, i)) : force;
     write(columns, c, i, force);
     return acting * rate;
@@ -95,20 +100,21 @@ template <int W>
 }
 
 /// 1 for pins first … first + 7, 0 for those that only fill the last vector.
-[[nodiscard, gnu::always_inline]] inline PinLanes present(const RigidColumns& columns, int first) noexcept {
-    return first_lanes(std::min(rigid_lanes, columns.pins() - first));
+[[nodiscard, gnu::always_inline]] inline PinLanes present(int pins, int first) noexcept {
+    return first_lanes(std::min(rigid_lanes, pins - first));
 }
 
 /// A sum over pins, without those that only fill the last vector.
 class PinSum {
 public:
-    explicit PinSum(const RigidColumns& columns) noexcept : columns_(columns) {}
-    [[gnu::always_inline]] void add(int first, const PinLanes& terms) noexcept { add(present(columns_, first), terms); }
+    template <class C>
+    explicit PinSum(const C& columns) noexcept : pins_(columns.pins()) {}
+    [[gnu::always_inline]] void add(int first, const PinLanes& terms) noexcept { add(present(pins_, first), terms); }
     [[gnu::always_inline]] void add(const PinLanes& present, const PinLanes& terms) noexcept { total_ += present * terms; }
     [[nodiscard]] double value() const noexcept { return sum<rigid_lanes>(total_); }
 
 private:
-    const RigidColumns& columns_;
+    int pins_;
     PinLanes total_{0.0};
 };
 
@@ -123,21 +129,23 @@ class ReactionSum {
 public:
     using Sides = std::array<std::array<PinLanes, 6>, 2>;
     /// @param second 1 for pins that belong to the driven shaft   @param present 0 for pins that only fill the last vector
-    /// @param forces by side, the opposite of those on the sheaves
-    void subtract(const PinLanes& second, const PinLanes& present, const Sides& forces) noexcept {
+    /// @param force (side, which): the opposite of that on the sheave
+    template <class Force>
+    [[gnu::always_inline]] void subtract(const PinLanes& second, const PinLanes& present, const Force& force) noexcept {
         const PinLanes here = present * second;
-        subtract(present - here, forces, on_[0]);
-        subtract(here, forces, on_[1]);
+        subtract(present - here, force, on_[0]);
+        subtract(here, force, on_[1]);
     }
     void store(SheaveForces& to) const noexcept {
         for (std::size_t sheave = 0; sheave < 4; ++sheave) sums<rigid_lanes, 6>(on_[sheave / 2][sheave % 2], to[sheave].data());
     }
 
 private:
-    static void subtract(const PinLanes& share, const Sides& forces, Sides& from) noexcept {
+    template <class Force>
+    [[gnu::always_inline]] static void subtract(const PinLanes& share, const Force& force, Sides& from) noexcept {
         if (all_at_most<rigid_lanes>(share, 0.0)) return;
         for (std::size_t side = 0; side < 2; ++side) {
-            for (std::size_t k = 0; k < 6; ++k) from[side][k] -= share * forces[side][k];
+            for (std::size_t k = 0; k < 6; ++k) from[side][k] -= share * force(side, k);
         }
     }
     std::array<Sides, 2> on_{{{no_forces(), no_forces()}, {no_forces(), no_forces()}}};
@@ -191,7 +199,7 @@ template <int W>
                                               const Lanes<W>& speed) noexcept {
     const Lanes<W> braking = response * capacity;
     if (curve.law == FrictionLaw::piecewise) {  // the speed is known: D = max(|u| - r C, v0)
-        return capacity / (larger<W>(speed - braking, Lanes<W>(curve.saturation_speed)) + braking);
+        return capacity / larger<W>(speed, curve.saturation_speed + braking);
     }
     const Lanes<W> secant = slip_factor<W>(curve, sliding_speed<W>(curve, braking, speed));
     return capacity * secant / (1.0 + braking * secant);

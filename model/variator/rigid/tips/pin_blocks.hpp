@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <type_traits>
 
 #include "model/variator/rigid/rigid_vectors.hpp"
 
@@ -32,22 +33,22 @@ public:
     static constexpr int lanes = lane_count<W>, blocks = lanes / rigid_lanes;
     using Blocks = std::array<PinBlock, blocks>;
 
-    PinBlocks(RigidColumns& columns, const Blocks& own) noexcept : columns_(columns), own_(own) {}
+    PinBlocks(RigidColumns& columns, const Blocks& own) noexcept : columns_(columns), view_(columns), own_(own) {}
 
 protected:
     /// Entries of a column for all pins, or for those so many before or behind them.
     [[nodiscard, gnu::always_inline]] D read_pins(Column c, int offset = 0) const noexcept {
         if constexpr (blocks == 1) {
-            return read(columns_, c, own_[0].first + offset);
+            return read(view_, c, own_[0].first + offset);
         } else {
-            return {read(columns_, c, own_[0].first + offset), read(columns_, c, own_[1].first + offset)};
+            return {read(view_, c, own_[0].first + offset), read(view_, c, own_[1].first + offset)};
         }
     }
     [[nodiscard, gnu::always_inline]] PlaneD read_plane_of(Column c, int offset = 0) const noexcept {
         return {read_pins(c, offset), read_pins(c + 1, offset)};
     }
     [[gnu::always_inline]] void write_pins(Column c, const D& values) noexcept {
-        for (int block = 0; block < blocks; ++block) write(columns_, c, own_[static_cast<std::size_t>(block)].first, piece(values, block));
+        over_blocks([&](auto block) { write(view_, c, own_[static_cast<std::size_t>(block)].first, piece(values, block)); });
     }
     /// Numbers of the pins of one block.
     [[nodiscard, gnu::always_inline]] static PinLanes piece(const D& values, int block) noexcept {
@@ -57,19 +58,21 @@ protected:
             return half<lanes>(values, block);
         }
     }
-    [[nodiscard, gnu::always_inline]] static std::array<PinLanes, 6> pieces(const std::array<Lanes<W>, 6>& all, int block) noexcept {
-        std::array<PinLanes, 6> found;
-        for (std::size_t k = 0; k < 6; ++k) found[k] = piece(widened<W>(all[k]), block);
-        return found;
+    /// Calls visit(block) for each of them, its number known when this is compiled.
+    template <class Visit>
+    [[gnu::always_inline]] static void over_blocks(const Visit& visit) noexcept {
+        visit(std::integral_constant<int, 0>{});
+        if constexpr (blocks == 2) visit(std::integral_constant<int, 1>{});
     }
     [[nodiscard, gnu::always_inline]] PinLanes present_in(int block) const noexcept {
         return own_[static_cast<std::size_t>(block)].present();
     }
     [[gnu::always_inline]] void add(PinSum& sum, const Lanes<W>& terms) const noexcept {
-        for (int block = 0; block < blocks; ++block) sum.add(present_in(block), piece(widened<W>(terms), block));
+        over_blocks([&](auto block) { sum.add(present_in(block), piece(widened<W>(terms), block)); });
     }
 
     RigidColumns& columns_;
+    const RigidView view_;
     Blocks own_;
 };
 

@@ -68,6 +68,8 @@ struct SideMotion {
     DoublePlaneOf<W> sphere_velocity;  ///< the same of a sphere's centre
     Lanes<W> velocity_z;               ///< [m/s]
     DoublesOf<W> spin_z;
+    PlaneOf<W> moved_on;  ///< by which the pin's velocity turns against the sheave in the step [m/s]
+    Lanes<W> turned_by;   ///< half of the angle [rad]
     Lanes<W> spin_x, spin_y;
 };
 
@@ -145,8 +147,7 @@ template <int W>
 [[gnu::always_inline]] inline void place_tip(const RigidCoefficients& c, const TipNumbers<W>& n, const HalfMotion<W>& half,
                                              const SideMotion<W>& sheave, const Lanes<W>& start, TipPlace<W>& tip) noexcept {
     const SpherePlace<W> sphere(c, half, sheave);
-    const DoublePlaneOf<W>&at = sphere.at, &l = sphere.l;
-    const DoublesOf<W>&rise = sphere.rise, &at_z = sphere.at_z;
+    const auto& [at, l, rise, at_z] = sphere;
     const DoublesOf<W> square = dot(l, l), inverse = inverse_root<W>(square, start), a = square * inverse - c.touching_radius;
     const DoublesOf<W> h = DoublesOf<W>(-sheave.side) * (rise - sheave.tilt_x * at.y + sheave.tilt_y * at.x);
     const Lanes<W> bent_a = n.inverse_reach * as<W>(a), bent_h = n.inverse_reach * as<W>(h);

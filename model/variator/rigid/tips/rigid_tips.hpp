@@ -104,7 +104,8 @@ inline void lengthen_pins(const RigidCoefficients& c, const SheaveMotion* sheave
 }
 
 /// M_i = n_i·(A_i g_i + A_{i+1} g_{i+1}) + moments of the tips on the halves that turn with pitch line i.
-inline void tip_moments(RigidColumns& columns) noexcept {
+inline void tip_moments(RigidColumns& all) noexcept {
+    const RigidView columns(all);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const Plane normal = turned(read_plane(columns, Column::line_x, i));
         const Plane lean = read_plane(columns, Column::tip_lean_x, i) + read_plane(columns, Column::tip_lean_x, i + 1);

@@ -19,8 +19,8 @@ class TipGroup : private PinBlocks<W> {
     using PlaneV = PlaneOf<W>;
     using PlaneD = DoublePlaneOf<W>;
     using Base = PinBlocks<W>;
-    using Base::add, Base::blocks, Base::columns_, Base::lanes, Base::own_, Base::piece, Base::pieces, Base::present_in, Base::read_pins,
-        Base::read_plane_of, Base::write_pins;
+    using Base::add, Base::blocks, Base::columns_, Base::lanes, Base::own_, Base::over_blocks, Base::piece, Base::present_in,
+        Base::read_pins, Base::read_plane_of, Base::view_, Base::write_pins;
     static constexpr bool implicit = is_single<W>;
 
 public:
@@ -140,8 +140,10 @@ public:
             if constexpr (!implicit) show_force(tip, force, creep);
         }
         add(lost, rubbed);
-        for (int block = 0; block < blocks; ++block)
-            reaction.subtract(piece(second_, block), present_in(block), {pieces(on_side[0], block), pieces(on_side[1], block)});
+        over_blocks([&](auto block) {
+            reaction.subtract(piece(second_, block), present_in(block),
+                              [&](std::size_t side, std::size_t k) { return piece(widened<W>(on_side[side][k]), block); });
+        });
         store(total);
     }
 
@@ -199,6 +201,8 @@ private:
         s.spin_y = as<W>(value(&SheaveMotion::spin_y));
         s.spin_z = value(&SheaveMotion::spin_z);
         const PlaneD velocity{value(&SheaveMotion::vx), value(&SheaveMotion::vy)};
+        s.turned_by = as<W>((0.5 * kick_.step) * s.spin_z);
+        s.moved_on = (V(2.0) * s.turned_by) * turned(as<W>(rate_.middle));
         s.velocity = D(s.side) * rate_.end - velocity + (0.5 * kick_.step * s.spin_z) * turned(rate_.middle);
         s.sphere_velocity = D(s.side * c_.lever) * rate_.end - velocity;
         s.velocity_z = as<W>(rate_.z - value(&SheaveMotion::vz));
@@ -227,9 +231,8 @@ private:
 
     /// Sliding velocity behind the growth of the velocities: the pin has moved on by half a step as well.
     [[nodiscard]] Slip<W> slip_now(std::size_t tip) const noexcept {
-        const V moved = as<W>(kick_.step * side_[end_of_tip(tip)].spin_z);
-        const PlaneV carried = moved * turned(as<W>(rate_.middle) + V(0.5) * growth_.middle);
-        const PlaneV change = growth_.middle + V(side_of(tip)) * growth_.end - carried;
+        const SideMotion<W>& side = side_[end_of_tip(tip)];
+        const PlaneV change = growth_.middle + (V(side_of(tip)) * growth_.end - side.moved_on) - side.turned_by * turned(growth_.middle);
         return begin_[tip] + slip_of<W>(side_of(tip), tips_[tip], change, growth_.z);
     }
 
@@ -269,11 +272,11 @@ private:
 
     [[gnu::always_inline]] void store(const TipForces<W>& total) noexcept {
         const PlaneV opening = V(0.5) * (total.half[0] - total.half[1]), sum = total.half[0] + total.half[1];
-        for (int block = 0; block < blocks; ++block) {
+        over_blocks([&](auto block) {
             const int first = own_[static_cast<std::size_t>(block)].first;
             const Plane parting{piece(widened<W>(opening.x), block), piece(widened<W>(opening.y), block)};
-            write_plane(columns_, Column::tip_lean_x, first, read_rolling(columns_, first) * parting);
-        }
+            write_plane(view_, Column::tip_lean_x, first, read_rolling(view_, first) * parting);
+        });
         const V numbers[] = {total.moment[0], total.moment[1]}, forces[] = {sum.x, sum.y, total.z, total.end.x, total.end.y};
         for (int k = 0; k < 2; ++k) write_pins(Column::tip_front + k, widened<W>(numbers[k]));
         for (int k = 0; k < 5; ++k) write_pins(Column::tip_x + k, widened<W>(forces[k]));
