@@ -129,6 +129,13 @@ TipCoefficients tip_coefficients(const Parameters& p) {
             tip_law(p, p.oil.temperature)};
 }
 
+double mean_bow(const Parameters& p) {
+    double sum = 0.0;
+    const std::vector<double> positions = plate_positions(p);
+    for (const double xi : positions) sum += 0.5 * (3.0 * xi * xi - 1.0);
+    return sum / static_cast<double>(positions.size());
+}
+
 }  // namespace
 
 Coefficients::Coefficients(const Parameters& p)
@@ -143,7 +150,8 @@ Coefficients::Coefficients(const Parameters& p)
       clamping_limit(SpeedProfile::through(p.wear.clamping_limit.speed, p.wear.clamping_limit.value)),
       eccentric(p.imperfection.runout != 0.0),
       middle(0.5 * p.pulley.centre_distance),
-      centre_distance(p.pulley.centre_distance) {
+      centre_distance(p.pulley.centre_distance),
+      plate_bow(mean_bow(p)) {
     extension = damped_spring(4.0 * p.chain.young_modulus * p.half.area / p.half.length, p.detail.mass_scaling * p.half.mass / 3.0,
                               p.chain.damping_ratio);
     travel = bending_lanes(p, p.half.bending_travel);

@@ -89,6 +89,7 @@ struct Coefficients {
     bool eccentric;               ///< a flank moves as its shaft turns
     double middle;                ///< a/2: links with smaller x belong to shaft 0 [m]
     double centre_distance;       ///< a [m]
+    double plate_bow;             ///< mean over the plates of P_2, by which x_0 of a rigid pin differs from that of a half
 
     [[nodiscard]] const LinkKind& kind(int link) const noexcept {
         return kinds[static_cast<std::size_t>(kind_of[static_cast<std::size_t>(link)])];
@@ -97,5 +98,9 @@ struct Coefficients {
 
 /// Positions ξ_j of the plates as they are resolved (each or lumped), with their number standing for the totals of the pack.
 [[nodiscard]] std::vector<double> plate_positions(const Parameters& parameters);
+
+/// Factor on the inertia of the bending of rigid pins, which a step of 5 us could not follow otherwise. Statics stay.
+/// (model/EQUATIONS.md section 11)
+inline constexpr double rigid_bending_inertia = 8.0;
 
 }  // namespace cvtflow::model

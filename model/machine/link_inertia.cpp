@@ -105,7 +105,10 @@ LinkInertia link_inertia(const Parameters& p) {
         }
     }
     for (Eigen::MatrixXd* matrix : {&b, &c}) scale_relative(*matrix, bodies, p.detail.mass_scaling);
-    if (layout.rigid) c.conservativeResize(1, 1);
+    if (layout.rigid) {  // plates move with x_0; each half has half of the mass
+        b = Eigen::Vector3d(b(0, 0), b(1, 1), rigid_bending_inertia * p.detail.mass_scaling * body / 5.0).asDiagonal();
+        c = Eigen::Vector2d(c(0, 0), 0.25 * c(0, 0)).asDiagonal();
+    }
     return inertia_of(b, c);
 }
 
@@ -133,7 +136,6 @@ template <int Lateral, int Axial>
 }  // namespace
 
 double kinetic_energy(const LinkInertia& inertia, const double* v) noexcept {
-    if (inertia.axial.size == 1) return kinetic_of<2, 1>(inertia, v);
     if (inertia.axial.size == 2) {
         constexpr double (*of_pin[])(const LinkInertia&, const double*) noexcept = {kinetic_of<1, 2>, kinetic_of<2, 2>, kinetic_of<3, 2>,
                                                                                     kinetic_of<4, 2>};

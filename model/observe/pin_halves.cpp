@@ -23,8 +23,8 @@ struct PinReading {
     }
 };
 
-void copy_half(const PinReading& from, const JointCoefficients& joint, int pin, End end, const ChainLayout& to, double* link) {
-    const Rolling<double> r = rolling<double>(joint.diameter, joint.arm, from.line(from.at.previous(pin)), from.line(pin));
+void copy_half(const PinReading& from, const Coefficients& c, int pin, End end, const ChainLayout& to, double* link) {
+    const Rolling<double> r = rolling<double>(c.joint.diameter, c.joint.arm, from.line(from.at.previous(pin)), from.line(pin));
     const double side = end == End::rear ? -0.5 : 0.5;
     for (int rate = 0; rate < 2; ++rate) {
         const double* source = from.q(pin) + rate * from.at.link_size();
@@ -35,6 +35,11 @@ void copy_half(const PinReading& from, const JointCoefficients& joint, int pin, 
         }
         target[to.z(end)] = source[from.at.z(end)];
         target[to.e(end)] = from.at.rigid ? 0.0 : source[from.at.e(end)];
+        if (from.at.rigid) {
+            target[to.x(end, 0)] -= c.plate_bow * source[from.at.x(end, 2)];
+            target[to.y(end, 0)] -= c.plate_bow * source[from.at.y(end, 2)];
+            target[to.z(end)] += side * source[from.at.slide()];
+        }
         const Plane<double>& reach = rate == 0 ? r.reach : r.reach_rate;
         target[to.x(end, 0)] += side * reach.x;
         target[to.y(end, 0)] += side * reach.y;
@@ -55,8 +60,8 @@ void halves_of(const Coefficients& coefficients, const double* state, std::vecto
     const PinReading from{coefficients.layout, state};
     for (int link = 0; link < to.links; ++link) {
         double* block = halves.data() + to.link_begin(link);
-        copy_half(from, coefficients.joint, link, End::rear, to, block);
-        copy_half(from, coefficients.joint, to.next(link), End::front, to, block);
+        copy_half(from, coefficients, link, End::rear, to, block);
+        copy_half(from, coefficients, to.next(link), End::front, to, block);
     }
 }
 

@@ -7,7 +7,7 @@
 ///
 /// With whole pins (detail.pins) a block is a pin instead of a link, the one behind which link begins:
 ///
-///     q of a pin: [x_0…x_p | y_0…y_p | z e]      of a rigid pin: [x_0 x_1 | y_0 y_1 | z]
+///     q of a pin: [x_0…x_p | y_0…y_p | z e]      of a rigid pin: [x_0 x_1 x_2 | y_0 y_1 y_2 | z ζ]
 ///
 /// A slope (time derivative of a state) has the same layout: [v | acceleration] per block.
 
@@ -38,12 +38,12 @@ struct ChainLayout {
     int controls = 0;      ///< integrals of controllers, 0…2: of S_1's (or of the only one), of S_2's beside it; and hydraulic_unknowns
     bool ledger = false;
     bool whole = false;  ///< pins are one body each
-    bool rigid = false;  ///< as well as whole: without bending and without e; order is 1
+    bool rigid = false;  ///< as well as whole: x_0, y_0 the mean over the plates, ζ in the place of e; order is 2
 
     [[nodiscard]] constexpr int lateral() const noexcept { return order + 1; }
     /// Halves that a block holds the coordinates of.
     [[nodiscard]] constexpr int bodies() const noexcept { return whole ? 1 : 2; }
-    [[nodiscard]] constexpr int link_size() const noexcept { return bodies() * (2 * lateral() + 2) - (rigid ? 1 : 0); }
+    [[nodiscard]] constexpr int link_size() const noexcept { return bodies() * (2 * lateral() + 2); }
     [[nodiscard]] constexpr int link_block() const noexcept { return 2 * link_size(); }
     /// First index of a link's block: its q; its v follows at + link_size().
     [[nodiscard]] constexpr int link_begin(int link) const noexcept { return link * link_block(); }
@@ -59,11 +59,13 @@ struct ChainLayout {
     /// Number of generalized coordinates (half of the second-order unknowns).
     [[nodiscard]] constexpr int coordinates() const noexcept { return links * link_size() + pulley_size; }
 
-    /// Offsets inside a link's q (or v); of a whole pin, whichever end is asked for. Rigid pins have no e.
+    /// Offsets inside a link's q (or v); of a whole pin, whichever end is asked for.
     [[nodiscard]] constexpr int x(End end, int m) const noexcept { return place(end) * lateral() + m; }
     [[nodiscard]] constexpr int y(End end, int m) const noexcept { return (bodies() + place(end)) * lateral() + m; }
     [[nodiscard]] constexpr int z(End end) const noexcept { return 2 * (bodies() * lateral() + place(end)); }
     [[nodiscard]] constexpr int e(End end) const noexcept { return z(end) + 1; }
+    /// Of a rigid pin, instead of e: ζ = z of the front half - z of the rear half.
+    [[nodiscard]] constexpr int slide() const noexcept { return z(End::rear) + 1; }
 
     /// Neighbours on each side on which the forces on a block depend, and those on which contact of its tips depends.
     [[nodiscard]] constexpr int halo() const noexcept { return whole ? 3 : 1; }

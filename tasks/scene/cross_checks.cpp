@@ -184,7 +184,7 @@ Violation rigid_pins_are_simple(const Scene& scene) {
     const model::Detail& detail = scene.parameters.detail;
     if (detail.pins != model::PinDetail::rigid) return {};
     constexpr const char* rigid = "detail.pins = \"rigid\"";
-    if (detail.order != 1) return fmt::format("detail.order: {} has order 1, not {}", rigid, detail.order);
+    if (detail.order != 2) return fmt::format("detail.order: {} has order 2, not {}", rigid, detail.order);
     if (detail.plates != model::PlateDetail::lumped) return fmt::format("detail.plates: {} has \"lumped\" plates", rigid);
     if (detail.stick_slip) return fmt::format("detail.stick_slip: {} has no phases stick and slip", rigid);
     if (scene.parameters.joint.law != model::JointLaw::linear) return fmt::format("joint.law: {} has joints of law \"linear\"", rigid);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "model/machine/coefficients.hpp"
 #include "model/observe/pin_halves.hpp"
 
 namespace cvtflow::tasks {
@@ -21,7 +22,10 @@ void add_half(const ChainLayout& from, const double* source, const ChainLayout& 
         target[to.y(end, m)] += weight * source[from.y(end, m)];
     }
     target[to.z(end)] += weight * source[from.z(end)];
-    if (!to.rigid) target[to.e(end)] += weight * source[from.e(end)];
+    if (to.rigid)
+        target[to.slide()] += (end == End::front ? 1.0 : -1.0) * source[from.z(end)];
+    else
+        target[to.e(end)] += weight * source[from.e(end)];
 }
 
 /// Links between halves (from) to links, or to the pins in the middle between their two halves.
@@ -33,6 +37,17 @@ void copy_links(const ChainLayout& from, const double* source, const ChainLayout
             const auto block = [&](int number) { return target + to.link_begin(number) + rate * to.link_size(); };
             add_half(from, halves, to, block(link), End::rear, weight);
             add_half(from, halves, to, block(to.whole ? to.next(link) : link), End::front, weight);
+        }
+    }
+}
+
+/// x_0 and y_0 of rigid pins are means over their plates.
+void refer_to_plates(const ChainLayout& at, double plate_bow, double* state) {
+    for (int pin = 0; pin < at.links; ++pin) {
+        for (int rate = 0; rate < 2; ++rate) {
+            double* q = state + at.link_begin(pin) + rate * at.link_size();
+            q[at.x(End::rear, 0)] += plate_bow * q[at.x(End::rear, 2)];
+            q[at.y(End::rear, 0)] += plate_bow * q[at.y(End::rear, 2)];
         }
     }
 }
@@ -92,6 +107,7 @@ engine::SavedState convert_state(const engine::SavedState& saved, const model::P
     if (before.whole) model::halves_of(model::Coefficients(from), saved.state.data(), halves);
     const double* links = before.whole ? halves.data() : saved.state.data();
     copy_links(model::halves_layout(before), links, after, result.state.data());
+    if (after.rigid) refer_to_plates(after, model::Coefficients(to).plate_bow, result.state.data());
     for (const bool velocity : {false, true}) {
         copy_pulleys(before, saved.state.data() + before.pulley_begin() + velocity * before.pulley_size, after,
                      result.state.data() + after.pulley_begin() + velocity * after.pulley_size);

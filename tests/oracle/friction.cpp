@@ -92,7 +92,7 @@ Knots knots_of(const model::Parameters& p) {
 Real tip_law_factor(const model::Parameters& p, Real speed, Real depth) {
     const Real by_speed = p.tip.friction_law == model::TipFriction::constant ? 1.0L : interpolated(knots_of(p), speed);
     const Real pressure = 2.0L * modulus(p) / std::numbers::pi_v<Real> * std::sqrt(depth / contact_radius(p));
-    return by_speed * (1.0L + p.tip.pressure_sensitivity * (pressure / p.tip.reference_pressure - 1.0L));
+    return by_speed * std::max(0.0L, 1.0L + p.tip.pressure_sensitivity * (pressure / p.tip.reference_pressure - 1.0L));
 }
 
 }  // namespace cvtflow::oracle

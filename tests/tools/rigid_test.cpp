@@ -28,7 +28,7 @@ protected:
 TEST_F(RigidPins, AreCheckedWithTimeAndBytes) {
     const Outcome outcome = run(Words{"check", "baseline"} + level);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_THAT(outcome.out, HasSubstr("rigid (order 1, lumped plates, rigid pins, elastic pulleys)"));
+    EXPECT_THAT(outcome.out, HasSubstr("rigid (order 2, lumped plates, rigid pins, elastic pulleys)"));
     EXPECT_THAT(run({"list", "detail"}).out, HasSubstr("\nrigid "));
     EXPECT_THAT(run({"explain", "detail.pins"}).out, HasSubstr("rigid"));
     EXPECT_THAT(run({"schema"}).out, HasSubstr("\"rigid\""));
@@ -100,7 +100,7 @@ TEST_F(RigidPins, RefuseWhatTheyDoNotHave) {
         return outcome.err;
     };
     EXPECT_THAT(refusal({"--set", "run.method=leapfrog-be"}), HasSubstr("method 'leapfrog-be' requires detail.pins = \"halves\""));
-    EXPECT_THAT(refusal({"--set", "detail.order=2"}), HasSubstr("detail.order: detail.pins = \"rigid\" has order 1, not 2"));
+    EXPECT_THAT(refusal({"--set", "detail.order=1"}), HasSubstr("detail.order: detail.pins = \"rigid\" has order 2, not 1"));
     EXPECT_THAT(refusal({"--set", "detail.plates=each"}), HasSubstr("has \"lumped\" plates"));
     EXPECT_THAT(refusal({"--set", "detail.stick_slip=true"}), HasSubstr("no phases stick and slip"));
     EXPECT_THAT(refusal({"--set", "joint.law=palmgren"}), HasSubstr("joints of law \"linear\""));

@@ -85,9 +85,10 @@ void RigidChain::probe(const double* states, int links, const SheaveMotion* shea
     for (int first = 0; first < links; first += links_at_once) {
         const int count = std::min(links_at_once, links - first);
         for (int k = 0; k < 2 * rigid_coordinates; ++k) {
+            const double scale = model_.scale(k % rigid_coordinates);
             const int place = rigid_place(at, k % rigid_coordinates) + (k < rigid_coordinates ? 0 : at.link_size());
             for (int pin = 0; pin <= rigid_lanes; ++pin)
-                strip_[Column::x + k][pin] = states[(first + std::min(pin, count + 2) - 1) * at.link_block() + place];
+                strip_[Column::x + k][pin] = scale * states[(first + std::min(pin, count + 2) - 1) * at.link_block() + place];
         }
         model_.kernels().lines(strip_);
         model_.kernels().roll(model_.coefficients(), strip_);

@@ -6,10 +6,10 @@ namespace cvtflow::model {
 
 namespace {
 
-/// The detail from which coefficients are taken that both models share: whole pins that tilt but do not bend, plates as a pack.
-[[nodiscard]] Parameters as_tilting_pins(Parameters p) {
+/// The detail from which coefficients are taken that both models share: whole pins that bend in one shape, plates as a pack.
+[[nodiscard]] Parameters as_whole_pins(Parameters p) {
     p.detail.pins = PinDetail::whole;
-    p.detail.order = 1;
+    p.detail.order = 2;
     p.detail.plates = PlateDetail::lumped;
     return p;
 }
@@ -21,12 +21,26 @@ namespace {
     return sum / static_cast<double>(positions.size());
 }
 
+/// Mean square of the plates' places on a pin that is bent by P_2, against their mean.
+[[nodiscard]] double mean_square_bow(Parameters p) {
+    p.detail.plates = PlateDetail::each;
+    double sum = 0.0, squares = 0.0;
+    const std::vector<double> positions = plate_positions(p);
+    for (const double xi : positions) {
+        const double bow = 0.5 * (3.0 * xi * xi - 1.0);
+        sum += bow;
+        squares += bow * bow;
+    }
+    const double count = static_cast<double>(positions.size()), mean = sum / count;
+    return squares / count - mean * mean;
+}
+
 [[nodiscard]] double in_series(double a, double b) noexcept { return a > 0.0 && b > 0.0 ? a * b / (a + b) : 0.0; }
 
 }  // namespace
 
 RigidCoefficients::RigidCoefficients(const Parameters& parameters) {
-    const Parameters p = as_tilting_pins(parameters);
+    const Parameters p = as_whole_pins(parameters);
     const Coefficients c(p);
     const double plates = p.plate.count * p.plate.mass;
     const double zeta = p.chain.damping_ratio;
@@ -35,8 +49,10 @@ RigidCoefficients::RigidCoefficients(const Parameters& parameters) {
     plate_square = mean_square_position(p);
     plate_reach = std::sqrt(plate_square);
     tilt_mass = p.detail.mass_scaling * (2.0 * p.half.mass / 3.0 + plates * plate_square);
+    slide_mass = 0.25 * mass;
     half_length = c.half_length;
     pull = damped_spring(in_series(p.plate.count * p.plate.stiffness, p.joint.stiffness), 0.25 * mass, zeta);
+    bend(p, c.plate_bow);
     arm = c.joint.arm;
     diameter = c.joint.diameter;
     rolling_arm = c.joint.rolling_arm;
@@ -49,6 +65,7 @@ RigidCoefficients::RigidCoefficients(const Parameters& parameters) {
     inverse_reach = 1.0 / c.tip.reach;
     touching_radius = c.tip.touching_radius;
     lever = 1.0 - c.slope_scale * radius * cosine;
+    bend_lever = 1.0 - bend_slope * c.slope_scale * radius * cosine;
     hertz = p.tip.hertz;
     damping = c.tip.damping;
     softness = hertz * cosine * cosine * half_length / (p.chain.young_modulus * p.half.area);
@@ -58,8 +75,22 @@ RigidCoefficients::RigidCoefficients(const Parameters& parameters) {
     middle = c.middle;
 }
 
+void RigidCoefficients::bend(const Parameters& p, double plate_bow) {
+    bend_share = 1.0 - plate_bow;
+    const double square = bend_share * bend_share;
+    bend_mass = rigid_bending_inertia * p.detail.mass_scaling * 2.0 * p.half.mass / 5.0 / square;
+    const auto bending = [&](double rigidity) {
+        return damped_spring(288.0 * rigidity / std::pow(p.half.length, 3) / square, bend_mass, p.chain.damping_ratio);
+    };
+    travel = bending(p.half.bending_travel);
+    height = bending(p.half.bending_height);
+    bend_slope = 3.0 / bend_share;
+    const double share = mean_square_bow(p) / square;
+    bow = {in_series(p.plate.count * p.plate.stiffness * share, p.joint.stiffness / 5.0 / square), pull.damping * share};
+}
+
 void RigidCoefficients::fill(const Parameters& parameters, RigidColumns& columns) const {
-    const Parameters p = as_tilting_pins(parameters);
+    const Parameters p = as_whole_pins(parameters);
     const Coefficients c(p);
     const double square = c.slope_scale * c.slope_scale;
     const double pack = in_series(p.plate.count * p.plate.stiffness * plate_square, p.joint.stiffness / 3.0);

@@ -15,7 +15,16 @@ struct RigidCoefficients {
     int pins;
     double mass;         ///< of a pin with its share of plates [kg]
     double tilt_mass;    ///< inertia of the end displacements p and q [kg]
+    double slide_mass;   ///< inertia of ζ: a quarter of the mass [kg]
+    double bend_mass;    ///< inertia of bending [kg]
     double half_length;  ///< ℓ_p/2 [m]
+
+    // Bending of both halves.
+    double bend_share;      ///< displacement of the ends against the mean of the plates, per x_2
+    Spring travel, height;  ///< along the direction of travel and across, of displacements of the ends
+    Spring bow;             ///< of a link between pins that bend differently along the travel: plates and joint in series
+    double bend_slope;      ///< of the ends: slope by bending, as a displacement by tilting
+    double bend_lever;      ///< displacement of a sphere's centre per displacement of the ends by bending
 
     // Links.
     Spring pull;           ///< plates and joint in series
@@ -39,8 +48,16 @@ struct RigidCoefficients {
     std::shared_ptr<TipLaw> tip_law;  ///< nullptr: none
     double middle;                    ///< a/2 [m]
 
+    /// Of coordinate number k [kg].
+    [[nodiscard]] constexpr double inertia(int k) const noexcept {
+        return k < 3 ? mass : k < 5 ? tilt_mass : k < 6 ? slide_mass : bend_mass;
+    }
     /// Writes the constants of the links into their columns.
     void fill(const Parameters& parameters, RigidColumns& columns) const;
+
+private:
+    /// Numbers of bending, behind those of the links. @param plate_bow as of Coefficients
+    void bend(const Parameters& parameters, double plate_bow);
 };
 
 }  // namespace cvtflow::model

@@ -10,22 +10,29 @@ namespace cvtflow::model {
 
 /// Pins that a kernel computes side by side; the same for every instruction set, so that sums have the same order.
 inline constexpr int rigid_lanes = 8;
-inline constexpr int rigid_coordinates = 5;  ///< of a pin: x, y, z, p, q
+inline constexpr int rigid_coordinates = 8;  ///< of a pin: x, y, z, p, q, ζ and two of bending
 inline constexpr int rigid_tips = 4;         ///< of a pin: front half at -z and +z, rear half at -z and +z
 
 /// Columns, in groups whose members follow each other. Pin i lies before link i; pitch line i belongs to link i.
 enum class Column {
-    // Coordinates of the pins and their velocities: middle (x, y, z), displacement (p, q) of the end at +z against the middle [m], [m/s].
+    // Coordinates of the pins and their velocities: middle (x, y, z), displacement (p, q) of the end at +z against the middle, ζ: by how
+    // much further along z the front half is than the rear half, displacement of both ends by bending [m], [m/s].
     x,
     y,
     z,
     p,
     q,
+    slide,
+    bend_x,
+    bend_y,
     vx,
     vy,
     vz,
     vp,
     vq,
+    vslide,
+    vbend_x,
+    vbend_y,
     // Constants of the links: ℓ_0 and its inverse, spring and damper of yaw, shear and torsion, in end displacements.
     free_length,
     inverse_length,
@@ -49,7 +56,7 @@ enum class Column {
     part_y,
     part_vx,
     part_vy,
-    // Forces of link i on its front half; the rear half has the opposite, but for shear.
+    // Forces of link i on its front half; the rear half has the opposite, but for shear. bow_: on the bending of its pins.
     pull_x,
     pull_y,
     pull_z,
@@ -57,24 +64,37 @@ enum class Column {
     twist_y,
     shear_x,
     shear_y,
+    bow_x,
+    bow_y,
     tension,
-    // Forces of the links' dampers: of stretch, yaw, torsion and shear.
+    // Forces of the links' dampers: of stretch, yaw, torsion, shear and bow.
     stretch_drag,
     yaw_drag,
     torsion_drag,
     shear_drag,
-    // A g of the links' forces, resistance to rolling, generalised forces of the links on the pin (without friction of plates).
+    bow_drag,
+    // Forces of the pins' dampers: of bending along the travel and across.
+    bend_drag_along,
+    bend_drag_across,
+    // A g of the links' forces, resistance to rolling, moment of bending on each pitch line, normal force between the halves, generalised
+    // forces of the links on the pin (without
+    // friction of plates and of halves along the pin).
     lean_x,
     lean_y,
     rolling,
+    bend_moment,
+    pressing,
     force_x,
     force_y,
     force_z,
     force_p,
     force_q,
+    force_slide,
+    force_bend_x,
+    force_bend_y,
     // Friction between neighbouring links' plates along the pins: of all plates, of those at +z less those at -z, of all in the last step;
     // sliding speeds of both behind the step; without friction, sliding speed of the pins and friction; friction per sliding speed, of all
-    // and of those at +z. ring_: equations of the chain, shared out over lanes (rigid_plates.hpp).
+    // and of those at +z.
     rub,
     rub_spread,
     rub_before,
@@ -84,8 +104,19 @@ enum class Column {
     rub_push,
     rub_grip,
     rub_grip_high,
+    // Friction between the halves of a pin along it, of this step and of the last one; sliding speed behind the step; without friction of
+    // plates, sliding speed and friction per sliding speed; by how much halves hold together, 0 … 1.
+    joint,
+    joint_before,
+    joint_speed,
+    joint_drive,
+    joint_grip,
+    joint_tie,
+    // Equations of the links' friction, shared out over lanes (rigid_plates.hpp).
     ring_push,
     ring_grip,
+    ring_tie_behind,
+    ring_tie_ahead,
     ring_ahead,
     ring_behind,
     ring_rub,
@@ -108,6 +139,9 @@ enum class Column {
     tip_z,
     tip_p,
     tip_q,
+    tip_slide,
+    tip_bend_x,
+    tip_bend_y,
     // e': rate at which an end moves outward against the middle as the pin lengthens, mean of both halves and ends [m/s].
     lengthening,
     // Of each tip: normal force, its damping part, friction along the circumference and along the flank; force on its sheave, away from

@@ -54,11 +54,18 @@ struct LinkMotion {
     PinLanes inverse, turn;          ///< 1/|d| [1/m], turning rate [rad/s]
     PinLanes stretch, stretch_rate;  ///< ε [m]
     PinLanes yaw, yaw_rate;          ///< ψ: difference of the end displacements along the link [m]
-    PinLanes roll, roll_rate;        ///< κ: across it [m]
+    PinLanes roll, roll_rate;        ///< χ: across it [m]
     PinLanes lean, lean_across;      ///< sum of the end displacements, along and across [m]
-    PinLanes rise, rise_rate;        ///< Δz [m]
+    PinLanes rise, rise_rate;        ///< Δz of the halves [m]
     PinLanes shear, shear_rate;      ///< [rad]
+    PinLanes bow, bow_rate;          ///< difference of the displacements by bending along the link [m]
+    PinLanes bow_across;             ///< and across it [m]
 };
+
+/// Of the halves of link i along z: the front half of pin i+1 against the rear half of pin i. @param mean, slide columns of z and ζ
+[[nodiscard, gnu::always_inline]] inline PinLanes axial_parting(const RigidView& columns, Column mean, Column slide, int i) noexcept {
+    return read(columns, mean, i + 1) - read(columns, mean, i) + 0.5 * (read(columns, slide, i + 1) + read(columns, slide, i));
+}
 
 [[nodiscard, gnu::always_inline]] inline LinkMotion link_motion(const RigidCoefficients& c, const RigidView& columns, int i) noexcept {
     const auto difference = [&](Column of) { return read_plane(columns, of, i + 1) - read_plane(columns, of, i); };
@@ -77,8 +84,8 @@ struct LinkMotion {
     m.roll = dot(ends, m.n);
     m.yaw_rate = dot(end_rate, m.t) + m.turn * m.roll;
     m.roll_rate = dot(end_rate, m.n) - m.turn * m.yaw;
-    m.rise = read(columns, Column::z, i + 1) - read(columns, Column::z, i);
-    m.rise_rate = read(columns, Column::vz, i + 1) - read(columns, Column::vz, i);
+    m.rise = axial_parting(columns, Column::z, Column::slide, i);
+    m.rise_rate = axial_parting(columns, Column::vz, Column::vslide, i);
     const PinLanes square(c.plate_square);
     m.stretch = (length - read(columns, Column::free_length, i)) + 0.5 * per_length * (square * m.roll * m.roll + m.rise * m.rise);
     m.stretch_rate = dot(rate, m.t) + per_length * (square * m.roll * m.roll_rate + m.rise * m.rise_rate);
@@ -87,6 +94,10 @@ struct LinkMotion {
     m.lean_across = dot(sums, m.n);
     m.shear = -(per_half * m.lean) - two_per * m.rise;
     m.shear_rate = -(per_half * (dot(total(Column::vp), m.t) + m.turn * m.lean_across)) - two_per * m.rise_rate;
+    const Plane bend = difference(Column::bend_x);
+    m.bow = dot(bend, m.t);
+    m.bow_across = dot(bend, m.n);
+    m.bow_rate = dot(difference(Column::vbend_x), m.t) + m.turn * m.bow_across;
     return m;
 }
 
@@ -103,24 +114,28 @@ inline void link_force(const RigidCoefficients& c, const RigidKick& kick, const 
     const PinLanes torsion = read(columns, Column::torsion, i), torsion_damping = read(columns, Column::torsion_damping, i);
     const PinLanes stretch_drag = c.pull.damping * m.stretch_rate, yaw_drag = yaw_damping * m.yaw_rate;
     const PinLanes torsion_drag = torsion_damping * m.roll_rate, shear_drag = shear_damping * m.shear_rate;
+    const PinLanes bow_drag = c.bow.damping * m.bow_rate, bow = c.bow.stiffness * m.bow + bow_drag;
     const PinLanes tension = c.pull.stiffness * m.stretch + stretch_drag;
     const PinLanes yaw = yaw_stiffness * m.yaw + yaw_drag;
     const PinLanes share = tension * read(columns, Column::inverse_length, i);  // T/ℓ_0
     const PinLanes roll = c.plate_square * share * m.roll + torsion * m.roll + torsion_drag;
     const PinLanes shear = shear_stiffness * m.shear + shear_drag;
     const PinLanes bend = shear * (1.0 / c.half_length);
-    const PinLanes turning = roll * m.yaw - yaw * m.roll + bend * m.lean_across;
+    const PinLanes turning = roll * m.yaw - yaw * m.roll + bend * m.lean_across - bow * m.bow_across;
     write_plane(columns, Column::pull_x, i, (turning * m.inverse) * m.n - tension * m.t);
     write(columns, Column::pull_z, i, 2.0 * read(columns, Column::inverse_length, i) * shear - share * m.rise);
     write_plane(columns, Column::twist_x, i, PinLanes(-1.0) * (yaw * m.t + roll * m.n));
     write_plane(columns, Column::shear_x, i, bend * m.t);
+    write_plane(columns, Column::bow_x, i, bow * m.t);
     write(columns, Column::tension, i, tension);
     sums.plates.add(i, 0.5 * c.pull.stiffness * m.stretch * m.stretch);
-    sums.pack.add(i, 0.5 * (yaw_stiffness * m.yaw * m.yaw + torsion * m.roll * m.roll + shear_stiffness * m.shear * m.shear));
+    sums.pack.add(i, 0.5 * (yaw_stiffness * m.yaw * m.yaw + torsion * m.roll * m.roll + shear_stiffness * m.shear * m.shear +
+                            c.bow.stiffness * m.bow * m.bow));
     sums.damping.add(i, drag_power(kick, columns, Column::stretch_drag, i, stretch_drag, m.stretch_rate));
     sums.inner.add(i, drag_power(kick, columns, Column::yaw_drag, i, yaw_drag, m.yaw_rate) +
                           drag_power(kick, columns, Column::torsion_drag, i, torsion_drag, m.roll_rate) +
-                          drag_power(kick, columns, Column::shear_drag, i, shear_drag, m.shear_rate));
+                          drag_power(kick, columns, Column::shear_drag, i, shear_drag, m.shear_rate) +
+                          drag_power(kick, columns, Column::bow_drag, i, bow_drag, m.bow_rate));
 }
 
 inline void link_forces(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all, Account& account) noexcept {
@@ -133,11 +148,30 @@ inline void link_forces(const RigidCoefficients& c, const RigidKick& kick, Rigid
     account.lose(Loss::inner, sums.inner.value());
 }
 
+/// Both halves of a pin bend in one shape, stiffer across the direction of travel than along it. That direction turns with both pitch
+/// lines.
+[[gnu::always_inline]] inline void bend_pin(const RigidCoefficients& c, const RigidKick& kick, const RigidView& columns, int i,
+                                            PinSum& stored, PinSum& lost) noexcept {
+    const Plane along = read_plane(columns, Column::bisector_x, i), across = turned(along);
+    const Plane bend = read_plane(columns, Column::bend_x, i), rate = read_plane(columns, Column::vbend_x, i);
+    const PinLanes turn = 0.5 * (read(columns, Column::line_turn, i - 1) + read(columns, Column::line_turn, i));
+    const PinLanes u = dot(bend, along), v = dot(bend, across);
+    const PinLanes u_rate = dot(rate, along) + turn * v, v_rate = dot(rate, across) - turn * u;
+    const PinLanes u_drag = c.travel.damping * u_rate, v_drag = c.height.damping * v_rate;
+    const PinLanes travel = c.travel.stiffness * u + u_drag, height = c.height.stiffness * v + v_drag;
+    write_plane(columns, Column::force_bend_x, i, PinLanes(-1.0) * (travel * along + height * across));
+    write(columns, Column::bend_moment, i, 0.5 * (height * u - travel * v));
+    stored.add(i, 0.5 * (c.travel.stiffness * u * u + c.height.stiffness * v * v));
+    lost.add(i, drag_power(kick, columns, Column::bend_drag_along, i, u_drag, u_rate) +
+                    drag_power(kick, columns, Column::bend_drag_across, i, v_drag, v_rate));
+}
+
 /// Halves that are pressed together by N resist rolling, as if a share of the strip of contact slid.
 inline void lean_halves(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all, Account& account) noexcept {
     const RigidView columns(all);
-    PinSum lost(columns);
+    PinSum lost(columns), bent(columns), inner(columns);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
+        bend_pin(c, kick, columns, i, bent, inner);
         const Plane half = PinLanes(0.5) * (read_plane(columns, Column::pull_x, i - 1) + read_plane(columns, Column::pull_x, i));
         const Rolling rolling = read_rolling(columns, i);
         const PinLanes pressing = positive_part<rigid_lanes>(-dot(half, rolling.bisector));
@@ -146,9 +180,12 @@ inline void lean_halves(const RigidCoefficients& c, const RigidKick& kick, Rigid
         const PinLanes friction =
             c.joint_friction.coefficient * pressing * slip_factor_of_square<rigid_lanes>(c.joint_friction, slip * slip) * slip;
         write_plane(columns, Column::lean_x, i, rolling * half);
+        write(columns, Column::pressing, i, pressing);
         lost.add(i, drag_power(kick, columns, Column::rolling, i, strip * friction, bending));
     }
     account.lose(Loss::joint_friction, lost.value());
+    account.lose(Loss::inner, inner.value());
+    account.store(Energy::inner, bent.value());
 }
 
 /// What link i does to the pins at its ends in the plane: forces of its halves and the moment on its pitch line.
@@ -156,6 +193,7 @@ inline void lean_halves(const RigidCoefficients& c, const RigidKick& kick, Rigid
     const Plane normal = turned(read_plane(columns, Column::line_x, i));
     const Plane lean = read_plane(columns, Column::lean_x, i) + read_plane(columns, Column::lean_x, i + 1);
     const PinLanes moment = dot(normal, lean) + read(columns, Column::rolling, i + 1) - read(columns, Column::rolling, i) +
+                            read(columns, Column::bend_moment, i + 1) + read(columns, Column::bend_moment, i) +
                             read(columns, Column::tip_moment, i);
     return read_plane(columns, Column::pull_x, i) + (moment * read(columns, Column::line_inverse, i)) * normal;
 }
@@ -164,10 +202,14 @@ inline void gather_links(RigidColumns& all) noexcept {
     const RigidView columns(all);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         write_plane(columns, Column::force_x, i, link_thrust(columns, i - 1) - link_thrust(columns, i));
-        write(columns, Column::force_z, i, read(columns, Column::pull_z, i - 1) - read(columns, Column::pull_z, i));
+        const PinLanes front = read(columns, Column::pull_z, i - 1), rear = -read(columns, Column::pull_z, i);
+        write(columns, Column::force_z, i, front + rear);
+        write(columns, Column::force_slide, i, 0.5 * (front - rear));
         const Plane twist = read_plane(columns, Column::twist_x, i - 1) - read_plane(columns, Column::twist_x, i);
         const Plane shear = read_plane(columns, Column::shear_x, i - 1) + read_plane(columns, Column::shear_x, i);
         write_plane(columns, Column::force_p, i, twist + shear);
+        const Plane bow = read_plane(columns, Column::bow_x, i) - read_plane(columns, Column::bow_x, i - 1);
+        write_plane(columns, Column::force_bend_x, i, read_plane(columns, Column::force_bend_x, i) + bow);
     }
 }
 

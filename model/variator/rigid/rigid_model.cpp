@@ -29,7 +29,7 @@ RigidColumns RigidModel::columns() const {
 void RigidModel::accelerate(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
     f.account = {};
     f.reaction = {};
-    columns.wrap(Column::x, Column::vq);
+    columns.wrap(Column::x, Column::vbend_y);
     kernels_.lines(columns);
     columns.wrap(Column::line_x, Column::line_turn);
     kernels_.roll(coefficients_, columns);
@@ -37,17 +37,17 @@ void RigidModel::accelerate(const SheaveMotion* sheaves, const RigidKick& kick, 
     kernels_.links(coefficients_, kick, columns, f.account);
     columns.wrap(Column::pull_x, Column::tension);
     kernels_.lean(coefficients_, kick, columns, f.account);
-    columns.wrap(Column::lean_x, Column::rolling);
+    columns.wrap(Column::lean_x, Column::pressing);
     kernels_.gather(columns);
-    columns.wrap(Column::force_z, Column::force_z);
+    columns.wrap(Column::force_z, Column::force_bend_y);
     if (sheaves != nullptr && !kick.implicit()) kernels_.lengthen(coefficients_, sheaves, columns);
     columns.wrap(Column::lengthening, Column::lengthening);
     kernels_.rub(coefficients_, kick, columns, f.account);
-    columns.wrap(Column::rub, Column::rub_spread);
+    columns.wrap(Column::joint, Column::joint);
     if (sheaves != nullptr) {
         kernels_.tips(coefficients_, sheaves, kick, columns, f.reaction, f.account);
         columns.wrap(Column::tip_lean_x, Column::tip_rear);
-        columns.wrap(Column::tip_z, Column::tip_z);
+        columns.wrap(Column::tip_z, Column::tip_slide);
     }
     kernels_.moments(columns);
     columns.wrap(Column::tip_moment, Column::tip_moment_before);
@@ -64,8 +64,8 @@ void RigidModel::read(const double* blocks, RigidColumns& columns) const noexcep
         double *x = columns[Column::x + k], *v = columns[Column::vx + k];
         const double* from = blocks + rigid_place(layout_, k);
         for (int pin = 0; pin < layout_.links; ++pin, from += layout_.link_block()) {
-            x[pin] = from[0];
-            v[pin] = from[layout_.link_size()];
+            x[pin] = scale(k) * from[0];
+            v[pin] = scale(k) * from[layout_.link_size()];
         }
     }
 }
@@ -75,14 +75,14 @@ void RigidModel::write(const RigidColumns& columns, double* blocks) const noexce
         const double *x = columns[Column::x + k], *v = columns[Column::vx + k];
         double* to = blocks + rigid_place(layout_, k);
         for (int pin = 0; pin < layout_.links; ++pin, to += layout_.link_block()) {
-            to[0] = x[pin];
-            to[layout_.link_size()] = v[pin];
+            to[0] = x[pin] / scale(k);
+            to[layout_.link_size()] = v[pin] / scale(k);
         }
     }
 }
 
 void RigidModel::acceleration(const RigidColumns& columns, int pin, double* of_pin) const noexcept {
-    for (int k = 0; k < rigid_coordinates; ++k) of_pin[rigid_place(layout_, k)] = columns[Column::force_x + k][pin];
+    for (int k = 0; k < rigid_coordinates; ++k) of_pin[rigid_place(layout_, k)] = columns[Column::force_x + k][pin] / scale(k);
 }
 
 }  // namespace cvtflow::model

@@ -23,12 +23,14 @@ public:
     /// Columns with the constants of the links; everything else is zero.
     [[nodiscard]] RigidColumns columns() const;
 
-    /// Accelerations of the pins into the columns force_x … force_q, at coordinates and velocities of the columns.
+    /// Accelerations of the pins into the columns force_x … force_bend_y, at coordinates and velocities of the columns.
     /// @param sheaves [4], nullptr: there are no pulleys
     void accelerate(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
     /// The same with friction of the velocities as they are, which no step before has left anything of.
     void accelerate(const SheaveMotion* sheaves, RigidColumns& columns, RigidForces& forces) const noexcept;
 
+    /// Of a coordinate or velocity in the columns, per one of a state.
+    [[nodiscard]] double scale(int k) const noexcept { return k < 6 ? 1.0 : coefficients_.bend_share; }
     /// Columns of coordinates and velocities from and to blocks of a state. @param blocks [pins * layout().link_block()]
     void read(const double* blocks, RigidColumns& columns) const noexcept;
     void write(const RigidColumns& columns, double* blocks) const noexcept;
@@ -42,9 +44,10 @@ private:
     RigidKernels kernels_;
 };
 
-/// Coordinate number k of the columns (x, y, z, p, q) inside the block of a pin.
+/// Coordinate number k of the columns (x, y, z, p, q, ζ, bending) inside the block of a pin.
 [[nodiscard]] constexpr int rigid_place(const ChainLayout& at, int k) noexcept {
-    const int places[rigid_coordinates] = {at.x(End::rear, 0), at.y(End::rear, 0), at.z(End::rear), at.x(End::rear, 1), at.y(End::rear, 1)};
+    const int places[rigid_coordinates] = {at.x(End::rear, 0), at.y(End::rear, 0), at.z(End::rear),    at.x(End::rear, 1),
+                                           at.y(End::rear, 1), at.slide(),         at.x(End::rear, 2), at.y(End::rear, 2)};
     return places[k];
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 /// From forces to motion: what all forces on a pin add up to, and the step in velocities and coordinates.
 
-#include "model/variator/rigid/rigid_links.hpp"
+#include "model/variator/rigid/rigid_plates.hpp"
 
 namespace cvtflow::model {
 namespace {
@@ -14,7 +14,7 @@ namespace {
 
 inline void accelerate_pins(const RigidCoefficients& c, RigidColumns& all) noexcept {
     const RigidView columns(all);
-    const PinLanes per_mass(1.0 / c.mass), per_tilt(1.0 / c.tilt_mass);
+    const PinLanes per_mass(1.0 / c.mass), per_tilt(1.0 / c.tilt_mass), per_slide(1.0 / c.slide_mass), per_bend(1.0 / c.bend_mass);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const Plane force = read_plane(columns, Column::force_x, i) + read_plane(columns, Column::tip_x, i) +
                             moment_thrust(columns, i - 1) - moment_thrust(columns, i);
@@ -23,6 +23,10 @@ inline void accelerate_pins(const RigidCoefficients& c, RigidColumns& all) noexc
         write(columns, Column::force_z, i, per_mass * (read(columns, Column::force_z, i) + read(columns, Column::tip_z, i) + rubbing));
         write_plane(columns, Column::force_p, i,
                     per_tilt * (read_plane(columns, Column::force_p, i) + read_plane(columns, Column::tip_p, i)));
+        write_plane(columns, Column::force_bend_x, i,
+                    per_bend * (read_plane(columns, Column::force_bend_x, i) + read_plane(columns, Column::tip_bend_x, i)));
+        write(columns, Column::force_slide, i,
+              per_slide * (read(columns, Column::force_slide, i) + read(columns, Column::tip_slide, i) + friction_on_slide(columns, i)));
     }
 }
 
@@ -48,7 +52,7 @@ inline double kick_coordinate(RigidColumns& all, int k, double step) noexcept {
 
 inline double kick_pins(const RigidCoefficients& c, double step, RigidColumns& columns) noexcept {
     double energy = 0.0;
-    for (int k = 0; k < rigid_coordinates; ++k) energy += 0.5 * (k < 3 ? c.mass : c.tilt_mass) * kick_coordinate(columns, k, step);
+    for (int k = 0; k < rigid_coordinates; ++k) energy += 0.5 * c.inertia(k) * kick_coordinate(columns, k, step);
     return energy;
 }
 

@@ -6,6 +6,7 @@
 
 #include "model/law/friction.hpp"
 #include "model/variator/rigid/rigid_kernels.hpp"
+#include "model/variator/rigid/rigid_links.hpp"
 #include "model/variator/rigid/rigid_vectors.hpp"
 
 namespace cvtflow::model {
@@ -80,9 +81,10 @@ struct LaneRing {
     }
 };
 
-/// Friction P of all links, (1 + 2aF) P_i - aF (P_{i-1} + P_{i+1}) = B_i around the ring: F friction per sliding speed (ring_grip), B
-/// friction if no link's friction changed the sliding (ring_push), a of a pin's speed per force over the step [m/s/N]. Each lane eliminates
-/// its links but the last, P_r = rub + behind P_{last of the lane before} + ahead P_{r+1}; what is left has one unknown per lane.
+/// Friction P of all links, (1 + aF (4 - β_i - β_{i+1})) P_i - aF (β_i P_{i-1} + β_{i+1} P_{i+1}) = B_i around the ring: F friction per
+/// sliding speed (ring_grip), B friction if no link's friction changed the sliding (ring_push), β_i by how much the halves of pin i hold
+/// together (ring_tie_…), a of a pin's speed per force over the step [m/s/N]. Each lane eliminates its links but the last, P_r = rub +
+/// behind P_{last of the lane before} + ahead P_{r+1}; what is left has one unknown per lane.
 inline void solve_ring(const RingShares& shares, double a, const RigidView& columns) noexcept {
     const PinLanes absent = shares.absent_rows();
     const int last = (shares.rows - 1) * rigid_lanes;
@@ -90,10 +92,12 @@ inline void solve_ring(const RingShares& shares, double a, const RigidView& colu
     PinLanes first_rub(0.0), first_behind(0.0), first_ahead(1.0);  // P of a lane's first link by those of both last ones
     for (int at = 0, row = 0; at < last; at += rigid_lanes, ++row) {
         const PinLanes number(row), grip = read(columns, Column::ring_grip, at), coupling = PinLanes(a) * grip;
-        const PinLanes inverse = 1.0 / (1.0 + coupling * (2.0 - ahead));
-        rub = (read(columns, Column::ring_push, at) + coupling * rub) * inverse;
-        behind = select_greater<rigid_lanes>(absent, number, behind, coupling * behind * inverse);
-        ahead = coupling * inverse;
+        const PinLanes back = coupling * read(columns, Column::ring_tie_behind, at),
+                       on = coupling * read(columns, Column::ring_tie_ahead, at);
+        const PinLanes inverse = 1.0 / (1.0 + 4.0 * coupling - back * (1.0 + ahead) - on);
+        rub = (read(columns, Column::ring_push, at) + back * rub) * inverse;
+        behind = select_greater<rigid_lanes>(absent, number, behind, back * behind * inverse);
+        ahead = on * inverse;
         first_rub += first_ahead * rub;
         first_behind += select_greater<rigid_lanes>(absent, number, PinLanes(0.0), first_ahead * behind);
         first_ahead = select_greater<rigid_lanes>(absent, number, first_ahead, first_ahead * ahead);
@@ -102,9 +106,11 @@ inline void solve_ring(const RingShares& shares, double a, const RigidView& colu
         write(columns, Column::ring_ahead, at, ahead);
     }
     const PinLanes grip = read(columns, Column::ring_grip, last), coupling = PinLanes(a) * grip;
-    const PinLanes inverse = 1.0 / (1.0 + coupling * (2.0 - ahead - neighbour<1>(first_behind)));
-    const PinLanes free = read(columns, Column::ring_push, last) + coupling * (rub + neighbour<1>(first_rub));
-    PinLanes next = LaneRing{free * inverse, coupling * behind * inverse, coupling * neighbour<1>(first_ahead) * inverse}.solution();
+    const PinLanes back = coupling * read(columns, Column::ring_tie_behind, last),
+                   on = coupling * read(columns, Column::ring_tie_ahead, last);
+    const PinLanes inverse = 1.0 / (1.0 + 4.0 * coupling - back * (1.0 + ahead) - on * (1.0 + neighbour<1>(first_behind)));
+    const PinLanes free = read(columns, Column::ring_push, last) + back * rub + on * neighbour<1>(first_rub);
+    PinLanes next = LaneRing{free * inverse, back * behind * inverse, on * neighbour<1>(first_ahead) * inverse}.solution();
     const PinLanes before = neighbour<-1>(next);
     write(columns, Column::ring_rub, last, next);
     for (int at = last - rigid_lanes; at >= 0; at -= rigid_lanes) {
@@ -118,10 +124,14 @@ inline void solve_ring(const RingShares& shares, double a, const RigidView& colu
 inline void solve_friction(double step_per_mass, RigidColumns& columns) noexcept {
     const RingShares shares(columns.pins());
     double *push = columns[Column::ring_push], *grip = columns[Column::ring_grip], *rub = columns[Column::rub];
+    double *behind = columns[Column::ring_tie_behind], *ahead = columns[Column::ring_tie_ahead];
     const double *push_of = columns[Column::rub_push], *grip_of = columns[Column::rub_grip], *rub_in = columns[Column::ring_rub];
+    const double* tie_of = columns[Column::joint_tie];
     shares.for_links([&](int place, int link) {
         push[place] = push_of[link];
         grip[place] = grip_of[link];
+        behind[place] = tie_of[link];
+        ahead[place] = tie_of[link + 1];
     });
     solve_ring(shares, step_per_mass, RigidView(columns));
     shares.for_links([&](int place, int link) { rub[link] = rub_in[place]; });
@@ -133,17 +143,68 @@ inline void solve_friction(double step_per_mass, RigidColumns& columns) noexcept
     return c.plate_reach * (read(columns, Column::lengthening, i + 1) - read(columns, Column::lengthening, i));
 }
 
-/// Plates of neighbouring links rub along the pin that they share. The sliding speeds that a step leaves behind are kept for the next one.
-/// What the pins' lengthening loses is counted with the tips that do its work.
+/// Sliding of the halves of a pin on each other along it, and their grip, before plates rub.
+inline void drive_joints(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all) noexcept {
+    const RigidView columns(all);
+    const PinLanes per_slide(kick.step / c.slide_mass);
+    for (int i = 0; i < columns.padded(); i += rigid_lanes) {
+        const PinLanes force = read(columns, Column::force_slide, i) + read(columns, Column::tip_slide, i);
+        const PinLanes drive = read(columns, Column::vslide, i) + per_slide * force;
+        const PinLanes speed = kick.implicit() ? read(columns, Column::joint_speed, i) : abs(drive);
+        const PinLanes grip =
+            c.joint_friction.coefficient * read(columns, Column::pressing, i) * slip_factor<rigid_lanes>(c.joint_friction, speed);
+        const PinLanes held = grip / (1.0 + per_slide * grip);
+        write(columns, Column::joint_drive, i, drive);
+        write(columns, Column::joint_grip, i, held);
+        write(columns, Column::joint_tie, i, per_slide * held);
+    }
+    all.wrap(Column::joint_drive, Column::joint_tie);
+}
+
+/// Friction of the halves of a pin on each other along it, behind that of the plates on both.
+inline void rub_joints(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all, Account& account) noexcept {
+    const RigidView columns(all);
+    PinSum lost(columns);
+    const PinLanes per_slide(kick.step / c.slide_mass);
+    for (int i = 0; i < columns.padded(); i += rigid_lanes) {
+        const PinLanes plates = 0.5 * (read(columns, Column::rub, i - 1) + read(columns, Column::rub, i));
+        const PinLanes free = read(columns, Column::joint_drive, i) - per_slide * plates;
+        const PinLanes friction = read(columns, Column::joint_grip, i) * free;
+        const PinLanes acting = kick.implicit() ? 0.5 * (friction + read(columns, Column::joint_before, i)) : friction;
+        lost.add(i, acting * read(columns, Column::vslide, i));
+        write(columns, Column::joint, i, friction);
+        write(columns, Column::joint_speed, i, abs(free - per_slide * friction));
+    }
+    account.lose(Loss::joint_friction, lost.value());
+}
+
+/// Of the friction of plates and of the other half on ζ.
+[[nodiscard, gnu::always_inline]] inline PinLanes friction_on_slide(const RigidView& columns, int i) noexcept {
+    return -(0.5 * (read(columns, Column::rub, i - 1) + read(columns, Column::rub, i)) + read(columns, Column::joint, i));
+}
+
+/// By how much the sliding speed of link i grows by the friction of the links, over the step per mass.
+[[nodiscard, gnu::always_inline]] inline PinLanes slowing(const RigidView& columns, int i) noexcept {
+    const PinLanes friction = read(columns, Column::rub, i), behind = read(columns, Column::joint_tie, i),
+                   ahead = read(columns, Column::joint_tie, i + 1);
+    return behind * (read(columns, Column::rub, i - 1) + friction) + ahead * (friction + read(columns, Column::rub, i + 1)) -
+           4.0 * friction;
+}
+
+/// Plates of neighbouring links rub along the pin that they share, and its halves on each other. The sliding speeds that a step leaves
+/// behind are kept for the next one. What the pins' lengthening loses is counted with the tips that do its work.
 inline void rub_plates(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all, Account& account) noexcept {
     const RigidView columns(all);
     PinSum lost(columns);
+    drive_joints(c, kick, all);
     const PinLanes per_mass(kick.step / c.mass);
-    const auto axial = [&](int i) { return read(columns, Column::force_z, i) + read(columns, Column::tip_z, i); };
-    const auto speed = [&](int i) { return read(columns, Column::vz, i + 1) - read(columns, Column::vz, i); };
+    const auto axial = [&](int i) {
+        return read(columns, Column::vz, i) + per_mass * (read(columns, Column::force_z, i) + read(columns, Column::tip_z, i));
+    };
+    const auto parted = [&](int i) { return 0.5 * (1.0 - read(columns, Column::joint_tie, i)) * read(columns, Column::joint_drive, i); };
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const PinLanes capacity = (0.5 * c.plate_friction.coefficient) * positive_part<rigid_lanes>(read(columns, Column::tension, i));
-        const PinLanes parting = plate_parting(c, columns, i), drive = speed(i) + per_mass * (axial(i + 1) - axial(i));
+        const PinLanes parting = plate_parting(c, columns, i), drive = axial(i + 1) - axial(i) + parted(i + 1) + parted(i);
         const auto grip_at = [&](const PinLanes& now, Column kept) {
             return capacity * slip_factor<rigid_lanes>(c.plate_friction, kick.implicit() ? read(columns, kept, i) : abs(now));
         };
@@ -158,14 +219,17 @@ inline void rub_plates(const RigidCoefficients& c, const RigidKick& kick, RigidC
     if (kick.implicit()) solve_friction(kick.step / c.mass, all);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const PinLanes friction = read(columns, Column::rub, i), parting = plate_parting(c, columns, i);
-        lost.add(i, (kick.implicit() ? 0.5 * (friction + read(columns, Column::rub_before, i)) : friction) * speed(i));
-        const PinLanes change = read(columns, Column::rub, i + 1) - 2.0 * friction + read(columns, Column::rub, i - 1);
-        const PinLanes slide = read(columns, Column::rub_drive, i) + per_mass * change, high = read(columns, Column::rub_grip_high, i);
+        const PinLanes speed = axial_parting(columns, Column::vz, Column::vslide, i);
+        lost.add(i, (kick.implicit() ? 0.5 * (friction + read(columns, Column::rub_before, i)) : friction) * speed);
+        const PinLanes slide = read(columns, Column::rub_drive, i) + per_mass * slowing(columns, i);
+        const PinLanes high = read(columns, Column::rub_grip_high, i);
         write(columns, Column::rub_spread, i, 2.0 * (high * (slide + parting)) - friction);
         write(columns, Column::rub_speed_low, i, abs(slide - parting));
         write(columns, Column::rub_speed_high, i, abs(slide + parting));
     }
     account.lose(Loss::plate_friction, lost.value());
+    all.wrap(Column::rub, Column::rub_spread);
+    rub_joints(c, kick, all, account);
 }
 
 }  // namespace

@@ -18,13 +18,15 @@ template <class Values>
 }
 
 /// What the pins keep from step to step: first and last of columns that follow each other.
-constexpr Column kept[][2] = {{Column::x, Column::vq},
-                              {Column::stretch_drag, Column::shear_drag},
+constexpr Column kept[][2] = {{Column::x, Column::vbend_y},
+                              {Column::stretch_drag, Column::bend_drag_across},
                               {Column::rolling, Column::rolling},
-                              {Column::force_x, Column::force_q},
+                              {Column::force_x, Column::force_bend_y},
                               {Column::rub, Column::rub_speed_high},
+                              {Column::joint, Column::joint_speed},
                               {Column::tip_moment, Column::tip_moment},
                               {Column::tip_z, Column::tip_z},
+                              {Column::tip_slide, Column::tip_slide},
                               {Column::lengthening, Column::lengthening},
                               {Column::normal, Column::flank + (rigid_tips - 1)}};
 
@@ -56,6 +58,7 @@ void RigidStepper::start(double t, const double* y) {
     if (at.ledger) std::copy_n(y + at.ledger_begin(), ledger_.size(), ledger_.begin());
     evaluate(0.0);
     columns_.copy(Column::rub, Column::rub_before);
+    columns_.copy(Column::joint, Column::joint_before);
     tail_kinetic_ = tail_kinetic();
     kinetic_ = model_.kernels().kick(model_.coefficients(), 0.0, columns_) + tail_kinetic_;
     couple(coupling_rates());
@@ -124,6 +127,7 @@ void RigidStepper::kick(double length) noexcept {
     if (model_.layout().pulley_size != 0) power = variator_.pulleys().works(tail_.data(), inputs_);
     kinetic_ = model_.kernels().kick(model_.coefficients(), length, columns_);
     columns_.copy(Column::rub, Column::rub_before);
+    columns_.copy(Column::joint, Column::joint_before);
     for (std::size_t k = static_cast<std::size_t>(model_.layout().pulley_size), end = kicked_end(); k < end; ++k)
         tail_[k] += length * tail_slope_[k];
     tail_kinetic_ = tail_kinetic();
@@ -153,7 +157,7 @@ double RigidStepper::jerked() const noexcept {
     const RigidCoefficients& c = model_.coefficients();
     double sum = 0.0;
     for (int k = 0; k < rigid_coordinates; ++k) {
-        const double *a = columns_[Column::force_x + k], mass = k < 3 ? c.mass : c.tilt_mass;
+        const double *a = columns_[Column::force_x + k], mass = c.inertia(k);
         for (int pin = 0; pin < c.pins; ++pin) sum += 0.5 * mass * a[pin] * a[pin];
     }
     return sum;
@@ -191,7 +195,7 @@ void RigidStepper::state(double* y) const noexcept {
     for (int k = 0; k < rigid_coordinates; ++k) {
         const double* acceleration = columns_[Column::force_x + k];
         double* v = y + at.link_size() + rigid_place(at, k);
-        for (int pin = 0; pin < at.links; ++pin) v[at.link_begin(pin)] -= lead_ * acceleration[pin];
+        for (int pin = 0; pin < at.links; ++pin) v[at.link_begin(pin)] -= lead_ * acceleration[pin] / model_.scale(k);
     }
     tail_state(y + at.pulley_begin());
 }

@@ -62,7 +62,7 @@ TEST(SimulationCouplings, TheirEnergyBalanceClosesToRounding) {
 /// Rigid pins count each step's works themselves, at mean velocities: the identity holds to the second order of their long steps.
 TEST(SimulationCouplings, RigidPinsCountWorkAndLossOfBothCouplings) {
     Scene scene = coupled_scene();
-    set_values(scene, std::vector<std::string>{"detail.pins=rigid", "run.method=auto", "run.step=1 us"});
+    set_values(scene, std::vector<std::string>{"detail.pins=rigid", "detail.order=2", "run.method=auto", "run.step=1 us"});
     Simulation simulation(scene);
     run(simulation, 0.0);
     double stored[2];

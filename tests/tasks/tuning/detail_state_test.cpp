@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/machine/coefficients.hpp"
 #include "model/parameters/chain_layout.hpp"
 #include "tests/tasks/tiny_fixture.hpp"
 
@@ -78,6 +79,24 @@ TEST(DetailState, OfWholePinsComesBackFromHalves) {
     ASSERT_EQ(back.state.size(), saved.state.size());
     // Half of the reach is added to the one half and taken from the other: rounding of numbers of 0.03.
     for (std::size_t k = 0; k < saved.state.size(); ++k) EXPECT_NEAR(back.state[k], saved.state[k], 1e-17 + 1e-14 * 0.03) << k;
+}
+
+/// A rigid pin refers to the middle of its plates, and its halves slide on each other: their mean and difference along z.
+TEST(DetailState, OfRigidPinsComesBackFromHalves) {
+    const model::Parameters halves = tiny_with(model::PinDetail::halves, 3), rigid = tiny_with(model::PinDetail::rigid, 2);
+    const ChainLayout from = model::layout_of(rigid), to = model::layout_of(halves);
+    const engine::SavedState saved = ring(rigid), over = convert_state(saved, rigid, halves), back = convert_state(over, halves, rigid);
+    ASSERT_EQ(back.state.size(), saved.state.size());
+    for (std::size_t k = 0; k < saved.state.size(); ++k) EXPECT_NEAR(back.state[k], saved.state[k], 1e-17 + 1e-14 * 0.03) << k;
+    for (int pin = 0; pin < from.links; ++pin) {
+        const double* rear = over.state.data() + to.link_begin(pin);
+        const double* front = over.state.data() + to.link_begin(to.previous(pin));
+        const double* q = saved.state.data() + from.link_begin(pin);
+        EXPECT_NEAR(front[to.z(End::front)] - rear[to.z(End::rear)], q[from.slide()], 1e-18) << pin;
+        EXPECT_EQ(rear[to.x(End::rear, 2)], q[from.x(End::rear, 2)]) << pin;
+        const double x = 0.5 * (rear[to.x(End::rear, 0)] + front[to.x(End::front, 0)]);
+        EXPECT_NEAR(x, q[from.x(End::rear, 0)] - model::Coefficients(rigid).plate_bow * q[from.x(End::rear, 2)], 1e-17) << pin;
+    }
 }
 
 TEST(DetailState, ATipOfAWholePinTouchesWhereOneOfItsHalvesDid) {

@@ -60,7 +60,7 @@ template <class Press>
         if (skip) continue;
         if (pin + rigid_lanes > pins) {
             beyond = pin + rigid_lanes - pins;
-            columns.wrap(Column::force_x, Column::force_q);
+            columns.wrap(Column::force_x, Column::force_bend_y);
             columns.wrap(Column::normal, Column::flank + (rigid_tips - 1));
         }
         for (int lane = pin; lane < pin + rigid_lanes; ++lane) written[lane < pins ? lane : lane - pins] = 2.0;

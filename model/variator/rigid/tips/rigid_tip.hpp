@@ -5,55 +5,32 @@
 #include <algorithm>
 
 #include "model/force/sheave_motion.hpp"
-#include "model/variator/rigid/rigid_coefficients.hpp"
-#include "model/variator/rigid/rigid_vectors.hpp"
+#include "model/variator/rigid/tips/tip_numbers.hpp"
 
 namespace cvtflow::model {
 namespace {
-
-/// Numbers of all tips, as wide as what is computed with them: derived once per pass and not for each tip.
-template <int W>
-struct TipNumbers {
-    TipNumbers(const RigidCoefficients& c, const RigidKick& kick) noexcept
-        : radius(c.radius),
-          inverse_reach(c.inverse_reach),
-          softness(c.softness),
-          hertz(c.hertz),
-          damping(c.damping),
-          per_cosine(1.0 / c.cosine),
-          lever(c.lever),
-          outward(c.outward),
-          outward_per_half(c.outward / c.half_length),
-          per_half(1.0 / c.half_length),
-          per_mass(kick.step / c.mass),
-          per_tilt(kick.step / c.tilt_mass),
-          response(1.1 * kick.step * (1.0 / c.mass + 1.0 / c.tilt_mass)),
-          further_steps(c.further_steps + (kick.implicit() ? 0 : 1)) {}
-
-    Lanes<W> radius, inverse_reach, softness, hertz, damping, per_cosine, lever, outward;  ///< as of RigidCoefficients
-    Lanes<W> outward_per_half;                                                             ///< R_p sin β/(ℓ_p/2)
-    Lanes<W> per_half;                                                                     ///< 1/(ℓ_p/2) [1/m]
-    Lanes<W> per_mass, per_tilt;                                                           ///< velocity per force over the step [m/s/N]
-    Lanes<W> response;  ///< of the sliding velocity to friction, with some room for neighbours [m/s/N]
-    int further_steps;  ///< of Newton's method
-};
 
 /// Half and end of tip 0 … 3: 0 and 1 are the front half's at -z and +z, 2 and 3 the rear half's. Tips are gone through by loops, in steps
 /// of the same length: written out one by one, they would be more than the processor keeps of decoded instructions.
 [[nodiscard]] constexpr std::size_t half_of_tip(std::size_t tip) noexcept { return tip / 2; }
 [[nodiscard]] constexpr std::size_t end_of_tip(std::size_t tip) noexcept { return tip % 2; }
+/// Number of a half's pitch line against the pin's, and its share of the halves' offset from each other.
+[[nodiscard]] constexpr int line_of(std::size_t half) noexcept { return half == 0 ? -1 : 0; }
+[[nodiscard]] constexpr double share_of(std::size_t half) noexcept { return half == 0 ? 0.5 : -0.5; }
 
 /// A pin half, and what it gives to the motion of its tips.
 template <int W>
 struct HalfMotion {
-    PlaneOf<W> line, outward;          ///< t and o of its pitch line
-    DoublePlaneOf<W> centre;           ///< R_p sin β o from the origin
-    PlaneOf<W> sphere;                 ///< R_p sin β o
-    DoublesOf<W> rise;                 ///< R_p sin β σ·o [m]
-    DoublesOf<W> turn;                 ///< θ' [rad/s]
-    Lanes<W> slope_along;              ///< σ·t [rad]
-    DoublePlaneOf<W> sphere_velocity;  ///< of the half's middle, with that of R_p sin β o
-    Lanes<W> rise_rate;                ///< without the change of σ·t [m/s]
+    PlaneOf<W> line, outward;            ///< t and o of its pitch line
+    DoublePlaneOf<W> centre;             ///< R_p sin β o from the origin
+    PlaneOf<W> sphere;                   ///< R_p sin β o
+    DoublesOf<W> rise;                   ///< of the pin's middle above the half's sphere: R_p sin β σ·o ∓ ζ/2 [m]
+    DoublesOf<W> bend_rise;              ///< the same by bending, at +z [m]
+    DoublesOf<W> turn;                   ///< θ' [rad/s]
+    Lanes<W> slope_along, bend_along;    ///< σ·t by tilting, by bending at +z [rad]
+    DoublePlaneOf<W> sphere_velocity;    ///< of the half's middle, with that of R_p sin β o
+    Lanes<W> ahead;                      ///< velocity along z against the pin's middle, ±ζ'/2 [m/s]
+    Lanes<W> rise_rate, bend_rise_rate;  ///< without the change of σ·t [m/s]
 };
 
 /// The sheaves of one side as pins side by side see them, and what that end of the pins gives to the motion of its tips.
@@ -73,11 +50,29 @@ struct SideMotion {
     Lanes<W> spin_x, spin_y;
 };
 
+/// At least the depth of each pin's tips: each half's sphere nearest to the axis against the flank nearest to it, as if of one tip.
+[[nodiscard, gnu::always_inline]] inline PinLanes nearness_of(const RigidCoefficients& c, const HalfMotion<rigid_lanes> (&halves)[2],
+                                                              const SideMotion<rigid_lanes> (&sides)[2]) noexcept {
+    const SideMotion<rigid_lanes>&low = sides[0], &high = sides[1];
+    const auto size = [](const Plane& v) { return abs(v.x) + abs(v.y); };
+    const auto more = [](const PinLanes& a, const PinLanes& b) { return larger<rigid_lanes>(a, b); };
+    const PinLanes tilt = more(size({low.tilt_x, low.tilt_y}), size({high.tilt_x, high.tilt_y}));
+    const PinLanes apart = size(low.arm - high.arm), off = more(abs(low.z), abs(high.z)) + c.radius * c.cosine;
+    const auto of_half = [&](const HalfMotion<rigid_lanes>& half) {
+        const Plane arm = half.centre + low.arm;
+        const PinLanes radius = sqrt(dot(arm, arm)), rise = abs(half.rise) + abs(half.bend_rise);
+        const PinLanes a = radius - apart - tilt * (off + rise) - c.touching_radius;
+        const PinLanes h = smaller<rigid_lanes>(low.z, -high.z) - rise - tilt * (radius + apart);
+        return -(c.sine * a + c.cosine * h);
+    };
+    return more(of_half(halves[0]), of_half(halves[1]));
+}
+
 /// Coordinates or velocities of pins.
 template <int W>
 struct PinMotion {
-    PlaneOf<W> middle, end;
-    Lanes<W> z;
+    PlaneOf<W> middle, end, bend;
+    Lanes<W> z, slide;
 };
 
 template <int W>
@@ -137,7 +132,9 @@ struct SpherePlace {
     DoublesOf<W> rise, at_z;
 
     [[gnu::always_inline]] SpherePlace(const RigidCoefficients& c, const HalfMotion<W>& half, const SideMotion<W>& sheave) noexcept
-        : at(half.centre + sheave.arm), rise(sheave.z - half.rise), at_z(rise - sheave.side * c.radius * c.cosine) {
+        : at(half.centre + sheave.arm),
+          rise(sheave.z - half.rise - sheave.side * half.bend_rise),
+          at_z(rise - sheave.side * c.radius * c.cosine) {
         l = {at.x - sheave.tilt_y * at_z, at.y + sheave.tilt_x * at_z};
     }
 };
@@ -174,7 +171,7 @@ template <int W>
 [[nodiscard, gnu::always_inline]] inline Lanes<W> depth_rate(const HalfMotion<W>& half, const SideMotion<W>& sheave, const TipPlace<W>& tip,
                                                              const Lanes<W>& lead) noexcept {
     const PlaneOf<W> moved = as<W>(half.sphere_velocity + sheave.sphere_velocity);
-    const Lanes<W> moved_z = sheave.velocity_z - half.rise_rate;
+    const Lanes<W> moved_z = sheave.velocity_z - half.rise_rate - Lanes<W>(sheave.side) * half.bend_rise_rate;
     const Lanes<W> around = cross(tip.radial, moved);
     const Lanes<W> turning = lead * tip.out * (around * around) * tip.inverse_radius;
     return sheave.spin_x * tip.tilting_x + sheave.spin_y * tip.tilting_y - dot(tip.normal, moved) - tip.normal_z * moved_z - turning;
@@ -240,7 +237,7 @@ template <int W>
     const PlaneOf<W> spinning = turned(as<W>(half.turn) * sheave.sphere + (c.radius * lag) * tip.normal);
     const PlaneOf<W> v = as<W>(centre) + spinning - PlaneOf<W>{sheave.spin_y * tip.point_z, -(sheave.spin_x * tip.point_z)};
     const Lanes<W> surface_z = sheave.spin_x * tip.point.y - sheave.spin_y * tip.point.x;
-    return slip_of<W>(sheave.side, tip, v, sheave.velocity_z - Lanes<W>(sheave.side) * shortening_rate - surface_z);
+    return slip_of<W>(sheave.side, tip, v, sheave.velocity_z + half.ahead - Lanes<W>(sheave.side) * shortening_rate - surface_z);
 }
 
 /// A tip's force on its pin: normal force, which the friction's share of the half pin's shortening adds to, and friction.
@@ -268,20 +265,22 @@ template <int W>
 template <int W>
 struct TipForces {
     PlaneOf<W> half[2] = {{0.0, 0.0}, {0.0, 0.0}};
-    PlaneOf<W> end{0.0, 0.0};
-    Lanes<W> z{0.0}, moment[2] = {0.0, 0.0};
+    PlaneOf<W> end{0.0, 0.0}, bend{0.0, 0.0};
+    Lanes<W> z[2] = {0.0, 0.0}, moment[2] = {0.0, 0.0};
 
     /// Virtual work of a tip's force on the coordinates of its pin and on the direction of its half.
     [[gnu::always_inline]] void add(const TipNumbers<W>& c, double side, const HalfMotion<W>& on, std::size_t which,
                                     const TipForce<W>& f) noexcept {
         half[which] = half[which] + (f.push + f.friction);
-        z += f.push_z + f.friction_z;
-        const PlaneOf<W> at_end = c.lever * f.push + f.friction;
+        z[which] += f.push_z + f.friction_z;
+        const PlaneOf<W> at_end = c.lever * f.push + f.friction, at_bend = c.bend_lever * f.push + f.friction;
         end = end + Lanes<W>(side) * at_end - (c.outward_per_half * f.push_z) * on.outward;
+        bend = bend + at_bend - (Lanes<W>(side) * c.bent_outward_per_half * f.push_z) * on.outward;
     }
-    [[gnu::always_inline]] void add_moment(const TipNumbers<W>& c, const HalfMotion<W>& on, std::size_t which, const TipPlace<W>& tip,
-                                           const TipForce<W>& f) noexcept {
-        moment[which] += c.outward * (dot(f.push, on.line) - on.slope_along * f.push_z) + cross(tip.reach, f.friction);
+    [[gnu::always_inline]] void add_moment(const TipNumbers<W>& c, double side, const HalfMotion<W>& on, std::size_t which,
+                                           const TipPlace<W>& tip, const TipForce<W>& f) noexcept {
+        const Lanes<W> slope = on.slope_along + Lanes<W>(side) * on.bend_along;
+        moment[which] += c.outward * (dot(f.push, on.line) - slope * f.push_z) + cross(tip.reach, f.friction);
     }
 };
 

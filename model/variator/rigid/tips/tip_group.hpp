@@ -37,22 +37,8 @@ public:
         }
     }
 
-    /// At least the depth of each pin's tips: each half's sphere nearest to the axis against the flank nearest to it, as if of one tip.
-    [[nodiscard, gnu::always_inline]] D nearness() const noexcept {
-        const SideMotion<W>&low = side_[0], &high = side_[1];
-        const auto size = [](const Plane& v) { return abs(v.x) + abs(v.y); };
-        const auto more = [](const PinLanes& a, const PinLanes& b) { return larger<rigid_lanes>(a, b); };
-        const PinLanes tilt = more(size({low.tilt_x, low.tilt_y}), size({high.tilt_x, high.tilt_y}));
-        const PinLanes apart = size(low.arm - high.arm), off = more(abs(low.z), abs(high.z)) + c_.radius * c_.cosine;
-        const auto of_half = [&](const HalfMotion<W>& half) {
-            const Plane arm = half.centre + low.arm;
-            const PinLanes radius = sqrt(dot(arm, arm)), rise = abs(half.rise);
-            const PinLanes a = radius - apart - tilt * (off + rise) - c_.touching_radius;
-            const PinLanes h = smaller<rigid_lanes>(low.z, -high.z) - rise - tilt * (radius + apart);
-            return -(c_.sine * a + c_.cosine * h);
-        };
-        return more(of_half(half_[0]), of_half(half_[1]));
-    }
+    /// At least the depth of each pin's tips.
+    [[nodiscard, gnu::always_inline]] D nearness() const noexcept { return nearness_of(c_, half_, side_); }
 
     [[gnu::always_inline]] void place() noexcept {
         V inverse[rigid_tips];  // 1/|l| of all tips at once, as each of them waits for a root and a division
@@ -124,7 +110,12 @@ public:
         const D rubbing = read_pins(Column::rub) - read_pins(Column::rub, -1);
         growth_.middle = n_.per_mass * (as<W>(read_plane_of(Column::force_x)) + total.half[0] + total.half[1]);
         growth_.end = n_.per_tilt * (as<W>(read_plane_of(Column::force_p)) + total.end);
-        growth_.z = n_.per_mass * (as<W>(read_pins(Column::force_z) + rubbing) + total.z);
+        growth_.bend = n_.per_bend * (as<W>(read_plane_of(Column::force_bend_x)) + total.bend);
+        const D holding = D(0.5) * (read_pins(Column::rub) + read_pins(Column::rub, -1)) + read_pins(Column::joint);
+        const V mean = n_.per_mass * (as<W>(read_pins(Column::force_z) + rubbing) + (total.z[0] + total.z[1]));
+        const V apart = n_.per_half_mass * (as<W>(read_pins(Column::force_slide) - holding) + V(0.5) * (total.z[0] - total.z[1]));
+        growth_z_[0] = mean + apart;
+        growth_z_[1] = mean - apart;
     }
 
     [[gnu::always_inline]] void rub(ReactionSum& reaction, CreepSum& creep, PinSum& lost) noexcept {
@@ -135,7 +126,7 @@ public:
         for (std::size_t tip = 0; tip < rigid_tips; ++tip) {
             const TipForce<W> force = tip_force<W>(side_of(tip), tips_[tip], normal_[tip], pull_, friction(tip, rubbed));
             total.add(n_, side_of(tip), half_[half_of_tip(tip)], half_of_tip(tip), force);
-            total.add_moment(n_, half_[half_of_tip(tip)], half_of_tip(tip), tips_[tip], force);
+            total.add_moment(n_, side_of(tip), half_[half_of_tip(tip)], half_of_tip(tip), tips_[tip], force);
             add_on_sheave<W>(tips_[tip], force, on_side[end_of_tip(tip)]);
             if constexpr (!implicit) show_force(tip, force, creep);
         }
@@ -149,7 +140,7 @@ public:
 
 private:
     [[nodiscard, gnu::always_inline]] PinMotion<lanes> read_motion(Column first) const noexcept {
-        return {read_plane_of(first), read_plane_of(first + 3), read_pins(first + 2)};
+        return {read_plane_of(first), read_plane_of(first + 3), read_plane_of(first + 6), read_pins(first + 2), read_pins(first + 5)};
     }
     /// As drag_power().
     [[nodiscard, gnu::always_inline]] V damping_power(Column c, const V& force, const V& rate) noexcept {
@@ -159,9 +150,6 @@ private:
     }
 
     [[nodiscard]] double side_of(std::size_t tip) const noexcept { return side_[end_of_tip(tip)].side; }
-    /// Number of a half's pitch line against the pin's, and its share of the halves' offset from each other.
-    [[nodiscard]] static constexpr int line_of(std::size_t half) noexcept { return half == 0 ? -1 : 0; }
-    [[nodiscard]] static constexpr double share_of(std::size_t half) noexcept { return half == 0 ? 0.5 : -0.5; }
     [[gnu::always_inline]] void read_half(HalfMotion<W>& half, std::size_t which) noexcept {
         const PlaneD offset = D(share_of(which)) * read_plane_of(Column::part_x), t = read_plane_of(Column::line_x, line_of(which));
         const PlaneD outward{t.y, -t.x}, sphere = D(c_.outward) * outward;
@@ -169,14 +157,20 @@ private:
         half.outward = as<W>(outward);
         half.sphere = as<W>(sphere);
         half.centre = at_.middle + offset + sphere;
-        half.rise = D(c_.outward / c_.half_length) * dot(at_.end, outward);
+        half.rise = D(c_.outward / c_.half_length) * dot(at_.end, outward) - D(share_of(which)) * at_.slide;
+        half.bend_rise = D(c_.bend_slope * c_.outward / c_.half_length) * dot(at_.bend, outward);
     }
     [[gnu::always_inline]] void read_half_rates(HalfMotion<W>& half, std::size_t which) noexcept {
         half.turn = read_pins(Column::line_turn, line_of(which));
         half.slope_along = n_.per_half * dot(as<W>(at_.end), half.line);
         const PlaneD velocity = rate_.middle + D(share_of(which)) * read_plane_of(Column::part_vx);
         half.sphere_velocity = velocity + (c_.outward * half.turn) * read_plane_of(Column::line_x, line_of(which));
-        half.rise_rate = n_.outward_per_half * dot(as<W>(rate_.end), half.outward) + n_.outward * (as<W>(half.turn) * half.slope_along);
+        half.bend_along = n_.bent_per_half * dot(as<W>(at_.bend), half.line);
+        half.bend_rise_rate =
+            n_.bent_outward_per_half * dot(as<W>(rate_.bend), half.outward) + n_.outward * (as<W>(half.turn) * half.bend_along);
+        half.ahead = V(share_of(which)) * as<W>(rate_.slide);
+        half.rise_rate =
+            n_.outward_per_half * dot(as<W>(rate_.end), half.outward) + n_.outward * (as<W>(half.turn) * half.slope_along) - half.ahead;
     }
 
     /// A number of the sheaves of one side, for each pin that of its shaft.
@@ -188,8 +182,8 @@ private:
                                           SideMotion<W>& s) noexcept {
         const double side = s.side = end == 0 ? -1.0 : 1.0;
         const auto value = [&](double SheaveMotion::*number) { return of(number, driving, driven); };
-        s.sphere = V(side * (c_.lever - 1.0)) * as<W>(at_.end);
-        s.arm = D(side * c_.lever) * at_.end - PlaneD{value(&SheaveMotion::x), value(&SheaveMotion::y)};
+        s.sphere = V(side * (c_.lever - 1.0)) * as<W>(at_.end) + V(c_.bend_lever - 1.0) * as<W>(at_.bend);
+        s.arm = D(side * c_.lever) * at_.end + D(c_.bend_lever) * at_.bend - PlaneD{value(&SheaveMotion::x), value(&SheaveMotion::y)};
         s.z = at_.z - (value(&SheaveMotion::z) - side * c_.half_length);
         s.tilt_x = value(&SheaveMotion::tilt_x);
         s.tilt_y = value(&SheaveMotion::tilt_y);
@@ -203,8 +197,8 @@ private:
         const PlaneD velocity{value(&SheaveMotion::vx), value(&SheaveMotion::vy)};
         s.turned_by = as<W>((0.5 * kick_.step) * s.spin_z);
         s.moved_on = (V(2.0) * s.turned_by) * turned(as<W>(rate_.middle));
-        s.velocity = D(s.side) * rate_.end - velocity + (0.5 * kick_.step * s.spin_z) * turned(rate_.middle);
-        s.sphere_velocity = D(s.side * c_.lever) * rate_.end - velocity;
+        s.velocity = D(s.side) * rate_.end + rate_.bend - velocity + (0.5 * kick_.step * s.spin_z) * turned(rate_.middle);
+        s.sphere_velocity = D(s.side * c_.lever) * rate_.end + D(c_.bend_lever) * rate_.bend - velocity;
         s.velocity_z = as<W>(rate_.z - value(&SheaveMotion::vz));
     }
 
@@ -232,8 +226,9 @@ private:
     /// Sliding velocity behind the growth of the velocities: the pin has moved on by half a step as well.
     [[nodiscard]] Slip<W> slip_now(std::size_t tip) const noexcept {
         const SideMotion<W>& side = side_[end_of_tip(tip)];
-        const PlaneV change = growth_.middle + (V(side_of(tip)) * growth_.end - side.moved_on) - side.turned_by * turned(growth_.middle);
-        return begin_[tip] + slip_of<W>(side_of(tip), tips_[tip], change, growth_.z);
+        const PlaneV grown = growth_.middle + growth_.bend + (V(side_of(tip)) * growth_.end - side.moved_on);
+        return begin_[tip] +
+               slip_of<W>(side_of(tip), tips_[tip], grown - side.turned_by * turned(growth_.middle), growth_z_[half_of_tip(tip)]);
     }
 
     /// Friction now. Contacts of a pin are solved one after the other, each with the velocities that those before it leave: the velocity
@@ -257,7 +252,7 @@ private:
         const NormalForce<W>& n = normal_[tip];
         const V limit = c_.tip_friction.coefficient * n.force;
         if (c_.tip_law == nullptr) return limit;
-        const V full = limit * pressure_factor<W>(*c_.tip_law, n.root_depth), slowest(c_.tip_friction.saturation_speed);
+        const V full = limit * pressure_factor<W>(*c_.tip_law, n.root_depth), slowest(implicit ? c_.tip_friction.saturation_speed : 0.0);
         return full * speed_factor<W>(*c_.tip_law, braked_speed<W>(*c_.tip_law, response * full, v, slowest));
     }
 
@@ -267,7 +262,8 @@ private:
         const PlaneV f = change.round * turned(place.radial) + (change.flank * place.in) * place.radial;
         growth_.middle = growth_.middle + n_.per_mass * f;
         growth_.end = growth_.end + (V(side_of(tip)) * n_.per_tilt) * f;
-        growth_.z += (V(side_of(tip)) * n_.per_mass) * (change.flank * place.out);
+        growth_.bend = growth_.bend + n_.per_bend * f;
+        growth_z_[half_of_tip(tip)] += (V(side_of(tip)) * n_.per_half_mass) * (change.flank * place.out);
     }
 
     [[gnu::always_inline]] void store(const TipForces<W>& total) noexcept {
@@ -277,16 +273,19 @@ private:
             const Plane parting{piece(widened<W>(opening.x), block), piece(widened<W>(opening.y), block)};
             write_plane(view_, Column::tip_lean_x, first, read_rolling(view_, first) * parting);
         });
-        const V numbers[] = {total.moment[0], total.moment[1]}, forces[] = {sum.x, sum.y, total.z, total.end.x, total.end.y};
+        const V numbers[] = {total.moment[0], total.moment[1]}, forces[] = {sum.x,        sum.y,       total.z[0] + total.z[1],
+                                                                            total.end.x,  total.end.y, V(0.5) * (total.z[0] - total.z[1]),
+                                                                            total.bend.x, total.bend.y};
         for (int k = 0; k < 2; ++k) write_pins(Column::tip_front + k, widened<W>(numbers[k]));
-        for (int k = 0; k < 5; ++k) write_pins(Column::tip_x + k, widened<W>(forces[k]));
+        for (int k = 0; k < rigid_coordinates; ++k) write_pins(Column::tip_x + k, widened<W>(forces[k]));
     }
 
     const RigidCoefficients& c_;
     const TipNumbers<W>& n_;
     const RigidKick& kick_;
     PinMotion<lanes> at_, rate_;
-    PinMotion<W> growth_;  ///< of the velocities in this step
+    PinMotion<W> growth_;  ///< of the velocities in this step, without those along z
+    V growth_z_[2];        ///< of the halves
     HalfMotion<W> half_[2];
     SideMotion<W> side_[2];
     D second_;

@@ -23,16 +23,6 @@ constexpr Real instant = 1e-11L, displacement = 1e-11L;
     return to;
 }
 
-/// Number by bisection: y² (1 + b y) = δ.
-[[nodiscard]] Real root_of_depth(Real depth, Real softness) {
-    Real low = 0.0L, high = std::sqrt(depth);
-    for (int k = 0; k < 200; ++k) {
-        const Real y = 0.5L * (low + high);
-        (y * y * (1.0L + softness * y) < depth ? low : high) = y;
-    }
-    return 0.5L * (low + high);
-}
-
 class Machine {
 public:
     Machine(const Parameters& p, Coordinates z, Coordinates rate)
@@ -53,7 +43,8 @@ public:
         for (int i = 0; i < p_.chain.pins; ++i) link(i);
         for (int pin = 0; pin < p_.chain.pins; ++pin) {
             roll(pin);
-            if (z_.size() == static_cast<std::size_t>(5 * p_.chain.pins)) continue;
+            bend(pin);
+            if (z_.size() == static_cast<std::size_t>(rigid_coordinates * p_.chain.pins)) continue;
             for (const Real which : {1.0L, -1.0L})
                 for (int side = 0; side < 2; ++side) tip(pin, which, side);
         }
@@ -61,6 +52,8 @@ public:
     [[nodiscard]] const Coordinates& force() const { return force_; }
     [[nodiscard]] Real inertia(int k) const {
         const Real plates = p_.plate.count * Real{p_.plate.mass};
+        if (k > 5) return p_.detail.mass_scaling * 8.0L * 2.0L * p_.half.mass / 5.0L;
+        if (k == 5) return 0.5L * half_mass_;  // two halves that part, each by half of ζ
         return k < 3 ? 2.0L * p_.half.mass + plates : p_.detail.mass_scaling * (2.0L * p_.half.mass / 3.0L + plates * square_);
     }
     Real energy = 0.0L, lost = 0.0L;
@@ -84,8 +77,8 @@ private:
             force_[k] += force * (more - less) / (2.0L * displacement);
         };
         for (int near = pin - 2; near <= pin + 3; ++near)
-            for (int k = 0; k < 5; ++k) differentiate(static_cast<std::size_t>(k * pins + (near + pins) % pins));
-        for (std::size_t k = static_cast<std::size_t>(5 * pins); k < z_.size(); ++k) differentiate(k);
+            for (int k = 0; k < rigid_coordinates; ++k) differentiate(static_cast<std::size_t>(k * pins + (near + pins) % pins));
+        for (std::size_t k = static_cast<std::size_t>(rigid_coordinates * pins); k < z_.size(); ++k) differentiate(k);
     }
 
     [[nodiscard]] Real damping(Real stiffness, Real mass) const { return 2.0L * p_.chain.damping_ratio * std::sqrt(stiffness * mass); }
@@ -114,14 +107,24 @@ private:
                pull_damping * square_ + per_half * per_half * damping(bending, tilt), i);
         spring(deflection(2), per_half * per_half * torsion, per_half * per_half * damping(torsion, tilt), i);
         spring(deflection(3), 3.0L * bending, damping(3.0L * bending, tilt), i);
+        const Spring bow = bow_spring();
+        spring(deflection(4), bow.stiffness, bow.damping, i);
         const std::array<Real, 4> before = shares(i), behind = shares(i + 1);
         for (const Real reach : {-std::sqrt(square_), std::sqrt(square_)}) {
             const Measure offset = [=, this](const Place& at) {
-                return at.coordinate(2, i + 1) - at.coordinate(2, i) +
-                       reach * (lengthening(at, i + 1, behind) - lengthening(at, i, before));
+                return at.axial(i + 1, 1.0L) - at.axial(i, -1.0L) + reach * (lengthening(at, i + 1, behind) - lengthening(at, i, before));
             };
             rub(offset, p_.plate.friction, 0.5L * std::max(0.0L, tension_), i);
         }
+    }
+
+    /// Of a link between pins that bend differently along it: plates, whose middle moves with both, and joint in series.
+    [[nodiscard]] Spring bow_spring() const {
+        const Place at(p_, z_);
+        const Real plates = p_.plate.count * Real{p_.plate.stiffness}, joint = p_.joint.stiffness;
+        const Real share = at.mean_shape(2) - at.mean_shape() * at.mean_shape();
+        return {static_cast<double>(1.0L / (1.0L / (plates * share) + 5.0L / joint)),
+                static_cast<double>(damping(1.0L / (1.0L / plates + 1.0L / joint), 0.5L * half_mass_) * share)};
     }
 
     /// By how much a half shortens per depth of a tip at which y² (1 + b y) = δ.
@@ -132,7 +135,7 @@ private:
     /// The same of the four tips of a pin now; zero where they do not touch.
     [[nodiscard]] std::array<Real, 4> shares(int pin) const {
         std::array<Real, 4> all{};
-        if (z_.size() == static_cast<std::size_t>(5 * p_.chain.pins)) return all;
+        if (z_.size() == static_cast<std::size_t>(rigid_coordinates * p_.chain.pins)) return all;
         for (std::size_t tip = 0; tip < 4; ++tip) {
             const Real depth = Place(p_, z_).tip(pin, tip < 2 ? 1.0L : -1.0L, tip % 2).depth;
             if (depth > 0.0L) all[tip] = shortening(root_of_depth(depth, softness_));
@@ -179,6 +182,16 @@ private:
         const Real force = p_.joint.friction.coefficient * pressing * oracle::friction_slope(p_.detail, p_.joint.friction, std::abs(v)) * v;
         push(angle, -strip * force, pin);
         lost += force * v;
+        rub([pin](const Place& there) { return there.coordinate(5, pin); }, p_.joint.friction, pressing, pin);
+    }
+
+    /// Along the direction of travel, which is the bisector of the pitch lines, and across.
+    void bend(int pin) {
+        const auto along = [](const Place& at, int number) { return oracle::unit(at.line(number - 1) + at.line(number)); };
+        const Real cube = std::pow(Real{p_.half.length}, 3), mass = p_.detail.mass_scaling * 8.0L * 2.0L * p_.half.mass / 5.0L;
+        const Real travel = 288.0L * p_.half.bending_travel / cube, height = 288.0L * p_.half.bending_height / cube;
+        spring([=](const Place& at) { return oracle::dot(at.bend(pin), along(at, pin)); }, travel, damping(travel, mass), pin);
+        spring([=](const Place& at) { return oracle::cross(along(at, pin), at.bend(pin)); }, height, damping(height, mass), pin);
     }
 
     /// Work done against link i by a shift of its front half in the plane: its energy, with dampers pulling as they do now.
@@ -186,20 +199,22 @@ private:
         const Real per_half = 2.0L / p_.half.length, length = at.free_length(i);
         const Vec2 d = at.half(i + 1, 1.0L) - at.half(i, -1.0L) + shift, t = oracle::unit(d), n = oracle::left_of(t);
         const Vec2 ends = at.end(i + 1) - at.end(i), both = at.end(i + 1) + at.end(i);
-        const Real rise = at.coordinate(2, i + 1) - at.coordinate(2, i), roll = oracle::dot(ends, n);
-        const std::array<Real, 4> u{oracle::norm(d) - length + (square_ * roll * roll + rise * rise) / (2.0L * length),
-                                    oracle::dot(ends, t), roll, -per_half * oracle::dot(both, t) - 2.0L * rise / length};
+        const Real rise = at.axial(i + 1, 1.0L) - at.axial(i, -1.0L), roll = oracle::dot(ends, n);
+        const std::array<Real, 5> u{oracle::norm(d) - length + (square_ * roll * roll + rise * rise) / (2.0L * length),
+                                    oracle::dot(ends, t), roll, -per_half * oracle::dot(both, t) - 2.0L * rise / length,
+                                    oracle::dot(at.bend(i + 1) - at.bend(i), t)};
+        const Spring bow = bow_spring();
         const Real plates = p_.plate.count * Real{p_.plate.stiffness}, joint = p_.joint.stiffness;
         const Real pull = 1.0L / (1.0L / plates + 1.0L / joint), bending = p_.plate.count * Real{p_.plate.bending_stiffness} / length;
         const Real torsion = p_.plate.count * Real{p_.plate.torsion_stiffness};
         const Real tilt = p_.detail.mass_scaling * 0.5L * p_.half.mass / 3.0L * std::pow(0.5L * p_.half.length, 2);
         const Real pack_yaw = 1.0L / (1.0L / (plates * square_) + 3.0L / joint), square = per_half * per_half;
-        const std::array<Real, 4> k{pull, pack_yaw + square * bending, square * torsion, 3.0L * bending};
+        const std::array<Real, 5> k{pull, pack_yaw + square * bending, square * torsion, 3.0L * bending, bow.stiffness};
         const Real pull_damping = damping(pull, 0.5L * half_mass_);
-        const std::array<Real, 4> c{pull_damping, pull_damping * square_ + square * damping(bending, tilt), square * damping(torsion, tilt),
-                                    damping(3.0L * bending, tilt)};
+        const std::array<Real, 5> c{pull_damping, pull_damping * square_ + square * damping(bending, tilt), square * damping(torsion, tilt),
+                                    damping(3.0L * bending, tilt), bow.damping};
         Real work = 0.0L;
-        for (std::size_t which = 0; which < 4; ++which) {
+        for (std::size_t which = 0; which < 5; ++which) {
             const Measure of = [this, i, which](const Place& there) { return there.deflections(i, square_)[which]; };
             work += 0.5L * k[which] * u[which] * u[which] + c[which] * rate(of) * u[which];
         }
@@ -259,7 +274,7 @@ private:
 
 Parameters with_rigid_pins(Parameters p) {
     p.detail.pins = PinDetail::rigid;
-    p.detail.order = 1;
+    p.detail.order = 2;
     p.detail.plates = PlateDetail::lumped;
     return p;
 }
@@ -271,7 +286,8 @@ PlainMotion plain_motion(const Parameters& parameters, const std::vector<double>
     PlainMotion motion;
     const std::size_t pins = static_cast<std::size_t>(parameters.chain.pins);
     for (std::size_t k = 0; k < coordinates.size(); ++k) {
-        const Real mass = k < 5 * pins ? machine.inertia(static_cast<int>(k / pins)) : Real{inertia[k - 5 * pins]};
+        const Real mass =
+            k < rigid_coordinates * pins ? machine.inertia(static_cast<int>(k / pins)) : Real{inertia[k - rigid_coordinates * pins]};
         motion.acceleration.push_back(static_cast<double>(machine.force()[k] / mass));
     }
     motion.energy = static_cast<double>(machine.energy);

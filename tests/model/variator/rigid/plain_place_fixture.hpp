@@ -5,7 +5,9 @@
 #include <cmath>
 #include <vector>
 
+#include "model/machine/coefficients.hpp"
 #include "model/parameters/chain_layout.hpp"
+#include "model/variator/rigid/rigid_columns.hpp"
 #include "tests/oracle/vectors.hpp"
 
 namespace cvtflow::model::test {
@@ -15,6 +17,16 @@ using oracle::Vec2;
 using oracle::Vec3;
 using Coordinates = std::vector<Real>;
 
+/// Number by bisection: y² (1 + b y) = δ.
+[[nodiscard]] inline Real root_of_depth(Real depth, Real softness) {
+    Real low = 0.0L, high = std::sqrt(depth);
+    for (int k = 0; k < 200; ++k) {
+        const Real y = 0.5L * (low + high);
+        (y * y * (1.0L + softness * y) < depth ? low : high) = y;
+    }
+    return 0.5L * (low + high);
+}
+
 /// The machine at one set of coordinates.
 class Place {
 public:
@@ -23,8 +35,14 @@ public:
     [[nodiscard]] Real coordinate(int k, int pin) const { return z_[static_cast<std::size_t>(k * pins_ + (pin + pins_) % pins_)]; }
     [[nodiscard]] Vec2 middle(int pin) const { return {coordinate(0, pin), coordinate(1, pin)}; }
     [[nodiscard]] Vec2 end(int pin) const { return {coordinate(3, pin), coordinate(4, pin)}; }
-    [[nodiscard]] Real pulley(int k) const { return z_[static_cast<std::size_t>(5 * pins_ + k)]; }
-    [[nodiscard]] bool elastic() const { return z_.size() == static_cast<std::size_t>(5 * pins_ + 36); }
+    [[nodiscard]] Real pulley(int k) const { return z_[static_cast<std::size_t>(rigid_coordinates * pins_ + k)]; }
+    [[nodiscard]] bool elastic() const { return z_.size() == static_cast<std::size_t>(rigid_coordinates * pins_ + 36); }
+
+    /// z of the front (+1) or rear (-1) half.
+    [[nodiscard]] Real axial(int pin, Real which) const { return coordinate(2, pin) + which / 2.0L * coordinate(5, pin); }
+
+    /// x_2 and y_2 of both halves.
+    [[nodiscard]] Vec2 bend(int pin) const { return {coordinate(6, pin), coordinate(7, pin)}; }
 
     /// Angle of pitch line i, and direction.
     [[nodiscard]] Real angle(int i) const {
@@ -40,17 +58,27 @@ public:
         return middle(pin) + (which / 2.0L) * (2.0L * p_.joint.radius * bisector - arm * (before + behind));
     }
 
-    /// Deflections of link i: stretch, yaw, roll, shear.
-    [[nodiscard]] std::array<Real, 4> deflections(int i, Real square) const {
+    /// Deflections of link i: stretch, yaw, roll, shear, bow.
+    [[nodiscard]] std::array<Real, 5> deflections(int i, Real square) const {
         const Vec2 d = half(i + 1, 1.0L) - half(i, -1.0L), t = oracle::unit(d), n = oracle::left_of(t);
         const Vec2 ends = end(i + 1) - end(i), both = end(i + 1) + end(i);
-        const Real rise = coordinate(2, i + 1) - coordinate(2, i), length = free_length(i), roll = oracle::dot(ends, n);
+        const Real rise = axial(i + 1, 1.0L) - axial(i, -1.0L), length = free_length(i), roll = oracle::dot(ends, n);
         const Real stretch = oracle::norm(d) - length + (square * roll * roll + rise * rise) / (2.0L * length);
-        return {stretch, oracle::dot(ends, t), roll, -2.0L / p_.half.length * oracle::dot(both, t) - 2.0L * rise / length};
+        return {stretch, oracle::dot(ends, t), roll, -2.0L / p_.half.length * oracle::dot(both, t) - 2.0L * rise / length,
+                oracle::dot(bend(i + 1) - bend(i), t)};
     }
     [[nodiscard]] Real free_length(int i) const {
         const auto& pitch = p_.chain.pitch;
         return Real{pitch[static_cast<std::size_t>((i + pins_) % pins_) % pitch.size()]} + p_.half.width;
+    }
+
+    /// Of a power of Legendre's second polynomial, over the plates.
+    [[nodiscard]] Real mean_shape(int power = 1) const {
+        Parameters pack = p_;
+        pack.detail.plates = PlateDetail::each;
+        Real sum = 0.0L;
+        for (const double xi : plate_positions(pack)) sum += std::pow(0.5L * (3.0L * xi * xi - 1.0L), power);
+        return sum / p_.plate.count;
     }
 
     struct Sheave {
@@ -77,9 +105,11 @@ public:
     [[nodiscard]] Tip tip(int pin, Real which, int side) const {
         const Real s = side == 0 ? -1.0L : 1.0L, sine = std::sin(Real{p_.tip.angle}), cosine = std::cos(Real{p_.tip.angle});
         const Sheave on = sheave(shaft_of(pin), side);
-        const Vec2 t = line(which > 0.0L ? pin - 1 : pin), outward{t.y, -t.x}, slope = (2.0L / p_.half.length) * end(pin);
+        const Vec2 t = line(which > 0.0L ? pin - 1 : pin), outward{t.y, -t.x},
+                   slope = (2.0L / p_.half.length) * (end(pin) + 3.0L * s * bend(pin));
         Tip tip;
-        tip.end = oracle::in_space(half(pin, which) + s * end(pin), coordinate(2, pin) + s * p_.half.length / 2.0L);
+        tip.end = oracle::in_space(half(pin, which) + s * end(pin) + (1.0L - mean_shape()) * bend(pin),
+                                   axial(pin, which) + s * p_.half.length / 2.0L);
         const Vec3 height = oracle::in_space(outward, -oracle::dot(slope, outward));
         tip.centre = tip.end + Real{p_.tip.radius} * (sine * height - s * cosine * oracle::in_space(slope, 1.0L));
         const Vec3 r = tip.centre - on.origin, l = r - oracle::cross(on.tilt, r);

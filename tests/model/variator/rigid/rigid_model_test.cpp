@@ -23,7 +23,7 @@ std::vector<double> random_state(const Parameters& p, std::uint64_t seed) {
     const ChainLayout at = layout_of(p);
     std::mt19937_64 generator(seed);
     std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-    const double amplitude[] = {3e-6, 3e-6, 3e-6, 3e-5, 3e-5};  // m
+    const double amplitude[] = {3e-6, 3e-6, 3e-6, 3e-5, 3e-5, 3e-6, 3e-6, 3e-6};  // m
     for (int k = 0; k < rigid_coordinates; ++k) {
         for (int pin = 0; pin < at.links; ++pin) {
             const std::size_t place = static_cast<std::size_t>(at.link_begin(pin) + rigid_place(at, k));

@@ -24,31 +24,48 @@ void fill(RigidColumns& columns, unsigned seed) {
     const auto between = [&](double low, double high) { return low + (high - low) * static_cast<double>(random() % 1000) / 999.0; };
     for (int pin = 0; pin < columns.pins(); ++pin) {
         columns[Column::vz][pin] = between(-0.05, 0.05);
+        columns[Column::vslide][pin] = between(-0.05, 0.05);
         columns[Column::force_z][pin] = between(-300.0, 300.0);
         columns[Column::tip_z][pin] = between(-300.0, 300.0);
+        columns[Column::force_slide][pin] = between(-150.0, 150.0);
+        columns[Column::tip_slide][pin] = between(-150.0, 150.0);
+        columns[Column::pressing][pin] = std::max(0.0, between(-1000.0, 3000.0));
+        columns[Column::joint_speed][pin] = between(0.0, 0.03);
         columns[Column::tension][pin] = std::max(0.0, between(-1000.0, 3000.0));
         columns[Column::rub_speed_low][pin] = between(0.0, 0.03);
         columns[Column::rub_speed_high][pin] = between(0.0, 0.03);
         columns[Column::lengthening][pin] = between(-0.03, 0.03);
     }
-    columns.wrap(Column::vz, Column::vz);
-    columns.wrap(Column::force_z, Column::force_z);
-    columns.wrap(Column::tip_z, Column::tip_z);
+    columns.wrap(Column::vz, Column::vslide);
+    columns.wrap(Column::force_z, Column::force_slide);
+    columns.wrap(Column::tip_z, Column::tip_slide);
     columns.wrap(Column::tension, Column::tension);
     columns.wrap(Column::rub_speed_low, Column::rub_speed_high);
     columns.wrap(Column::lengthening, Column::lengthening);
 }
 
-/// Friction of half the plates per sliding speed at a kept speed. (model/EQUATIONS.md section 7)
-double grip_of(const Parameters& p, double tension, double speed) {
-    const double v0 = p.plate.friction.saturation_speed, d = p.detail.friction == FrictionLaw::piecewise ? 0.0 : p.detail.smoothing;
+/// Friction per sliding speed at a kept speed. (model/EQUATIONS.md section 7)
+double grip_of(const Parameters& p, const Friction& friction, double normal, double speed) {
+    const double v0 = friction.saturation_speed, d = p.detail.friction == FrictionLaw::piecewise ? 0.0 : p.detail.smoothing;
     const double beyond = speed - (1.0 - d) * v0;
     double secant = 1.0 / std::max(speed, v0);
     if (std::abs(speed - v0) < d * v0) secant = 1.0 / v0 - beyond * beyond / (4.0 * d * v0 * v0) / speed;
-    return 0.5 * p.plate.friction.coefficient * tension * secant;
+    return friction.coefficient * normal * secant;
 }
 
-/// The friction of each half of a link's plates is its grip times the sliding speed that all frictions together leave behind.
+/// Speed of the front (+1) or rear (-1) half of pin `of` behind a step: half of the pin's mass each, held by its link (of the front half
+/// that of pin `from`) and by the other half.
+double speed_behind(const RigidModel& model, const RigidColumns& columns, int of, int from, double half, double step) {
+    const double both = columns[Column::force_z][of] + columns[Column::tip_z][of];
+    const double apart = columns[Column::force_slide][of] + columns[Column::tip_slide][of];
+    const double plates = half > 0.0 ? -columns[Column::rub][from] : columns[Column::rub][of];
+    const double force = 0.5 * both + half * (apart - columns[Column::joint][of]) + plates;
+    const double speed = columns[Column::vz][of] + 0.5 * half * columns[Column::vslide][of];
+    return speed + step / (0.5 * model.coefficients().mass) * force;
+}
+
+/// The friction of each half of a link's plates, and of the halves of a pin, is its grip times the sliding speed that all frictions
+/// together leave behind.
 TEST(RigidPlates, FrictionFollowsFromTheVelocitiesThatTheWholeChainLeavesBehind) {
     constexpr double step = 5e-6;
     for (const FrictionLaw law : {FrictionLaw::piecewise, FrictionLaw::smoothed}) {
@@ -60,29 +77,32 @@ TEST(RigidPlates, FrictionFollowsFromTheVelocitiesThatTheWholeChainLeavesBehind)
             fill(columns, static_cast<unsigned>(pins));
             const std::vector<double> low(columns[Column::rub_speed_low], columns[Column::rub_speed_low] + pins);
             const std::vector<double> high(columns[Column::rub_speed_high], columns[Column::rub_speed_high] + pins);
+            const std::vector<double> kept(columns[Column::joint_speed], columns[Column::joint_speed] + pins);
             Account account;
             model.kernels().rub(model.coefficients(), {step}, columns, account);
-            const double* rub = columns[Column::rub];
-            double largest = 0.0;
+            const double *rub = columns[Column::rub], *joint = columns[Column::joint];
+            double largest = 0.0, held = 0.0;
             for (int pin = 0; pin < pins; ++pin) {
                 const int next = (pin + 1) % pins, before = (pin + pins - 1) % pins;
-                const auto after = [&](int of, int from) {
-                    const double force = columns[Column::force_z][of] + columns[Column::tip_z][of] + rub[of] - rub[from];
-                    return columns[Column::vz][of] + step / model.coefficients().mass * force;
-                };
-                const double slides = after(next, pin) - after(pin, before);
+                const auto after = [&](int of, int from, double half) { return speed_behind(model, columns, of, from, half, step); };
+                const double slides = after(next, pin, 1.0) - after(pin, before, -1.0);
+                const double parts = after(pin, before, 1.0) - after(pin, before, -1.0);
+                const double holds = grip_of(p, p.joint.friction, columns[Column::pressing][pin], kept[static_cast<std::size_t>(pin)]);
+                EXPECT_NEAR(joint[pin], holds * parts, 1e-9) << pin;
+                EXPECT_NEAR(columns[Column::joint_speed][pin], std::abs(parts), 1e-12) << pin;
                 const double parting =
                     model.coefficients().plate_reach * (columns[Column::lengthening][next] - columns[Column::lengthening][pin]);
-                const double tension = columns[Column::tension][pin];
-                const double at_low = grip_of(p, tension, low[static_cast<std::size_t>(pin)]) * (slides - parting);
-                const double at_high = grip_of(p, tension, high[static_cast<std::size_t>(pin)]) * (slides + parting);
+                const double tension = 0.5 * columns[Column::tension][pin];
+                const double at_low = grip_of(p, p.plate.friction, tension, low[static_cast<std::size_t>(pin)]) * (slides - parting);
+                const double at_high = grip_of(p, p.plate.friction, tension, high[static_cast<std::size_t>(pin)]) * (slides + parting);
                 EXPECT_NEAR(rub[pin], at_low + at_high, 1e-9) << pin;
                 EXPECT_NEAR(columns[Column::rub_spread][pin], at_high - at_low, 1e-9) << pin;
                 EXPECT_NEAR(columns[Column::rub_speed_low][pin], std::abs(slides - parting), 1e-12) << pin;
                 EXPECT_NEAR(columns[Column::rub_speed_high][pin], std::abs(slides + parting), 1e-12) << pin;
                 largest = std::max(largest, std::abs(rub[pin]));
+                held = std::max(held, std::abs(joint[pin]));
             }
-            EXPECT_GT(largest, 10.0);
+            EXPECT_GT(std::min(largest, held), 10.0);
         }
     }
 }
