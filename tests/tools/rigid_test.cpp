@@ -78,7 +78,8 @@ TEST_F(RigidPins, ResumeBitForBitAfterKills) {
 
 TEST_F(RigidPins, SweepIntoATable) {
     write("sweep.toml",
-          "[sweep]\nscene = \"tiny\"\n[set]\ndetail.pins = \"rigid\"\nrun.method = \"leapfrog-sweep\"\nrun.step = \"2 us\"\nrun.until = "
+          "[sweep]\nscene = \"tiny\"\n[set]\ndetail.pins = \"rigid\"\ndetail.order = 2\nrun.method = \"leapfrog-sweep\"\nrun.step = \"2 "
+          "us\"\nrun.until = "
           "\"1 ms\"\nstart.settling_time = \"1 ms\"\nstart.ramp_time = \"1 ms\"\n[[axes]]\nkey = \"load.torque\"\nvalues = [\"6 N*m\", "
           "\"12 N*m\"]\n[outputs]\nscalars = [\"slip mean\", \"tight_tension max\"]\n[start]\nmode = \"settle\"\n");
     const Outcome outcome = run({"batch", "sweep.toml", "-o", "out"});
