@@ -12,6 +12,7 @@ namespace cvtflow::model {
 inline constexpr int rigid_lanes = 8;
 inline constexpr int rigid_coordinates = 8;  ///< of a pin: x, y, z, p, q, ζ and two of bending
 inline constexpr int rigid_tips = 4;         ///< of a pin: front half at -z and +z, rear half at -z and +z
+inline constexpr double far_depth = -1.0;    ///< of tips that are far from any sheave [m]
 
 /// Columns, in groups whose members follow each other. Pin i lies before link i; pitch line i belongs to link i.
 enum class Column {
@@ -124,7 +125,7 @@ enum class Column {
     // (rigid_near.hpp).
     near,
     written,
-    // Depth of each tip; only of velocities as they are (RigidKick).
+    // Depth of each tip, `far_depth` of pins that certainly do not touch; only of velocities as they are (RigidKick).
     depth,
     // Tips: A g, moments on the pitch lines in front and behind, and moment on pitch line i of this and of the last step.
     tip_lean_x = depth + rigid_tips,

@@ -1,5 +1,5 @@
 #pragma once
-/// Which pins a step looks at: those that may touch, eight side by side from wherever they begin. (model/EQUATIONS.md section 11)
+/// Which pins have their tips computed: those that may touch, eight side by side from wherever they begin. (model/EQUATIONS.md section 11)
 
 #include <algorithm>
 
@@ -43,6 +43,19 @@ inline void finish_near_pins(RigidColumns& columns, int beyond) noexcept {
             columns.clear(Column::tip_x, last, pin, 1);
         }
     }
+}
+
+/// Tips' numbers of velocities as they are, as of pins that are far from any sheave.
+inline void clear_tips(RigidColumns& columns) noexcept {
+    const int all = columns.padded() + rigid_lanes;
+    for (int tip = 0; tip < rigid_tips; ++tip) std::fill_n(columns[Column::depth + tip], all, far_depth);
+    columns.clear(Column::tip_lean_x, Column::tip_rear, 0, all);
+    columns.clear(Column::tip_x, Column::reach + (rigid_tips - 1), 0, all);
+}
+/// Those of a block that reached beyond the last pin belong to the first pins.
+inline void unwrap_tips(RigidColumns& columns, int beyond) noexcept {
+    columns.unwrap(Column::depth, Column::tip_rear, beyond);
+    columns.unwrap(Column::tip_x, Column::reach + (rigid_tips - 1), beyond);
 }
 
 /// Calls press(block) for blocks that have all near pins. One that reaches beyond the last pin goes on with copies of the first ones.

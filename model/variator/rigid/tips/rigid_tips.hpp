@@ -1,5 +1,5 @@
 #pragma once
-/// The tips of the whole chain: of all pins for velocities as they are, in a step of those that may touch. (model/EQUATIONS.md section 11)
+/// The tips of the whole chain, of pins that may touch. (model/EQUATIONS.md section 11)
 
 #include "model/variator/rigid/tips/near_pins.hpp"
 #include "model/variator/rigid/tips/tip_group.hpp"
@@ -43,12 +43,12 @@ private:
     TipBounds<W> bounds_;
 };
 
-/// > 0 for pins that may touch: for those that pressed in the last step, and those that are not certainly free.
+/// > 0 for pins that may touch: in a step for those that pressed in the last one, and for those that are not certainly free.
 inline void find_near_pins(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns) noexcept {
     const TipNumbers<rigid_lanes> numbers(c, kick);
     const PinLanes one(1.0), none(0.0);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-        const PinLanes pressed = last_pressing(columns, i);
+        const PinLanes pressed = kick.implicit() ? last_pressing(columns, i) : none;
         PinLanes near = select_greater<rigid_lanes>(pressed, none, one, none);
         if (!all_at_most<rigid_lanes>(one - near, 0.0))
             near =
@@ -57,7 +57,7 @@ inline void find_near_pins(const RigidCoefficients& c, const SheaveMotion* sheav
     }
 }
 
-/// Pins that are certainly free are left out, the others taken two blocks at a time.
+/// Two blocks at a time.
 inline void press_near_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
                             RigidReaction& reaction, Account& account) noexcept {
     find_near_pins(c, sheaves, kick, columns);
@@ -76,10 +76,8 @@ inline void press_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, 
                        RigidReaction& reaction, Account& account) noexcept {
     if (kick.implicit()) return press_near_tips(c, sheaves, kick, columns, reaction, account);
     TipSums<rigid_lanes> sums(c, kick, columns);
-    for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-        sums.add(c, sheaves, kick, columns, {aligned_block(columns, i)});
-        write(columns, Column::written, i, PinLanes(1.0));
-    }
+    unwrap_tips(columns, over_near_pins(columns, [&](const PinBlock& block) { sums.add(c, sheaves, kick, columns, {block}); }));
+    std::fill_n(columns[Column::written], columns.padded(), 1.0);
     sums.store(c, reaction, account);
 }
 
@@ -91,16 +89,18 @@ inline void tip_depths(const RigidCoefficients& c, const SheaveMotion* sheaves, 
     for (std::size_t tip = 0; tip < rigid_tips; ++tip) group.depth(tip).copy_to(depth + tip * rigid_lanes);
 }
 
-/// Presses the tips of all pins for the rates at which these lengthen; plates wait for them.
+/// Finds the pins that may touch, and presses their tips for the rates at which they lengthen; plates wait for these.
 inline void lengthen_pins(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns) noexcept {
     const RigidKick kick;
+    find_near_pins(c, sheaves, kick, columns);
+    clear_tips(columns);
     const TipNumbers<rigid_lanes> numbers(c, kick);
     PinSum ignored(columns);
-    for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-        TipGroup<rigid_lanes> group(c, numbers, sheaves, kick, columns, {aligned_block(columns, i)});
-        group.place();
-        group.press(sheaves, ignored, ignored, ignored);
-    }
+    unwrap_tips(columns, over_near_pins(columns, [&](const PinBlock& block) {
+                    TipGroup<rigid_lanes> group(c, numbers, sheaves, kick, columns, {block});
+                    group.place();
+                    if (!group.free()) group.press(sheaves, ignored, ignored, ignored);
+                }));
 }
 
 /// M_i = n_i·(A_i g_i + A_{i+1} g_{i+1}) + moments of the tips on the halves that turn with pitch line i.

@@ -187,7 +187,7 @@ TEST(RigidStepper, BaselineCarriesItsLoad) {
     EXPECT_LT(slip, 1e-2);
 }
 
-/// The sweep leaves out pins that are certainly free; an evaluation of forces finds the depth of every tip.
+/// The sweep and an evaluation leave out pins that are certainly free; a probe finds the depth of every tip.
 TEST(RigidStepper, PressesEveryTipThatIsInsideItsSheave) {
     for (const double ratio : {0.45, 1.0, 2.3}) {
         Parameters p = test::with_rigid_pins({});
@@ -204,10 +204,14 @@ TEST(RigidStepper, PressesEveryTipThatIsInsideItsSheave) {
         int inside = 0;
         for (int tip = 0; tip < tips_per_link * model.layout().links; ++tip) {
             const int link = tip / tips_per_link, of_link = tip % tips_per_link;
-            const double depth = chain.of_tip(Column::depth, link, of_link);
+            NeighbourWindow near;
+            TipProbe probe;
+            model.chain().probe(near.of(model.layout(), y.data(), link), sheaves, false, probe);
+            const double depth = probe.depth[of_link];
             if (std::abs(depth) < 1e-12) continue;  // within rounding
             inside += depth > 0.0;
             EXPECT_EQ(stepper.touches(link, of_link), depth > 0.0) << "ratio " << ratio << ", link " << link << ", tip " << of_link;
+            EXPECT_EQ(chain.of_tip(Column::normal, link, of_link) > 0.0, depth > 0.0) << "ratio " << ratio << ", link " << link;
         }
         EXPECT_GT(inside, model.layout().links) << "at ratio " << ratio;
     }
