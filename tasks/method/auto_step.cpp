@@ -117,6 +117,7 @@ AutoStep::AutoStep(const model::Variator& variator, const model::Parameters& par
     : reach_(reach_with(parameters, method)),
       longest_(longest_automatic_step(method, parameters)),
       interval_(parameters.detail.pins == model::PinDetail::rigid && reach_.damping != forever ? rigid_look_interval : look_interval),
+      keeps_directions_(parameters.detail.pins == model::PinDetail::rigid),
       bound_(variator) {
     if (parameters.detail.pins != model::PinDetail::rigid && variator.chain().coefficients().tip.law != nullptr)
         falling_ = std::make_unique<FallingFriction>(variator, parameters);
@@ -134,7 +135,7 @@ AutoStep::AutoStep(const model::Variator& variator, const model::Parameters& par
 double AutoStep::damped_step(double time, const double* state, const model::Phase* phases) noexcept {
     double step = forever;
     for (SpectralBound& part : damped_parts_) {
-        part.forget();
+        if (!keeps_directions_) part.forget();
         evaluations_ += part.estimate_at_rest(time, state, phases);
         step = std::min(step, damped_limit(part.imaginary() / reach_.frictionless, part.real() / reach_.damping, friction_matters_));
     }
@@ -143,6 +144,7 @@ double AutoStep::damped_step(double time, const double* state, const model::Phas
 
 void AutoStep::restart() noexcept {
     bound_.forget();
+    for (SpectralBound& part : damped_parts_) part.forget();
     looked_ = begun_ = damped_at_ = -1e300;
     stable_ = growth_ = 0.0;
     damped_ = forever;
@@ -158,7 +160,8 @@ namespace {
 double AutoStep::longest(double time, const double* state, const model::Phase* phases) noexcept {
     if (begun_ == -1e300) begun_ = time;
     if (time - looked_ >= std::min(interval_, looked_ - begun_) * (1.0 - 1e-9)) {
-        evaluations_ += bound_.estimate_at_rest(time, state, phases);
+        evaluations_ +=
+            reach_.decay == forever ? bound_.estimate_oscillation(time, state, phases) : bound_.estimate_at_rest(time, state, phases);
         // Contacts damp more the more they bear; what they bear hardly changes once a run has settled.
         if (time == begun_ || time - begun_ >= std::max(look_interval, 2.0 * (damped_at_ - begun_)) * (1.0 - 1e-9)) {
             damped_ = damped_step(time, state, phases);
@@ -175,6 +178,8 @@ double AutoStep::longest(double time, const double* state, const model::Phase* p
 void AutoStep::save(std::vector<double>& memory) const {
     memory.assign({looked_, begun_, stable_, damped_, damped_at_, growth_, static_cast<double>(evaluations_)});
     bound_.save(memory);
+    if (!keeps_directions_) return;
+    for (const SpectralBound& part : damped_parts_) part.save(memory);
 }
 
 void AutoStep::load(std::span<const double> memory) {
@@ -188,7 +193,9 @@ void AutoStep::load(std::span<const double> memory) {
     damped_at_ = numbers[4];
     growth_ = numbers[5];
     evaluations_ = pop_integer(memory, 0, std::numeric_limits<int>::max());
-    (void)bound_.load(memory);
+    memory = bound_.load(memory);
+    if (!keeps_directions_) return;
+    for (SpectralBound& part : damped_parts_) memory = part.load(memory);
 }
 
 }  // namespace cvtflow::tasks

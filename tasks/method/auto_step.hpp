@@ -67,8 +67,9 @@ private:
     [[nodiscard]] double damped_step(double time, const double* state, const model::Phase* phases) noexcept;
 
     MethodReach reach_;
-    double longest_;   ///< of all steps [s]
-    double interval_;  ///< between two looks, in the long run [s]
+    double longest_;         ///< of all steps [s]
+    double interval_;        ///< between two looks, in the long run [s]
+    bool keeps_directions_;  ///< damped_parts_ begin with the directions of the last look: of rigid pins
     SpectralBound bound_;
     std::unique_ptr<const model::Variator> frictionless_;      ///< the machine without friction, where damping has a limit of its own
     bool friction_matters_ = true;                             ///< for the stability of oscillations with damping

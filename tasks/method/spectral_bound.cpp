@@ -94,6 +94,14 @@ int SpectralBound::estimate_at_rest(double t, const double* state, const model::
     return evaluations;
 }
 
+int SpectralBound::estimate_oscillation(double t, const double* state, const model::Phase* phases) noexcept {
+    begin();
+    model::right_hand_side(variator_, t, state, phases, base_.data(), scratch_);
+    const int evaluations = 1 + iterate(coordinate_, false, t, state, phases);
+    cold_ = false;
+    return evaluations;
+}
+
 int SpectralBound::estimate(double t, const double* state, const model::Phase* phases) noexcept {
     begin();
     model::right_hand_side(variator_, t, state, phases, base_.data(), scratch_);

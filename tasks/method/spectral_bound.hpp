@@ -24,6 +24,8 @@ public:
     /// estimate(), with real() of the state brought to rest: no contact slides, so each is as stiff as its load lets it be. Which of them
     /// slide changes from one microsecond to the next; at rest they are a bound for as long as loads stay. t [s], state [unknowns]
     int estimate_at_rest(double t, const double* state, const model::Phase* phases) noexcept;
+    /// imaginary() of estimate() alone. t [s], state [unknowns]
+    int estimate_oscillation(double t, const double* state, const model::Phase* phases) noexcept;
 
     /// Largest |λ| of the accelerations by velocities: all friction and damping [1/s]. From below, as power iterations are, by some per
     /// cent.
