@@ -113,6 +113,7 @@ enum class Column {
     joint_drive,
     joint_grip,
     joint_tie,
+    tip_slide_before,
     // Equations of the links' friction, shared out over lanes (rigid_plates.hpp).
     ring_push,
     ring_grip,

@@ -47,6 +47,8 @@ struct RigidKernels {
     /// Normal forces and friction of the tips. @param sheaves [4]
     void (*tips)(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
                  RigidReaction& reaction, Account& account) noexcept;
+    /// Friction of the halves of a pin on each other, behind the tips.
+    void (*settle)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
     /// Moments of the tips on the pitch lines.
     void (*moments)(RigidColumns& columns) noexcept;
     /// All forces added up: accelerations into the columns `force_x` …

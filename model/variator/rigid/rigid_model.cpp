@@ -49,6 +49,7 @@ void RigidModel::accelerate(const SheaveMotion* sheaves, const RigidKick& kick, 
         columns.wrap(Column::tip_lean_x, Column::tip_rear);
         columns.wrap(Column::tip_z, Column::tip_slide);
     }
+    kernels_.settle(coefficients_, kick, columns, f.account);
     kernels_.moments(columns);
     columns.wrap(Column::tip_moment, Column::tip_moment_before);
     kernels_.accelerate(coefficients_, columns);

@@ -154,26 +154,39 @@ inline void drive_joints(const RigidCoefficients& c, const RigidKick& kick, Rigi
         const PinLanes grip =
             c.joint_friction.coefficient * read(columns, Column::pressing, i) * slip_factor<rigid_lanes>(c.joint_friction, speed);
         const PinLanes held = grip / (1.0 + per_slide * grip);
+        write(columns, Column::tip_slide_before, i, read(columns, Column::tip_slide, i));
         write(columns, Column::joint_drive, i, drive);
         write(columns, Column::joint_grip, i, held);
         write(columns, Column::joint_tie, i, per_slide * held);
     }
-    all.wrap(Column::joint_drive, Column::joint_tie);
+    all.wrap(Column::joint_drive, Column::tip_slide_before);
 }
 
-/// Friction of the halves of a pin on each other along it, behind that of the plates on both.
-inline void rub_joints(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all, Account& account) noexcept {
+/// Friction of the halves of a pin on each other along it, behind that of the plates on both and with the tips' forces of the last step.
+inline void rub_joints(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all) noexcept {
+    const RigidView columns(all);
+    const PinLanes per_slide(kick.step / c.slide_mass);
+    for (int i = 0; i < columns.padded(); i += rigid_lanes) {
+        const PinLanes plates = 0.5 * (read(columns, Column::rub, i - 1) + read(columns, Column::rub, i));
+        const PinLanes drive = read(columns, Column::joint_drive, i) - per_slide * plates;
+        write(columns, Column::joint_drive, i, drive);
+        write(columns, Column::joint, i, read(columns, Column::joint_grip, i) * drive);
+    }
+}
+
+/// The same with the tips' forces of this step.
+inline void settle_joints(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all, Account& account) noexcept {
     const RigidView columns(all);
     PinSum lost(columns);
     const PinLanes per_slide(kick.step / c.slide_mass);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-        const PinLanes plates = 0.5 * (read(columns, Column::rub, i - 1) + read(columns, Column::rub, i));
-        const PinLanes free = read(columns, Column::joint_drive, i) - per_slide * plates;
-        const PinLanes friction = read(columns, Column::joint_grip, i) * free;
+        const PinLanes change = read(columns, Column::tip_slide, i) - read(columns, Column::tip_slide_before, i);
+        const PinLanes drive = read(columns, Column::joint_drive, i) + per_slide * change;
+        const PinLanes friction = read(columns, Column::joint_grip, i) * drive;
         const PinLanes acting = kick.implicit() ? 0.5 * (friction + read(columns, Column::joint_before, i)) : friction;
         lost.add(i, acting * read(columns, Column::vslide, i));
         write(columns, Column::joint, i, friction);
-        write(columns, Column::joint_speed, i, abs(free - per_slide * friction));
+        write(columns, Column::joint_speed, i, abs(drive - per_slide * friction));
     }
     account.lose(Loss::joint_friction, lost.value());
 }
@@ -229,7 +242,7 @@ inline void rub_plates(const RigidCoefficients& c, const RigidKick& kick, RigidC
     }
     account.lose(Loss::plate_friction, lost.value());
     all.wrap(Column::rub, Column::rub_spread);
-    rub_joints(c, kick, all, account);
+    rub_joints(c, kick, all);
 }
 
 }  // namespace

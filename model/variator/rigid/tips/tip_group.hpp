@@ -107,15 +107,15 @@ public:
             const TipForce<W> force = tip_force<W>(side_of(tip), tips_[tip], normal_[tip], pull_, memory(tip));
             total.add(n_, side_of(tip), half_[half_of_tip(tip)], half_of_tip(tip), force);
         }
-        const D rubbing = read_pins(Column::rub) - read_pins(Column::rub, -1);
         growth_.middle = n_.per_mass * (as<W>(read_plane_of(Column::force_x)) + total.half[0] + total.half[1]);
         growth_.end = n_.per_tilt * (as<W>(read_plane_of(Column::force_p)) + total.end);
         growth_.bend = n_.per_bend * (as<W>(read_plane_of(Column::force_bend_x)) + total.bend);
-        const D holding = D(0.5) * (read_pins(Column::rub) + read_pins(Column::rub, -1)) + read_pins(Column::joint);
-        const V mean = n_.per_mass * (as<W>(read_pins(Column::force_z) + rubbing) + (total.z[0] + total.z[1]));
-        const V apart = n_.per_half_mass * (as<W>(read_pins(Column::force_slide) - holding) + V(0.5) * (total.z[0] - total.z[1]));
-        growth_z_[0] = mean + apart;
-        growth_z_[1] = mean - apart;
+        const D front = read_pins(Column::rub, -1), rear = read_pins(Column::rub), tips = read_pins(Column::tip_slide_before);
+        const D free = read_pins(Column::force_slide) + tips - D(0.5) * (rear + front) - read_pins(Column::joint);
+        loose_ = as<W>(D(1.0) - read_pins(Column::joint_tie));
+        const V mean = n_.per_mass * (as<W>(read_pins(Column::force_z) + (rear - front)) + (total.z[0] + total.z[1]));
+        const V apart = n_.per_half_mass * (as<W>(free) + loose_ * (V(0.5) * (total.z[0] - total.z[1]) - as<W>(tips)));
+        growth_z_[0] = mean + apart, growth_z_[1] = mean - apart;
     }
 
     [[gnu::always_inline]] void rub(ReactionSum& reaction, CreepSum& creep, PinSum& lost) noexcept {
@@ -226,14 +226,13 @@ private:
     /// Sliding velocity behind the growth of the velocities: the pin has moved on by half a step as well.
     [[nodiscard]] Slip<W> slip_now(std::size_t tip) const noexcept {
         const SideMotion<W>& side = side_[end_of_tip(tip)];
-        const PlaneV grown = growth_.middle + growth_.bend + (V(side_of(tip)) * growth_.end - side.moved_on);
-        return begin_[tip] +
-               slip_of<W>(side_of(tip), tips_[tip], grown - side.turned_by * turned(growth_.middle), growth_z_[half_of_tip(tip)]);
+        const PlaneV ends = growth_.middle + growth_.bend + (V(side.side) * growth_.end - side.moved_on);
+        const PlaneV change = ends - side.turned_by * turned(growth_.middle);
+        return begin_[tip] + slip_of<W>(side.side, tips_[tip], change, growth_z_[half_of_tip(tip)]);
     }
 
-    /// Friction now. Contacts of a pin are solved one after the other, each with the velocities that those before it leave: the velocity
-    /// that its friction of the last step leaves is corrected by r times the change, r its own response, with some room for what its
-    /// moments do to neighbouring pins.
+    /// Friction now, one contact of a pin after the other, each with the velocities that those before it leave. The velocity that its
+    /// friction of the last step leaves is corrected by r times the change, r its own response.
     [[nodiscard, gnu::always_inline]] Slip<W> friction(std::size_t tip, V& lost) noexcept {
         const Slip<W> old = memory(tip);
         const Slip<W> free = implicit ? slip_now(tip) - n_.response * old : begin_[tip];
@@ -263,7 +262,9 @@ private:
         growth_.middle = growth_.middle + n_.per_mass * f;
         growth_.end = growth_.end + (V(side_of(tip)) * n_.per_tilt) * f;
         growth_.bend = growth_.bend + n_.per_bend * f;
-        growth_z_[half_of_tip(tip)] += (V(side_of(tip)) * n_.per_half_mass) * (change.flank * place.out);
+        const V along = (V(side_of(tip)) * n_.per_mass) * (change.flank * place.out), apart = loose_ * along;
+        growth_z_[half_of_tip(tip)] += along + apart;
+        growth_z_[1 - half_of_tip(tip)] += along - apart;
     }
 
     [[gnu::always_inline]] void store(const TipForces<W>& total) noexcept {
@@ -284,8 +285,8 @@ private:
     const TipNumbers<W>& n_;
     const RigidKick& kick_;
     PinMotion<lanes> at_, rate_;
-    PinMotion<W> growth_;  ///< of the velocities in this step, without those along z
-    V growth_z_[2];        ///< of the halves
+    PinMotion<W> growth_;    ///< of the velocities in this step, without those along z
+    V growth_z_[2], loose_;  ///< of the halves; share of a force parting them that friction between them leaves
     HalfMotion<W> half_[2];
     SideMotion<W> side_[2];
     D second_;

@@ -75,11 +75,11 @@ TEST(RigidPlates, FrictionFollowsFromTheVelocitiesThatTheWholeChainLeavesBehind)
             const RigidModel model(p);
             RigidColumns columns = model.columns();
             fill(columns, static_cast<unsigned>(pins));
-            const std::vector<double> low(columns[Column::rub_speed_low], columns[Column::rub_speed_low] + pins);
-            const std::vector<double> high(columns[Column::rub_speed_high], columns[Column::rub_speed_high] + pins);
-            const std::vector<double> kept(columns[Column::joint_speed], columns[Column::joint_speed] + pins);
+            const auto copy_of = [&](Column c) { return std::vector<double>(columns[c], columns[c] + pins); };
+            const auto low = copy_of(Column::rub_speed_low), high = copy_of(Column::rub_speed_high), kept = copy_of(Column::joint_speed);
             Account account;
             model.kernels().rub(model.coefficients(), {step}, columns, account);
+            model.kernels().settle(model.coefficients(), {step}, columns, account);
             const double *rub = columns[Column::rub], *joint = columns[Column::joint];
             double largest = 0.0, held = 0.0;
             for (int pin = 0; pin < pins; ++pin) {
