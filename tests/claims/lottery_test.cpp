@@ -69,8 +69,8 @@ TEST(Lottery, MachinesEndRightOrSayThatTheyDoNot) {
 }
 TEST(NightlyLottery, FortyMachinesEndRightOrSayThatTheyDoNot) { play_honestly(0, 40, brief()); }
 
-/// Steps of rigid pins err by more than 1 %: all that finish must be within 6 %, the level's largest error of slip (docs/detail.md), but one
-/// in forty (machine 34 idles with 0.012 % of slip and is off by 0.005 points).
+/// Steps of rigid pins err by more than 1 %: all that finish must be within 6 %, the level's largest error of slip (docs/detail.md), but
+/// one in forty (machine 34 idles with 0.012 % of slip and is off by 0.005 points).
 void play_rigid(long count) {
     bench::LotteryRules rules;
     rules.detail = "rigid";
