@@ -16,7 +16,7 @@ std::span<const DetailPreset> detail_presets() noexcept {
     using model::PulleyDetail;
     static constexpr std::array presets{
         DetailPreset{"rigid", "whole pins with four tips that slide along themselves and bend in one shape, lumped plates", rigid, 2,
-                     PlateDetail::lumped, 1, PulleyDetail::elastic, 1.0, 0.08, 0.012, 0.057},
+                     PlateDetail::lumped, 1, PulleyDetail::elastic, 1.0, 0.06, 0.006, 0.033},
         DetailPreset{"coarse", "whole pins that roll by constraint, with slope, lumped plates, elastic pulleys", whole, 1,
                      PlateDetail::lumped, 1, PulleyDetail::elastic, 1.0, 0.75, 0.02, 0.042},
         DetailPreset{"medium", "halves with slope, lumped plates, elastic pulleys", halves, 1, PlateDetail::lumped, 3,
