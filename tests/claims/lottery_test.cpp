@@ -69,20 +69,21 @@ TEST(Lottery, MachinesEndRightOrSayThatTheyDoNot) {
 }
 TEST(NightlyLottery, FortyMachinesEndRightOrSayThatTheyDoNot) { play_honestly(0, 40, brief()); }
 
-/// Steps of rigid pins err by more than 1 %: all that finish must be within 6 %, the level's largest error of slip (docs/detail.md), but
-/// one in forty (machine 34 idles with 0.012 % of slip and is off by 0.005 points).
+/// Steps of rigid pins err by more than 1 %: all that finish must be within 6 %, the level's largest error of slip (docs/detail.md). One in
+/// forty may be right and called unreliable (machine 16: the balance is off by 0.3 % of the losses, the losses by 0.5 %).
 void play_rigid(long count) {
     bench::LotteryRules rules;
     rules.detail = "rigid";
     rules.tolerance = 0.06;
-    long off = 0;
+    long alarms = 0;
     for (const bench::LotteryTicket& ticket : bench::play_all(1, 0, count, 2, rules)) {
         const bool refused = ticket.message.ends_with("takes it with detail.friction = \"piecewise\" only");  // a law of tips
         EXPECT_TRUE(refused || ticket.status == "finished" || ticket.status == "unreliable") << ticket.number << ": " << ticket.message;
-        off += ticket.honest(rules) ? 0 : 1;
-        EXPECT_FALSE(ticket.false_alarm(rules)) << "machine " << ticket.number << " is right and called unreliable";
+        EXPECT_TRUE(ticket.honest(rules)) << "machine " << ticket.number << ": slip off by " << ticket.slip_error(rules) << ", losses by "
+                                          << ticket.loss_error();
+        alarms += ticket.false_alarm(rules);
     }
-    EXPECT_LE(40 * off, count);
+    EXPECT_LE(40 * alarms, count);
 }
 TEST(Lottery, MachinesOfRigidPinsEndWithinTheErrorOfTheirStep) { play_rigid(10); }
 TEST(NightlyLottery, FortyMachinesOfRigidPinsEndWithinTheErrorOfTheirStep) { play_rigid(40); }

@@ -93,12 +93,13 @@ enum class Column {
     force_slide,
     force_bend_x,
     force_bend_y,
-    // Friction between neighbouring links' plates along the pins: of all plates, of those at +z less those at -z, of all in the last step;
+    // Friction between neighbouring links' plates along the pins: of all plates, of those at +z less those at -z, both in the last step;
     // sliding speeds of both behind the step; without friction, sliding speed of the pins and friction; friction per sliding speed, of all
     // and of those at +z.
     rub,
     rub_spread,
     rub_before,
+    rub_spread_before,
     rub_speed_low,
     rub_speed_high,
     rub_drive,
@@ -106,14 +107,16 @@ enum class Column {
     rub_grip,
     rub_grip_high,
     // Friction between the halves of a pin along it, of this step and of the last one; sliding speed behind the step; without friction of
-    // plates, sliding speed and friction per sliding speed; by how much halves hold together, 0 … 1.
+    // plates, sliding speed and friction per sliding speed; by how much halves hold together, 0 … 1; velocity of the pin along z without
+    // friction of plates; force of the tips on ζ that all of these count with.
     joint,
     joint_before,
     joint_speed,
     joint_drive,
     joint_grip,
     joint_tie,
-    tip_slide_before,
+    axial_drive,
+    tip_slide_expected,
     // Equations of the links' friction, shared out over lanes (rigid_plates.hpp).
     ring_push,
     ring_grip,
@@ -128,8 +131,13 @@ enum class Column {
     written,
     // Depth of each tip, `far_depth` of pins that certainly do not touch; only of velocities as they are (RigidKick).
     depth,
-    // Tips: A g, moments on the pitch lines in front and behind, and moment on pitch line i of this and of the last step.
-    tip_lean_x = depth + rigid_tips,
+    // Tips: of their force along z on the front and on the rear half, stiffness and rate of change if that half stood still along z; A g,
+    // moments on the pitch lines in front and behind, and moment on pitch line i of this and of the last step.
+    tip_stiffness_front = depth + rigid_tips,
+    tip_stiffness_rear,
+    tip_loading_front,
+    tip_loading_rear,
+    tip_lean_x,
     tip_lean_y,
     tip_front,
     tip_rear,

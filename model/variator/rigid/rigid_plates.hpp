@@ -143,26 +143,39 @@ inline void solve_friction(double step_per_mass, RigidColumns& columns) noexcept
     return c.plate_reach * (read(columns, Column::lengthening, i + 1) - read(columns, Column::lengthening, i));
 }
 
-/// Sliding of the halves of a pin on each other along it, and their grip, before plates rub.
-inline void drive_joints(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all) noexcept {
+/// How much of what the motion since the last step adds to the tips' normal forces friction along the pins counts with. Of the rest, h²
+/// tip_stiffness/m is the factor by which pins that plates hold swing to and fro: at most 4 for any step that a leapfrog is stable with.
+constexpr double expected_share = 0.75;
+
+/// Velocities of the pins and of their halves on each other along z, and the halves' grip, before plates rub. Forces of the tips are those
+/// of the last step and what is expected to be added since.
+inline void drive_pins(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all) noexcept {
     const RigidView columns(all);
-    const PinLanes per_slide(kick.step / c.slide_mass);
+    const PinLanes half_step(0.5 * expected_share * kick.step), per_slide(kick.step / c.slide_mass), per_mass(kick.step / c.mass);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-        const PinLanes force = read(columns, Column::force_slide, i) + read(columns, Column::tip_slide, i);
-        const PinLanes drive = read(columns, Column::vslide, i) + per_slide * force;
+        const PinLanes along = read(columns, Column::vz, i), apart = read(columns, Column::vslide, i);
+        const auto half_change = [&](int half, const PinLanes& speed) {
+            const PinLanes stiffness = read(columns, Column::tip_stiffness_front + half, i);
+            return half_step * (read(columns, Column::tip_loading_front + half, i) - stiffness * speed);
+        };
+        const PinLanes front = half_change(0, along + 0.5 * apart), rear = half_change(1, along - 0.5 * apart);
+        const PinLanes on_slide = read(columns, Column::tip_slide, i) + (front - rear);
+        const PinLanes on_pin = read(columns, Column::force_z, i) + read(columns, Column::tip_z, i) + 2.0 * (front + rear);
+        const PinLanes drive = apart + per_slide * (read(columns, Column::force_slide, i) + on_slide);
         const PinLanes speed = kick.implicit() ? read(columns, Column::joint_speed, i) : abs(drive);
         const PinLanes grip =
             c.joint_friction.coefficient * read(columns, Column::pressing, i) * slip_factor<rigid_lanes>(c.joint_friction, speed);
         const PinLanes held = grip / (1.0 + per_slide * grip);
-        write(columns, Column::tip_slide_before, i, read(columns, Column::tip_slide, i));
+        write(columns, Column::axial_drive, i, along + per_mass * on_pin);
+        write(columns, Column::tip_slide_expected, i, on_slide);
         write(columns, Column::joint_drive, i, drive);
         write(columns, Column::joint_grip, i, held);
         write(columns, Column::joint_tie, i, per_slide * held);
     }
-    all.wrap(Column::joint_drive, Column::tip_slide_before);
+    all.wrap(Column::joint_drive, Column::tip_slide_expected);
 }
 
-/// Friction of the halves of a pin on each other along it, behind that of the plates on both and with the tips' forces of the last step.
+/// Friction of the halves of a pin on each other along it, behind that of the plates on both and with the tips' forces as expected.
 inline void rub_joints(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all) noexcept {
     const RigidView columns(all);
     const PinLanes per_slide(kick.step / c.slide_mass);
@@ -180,7 +193,7 @@ inline void settle_joints(const RigidCoefficients& c, const RigidKick& kick, Rig
     PinSum lost(columns);
     const PinLanes per_slide(kick.step / c.slide_mass);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-        const PinLanes change = read(columns, Column::tip_slide, i) - read(columns, Column::tip_slide_before, i);
+        const PinLanes change = read(columns, Column::tip_slide, i) - read(columns, Column::tip_slide_expected, i);
         const PinLanes drive = read(columns, Column::joint_drive, i) + per_slide * change;
         const PinLanes friction = read(columns, Column::joint_grip, i) * drive;
         const PinLanes acting = kick.implicit() ? 0.5 * (friction + read(columns, Column::joint_before, i)) : friction;
@@ -209,15 +222,14 @@ inline void settle_joints(const RigidCoefficients& c, const RigidKick& kick, Rig
 inline void rub_plates(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all, Account& account) noexcept {
     const RigidView columns(all);
     PinSum lost(columns);
-    drive_joints(c, kick, all);
+    drive_pins(c, kick, all);
     const PinLanes per_mass(kick.step / c.mass);
-    const auto axial = [&](int i) {
-        return read(columns, Column::vz, i) + per_mass * (read(columns, Column::force_z, i) + read(columns, Column::tip_z, i));
-    };
     const auto parted = [&](int i) { return 0.5 * (1.0 - read(columns, Column::joint_tie, i)) * read(columns, Column::joint_drive, i); };
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const PinLanes capacity = (0.5 * c.plate_friction.coefficient) * positive_part<rigid_lanes>(read(columns, Column::tension, i));
-        const PinLanes parting = plate_parting(c, columns, i), drive = axial(i + 1) - axial(i) + parted(i + 1) + parted(i);
+        const PinLanes parting = plate_parting(c, columns, i);
+        const PinLanes drive =
+            read(columns, Column::axial_drive, i + 1) - read(columns, Column::axial_drive, i) + parted(i + 1) + parted(i);
         const auto grip_at = [&](const PinLanes& now, Column kept) {
             return capacity * slip_factor<rigid_lanes>(c.plate_friction, kick.implicit() ? read(columns, kept, i) : abs(now));
         };

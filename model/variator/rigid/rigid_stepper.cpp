@@ -24,6 +24,7 @@ constexpr Column kept[][2] = {{Column::x, Column::vbend_y},
                               {Column::force_x, Column::force_bend_y},
                               {Column::rub, Column::rub_speed_high},
                               {Column::joint, Column::joint_speed},
+                              {Column::tip_stiffness_front, Column::tip_loading_rear},
                               {Column::tip_moment, Column::tip_moment},
                               {Column::tip_z, Column::tip_z},
                               {Column::tip_slide, Column::tip_slide},
@@ -58,6 +59,7 @@ void RigidStepper::start(double t, const double* y) {
     if (at.ledger) std::copy_n(y + at.ledger_begin(), ledger_.size(), ledger_.begin());
     evaluate(0.0);
     columns_.copy(Column::rub, Column::rub_before);
+    columns_.copy(Column::rub_spread, Column::rub_spread_before);
     columns_.copy(Column::joint, Column::joint_before);
     tail_kinetic_ = tail_kinetic();
     kinetic_ = model_.kernels().kick(model_.coefficients(), 0.0, columns_) + tail_kinetic_;
@@ -127,6 +129,7 @@ void RigidStepper::kick(double length) noexcept {
     if (model_.layout().pulley_size != 0) power = variator_.pulleys().works(tail_.data(), inputs_);
     kinetic_ = model_.kernels().kick(model_.coefficients(), length, columns_);
     columns_.copy(Column::rub, Column::rub_before);
+    columns_.copy(Column::rub_spread, Column::rub_spread_before);
     columns_.copy(Column::joint, Column::joint_before);
     for (std::size_t k = static_cast<std::size_t>(model_.layout().pulley_size), end = kicked_end(); k < end; ++k)
         tail_[k] += length * tail_slope_[k];

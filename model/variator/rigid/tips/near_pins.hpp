@@ -30,7 +30,7 @@ namespace {
 /// Tips' numbers of pins that are no longer near become zeros; those of a block that reached beyond the last pin belong to the first ones.
 inline void finish_near_pins(RigidColumns& columns, int beyond) noexcept {
     constexpr Column last = Column::flank + (rigid_tips - 1);
-    columns.unwrap(Column::tip_lean_x, Column::tip_rear, beyond);
+    columns.unwrap(Column::tip_stiffness_front, Column::tip_rear, beyond);
     columns.unwrap(Column::tip_x, last, beyond);
     const PinLanes now(1.0), no(0.0);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
@@ -39,7 +39,7 @@ inline void finish_near_pins(RigidColumns& columns, int beyond) noexcept {
         if (all_at_most<rigid_lanes>(smaller<rigid_lanes>(written, now) - kept, 0.0)) continue;
         for (int pin = i; pin < std::min(i + rigid_lanes, columns.pins()); ++pin) {
             if (columns[Column::written][pin] != 0.0) continue;
-            columns.clear(Column::tip_lean_x, Column::tip_rear, pin, 1);
+            columns.clear(Column::tip_stiffness_front, Column::tip_rear, pin, 1);
             columns.clear(Column::tip_x, last, pin, 1);
         }
     }
@@ -49,7 +49,7 @@ inline void finish_near_pins(RigidColumns& columns, int beyond) noexcept {
 inline void clear_tips(RigidColumns& columns) noexcept {
     const int all = columns.padded() + rigid_lanes;
     for (int tip = 0; tip < rigid_tips; ++tip) std::fill_n(columns[Column::depth + tip], all, far_depth);
-    columns.clear(Column::tip_lean_x, Column::tip_rear, 0, all);
+    columns.clear(Column::tip_stiffness_front, Column::tip_rear, 0, all);
     columns.clear(Column::tip_x, Column::reach + (rigid_tips - 1), 0, all);
 }
 /// Those of a block that reached beyond the last pin belong to the first pins.

@@ -5,22 +5,23 @@
 #include <algorithm>
 
 #include "model/variator/rigid/rigid_links.hpp"
-#include "model/variator/rigid/tips/pin_blocks.hpp"
-#include "model/variator/rigid/tips/rigid_tip.hpp"
+#include "model/variator/rigid/tips/axial_response.hpp"
+#include "model/variator/rigid/tips/tip_motion.hpp"
 
 namespace cvtflow::model {
 namespace {
 
 /// Tips of eight pins: in floats for the steps of a leapfrog, in doubles for velocities as they are.
 template <int W>
-class TipGroup : private PinBlocks<W> {
+class TipGroup : private TipMotion<W> {
     using V = Lanes<W>;
     using D = DoublesOf<W>;
     using PlaneV = PlaneOf<W>;
     using PlaneD = DoublePlaneOf<W>;
-    using Base = PinBlocks<W>;
+    using Base = TipMotion<W>;
     using Base::add, Base::blocks, Base::columns_, Base::lanes, Base::own_, Base::over_blocks, Base::piece, Base::present_in,
         Base::read_pins, Base::read_plane_of, Base::view_, Base::write_pins;
+    using Base::at_, Base::c_, Base::half_, Base::kick_, Base::n_, Base::rate_, Base::second_, Base::side_, Base::side_of;
     static constexpr bool implicit = is_single<W>;
 
 public:
@@ -28,14 +29,7 @@ public:
 
     [[gnu::always_inline]] TipGroup(const RigidCoefficients& c, const TipNumbers<W>& numbers, const SheaveMotion* sheaves,
                                     const RigidKick& kick, RigidColumns& columns, const Blocks& own) noexcept
-        : Base(columns, own), c_(c), n_(numbers), kick_(kick) {
-        at_ = read_motion(Column::x);
-        second_ = select_greater<lanes>(at_.middle.x, D(c.middle), D(1.0), D(0.0));
-        for (std::size_t k = 0; k < 2; ++k) {
-            read_half(half_[k], k);
-            read_side(sheaves[k], sheaves[2 + k], k, side_[k]);
-        }
-    }
+        : Base(c, numbers, sheaves, kick, columns, own) {}
 
     /// At least the depth of each pin's tips.
     [[nodiscard, gnu::always_inline]] D nearness() const noexcept { return nearness_of(c_, half_, side_); }
@@ -66,35 +60,33 @@ public:
 
     void release() noexcept {
         for (const PinBlock& block : own_) {
-            columns_.clear(Column::tip_lean_x, Column::tip_rear, block.first, rigid_lanes);
+            columns_.clear(Column::tip_stiffness_front, Column::tip_rear, block.first, rigid_lanes);
             columns_.clear(Column::tip_x, (implicit ? Column::flank : Column::reach) + (rigid_tips - 1), block.first, rigid_lanes);
         }
     }
 
     [[gnu::always_inline]] void press(const SheaveMotion* sheaves, PinSum& energy, PinSum& damping, PinSum& plates) noexcept {
-        rate_ = read_motion(Column::vx);
-        for (std::size_t k = 0; k < 2; ++k) {
-            read_half_rates(half_[k], k);
-            read_side_rates(sheaves[k], sheaves[2 + k], side_[k]);
-        }
-        const V lead(-0.5 * kick_.step);
+        Base::read_rates(sheaves);
         V stored(0.0), damped(0.0), shortened(0.0);
+        AxialResponse<W> response[2];
         for (std::size_t tip = 0; tip < rigid_tips; ++tip) {
             const HalfMotion<W>& half = half_[half_of_tip(tip)];
             const SideMotion<W>& side = side_[end_of_tip(tip)];
-            const int number = static_cast<int>(tip);
-            const V rate = depth_rate<W>(half, side, tips_[tip], lead);
+            const V rate = depth_rate<W>(half, side, tips_[tip], V(-0.5 * kick_.step));
             NormalForce<W>& n = normal_[tip] = normal_force<W>(n_, tips_[tip].depth, rate);
             const V shortening = n.shortening * rate;
             begin_[tip] = tip_slip<W>(n_, half, side, tips_[tip], shortening);
             shortened += shortening;
-            write_pins(Column::normal + number, widened<W>(n.force));
+            response[half_of_tip(tip)].add(tips_[tip], n, rate);
+            write_pins(Column::normal + static_cast<int>(tip), widened<W>(n.force));
             stored += n.energy;
-            damped += damping_power(Column::tip_drag + number, n.force - n.elastic, rate);
+            damped += damping_power(Column::tip_drag + static_cast<int>(tip), n.force - n.elastic, rate);
         }
         write_pins(Column::lengthening, widened<W>(V(-0.25) * shortened));
-        pull_ = V(0.25 * c_.plate_reach) * as<W>(read_pins(Column::rub_spread) - read_pins(Column::rub_spread, -1));
-        add(plates, pull_ * shortened);
+        store(response);
+        const auto pull = [&](Column spread) { return V(0.25 * c_.plate_reach) * as<W>(read_pins(spread) - read_pins(spread, -1)); };
+        pull_ = pull(Column::rub_spread);
+        add(plates, (implicit ? V(0.5) * (pull_ + pull(Column::rub_spread_before)) : pull_) * shortened);
         add(energy, stored);
         add(damping, damped);
     }
@@ -110,7 +102,7 @@ public:
         growth_.middle = n_.per_mass * (as<W>(read_plane_of(Column::force_x)) + total.half[0] + total.half[1]);
         growth_.end = n_.per_tilt * (as<W>(read_plane_of(Column::force_p)) + total.end);
         growth_.bend = n_.per_bend * (as<W>(read_plane_of(Column::force_bend_x)) + total.bend);
-        const D front = read_pins(Column::rub, -1), rear = read_pins(Column::rub), tips = read_pins(Column::tip_slide_before);
+        const D front = read_pins(Column::rub, -1), rear = read_pins(Column::rub), tips = read_pins(Column::tip_slide_expected);
         const D free = read_pins(Column::force_slide) + tips - D(0.5) * (rear + front) - read_pins(Column::joint);
         loose_ = as<W>(D(1.0) - read_pins(Column::joint_tie));
         const V mean = n_.per_mass * (as<W>(read_pins(Column::force_z) + (rear - front)) + (total.z[0] + total.z[1]));
@@ -139,67 +131,11 @@ public:
     }
 
 private:
-    [[nodiscard, gnu::always_inline]] PinMotion<lanes> read_motion(Column first) const noexcept {
-        return {read_plane_of(first), read_plane_of(first + 3), read_plane_of(first + 6), read_pins(first + 2), read_pins(first + 5)};
-    }
     /// As drag_power().
     [[nodiscard, gnu::always_inline]] V damping_power(Column c, const V& force, const V& rate) noexcept {
         const V acting = implicit ? 0.5 * (force + as<W>(read_pins(c))) : force;
         write_pins(c, widened<W>(force));
         return acting * rate;
-    }
-
-    [[nodiscard]] double side_of(std::size_t tip) const noexcept { return side_[end_of_tip(tip)].side; }
-    [[gnu::always_inline]] void read_half(HalfMotion<W>& half, std::size_t which) noexcept {
-        const PlaneD offset = D(share_of(which)) * read_plane_of(Column::part_x), t = read_plane_of(Column::line_x, line_of(which));
-        const PlaneD outward{t.y, -t.x}, sphere = D(c_.outward) * outward;
-        half.line = as<W>(t);
-        half.outward = as<W>(outward);
-        half.sphere = as<W>(sphere);
-        half.centre = at_.middle + offset + sphere;
-        half.rise = D(c_.outward / c_.half_length) * dot(at_.end, outward) - D(share_of(which)) * at_.slide;
-        half.bend_rise = D(c_.bend_slope * c_.outward / c_.half_length) * dot(at_.bend, outward);
-    }
-    [[gnu::always_inline]] void read_half_rates(HalfMotion<W>& half, std::size_t which) noexcept {
-        half.turn = read_pins(Column::line_turn, line_of(which));
-        half.slope_along = n_.per_half * dot(as<W>(at_.end), half.line);
-        const PlaneD velocity = rate_.middle + D(share_of(which)) * read_plane_of(Column::part_vx);
-        half.sphere_velocity = velocity + (c_.outward * half.turn) * read_plane_of(Column::line_x, line_of(which));
-        half.bend_along = n_.bent_per_half * dot(as<W>(at_.bend), half.line);
-        half.bend_rise_rate =
-            n_.bent_outward_per_half * dot(as<W>(rate_.bend), half.outward) + n_.outward * (as<W>(half.turn) * half.bend_along);
-        half.ahead = V(share_of(which)) * as<W>(rate_.slide);
-        half.rise_rate =
-            n_.outward_per_half * dot(as<W>(rate_.end), half.outward) + n_.outward * (as<W>(half.turn) * half.slope_along) - half.ahead;
-    }
-
-    /// A number of the sheaves of one side, for each pin that of its shaft.
-    [[nodiscard]] D of(double SheaveMotion::*number, const SheaveMotion& driving, const SheaveMotion& driven) const noexcept {
-        return select_greater<lanes>(second_, D(0.5), D(driven.*number), D(driving.*number));
-    }
-
-    [[gnu::always_inline]] void read_side(const SheaveMotion& driving, const SheaveMotion& driven, std::size_t end,
-                                          SideMotion<W>& s) noexcept {
-        const double side = s.side = end == 0 ? -1.0 : 1.0;
-        const auto value = [&](double SheaveMotion::*number) { return of(number, driving, driven); };
-        s.sphere = V(side * (c_.lever - 1.0)) * as<W>(at_.end) + V(c_.bend_lever - 1.0) * as<W>(at_.bend);
-        s.arm = D(side * c_.lever) * at_.end + D(c_.bend_lever) * at_.bend - PlaneD{value(&SheaveMotion::x), value(&SheaveMotion::y)};
-        s.z = at_.z - (value(&SheaveMotion::z) - side * c_.half_length);
-        s.tilt_x = value(&SheaveMotion::tilt_x);
-        s.tilt_y = value(&SheaveMotion::tilt_y);
-    }
-    /// Velocities lead by half a step, in which the pins move on above the spinning sheave; those of the beginning trail by as much.
-    [[gnu::always_inline]] void read_side_rates(const SheaveMotion& driving, const SheaveMotion& driven, SideMotion<W>& s) noexcept {
-        const auto value = [&](double SheaveMotion::*number) { return of(number, driving, driven); };
-        s.spin_x = as<W>(value(&SheaveMotion::spin_x));
-        s.spin_y = as<W>(value(&SheaveMotion::spin_y));
-        s.spin_z = value(&SheaveMotion::spin_z);
-        const PlaneD velocity{value(&SheaveMotion::vx), value(&SheaveMotion::vy)};
-        s.turned_by = as<W>((0.5 * kick_.step) * s.spin_z);
-        s.moved_on = (V(2.0) * s.turned_by) * turned(as<W>(rate_.middle));
-        s.velocity = D(s.side) * rate_.end + rate_.bend - velocity + (0.5 * kick_.step * s.spin_z) * turned(rate_.middle);
-        s.sphere_velocity = D(s.side * c_.lever) * rate_.end + D(c_.bend_lever) * rate_.bend - velocity;
-        s.velocity_z = as<W>(rate_.z - value(&SheaveMotion::vz));
     }
 
     void show_force(std::size_t tip, const TipForce<W>& f, CreepSum& creep) noexcept {
@@ -267,6 +203,13 @@ private:
         growth_z_[1 - half_of_tip(tip)] += along - apart;
     }
 
+    [[gnu::always_inline]] void store(const AxialResponse<W> (&of_half)[2]) noexcept {
+        for (int k = 0; k < 2; ++k) {
+            const V speed = as<W>(rate_.z) + half_[k].ahead;
+            write_pins(Column::tip_stiffness_front + k, widened<W>(n_.stiffness * of_half[k].stiffness));
+            write_pins(Column::tip_loading_front + k, widened<W>(n_.stiffness * of_half[k].loading_at_rest(speed)));
+        }
+    }
     [[gnu::always_inline]] void store(const TipForces<W>& total) noexcept {
         const PlaneV opening = V(0.5) * (total.half[0] - total.half[1]), sum = total.half[0] + total.half[1];
         over_blocks([&](auto block) {
@@ -281,15 +224,8 @@ private:
         for (int k = 0; k < rigid_coordinates; ++k) write_pins(Column::tip_x + k, widened<W>(forces[k]));
     }
 
-    const RigidCoefficients& c_;
-    const TipNumbers<W>& n_;
-    const RigidKick& kick_;
-    PinMotion<lanes> at_, rate_;
     PinMotion<W> growth_;    ///< of the velocities in this step, without those along z
     V growth_z_[2], loose_;  ///< of the halves; share of a force parting them that friction between them leaves
-    HalfMotion<W> half_[2];
-    SideMotion<W> side_[2];
-    D second_;
     TipPlace<W> tips_[rigid_tips];
     NormalForce<W> normal_[rigid_tips];
     V pull_;                     ///< a fourth of what plates lengthen the pin with [N]

@@ -19,6 +19,7 @@ struct TipNumbers {
           per_cosine(1.0 / c.cosine),
           lever(c.lever),
           outward(c.outward),
+          stiffness(c.cosine * c.hertz / c.softness),
           outward_per_half(c.outward / c.half_length),
           per_half(1.0 / c.half_length),
           bend_lever(c.bend_lever),
@@ -32,6 +33,7 @@ struct TipNumbers {
           further_steps(c.further_steps + (kick.implicit() ? 0 : 1)) {}
 
     Lanes<W> radius, inverse_reach, softness, hertz, damping, per_cosine, lever, outward;  ///< as of RigidCoefficients
+    Lanes<W> stiffness;                                                                    ///< of a tip against depth, per η [N/m]
     Lanes<W> outward_per_half;                                                             ///< R_p sin β/(ℓ_p/2)
     Lanes<W> per_half;                                                                     ///< 1/(ℓ_p/2) [1/m]
     Lanes<W> bend_lever;                                                                   ///< as of RigidCoefficients
