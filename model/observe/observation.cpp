@@ -5,6 +5,7 @@
 
 #include "model/basis/portable_math.hpp"
 #include "model/observe/creep.hpp"
+#include "model/variator/rigid/rigid_chain.hpp"
 
 namespace cvtflow::model {
 
@@ -20,19 +21,11 @@ const Observation& Observer::observe(double t, const double* state, const Phase*
     const ChainLayout& at = variator_.layout();
     Observation& o = observation_;
     o.time = t;
-    o.account = {};
     state_ = state;
     phases_ = phases;
     forces_known_ = false;
-    std::fill(scratch_.accounts.begin(), scratch_.accounts.end(), Account{});
     if (at.pulley_size != 0) variator_.pulleys().motions(state + at.pulley_begin(), scratch_.sheaves);
-    fill_window(variator_, state, scratch_);
-    variator_.chain().observed_slopes({0, at.links, scratch_.window.data(), scratch_.sheaves, phases}, slope_.data(), scratch_.loads.data(),
-                                      scratch_.accounts.data(), contacts_.data());
-    for (const Account& account : scratch_.accounts) {
-        for (std::size_t kind = 0; kind < loss_kinds; ++kind) o.account.loss[kind] += account.loss[kind];
-        for (std::size_t kind = 0; kind < energy_kinds; ++kind) o.account.energy[kind] += account.energy[kind];
-    }
+    observe_chain(state, phases);
     observe_links(state, phases);
     observe_strands(state, phases);
     if (at.pulley_size != 0) {
@@ -43,6 +36,27 @@ const Observation& Observer::observe(double t, const double* state, const Phase*
     return o;
 }
 
+void Observer::observe_chain(const double* state, const Phase* phases) noexcept {
+    Account& total = observation_.account;
+    if (const RigidChain* rigid = variator_.chain().rigid()) {
+        rigid->evaluate(state, scratch_.sheaves);
+        rigid->show_contacts(contacts_.data());
+        total = rigid->forces().account;
+        sheave_forces_ = rigid->forces().reaction.sheaves;
+        return;
+    }
+    total = {};
+    std::fill(scratch_.accounts.begin(), scratch_.accounts.end(), Account{});
+    fill_window(variator_, state, scratch_);
+    variator_.chain().observed_slopes({0, variator_.layout().links, scratch_.window.data(), scratch_.sheaves, phases}, slope_.data(),
+                                      scratch_.loads.data(), scratch_.accounts.data(), contacts_.data());
+    for (const Account& account : scratch_.accounts) {
+        for (std::size_t kind = 0; kind < loss_kinds; ++kind) total.loss[kind] += account.loss[kind];
+        for (std::size_t kind = 0; kind < energy_kinds; ++kind) total.energy[kind] += account.energy[kind];
+    }
+    sheave_forces_ = variator_.sheave_forces(phases, scratch_.loads.data());
+}
+
 const ForceObservation& Observer::forces() {
     if (forces_known_ || state_ == nullptr) return forces_;
     const ChainLayout& at = variator_.layout();
@@ -51,7 +65,7 @@ const ForceObservation& Observer::forces() {
         const PulleyModel& pulleys = variator_.pulleys();
         const double* block = state_ + at.pulley_begin();
         const Inputs inputs = pulleys.inputs(observation_.time, block);
-        forces_.bearing = pulleys.bearings(block, inputs, variator_.sheave_forces(phases_, scratch_.loads.data()));
+        forces_.bearing = pulleys.bearings(block, inputs, sheave_forces_);
         const SheaveMotion* s = scratch_.sheaves;
         forces_.misalignment = 0.5 * (s[0].z + s[1].z) - 0.5 * (s[2].z + s[3].z);
     }
@@ -140,7 +154,7 @@ void Observer::observe_pulleys(double t, const double* state, const Phase* phase
     const double* block = state + at.pulley_begin();
     Observation& o = observation_;
     const Inputs inputs = pulleys.inputs(t, block);
-    const SheaveForces forces = variator_.sheave_forces(phases, scratch_.loads.data());
+    const SheaveForces& forces = sheave_forces_;
     pulleys.slope(block, inputs, forces, slope_.data() + at.pulley_begin(), &o.account);
     o.work = pulleys.works(block, inputs);
     o.torque = {inputs.drive_torque, inputs.load_torque};
@@ -184,8 +198,9 @@ void Observer::observe_slip(const double* state, const Phase* phases) noexcept {
 
 double Observer::kinetic(const double* state) const noexcept {
     const ChainLayout& at = variator_.layout();
-    double energy = 0.0;
-    for (int link = 0; link < at.links; ++link) {
+    const RigidChain* rigid = variator_.chain().rigid();
+    double energy = rigid != nullptr ? rigid->kinetic() : 0.0;
+    for (int link = 0; link < at.links && rigid == nullptr; ++link) {
         energy += kinetic_energy(variator_.chain().inertia(), state + at.link_begin(link) + at.link_size());
     }
     return at.pulley_size != 0 ? energy + variator_.pulleys().kinetic(state + at.pulley_begin()) : energy;

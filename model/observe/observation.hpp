@@ -58,6 +58,7 @@ public:
     const ForceObservation& forces();
 
 private:
+    void observe_chain(const double* state, const Phase* phases) noexcept;              ///< state [unknowns]
     void observe_links(const double* state, const Phase* phases) noexcept;              ///< state [unknowns]
     void observe_pulleys(double t, const double* state, const Phase* phases) noexcept;  ///< t [s], state [unknowns]
     void observe_strands(const double* state, const Phase* phases) noexcept;            ///< state [unknowns]
@@ -69,6 +70,7 @@ private:
     EvaluationScratch scratch_;
     std::vector<double> slope_;          ///< [unknowns, per second]
     std::vector<LinkContact> contacts_;  ///< [links]
+    SheaveForces sheave_forces_{};       ///< of the chain
     Observation observation_;
     ForceObservation forces_;
     const double* state_ = nullptr;  ///< observed last [unknowns]

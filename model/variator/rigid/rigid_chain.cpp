@@ -47,16 +47,7 @@ void observed_slopes(const ChainModel& model, const ChainRange& range, double* s
     const Account& found = chain.forces().account;
     for (std::size_t kind = 0; kind < loss_kinds; ++kind) accounts->loss[kind] += found.loss[kind];
     for (std::size_t kind = 0; kind < energy_kinds; ++kind) accounts->energy[kind] += found.energy[kind];
-    if (contacts == nullptr) return;
-    for (int link = 0; link < model.layout().links; ++link) {
-        LinkContact& contact = contacts[link];
-        contact.tension = chain.columns()[Column::tension][link] - chain.columns()[Column::stretch_drag][link];
-        for (int tip = 0; tip < tips_per_link; ++tip) {
-            contact.depth[tip] = chain.of_tip(Column::depth, link, tip);
-            contact.normal[tip] = chain.of_tip(Column::normal, link, tip);
-            contact.axial[tip] = chain.of_tip(Column::axial, link, tip);
-        }
-    }
+    if (contacts != nullptr) chain.show_contacts(contacts);
 }
 
 void probe(const ChainModel& model, const double* state, const SheaveMotion* sheaves, bool, TipProbe& found) noexcept {
@@ -76,6 +67,20 @@ RigidChain::RigidChain(const Parameters& parameters, Isa isa) : model_(parameter
 void RigidChain::evaluate(const double* blocks, const SheaveMotion* sheaves) const noexcept {
     model_.read(blocks, columns_);
     model_.accelerate(model_.layout().pulley_size != 0 ? sheaves : nullptr, columns_, forces_);
+}
+
+double RigidChain::kinetic() const noexcept { return model_.kernels().kick(model_.coefficients(), 0.0, columns_); }
+
+void RigidChain::show_contacts(LinkContact* contacts) const noexcept {
+    for (int link = 0; link < model_.layout().links; ++link) {
+        LinkContact& contact = contacts[link];
+        contact.tension = columns_[Column::tension][link] - columns_[Column::stretch_drag][link];
+        for (int tip = 0; tip < tips_per_link; ++tip) {
+            contact.depth[tip] = of_tip(Column::depth, link, tip);
+            contact.normal[tip] = of_tip(Column::normal, link, tip);
+            contact.axial[tip] = of_tip(Column::axial, link, tip);
+        }
+    }
 }
 
 /// The strip's entry 0 is the pin before the first link, entries up to 8 are known: tips of entries 1 … 7, which are those of six links.

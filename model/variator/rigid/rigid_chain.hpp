@@ -7,6 +7,7 @@
 namespace cvtflow::model {
 
 struct ChainKernels;
+struct LinkContact;
 struct TipProbe;
 
 class RigidChain {
@@ -22,6 +23,8 @@ public:
     void evaluate(const double* blocks, const SheaveMotion* sheaves) const noexcept;
     [[nodiscard]] const RigidColumns& columns() const noexcept { return columns_; }
     [[nodiscard]] const RigidForces& forces() const noexcept { return forces_; }
+    [[nodiscard]] double kinetic() const noexcept;             ///< energy of the pins evaluated last [J]
+    void show_contacts(LinkContact* contacts) const noexcept;  ///< of the links evaluated last [pins]
     /// Entry of the pin whose half is the one at `end` of a link, and of a tip number 2 end + side of a link the column's number.
     [[nodiscard]] int pin_of(int link, int end) const noexcept { return end == 0 ? link : model_.layout().next(link); }
     [[nodiscard]] double of_tip(Column first, int link, int tip) const noexcept {
