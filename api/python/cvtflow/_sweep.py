@@ -176,21 +176,23 @@ _run_uninterrupted = SweepFile.run
 def _run(self, folder, threads=0, progress=None):
     """Runs the cases that are missing in folder/cases.h5. False after cancel(). Ctrl-C ends it; running cases leave checkpoints."""
     done, thrown = [], []
+    over = threading.Event()  # not Thread.join: interrupted by a signal, Python 3.11 takes the thread for ended
 
     def work():
         try:
             done.append(_run_uninterrupted(self, folder, threads, progress))
         except BaseException as error:
             thrown.append(error)
+        finally:
+            over.set()
 
-    thread = threading.Thread(target=work)  # so that this one can be interrupted
-    thread.start()
+    threading.Thread(target=work).start()  # so that this one can be interrupted
     try:
-        while thread.is_alive():
-            thread.join(0.1)
+        while not over.wait(0.1):
+            pass
     except BaseException:
         self.cancel()
-        thread.join()
+        over.wait()
         raise
     if thrown:
         raise thrown[0]
