@@ -2,7 +2,9 @@
 /// The numbers of a chain of rigid whole pins, column by column: one array per quantity, pins side by side. (model/EQUATIONS.md section 11)
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
+#include <cstring>
 
 #include "model/basis/aligned.hpp"
 
@@ -194,10 +196,13 @@ public:
         for (int c = static_cast<int>(first); c <= static_cast<int>(last); ++c) {
             double* values = (*this)[static_cast<Column>(c)];
             values[-1] = values[pins_ - 1];
-            if (pins_ >= rigid_lanes)
-                std::copy_n(values, rigid_lanes, values + pins_);
-            else
+            if (pins_ >= rigid_lanes) {
+                std::array<double, rigid_lanes> first;  // copied at once: source and target do not overlap, which the compiler cannot know
+                std::memcpy(first.data(), values, sizeof first);
+                std::memcpy(values + pins_, first.data(), sizeof first);
+            } else {
                 for (int k = pins_; k < pins_ + rigid_lanes; ++k) values[k] = values[k - pins_];
+            }
         }
     }
 

@@ -4,76 +4,10 @@
 
 #include <algorithm>
 
-#include "model/force/sheave_motion.hpp"
-#include "model/variator/rigid/tips/tip_numbers.hpp"
+#include "model/variator/rigid/tips/tip_motion.hpp"
 
 namespace cvtflow::model {
 namespace {
-
-/// Half and end of tip 0 … 3: 0 and 1 are the front half's at -z and +z, 2 and 3 the rear half's. Tips are gone through by loops, in steps
-/// of the same length: written out one by one, they would be more than the processor keeps of decoded instructions.
-[[nodiscard]] constexpr std::size_t half_of_tip(std::size_t tip) noexcept { return tip / 2; }
-[[nodiscard]] constexpr std::size_t end_of_tip(std::size_t tip) noexcept { return tip % 2; }
-/// Number of a half's pitch line against the pin's, and its share of the halves' offset from each other.
-[[nodiscard]] constexpr int line_of(std::size_t half) noexcept { return half == 0 ? -1 : 0; }
-[[nodiscard]] constexpr double share_of(std::size_t half) noexcept { return half == 0 ? 0.5 : -0.5; }
-
-/// A pin half, and what it gives to the motion of its tips.
-template <int W>
-struct HalfMotion {
-    PlaneOf<W> line, outward;            ///< t and o of its pitch line
-    DoublePlaneOf<W> centre;             ///< R_p sin β o from the origin
-    PlaneOf<W> sphere;                   ///< R_p sin β o
-    DoublesOf<W> rise;                   ///< of the pin's middle above the half's sphere: R_p sin β σ·o ∓ ζ/2 [m]
-    DoublesOf<W> bend_rise;              ///< the same by bending, at +z [m]
-    DoublesOf<W> turn;                   ///< θ' [rad/s]
-    Lanes<W> slope_along, bend_along;    ///< σ·t by tilting, by bending at +z [rad]
-    DoublePlaneOf<W> sphere_velocity;    ///< of the half's middle, with that of R_p sin β o
-    Lanes<W> ahead;                      ///< velocity along z against the pin's middle, ±ζ'/2 [m/s]
-    Lanes<W> rise_rate, bend_rise_rate;  ///< without the change of σ·t [m/s]
-};
-
-/// The sheaves of one side as pins side by side see them, and what that end of the pins gives to the motion of its tips.
-template <int W>
-struct SideMotion {
-    double side;                       ///< ±1: -z or +z
-    DoublePlaneOf<W> arm;              ///< of a sphere's centre without its half, from the sheave's origin
-    PlaneOf<W> sphere;                 ///< of it against the pin's end
-    DoublesOf<W> z;                    ///< from where the undisplaced flank plane is [m]
-    DoublesOf<W> tilt_x, tilt_y;       ///< [rad]
-    DoublePlaneOf<W> velocity;         ///< of the pin's end against the sheave, without what spins
-    DoublePlaneOf<W> sphere_velocity;  ///< the same of a sphere's centre
-    Lanes<W> velocity_z;               ///< [m/s]
-    DoublesOf<W> spin_z;
-    PlaneOf<W> moved_on;  ///< by which the pin's velocity turns against the sheave in the step [m/s]
-    Lanes<W> turned_by;   ///< half of the angle [rad]
-    Lanes<W> spin_x, spin_y;
-};
-
-/// At least the depth of each pin's tips: each half's sphere nearest to the axis against the flank nearest to it, as if of one tip.
-[[nodiscard, gnu::always_inline]] inline PinLanes nearness_of(const RigidCoefficients& c, const HalfMotion<rigid_lanes> (&halves)[2],
-                                                              const SideMotion<rigid_lanes> (&sides)[2]) noexcept {
-    const SideMotion<rigid_lanes>&low = sides[0], &high = sides[1];
-    const auto size = [](const Plane& v) { return abs(v.x) + abs(v.y); };
-    const auto more = [](const PinLanes& a, const PinLanes& b) { return larger<rigid_lanes>(a, b); };
-    const PinLanes tilt = more(size({low.tilt_x, low.tilt_y}), size({high.tilt_x, high.tilt_y}));
-    const PinLanes apart = size(low.arm - high.arm), off = more(abs(low.z), abs(high.z)) + c.radius * c.cosine;
-    const auto of_half = [&](const HalfMotion<rigid_lanes>& half) {
-        const Plane arm = half.centre + low.arm;
-        const PinLanes radius = sqrt(dot(arm, arm)), rise = abs(half.rise) + abs(half.bend_rise);
-        const PinLanes a = radius - apart - tilt * (off + rise) - c.touching_radius;
-        const PinLanes h = smaller<rigid_lanes>(low.z, -high.z) - rise - tilt * (radius + apart);
-        return -(c.sine * a + c.cosine * h);
-    };
-    return more(of_half(halves[0]), of_half(halves[1]));
-}
-
-/// Coordinates or velocities of pins.
-template <int W>
-struct PinMotion {
-    PlaneOf<W> middle, end, bend;
-    Lanes<W> z, slide;
-};
 
 template <int W>
 struct TipPlace {
@@ -113,51 +47,30 @@ struct TipBounds {
     }
 };
 
-/// 1/√v. For floats from a root and a division of theirs and one step of Newton's method, which leaves 1e-13.
-/// @param start 1/√v as a number of the width
-template <int W>
-[[nodiscard, gnu::always_inline]] inline DoublesOf<W> inverse_root(const DoublesOf<W>& v, const Lanes<W>& start) noexcept {
-    if constexpr (is_single<W>) {
-        const DoublesOf<W> wide = widened<W>(start);
-        return wide * (1.5 - 0.5 * v * (wide * wide));
-    } else {
-        return start;
-    }
-}
-
-/// Where a sphere's centre is: r = S - O, and the same in the sheave's frame.
-template <int W>
-struct SpherePlace {
-    DoublePlaneOf<W> at, l;
-    DoublesOf<W> rise, at_z;
-
-    [[gnu::always_inline]] SpherePlace(const RigidCoefficients& c, const HalfMotion<W>& half, const SideMotion<W>& sheave) noexcept
-        : at(half.centre + sheave.arm),
-          rise(sheave.z - half.rise - sheave.side * half.bend_rise),
-          at_z(rise - sheave.side * c.radius * c.cosine) {
-        l = {at.x - sheave.tilt_y * at_z, at.y + sheave.tilt_x * at_z};
-    }
-};
-
-/// Place, normal and depth. Differences of lengths in doubles: a depth is a thousandth of them and has to be good to a part of itself.
+/// Place, normal and depth. A depth is a thousandth of the lengths that it is the difference of: the distances of half and end from the
+/// flank are doubles, and what the tip adds to them is small.
 template <int W>
 [[gnu::always_inline]] inline void place_tip(const RigidCoefficients& c, const TipNumbers<W>& n, const HalfMotion<W>& half,
-                                             const SideMotion<W>& sheave, const Lanes<W>& start, TipPlace<W>& tip) noexcept {
-    const SpherePlace<W> sphere(c, half, sheave);
-    const auto& [at, l, rise, at_z] = sphere;
-    const DoublesOf<W> square = dot(l, l), inverse = inverse_root<W>(square, start), a = square * inverse - c.touching_radius;
-    const DoublesOf<W> h = DoublesOf<W>(-sheave.side) * (rise - sheave.tilt_x * at.y + sheave.tilt_y * at.x);
-    const Lanes<W> bent_a = n.inverse_reach * as<W>(a), bent_h = n.inverse_reach * as<W>(h);
-    tip.depth = Lanes<W>(-0.5) * (bent_a * as<W>(a) + bent_h * as<W>(h)) - as<W>(c.sine * a + c.cosine * h);
-    tip.inverse_radius = as<W>(inverse);
-    tip.radial = tip.inverse_radius * as<W>(l);
+                                             const SideMotion<W>& sheave, TipPlace<W>& tip) noexcept {
+    const PlaneOf<W> arm = half.centre + sheave.arm;
+    const Lanes<W> sunk = half.rise + Lanes<W>(sheave.side) * half.bend_rise;
+    const Lanes<W> arm_z = sheave.z - sunk - Lanes<W>(sheave.side) * n.inward;
+    const PlaneOf<W> moved{sheave.arm.x - sheave.tilt_y * arm_z, sheave.arm.y + sheave.tilt_x * arm_z}, l = half.centre + moved;
+    const Lanes<W> distance = sqrt(dot(l, l)), sum = distance + half.distance, inverse = 1.0 / (distance * sum);
+    const Lanes<W> more_a = dot(moved, half.centre + l) * (distance * inverse);  // |l| - |centre|
+    const Lanes<W> more_h = Lanes<W>(sheave.side) * (sunk + sheave.tilt_x * arm.y - sheave.tilt_y * arm.x);
+    const Lanes<W> a = half.excess + more_a, h = sheave.height + more_h;
+    const Lanes<W> bent_a = n.inverse_reach * a, bent_h = n.inverse_reach * h;
+    tip.depth =
+        Lanes<W>(-0.5) * (bent_a * a + bent_h * h) - (c.sine * more_a + c.cosine * more_h) - as<W>(half.clearance + sheave.clearance);
+    tip.inverse_radius = sum * inverse;
+    tip.radial = tip.inverse_radius * l;
     tip.out = c.sine + bent_a;
     tip.in = c.cosine + bent_h;
-    const PlaneOf<W> local = tip.out * tip.radial, arm = as<W>(at);
-    const Lanes<W> local_z = Lanes<W>(-sheave.side) * tip.in, tilt_x = as<W>(sheave.tilt_x), tilt_y = as<W>(sheave.tilt_y),
-                   arm_z = as<W>(at_z);
-    tip.normal = {local.x + tilt_y * local_z, local.y - tilt_x * local_z};
-    tip.normal_z = local_z + tilt_x * local.y - tilt_y * local.x;
+    const PlaneOf<W> local = tip.out * tip.radial;
+    const Lanes<W> local_z = Lanes<W>(-sheave.side) * tip.in;
+    tip.normal = {local.x + sheave.tilt_y * local_z, local.y - sheave.tilt_x * local_z};
+    tip.normal_z = local_z + sheave.tilt_x * local.y - sheave.tilt_y * local.x;
     tip.tilting_x = arm.y * local_z - arm_z * local.y;
     tip.tilting_y = arm_z * local.x - arm.x * local_z;
     const PlaneOf<W> inwards = n.radius * tip.normal;
@@ -170,7 +83,7 @@ template <int W>
 template <int W>
 [[nodiscard, gnu::always_inline]] inline Lanes<W> depth_rate(const HalfMotion<W>& half, const SideMotion<W>& sheave, const TipPlace<W>& tip,
                                                              const Lanes<W>& lead) noexcept {
-    const PlaneOf<W> moved = as<W>(half.sphere_velocity + sheave.sphere_velocity);
+    const PlaneOf<W> moved = half.velocity + sheave.sphere_velocity;
     const Lanes<W> moved_z = sheave.velocity_z - half.rise_rate - Lanes<W>(sheave.side) * half.bend_rise_rate;
     const Lanes<W> around = cross(tip.radial, moved);
     const Lanes<W> turning = lead * tip.out * (around * around) * tip.inverse_radius;
@@ -232,10 +145,9 @@ template <int W>
 template <int W>
 [[nodiscard, gnu::always_inline]] inline Slip<W> tip_slip(const TipNumbers<W>& c, const HalfMotion<W>& half, const SideMotion<W>& sheave,
                                                           const TipPlace<W>& tip, const Lanes<W>& shortening_rate) noexcept {
-    const DoublePlaneOf<W> centre = half.sphere_velocity + sheave.velocity - sheave.spin_z * turned(half.centre + sheave.arm);
-    const Lanes<W> lag = as<W>(sheave.spin_z - half.turn);
-    const PlaneOf<W> spinning = turned(as<W>(half.turn) * sheave.sphere + (c.radius * lag) * tip.normal);
-    const PlaneOf<W> v = as<W>(centre) + spinning - PlaneOf<W>{sheave.spin_y * tip.point_z, -(sheave.spin_x * tip.point_z)};
+    const PlaneOf<W> centre = half.drift + sheave.velocity - sheave.faster * turned(half.centre);
+    const PlaneOf<W> spinning = turned(half.turn * sheave.sphere + (c.radius * (half.lag + sheave.faster)) * tip.normal);
+    const PlaneOf<W> v = centre + spinning - PlaneOf<W>{sheave.spin_y * tip.point_z, -(sheave.spin_x * tip.point_z)};
     const Lanes<W> surface_z = sheave.spin_x * tip.point.y - sheave.spin_y * tip.point.x;
     return slip_of<W>(sheave.side, tip, v, sheave.velocity_z + half.ahead - Lanes<W>(sheave.side) * shortening_rate - surface_z);
 }

@@ -43,20 +43,6 @@ private:
     TipBounds<W> bounds_;
 };
 
-/// > 0 for pins that may touch: in a step for those that pressed in the last one, and for those that are not certainly free.
-inline void find_near_pins(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns) noexcept {
-    const TipNumbers<rigid_lanes> numbers(c, kick);
-    const PinLanes one(1.0), none(0.0);
-    for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-        const PinLanes pressed = kick.implicit() ? last_pressing(columns, i) : none;
-        PinLanes near = select_greater<rigid_lanes>(pressed, none, one, none);
-        if (!all_at_most<rigid_lanes>(one - near, 0.0))
-            near =
-                larger<rigid_lanes>(near, TipGroup<rigid_lanes>(c, numbers, sheaves, kick, columns, {PinBlock{i, rigid_lanes}}).nearness());
-        write(columns, Column::near, i, near);
-    }
-}
-
 /// Two blocks at a time.
 inline void press_near_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
                             RigidReaction& reaction, Account& account) noexcept {

@@ -27,21 +27,11 @@ class TipGroup : private TipMotion<W> {
 public:
     using typename Base::Blocks;
 
-    [[gnu::always_inline]] TipGroup(const RigidCoefficients& c, const TipNumbers<W>& numbers, const SheaveMotion* sheaves,
-                                    const RigidKick& kick, RigidColumns& columns, const Blocks& own) noexcept
-        : Base(c, numbers, sheaves, kick, columns, own) {}
-
-    /// At least the depth of each pin's tips.
-    [[nodiscard, gnu::always_inline]] D nearness() const noexcept { return nearness_of(c_, half_, side_); }
+    using Base::Base;
 
     [[gnu::always_inline]] void place() noexcept {
-        V inverse[rigid_tips];  // 1/|l| of all tips at once, as each of them waits for a root and a division
-        for (std::size_t tip = 0; tip < rigid_tips; ++tip) {
-            const PlaneD l = SpherePlace<W>(c_, half_[half_of_tip(tip)], side_[end_of_tip(tip)]).l;
-            inverse[tip] = 1.0 / sqrt(as<W>(dot(l, l)));
-        }
         for (std::size_t tip = 0; tip < rigid_tips; ++tip)
-            place_tip<W>(c_, n_, half_[half_of_tip(tip)], side_[end_of_tip(tip)], inverse[tip], tips_[tip]);
+            place_tip<W>(c_, n_, half_[half_of_tip(tip)], side_[end_of_tip(tip)], tips_[tip]);
     }
 
     [[nodiscard]] bool free() const noexcept {
@@ -99,9 +89,9 @@ public:
             const TipForce<W> force = tip_force<W>(side_of(tip), tips_[tip], normal_[tip], pull_, memory(tip));
             total.add(n_, side_of(tip), half_[half_of_tip(tip)], half_of_tip(tip), force);
         }
-        growth_.middle = n_.per_mass * (as<W>(read_plane_of(Column::force_x)) + total.half[0] + total.half[1]);
-        growth_.end = n_.per_tilt * (as<W>(read_plane_of(Column::force_p)) + total.end);
-        growth_.bend = n_.per_bend * (as<W>(read_plane_of(Column::force_bend_x)) + total.bend);
+        growth_ = n_.per_mass * (as<W>(read_plane_of(Column::force_x)) + total.half[0] + total.half[1]);
+        end_growth_ = n_.per_tilt * (as<W>(read_plane_of(Column::force_p)) + total.end);
+        bend_growth_ = n_.per_bend * (as<W>(read_plane_of(Column::force_bend_x)) + total.bend);
         const D front = read_pins(Column::rub, -1), rear = read_pins(Column::rub), tips = read_pins(Column::tip_slide_expected);
         const D free = read_pins(Column::force_slide) + tips - D(0.5) * (rear + front) - read_pins(Column::joint);
         loose_ = as<W>(D(1.0) - read_pins(Column::joint_tie));
@@ -162,8 +152,8 @@ private:
     /// Sliding velocity behind the growth of the velocities: the pin has moved on by half a step as well.
     [[nodiscard]] Slip<W> slip_now(std::size_t tip) const noexcept {
         const SideMotion<W>& side = side_[end_of_tip(tip)];
-        const PlaneV ends = growth_.middle + growth_.bend + (V(side.side) * growth_.end - side.moved_on);
-        const PlaneV change = ends - side.turned_by * turned(growth_.middle);
+        const PlaneV ends = growth_ + bend_growth_ + (V(side.side) * end_growth_ - side.moved_on);
+        const PlaneV change = ends - side.turned_by * turned(growth_);
         return begin_[tip] + slip_of<W>(side.side, tips_[tip], change, growth_z_[half_of_tip(tip)]);
     }
 
@@ -195,9 +185,9 @@ private:
     [[gnu::always_inline]] void follow(std::size_t tip, const Slip<W>& change) noexcept {
         const TipPlace<W>& place = tips_[tip];
         const PlaneV f = change.round * turned(place.radial) + (change.flank * place.in) * place.radial;
-        growth_.middle = growth_.middle + n_.per_mass * f;
-        growth_.end = growth_.end + (V(side_of(tip)) * n_.per_tilt) * f;
-        growth_.bend = growth_.bend + n_.per_bend * f;
+        growth_ = growth_ + n_.per_mass * f;
+        end_growth_ = end_growth_ + (V(side_of(tip)) * n_.per_tilt) * f;
+        bend_growth_ = bend_growth_ + n_.per_bend * f;
         const V along = (V(side_of(tip)) * n_.per_mass) * (change.flank * place.out), apart = loose_ * along;
         growth_z_[half_of_tip(tip)] += along + apart;
         growth_z_[1 - half_of_tip(tip)] += along - apart;
@@ -224,8 +214,8 @@ private:
         for (int k = 0; k < rigid_coordinates; ++k) write_pins(Column::tip_x + k, widened<W>(forces[k]));
     }
 
-    PinMotion<W> growth_;    ///< of the velocities in this step, without those along z
-    V growth_z_[2], loose_;  ///< of the halves; share of a force parting them that friction between them leaves
+    PlaneV growth_, end_growth_, bend_growth_;  ///< of the velocities in this step
+    V growth_z_[2], loose_;                     ///< of the halves; share of a force parting them that friction between them leaves
     TipPlace<W> tips_[rigid_tips];
     NormalForce<W> normal_[rigid_tips];
     V pull_;                     ///< a fourth of what plates lengthen the pin with [N]

@@ -1,108 +1,202 @@
 #pragma once
-/// Motion of pins side by side, of their halves and of the sheaves at their ends, read from the columns. (model/EQUATIONS.md section 11)
+/// What the halves and the ends of pins side by side give to the place and the motion of their tips. Places are taken in doubles once for
+/// each half and each end; what is left for a tip is small against them. (model/EQUATIONS.md section 11)
 
+#include "model/force/sheave_motion.hpp"
+#include "model/variator/rigid/rigid_links.hpp"
 #include "model/variator/rigid/tips/pin_blocks.hpp"
-#include "model/variator/rigid/tips/rigid_tip.hpp"
+#include "model/variator/rigid/tips/tip_numbers.hpp"
 
 namespace cvtflow::model {
 namespace {
 
-/// What the tips of those pins begin with.
+/// Half and end of tip 0 … 3: 0 and 1 are the front half's at -z and +z, 2 and 3 the rear half's. Tips are gone through by loops, in steps
+/// of the same length: written out one by one, they would be more than the processor keeps of decoded instructions.
+[[nodiscard]] constexpr std::size_t half_of_tip(std::size_t tip) noexcept { return tip / 2; }
+[[nodiscard]] constexpr std::size_t end_of_tip(std::size_t tip) noexcept { return tip % 2; }
+/// Number of a half's pitch line against the pin's, and its share of the halves' offset from each other.
+[[nodiscard]] constexpr int line_of(std::size_t half) noexcept { return half == 0 ? -1 : 0; }
+[[nodiscard]] constexpr double share_of(std::size_t half) noexcept { return half == 0 ? 0.5 : -0.5; }
+
+/// A pin half, and what it gives to the motion of its tips.
+template <int W>
+struct HalfMotion {
+    PlaneOf<W> line, outward;            ///< t and o of its pitch line
+    PlaneOf<W> sphere;                   ///< R_p sin β o
+    DoublePlaneOf<W> place;              ///< of its spheres at the middle of the pin, from the origin of the sheave at -z
+    PlaneOf<W> centre;                   ///< the same
+    Lanes<W> distance, excess;           ///< |centre|, and less its length where a tip's sphere touches the flank's middle [m]
+    DoublesOf<W> clearance;              ///< what excess adds to the distance from the flank [m]
+    Lanes<W> rise;                       ///< of the pin's middle above the half's sphere: R_p sin β σ·o ∓ ζ/2 [m]
+    Lanes<W> bend_rise;                  ///< the same by bending, at +z [m]
+    Lanes<W> turn, lag;                  ///< θ', and what the sheave at -z turns faster [rad/s]
+    Lanes<W> slope_along, bend_along;    ///< σ·t by tilting, by bending at +z [rad]
+    PlaneOf<W> velocity, drift;          ///< of the half's middle, with that of R_p sin β o; against the sheave at -z, without its tilting
+    Lanes<W> ahead;                      ///< velocity along z against the pin's middle, ±ζ'/2 [m/s]
+    Lanes<W> rise_rate, bend_rise_rate;  ///< without the change of σ·t [m/s]
+};
+
+/// The sheaves of one side as pins side by side see them, and what that end of the pins gives to the motion of its tips.
+template <int W>
+struct SideMotion {
+    double side;                 ///< ±1: -z or +z
+    PlaneOf<W> arm;              ///< of a sphere's centre against that of its half, from where this sheave is against that at -z
+    PlaneOf<W> sphere;           ///< of it against the pin's end
+    Lanes<W> z, height;          ///< from where the undisplaced flank plane is; the same inwards [m]
+    DoublesOf<W> clearance;      ///< what height adds to the distance from the flank [m]
+    Lanes<W> tilt_x, tilt_y;     ///< [rad]
+    PlaneOf<W> velocity;         ///< of the pin's end against the sheave, without what the half gives
+    PlaneOf<W> sphere_velocity;  ///< of a sphere's centre against the sheave's origin, likewise
+    Lanes<W> velocity_z;         ///< [m/s]
+    PlaneOf<W> moved_on;         ///< by which the pin's velocity turns against the sheave in the step [m/s]
+    Lanes<W> turned_by;          ///< half of the angle [rad]
+    Lanes<W> spin_x, spin_y;     ///< [rad/s]
+    Lanes<W> faster;             ///< φ' against the sheave at -z [rad/s]
+};
+
+/// Coordinates or velocities of pins.
+template <int W>
+struct PinMotion {
+    DoublePlaneOf<W> middle;
+    DoublesOf<W> z;
+    PlaneOf<W> end, bend;
+    Lanes<W> slide;
+};
+
+/// 1/√v. For floats from a root and a division of theirs and one step of Newton's method, which leaves 1e-13.
+template <int W>
+[[nodiscard, gnu::always_inline]] inline DoublesOf<W> inverse_root(const DoublesOf<W>& v) noexcept {
+    const Lanes<W> start = 1.0 / sqrt(as<W>(v));
+    if constexpr (is_single<W>) {
+        const DoublesOf<W> wide = widened<W>(start);
+        return wide * (1.5 - 0.5 * v * (wide * wide));
+    } else {
+        return start;
+    }
+}
+
+/// What the tips of pins side by side begin with, read from the columns.
 template <int W>
 class TipMotion : protected PinBlocks<W> {
 protected:
     using V = Lanes<W>;
     using D = DoublesOf<W>;
+    using PlaneV = PlaneOf<W>;
     using PlaneD = DoublePlaneOf<W>;
     using Base = PinBlocks<W>;
-    using Base::lanes, Base::read_pins, Base::read_plane_of;
+    using Base::read_pins, Base::read_plane_of;
+
+public:
     using typename Base::Blocks;
 
-    /// Places; rates are read where they are needed.
     [[gnu::always_inline]] TipMotion(const RigidCoefficients& c, const TipNumbers<W>& numbers, const SheaveMotion* sheaves,
                                      const RigidKick& kick, RigidColumns& columns, const Blocks& own) noexcept
         : Base(columns, own), c_(c), n_(numbers), kick_(kick) {
         at_ = read_motion(Column::x);
-        second_ = select_greater<lanes>(at_.middle.x, D(c.middle), D(1.0), D(0.0));
+        second_ = select_greater<Base::lanes>(at_.middle.x, D(c.middle), D(1.0), D(0.0));
+        driven_ = as<W>(second_);
+        const PlaneD middle = at_.middle - PlaneD{in_doubles(&SheaveMotion::x, sheaves), in_doubles(&SheaveMotion::y, sheaves)};
         for (std::size_t k = 0; k < 2; ++k) {
-            read_half(half_[k], k);
-            read_side(sheaves[k], sheaves[2 + k], k, side_[k]);
+            read_half(middle, half_[k], k);
+            read_side(sheaves, k, side_[k]);
         }
     }
 
+protected:
     [[gnu::always_inline]] void read_rates(const SheaveMotion* sheaves) noexcept {
         rate_ = read_motion(Column::vx);
+        const D spin = in_doubles(&SheaveMotion::spin_z, sheaves);
         for (std::size_t k = 0; k < 2; ++k) {
-            read_half_rates(half_[k], k);
-            read_side_rates(sheaves[k], sheaves[2 + k], side_[k]);
+            read_half_rates(spin, half_[k], k);
+            read_side_rates(sheaves, k, side_[k]);
         }
     }
-
     [[nodiscard]] double side_of(std::size_t tip) const noexcept { return side_[end_of_tip(tip)].side; }
 
+private:
+    [[nodiscard, gnu::always_inline]] PinMotion<W> read_motion(Column first) const noexcept {
+        return {read_plane_of(first), read_pins(first + 2), as<W>(read_plane_of(first + 3)), as<W>(read_plane_of(first + 6)),
+                as<W>(read_pins(first + 5))};
+    }
+    /// A number of the sheave at -z, for each pin that of its shaft. @param sheaves [4]
+    [[nodiscard, gnu::always_inline]] D in_doubles(double SheaveMotion::*number, const SheaveMotion* sheaves) const noexcept {
+        return select_greater<Base::lanes>(second_, D(0.5), D(sheaves[2].*number), D(sheaves[0].*number));
+    }
+    [[nodiscard, gnu::always_inline]] V of_shaft(double driving, double driven) const noexcept {
+        return select_greater<W>(driven_, V(0.5), V(driven), V(driving));
+    }
+
+    [[gnu::always_inline]] void read_half(const PlaneD& middle, HalfMotion<W>& half, std::size_t which) noexcept {
+        const PlaneD t = read_plane_of(Column::line_x, line_of(which)), sphere = D(c_.outward) * PlaneD{t.y, -t.x};
+        half.line = as<W>(t);
+        half.outward = {half.line.y, -half.line.x};
+        half.sphere = n_.outward * half.outward;
+        half.place = middle + D(share_of(which)) * read_plane_of(Column::part_x) + sphere;
+        half.centre = as<W>(half.place);
+        const D square = dot(half.place, half.place), distance = square * inverse_root<W>(square), excess = distance - c_.touching_radius;
+        half.distance = as<W>(distance);
+        half.excess = as<W>(excess);
+        half.clearance = c_.sine * excess;
+        half.rise = n_.outward_per_half * dot(at_.end, half.outward) - V(share_of(which)) * at_.slide;
+        half.bend_rise = n_.bent_outward_per_half * dot(at_.bend, half.outward);
+    }
+    [[gnu::always_inline]] void read_half_rates(const D& spin, HalfMotion<W>& half, std::size_t which) noexcept {
+        const D turn = read_pins(Column::line_turn, line_of(which));
+        half.turn = as<W>(turn);
+        half.lag = as<W>(spin - turn);
+        half.slope_along = n_.per_half * dot(at_.end, half.line);
+        const PlaneD velocity = rate_.middle + D(share_of(which)) * read_plane_of(Column::part_vx) +
+                                (c_.outward * turn) * read_plane_of(Column::line_x, line_of(which));
+        half.velocity = as<W>(velocity);
+        half.drift = as<W>(velocity - spin * turned(half.place));
+        half.bend_along = n_.bent_per_half * dot(at_.bend, half.line);
+        half.bend_rise_rate = n_.bent_outward_per_half * dot(rate_.bend, half.outward) + n_.outward * (half.turn * half.bend_along);
+        half.ahead = V(share_of(which)) * rate_.slide;
+        half.rise_rate = n_.outward_per_half * dot(rate_.end, half.outward) + n_.outward * (half.turn * half.slope_along) - half.ahead;
+    }
+
+    [[gnu::always_inline]] void read_side(const SheaveMotion* sheaves, std::size_t end, SideMotion<W>& s) noexcept {
+        const double side = s.side = end == 0 ? -1.0 : 1.0;
+        const SheaveMotion &driving = sheaves[end], &driven = sheaves[2 + end];
+        const PlaneV moved{of_shaft(driving.x - sheaves[0].x, driven.x - sheaves[2].x),
+                           of_shaft(driving.y - sheaves[0].y, driven.y - sheaves[2].y)};
+        s.sphere = V(side * (c_.lever - 1.0)) * at_.end + V(c_.bend_lever - 1.0) * at_.bend;
+        s.arm = (V(side) * n_.lever) * at_.end + n_.bend_lever * at_.bend - moved;
+        const D plane(
+            select_greater<Base::lanes>(second_, D(0.5), D(driven.z - side * c_.half_length), D(driving.z - side * c_.half_length)));
+        const D z = at_.z - plane, height = D(-side) * z;
+        s.z = as<W>(z);
+        s.height = V(-side) * s.z;
+        s.clearance = c_.cosine * height;
+        s.tilt_x = of_shaft(driving.tilt_x, driven.tilt_x);
+        s.tilt_y = of_shaft(driving.tilt_y, driven.tilt_y);
+    }
+    /// Velocities lead by half a step, in which the pins move on above the spinning sheave; those of the beginning trail by as much.
+    [[gnu::always_inline]] void read_side_rates(const SheaveMotion* sheaves, std::size_t end, SideMotion<W>& s) noexcept {
+        const SheaveMotion &driving = sheaves[end], &driven = sheaves[2 + end];
+        const V spin = of_shaft(driving.spin_z, driven.spin_z);
+        s.spin_x = of_shaft(driving.spin_x, driven.spin_x);
+        s.spin_y = of_shaft(driving.spin_y, driven.spin_y);
+        s.faster = of_shaft(driving.spin_z - sheaves[0].spin_z, driven.spin_z - sheaves[2].spin_z);
+        s.turned_by = V(0.5 * kick_.step) * spin;
+        const PlaneV onward = s.turned_by * turned(as<W>(rate_.middle)),
+                     velocity{of_shaft(driving.vx, driven.vx), of_shaft(driving.vy, driven.vy)};
+        s.moved_on = V(2.0) * onward;
+        s.velocity = V(s.side) * rate_.end + rate_.bend - velocity + onward - spin * turned(s.arm);
+        s.sphere_velocity = (V(s.side) * n_.lever) * rate_.end + n_.bend_lever * rate_.bend - velocity;
+        const D along = select_greater<Base::lanes>(second_, D(0.5), D(driven.vz), D(driving.vz));
+        s.velocity_z = as<W>(rate_.z - along);
+    }
+
+protected:
     const RigidCoefficients& c_;
     const TipNumbers<W>& n_;
     const RigidKick& kick_;
-    PinMotion<lanes> at_, rate_;
+    PinMotion<W> at_, rate_;
     HalfMotion<W> half_[2];
     SideMotion<W> side_[2];
-    D second_;  ///< 1 for pins on the driven pulley
-
-private:
-    [[nodiscard, gnu::always_inline]] PinMotion<lanes> read_motion(Column first) const noexcept {
-        return {read_plane_of(first), read_plane_of(first + 3), read_plane_of(first + 6), read_pins(first + 2), read_pins(first + 5)};
-    }
-    [[gnu::always_inline]] void read_half(HalfMotion<W>& half, std::size_t which) noexcept {
-        const PlaneD offset = D(share_of(which)) * read_plane_of(Column::part_x), t = read_plane_of(Column::line_x, line_of(which));
-        const PlaneD outward{t.y, -t.x}, sphere = D(c_.outward) * outward;
-        half.line = as<W>(t);
-        half.outward = as<W>(outward);
-        half.sphere = as<W>(sphere);
-        half.centre = at_.middle + offset + sphere;
-        half.rise = D(c_.outward / c_.half_length) * dot(at_.end, outward) - D(share_of(which)) * at_.slide;
-        half.bend_rise = D(c_.bend_slope * c_.outward / c_.half_length) * dot(at_.bend, outward);
-    }
-    [[gnu::always_inline]] void read_half_rates(HalfMotion<W>& half, std::size_t which) noexcept {
-        half.turn = read_pins(Column::line_turn, line_of(which));
-        half.slope_along = n_.per_half * dot(as<W>(at_.end), half.line);
-        const PlaneD velocity = rate_.middle + D(share_of(which)) * read_plane_of(Column::part_vx);
-        half.sphere_velocity = velocity + (c_.outward * half.turn) * read_plane_of(Column::line_x, line_of(which));
-        half.bend_along = n_.bent_per_half * dot(as<W>(at_.bend), half.line);
-        half.bend_rise_rate =
-            n_.bent_outward_per_half * dot(as<W>(rate_.bend), half.outward) + n_.outward * (as<W>(half.turn) * half.bend_along);
-        half.ahead = V(share_of(which)) * as<W>(rate_.slide);
-        half.rise_rate =
-            n_.outward_per_half * dot(as<W>(rate_.end), half.outward) + n_.outward * (as<W>(half.turn) * half.slope_along) - half.ahead;
-    }
-
-    /// A number of the sheaves of one side, for each pin that of its shaft.
-    [[nodiscard]] D of(double SheaveMotion::*number, const SheaveMotion& driving, const SheaveMotion& driven) const noexcept {
-        return select_greater<lanes>(second_, D(0.5), D(driven.*number), D(driving.*number));
-    }
-
-    [[gnu::always_inline]] void read_side(const SheaveMotion& driving, const SheaveMotion& driven, std::size_t end,
-                                          SideMotion<W>& s) noexcept {
-        const double side = s.side = end == 0 ? -1.0 : 1.0;
-        const auto value = [&](double SheaveMotion::*number) { return of(number, driving, driven); };
-        s.sphere = V(side * (c_.lever - 1.0)) * as<W>(at_.end) + V(c_.bend_lever - 1.0) * as<W>(at_.bend);
-        s.arm = D(side * c_.lever) * at_.end + D(c_.bend_lever) * at_.bend - PlaneD{value(&SheaveMotion::x), value(&SheaveMotion::y)};
-        s.z = at_.z - (value(&SheaveMotion::z) - side * c_.half_length);
-        s.tilt_x = value(&SheaveMotion::tilt_x);
-        s.tilt_y = value(&SheaveMotion::tilt_y);
-    }
-    /// Velocities lead by half a step, in which the pins move on above the spinning sheave; those of the beginning trail by as much.
-    [[gnu::always_inline]] void read_side_rates(const SheaveMotion& driving, const SheaveMotion& driven, SideMotion<W>& s) noexcept {
-        const auto value = [&](double SheaveMotion::*number) { return of(number, driving, driven); };
-        s.spin_x = as<W>(value(&SheaveMotion::spin_x));
-        s.spin_y = as<W>(value(&SheaveMotion::spin_y));
-        s.spin_z = value(&SheaveMotion::spin_z);
-        const PlaneD velocity{value(&SheaveMotion::vx), value(&SheaveMotion::vy)};
-        s.turned_by = as<W>((0.5 * kick_.step) * s.spin_z);
-        s.moved_on = (V(2.0) * s.turned_by) * turned(as<W>(rate_.middle));
-        s.velocity = D(s.side) * rate_.end + rate_.bend - velocity + (0.5 * kick_.step * s.spin_z) * turned(rate_.middle);
-        s.sphere_velocity = D(s.side * c_.lever) * rate_.end + D(c_.bend_lever) * rate_.bend - velocity;
-        s.velocity_z = as<W>(rate_.z - value(&SheaveMotion::vz));
-    }
+    D second_;  ///< 1 for pins of the driven shaft, else 0
+    V driven_;  ///< the same
 };
 
 }  // namespace

@@ -19,6 +19,7 @@ struct TipNumbers {
           per_cosine(1.0 / c.cosine),
           lever(c.lever),
           outward(c.outward),
+          inward(c.radius * c.cosine),
           stiffness(c.cosine * c.hertz / c.softness),
           outward_per_half(c.outward / c.half_length),
           per_half(1.0 / c.half_length),
@@ -33,6 +34,7 @@ struct TipNumbers {
           further_steps(c.further_steps + (kick.implicit() ? 0 : 1)) {}
 
     Lanes<W> radius, inverse_reach, softness, hertz, damping, per_cosine, lever, outward;  ///< as of RigidCoefficients
+    Lanes<W> inward;                                                                       ///< R_p cos β [m]
     Lanes<W> stiffness;                                                                    ///< of a tip against depth, per η [N/m]
     Lanes<W> outward_per_half;                                                             ///< R_p sin β/(ℓ_p/2)
     Lanes<W> per_half;                                                                     ///< 1/(ℓ_p/2) [1/m]
