@@ -1,4 +1,4 @@
-/// Rigid whole pins beside the program's levels of detail: operating points, their cost, the step's error, the longest stable step.
+/// Rigid pins beside the program's levels of detail: operating points, their cost, the step's error, the longest stable step.
 ///
 ///     bench_rigid SCENE [KEY=VALUE ...] [OPTION=VALUE ...]
 ///

@@ -10,8 +10,7 @@ namespace cvtflow::model {
 
 template <class Number>
 ContactFieldOf<Number>::ContactFieldOf(const ChainModel& chain)
-    : components{chain.layout().whole ? 0 : chain.coefficients().joint_points.count, chain.coefficients().plates.count,
-                 std::is_same_v<Number, float>},
+    : components{chain.coefficients().joint_points.count, chain.coefficients().plates.count, std::is_same_v<Number, float>},
       arms(static_cast<std::size_t>(chain.layout().links)) {
     make_columns(chain.layout().links + 2 * chain.layout().halo());
 }
@@ -29,23 +28,9 @@ template struct ContactFieldOf<float>;
 
 namespace {
 
-/// Whole pins have no sliding in their joints that friction could be solved for; what is lost in rolling stays with the damping.
 Coefficients without_friction(Coefficients c) {
-    c.plate_friction.coefficient = c.tip.friction.coefficient = 0.0;
-    if (!c.layout.whole) c.joint.friction.coefficient = 0.0;
+    c.plate_friction.coefficient = c.tip.friction.coefficient = c.joint.friction.coefficient = 0.0;
     return c;
-}
-
-[[nodiscard]] SingleFrictionKernels single_kernels_for(const ChainModel& chain) {
-    const CompiledKernels kernels = kernels_of(chain.isa());
-    const int order = chain.layout().order;
-    return chain.layout().whole ? kernels.pins(order).single : kernels.single(order);
-}
-
-[[nodiscard]] FrictionKernels kernels_for(const ChainModel& chain) {
-    const CompiledKernels kernels = kernels_of(chain.isa());
-    const int order = chain.layout().order;
-    return chain.layout().whole ? kernels.pins(order).friction : kernels.friction(order);
 }
 
 /// In long double, which has no vectors: the same bits whatever processor this is compiled for.
@@ -69,13 +54,6 @@ MirroredInverseOf<Number> rounded(const MirroredInverse& inverse) {
     MirroredInverseOf<Number> to;
     std::ranges::transform(inverse.sum, to.sum.begin(), [](double x) { return static_cast<Number>(x); });
     std::ranges::transform(inverse.difference, to.difference.begin(), [](double x) { return static_cast<Number>(x); });
-    return to;
-}
-
-template <class Number>
-PinInverseOf<Number> rounded(const SmallInverse& inverse) {
-    PinInverseOf<Number> to;
-    for (std::size_t k = 0; k < to.column.size(); ++k) to.column[k] = static_cast<Number>(inverse.column[k]);
     return to;
 }
 
@@ -104,11 +82,6 @@ FrictionNumbers<Number>::FrictionNumbers(const ChainModel& chain)
     round_all(c.joint_points.position, joint_position);
     for (std::size_t m = 0; m < joint_basis.size(); ++m) round_all(c.joint_points.basis[m], joint_basis[m]);
     round_all(c.plates.position, plate_position);
-    if (chain.layout().whole) {
-        pin_lateral = rounded<Number>(chain.inertia().lateral);
-        pin_axial = rounded<Number>(chain.inertia().axial);
-        return;
-    }
     lateral = rounded<Number>(inverse_of(chain.inertia().lateral_matrix.data(), chain.layout().lateral()));
     axial = rounded<Number>(inverse_of(chain.inertia().axial_matrix.data(), 2));
 }
@@ -119,7 +92,7 @@ FrictionOperator::FrictionOperator(const ChainModel& chain, bool by_phase)
       numbers_(chain),
       single_numbers_(chain),
       by_phase_(by_phase),
-      kernels_(kernels_for(chain)),
-      single_(single_kernels_for(chain)) {}
+      kernels_(kernels_of(chain.isa()).friction(chain.layout().order)),
+      single_(kernels_of(chain.isa()).single(chain.layout().order)) {}
 
 }  // namespace cvtflow::model

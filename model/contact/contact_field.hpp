@@ -1,7 +1,6 @@
 #pragma once
 /// Every friction contact of the chain with all frozen but velocities, laid out component by component so that lanes can run over links:
-/// [component][column], column = link + 1; column 0 repeats the last link, column links + 1 the first. (With whole pins
-/// three columns on each side do, and a column is a pin and the link behind which it lies.)
+/// [component][column], column = link + 1; column 0 repeats the last link, column links + 1 the first. Of pins in halves only.
 ///
 /// In double precision velocities are what they are. In single precision they count from those at which the contacts were recorded, so that
 /// small differences of large velocities are taken in double precision, once a step; a field then also holds how contacts slide at those.
@@ -72,12 +71,6 @@ struct MirroredInverseOf {
 };
 using MirroredInverse = MirroredInverseOf<double>;
 
-/// Inverse of a mass matrix of a whole pin, as SmallInverse has it.
-template <class Number>
-struct PinInverseOf {
-    std::array<Number, max_lateral * 2 * max_lateral> column{};
-};
-
 /// Slower sliding counts as this in single precision: its square is still a float, and so is one over it [m/s].
 inline constexpr double slowest_single = 1e-15;
 
@@ -91,8 +84,7 @@ struct FrictionNumbers {
     std::array<Number, max_joint_lanes> joint_position{};                        ///< ξ [1]
     std::array<std::array<Number, max_joint_lanes>, max_lateral> joint_basis{};  ///< P_m(ξ)
     std::array<Number, max_plate_lanes> plate_position{};                        ///< ξ [1]
-    MirroredInverseOf<Number> lateral, axial;                                    ///< of x, and of y; of z and e; not with whole pins
-    PinInverseOf<Number> pin_lateral, pin_axial;                                 ///< the same of whole pins
+    MirroredInverseOf<Number> lateral, axial;                                    ///< of x, and of y; of z and e
 };
 
 class FrictionOperator;
@@ -182,7 +174,7 @@ struct FrictionKernels {
     using Evaluate = void (*)(const FrictionOperator&, const ContactField&, const FrictionRange&, const FrictionStage&) noexcept;
     Record record;
     Evaluate slopes, all_sticking;
-    SweepKernels<double> sweeps;  ///< absent with whole pins
+    SweepKernels<double> sweeps;
 };
 
 /// The same in single precision.

@@ -61,22 +61,6 @@ SlipKernels slip_kernels<Isa::avx2>(int order, int points) noexcept;
 template <>
 SlipKernels slip_kernels<Isa::avx512>(int order, int points) noexcept;
 
-/// Functions for whole pins of one order and one instruction set. Contacts are recorded with the forces alone.
-struct PinKernels {
-    ChainKernels chain;
-    FrictionKernels friction;
-    SingleFrictionKernels single;
-};
-/// Defined in pin_kernels.cpp, likewise.
-template <Isa isa>
-PinKernels pin_kernels(int order) noexcept;
-template <>
-PinKernels pin_kernels<Isa::baseline>(int order) noexcept;
-template <>
-PinKernels pin_kernels<Isa::avx2>(int order) noexcept;
-template <>
-PinKernels pin_kernels<Isa::avx512>(int order) noexcept;
-
 struct CompiledKernels {
     Isa isa;
     ChainKernels (*chain)(int order) noexcept;
@@ -84,7 +68,6 @@ struct CompiledKernels {
     FrictionKernels (*friction)(int order) noexcept;
     SingleFrictionKernels (*single)(int order) noexcept;
     SlipKernels (*slip)(int order, int points) noexcept;
-    PinKernels (*pins)(int order) noexcept;
 };
 /// Whatever this program contains, ascending. The build writes this list (compiled_kernels.cpp.in).
 [[nodiscard]] std::vector<CompiledKernels> compiled_kernels();

@@ -88,7 +88,7 @@ LinkKind link_kind(const Parameters& p, double pitch) {
             damped_spring(p.plate.count * p.plate.torsion_stiffness, tilt_inertia, zeta)};
 }
 
-/// Share of the width of contact that slides in effect: the loss is that of joints between halves. (model/EQUATIONS.md section 10)
+/// Share of the width of contact that slides in effect: the loss is that of joints between halves. (model/EQUATIONS.md section 11)
 constexpr double rolling_share = 0.11;
 
 /// Half the width over which two profiles of radius ρ touch under N is sqrt(ρ N/k_J).
@@ -123,7 +123,7 @@ TipCoefficients tip_coefficients(const Parameters& p) {
             t.radius,
             p.pulley.arc_radius + t.radius,
             p.pulley.arc_position + t.radius * sine,
-            2.0 / layout_of(p).bodies() * t.hertz,  // both halves of a whole pin touch at once
+            t.hertz,
             p.chain.damping_ratio * critical / (t.hertz * t.reference_depth * root),
             FrictionCurve(t.friction, p.detail),
             tip_law(p, p.oil.temperature)};

@@ -67,7 +67,7 @@ struct JointCoefficients {
     double reference_depth;                                    ///< [m]
     double clearance, clearance_stiffness, clearance_damping;  ///< c_g, k_g, χ_g [m, N/m, s/m]
     FrictionCurve friction;
-    double rolling_arm;  ///< a_r over sqrt(N): sliding per angle between the links, where pins are whole [m/√N]
+    double rolling_arm;  ///< a_r over sqrt(N): sliding per angle between the links, of rigid pins [m/√N]
 };
 
 struct Coefficients {

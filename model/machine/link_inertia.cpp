@@ -136,11 +136,7 @@ template <int Lateral, int Axial>
 }  // namespace
 
 double kinetic_energy(const LinkInertia& inertia, const double* v) noexcept {
-    if (inertia.axial.size == 2) {
-        constexpr double (*of_pin[])(const LinkInertia&, const double*) noexcept = {kinetic_of<1, 2>, kinetic_of<2, 2>, kinetic_of<3, 2>,
-                                                                                    kinetic_of<4, 2>};
-        return of_pin[inertia.lateral.size - 1](inertia, v);
-    }
+    if (inertia.axial.size == 2) return kinetic_of<3, 2>(inertia, v);  // rigid pins
     switch (inertia.lateral.size) {
         case 2: return kinetic_of<2, 4>(inertia, v);
         case 4: return kinetic_of<4, 4>(inertia, v);

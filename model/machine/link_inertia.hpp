@@ -1,6 +1,6 @@
 #pragma once
-/// The constant inertia of a link (or of a whole pin) and its inverse. x, y and z do not couple: diag(B, B, C). (model/EQUATIONS.md
-/// sections 2 and 10)
+/// The constant inertia of a link (or of a rigid pin) and its inverse. x, y and z do not couple: diag(B, B, C). (model/EQUATIONS.md
+/// sections 2 and 11)
 
 #include <array>
 
@@ -25,10 +25,10 @@ struct LinkInertia {
     std::array<double, 16> axial_matrix{};                                       ///< C itself [kg]
 };
 
-/// Kinetic energy of a link or a whole pin [J]. @param v its velocities as in the state
+/// Kinetic energy of a link or a rigid pin [J]. @param v its velocities as in the state
 [[nodiscard]] double kinetic_energy(const LinkInertia& inertia, const double* v) noexcept;
 
-/// Inertia of a link with the given parameters; the same for every link as plates weigh the same whatever their pitch. With whole pins that
+/// Inertia of a link with the given parameters; the same for every link as plates weigh the same whatever their pitch. With rigid pins that
 /// of a pin, with half of the plates of both links that it ties.
 [[nodiscard]] LinkInertia link_inertia(const Parameters& parameters);
 

@@ -6,8 +6,6 @@
 
 #include "model/basis/order.hpp"
 #include "model/kernels/chain_parts.hpp"
-#include "model/kernels/pins/pin_among_others.hpp"
-#include "model/observe/pin_halves.hpp"
 #include "model/observe/rigid_forces.hpp"
 
 namespace cvtflow::model {
@@ -19,14 +17,13 @@ namespace {
 /// What is read of a state, and where the forces go.
 struct ForceReading {
     const ChainModel& chain;
-    const double* state;   ///< as it is, for tips
-    const double* halves;  ///< its links as those of halves
+    const double* state;
     const SheaveMotion* sheaves;
     const Phase* phases;
     ChainForces& forces;
 
     [[nodiscard]] const Coefficients& coefficients() const noexcept { return chain.coefficients(); }
-    [[nodiscard]] const double* link(int number) const noexcept { return halves + halves_layout(chain.layout()).link_begin(number); }
+    [[nodiscard]] const double* link(int number) const noexcept { return state + chain.layout().link_begin(number); }
 };
 
 template <int P>
@@ -54,33 +51,6 @@ void read_tips(const ForceReading& from, int link) {
     sqrt(dot(slip, slip)).copy_to(&from.forces.tip_sliding[first]);
     TipLanes(-dot(contact.friction, motion.material)).copy_to(&from.forces.tip_power[first]);
     sqrt(x * x + y * y).copy_to(&from.forces.tip_radius[first]);
-}
-
-/// Both tips of a whole pin, whose forces are stored as those of the rear tips of the link behind it.
-template <int P>
-void read_pin_tips(const ForceReading& from, int pin) {
-    const Coefficients& c = from.coefficients();
-    const Phase* phases = from.phases + tips_per_link * pin;
-    if (c.layout.pulley_size == 0 || !any_touching(phases)) return;
-    NeighbourWindow strip;
-    PinAmongOthers<P>(from.chain, strip.of(c.layout, from.state, pin), from.sheaves)
-        .tips([&](int side, const auto& geometry, const auto& motion) {
-            const PhaseLanes own{phases + side, 1, phases[side] != Phase::touching, 1};
-            const auto contact =
-                tip_forces<false, 1>(c.tip, geometry, motion, Lanes<1>(phases[side] == Phase::free ? 0.0 : 1.0), own, nullptr);
-            const auto push = tip_reaction(geometry, motion, contact).force;
-            const double middle = from.chain.shaft_of(from.state + c.layout.link_begin(pin)) * c.centre_distance;
-            const double x = (geometry.end.x + motion.lever_x)[0] - middle, y = (geometry.end.y + motion.lever_y)[0];
-            const double inverse = 1.0 / std::sqrt(x * x + y * y);
-            const std::size_t tip = place(tips_per_link * pin + side);
-            from.forces.tip_normal[tip] = contact.normal[0];
-            from.forces.tip_tangential[tip] = (x * push.y[0] - y * push.x[0]) * inverse;
-            from.forces.tip_radial[tip] = (x * push.x[0] + y * push.y[0]) * inverse;
-            const auto slip = tangential(motion.material, geometry.normal);
-            from.forces.tip_sliding[tip] = std::sqrt(dot(slip, slip)[0]);
-            from.forces.tip_power[tip] = -dot(contact.friction, motion.material)[0];
-            from.forces.tip_radius[tip] = 1.0 / inverse;
-        });
 }
 
 template <int P, int W>
@@ -116,36 +86,6 @@ void read_joint(const ForceReading& from, int pin) {
     from.forces.joint_axial[place(pin)] = -sum<W>(rolling.friction_per_speed * motion.axial);
 }
 
-/// Generalized forces on the halves of a link by its plates and elasticity.
-template <int P>
-[[nodiscard]] std::array<double, at<P>.link_size()> link_forces(const ForceReading& from, int link) {
-    const double* state = from.link(link);
-    const LinkFrame frame = link_frame<P>(state, state + at<P>.link_size());
-    std::array<double, at<P>.link_size()> f;
-    add_moment<P>(frame, link_part<P, false>(from.coefficients(), link, frame, state, f.data(), nullptr), f.data());
-    return f;
-}
-
-/// What a whole pin carries from half to half: across the bisector of its links (pressing), and along it, which rolling without sliding
-/// takes.
-template <int P>
-void read_constraint(const ForceReading& from, int pin) {
-    const ChainLayout& layout = from.chain.layout();
-    const auto before = link_forces<P>(from, layout.previous(pin)), after = link_forces<P>(from, pin);
-    const auto apart = [&](int front, int rear) { return 0.5 * (before[place(front)] - after[place(rear)]); };
-    const double x = apart(at<P>.x(End::front, 0), at<P>.x(End::rear, 0)), y = apart(at<P>.y(End::front, 0), at<P>.y(End::rear, 0));
-    const auto line = [&](int from_pin) {
-        const double* here = from.state + layout.link_begin(from_pin);
-        const double* next = from.state + layout.link_begin(layout.next(from_pin));
-        const int ix = layout.x(End::rear, 0), iy = layout.y(End::rear, 0);
-        return pitch_line<double>({next[ix] - here[ix], next[iy] - here[iy]}, {0.0, 0.0}).along;
-    };
-    const Plane<double> both = line(layout.previous(pin)) + line(pin);
-    const double inverse = 1.0 / std::sqrt(dot(both, both));
-    from.forces.joint_normal[place(pin)] = std::max(0.0, -(x * both.x + y * both.y) * inverse);
-    from.forces.joint_friction[place(pin)] = -(both.x * y - both.y * x) * inverse;
-}
-
 /// Second derivative of the axis in the middle: P_2'' = 3, P_3''(0) = 0. With EI and the axial strain 2e/ℓ_p.
 template <int P>
 void read_halves(const ForceReading& from, int link) {
@@ -170,13 +110,8 @@ void read_forces(const ForceReading& from) {
     const Coefficients& c = from.coefficients();
     for (int link = 0; link < c.layout.links; ++link) {
         with_lanes(c.plates.width, [&]<int W>() { read_plates<P, W>(from, link); });
-        if (c.layout.whole) {
-            read_pin_tips<P>(from, link);
-            read_constraint<P>(from, link);
-        } else {
-            read_tips<P>(from, link);
-            with_lanes(c.joint_points.width, [&]<int W>() { read_joint<P, W>(from, link); });
-        }
+        read_tips<P>(from, link);
+        with_lanes(c.joint_points.width, [&]<int W>() { read_joint<P, W>(from, link); });
         read_halves<P>(from, link);
     }
 }
@@ -195,9 +130,7 @@ void observe_forces(const ChainModel& chain, const double* state, const SheaveMo
     for (auto* list : {&forces.joint_normal, &forces.joint_friction, &forces.joint_axial}) list->assign(links, 0.0);
     forces.plate_tension.assign(place(forces.plates_per_link) * links, 0.0);
     if (chain.rigid() != nullptr) return observe_rigid_forces(*chain.rigid(), state, sheaves, forces);
-    std::vector<double> halves;
-    halves_of(chain.coefficients(), state, halves);
-    const ForceReading reading{chain, state, halves.data(), sheaves, phases, forces};
+    const ForceReading reading{chain, state, sheaves, phases, forces};
     of_order(chain.layout().order, [&]<int P>() { read_forces<P>(reading); });
 }
 

@@ -2,51 +2,32 @@
 
 #include "model/basis/order.hpp"
 #include "model/kernels/chain_parts.hpp"
-#include "model/kernels/pins/pin_among_others.hpp"
 #include "model/variator/rigid/rigid_chain.hpp"
 
 namespace cvtflow::model {
 
 namespace {
 
-/// Adds the tips in the lanes to the sums of their pulley.
-template <int W, int P>
-void add_tips(const TipCoefficients& tip, const TipGeometry<P, Lanes<W>>& geometry, const TipMotion<Lanes<W>>& motion,
-              const Lanes<W>& touching, const PhaseLanes& phases, std::size_t shaft, Creep& sums) noexcept {
-    const Lanes<W> normal = tip_forces<false, W>(tip, geometry, motion, touching, phases, nullptr).normal;
-    const auto v = tangential(motion.material, geometry.normal);
-    const Lanes<W> hold = grip<W>(tip, normal, sqrt(positive_part<W>(geometry.depth)), dot(v, v), phases);
-    const auto& r = motion.sheave_arm;
-    const Lanes<W> square = r.x * r.x + r.y * r.y, around = r.x * v.y - r.y * v.x;
-    sums.hold[shaft] += sum<W>(hold * square);
-    sums.drag[shaft] += sum<W>(hold * around);
-    sums.power += sum<W>(hold * around * around / square);
-}
-
+/// Adds the tips of a link to the sums of their pulley.
 template <int P>
 void add_link(const ChainModel& chain, const double* q, const SheaveMotion* sheaves, const Phase* phases, Creep& sums) noexcept {
     const Coefficients& c = chain.coefficients();
     const double* v = q + at<P>.link_size();
-    const int shaft = chain.shaft_of(q);
+    const auto shaft = static_cast<std::size_t>(chain.shaft_of(q));
     const FourTips four;
     const LinkFrame frame = link_frame<P>(q, v);
     const auto sheave = sheaves_at(four, sheaves + 2 * shaft);
     const auto geometry = tip_geometry<P>(c, four, frame, q, sheave);
     const auto motion = tip_motion<P>(c, four, frame, v, sheave, geometry);
-    add_tips<tips_per_link>(c.tip, geometry, motion, touching_lanes(phases), phases_of_link(phases), static_cast<std::size_t>(shaft), sums);
-}
-
-template <int P>
-void add_pin(const ChainModel& chain, const double* state, int pin, const SheaveMotion* sheaves, const Phase* phases,
-             Creep& sums) noexcept {
-    const Coefficients& c = chain.coefficients();
-    NeighbourWindow strip;
-    const PinAmongOthers<P> among(chain, strip.of(c.layout, state, pin), sheaves);
-    among.tips([&](int side, const auto& geometry, const auto& motion) {
-        const PhaseLanes own{phases + side, 1, phases[side] != Phase::touching, 1};
-        const Lanes<1> touching(phases[side] == Phase::free ? 0.0 : 1.0);
-        add_tips<1>(c.tip, geometry, motion, touching, own, static_cast<std::size_t>(among.shaft()), sums);
-    });
+    const PhaseLanes of_tips = phases_of_link(phases);
+    const TipLanes normal = tip_forces<false, tips_per_link>(c.tip, geometry, motion, touching_lanes(phases), of_tips, nullptr).normal;
+    const auto slip = tangential(motion.material, geometry.normal);
+    const TipLanes hold = grip<tips_per_link>(c.tip, normal, sqrt(positive_part<tips_per_link>(geometry.depth)), dot(slip, slip), of_tips);
+    const auto& r = motion.sheave_arm;
+    const TipLanes square = r.x * r.x + r.y * r.y, around = r.x * slip.y - r.y * slip.x;
+    sums.hold[shaft] += sum<tips_per_link>(hold * square);
+    sums.drag[shaft] += sum<tips_per_link>(hold * around);
+    sums.power += sum<tips_per_link>(hold * around * around / square);
 }
 
 template <int P>
@@ -54,11 +35,7 @@ void add_chain(const ChainModel& chain, const double* state, const SheaveMotion*
     const ChainLayout& layout = chain.layout();
     for (int link = 0; link < layout.links; ++link) {
         const Phase* own = phases + tips_per_link * link;
-        if (!any_touching(own)) continue;
-        if (layout.whole)
-            add_pin<P>(chain, state, link, sheaves, own, sums);
-        else
-            add_link<P>(chain, state + layout.link_begin(link), sheaves, own, sums);
+        if (any_touching(own)) add_link<P>(chain, state + layout.link_begin(link), sheaves, own, sums);
     }
 }
 

@@ -128,10 +128,10 @@ void Observer::observe_radii(const double* state, const Phase* phases) noexcept 
     double turning[2] = {0.0, 0.0};
     int count[2] = {0, 0};
     for (int pin = 0; pin < at.links; ++pin) {
-        const int before = at.tips() == tips_per_link ? at.previous(pin) : pin;  // link of its front half's tips
+        const int before = at.previous(pin);  // link of its front half's tips
         if (loose(phases, pin) || loose(phases, before)) continue;
         const double* rear = state + at.link_begin(pin);
-        const double* front = state + at.link_begin(at.whole ? pin : before);
+        const double* front = state + at.link_begin(at.rigid ? pin : before);
         const int shaft = variator_.chain().shaft_of(rear);
         const double x =
             middle(rear, front, at.x(End::rear, 0), at.x(End::front, 0)) - shaft * variator_.chain().coefficients().centre_distance;

@@ -1,5 +1,5 @@
 #pragma once
-/// Positions of the halves of whole pins, for observations of halves, plates and links.
+/// Positions of the halves of rigid pins, for observations of halves, plates and links.
 
 #include <vector>
 
@@ -10,7 +10,7 @@ namespace cvtflow::model {
 /// Layout of what halves_of() gives.
 [[nodiscard]] ChainLayout halves_layout(ChainLayout layout) noexcept;
 
-/// The links of a state as those of halves, in halves_layout(); as they are where pins are not whole. state, halves [unknowns]
+/// The links of a state as those of halves, in halves_layout(); as they are where pins are halves already. state, halves [unknowns]
 void halves_of(const Coefficients& coefficients, const double* state, std::vector<double>& halves);
 
 }  // namespace cvtflow::model

@@ -1,5 +1,5 @@
 #pragma once
-/// Forces inside a chain of rigid whole pins at one instant.
+/// Forces inside a chain of rigid pins at one instant.
 
 #include "model/observe/chain_forces.hpp"
 #include "model/variator/rigid/rigid_chain.hpp"

@@ -19,7 +19,6 @@ ChainLayout layout_of(const Parameters& parameters) noexcept {
             pulley_size,
             has_pulleys ? controllers(parameters.control) + hydraulics : 0,
             parameters.ledger,
-            parameters.detail.pins != PinDetail::halves,
             rigid};
 }
 

@@ -5,9 +5,9 @@
 ///     hydraulics] ledger: [losses, works]   q of a link: [a.x_0…a.x_p  b.x_0…b.x_p | a.y…  b.y… | a.z a.e b.z b.e],  a = rear half
 ///     (R_link), b = front half (L_{link+1})
 ///
-/// With whole pins (detail.pins) a block is a pin instead of a link, the one behind which link begins:
+/// With rigid pins (detail.pins) a block is a pin instead of a link, the one behind which link begins:
 ///
-///     q of a pin: [x_0…x_p | y_0…y_p | z e]      of a rigid pin: [x_0 x_1 x_2 | y_0 y_1 y_2 | z ζ]
+///     q of a pin: [x_0 x_1 x_2 | y_0 y_1 y_2 | z ζ]
 ///
 /// A slope (time derivative of a state) has the same layout: [v | acceleration] per block.
 
@@ -37,12 +37,11 @@ struct ChainLayout {
     int pulley_size = 36;  ///< generalized coordinates of shafts and sheaves: 36, 4 or 0
     int controls = 0;      ///< integrals of controllers, 0…2: of S_1's (or of the only one), of S_2's beside it; and hydraulic_unknowns
     bool ledger = false;
-    bool whole = false;  ///< pins are one body each
-    bool rigid = false;  ///< as well as whole: x_0, y_0 the mean over the plates, ζ in the place of e; order is 2
+    bool rigid = false;  ///< pins are one body each: x_0, y_0 the mean over the plates, ζ in the place of e; order is 2
 
     [[nodiscard]] constexpr int lateral() const noexcept { return order + 1; }
     /// Halves that a block holds the coordinates of.
-    [[nodiscard]] constexpr int bodies() const noexcept { return whole ? 1 : 2; }
+    [[nodiscard]] constexpr int bodies() const noexcept { return rigid ? 1 : 2; }
     [[nodiscard]] constexpr int link_size() const noexcept { return bodies() * (2 * lateral() + 2); }
     [[nodiscard]] constexpr int link_block() const noexcept { return 2 * link_size(); }
     /// First index of a link's block: its q; its v follows at + link_size().
@@ -59,7 +58,7 @@ struct ChainLayout {
     /// Number of generalized coordinates (half of the second-order unknowns).
     [[nodiscard]] constexpr int coordinates() const noexcept { return links * link_size() + pulley_size; }
 
-    /// Offsets inside a link's q (or v); of a whole pin, whichever end is asked for.
+    /// Offsets inside a link's q (or v); of a rigid pin, whichever end is asked for.
     [[nodiscard]] constexpr int x(End end, int m) const noexcept { return place(end) * lateral() + m; }
     [[nodiscard]] constexpr int y(End end, int m) const noexcept { return (bodies() + place(end)) * lateral() + m; }
     [[nodiscard]] constexpr int z(End end) const noexcept { return 2 * (bodies() * lateral() + place(end)); }
@@ -68,11 +67,8 @@ struct ChainLayout {
     [[nodiscard]] constexpr int slide() const noexcept { return z(End::rear) + 1; }
 
     /// Neighbours on each side on which the forces on a block depend, and those on which contact of its tips depends.
-    [[nodiscard]] constexpr int halo() const noexcept { return whole ? 3 : 1; }
-    [[nodiscard]] constexpr int probe_halo() const noexcept { return rigid ? 2 : whole ? 1 : 0; }
-
-    /// Tips of a link: a whole pin that can deform has one for both halves, where those of the rear half are.
-    [[nodiscard]] constexpr int tips() const noexcept { return whole && !rigid ? 2 : 4; }
+    [[nodiscard]] constexpr int halo() const noexcept { return rigid ? 3 : 1; }
+    [[nodiscard]] constexpr int probe_halo() const noexcept { return rigid ? 2 : 0; }
 
     [[nodiscard]] constexpr int next(int link) const noexcept { return link + 1 == links ? 0 : link + 1; }
     [[nodiscard]] constexpr int previous(int link) const noexcept { return link == 0 ? links - 1 : link - 1; }
@@ -82,7 +78,7 @@ struct ChainLayout {
     bool operator==(const ChainLayout&) const = default;
 
 private:
-    [[nodiscard]] constexpr int place(End end) const noexcept { return whole ? 0 : static_cast<int>(end); }
+    [[nodiscard]] constexpr int place(End end) const noexcept { return rigid ? 0 : static_cast<int>(end); }
 };
 
 /// Largest number of unknowns of a block.

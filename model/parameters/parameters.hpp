@@ -13,8 +13,8 @@
 
 namespace cvtflow::model {
 
-enum class PinDetail { halves, whole, rigid };
-inline constexpr std::array<std::string_view, 3> pin_detail_names{"halves", "whole", "rigid"};
+enum class PinDetail { halves, rigid };
+inline constexpr std::array<std::string_view, 2> pin_detail_names{"halves", "rigid"};
 [[nodiscard]] constexpr std::string_view name_of(PinDetail pins) noexcept { return pin_detail_names[static_cast<std::size_t>(pins)]; }
 enum class PlateDetail { each, lumped };
 enum class PulleyDetail { elastic, rigid, absent };
@@ -34,7 +34,7 @@ enum class StartLayout { belt, ring };
 
 /// What is resolved at all. Absent detail is absent from the state vector.
 struct Detail {
-    PinDetail pins = PinDetail::halves;      ///< two halves that roll in contact; one body, rolling a constraint; that body rigid
+    PinDetail pins = PinDetail::halves;      ///< two halves that roll in contact; one body whose halves roll by constraint
     int order = 3;                           ///< p, Legendre order of the axis of a pin half, 0…3
     PlateDetail plates = PlateDetail::each;  ///< every plate, or a lumped pack with the same moments
     int joint_points = 3;                    ///< Gauss-Legendre points along the rolling line of a joint, 1…16

@@ -16,20 +16,20 @@ double link_mass(const Parameters& p) noexcept { return 2.0 * p.half.mass + p.pl
 
 namespace {
 
-/// Calls put(link block, end, pin) for every half, or for every whole pin.
+/// Calls put(link block, end, pin) for every half, or for every rigid pin.
 template <class Put>
 void for_every_half(const ChainLayout& at, std::vector<double>& state, const Put& put) {
     for (int link = 0; link < at.links; ++link) {
         double* block = state.data() + at.link_begin(link);
         put(block, End::rear, static_cast<std::size_t>(link));
-        if (at.whole) continue;
+        if (at.rigid) continue;
         put(block, End::front, static_cast<std::size_t>(at.next(link)));
     }
 }
 
-/// Of a half, or of a whole pin in the middle between both.
+/// Of a half, or of a rigid pin in the middle between both.
 [[nodiscard]] Point place_of(const ChainLayout& at, const PlacedChain& chain, End end, std::size_t pin) {
-    if (at.whole) return 0.5 * (chain.front[pin] + chain.rear[pin]);
+    if (at.rigid) return 0.5 * (chain.front[pin] + chain.rear[pin]);
     return (end == End::rear ? chain.rear : chain.front)[pin];
 }
 

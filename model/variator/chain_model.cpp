@@ -10,20 +10,13 @@ namespace cvtflow::model {
 namespace {
 
 [[nodiscard]] ChainKernels kernels_for(const Parameters& parameters, Isa isa) {
-    const CompiledKernels kernels = kernels_of(isa);
-    const int order = parameters.detail.order;
-    switch (parameters.detail.pins) {
-        case PinDetail::rigid: return RigidChain::kernels();
-        case PinDetail::whole: return kernels.pins(order).chain;
-        case PinDetail::halves: break;
-    }
-    return kernels.chain(order);
+    return parameters.detail.pins == PinDetail::rigid ? RigidChain::kernels() : kernels_of(isa).chain(parameters.detail.order);
 }
 
 }  // namespace
 
 const double* NeighbourWindow::of(const ChainLayout& layout, const double* state, int link) noexcept {
-    if (!layout.whole) return state + layout.link_begin(link);
+    if (!layout.rigid) return state + layout.link_begin(link);
     const int block = layout.link_block();
     for (int place = 0; place < blocks; ++place)
         std::copy_n(state + layout.link_begin(layout.wrapped(link + place - before)), block, numbers_ + place * block);

@@ -2,7 +2,7 @@
 /// The chain as a function of ranges of links: accelerations, contact gaps, energies. Pure: no time step, no thread.
 ///
 /// A *window* holds the states of links first-1 … last (one neighbour on each side), contiguous, link_block() numbers each:
-/// what a range [first, last) of links needs to know, wherever it comes from. With whole pins it holds ChainLayout::halo() of them on each
+/// what a range [first, last) of links needs to know, wherever it comes from. With rigid pins it holds ChainLayout::halo() of them on each
 /// side.
 
 #include <memory>
@@ -50,7 +50,7 @@ struct LinkContact {
 class ChainModel;
 class RigidChain;
 
-/// The block of one link where its neighbours are beside it, as far as contact of whole pins needs them: one before, two behind. Halves
+/// The block of one link where its neighbours are beside it, as far as contact of rigid pins needs them: one before, two behind. Halves
 /// need none: theirs is where it is.
 class NeighbourWindow {
 public:
@@ -95,14 +95,14 @@ public:
                          LinkContact* contacts = nullptr) const noexcept {
         kernels_.observed_slopes(*this, range, slope, loads, accounts, contacts);
     }
-    /// Depth of the four tips of one link, whatever their phase. `state` is the link's block; with whole pins one more lies on each side of
-    /// it (NeighbourWindow), and the front tips are far away.
+    /// Depth of the four tips of one link, whatever their phase. `state` is the link's block; with rigid pins one more lies before it and
+    /// two behind (NeighbourWindow).
     /// @param slip whether slip is computed: only the phases stick and slip need it
     void probe(const double* state, const SheaveMotion* sheaves, bool slip, TipProbe& probe) const noexcept {
         kernels_.probe(*this, state, sheaves, slip, probe);
     }
-    /// probe(), bit by bit, for `links` neighbouring links. @param states their blocks (of whole pins: with one more on each side)   @param
-    /// probes [links]
+    /// probe(), bit by bit, for `links` neighbouring links. @param states their blocks (of rigid pins: with one more before and
+    /// two behind)   @param probes [links]
     void probe_links(const double* states, int links, const SheaveMotion* sheaves, bool slip, TipProbe* probes) const noexcept {
         kernels_.probe_links(*this, states, links, sheaves, slip, probes);
     }

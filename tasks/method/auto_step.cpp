@@ -71,11 +71,9 @@ MethodReach reach_of(const Method& method) {
 /// the step [s].
 constexpr double longest_with_tip_law = 0.7e-6;
 
-/// Whole pins have no stiff friction in joints that a step could leave something of: at 2.5 us slip, tensions and losses are those at
-/// 1.4 us to a thousandth (decision 84). Rigid pins: strands are off by 0.7 % at 5 us, and 6.2 us are stable.
+/// Rigid pins: strands are off by 0.7 % at 5 us, and 6.2 us are stable.
 double longest_automatic_step(const Method& method, const model::Parameters& parameters) {
     if (parameters.detail.pins == model::PinDetail::rigid) return 5e-6;
-    if (parameters.detail.pins == model::PinDetail::whole) return 2.5e-6;
     const MethodProgram* program = method.program();
     const double longest = program == nullptr ? usual_longest_step : program->longest_step;
     return parameters.tip.friction_law == model::TipFriction::constant ? longest : std::min(longest, longest_with_tip_law);
@@ -86,20 +84,15 @@ namespace {
 /// Of the leapfrog of rigid pins: h²ω² + 2 h d < 4, as dampers take the velocity before the step; friction sets no limit.
 constexpr MethodReach rigid_reach{2.0, forever, forever, 2.0, 2.0};
 
-/// Largest h ω of whole pins: beyond it losses are off by up to 1 % on one machine in six of `cvtflow-lab lottery` (decision 84) [1].
-constexpr double accurate_whole = 0.9;
-
 [[nodiscard]] MethodReach reach_with(const model::Parameters& parameters, const Method& method) {
     const MethodProgram* program = method.program();
     const bool leapfrog = program != nullptr && program->stability != nullptr;
     if (leapfrog && parameters.detail.pins == model::PinDetail::rigid) return rigid_reach;
-    MethodReach reach = reach_of(method);
-    if (parameters.detail.pins == model::PinDetail::whole) reach.accurate = std::min(reach.accurate, accurate_whole);
-    return reach;
+    return reach_of(method);
 }
 
 /// Largest h times FallingFriction::growth(). Machine 93 of the lottery lost 3.6 % too much at 0.37 and 1.0 % at 0.25, machine 27 1.3 % at
-/// 0.2; machine 357, of whole pins, slipped by 1.8 % too much at 0.75 and lost 1.3 % too much at 0.3 [1].
+/// 0.2 [1].
 constexpr double accurate_growth = 0.15;
 
 /// Longest stable step of an oscillation ω with an explicit damping δ. A leapfrog that takes the damping at velocities extrapolated to the

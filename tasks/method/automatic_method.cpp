@@ -12,7 +12,7 @@ std::span<const AutomaticChoice> automatic_choices() noexcept {
         AutomaticChoice{"leapfrog-sweep", "rigid pins",
                         [](const model::Parameters& parameters) { return parameters.detail.pins == model::PinDetail::rigid; }},
         AutomaticChoice{"leapfrog-sweep", "pin halves with the piecewise friction law", sweeps_suit},
-        AutomaticChoice{"leapfrog-chebyshev", "whole pins, other friction laws, saturation speeds below a hundredth of the usual ones",
+        AutomaticChoice{"leapfrog-chebyshev", "other friction laws, saturation speeds below a hundredth of the usual ones",
                         [](const model::Parameters&) { return true; }},
     };
     return choices;

@@ -49,7 +49,7 @@ struct MethodProgram {
     [[nodiscard]] std::string objection(const model::Parameters& parameters) const;
 };
 
-/// Of methods that do not take whole pins, whose accelerations depend on three neighbours each side: exact Jacobians and friction solved
+/// Of methods that do not take rigid pins, whose accelerations depend on three neighbours each side: exact Jacobians and friction solved
 /// for in slips are made for halves, whose depend on one. Nor do they know that an eccentric flank moves as its shaft turns.
 [[nodiscard]] std::string_view missing_halves(const model::Parameters& parameters) noexcept;
 

@@ -45,7 +45,7 @@ const std::string* text_attribute(const engine::SavedState& saved, std::string_v
 }
 
 [[nodiscard]] bool same_coordinates(const model::ChainLayout& a, const model::ChainLayout& b) noexcept {
-    return a.order == b.order && a.links == b.links && a.pulley_size == b.pulley_size && a.whole == b.whole && a.rigid == b.rigid;
+    return a.order == b.order && a.links == b.links && a.pulley_size == b.pulley_size && a.rigid == b.rigid;
 }
 
 /// Energies of a state by kind, without the kinetic one [J]. The phases are the settled ones: what they hold is compared.

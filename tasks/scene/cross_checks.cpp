@@ -177,7 +177,7 @@ Violation method_takes_machine(const Scene& scene) {
 
 Violation assembly_takes_pins(const Scene& scene) {
     if (scene.run.assembly == Assembly::fused || scene.parameters.detail.pins == model::PinDetail::halves) return {};
-    return "run.assembly: \"staged\" requires detail.pins = \"halves\": other pins have no separate joints";
+    return "run.assembly: \"staged\" requires detail.pins = \"halves\": rigid pins have no separate joints";
 }
 
 Violation rigid_pins_are_simple(const Scene& scene) {

@@ -17,8 +17,8 @@ const std::vector<Parameter>& rows() {
      "model choice", [](Scene& s) -> Slot { return &s.description; }},
 
     {"detail.pins", "", 0, 0, {model::pin_detail_names.begin(), model::pin_detail_names.end()},
-     "Pins of two halves that roll on each other in contact; of one body that rolls by constraint: half the unknowns, two tips per pin; "
-     "or that body with four tips, whose halves slide along it and which bends in one shape (order 2, lumped plates, one thread).",
+     "Pins of two halves that roll on each other in contact; or of one body whose halves roll by constraint and slide along it, and which "
+     "bends in one shape (order 2, lumped plates, one thread).",
      "model choice", [](Scene& s) -> Slot { return &s.parameters.detail.pins; }},
     {"detail.order", "1", 0, 3, {},
      "Legendre order of the axis curve of a pin half: 0 rigid, 1 slope, 2 and 3 bending.",

@@ -124,6 +124,9 @@ struct DetailPreset {
 /// Keys that a level of detail sets.
 [[nodiscard]] std::span<const std::string_view> dial_keys() noexcept;
 
+/// For messages, behind the names that exist: what takes the place of a level or of a value of `detail.pins` that is gone; empty: neither.
+[[nodiscard]] std::string gone_detail(std::string_view name);
+
 /// Sets the dials of a preset. Keeps the friction law, its smoothing and stick_slip, and pulleys = "absent".
 /// @throws SceneError  unknown preset
 void apply_detail(Scene& scene, std::string_view preset);

@@ -30,13 +30,13 @@ void add_half(const ChainLayout& from, const double* source, const ChainLayout& 
 
 /// Links between halves (from) to links, or to the pins in the middle between their two halves.
 void copy_links(const ChainLayout& from, const double* source, const ChainLayout& to, double* target) {
-    const double weight = to.whole ? 0.5 : 1.0;
+    const double weight = to.rigid ? 0.5 : 1.0;
     for (int rate = 0; rate < 2; ++rate) {
         for (int link = 0; link < from.links; ++link) {
             const double* halves = source + from.link_begin(link) + rate * from.link_size();
             const auto block = [&](int number) { return target + to.link_begin(number) + rate * to.link_size(); };
             add_half(from, halves, to, block(link), End::rear, weight);
-            add_half(from, halves, to, block(to.whole ? to.next(link) : link), End::front, weight);
+            add_half(from, halves, to, block(to.rigid ? to.next(link) : link), End::front, weight);
         }
     }
 }
@@ -50,26 +50,6 @@ void refer_to_plates(const ChainLayout& at, double plate_bow, double* state) {
             q[at.y(End::rear, 0)] += plate_bow * q[at.y(End::rear, 2)];
         }
     }
-}
-
-constexpr auto free_tip = static_cast<unsigned char>(model::Phase::free);
-
-/// Tips of a pin that has one for both halves are where those of its rear half are.
-std::vector<unsigned char> phases_brought_over(std::vector<unsigned char> phases, const ChainLayout& from, const ChainLayout& to) {
-    if (from.tips() == to.tips()) return phases;
-    for (int pin = 0; pin < to.links; ++pin) {
-        for (std::size_t side = 0; side < 2; ++side) {
-            unsigned char& rear = phases[static_cast<std::size_t>(model::tips_per_link * pin) + side];
-            unsigned char& front = phases[static_cast<std::size_t>(model::tips_per_link * to.previous(pin)) + 2 + side];
-            if (from.tips() == 2) {
-                front = rear;
-            } else {
-                if (rear == free_tip) rear = front;
-                front = free_tip;
-            }
-        }
-    }
-    return phases;
 }
 
 constexpr int axial = 4, turn = 5;  // freedoms of a body
@@ -101,11 +81,11 @@ engine::SavedState convert_state(const engine::SavedState& saved, const model::P
     const ChainLayout before = model::layout_of(from), after = model::layout_of(to);
     engine::SavedState result;
     result.time = saved.time;
-    result.phases = phases_brought_over(saved.phases, before, after);
+    result.phases = saved.phases;
     result.state.assign(static_cast<std::size_t>(after.control_begin()), 0.0);
     std::vector<double> halves;
-    if (before.whole) model::halves_of(model::Coefficients(from), saved.state.data(), halves);
-    const double* links = before.whole ? halves.data() : saved.state.data();
+    if (before.rigid) model::halves_of(model::Coefficients(from), saved.state.data(), halves);
+    const double* links = before.rigid ? halves.data() : saved.state.data();
     copy_links(model::halves_layout(before), links, after, result.state.data());
     if (after.rigid) refer_to_plates(after, model::Coefficients(to).plate_bow, result.state.data());
     for (const bool velocity : {false, true}) {

@@ -125,7 +125,7 @@ std::vector<std::pair<TunedChoice, double>> Tuner::find_bases() {
                 if (!differs && run.objection.empty()) throw SimulationError("takes the steps of " + first->second);
                 base.work = run.work;
                 bases.emplace_back(base, run.seconds);
-            } catch (const std::exception& error) {  // a method that the scene's detail takes need not take every level: whole pins
+            } catch (const std::exception& error) {  // a method that the scene's detail takes need not take every level: rigid pins
                 objections.emplace_back(fmt::format("{} at {}", method, level.empty() ? "the scene's detail" : level), error.what());
             }
         }

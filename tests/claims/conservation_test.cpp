@@ -87,19 +87,16 @@ TEST(EveryMethod, KeepsTheMomentumOfAFreeChain) {
 }
 
 TEST(MassScaling, KeepsTheMomentumOfRotationOfAFreeChain) {
-    for (const model::PinDetail pins : {model::PinDetail::halves, model::PinDetail::whole}) {
-        model::Parameters p = ring();
-        p.detail.pins = pins;
-        const double own = spin(Rig(p).variator(), Rig(p).state());
-        p.detail.mass_scaling = 10.0;
-        Rig rig(p);
-        EXPECT_EQ(spin(rig.variator(), rig.state()), own);  // pins start parallel to the axis
-        push_links(rig);
-        const double before = spin(rig.variator(), rig.state());
-        ASSERT_FALSE(rig.run({0.0, 1e-6, 1e-8, 1e-7}));
-        // A product of coordinates and speeds is kept to the method's order: (1e6 1/s · 1e-8 s)^5 in each of 100 steps.
-        EXPECT_NEAR(spin(rig.variator(), rig.state()), before, 1e-8 * std::abs(before));
-    }
+    model::Parameters p = ring();
+    const double own = spin(Rig(p).variator(), Rig(p).state());
+    p.detail.mass_scaling = 10.0;
+    Rig rig(p);
+    EXPECT_EQ(spin(rig.variator(), rig.state()), own);  // pins start parallel to the axis
+    push_links(rig);
+    const double before = spin(rig.variator(), rig.state());
+    ASSERT_FALSE(rig.run({0.0, 1e-6, 1e-8, 1e-7}));
+    // A product of coordinates and speeds is kept to the method's order: (1e6 1/s · 1e-8 s)^5 in each of 100 steps.
+    EXPECT_NEAR(spin(rig.variator(), rig.state()), before, 1e-8 * std::abs(before));
 }
 
 }  // namespace

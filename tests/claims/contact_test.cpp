@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -48,9 +49,7 @@ protected:
     const model::Parameters p = ring_between_sheaves(GetParam());
     const model::ChainLayout at = model::layout_of(p);
     Rig rig{p};
-    const bool whole = at.whole;
-    /// Whose tips touch: a whole pin has one pair, where the rear half has its.
-    const std::vector<model::End> ends = whole ? std::vector{model::End::rear} : std::vector{model::End::rear, model::End::front};
+    static constexpr std::array ends{model::End::rear, model::End::front};
 
     /// Moves the ring as it is, axially and along x, with the given velocity.
     void launch(Vector shift, Vector velocity) {
@@ -72,15 +71,12 @@ protected:
         rig.variator().chain().probe(strip.of(at, rig.state(), link), sheaves, true, found);
         return found;
     }
-    /// Centre of the sphere of a tip at side +z relative to the axis of shaft 1, by model/EQUATIONS.md section 6 (straight pins); a whole
-    /// pin leans with the bisector of its links (section 10).
+    /// Centre of the sphere of a tip at side +z relative to the axis of shaft 1, by model/EQUATIONS.md section 6 (straight pins).
     [[nodiscard]] Vector sphere(int link, model::End end) const {
         const ChainView chain(p, rig.state());
-        Vector t = chain.direction(link);
-        if (whole) t = t + chain.direction(at.previous(link));
-        t = (1.0 / norm(t)) * t;
+        const Vector t = chain.direction(link);
         const double sine = std::sin(p.tip.angle), cosine = std::cos(p.tip.angle);
-        return (whole ? chain.pin(link) : chain.position(link, end)) +
+        return chain.position(link, end) +
                Vector{p.tip.radius * sine * t.y, -p.tip.radius * sine * t.x, 0.5 * p.half.length - p.tip.radius * cosine};
     }
     /// Centre of the meridian arc of the fixed or resting sheave at side +z: radius from the axis, height.
@@ -110,13 +106,10 @@ TEST_P(Contact, A700NewtonTipIsNineMicrometresDeepAsHertzSays) {
     model::LinkContact contact;
     rig.variator().chain().observed_slopes({0, 1, scratch.window.data(), scratch.sheaves, phases.data()}, slope.data(),
                                            scratch.loads.data(), scratch.accounts.data(), &contact);
-    const double both = whole ? 2.0 : 1.0;               // halves of a whole pin touch as one
-    EXPECT_NEAR(contact.normal[1], both * 700.0, 1e-6);  // 1.5 · 700 N/9 µm · 1e-15 m = 1e-7 N
-    if (!whole) {
-        EXPECT_NEAR(contact.normal[3], 700.0, 1e-6) << "the link is symmetric";
-    }
-    EXPECT_NEAR(contact.axial[1], both * 700.0 * std::cos(p.tip.angle),
-                0.1 * both);  // it leans by β at r_m; a millimetre away by 1 mm/R_c less, 0.07 N
+    EXPECT_NEAR(contact.normal[1], 700.0, 1e-6);  // 1.5 · 700 N/9 µm · 1e-15 m = 1e-7 N
+    EXPECT_NEAR(contact.normal[3], 700.0, 1e-6) << "the link is symmetric";
+    // It leans by β at r_m; a millimetre away by 1 mm/R_c less, 0.07 N.
+    EXPECT_NEAR(contact.axial[1], 700.0 * std::cos(p.tip.angle), 0.1);
 }
 
 TEST_P(Contact, ARingThatFliesAxiallyOntoASheaveArrivesWithAllTipsAtOneTime) {

@@ -37,7 +37,7 @@ model::Parameters ring(const Spin& spin) {
 
 /// Tension of a regular polygon of rigid links that turns at Ω. Each joint pulls with F at half the angle between links, π/N: the link as a
 /// whole asks for 2 F sin(π/N) = m r_c Ω² (r_c: of its middle); along the link, each half with its sixth of the plates (consistent bars)
-/// hangs on the plates with ℓ/2 Ω² more than the joint gives. Whole pins have all mass in their middle: the textbook's ring.
+/// hangs on the plates with ℓ/2 Ω² more than the joint gives.
 struct Theory {
     double exact;   ///< tension of the plates [N]
     double simple;  ///< m r Ω²/(2 sin(π/N)), r: radius of the pins [N]
@@ -51,7 +51,6 @@ Theory theory(const model::Parameters& p, const ChainView& chain) {
     const double joint = mass * norm(middle) * square / (2.0 * std::sin(angle));
     const double pin = norm(chain.pin(0));
     const double simple = mass * pin * square / (2.0 * std::sin(angle));
-    if (p.detail.pins == model::PinDetail::whole) return {simple, simple};
     return {joint * std::cos(angle) + (p.half.mass + plates / 6.0) * square * 0.5 * length, simple};
 }
 

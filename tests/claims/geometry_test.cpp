@@ -100,18 +100,13 @@ protected:
     const model::StartState start = model::start_state(p);
     const ChainView chain{p, start.state.data()};
     const double pull = pretension(p);
-    /// Halves that roll by constraint, along the lines between pins: joints have no depth, and tests/oracle/whole_pins_test.cpp says that
-    /// nothing gapes or slides.
-    const bool whole = p.detail.pins == model::PinDetail::whole;
 };
 
 TEST_P(GeometricStart, EveryJointHasTheDepthOfItsPretension) {
-    if (whole) GTEST_SKIP() << "their joint is a constraint";
     for (int pin = 0; pin < chain.links(); ++pin) EXPECT_NEAR(chain.joint_depth(pin), pull / p.joint.stiffness, 1e-12) << "pin " << pin;
 }
 
 TEST_P(GeometricStart, EveryPlateHasTheLengthOfItsPretension) {
-    if (whole) GTEST_SKIP() << "pins are put between halves that yield";
     for (int link = 0; link < chain.links(); ++link) {
         EXPECT_NEAR(chain.stretch(link), pull / (p.plate.count * p.plate.stiffness), 1e-12) << "link " << link;
     }
@@ -142,7 +137,6 @@ TEST_P(GeometricStart, PinsLieOnOneCirclePerPulleyAndOnTheTangentsBetween) {
 }
 
 TEST_P(GeometricStart, VelocitiesNeitherCloseJointsNorStretchPlates) {
-    if (whole) GTEST_SKIP() << "pins are put between halves that yield";
     double closing = 0.0, stretching = 0.0;
     for (int link = 0; link < chain.links(); ++link) {
         closing = std::max(closing, std::abs(chain.joint_closing(link)));

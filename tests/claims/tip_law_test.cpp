@@ -29,7 +29,7 @@ using tasks::Scene;
 TEST(TipLaw, AConstantTableHasTheBitsOfTheConstantLaw) {
     const std::vector<std::string> table{"tip.friction_law=table", "tip.friction_table=[[0, 0.09], [0.05, 0.09], [1, 0.09]]"};
     for (const auto& [level, method] :
-         {std::pair{"rigid", "auto"}, {"medium", "auto"}, {"medium", "leapfrog-chebyshev"}, {"coarse", "dopri54"}})
+         {std::pair{"rigid", "auto"}, {"medium", "auto"}, {"medium", "leapfrog-chebyshev"}, {"medium", "dopri54"}})
         EXPECT_EQ(hash_of(level, method, table), hash_of(level, method, {})) << level << " " << method;
     EXPECT_NE(hash_of("medium", "auto", {"tip.friction_law=table", "tip.friction_table=[[0, 0.09], [0.05, 0.05]]"}),
               hash_of("medium", "auto", {}));

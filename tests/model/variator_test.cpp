@@ -78,26 +78,13 @@ double worst_difference(const model::ChainLayout& at, const std::vector<double>&
     return std::max({worst, velocities.relative(), accelerations.relative(), pulleys.relative()});
 }
 
-std::vector<DetailCase> whole_cases() {
-    std::vector<DetailCase> cases;
-    for (DetailCase one : detail_cases()) {
-        one.parameters.detail.pins = model::PinDetail::whole;
-        cases.push_back(std::move(one));
-    }
-    return cases;
-}
-
-/// Halves and whole pins whose tilting and deforming motions have ten times their inertia.
+/// Tilting and deforming motions have ten times their inertia.
 std::vector<DetailCase> slowed_cases() {
     std::vector<DetailCase> cases;
-    for (const auto pins : {model::PinDetail::halves, model::PinDetail::whole}) {
-        for (DetailCase one : detail_cases()) {
-            if (one.parameters.detail.joint_points != 3 || one.parameters.detail.pulleys == model::PulleyDetail::rigid) continue;
-            one.parameters.detail.pins = pins;
-            one.parameters.detail.mass_scaling = 10.0;
-            one.name += pins == model::PinDetail::whole ? "_whole" : "_halves";
-            cases.push_back(std::move(one));
-        }
+    for (DetailCase one : detail_cases()) {
+        if (one.parameters.detail.joint_points != 3 || one.parameters.detail.pulleys == model::PulleyDetail::rigid) continue;
+        one.parameters.detail.mass_scaling = 10.0;
+        cases.push_back(std::move(one));
     }
     return cases;
 }
@@ -113,32 +100,28 @@ std::vector<double> unscaled_slope(model::Parameters parameters, const oracle::R
 /// Every law of tips, with and without an influence of pressure.
 std::vector<DetailCase> tip_law_cases() {
     std::vector<DetailCase> cases;
-    for (const auto pins : {model::PinDetail::halves, model::PinDetail::whole}) {
-        for (const auto law : {model::TipFriction::constant, model::TipFriction::table, model::TipFriction::lubricated}) {
-            model::Parameters p;
-            p.detail.pins = pins;
-            p.tip.friction_law = law;
-            p.tip.friction_table = {{0.0, 0.01, 0.1, 0.5, 5.0}, {0.06, 0.09, 0.08, 0.02, 0.07}};
-            p.tip.pressure_sensitivity = law == model::TipFriction::lubricated ? 0.0 : 0.3;
-            p.tip.roughness = 5e-9;
-            cases.push_back({(pins == model::PinDetail::halves ? "halves_" : "whole_") + std::to_string(static_cast<int>(law)), p});
-        }
+    for (const auto law : {model::TipFriction::constant, model::TipFriction::table, model::TipFriction::lubricated}) {
+        model::Parameters p;
+        p.tip.friction_law = law;
+        p.tip.friction_table = {{0.0, 0.01, 0.1, 0.5, 5.0}, {0.06, 0.09, 0.08, 0.02, 0.07}};
+        p.tip.pressure_sensitivity = law == model::TipFriction::lubricated ? 0.0 : 0.3;
+        p.tip.roughness = 5e-9;
+        cases.push_back({"law_" + std::to_string(static_cast<int>(law)), p});
     }
     return cases;
 }
 
 std::vector<DetailCase> imperfect_cases() {
     std::vector<DetailCase> cases;
-    for (const auto pins : {model::PinDetail::halves, model::PinDetail::whole}) {
+    for (const auto sheave : {model::Sheave::driven_movable, model::Sheave::driving_fixed}) {
         for (const auto pulleys : {model::PulleyDetail::elastic, model::PulleyDetail::rigid}) {
             model::Parameters p;
-            p.detail.pins = pins;
             p.detail.pulleys = pulleys;
             p.imperfection.misalignment = 3e-6;  // random states are microns deep
-            p.imperfection.sheave = pins == model::PinDetail::halves ? model::Sheave::driven_movable : model::Sheave::driving_fixed;
+            p.imperfection.sheave = sheave;
             p.imperfection.runout = 5e-6;
             p.imperfection.attachment = pulleys == model::PulleyDetail::elastic ? 0.5 : 1.0;
-            cases.push_back({std::string(pins == model::PinDetail::halves ? "halves_" : "whole_") +
+            cases.push_back({std::string(sheave == model::Sheave::driven_movable ? "driven_" : "driving_") +
                                  (pulleys == model::PulleyDetail::elastic ? "elastic" : "rigid"),
                              p});
         }
@@ -246,8 +229,6 @@ INSTANTIATE_TEST_SUITE_P(Variator, EveryDetail, testing::ValuesIn(detail_cases()
 INSTANTIATE_TEST_SUITE_P(Imperfect, EveryDetail, testing::ValuesIn(imperfect_cases()),
                          [](const auto& instance) { return instance.param.name; });
 INSTANTIATE_TEST_SUITE_P(TipLaws, EveryDetail, testing::ValuesIn(tip_law_cases()),
-                         [](const auto& instance) { return instance.param.name; });
-INSTANTIATE_TEST_SUITE_P(WholePins, EveryDetail, testing::ValuesIn(whole_cases()),
                          [](const auto& instance) { return instance.param.name; });
 INSTANTIATE_TEST_SUITE_P(SlowedPins, EveryDetail, testing::ValuesIn(slowed_cases()),
                          [](const auto& instance) { return instance.param.name; });

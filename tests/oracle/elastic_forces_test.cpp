@@ -91,17 +91,6 @@ TEST(ElasticForces, AreTheNegativeGradientOfThePotentialEnergyPlusInputs) {
     }
 }
 
-TEST(ElasticForces, AreTheNegativeGradientForWholePins) {
-    model::Parameters base = small_scene();
-    make_conservative(base);
-    base.control.enabled = true;
-    std::uint64_t seed = 200;
-    for (const Case& one : whole_pins(base)) {
-        SCOPED_TRACE(one.name);
-        expect_gradient(one.parameters, 0.0, seed++);
-    }
-}
-
 TEST(ElasticForces, AreTheNegativeGradientForAFullChainInOneDirection) {
     for (const double ratio : {0.6, 1.0, 1.7}) {
         model::Parameters parameters;

@@ -46,28 +46,6 @@ void add_plate_inertia(Matrix& matrix, const Basis& basis, Real mass) {
     }
 }
 
-/// Of a whole pin with half of the plates on each side of it.
-Matrix pin_inertia(const System& system) {
-    const auto& layout = system.layout;
-    const Real mass = 2.0L * system.parameters.half.mass;
-    Matrix matrix(layout.link_size(), std::vector<Real>(layout.link_size(), 0.0L));
-    for (int m = 0; m <= layout.order; ++m) {
-        matrix[layout.x(End::rear, m)][layout.x(End::rear, m)] = mass / (2 * m + 1);
-        matrix[layout.y(End::rear, m)][layout.y(End::rear, m)] = mass / (2 * m + 1);
-    }
-    matrix[layout.z(End::rear)][layout.z(End::rear)] = mass;
-    matrix[layout.e(End::rear)][layout.e(End::rear)] = mass / 3.0L;
-    for (const PlateSpring& plate : plate_springs(system.parameters)) {
-        for (const Basis& basis : bases_at(layout, plate.xi)) {
-            for (std::size_t r = 0; r < basis.value.size(); ++r) {
-                for (std::size_t c = 0; c < basis.value.size(); ++c)
-                    matrix[basis.rear[r]][basis.rear[c]] += plate.mass * basis.value[r] * basis.value[c];
-            }
-        }
-    }
-    return matrix;
-}
-
 Matrix half_inertia(const System& system) {
     const auto& layout = system.layout;
     const Real mass = system.parameters.half.mass;
@@ -86,11 +64,11 @@ Matrix half_inertia(const System& system) {
     return matrix;
 }
 
-/// What is left of a matrix when the translations of pins or halves are eliminated is the inertia of motion relative to them: it counts
+/// What is left of a matrix when the translations of halves are eliminated is the inertia of motion relative to them: it counts
 /// `mass_scaling` times.
 Matrix link_inertia(const System& system) {
     const auto& layout = system.layout;
-    Matrix matrix = layout.whole ? pin_inertia(system) : half_inertia(system);
+    Matrix matrix = half_inertia(system);
     std::vector<int> translations, others;
     for (int k = 0; k < layout.link_size(); ++k) {
         bool translation = false;

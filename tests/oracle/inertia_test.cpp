@@ -91,41 +91,6 @@ TEST(Inertia, AccelerationsTimesInertiaAreTheForces) {
     }
 }
 
-/// ½ p²/m of a whole pin's momentum p and mass m, halves and its share of plates: the energy of its mass centre.
-Real energy_of_mass_centres(const model::Parameters& p, const System& system) {
-    const std::vector<PlateSpring> plates = plate_springs(p);
-    Real sum = 0.0L;
-    for (const Link& pin : system.pins) {
-        Vec3 momentum{};
-        Real mass = 2.0L * p.half.mass;
-        for (const auto& point : gauss_legendre(20)) momentum += 2.0L * p.half.mass * point.weight * velocity_at(pin.rear, point.at);
-        for (const PlateSpring& plate : plates) {
-            momentum += plate.mass * velocity_at(pin.rear, plate.xi);
-            mass += plate.mass;
-        }
-        sum += 0.5L * dot(momentum, momentum) / mass;
-    }
-    return sum;
-}
-
-/// König: the energy of the mass centre, and that of motion relative to it, which counts more.
-TEST(Inertia, MassScalingMultipliesTheEnergyRelativeToTheMassCentreOfAPin) {
-    std::uint64_t seed = 1100;
-    for (const Case& one : slowed_pins(small_scene())) {
-        if (one.parameters.detail.pins != model::PinDetail::whole) continue;
-        model::Parameters plain = one.parameters;
-        plain.detail.mass_scaling = 1.0;
-        const ExactState at = exact_random_state(plain, seed++);
-        const Real all = exact_right_hand_side(plain, 0.0, at.state, at.phases, false).energies.kinetic;
-        const System system = unpack(plain, 0.0, at.state, at.phases);
-        const Real relative = all - energy_of_pulleys(plain, system) - energy_of_mass_centres(plain, system);
-        const double expected = static_cast<double>(all + (one.parameters.detail.mass_scaling - 1.0) * relative);
-        const auto slowed = exact_right_hand_side(one.parameters, 0.0, at.state, at.phases, false);
-        EXPECT_GT(relative, 0.0L) << one.name;
-        EXPECT_NEAR(static_cast<double>(slowed.energies.kinetic), expected, 1e-13 * expected) << one.name;
-    }
-}
-
 TEST(Inertia, LumpedPlatesKeepMassStiffnessAndSecondMomentOfThePack) {
     model::Parameters parameters;
     const auto each = plate_springs(parameters);

@@ -40,26 +40,13 @@ std::vector<Case> all_details(const model::Parameters& base) {
     return cases;
 }
 
-std::vector<Case> whole_pins(const model::Parameters& base) {
-    std::vector<Case> cases;
-    for (const Case& halves : all_details(base)) {
-        if (halves.parameters.detail.joint_points != 1 || halves.parameters.joint.law != model::JointLaw::linear) continue;
-        cases.push_back(halves);
-        cases.back().parameters.detail.pins = model::PinDetail::whole;
-        cases.back().name = "whole pins, " + halves.name;
-    }
-    return cases;
-}
-
 std::vector<Case> slowed_pins(const model::Parameters& base) {
     std::vector<Case> cases;
-    for (const auto pins : {model::PinDetail::halves, model::PinDetail::whole}) {
-        for (Case one : whole_pins(base)) {
-            one.parameters.detail.pins = pins;
-            one.parameters.detail.mass_scaling = 7.0;
-            one.name = (pins == model::PinDetail::whole ? "slowed " : "slowed halves, not ") + one.name;
-            cases.push_back(one);
-        }
+    for (Case one : all_details(base)) {
+        if (one.parameters.detail.joint_points != 1 || one.parameters.joint.law != model::JointLaw::linear) continue;
+        one.parameters.detail.mass_scaling = 7.0;
+        one.name = "slowed, " + one.name;
+        cases.push_back(one);
     }
     return cases;
 }

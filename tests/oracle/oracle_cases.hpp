@@ -19,9 +19,7 @@ struct Case {
 model::Parameters small_scene();
 /// All combinations of order 0…3, plates each/lumped, joint points 1, 3, 8, both joint laws, and pulleys elastic/rigid/absent.
 std::vector<Case> all_details(const model::Parameters& base);
-/// Whole pins with all combinations of order, plates and pulleys.
-std::vector<Case> whole_pins(const model::Parameters& base);
-/// Halves and whole pins with all combinations of order, plates and pulleys, with mass scaling.
+/// All combinations of order, plates and pulleys, with mass scaling.
 std::vector<Case> slowed_pins(const model::Parameters& base);
 /// No friction, no damping.
 void make_conservative(model::Parameters& parameters);

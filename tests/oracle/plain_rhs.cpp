@@ -12,11 +12,7 @@ Totals all_forces(const System& system) {
     Totals totals = empty_totals(system);
     add_inner_elements(system, totals);
     add_plates(system, totals);
-    if (system.layout.whole) {
-        add_rolling(system, totals);
-    } else {
-        add_joints(system, totals);
-    }
+    add_joints(system, totals);
     if (system.parameters.detail.pulleys == model::PulleyDetail::absent) return totals;
     add_tips(system, totals);
     add_supports(system, totals);

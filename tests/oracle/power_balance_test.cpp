@@ -93,16 +93,6 @@ TEST(PowerBalance, HoldsForEveryFrictionLawPhaseAndInput) {
     }
 }
 
-TEST(PowerBalance, HoldsForWholePins) {
-    model::Parameters base = small_scene();
-    base.control.enabled = true;
-    std::uint64_t seed = 500;
-    for (const Case& one : whole_pins(base)) {
-        SCOPED_TRACE(one.name);
-        expect_balance(one.parameters, 0.0, seed++);
-    }
-}
-
 TEST(PowerBalance, HoldsForTheBaselineChain) {
     for (const double ratio : {0.6, 1.0, 1.7}) {
         model::Parameters parameters;

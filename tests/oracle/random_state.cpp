@@ -51,19 +51,17 @@ struct Builder {
         }
         chain = lay_chain(parameters, targets);
         for_all_halves([&](int link, End end) {
-            const Vec2 here = laid(link, end).point;
-            const Vec2 point = layout.whole ? 0.5L * (here + laid(layout.previous(link), End::front).point) : here;
+            const Vec2 point = laid(link, end).point;
             q(link, layout.x(end, 0)) = point.x;
             q(link, layout.y(end, 0)) = point.y;
         });
     }
 
-    /// Whole pins count as the rear halves of the links behind them.
     template <class Action>
     void for_all_halves(const Action& action) const {
         for (int link = 0; link < layout.links; ++link) {
             action(link, End::rear);
-            if (!layout.whole) action(link, End::front);
+            action(link, End::front);
         }
     }
 
@@ -109,7 +107,7 @@ struct Builder {
         Real depth = -1.0L;
         for_all_halves([&](int link, End end) {
             if (laid(link, end).place.part != arc) return;
-            const TipContact contact = tip_contact(system, system.carrier(link), end, side);
+            const TipContact contact = tip_contact(system, system.links[link], end, side);
             if (contact.shaft == shaft) depth = std::max(depth, contact.depth);
         });
         return depth;
@@ -171,11 +169,11 @@ struct Builder {
     }
 
     [[nodiscard]] Phase phase_of(const System& system, int link, End end, int side) {
-        const TipContact contact = tip_contact(system, system.carrier(link), end, side);
+        const TipContact contact = tip_contact(system, system.links[link], end, side);
         const bool touching = (contact.depth > 0.0L) != dice.one_in(10);
         if (!touching) return Phase::free;
         if (!parameters.detail.stick_slip || dice.one_in(4)) return Phase::touching;
-        const Real speed = norm(tip_sliding(system, system.carrier(link), end, contact).tangential);
+        const Real speed = norm(tip_sliding(system, system.links[link], end, contact).tangential);
         const bool slow = speed <= parameters.tip.friction.saturation_speed;
         return slow != dice.one_in(10) ? Phase::stick : Phase::slip;
     }

@@ -116,12 +116,8 @@ std::array<Body, bodies> unpack_rigid(std::span<const Real> q, std::span<const R
 System unpack(const model::Parameters& parameters, double t, std::span<const Real> state, std::span<const model::Phase> phases) {
     const auto layout = model::layout_of(parameters);
     if (static_cast<int>(state.size()) != layout.size()) throw std::invalid_argument("state of the wrong size");
-    System system{parameters, layout, t, {}, {}, {}, phases, {}, {}};
-    if (layout.whole) {
-        unpack_whole_pins(system, state);
-    } else {
-        for (int i = 0; i < layout.links; ++i) system.links.push_back(unpack_link(parameters, layout, i, state));
-    }
+    System system{parameters, layout, t, {}, {}, {}, phases};
+    for (int i = 0; i < layout.links; ++i) system.links.push_back(unpack_link(parameters, layout, i, state));
     const auto q = state.subspan(layout.pulley_begin(), layout.pulley_size);
     const auto v = state.subspan(layout.pulley_begin() + layout.pulley_size, layout.pulley_size);
     if (parameters.detail.pulleys == PulleyDetail::elastic) system.body = unpack_elastic(q, v);
@@ -136,16 +132,13 @@ Totals empty_totals(const System& system) {
     half.shape.resize(system.layout.lateral());
     Totals totals;
     totals.link.assign(system.links.size(), LinkForce{half, half});
-    totals.pin.assign(system.pins.size(), LinkForce{half, half});
-    totals.rolling.assign(system.pins.size(), 0.0L);
     return totals;
 }
 
 std::vector<Real> pack_forces(const System& system, const Totals& totals) {
     const auto& layout = system.layout;
-    std::vector<Real> forces = layout.whole ? pack_whole_pins(system, totals) : std::vector<Real>{};
-    forces.resize(layout.coordinates(), 0.0L);
-    for (int i = 0; i < layout.links && !layout.whole; ++i) {
+    std::vector<Real> forces(static_cast<std::size_t>(layout.coordinates()), 0.0L);
+    for (int i = 0; i < layout.links; ++i) {
         for (const End end : {End::rear, End::front}) {
             const HalfForce& half = end == End::rear ? totals.link[i].rear : totals.link[i].front;
             const int begin = i * layout.link_size();

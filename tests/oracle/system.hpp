@@ -36,13 +36,6 @@ struct Link {
     [[nodiscard]] const Half& half(model::End end) const { return end == model::End::rear ? rear : front; }
 };
 
-/// Line from the middle of a whole pin to that of the next one.
-struct PitchLine {
-    Vec2 t, n;
-    Real length = 0.0L;   ///< [m]
-    Real turning = 0.0L;  ///< θ' [rad/s]
-};
-
 /// Generalized forces on one half.
 struct HalfForce {
     std::vector<Vec2> shape;  ///< on (x_m, y_m) [N]
@@ -79,17 +72,10 @@ struct System {
     std::array<Body, bodies> body;  ///< of rigid pulleys: sheaves (0, 0, 0, 0, w, φ_k), shafts (0, 0, 0, 0, 0, φ_k)
     Real control_integral[2] = {};  ///< I of both controllers [s]
     std::span<const model::Phase> phases;
-    // Of whole pins only; links are made of them then.
-    std::vector<Link> pins;        ///< both ends the pin, frame by the bisector of its pitch lines, length 1
-    std::vector<PitchLine> lines;  ///< from pin i on
-
     const FarEnds* far = nullptr;  ///< of couplings that have taken over, and with them hydraulics
     std::array<Real, model::hydraulic_unknowns> oil{};
 
     [[nodiscard]] int controllers() const { return layout.controls % model::hydraulic_unknowns; }
-
-    /// What carries the tips of half `end` of link i: the link, or the pin behind which it lies.
-    [[nodiscard]] const Link& carrier(int i) const { return pins.empty() ? links[i] : pins[i]; }
 };
 
 /// What all force laws add to.
@@ -99,8 +85,6 @@ struct Totals {
     PowersOf<Real> powers;
     EnergiesOf<Real> energies;
     Real control_rate[2 + model::hydraulic_unknowns] = {};  ///< I' [1], then those of the hydraulics
-    std::vector<LinkForce> pin;                             ///< on whole pins themselves, as on `pins`
-    std::vector<Real> rolling;                              ///< moment on the link behind a whole pin, against the one before it [N·m]
 
     [[nodiscard]] Real& loss(model::Loss kind) { return powers.losses[static_cast<std::size_t>(kind)]; }
     [[nodiscard]] Real& work(model::Work kind) { return powers.works[static_cast<std::size_t>(kind)]; }
@@ -124,10 +108,6 @@ Real spring_mass(const model::Parameters& parameters);
 /// 2 ζ sqrt(k m) [N·s/m].
 Real damping_of(Real ratio, Real stiffness, Real mass);
 
-// Whole pins (section 10).
-void unpack_whole_pins(System& system, std::span<const Real> state);
-void add_rolling(const System& system, Totals& totals);
-std::vector<Real> pack_whole_pins(const System& system, const Totals& totals);
 Half unpack_half(const model::Parameters& parameters, const model::ChainLayout& layout, model::End end, std::span<const Real> block);
 void make_frame(Link& link);  ///< from its halves
 

@@ -148,7 +148,7 @@ Real tip_friction_slope(const System& system, Phase phase, Real speed) {
 }
 
 void add_tip(const System& system, int number, End end, int side, Phase phase, Totals& totals) {
-    const Link& link = system.carrier(number);
+    const Link& link = system.links[number];
     const auto& tip = system.parameters.tip;
     const TipContact c = tip_contact(system, link, end, side);
     if (c.depth <= 0.0L) return;
@@ -159,14 +159,13 @@ void add_tip(const System& system, int number, End end, int side, Phase phase, T
     const Real depth_rate =
         -dot(c.normal, centre_rate(system, link, half, c)) + dot(c.normal, sheave_rate) + dot(tilt_rate, cross(c.r, c.local_normal));
     const Real reference = tip.reference_depth;
-    Real hertz = tip.hertz;
+    const Real hertz = tip.hertz;
     const Real stiffness = 1.5L * hertz * std::sqrt(reference);
     const Real chi = damping_of(system.parameters.chain.damping_ratio, stiffness, system.parameters.half.mass) /
                      (hertz * reference * std::sqrt(reference));
-    if (system.layout.whole) hertz *= 2.0L;  // both halves of the pin
     const Real elastic = hertz * c.depth * std::sqrt(c.depth);
     const Real force = std::max(0.0L, elastic * (1.0L + chi * depth_rate));
-    LinkForce& on = system.layout.whole ? totals.pin[number] : totals.link[number];
+    LinkForce& on = totals.link[number];
     const TipTarget target{link, half, on, on.half(end), totals.body[c.sheave], flank_offset(system, c.shaft, side)};
     push_normal(system, target, c, force);
     totals.energies.tips += 0.4L * hertz * c.depth * c.depth * std::sqrt(c.depth);

@@ -174,7 +174,7 @@ TEST_F(Errors, InSettingsNameTheOptionThatWasGiven) {
         {{"run", "tiny", "--method", "rkc-s1"},
          2,
          "--method rkc-s1: no method 'rkc-s1': rkc-s<stages>[-e<damping>] takes 2 to 400 stages, damping 0 to 100 (2/13 if absent)"},
-        {{"run", "tiny", "--detail", "fein"}, 2, "--detail fein: not one of rigid, coarse, medium, fine, full (did you mean \"fine\"?)"},
+        {{"run", "tiny", "--detail", "fein"}, 2, "--detail fein: not one of rigid, medium, fine, full (did you mean \"fine\"?)"},
         {{"run", "tiny", "--set", "chain.pich=3"}, 2, "--set chain.pich=3: chain.pich: unknown key (did you mean \"chain.pitch\"?)"},
         {{"run", "tiny", "--set", "chain.pins=abc"}, 2, "--set chain.pins=abc: chain.pins: \"abc\" is not an integer"},
         {{"run", "tiny", "--set", "nonsense"}, 2, "--set nonsense: not of the form key=value"},

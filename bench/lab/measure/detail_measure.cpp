@@ -136,7 +136,6 @@ std::string DetailVariant::name() const {
 }
 
 std::vector<DetailVariant> detail_variants(bool all) {
-    constexpr model::PinDetail whole = model::PinDetail::whole;
     using enum model::PlateDetail;
     using enum model::PulleyDetail;
     if (!all) {
@@ -151,9 +150,8 @@ std::vector<DetailVariant> detail_variants(bool all) {
                 {1, lumped, 3, elastic},
                 {1, lumped, 1, rigid},
                 {0, lumped, 1, rigid},
-                {3, each, 8, elastic, whole},
-                {1, lumped, 1, elastic, whole},
-                {.order = 1, .plates = lumped, .joint_points = 1, .pulleys = elastic, .pins = whole, .mass_scaling = 3.0}};
+                {2, lumped, 1, elastic, model::PinDetail::rigid},
+                {.order = 1, .plates = lumped, .joint_points = 3, .pulleys = elastic, .mass_scaling = 3.0}};
     }
     std::vector<DetailVariant> list{full_detail};
     for (int order = 3; order >= 0; --order) {

@@ -158,13 +158,12 @@ private:
 }
 
 /// What is wrong with a run that came to its end, or nothing.
-[[nodiscard]] std::string objection(const Extreme& row, const ExtremeCase& result, bool whole_pins, long transitions) {
+[[nodiscard]] std::string objection(const Extreme& row, const ExtremeCase& result, long transitions) {
     const double bound = row.bound + (result.method.starts_with("leapfrog") ? row.swing : 0.0);
     if (result.balance > bound) return fmt::format("energy balance {:.2g}, bound {:.2g}", result.balance, bound);
     if (result.refinement > 10.0 * bound)
         return fmt::format("half the step changes the result by {:.2g}, bound {:.2g}", result.refinement, 10.0 * bound);
-    const long least = whole_pins ? row.min_transitions / 2 : row.min_transitions;  // half as many tips
-    if (transitions < least) return fmt::format("{} transitions, {} expected", transitions, least);
+    if (transitions < row.min_transitions) return fmt::format("{} transitions, {} expected", transitions, row.min_transitions);
     return "";
 }
 
@@ -190,8 +189,7 @@ void compare(const Extreme& row, const Scene& scene, const IntegrationState& set
     const double moved =
         std::max({distance(finer.unknowns, before.unknowns), distance(halfway.unknowns, before.unknowns), 1e-9 * length(before.unknowns)});
     result.refinement = moved > 0.0 ? distance(after.unknowns, finer.unknowns) / moved : 0.0;
-    result.message =
-        objection(row, result, scene.parameters.detail.pins == model::PinDetail::whole, coarse.simulation().counters().detected);
+    result.message = objection(row, result, coarse.simulation().counters().detected);
     const bool beyond = result.step > beyond_stability * result.stable_step;
     result.ending = result.message.empty() ? Ending::right : beyond ? Ending::announced : Ending::wrong;
 }

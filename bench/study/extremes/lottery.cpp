@@ -66,12 +66,14 @@ void draw_parameter(const Parameter& parameter, Urn& urn, Scene& scene, std::vec
     settings.push_back(fmt::format("{}={:.6g}", parameter.key, value));
 }
 
+/// Rigid pins take none of the methods and laws drawn beside it. "medium" also has the tickets of a level that is gone: others keep theirs.
+constexpr std::string_view levels_drawn[] = {"medium", "medium", "fine", "full"};
+
 /// Any detail, all physical parameters, any operating point.
 LotteryMachine machine_of_defaults(Urn& urn, Scene& scene) {
     LotteryMachine machine;
     std::vector<std::string>& settings = machine.settings;
-    const DetailPreset& preset = urn.one_of(detail_presets().subspan(1));  // rigid pins take none of the methods and laws drawn below
-    apply_detail(scene, preset.name);
+    apply_detail(scene, urn.one_of(levels_drawn));
     for (const std::string_view key : dial_keys()) settings.push_back(fmt::format("{}={}", key, value_text(*find_parameter(key), scene)));
     settings.push_back(urn.draw() < 0.5 ? "detail.friction=piecewise" : "detail.friction=smoothed");
     settings.push_back(urn.draw() < 0.5 ? "joint.law=linear" : "joint.law=palmgren");
@@ -227,9 +229,7 @@ private:
     return scene;
 }
 
-[[nodiscard]] std::string_view pin_words(model::PinDetail pins) noexcept {
-    return pins == model::PinDetail::whole ? "whole " : pins == model::PinDetail::rigid ? "rigid " : "";
-}
+[[nodiscard]] std::string_view pin_words(model::PinDetail pins) noexcept { return pins == model::PinDetail::rigid ? "rigid " : ""; }
 
 void run_exactly(const Simulation& coarse, Scene scene, const engine::SavedState& start, LotteryTicket& ticket, const LotteryRules& rules) {
     scene.run.step = coarse.step() / rules.refinement;

@@ -27,11 +27,7 @@ struct Sheave {
     double outwards;  ///< sign of motion that opens the wedge
 };
 
-/// Ends of a block whose coordinates are its own: a whole pin has one.
-std::span<const model::End> ends_of(const model::ChainLayout& at) {
-    static constexpr std::array both{model::End::rear, model::End::front};
-    return {both.data(), static_cast<std::size_t>(at.bodies())};
-}
+constexpr std::array both_ends{model::End::rear, model::End::front};
 
 /// Deepest tip between any sheaves for a state.
 double deepest(const Simulation& simulation, const std::vector<double>& state) {
@@ -67,7 +63,7 @@ void compress(const Simulation& simulation, double, IntegrationState& start) {
     const double middle = 0.5 * simulation.workspace().parameters.pulley.centre_distance;
     for (int link = 0; link < at.links; ++link) {
         double* q = start.state.data() + at.link_begin(link);
-        for (const model::End end : ends_of(at)) q[at.link_size() + at.x(end, 0)] -= std::copysign(10.0, q[at.x(end, 0)] - middle);
+        for (const model::End end : both_ends) q[at.link_size() + at.x(end, 0)] -= std::copysign(10.0, q[at.x(end, 0)] - middle);
     }
 }
 /// The whole chain moves across both pulleys: by a millimetre within 10 us.
@@ -75,7 +71,7 @@ void throw_aside(const Simulation& simulation, double, IntegrationState& start) 
     const model::ChainLayout& at = simulation.variator().layout();
     for (int link = 0; link < at.links; ++link) {
         double* v = start.state.data() + at.link_begin(link) + at.link_size();
-        for (const model::End end : ends_of(at)) v[at.y(end, 0)] += 100.0;
+        for (const model::End end : both_ends) v[at.y(end, 0)] += 100.0;
     }
 }
 void open_wide(const Simulation& simulation, double, IntegrationState& start) { move_both(simulation, start, 1e-3, 0.0); }
@@ -89,7 +85,7 @@ void move_wedges(const Simulation& simulation, IntegrationState& start, double d
     for (int link = 0; link < at.links; ++link) {
         double* q = start.state.data() + at.link_begin(link);
         const double outwards = Sheave(simulation, q[at.x(model::End::rear, 0)] < middle ? 0 : 1).outwards;
-        for (const model::End end : ends_of(at)) {
+        for (const model::End end : both_ends) {
             q[at.z(end)] += 0.5 * outwards * distance;
             q[at.link_size() + at.z(end)] += 0.5 * outwards * speed;
         }

@@ -209,7 +209,7 @@ public:
                const SinglePrecisionRecord& start) noexcept
         : Base(real, range, drift, by_phase, start.field, start.frictionless), start_(start) {}
 
-    /// @tparam size coordinates of a link, or of a whole pin
+    /// @tparam size coordinates of a link
     /// @param v velocities passed over, rows of the coordinates
     template <int size>
     void velocities(int own, int count, const Lanes<W>* v) const noexcept {

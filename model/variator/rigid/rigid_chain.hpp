@@ -1,5 +1,5 @@
 #pragma once
-/// Rigid whole pins as a ChainModel evaluates them: friction of the velocities as they are, phases of tips unused, as contact begins and
+/// Rigid pins as a ChainModel evaluates them: friction of the velocities as they are, phases of tips unused, as contact begins and
 /// ends by itself. One range of all pins at a time, one evaluation at a time. (model/EQUATIONS.md section 11)
 
 #include "model/variator/rigid/rigid_model.hpp"

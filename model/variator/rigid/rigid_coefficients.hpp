@@ -1,5 +1,5 @@
 #pragma once
-/// Numbers of rigid whole pins, derived once from the parameters. (model/EQUATIONS.md section 11)
+/// Numbers of rigid pins, derived once from the parameters. (model/EQUATIONS.md section 11)
 
 #include "model/machine/coefficients.hpp"
 #include "model/variator/rigid/rigid_columns.hpp"

@@ -1,5 +1,5 @@
 #pragma once
-/// The numbers of a chain of rigid whole pins, column by column: one array per quantity, pins side by side. (model/EQUATIONS.md section 11)
+/// The numbers of a chain of rigid pins, column by column: one array per quantity, pins side by side. (model/EQUATIONS.md section 11)
 
 #include <algorithm>
 #include <array>

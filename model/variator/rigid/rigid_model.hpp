@@ -1,5 +1,5 @@
 #pragma once
-/// A chain of rigid whole pins: the forces on its pins and sheaves. (model/EQUATIONS.md section 11)
+/// A chain of rigid pins: the forces on its pins and sheaves. (model/EQUATIONS.md section 11)
 
 #include "model/variator/rigid/rigid_kernels.hpp"
 

@@ -1,5 +1,5 @@
 #pragma once
-/// The step of rigid whole pins: a leapfrog whose friction is implicit and solved where it acts. (model/EQUATIONS.md section 11)
+/// The step of rigid pins: a leapfrog whose friction is implicit and solved where it acts. (model/EQUATIONS.md section 11)
 
 #include <span>
 #include <vector>

@@ -21,7 +21,7 @@ constexpr const char* ours = "this project (tasks/method/friction)";
 
 /// Contacts are kept in fields that rigid pins do not have.
 [[nodiscard]] std::string_view missing_contact_fields(const model::Parameters& parameters) noexcept {
-    return parameters.detail.pins != model::PinDetail::rigid ? "" : "detail.pins = \"halves\" or \"whole\"";
+    return parameters.detail.pins != model::PinDetail::rigid ? "" : "detail.pins = \"halves\"";
 }
 
 /// Friction solved for as one convex problem: it must not fall with the sliding speed, and slips belong to pin halves.

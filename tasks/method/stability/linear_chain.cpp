@@ -54,7 +54,7 @@ struct Derivatives {
     Sparse by_position, by_velocity;
 };
 
-/// Whole pins have no exact derivatives: by differences of the whole right-hand side.
+/// Rigid pins and eccentric sheaves have no exact derivatives: by differences of the whole right-hand side.
 [[nodiscard]] Derivatives differences_of(const model::Variator& variator, const FrozenStart& start) {
     const model::ChainLayout& layout = variator.layout();
     const std::vector<double> matrix = model::difference_jacobian(variator, start.time, start.state, start.phases);
@@ -87,7 +87,7 @@ struct Derivatives {
 
 [[nodiscard]] Derivatives derivatives_of(const model::Variator& variator, const FrozenStart& start) {
     const model::ChainLayout& layout = variator.layout();
-    if (layout.whole || variator.pulleys().eccentric()) return differences_of(variator, start);
+    if (layout.rigid || variator.pulleys().eccentric()) return differences_of(variator, start);
     model::ExactJacobian exact(variator);
     model::AccelerationJacobian jacobian(layout);
     exact.links(start.state.data(), start.phases.data(), 0, layout.links, jacobian);

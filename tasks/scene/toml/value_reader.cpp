@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/spelling.hpp"
+#include "tasks/scene/scene.hpp"
 #include "tasks/scene/toml/unit_hints.hpp"
 #include "tasks/scene/toml/units.hpp"
 
@@ -128,7 +129,9 @@ public:
         const auto chosen = value ? std::find(choices.begin(), choices.end(), *value) : choices.end();
         if (chosen == choices.end()) {
             const std::string near = value ? engine::closest(*value, {choices.begin(), choices.end()}) : std::string{};
-            return refuse(node, "{} is not one of {}{}", written(node), fmt::join(choices, ", "), engine::did_you_mean(near));
+            const std::string gone = value && parameter_.key == "detail.pins" ? gone_detail(*value) : std::string{};
+            return refuse(node, "{} is not one of {}{}", written(node), fmt::join(choices, ", "),
+                          gone.empty() ? engine::did_you_mean(near) : gone);
         }
         member = static_cast<Choice>(chosen - choices.begin());
     }

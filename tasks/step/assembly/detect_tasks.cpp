@@ -28,7 +28,7 @@ constexpr double near = 2e-7;  // m: an elastic oscillation of 1e6 1/s covers le
 /// Whether all tips of a link are free and far from contact, so that nothing can be due.
 [[nodiscard]] bool is_far(const Workspace& w, int link, const model::TipProbe& probe) noexcept {
     bool far = true;
-    for (int tip = 0; tip < tips_of(w); ++tip)
+    for (int tip = 0; tip < model::tips_per_link; ++tip)
         far = far && w.tips.phases[at(model::tips_per_link * link + tip)] == Phase::free && probe.depth[tip] < -near;
     return far;
 }
@@ -36,7 +36,7 @@ constexpr double near = 2e-7;  // m: an elastic oscillation of 1e6 1/s covers le
 /// Tips so close to contact that they can cross and return within a step.
 [[nodiscard]] bool near_contact(const Workspace& w, int link) noexcept {
     const int first = model::tips_per_link * link;
-    for (int tip = first; tip < first + tips_of(w); ++tip) {
+    for (int tip = first; tip < first + model::tips_per_link; ++tip) {
         if (std::abs(w.tips.before[at(tip)].depth) < near && std::abs(w.tips.after[at(tip)].depth) < near) return true;
     }
     return false;
@@ -74,7 +74,7 @@ void check_middle(Workspace& w, int link, const double* end, SegmentResult& verd
 /// Transitions due at the step's end, among the tips of one link.
 void find_due(Workspace& w, int link, SegmentResult& verdict) noexcept {
     const int first = model::tips_per_link * link;
-    for (int tip = first; tip < first + tips_of(w); ++tip) {
+    for (int tip = first; tip < first + model::tips_per_link; ++tip) {
         if (w.rule.next(w.tips.phases[at(tip)], w.tips.after[at(tip)]) == w.tips.phases[at(tip)]) continue;
         if (may_change(w, tip)) {
             verdict.pending = true;

@@ -46,7 +46,7 @@ inline void check_contact(const Workspace& w, int link, const model::TipProbe& p
     const auto& pulley = w.parameters.pulley;
     const double now = w.step.time + w.step.h;
     bool touching = false;
-    for (int tip = 0; tip < w.layout().tips(); ++tip) {
+    for (int tip = 0; tip < model::tips_per_link; ++tip) {
         if (w.tips.phases[static_cast<std::size_t>(model::tips_per_link * link + tip)] == model::Phase::free) continue;
         touching = true;
         if (probe.depth[tip] > w.parameters.tip.deepest)

@@ -7,7 +7,7 @@ namespace cvtflow::tasks {
 
 /// A link and those of its neighbours that its tips depend on, at a time between those of states that are kept.
 struct NearBlocks {
-    static constexpr int most = 2 * model::ChainLayout{1, 84, 36, 0, false, true, true}.probe_halo() + 1;
+    static constexpr int most = 2 * model::ChainLayout{.rigid = true}.probe_halo() + 1;
     double numbers[most * model::max_link_block];
 
     [[nodiscard]] double* place(const model::ChainLayout& layout, int from_link) noexcept {

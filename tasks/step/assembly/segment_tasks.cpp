@@ -119,7 +119,7 @@ void locate_segment(void* workspace, int segment) noexcept {
     double tail[2 * 36];
     probe_segment(w, segment, middle, sheaves_at(w, middle, tail, sheaves));
     for (int link = own.first; link < own.last; ++link) {
-        for (int corner = 0; corner < tips_of(w); ++corner) {
+        for (int corner = 0; corner < model::tips_per_link; ++corner) {
             if (!may_change(w, model::tips_per_link * link + corner)) continue;
             const Transition found = locate_tip(w, link, corner);
             if (found.theta < verdict.first.theta) verdict.first = found;

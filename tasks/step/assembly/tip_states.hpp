@@ -7,8 +7,6 @@ namespace cvtflow::tasks {
 
 [[nodiscard]] inline std::size_t at(int index) noexcept { return static_cast<std::size_t>(index); }
 
-[[nodiscard]] inline int tips_of(const Workspace& w) noexcept { return w.layout().tips(); }
-
 inline void show(const model::TipProbe& probe, model::TipIndicator* tips) noexcept {
     for (int tip = 0; tip < model::tips_per_link; ++tip) tips[tip] = {probe.depth[tip], probe.slip[tip]};
 }

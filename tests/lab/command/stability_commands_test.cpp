@@ -39,7 +39,7 @@ TEST_F(StabilityCommands, SpectrumTellsExtentBandsAndTheLongestStep) {
 
 TEST_F(StabilityCommands, SpectrumOfAllEigenvaluesIsDrawnInThePlane) {
     const Outcome outcome =
-        run(std::vector<std::string>{"spectrum", "tiny", "--detail", "coarse", "-q", "-o", "s", "--svg"} + brief_settling);
+        run(std::vector<std::string>{"spectrum", "tiny", "--detail", "rigid", "-q", "-o", "s", "--svg"} + brief_settling);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_TRUE(exists("s/spectrum-linear.svg"));
     EXPECT_THAT(read("s/spectrum-symlog.svg"), HasSubstr(">Re λ [1/s]</text>"));

@@ -117,31 +117,23 @@ double largest_difference(const std::vector<double>& a, const std::vector<double
     return largest;
 }
 
-std::vector<oracle::Case> cases_with(PinDetail pins) {
+std::vector<oracle::Case> cases() {
     std::vector<oracle::Case> cases;
     for (int order = 0; order <= 3; ++order) {
         for (const bool stick_slip : {false, true}) {
             for (const FrictionLaw law : {FrictionLaw::piecewise, FrictionLaw::smoothed}) {
                 Parameters p = oracle::small_scene();
-                p.detail.pins = pins;
                 p.detail.order = order;
                 p.detail.stick_slip = stick_slip;
                 p.detail.friction = law;
                 p.detail.joint_points = order == 1 ? 8 : 3;
-                cases.push_back({std::string(pins == PinDetail::whole ? "whole pins, " : "") + "order " + std::to_string(order) +
-                                     (stick_slip ? " stick and slip " : " ") + (law == FrictionLaw::smoothed ? "smoothed" : ""),
+                cases.push_back({"order " + std::to_string(order) + (stick_slip ? " stick and slip " : " ") +
+                                     (law == FrictionLaw::smoothed ? "smoothed" : ""),
                                  p});
             }
         }
     }
-    return cases;
-}
-
-std::vector<oracle::Case> cases() {
-    std::vector<oracle::Case> cases = cases_with(PinDetail::halves);
-    for (oracle::Case& one : cases_with(PinDetail::whole)) cases.push_back(std::move(one));
-    cases.push_back({"whole pins of the baseline, longer than what is computed together", Parameters{}});
-    cases.back().parameters.detail.pins = PinDetail::whole;
+    cases.push_back({"the baseline, longer than what is computed together", Parameters{}});
     return cases;
 }
 

@@ -58,7 +58,7 @@ TEST_P(AutoStepOn, IsStableAndNotNeedlesslyShort) {
 TEST(AutoStep, HoldsWhileLoadsRise) {
     for (const char* damping : {"chain.damping_ratio=0.1", "chain.damping_ratio=0.2"}) {
         Scene scene = read_scene(find_scene("baseline"), StartState::ignored);
-        apply_detail(scene, "coarse");
+        apply_detail(scene, "medium");
         set_values(scene, std::vector<std::string>{damping, "start.settling_time=10 ms", "run.method=leapfrog-chebyshev"});
         Simulation simulation(scene);
         SilentObserver silent;

@@ -20,7 +20,6 @@ std::string automatic_with(const std::vector<std::string>& settings) {
 TEST(AutomaticMethod, IsChosenByDetailAndFrictionLaw) {
     EXPECT_EQ(automatic_with({}), "leapfrog-sweep");
     EXPECT_EQ(automatic_with({"detail.order=3", "detail.plates=each", "detail.joint_points=8"}), "leapfrog-sweep");
-    EXPECT_EQ(automatic_with({"detail.pins=whole"}), "leapfrog-chebyshev");
     EXPECT_EQ(automatic_with({"detail.pins=rigid", "detail.order=2"}), "leapfrog-sweep");
     EXPECT_EQ(automatic_with({"detail.pins=rigid", "detail.order=2", "detail.friction=smoothed"}), "leapfrog-sweep");
     EXPECT_EQ(automatic_with({"detail.friction=smoothed"}), "leapfrog-chebyshev");
@@ -38,7 +37,6 @@ TEST(AutomaticMethod, HasRowsOfTheCatalogueOfWhichTheLastSuitsEveryMachine) {
     const auto rows = automatic_choices();
     for (const AutomaticChoice& row : rows) EXPECT_NE(find_program(row.method), nullptr) << row.method;
     model::Parameters odd;
-    odd.detail.pins = model::PinDetail::whole;
     odd.detail.friction = model::FrictionLaw::smoothed;
     odd.detail.stick_slip = true;
     EXPECT_TRUE(rows.back().suits(odd));

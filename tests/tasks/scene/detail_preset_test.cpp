@@ -43,7 +43,7 @@ TEST(DetailPresets, SetNothingButTheDialsAndNoneOfThemInVain) {
     std::set<std::string_view> changed;
     for (const DetailPreset& preset : detail_presets()) {
         Scene before;
-        before.parameters.detail = {.pins = model::PinDetail::whole,
+        before.parameters.detail = {.pins = model::PinDetail::rigid,
                                     .order = 0,
                                     .joint_points = 5,
                                     .mass_scaling = 3.0,
@@ -71,7 +71,7 @@ TEST(DetailPresets, LeaveAbsentPulleysAbsent) {
 
 TEST(DetailPresets, FineIsTheDefault) {
     Scene scene;
-    apply_detail(scene, "coarse");
+    apply_detail(scene, "medium");
     EXPECT_NE(scene.parameters.detail, model::Detail{});
     apply_detail(scene, "fine");
     EXPECT_EQ(scene.parameters.detail, model::Detail{});
@@ -153,8 +153,7 @@ std::vector<double> costs_of(std::string_view level) {
     return costs;
 }
 
-/// The machine was busy: to a tenth. Up the ladder levels become dearer, but for "coarse": whole pins have no sweeps and take shorter steps
-/// than halves, so it costs what "medium" costs.
+/// The machine was busy: to a tenth.
 TEST(DetailPresets, SayTheCostsThatWereMeasuredAndBecomeDearerUpTheLadder) {
     double below = 0.0;
     for (const DetailPreset& preset : detail_presets()) {
@@ -162,17 +161,29 @@ TEST(DetailPresets, SayTheCostsThatWereMeasuredAndBecomeDearerUpTheLadder) {
         ASSERT_EQ(costs.size(), 7u) << preset.name;
         EXPECT_NEAR(preset.cost / median(costs), 1.0, 0.1) << preset.name;
         EXPECT_GT(preset.cost, below) << preset.name;
-        if (preset.name != "coarse") below = preset.cost;
+        below = preset.cost;
     }
 }
 
 TEST(DetailPresets, UnknownNameIsAnErrorWithASuggestion) {
     Scene scene;
     try {
-        apply_detail(scene, "corse");
+        apply_detail(scene, "meduim");
         FAIL();
     } catch (const SceneError& error) {
-        EXPECT_STREQ(error.what(), "detail corse: not one of rigid, coarse, medium, fine, full (did you mean \"coarse\"?)");
+        EXPECT_STREQ(error.what(), "detail meduim: not one of rigid, medium, fine, full (did you mean \"medium\"?)");
+    }
+}
+
+TEST(DetailPresets, OneThatIsGoneNamesWhatTakesItsPlace) {
+    Scene scene;
+    try {
+        apply_detail(scene, "coarse");
+        FAIL();
+    } catch (const SceneError& error) {
+        EXPECT_STREQ(error.what(),
+                     "detail coarse: not one of rigid, medium, fine, full; whole pins that roll by constraint are gone: \"rigid\" is more "
+                     "accurate and takes a twelfth of their time");
     }
 }
 

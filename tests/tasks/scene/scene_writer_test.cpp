@@ -32,7 +32,7 @@ TEST(SceneWriter, SettingsAndPresetsAreInWhatIsWritten) {
     const std::vector<std::string> good{settings[0], "clamping.driving=[[0, 0], [0.3333333333333333, 20e3]]", settings[2]};
     EXPECT_THROW(set_values(scene, settings), SceneError);
     set_values(scene, good);
-    apply_detail(scene, "coarse");
+    apply_detail(scene, "rigid");
     expect_equal(parse_scene(write_scene(scene), "scene.toml"), scene);
 }
 

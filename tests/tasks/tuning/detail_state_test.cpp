@@ -16,8 +16,7 @@ using model::ChainLayout;
 using model::End;
 
 constexpr unsigned char phase(model::Phase of) { return static_cast<unsigned char>(of); }
-constexpr unsigned char untouched = phase(model::Phase::free), touching = phase(model::Phase::touching),
-                        sliding = phase(model::Phase::slip);
+constexpr unsigned char untouched = phase(model::Phase::free), touching = phase(model::Phase::touching);
 
 /// Parameters of `tiny` with other detail.
 model::Parameters tiny_with(model::PinDetail pins, int order) {
@@ -41,7 +40,7 @@ engine::SavedState ring(const model::Parameters& parameters) {
     for (int link = 0; link < at.links; ++link) {
         const double pitch = 2.0 * M_PI / at.links;
         put(link, End::rear, -pitch * link);
-        if (!at.whole) put(link, End::front, -pitch * (link + 0.9));
+        if (!at.rigid) put(link, End::front, -pitch * (link + 0.9));
     }
     saved.phases.assign(static_cast<std::size_t>(model::tips_per_link * at.links), untouched);
     return saved;
@@ -56,29 +55,24 @@ TEST(DetailState, OfHigherOrderBeginsWithTheCoordinatesThatTheLowerOneHas) {
     EXPECT_EQ(convert_state(over, high, low).state, saved.state);
 }
 
-TEST(DetailState, PutsAWholePinInTheMiddleBetweenItsHalves) {
-    const model::Parameters halves = tiny_with(model::PinDetail::halves, 1), whole = tiny_with(model::PinDetail::whole, 1);
-    const ChainLayout from = model::layout_of(halves), to = model::layout_of(whole);
-    const engine::SavedState saved = ring(halves), over = convert_state(saved, halves, whole);
+TEST(DetailState, PutsARigidPinInTheMiddleBetweenItsHalves) {
+    const model::Parameters halves = tiny_with(model::PinDetail::halves, 1), rigid = tiny_with(model::PinDetail::rigid, 2);
+    const ChainLayout from = model::layout_of(halves), to = model::layout_of(rigid);
+    engine::SavedState saved = ring(halves);
+    saved.phases[7] = touching;
+    const engine::SavedState over = convert_state(saved, halves, rigid);
     ASSERT_EQ(over.state.size(), static_cast<std::size_t>(to.control_begin()));
+    EXPECT_EQ(over.phases, saved.phases) << "four tips, as before";
     for (int pin = 0; pin < to.links; ++pin) {
         const double* rear = saved.state.data() + from.link_begin(pin);
         const double* front = saved.state.data() + from.link_begin(from.previous(pin));
         const double* q = over.state.data() + to.link_begin(pin);
         EXPECT_DOUBLE_EQ(q[to.x(End::rear, 0)], 0.5 * (rear[from.x(End::rear, 0)] + front[from.x(End::front, 0)])) << pin;
         const double* v = q + to.link_size();
-        EXPECT_DOUBLE_EQ(v[to.e(End::rear)],
-                         0.5 * (rear[from.link_size() + from.e(End::rear)] + front[from.link_size() + from.e(End::front)]))
-            << pin;
+        const double before = front[from.link_size() + from.z(End::front)], behind = rear[from.link_size() + from.z(End::rear)];
+        EXPECT_DOUBLE_EQ(v[to.z(End::rear)], 0.5 * (behind + before)) << pin;
+        EXPECT_DOUBLE_EQ(v[to.slide()], before - behind) << pin;
     }
-}
-
-TEST(DetailState, OfWholePinsComesBackFromHalves) {
-    const model::Parameters halves = tiny_with(model::PinDetail::halves, 1), whole = tiny_with(model::PinDetail::whole, 1);
-    const engine::SavedState saved = ring(whole), back = convert_state(convert_state(saved, whole, halves), halves, whole);
-    ASSERT_EQ(back.state.size(), saved.state.size());
-    // Half of the reach is added to the one half and taken from the other: rounding of numbers of 0.03.
-    for (std::size_t k = 0; k < saved.state.size(); ++k) EXPECT_NEAR(back.state[k], saved.state[k], 1e-17 + 1e-14 * 0.03) << k;
 }
 
 /// A rigid pin refers to the middle of its plates, and its halves slide on each other: their mean and difference along z.
@@ -97,25 +91,6 @@ TEST(DetailState, OfRigidPinsComesBackFromHalves) {
         const double x = 0.5 * (rear[to.x(End::rear, 0)] + front[to.x(End::front, 0)]);
         EXPECT_NEAR(x, q[from.x(End::rear, 0)] - model::Coefficients(rigid).plate_bow * q[from.x(End::rear, 2)], 1e-17) << pin;
     }
-}
-
-TEST(DetailState, ATipOfAWholePinTouchesWhereOneOfItsHalvesDid) {
-    const model::Parameters halves = tiny_with(model::PinDetail::halves, 1), whole = tiny_with(model::PinDetail::whole, 1);
-    engine::SavedState saved = ring(halves);
-    const auto tip = [](int link, int end, int side) { return static_cast<std::size_t>(model::tips_per_link * link + 2 * end + side); };
-    saved.phases[tip(4, 1, 0)] = touching;  // the front half of link 4 is on pin 5
-    saved.phases[tip(7, 0, 1)] = sliding;
-    const std::vector<unsigned char> pins = convert_state(saved, halves, whole).phases;
-    EXPECT_EQ(pins[tip(5, 0, 0)], touching);
-    EXPECT_EQ(pins[tip(4, 1, 0)], untouched);
-    EXPECT_EQ(pins[tip(7, 0, 1)], sliding);
-    EXPECT_EQ(std::count(pins.begin(), pins.end(), untouched), static_cast<long>(pins.size()) - 2);
-
-    engine::SavedState of_pins = ring(whole);
-    of_pins.phases[tip(5, 0, 0)] = touching;
-    const std::vector<unsigned char> both = convert_state(of_pins, whole, halves).phases;
-    EXPECT_EQ(both[tip(5, 0, 0)], touching);
-    EXPECT_EQ(both[tip(4, 1, 0)], touching);
 }
 
 }  // namespace

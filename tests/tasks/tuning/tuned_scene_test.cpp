@@ -97,14 +97,14 @@ TEST_F(TunedScenes, SayWhatWasNearestWhereNothingIsAccurateEnough) {
     result.accuracy = 0.01;
     result.choices.resize(2);
     result.choices[0] = {
-        .choice = {"coarse", "rk4"}, .tried = true, .errors = {0.3}, .worst = "start", .standing = "slip off by 30 % at start"};
+        .choice = {"medium", "rk4"}, .tried = true, .errors = {0.3}, .worst = "start", .standing = "slip off by 30 % at start"};
     result.choices[1].standing = "budget used up";
     try {
         static_cast<void>(tuned_text(test::settled_tiny(), result, ""));
         FAIL();
     } catch (const AccuracyError& error) {
         EXPECT_STREQ(error.what(),
-                     "tiny: no tried choice is within 1 % (with a margin of 2); nearest: coarse, rk4, automatic step: slip off by 30 % at "
+                     "tiny: no tried choice is within 1 % (with a margin of 2); nearest: medium, rk4, automatic step: slip off by 30 % at "
                      "start");
     }
 }

@@ -84,15 +84,15 @@ TEST(Tuner, LeavesOutMethodsWhereALevelOfDetailDoesNotTakeThem) {
     TuneSettings settings = brief();
     settings.methods = {"leapfrog-sdirk2", RunSettings{}.method};  // friction solved for wants halves of pins
     const TuneResult result = Tuner(test::settled_tiny(), settings, undisturbed).tune(0.2);
-    EXPECT_THAT(result.left_out, testing::Contains(testing::HasSubstr("leapfrog-sdirk2 at coarse: ")));
+    EXPECT_THAT(result.left_out, testing::Contains(testing::HasSubstr("leapfrog-sdirk2 at rigid: ")));
     const auto tried = [&](const char* detail, const std::string& method) {
         return std::any_of(result.choices.begin(), result.choices.end(),
                            [&](const TunedChoice& made) { return made.choice.detail == detail && made.choice.method == method; });
     };
     EXPECT_TRUE(tried("fine", "leapfrog-sdirk2"));
-    EXPECT_TRUE(tried("coarse", "leapfrog-chebyshev")) << "what auto is for whole pins";
+    EXPECT_TRUE(tried("rigid", "leapfrog-sweep"));
     EXPECT_TRUE(tried("fine", "leapfrog-sweep"));
-    EXPECT_FALSE(tried("coarse", "leapfrog-sdirk2"));
+    EXPECT_FALSE(tried("rigid", "leapfrog-sdirk2"));
     EXPECT_TRUE(result.chosen);
 }
 

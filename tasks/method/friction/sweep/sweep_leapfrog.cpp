@@ -46,7 +46,6 @@ constexpr double sweeps_at_usual_speeds = 2.0, min_sweeps = 3.0, max_sweeps = 12
 
 std::string_view missing_for_sweeps(const model::Parameters& parameters) noexcept {
     if (parameters.detail.pins == model::PinDetail::rigid) return "";
-    if (parameters.detail.pins != model::PinDetail::halves) return "detail.pins = \"halves\" or \"rigid\"";
     return parameters.detail.friction == model::FrictionLaw::piecewise ? "" : "detail.friction = \"piecewise\"";
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Rigid whole pins, written a second time and plainly: energies, deflections and sliding velocities as functions of coordinates, whose
+/// Rigid pins, written a second time and plainly: energies, deflections and sliding velocities as functions of coordinates, whose
 /// derivatives are differences. (model/EQUATIONS.md section 11)
 
 #include <vector>

@@ -1,5 +1,5 @@
 #pragma once
-/// Geometry of rigid whole pins, written plainly: halves, deflections of links and tips as functions of coordinates.
+/// Geometry of rigid pins, written plainly: halves, deflections of links and tips as functions of coordinates.
 
 #include <array>
 #include <cmath>

@@ -32,8 +32,9 @@ struct Choice {
 };
 
 constexpr std::array choices{
-    Choice{"leapfrog-sweep", "one evaluation of all forces a step, friction solved for contact by contact; needs pin halves"},
-    Choice{"leapfrog-chebyshev", "one evaluation of all forces a step, friction in stages of its own; every detail and friction law"},
+    Choice{"leapfrog-sweep",
+           "one evaluation of all forces a step, friction solved for contact by contact; piecewise friction law, or rigid pins"},
+    Choice{"leapfrog-chebyshev", "one evaluation of all forces a step, friction in stages of its own; pin halves, every friction law"},
     Choice{"dumka3", "explicit, steps by local error (run.step_control = \"error\"); the spectrum determines the number of stages"},
     Choice{"dumka3-p5", "explicit, fixed steps, 2 us at full detail: friction is not split off; a sixth of the cost of rk4"},
     Choice{"rk4", "the reference: order 4, 45 ns or less at full detail"},
@@ -85,7 +86,7 @@ std::string detail() {
     return table.text() +
            "\ncost: processor time per simulated second, relative to \"fine\"; default method, automatic step.\n"
            "tensions, slip: median error at seven operating points, relative to the finest level at a quarter of its step.\n"
-           "At low ratio and at a quarter of the load, slip of \"coarse\" and \"medium\" is off by 10 to 28 %.\n"
+           "At low ratio and at a quarter of the load, slip of \"medium\" is off by 10 to 28 %.\n"
            "cvtflow-lab detail SCENE --levels measures your scene; cvtflow tune SCENE chooses the level.\n";
 }
 
