@@ -3,6 +3,7 @@
 #include <map>
 #include <regex>
 
+#include "tests/tools/forgery_fixture.hpp"
 #include "tests/tools/program_fixture.hpp"
 
 namespace cvtflow::tools {
@@ -42,6 +43,15 @@ TEST_F(ReportCommand, WarnsFirstOfWhatIsNotFinished) {
     cut("run.h5", "cut.h5", std::filesystem::file_size(folder_ / "run.h5") - 32);  // without its seal
     ASSERT_EQ(run({"report", "cut.h5"}).status, 0);
     EXPECT_THAT(read("cut.html"), HasSubstr("has no seal"));
+}
+
+TEST_F(ReportCommand, OfAMachineThatIsGoneSaysWhyThePageShowsNoChain) {
+    change_record((folder_ / "run.h5").string(), [](hid_t file) { put_text(file, "/", "parameters", "[detail]\npins = \"whole\"\n"); });
+    const Outcome outcome = run({"report", "run.h5"});
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_THAT(outcome.err,
+                HasSubstr("run.h5: the page shows no chain: cannot read the parameters of its machine: scene:2:8: detail.pins: "
+                          "\"whole\" is not one of halves, rigid; whole pins that roll by constraint are gone"));
 }
 
 TEST_F(ReportCommand, ContainsEnergiesByKindAndTheWearThatWasRecorded) {

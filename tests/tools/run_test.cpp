@@ -233,7 +233,7 @@ TEST_F(Run, OfAnotherDetailDropsTheStateFileAndSaysSo) {
     write_settled_scene();
     const Outcome outcome = run({"run", "settled.toml", "--detail", "rigid"});
     EXPECT_EQ(outcome.status, 0);
-    EXPECT_THAT(outcome.err, StartsWith("cvtflow: detail.pins = \"rigid\" (was \"halves\"): "
+    EXPECT_THAT(outcome.err, StartsWith("cvtflow: detail.pins = \"rigid\" (was \"halves\"), detail.order = 2 (was 1): "
                                         "the state in " +
                                         folder_.string() + "/state.h5 no longer fits; the run settles again\nsettling: "));
 }

@@ -20,13 +20,29 @@ struct ReportArguments {
     std::string output;
 };
 
+/// The page shows what was recorded; the chain needs the machine as well.
+void warn_without_machine(const RecordedRun& run, const std::string& file) {
+    const auto parameters = run.reader().attribute("parameters");
+    const auto* text = parameters && !run.scene() ? std::get_if<std::string>(&parameters->value) : nullptr;
+    if (text == nullptr) return;
+    try {
+        static_cast<void>(tasks::parse_scene(*text, "scene", tasks::StartState::recorded));
+    } catch (const tasks::SceneError& error) {
+        to_stderr(fmt::format("{}: {}: the page shows no chain: cannot read the parameters of its machine: {}\n", program_name(), file,
+                              error.what()));
+    }
+}
+
 std::string page_of(const std::vector<std::string>& files) {
     if (is_sweep(files.front())) {
         if (files.size() > 1) throw UsageError("a report covers one sweep, or one or more records");
         return sweep_page(read_sweep(files.front()));
     }
     std::vector<RecordedRun> runs;
-    for (const std::string& file : files) runs.emplace_back(file);
+    for (const std::string& file : files) {
+        runs.emplace_back(file);
+        warn_without_machine(runs.back(), file);
+    }
     return run_page(runs);
 }
 
