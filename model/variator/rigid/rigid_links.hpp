@@ -200,8 +200,11 @@ inline void lean_halves(const RigidCoefficients& c, const RigidKick& kick, Rigid
 
 inline void gather_links(RigidColumns& all) noexcept {
     const RigidView columns(all);
+    Plane last{0.0, 0.0};  // of the eight links before
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-        write_plane(columns, Column::force_x, i, link_thrust(columns, i - 1) - link_thrust(columns, i));
+        const Plane ahead = link_thrust(columns, i), behind = i == 0 ? link_thrust(columns, -1) : one_back(last, ahead);
+        last = ahead;
+        write_plane(columns, Column::force_x, i, behind - ahead);
         const PinLanes front = read(columns, Column::pull_z, i - 1), rear = -read(columns, Column::pull_z, i);
         write(columns, Column::force_z, i, front + rear);
         write(columns, Column::force_slide, i, 0.5 * (front - rear));

@@ -35,11 +35,10 @@ void RigidModel::accelerate(const SheaveMotion* sheaves, const RigidKick& kick, 
     kernels_.roll(coefficients_, columns);
     columns.wrap(Column::bisector_x, Column::part_vy);
     kernels_.links(coefficients_, kick, columns, f.account);
-    columns.wrap(Column::pull_x, Column::tension);
+    columns.wrap(Column::pull_x, Column::bow_y);
     kernels_.lean(coefficients_, kick, columns, f.account);
-    columns.wrap(Column::lean_x, Column::pressing);
+    columns.wrap(Column::lean_x, Column::bend_moment);
     kernels_.gather(columns);
-    columns.wrap(Column::force_z, Column::force_bend_y);
     if (sheaves != nullptr && !kick.implicit()) kernels_.lengthen(coefficients_, sheaves, columns);
     columns.wrap(Column::lengthening, Column::lengthening);
     kernels_.rub(coefficients_, kick, columns, f.account);
@@ -47,7 +46,6 @@ void RigidModel::accelerate(const SheaveMotion* sheaves, const RigidKick& kick, 
     if (sheaves != nullptr) {
         kernels_.tips(coefficients_, sheaves, kick, columns, f.reaction, f.account);
         columns.wrap(Column::tip_lean_x, Column::tip_rear);
-        columns.wrap(Column::tip_z, Column::tip_slide);
     }
     kernels_.settle(coefficients_, kick, columns, f.account);
     kernels_.moments(columns);

@@ -15,9 +15,11 @@ namespace {
 inline void accelerate_pins(const RigidCoefficients& c, RigidColumns& all) noexcept {
     const RigidView columns(all);
     const PinLanes per_mass(1.0 / c.mass), per_tilt(1.0 / c.tilt_mass), per_slide(1.0 / c.slide_mass), per_bend(1.0 / c.bend_mass);
+    Plane last{0.0, 0.0};  // of the eight links before
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-        const Plane force = read_plane(columns, Column::force_x, i) + read_plane(columns, Column::tip_x, i) +
-                            moment_thrust(columns, i - 1) - moment_thrust(columns, i);
+        const Plane ahead = moment_thrust(columns, i), behind = i == 0 ? moment_thrust(columns, -1) : one_back(last, ahead);
+        last = ahead;
+        const Plane force = read_plane(columns, Column::force_x, i) + read_plane(columns, Column::tip_x, i) + behind - ahead;
         const PinLanes rubbing = read(columns, Column::rub, i) - read(columns, Column::rub, i - 1);
         write_plane(columns, Column::force_x, i, per_mass * force);
         write(columns, Column::force_z, i, per_mass * (read(columns, Column::force_z, i) + read(columns, Column::tip_z, i) + rubbing));
@@ -38,22 +40,20 @@ inline void drift_pins(double step, RigidColumns& all) noexcept {
     }
 }
 
-/// Of one coordinate; returns the sum over the pins of velocities before times those after.
-inline double kick_coordinate(RigidColumns& all, int k, double step) noexcept {
+/// @return ½ v·M v' of the velocities before and after [J]
+inline double kick_pins(const RigidCoefficients& c, double step, RigidColumns& all) noexcept {
     const RigidView columns(all);
-    PinSum product(columns);
+    PinSum energy(columns);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-        const PinLanes before = read(columns, Column::vx + k, i), v = before + step * read(columns, Column::force_x + k, i);
-        product.add(i, before * v);
-        write(columns, Column::vx + k, i, v);
+        PinLanes of_pins(0.0);
+        for (int k = 0; k < rigid_coordinates; ++k) {
+            const PinLanes before = read(columns, Column::vx + k, i), v = before + step * read(columns, Column::force_x + k, i);
+            of_pins += (0.5 * c.inertia(k)) * (before * v);
+            write(columns, Column::vx + k, i, v);
+        }
+        energy.add(i, of_pins);
     }
-    return product.value();
-}
-
-inline double kick_pins(const RigidCoefficients& c, double step, RigidColumns& columns) noexcept {
-    double energy = 0.0;
-    for (int k = 0; k < rigid_coordinates; ++k) energy += 0.5 * c.inertia(k) * kick_coordinate(columns, k, step);
-    return energy;
+    return energy.value();
 }
 
 }  // namespace

@@ -24,16 +24,12 @@ struct RingShares {
 
     [[nodiscard]] int begin(int lane) const noexcept { return links * lane / rigid_lanes; }
     [[nodiscard]] int absent(int lane) const noexcept { return rows - (begin(lane + 1) - begin(lane)); }
-    /// Calls visit(place in the rows, link).
+    /// Calls visit(place in the rows, link). Of a chain that is repeated, links behind the last one are their columns' copies.
     template <class Visit>
     void for_links(const Visit& visit) const noexcept {
         for (int lane = 0; lane < rigid_lanes; ++lane) {
-            int link = begin(lane);
-            while (link >= pins) link -= pins;
-            for (int row = absent(lane); row < rows; ++row) {
-                visit(row * rigid_lanes + lane, link);
-                link = link + 1 == pins ? 0 : link + 1;
-            }
+            const int skipped = absent(lane), first = begin(lane) - skipped;
+            for (int row = skipped; row < rows; ++row) visit(row * rigid_lanes + lane, first + row);
         }
     }
     [[nodiscard]] PinLanes absent_rows() const noexcept {
@@ -94,7 +90,7 @@ inline void solve_ring(const RingShares& shares, double a, const RigidView& colu
         const PinLanes number(row), grip = read(columns, Column::ring_grip, at), coupling = PinLanes(a) * grip;
         const PinLanes back = coupling * read(columns, Column::ring_tie_behind, at),
                        on = coupling * read(columns, Column::ring_tie_ahead, at);
-        const PinLanes inverse = 1.0 / (1.0 + 4.0 * coupling - back * (1.0 + ahead) - on);
+        const PinLanes inverse = 1.0 / ((1.0 + 4.0 * coupling - back - on) - back * ahead);  // each row waits for this
         rub = (read(columns, Column::ring_push, at) + back * rub) * inverse;
         behind = select_greater<rigid_lanes>(absent, number, behind, back * behind * inverse);
         ahead = on * inverse;
@@ -123,6 +119,7 @@ inline void solve_ring(const RingShares& shares, double a, const RigidView& colu
 /// Friction of the velocities that the step leaves behind, by the friction per speed that the last step has left.
 inline void solve_friction(double step_per_mass, RigidColumns& columns) noexcept {
     const RingShares shares(columns.pins());
+    columns.wrap(Column::rub_push, Column::rub_grip);
     double *push = columns[Column::ring_push], *grip = columns[Column::ring_grip], *rub = columns[Column::rub];
     double *behind = columns[Column::ring_tie_behind], *ahead = columns[Column::ring_tie_ahead];
     const double *push_of = columns[Column::rub_push], *grip_of = columns[Column::rub_grip], *rub_in = columns[Column::ring_rub];

@@ -83,6 +83,25 @@ template <class C>
     write(columns, c + 1, i, value.y);
 }
 
+/// Pins i - 1 … i + 6, of those before i and of pins i … i + 7.
+template <int W = rigid_lanes>
+[[nodiscard, gnu::always_inline]] inline Lanes<W> one_back(const Lanes<W>& before, const Lanes<W>& now) noexcept {
+    if constexpr (native_lanes == W) {
+        return slide<W, W - 1>(before, now);
+    } else if constexpr (2 * native_lanes == W) {
+        constexpr int last = native_lanes - 1;
+        return {slide<native_lanes, last>(before.high, now.low), slide<native_lanes, last>(now.low, now.high)};
+    } else {
+        alignas(64) double both[2 * W];
+        before.copy_to(both);
+        now.copy_to(both + W);
+        return load<W>(both + W - 1);
+    }
+}
+[[nodiscard, gnu::always_inline]] inline Plane one_back(const Plane& before, const Plane& now) noexcept {
+    return {one_back<rigid_lanes>(before.x, now.x), one_back<rigid_lanes>(before.y, now.y)};
+}
+
 /// Power that a damping force takes away, and the force into its column. A force acts over a step, and the velocity that begins it is
 /// the one that ended the step before: its share of the work is the mean of both steps' forces times it.
 template <class C>
@@ -118,37 +137,37 @@ private:
     PinLanes total_{0.0};
 };
 
-[[nodiscard]] inline std::array<PinLanes, 6> no_forces() noexcept {
-    std::array<PinLanes, 6> zero;
-    zero.fill(PinLanes(0.0));
-    return zero;
-}
-
 /// Sums over pins of what their tips do to the four sheaves.
+template <int W>
 class ReactionSum {
 public:
-    using Sides = std::array<std::array<PinLanes, 6>, 2>;
+    using Sides = std::array<std::array<Lanes<W>, 6>, 2>;
+    ReactionSum() noexcept {
+        for (Sides& sides : on_) sides[0].fill(Lanes<W>(0.0)), sides[1].fill(Lanes<W>(0.0));
+    }
     /// @param second 1 for pins that belong to the driven shaft   @param present 0 for pins that only fill the last vector
-    /// @param force (side, which): the opposite of that on the sheave
-    template <class Force>
-    [[gnu::always_inline]] void subtract(const PinLanes& second, const PinLanes& present, const Force& force) noexcept {
-        const PinLanes here = present * second;
-        subtract(present - here, force, on_[0]);
-        subtract(here, force, on_[1]);
+    /// @param forces of each side's tips on the pins: the opposite of those on the sheaves
+    [[gnu::always_inline]] void subtract(const Lanes<W>& second, const Lanes<W>& present, const Sides& forces) noexcept {
+        const Lanes<W> here = present * second;
+        subtract(present - here, forces, on_[0]);
+        subtract(here, forces, on_[1]);
     }
     void store(SheaveForces& to) const noexcept {
-        for (std::size_t sheave = 0; sheave < 4; ++sheave) sums<rigid_lanes, 6>(on_[sheave / 2][sheave % 2], to[sheave].data());
+        for (std::size_t sheave = 0; sheave < 4; ++sheave) {
+            std::array<DoublesOf<W>, 6> wide;
+            for (std::size_t k = 0; k < 6; ++k) wide[k] = widened<W>(on_[sheave / 2][sheave % 2][k]);
+            sums<lane_count<W>, 6>(wide, to[sheave].data());
+        }
     }
 
 private:
-    template <class Force>
-    [[gnu::always_inline]] static void subtract(const PinLanes& share, const Force& force, Sides& from) noexcept {
-        if (all_at_most<rigid_lanes>(share, 0.0)) return;
+    [[gnu::always_inline]] static void subtract(const Lanes<W>& share, const Sides& forces, Sides& from) noexcept {
+        if (all_at_most<W>(share, 0.0)) return;
         for (std::size_t side = 0; side < 2; ++side) {
-            for (std::size_t k = 0; k < 6; ++k) from[side][k] -= share * force(side, k);
+            for (std::size_t k = 0; k < 6; ++k) from[side][k] -= share * forces[side][k];
         }
     }
-    std::array<Sides, 2> on_{{{no_forces(), no_forces()}, {no_forces(), no_forces()}}};
+    std::array<Sides, 2> on_;
 };
 
 /// Sums over pins of how their tips creep along the circumference of both pulleys.

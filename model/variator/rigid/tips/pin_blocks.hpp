@@ -64,11 +64,13 @@ protected:
         visit(std::integral_constant<int, 0>{});
         if constexpr (blocks == 2) visit(std::integral_constant<int, 1>{});
     }
-    [[nodiscard, gnu::always_inline]] PinLanes present_in(int block) const noexcept {
-        return own_[static_cast<std::size_t>(block)].present();
-    }
-    [[gnu::always_inline]] void add(PinSum& sum, const Lanes<W>& terms) const noexcept {
-        over_blocks([&](auto block) { sum.add(present_in(block), piece(widened<W>(terms), block)); });
+    /// 1 for pins that are meant.
+    [[nodiscard, gnu::always_inline]] Lanes<W> present() const noexcept {
+        if constexpr (blocks == 1) {
+            return own_[0].present();
+        } else {
+            return as<W>(D{own_[0].present(), own_[1].present()});
+        }
     }
 
     RigidColumns& columns_;

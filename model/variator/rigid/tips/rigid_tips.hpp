@@ -11,8 +11,7 @@ namespace {
 template <int W>
 class TipSums {
 public:
-    TipSums(const RigidCoefficients& c, const RigidKick& kick, const RigidColumns& columns) noexcept
-        : numbers_(c, kick), energy_(columns), damping_(columns), plates_(columns), friction_(columns) {}
+    TipSums(const RigidCoefficients& c, const RigidKick& kick) noexcept : numbers_(c, kick) {}
 
     [[gnu::noinline]] void add(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
                                const typename TipGroup<W>::Blocks& blocks) noexcept {
@@ -21,24 +20,26 @@ public:
         group.bound(bounds_);
         if constexpr (!is_single<W>) group.show_depths();
         if (group.free()) return group.release();
-        group.press(sheaves, energy_, damping_, plates_);
+        group.press(sheaves, account_);
         group.predict();
-        group.rub(on_sheaves_, creep_, friction_);
+        group.rub(on_sheaves_, creep_, account_);
     }
     void store(const RigidCoefficients& c, RigidReaction& reaction, Account& account) const noexcept {
         on_sheaves_.store(reaction.sheaves);
         creep_.store(reaction);
         bounds_.store(c, reaction);
-        account.store(Energy::tips, energy_.value());
-        account.lose(Loss::tip_damping, damping_.value());
-        account.lose(Loss::tip_friction, friction_.value());
-        account.lose(Loss::plate_friction, plates_.value());
+        account.store(Energy::tips, total(account_.energy));
+        account.lose(Loss::tip_damping, total(account_.damping));
+        account.lose(Loss::tip_friction, total(account_.friction));
+        account.lose(Loss::plate_friction, total(account_.plates));
     }
 
 private:
+    [[nodiscard]] static double total(const Lanes<W>& terms) noexcept { return sum<lane_count<W>>(widened<W>(terms)); }
+
     TipNumbers<W> numbers_;
-    PinSum energy_, damping_, plates_, friction_;
-    ReactionSum on_sheaves_;
+    TipAccount<W> account_;
+    ReactionSum<W> on_sheaves_;
     CreepSum creep_;
     TipBounds<W> bounds_;
 };
@@ -47,7 +48,7 @@ private:
 inline void press_near_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
                             RigidReaction& reaction, Account& account) noexcept {
     find_near_pins(c, sheaves, kick, columns);
-    TipSums<rigid_singles> sums(c, kick, columns);
+    TipSums<rigid_singles> sums(c, kick);
     PinBlock waiting{0, 0};
     const int beyond = over_near_pins(columns, [&](const PinBlock& block) {
         if (waiting.count != 0) sums.add(c, sheaves, kick, columns, {waiting, block});
@@ -61,7 +62,7 @@ inline void press_near_tips(const RigidCoefficients& c, const SheaveMotion* shea
 inline void press_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
                        RigidReaction& reaction, Account& account) noexcept {
     if (kick.implicit()) return press_near_tips(c, sheaves, kick, columns, reaction, account);
-    TipSums<rigid_lanes> sums(c, kick, columns);
+    TipSums<rigid_lanes> sums(c, kick);
     unwrap_tips(columns, over_near_pins(columns, [&](const PinBlock& block) { sums.add(c, sheaves, kick, columns, {block}); }));
     std::fill_n(columns[Column::written], columns.padded(), 1.0);
     sums.store(c, reaction, account);
@@ -81,11 +82,11 @@ inline void lengthen_pins(const RigidCoefficients& c, const SheaveMotion* sheave
     find_near_pins(c, sheaves, kick, columns);
     clear_tips(columns);
     const TipNumbers<rigid_lanes> numbers(c, kick);
-    PinSum ignored(columns);
+    TipAccount<rigid_lanes> ignored;
     unwrap_tips(columns, over_near_pins(columns, [&](const PinBlock& block) {
                     TipGroup<rigid_lanes> group(c, numbers, sheaves, kick, columns, {block});
                     group.place();
-                    if (!group.free()) group.press(sheaves, ignored, ignored, ignored);
+                    if (!group.free()) group.press(sheaves, ignored);
                 }));
 }
 

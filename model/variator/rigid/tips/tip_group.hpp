@@ -11,6 +11,13 @@
 namespace cvtflow::model {
 namespace {
 
+/// What tips store and lose: of each pin of a group, added up over groups.
+template <int W>
+struct TipAccount {
+    Lanes<W> energy{0.0};                               ///< [J]
+    Lanes<W> damping{0.0}, friction{0.0}, plates{0.0};  ///< plates: as pins lengthen [W]
+};
+
 /// Tips of eight pins: in floats for the steps of a leapfrog, in doubles for velocities as they are.
 template <int W>
 class TipGroup : private TipMotion<W> {
@@ -19,9 +26,9 @@ class TipGroup : private TipMotion<W> {
     using PlaneV = PlaneOf<W>;
     using PlaneD = DoublePlaneOf<W>;
     using Base = TipMotion<W>;
-    using Base::add, Base::blocks, Base::columns_, Base::lanes, Base::own_, Base::over_blocks, Base::piece, Base::present_in,
-        Base::read_pins, Base::read_plane_of, Base::view_, Base::write_pins;
-    using Base::at_, Base::c_, Base::half_, Base::kick_, Base::n_, Base::rate_, Base::second_, Base::side_, Base::side_of;
+    using Base::at_, Base::c_, Base::driven_, Base::half_, Base::kick_, Base::n_, Base::rate_, Base::second_, Base::side_, Base::side_of;
+    using Base::blocks, Base::columns_, Base::lanes, Base::own_, Base::over_blocks, Base::piece, Base::read_pins, Base::read_plane_of,
+        Base::view_, Base::write_pins;
     static constexpr bool implicit = is_single<W>;
 
 public:
@@ -55,7 +62,7 @@ public:
         }
     }
 
-    [[gnu::always_inline]] void press(const SheaveMotion* sheaves, PinSum& energy, PinSum& damping, PinSum& plates) noexcept {
+    [[gnu::always_inline]] void press(const SheaveMotion* sheaves, TipAccount<W>& account) noexcept {
         Base::read_rates(sheaves);
         V stored(0.0), damped(0.0), shortened(0.0);
         AxialResponse<W> response[2];
@@ -76,9 +83,10 @@ public:
         store(response);
         const auto pull = [&](Column spread) { return V(0.25 * c_.plate_reach) * as<W>(read_pins(spread) - read_pins(spread, -1)); };
         pull_ = pull(Column::rub_spread);
-        add(plates, (implicit ? V(0.5) * (pull_ + pull(Column::rub_spread_before)) : pull_) * shortened);
-        add(energy, stored);
-        add(damping, damped);
+        const V here = Base::present();
+        account.plates += here * ((implicit ? V(0.5) * (pull_ + pull(Column::rub_spread_before)) : pull_) * shortened);
+        account.energy += here * stored;
+        account.damping += here * damped;
     }
 
     /// By how much velocities of the pins grow in the step if friction stays as it was.
@@ -100,11 +108,11 @@ public:
         growth_z_[0] = mean + apart, growth_z_[1] = mean - apart;
     }
 
-    [[gnu::always_inline]] void rub(ReactionSum& reaction, CreepSum& creep, PinSum& lost) noexcept {
+    [[gnu::always_inline]] void rub(ReactionSum<W>& reaction, CreepSum& creep, TipAccount<W>& account) noexcept {
         TipForces<W> total;
-        std::array<V, 6> on_side[2];
-        for (auto& forces : on_side) forces.fill(V(0.0));
+        typename ReactionSum<W>::Sides on_side;
         V rubbed(0.0);
+        for (auto& forces : on_side) forces.fill(V(0.0));
         for (std::size_t tip = 0; tip < rigid_tips; ++tip) {
             const TipForce<W> force = tip_force<W>(side_of(tip), tips_[tip], normal_[tip], pull_, friction(tip, rubbed));
             total.add(n_, side_of(tip), half_[half_of_tip(tip)], half_of_tip(tip), force);
@@ -112,11 +120,9 @@ public:
             add_on_sheave<W>(tips_[tip], force, on_side[end_of_tip(tip)]);
             if constexpr (!implicit) show_force(tip, force, creep);
         }
-        add(lost, rubbed);
-        over_blocks([&](auto block) {
-            reaction.subtract(piece(second_, block), present_in(block),
-                              [&](std::size_t side, std::size_t k) { return piece(widened<W>(on_side[side][k]), block); });
-        });
+        const V here = Base::present();
+        account.friction += here * rubbed;
+        reaction.subtract(driven_, here, on_side);
         store(total);
     }
 
@@ -135,7 +141,7 @@ private:
         const V speed = sqrt(u.round * u.round + u.flank * u.flank);
         const V grip = friction_factor<W>(c_.tip_friction, friction_limit(tip, V(0.0), speed), V(0.0), speed);
         const V radius = sqrt(dot(place.point, place.point));
-        creep.add(present_in(0), second_, grip, radius, u.round);
+        creep.add(Base::present(), second_, grip, radius, u.round);
         write_pins(Column::sliding + number, speed);
         write_pins(Column::reach + number, radius);
         const V outward = dot(f.push, place.radial) + dot(f.friction, place.radial);
