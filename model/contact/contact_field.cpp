@@ -12,7 +12,7 @@ template <class Number>
 ContactFieldOf<Number>::ContactFieldOf(const ChainModel& chain)
     : components{chain.coefficients().joint_points.count, chain.coefficients().plates.count, std::is_same_v<Number, float>},
       arms(static_cast<std::size_t>(chain.layout().links)) {
-    make_columns(chain.layout().links + 2 * chain.layout().halo());
+    make_columns(chain.layout().links + 2);
 }
 
 template <class Number>

@@ -108,7 +108,6 @@ struct FrictionBaseOf {
     const ColumnsOf<Number>* before;
     double extrapolation;  ///< share of the change since the last step [1]
 };
-using FrictionBase = FrictionBaseOf<double>;
 
 /// Velocities that a table combines from others and from the slope just evaluated: Σ weight from + slope_weight slope, in this order.
 template <class Number>

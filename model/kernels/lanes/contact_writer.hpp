@@ -119,19 +119,19 @@ public:
     }
 
     /// Accelerations of a group, rows of the coordinates.
-    void accelerations(int own, int count, const V* rows, int coordinates = at<P>.link_size()) const noexcept {
+    void accelerations(int own, int count, const V* rows) const noexcept {
         const Rows to = rows_of(frictionless_, own, count);
-        for (int row = 0; row < coordinates; ++row) to.put(row, rows[row]);
+        for (int row = 0; row < at<P>.link_size(); ++row) to.put(row, rows[row]);
     }
 
-    /// Ghost columns, `halo` on each side of the chain's, where the range holds the link that they repeat.
-    void repeat(int links, int halo = 1) const noexcept {
+    /// Ghost columns, one on each side of the chain's, where the range holds the link that they repeat.
+    void repeat(int links) const noexcept {
         if (!range_.ghosts) return;
         const auto copy = [&](int from, int to) {
             for (int row = 0; row < field_.components.count(); ++row) *field_.columns.at(row, to) = *field_.columns.at(row, from);
         };
-        for (int link = range_.first; link < std::min(halo, range_.last); ++link) copy(link + 1, link + 1 + links);
-        for (int link = std::max(links - halo, range_.first); link < range_.last; ++link) copy(link + 1, link + 1 - links);
+        if (range_.first == 0) copy(1, 1 + links);
+        if (range_.last == links) copy(links, 0);
     }
 
 protected:
@@ -209,11 +209,9 @@ public:
                const SinglePrecisionRecord& start) noexcept
         : Base(real, range, drift, by_phase, start.field, start.frictionless), start_(start) {}
 
-    /// @tparam size coordinates of a link
     /// @param v velocities passed over, rows of the coordinates
-    template <int size>
     void velocities(int own, int count, const Lanes<W>* v) const noexcept {
-        constexpr int block = 2 * size;
+        constexpr int size = at<P>.link_size(), block = 2 * size;
         constexpr int rows = (size + W - 1) / W * W;  // the last of a block: velocities, and some coordinates before them
         std::array<const double*, W> from;
         for (int lane = 0; lane < W; ++lane)

@@ -150,7 +150,7 @@ public:
         V moment = inner(own, count, columns, f.data());
         plates(kinds(own, count), columns, f.data(), own, count);
         if constexpr (Contacts::wanted) contacts_.frame(own, count, columns.frame);
-        if constexpr (Contacts::relative) contacts_.template velocities<size>(own, count, columns.v());
+        if constexpr (Contacts::relative) contacts_.velocities(own, count, columns.v());
         rear.on_front.apply(-1.0, f.data(), End::rear);
         add_front(rear, next, f.data());
         moment += rear.after + after(rear.before, next.before);

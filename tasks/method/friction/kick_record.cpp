@@ -68,12 +68,11 @@ void end_kick(Workspace& w, const SegmentColumns& columns, int segment, const mo
     const Segment& own = w.partition[segment];
     const int size = layout.link_size(), shift = columns.shift(segment);
     const double half = 0.5 * w.step.h;
-    double* end = w.step.end_state_ready ? w.end_state : w.states[1];
     // Velocities that others count from: still in the window that record_kick() has filled.
     const double* counted_from = w.windows[at(segment)].data() + layout.halo() * layout.link_block() + size;
     for (int link = own.first; link < own.last; ++link, counted_from += layout.link_block()) {
         const double* __restrict from = w.states[0] + layout.link_begin(link);
-        double* __restrict to = end + layout.link_begin(link);
+        double* __restrict to = w.end_state + layout.link_begin(link);
         for (int row = 0; row < size; ++row) {
             to[size + row] = *velocities.at(row, link + shift);
             if constexpr (relative<Number>) to[size + row] += counted_from[row];
@@ -89,9 +88,7 @@ std::vector<int> near_segments(const Workspace& w, int segment) {
     for (int s = 0; s < w.partition.size(); ++s) {
         const Segment& other = w.partition[s];
         const auto holds = [&](int link) { return layout.wrapped(link) >= other.first && layout.wrapped(link) < other.last; };
-        bool reaches = false;
-        for (int k = 1; k <= layout.halo(); ++k) reaches = reaches || holds(own.first - k) || holds(own.last - 1 + k);
-        if (reaches && s != segment) near.push_back(s);
+        if (s != segment && (holds(own.first - 1) || holds(own.last))) near.push_back(s);
     }
     return near;
 }

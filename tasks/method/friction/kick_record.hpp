@@ -33,7 +33,7 @@ void react_to_kick(Workspace& workspace, const SegmentColumns& columns, int segm
 template <class Number>
 void end_kick(Workspace& workspace, const SegmentColumns& columns, int segment, const model::ColumnsOf<Number>& velocities) noexcept;
 
-/// A segment and all that hold links in its halo.
+/// A segment and those that hold the links beside it.
 [[nodiscard]] std::vector<int> near_segments(const Workspace& workspace, int segment);
 
 }  // namespace cvtflow::tasks

@@ -13,19 +13,13 @@ void SegmentColumns::lay_out(const Partition& partition) {
     };
     ghosts_.clear();
     for (int s = 0; s < segments(); ++s) {
-        for (int k = 1; k <= halo_; ++k) {
-            const int link = (segment(s).first - k % links + links) % links, owner = owner_of(link);
-            ghosts_.push_back({first - k, owner, halo_ + segment(owner).last - 1 - link});
-        }
-        for (int k = 0; k < halo_; ++k) {
-            const int link = (segment(s).last + k) % links, owner = owner_of(link);
-            ghosts_.push_back({first + segment(s).size() + k, owner, link - segment(owner).first});
-        }
+        ghosts_.push_back({first - 1, owner_of((segment(s).first - 1 + links) % links), 1});
+        ghosts_.push_back({first + segment(s).size(), owner_of(segment(s).last % links), 0});
     }
 }
 
 template <class Number>
-SegmentEdges<Number>::SegmentEdges(int rows, int halo) : rows_(rows), halo_(halo) {
+SegmentEdges<Number>::SegmentEdges(int rows) : rows_(rows) {
     constexpr int line = model::ColumnsOf<Number>::line;
     stride_ = (rows + line - 1) / line * line;
 }
@@ -38,14 +32,11 @@ void SegmentEdges<Number>::make_room(int segments) {
 template <class Number>
 void SegmentEdges<Number>::give(const SegmentColumns& columns, const model::ColumnsOf<Number>& field, int segment) noexcept {
     constexpr int first = SegmentColumns::first;
-    const int size = columns.segment(segment).size();
-    for (int k = 0; k < std::min(halo_, size); ++k) {
-        Number* front = packed_.data() + place(segment, k);
-        Number* back = packed_.data() + place(segment, halo_ + k);
-        for (int row = 0; row < rows_; ++row) {
-            front[row] = *field.at(row, first + k);
-            back[row] = *field.at(row, first + size - 1 - k);
-        }
+    Number* front = packed_.data() + place(segment, 0);
+    Number* back = packed_.data() + place(segment, 1);
+    for (int row = 0; row < rows_; ++row) {
+        front[row] = *field.at(row, first);
+        back[row] = *field.at(row, first + columns.segment(segment).size() - 1);
     }
 }
 

@@ -17,7 +17,7 @@ namespace cvtflow::tasks {
 struct GhostColumn {
     int column;
     int owner;  ///< segment
-    int place;  ///< among the columns that the owner hands over: its first ones, then its last ones from the end
+    int place;  ///< among the columns that the owner hands over: 0, its first one, or 1, its last one
 };
 
 class SegmentColumns {
@@ -25,48 +25,45 @@ public:
     /// Column of every segment's first link: there a cache line begins.
     static constexpr int first = 1;
 
-    /// @param halo ghost columns on each side
-    explicit SegmentColumns(int halo) : halo_(halo) {}
-
     void lay_out(const Partition& partition);
 
     [[nodiscard]] int segments() const noexcept { return static_cast<int>(segments_.size()); }
     [[nodiscard]] const Segment& segment(int number) const noexcept { return segments_[static_cast<std::size_t>(number)]; }
     /// Columns of a segment's fields, ghosts included, and those before the first link.
-    [[nodiscard]] int count(int number) const noexcept { return first + segment(number).size() + halo_; }
+    [[nodiscard]] int count(int number) const noexcept { return first + segment(number).size() + 1; }
     /// What is added to the number of a segment's link for its column.
     [[nodiscard]] int shift(int number) const noexcept { return first - segment(number).first; }
+    /// One before its links and one behind them.
     [[nodiscard]] std::span<const GhostColumn> ghosts(int segment) const noexcept {
-        return std::span(ghosts_).subspan(static_cast<std::size_t>(2 * halo_ * segment), static_cast<std::size_t>(2 * halo_));
+        return std::span(ghosts_).subspan(static_cast<std::size_t>(2 * segment), 2);
     }
 
 private:
-    int halo_;
     std::vector<Segment> segments_;
-    std::vector<GhostColumn> ghosts_;  ///< [segments][2 halo]
+    std::vector<GhostColumn> ghosts_;  ///< [segments][2]
 };
 
-/// What segments hand over of one field: its first and its last columns, packed.
+/// What segments hand over of one field: its first and its last column, packed.
 template <class Number>
 class SegmentEdges {
 public:
     SegmentEdges() = default;
-    SegmentEdges(int rows, int halo);
+    explicit SegmentEdges(int rows);
 
     /// Room for so many segments. Allocates only if there were never so many.
     void make_room(int segments);
-    /// Copies a segment's first and last columns of its field.
+    /// Copies a segment's first and last column of its field.
     void give(const SegmentColumns& columns, const model::ColumnsOf<Number>& field, int segment) noexcept;
     /// Fills the ghost columns of a segment's field with what their owners gave.
     void take(const SegmentColumns& columns, model::ColumnsOf<Number>& field, int segment) const noexcept;
 
 private:
     [[nodiscard]] std::size_t place(int segment, int number) const noexcept {
-        return static_cast<std::size_t>((segment * 2 * halo_ + number) * stride_);
+        return static_cast<std::size_t>((2 * segment + number) * stride_);
     }
 
-    int rows_ = 0, halo_ = 0, stride_ = 0;
-    model::LineVector<Number> packed_;  ///< [segments][2 halo][stride]
+    int rows_ = 0, stride_ = 0;
+    model::LineVector<Number> packed_;  ///< [segments][2][stride]
 };
 
 }  // namespace cvtflow::tasks

@@ -28,13 +28,12 @@ FrictionSystem<Number>::Fields::Fields(const model::FrictionOperator& friction, 
 }
 
 template <class Number>
-FrictionSystem<Number>::FrictionSystem(const Workspace& w)
-    : friction_(w.variator.chain(), w.parameters.detail.stick_slip), columns_(w.layout().halo()) {
-    const int rows = w.layout().link_size(), halo = w.layout().halo();
+FrictionSystem<Number>::FrictionSystem(const Workspace& w) : friction_(w.variator.chain(), w.parameters.detail.stick_slip) {
+    const int rows = w.layout().link_size();
     const model::ContactComponents components = model::ContactFieldOf<Number>(w.variator.chain()).components;
-    for (SegmentEdges<Number>& edges : edges_) edges = SegmentEdges<Number>(rows, halo);
-    mode_edges_ = SegmentEdges<Number>(rows, halo);
-    contact_edges_ = SegmentEdges<Number>(components.count(), halo);
+    for (SegmentEdges<Number>& edges : edges_) edges = SegmentEdges<Number>(rows);
+    mode_edges_ = SegmentEdges<Number>(rows);
+    contact_edges_ = SegmentEdges<Number>(components.count());
     moving_.resize(kept_fields * at(rows * w.layout().links));
     normal_loads_.resize(at(w.layout().links));
     columns_.lay_out(w.partition);

@@ -18,12 +18,12 @@ SweepSystem<Number>::Fields::Fields(const model::FrictionOperator& friction, int
 
 template <class Number>
 SweepSystem<Number>::SweepSystem(const Workspace& w)
-    : friction_(w.variator.chain(), w.parameters.detail.stick_slip), responses_(friction_, 0.0, 0.0), columns_(w.layout().halo()) {
-    const int size = w.layout().link_size(), halo = w.layout().halo();
+    : friction_(w.variator.chain(), w.parameters.detail.stick_slip), responses_(friction_, 0.0, 0.0) {
+    const int size = w.layout().link_size();
     const model::ContactComponents components = model::ContactFieldOf<Number>(w.variator.chain()).components;
-    contact_edges_ = SegmentEdges<Number>(components.count(), halo);
-    kept_edges_ = SegmentEdges<Number>(rows().count(), halo);
-    for (SegmentEdges<Number>* edges : {&velocity_edges_[0], &velocity_edges_[1], &mean_edges_}) *edges = SegmentEdges<Number>(size, halo);
+    contact_edges_ = SegmentEdges<Number>(components.count());
+    kept_edges_ = SegmentEdges<Number>(rows().count());
+    for (SegmentEdges<Number>* edges : {&velocity_edges_[0], &velocity_edges_[1], &mean_edges_}) *edges = SegmentEdges<Number>(size);
     moving_.resize(2 * at(rows().count() * w.layout().links));
     normal_loads_.resize(at(w.layout().links));
     powers_.resize(at(w.layout().links));
