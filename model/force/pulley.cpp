@@ -62,7 +62,9 @@ void PulleyModel::add_inertia() {
 }
 
 void PulleyModel::spring(std::array<int, 3> index, std::array<double, 3> factor, double stiffness, double mass) {
-    supports_.push_back({index, factor, damped_spring(stiffness, mass, pulley_.damping_ratio)});
+    std::size_t terms = factor.size();
+    while (terms > 1 && factor[terms - 1] == 0.0) --terms;
+    supports_.push_back({index, factor, damped_spring(stiffness, mass, pulley_.damping_ratio), terms});
 }
 
 void PulleyModel::add_bearings(int shaft) {
@@ -158,12 +160,12 @@ void PulleyModel::add_supports(const double* block, double* force, Account* acco
     for (const Support& s : supports_) {
         double u = 0.0;
         double rate = 0.0;
-        for (std::size_t k = 0; k < 3; ++k) {
+        for (std::size_t k = 0; k < s.terms; ++k) {
             u += s.factor[k] * block[s.index[k]];
             rate += s.factor[k] * block[size_ + s.index[k]];
         }
         const double f = s.spring.stiffness * u + s.spring.damping * rate;
-        for (std::size_t k = 0; k < 3; ++k) force[s.index[k]] -= s.factor[k] * f;
+        for (std::size_t k = 0; k < s.terms; ++k) force[s.index[k]] -= s.factor[k] * f;
         stored += 0.5 * s.spring.stiffness * u * u;
         lost += s.spring.damping * rate * rate;
     }

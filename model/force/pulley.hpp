@@ -130,6 +130,7 @@ private:
         std::array<int, 3> index;
         std::array<double, 3> factor;
         Spring spring;
+        std::size_t terms;  ///< factors in front of the zeros
     };
     [[nodiscard]] bool elastic() const noexcept { return size_ == 36; }
     /// Side that moves: +z on the driving shaft, -z on the driven one; its sign.
