@@ -55,7 +55,7 @@ Action declare_extremes(CLI::App& app) {
     app.add_flag("--nightly", arguments->nightly, "Run rows that take minutes, too");
     app.add_flag("--cases", arguments->cases, "Print every case of every row");
     app.footer(
-        "Every row runs the scene tiny at an extreme value, with four methods at three levels of detail. Each run must be accurate (energy "
+        "Every row runs the scene tiny at an extreme value, with four methods at four levels of detail. Each run must be accurate (energy "
         "balance,\nagreement with half the step), refused with a message, ended by a named fault, or warned of as beyond stability.\n"
         "Exit status 3: a row has another outcome than stated.");
     return [arguments] { return extremes(*arguments); };
