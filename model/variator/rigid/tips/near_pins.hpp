@@ -44,7 +44,7 @@ public:
 
     /// At least the depth of each pin's tips [m]: the half's sphere nearest to the axis against the flank nearest to it, as if of one tip.
     [[nodiscard, gnu::always_inline]] DoublesOf<W> bound(const RigidCoefficients& c, const PulleyBounds (&pulleys)[2]) const noexcept {
-        constexpr double rounding = 1e-7;  // more than that of floats [m]
+        const double rounding = 1e-6 * (c.middle + c.touching_radius);  // more than that of floats at these distances [m]
         const PlaneV middle = read_rounded(Column::x), end = read_rounded(Column::p), bend = read_rounded(Column::bend_x);
         const auto of = [&](double PulleyBounds::*number) {
             return select_greater<W>(middle.x, V(c.middle), V(pulleys[1].*number), V(pulleys[0].*number));
