@@ -76,7 +76,7 @@ TEST_F(NightlyReadme, ShowsNumbersThatAnEngineerBelieves) {
     int cases = 0;
     for (std::string line; std::getline(rows, line);) {
         std::istringstream cells(line);
-        double efficiency = 0.0, slip = 0.0;  // in per cent
+        double efficiency = 0.0, slip = 0.0;           // in per cent
         if (!(cells >> efficiency >> slip)) continue;  // notes are empty: the second number is the slip
         EXPECT_TRUE(efficiency > 90.0 && efficiency < 99.5) << line;
         EXPECT_TRUE(slip > 0.05 && slip < 1.0) << line;
