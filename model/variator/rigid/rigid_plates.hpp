@@ -42,19 +42,7 @@ struct RingShares {
 /// Lane L + by of a vector, around the ring of lanes.
 template <int by, int W = rigid_lanes>
 [[nodiscard]] inline Lanes<W> neighbour(const Lanes<W>& lanes) noexcept {
-    constexpr int from = (by + W) % W;
-    if constexpr (native_lanes == W) {
-        return slide<W, from>(lanes, lanes);
-    } else if constexpr (2 * native_lanes == W) {
-        constexpr int within = from % native_lanes;
-        const auto &first = from < native_lanes ? lanes.low : lanes.high, &second = from < native_lanes ? lanes.high : lanes.low;
-        return {slide<native_lanes, within>(first, second), slide<native_lanes, within>(second, first)};
-    } else {
-        alignas(64) double twice[2 * W];
-        lanes.copy_to(twice);
-        lanes.copy_to(twice + W);
-        return load<W>(twice + from);
-    }
+    return lanes_across<(by + W) % W>(lanes, lanes);
 }
 
 /// x_L = free + behind x_{L-by} + ahead x_{L+by}: one unknown per lane.

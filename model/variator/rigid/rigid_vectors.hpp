@@ -83,23 +83,28 @@ template <class C>
     write(columns, c + 1, i, value.y);
 }
 
-/// Pins i - 1 … i + 6, of those before i and of pins i … i + 7.
-template <int W = rigid_lanes>
-[[nodiscard, gnu::always_inline]] inline Lanes<W> one_back(const Lanes<W>& before, const Lanes<W>& now) noexcept {
+/// Lanes from, from + 1, … of two vectors behind each other, 0 < from < W.
+template <int from, int W = rigid_lanes>
+[[nodiscard, gnu::always_inline]] inline Lanes<W> lanes_across(const Lanes<W>& first, const Lanes<W>& second) noexcept {
     if constexpr (native_lanes == W) {
-        return slide<W, W - 1>(before, now);
+        return slide<W, from>(first, second);
     } else if constexpr (2 * native_lanes == W) {
-        constexpr int last = native_lanes - 1;
-        return {slide<native_lanes, last>(before.high, now.low), slide<native_lanes, last>(now.low, now.high)};
+        constexpr int within = from % native_lanes;
+        if constexpr (from < native_lanes)
+            return {slide<native_lanes, within>(first.low, first.high), slide<native_lanes, within>(first.high, second.low)};
+        else
+            return {slide<native_lanes, within>(first.high, second.low), slide<native_lanes, within>(second.low, second.high)};
     } else {
         alignas(64) double both[2 * W];
-        before.copy_to(both);
-        now.copy_to(both + W);
-        return load<W>(both + W - 1);
+        first.copy_to(both);
+        second.copy_to(both + W);
+        return load<W>(both + from);
     }
 }
+
+/// Of pins i - 1 … i + 6, given those of pins i - 8 … i - 1 and i … i + 7.
 [[nodiscard, gnu::always_inline]] inline Plane one_back(const Plane& before, const Plane& now) noexcept {
-    return {one_back<rigid_lanes>(before.x, now.x), one_back<rigid_lanes>(before.y, now.y)};
+    return {lanes_across<rigid_lanes - 1>(before.x, now.x), lanes_across<rigid_lanes - 1>(before.y, now.y)};
 }
 
 /// Power that a damping force takes away, and the force into its column. A force acts over a step, and the velocity that begins it is
