@@ -1,4 +1,4 @@
-/// Gates on size: files of 300 lines, functions of 40, lines of 140 characters.
+/// Gates on size: files of 500 lines, functions of 40, lines of 140 characters.
 
 #include <gtest/gtest.h>
 
@@ -13,14 +13,13 @@
 namespace cvtflow::architecture {
 namespace {
 
-constexpr int max_file_lines = 300;
+constexpr int max_file_lines = 500;
 constexpr int max_function_lines = 40;
 constexpr std::ptrdiff_t most_columns = 140;
 
-/// The only files that may be longer, since they are tables: path and what is tabulated.
+/// The only file that may be longer, since it is a table: path and what is tabulated.
 const std::map<std::string, std::string> tables{
     {"tasks/scene/parameter_table.cpp", "one row per parameter"},
-    {"engine/method/table/dumka3_coefficients.cpp", "one row per block of a polynomial"},
 };
 
 TEST(Size, FilesAreShort) {
