@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <regex>
+#include <sstream>
 #include <string>
 
 namespace cvtflow::host {
@@ -34,6 +35,16 @@ protected:
     }
     void install(const std::string& prefix) const {
         run("cmake --install '" CVTFLOW_BINARY_DIR "' --prefix '" + (folder_ / prefix).string() + "'");
+    }
+
+    /// Output of the scripts of `cmake --install` into p with another build folder, in which nothing was built but these files.
+    std::string install_of(const std::string& files) const {
+        const std::string scripts =
+            "find . -name cmake_install.cmake -o -path '*/Export/*.cmake' -o -name 'cvtflow*.cmake' -o -name cvtflow.pc";
+        run("mkdir b && (cd " CVTFLOW_BINARY_DIR " && tar -cf - $(" + scripts + ")) | tar -xf - -C b && cp -a " CVTFLOW_BINARY_DIR "/" +
+            files + " b");
+        run("sed -i \"s|" CVTFLOW_BINARY_DIR "|$PWD/b|g\" $(find b -name cmake_install.cmake)");
+        return run("cmake -DCMAKE_INSTALL_PREFIX=$PWD/p -P b/cmake_install.cmake");
     }
 
     fs::path folder_;
@@ -86,16 +97,50 @@ TEST_F(Package, HoldsPagesAndExamplesWhoseLinksLead) {
     EXPECT_GT(links, 60);
 }
 
-/// The scripts of `cmake --install` with another build folder, in which nothing but the program was built.
 TEST_F(Package, OfAProgramAloneNamesWhatWasNotBuilt) {
-    const std::string scripts = "find . -name cmake_install.cmake -o -path '*/Export/*.cmake' -o -name 'cvtflow-config*.cmake'";
-    run("mkdir b && (cd " CVTFLOW_BINARY_DIR " && tar -cf - $(" + scripts + ")) | tar -xf - -C b && cp " CVTFLOW_BINARY_DIR "/cvtflow b");
-    run("sed -i \"s|" CVTFLOW_BINARY_DIR "|$PWD/b|g\" $(find b -name cmake_install.cmake)");
-    const std::string output = run("cmake -DCMAKE_INSTALL_PREFIX=$PWD/p -P b/cmake_install.cmake");
+    const std::string output = install_of("cvtflow");
     for (const char* target : {"cvtflow_library", "cvtflow_manual"})
         EXPECT_THAT(output, testing::HasSubstr("/b --target " + std::string(target) + ")"));
     EXPECT_THAT(run("p/bin/cvtflow check tiny"), testing::HasSubstr("share/cvtflow/scenes/tiny.toml"));
     EXPECT_EQ(run("ls p/include p/lib/*/libcvtflow* 2>/dev/null || true"), "");
+}
+
+TEST_F(Package, OfALibraryAloneNamesWhatWasNotBuilt) {
+    const std::string output = install_of("libcvtflow.so*");
+    for (const char* target : {"cvtflow", "cvtflow_manual"})
+        EXPECT_THAT(output, testing::HasSubstr("/b --target " + std::string(target) + ")"));
+    run("mkdir c && printf 'cmake_minimum_required(VERSION 3.25)\nproject(c C CXX)\nfind_package(cvtflow 0.2 REQUIRED COMPONENTS cpp c)\n"
+        "add_executable(c " +
+        here + "/consumer/main.c)\ntarget_link_libraries(c cvtflow::c)\n' > c/CMakeLists.txt");
+    run("cmake -S c -B c/b -G Ninja -DCMAKE_PREFIX_PATH=$PWD/p -DCMAKE_C_COMPILER=" CVTFLOW_CC " && cmake --build c/b");
+    EXPECT_THAT(run("c/b/c"), testing::HasSubstr("648 unknowns"));
+    EXPECT_EQ(run("ls p/bin 2>/dev/null || true"), "");
+}
+
+/// An empty element is the current folder for the loader, so that libraries that lie there run as code; a relative one likewise.
+TEST_F(Package, SearchesNoEmptyOrRelativeFolderForLibraries) {
+    install("p");
+    const std::string paths = run("find " CVTFLOW_BINARY_DIR R"( p -type f \( -perm -u+x -o -name '*.so*' \) -not -path '*/CMakeFiles/*' |
+        while read -r file; do readelf -d "$file" 2>/dev/null | sed -nE "s|.*\(R(UN)?PATH\).*\[(.*)\]|$file \2|p"; done)");
+    EXPECT_THAT(paths, testing::HasSubstr("test_api " CVTFLOW_BINARY_DIR)) << "programs are found";
+    const std::regex line("([^ ]+) (.*)\n");
+    for (std::sregex_iterator found(paths.begin(), paths.end(), line), end; found != end; ++found) {
+        std::istringstream elements((*found)[2].str() + ":");
+        for (std::string element; std::getline(elements, element, ':');)
+            EXPECT_TRUE(element.starts_with("/") || element.starts_with("$ORIGIN/")) << (*found)[1] << ": '" << (*found)[2] << "'";
+    }
+}
+
+TEST_F(Package, RunsNoLibraryFromTheWorkingFolder) {
+    install("p");
+    run("echo '__attribute__((constructor)) static void foreign(void) { __builtin_puts(\"foreign code runs\"); }' > foreign.c "
+        "&& " CVTFLOW_CC " -shared -fPIC foreign.c -o foreign");
+    for (const std::string program : {CVTFLOW_BINARY_DIR "/cvtflow", CVTFLOW_BINARY_DIR "/cvtflow-lab", "p/bin/cvtflow"}) {
+        const std::string names = run("ldd " + program + " | awk '{print $1}' | grep -E '^lib(fmt|z|tbb|hdf5|gomp)'");
+        EXPECT_THAT(names, testing::HasSubstr("libfmt.so."));
+        run("for name in $(ldd " + program + " | awk '{print $1}' | grep '^lib'); do cp foreign $name; done");
+        EXPECT_THAT(run(program + " --version"), testing::Not(testing::HasSubstr("foreign"))) << program;
+    }
 }
 
 TEST_F(Package, HoldsThePythonModuleAlsoAfterItWasMoved) {
