@@ -30,6 +30,18 @@ TEST_F(ReportCommand, IsOneFileThatAsksForNoOther) {
     EXPECT_LT(page.size(), 5000000U);
 }
 
+/// Debian's three.min.js has no notice of its own, dygraphs' only a link.
+TEST_F(ReportCommand, ContainsTheLicencesOfItsScripts) {
+    ASSERT_EQ(run({"report", "run.h5", "-o", "page.html"}).status, 0);
+    const std::string page = read("page.html");
+    const std::string notice = page.substr(page.rfind("<!--"));
+    for (const char* part : {"three.js authors", "Dan Vanderkam", "Permission is hereby granted", "OTHER DEALINGS IN THE"})
+        EXPECT_THAT(notice, HasSubstr(part));
+    EXPECT_THAT(notice.substr(4, notice.size() - 8), Not(HasSubstr("--"))) << "which would end a comment";
+    EXPECT_THAT(run({"list", "licenses"}).out, testing::AllOf(HasSubstr("three.js authors"), HasSubstr("CLI11"), HasSubstr("toml++"),
+                                                              HasSubstr("JSON for Modern C++"), HasSubstr("Eigen"), HasSubstr("pybind11")));
+}
+
 TEST_F(ReportCommand, SaysWhatWasSimulatedAndWhatIsNotTheDefault) {
     ASSERT_EQ(run({"report", "run.h5"}).status, 0);
     const std::string page = read("run.html");

@@ -65,6 +65,14 @@ std::string_view style_of(const Page& page) {
     return used ? asset("dygraph.min.css") : std::string_view{};
 }
 
+/// Licences of the scripts by others, as a comment: the part of licenses.txt before the first line of dashes.
+std::string notice_of(const Page& page) {
+    const bool foreign =
+        std::any_of(page.scripts.begin(), page.scripts.end(), [](const std::string& name) { return name.ends_with(".min.js"); });
+    const std::string_view text = asset("licenses.txt");
+    return foreign ? fmt::format("<!--\n{}-->\n", text.substr(0, text.find("\n--") + 1)) : std::string{};
+}
+
 }  // namespace
 
 std::string packed(std::span<const float> values) { return base64(std::as_bytes(values)); }
@@ -105,7 +113,7 @@ std::string text_of(const Page& page) {
                             section.id, section.id, html(section.title), section.body);
     text += fmt::format("</main>\n<script type=\"application/json\" id=\"data\">{}</script>\n", in_script(page.data));
     for (const std::string& name : page.scripts) text += fmt::format("<script>{}</script>\n", script(name));
-    return text + "</body>\n</html>\n";
+    return text + "</body>\n</html>\n" + notice_of(page);
 }
 
 }  // namespace cvtflow::tools

@@ -18,6 +18,7 @@
 #include "tools/program/arguments/ready_scenes.hpp"
 #include "tools/program/command/command.hpp"
 #include "tools/program/guard.hpp"
+#include "tools/program/html/page.hpp"
 #include "tools/program/text/executor_text.hpp"
 #include "tools/program/text/text.hpp"
 
@@ -140,6 +141,8 @@ std::string units() {
            "\"2.5e10 N/m^1.5\".\nTorques also as Nm, kNm, Nmm; temperatures as degC, °C.\n";
 }
 
+std::string licenses() { return std::string(asset("licenses.txt")); }
+
 struct Listing {
     std::string_view name;
     std::string_view description;
@@ -155,6 +158,7 @@ constexpr std::array listings{
     Listing{"executors", "Executors of the task graph; more for comparison: cvtflow-lab executors", executors},
     Listing{"keys", "All keys of scenes", keys},
     Listing{"units", "Units of quantities", units},
+    Listing{"licenses", "Licences of the libraries that this program and its pages contain", licenses},
 };
 
 const Listing* find_listing(const std::string& name) {
