@@ -26,6 +26,7 @@ public:
     [[nodiscard]] const Number* at(std::ptrdiff_t component, std::ptrdiff_t column) const noexcept {
         return data() + component * stride_ + column;
     }
+    [[nodiscard]] std::size_t bytes() const noexcept { return memory_.size() * sizeof(Number); }
     [[nodiscard]] int stride() const noexcept { return static_cast<int>(stride_); }
     [[nodiscard]] const Number* data() const noexcept { return memory_.data() + before_first; }
     [[nodiscard]] Number* data() noexcept { return memory_.data() + before_first; }

@@ -57,6 +57,8 @@ struct ContactFieldOf {
     /// As many columns, of contacts that have never touched.
     void make_columns(int count);
 
+    [[nodiscard]] std::size_t bytes() const noexcept { return columns.bytes() + arms.size() * sizeof(TipArms); }
+
     ContactComponents components;
     ColumnsOf<Number> columns;
     std::vector<TipArms> arms;  ///< [links], where a tip touches

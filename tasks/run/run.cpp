@@ -142,7 +142,9 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
     report.tolerance = scene.run.tolerance;
     report.kernels = model::name_of(simulation.variator().chain().isa());
     if (model::fuses_multiply_add()) report.kernels += " with fused multiply-adds";
-    report.working_set = simulation.workspace().bytes();
+    report.working_set = simulation.workspace().bytes() + simulation.step_method().bytes().value_or(0);
+    report.counts_method = simulation.step_method().bytes().has_value();
+    report.counts_transitions = scene.parameters.detail.pins != model::PinDetail::rigid;
     report.start_differences = simulation.start_differences();
     if (options.from != nullptr)
         restore(*options.from, simulation, recorder, report);
@@ -273,9 +275,10 @@ std::string summary(const RunReport& r) {
     text += trust_lines(r);
     if (!r.method_report.empty()) text += fmt::format("                      {}\n", r.method_report);
     text += fmt::format("  schedule            {}\n", r.schedule);
-    text += fmt::format("  kernels             {}, working set {} KiB\n", r.kernels, (r.working_set + 1023) / 1024);
-    text += fmt::format("  transitions         {}{}\n", transitions_text(r.counters),
-                        r.settled ? "; settling " + transitions_text(r.settling) : "");
+    text += fmt::format("  kernels             {}, working set {} KiB{}\n", r.kernels, (r.working_set + 1023) / 1024,
+                        r.counts_method ? "" : ", without the method's memory");
+    text += fmt::format("  transitions         {}{}\n", r.counts_transitions ? transitions_text(r.counters) : transitions_not_counted,
+                        r.settled && r.counts_transitions ? "; settling " + transitions_text(r.settling) : "");
     if (simulated > 0.0) {
         text += fmt::format("  wall time           {:.3f} s, {:.0f} s per simulated second ({:.2g} x real time)\n", r.wall,
                             r.wall / simulated, r.wall > 0.0 ? simulated / r.wall : 0.0);

@@ -60,9 +60,11 @@ struct RunReport {
     std::string method_report;    ///< counters of the method, one line; may be empty
     std::string schedule;         ///< what ran it, and why if it was chosen
     std::string kernels;          ///< instruction set that the kernels used
-    std::size_t working_set = 0;  ///< memory that the step loop touches [B]
+    std::size_t working_set = 0;  ///< memory that the step loop touches, of workspace and method [B]
+    bool counts_method = true;    ///< false: the method does not count its part of it
     Counters counters;            ///< after settling
     Counters settling;
+    bool counts_transitions = true;  ///< false at rigid pins
     StepControl step_control = StepControl::fixed;
     double tolerance = 0.0;                  ///< [1]
     LocalErrorStatistics local_errors;       ///< after settling

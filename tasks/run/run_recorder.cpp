@@ -24,9 +24,10 @@ int rows_together(const std::vector<engine::ChannelInfo>& channels) {
     return static_cast<int>(std::clamp(numbers / width, fewest, most));
 }
 
-engine::TableInfo transition_table() {
+engine::TableInfo transition_table(const model::Parameters& machine) {
     return {"transitions",
-            "changes of phase of tips: 0 free, 1 touching, 2 stick, 3 slip",
+            machine.detail.pins != model::PinDetail::rigid ? "changes of phase of tips: 0 free, 1 touching, 2 stick, 3 slip"
+                                                           : fmt::format("changes of phase of tips: {}", transitions_not_counted),
             {{"time", "s", "when"},
              {"pin", "1", "whose tip", engine::ColumnType::integer},
              {"tip", "1", "4 link + 2 (front half) + (side +z)", engine::ColumnType::integer},
@@ -79,7 +80,7 @@ engine::RunContents contents_of(const Scene& scene, const model::ChainModel& cha
         "{} links of [q | v], {} coordinates each (a.x, b.x, a.y, b.y, a.z, a.e, b.z, b.e; orders 0...{}), then pulleys [q | v], {} "
         "coordinates",
         at.links, at.link_size(), at.order, at.pulley_size);
-    contents.tables = {transition_table()};
+    contents.tables = {transition_table(scene.parameters)};
     contents.attributes = attributes_of_run(scene, run);
     return contents;
 }

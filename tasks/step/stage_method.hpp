@@ -20,6 +20,7 @@ public:
     void restart() noexcept override { slope_at_ = SlopeAt::nowhere; }
     void transition() noexcept override { slope_at_ = SlopeAt::nowhere; }
     void rejected() noexcept override { slope_at_ = SlopeAt::start; }
+    [[nodiscard]] std::optional<std::size_t> bytes() const noexcept override { return 0; }  // all stages are in the workspace
     void save(std::vector<double>& memory) const override;
     void load(std::span<const double> memory) override;  ///< memory [what save() wrote]
     [[nodiscard]] std::optional<engine::PlanStep> error_row() const noexcept override;

@@ -100,6 +100,8 @@ public:
     /// Steps between two observations of losses and energies, so that these cost about a hundredth of the steps. The default is that of a
     /// leapfrog, whose step costs as much as five evaluations.
     [[nodiscard]] virtual long observation_stride() const noexcept { return 24; }
+    /// Memory that its steps touch beside the workspace [B]; nothing: not counted.
+    [[nodiscard]] virtual std::optional<std::size_t> bytes() const noexcept { return {}; }
     /// Why a step failed.
     [[nodiscard]] virtual Fault fault() const noexcept { return {}; }
     /// Counters of the method since its construction, one line for the summary of a run; may be empty.

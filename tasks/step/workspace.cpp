@@ -134,11 +134,11 @@ std::array<double, 2> Workspace::shaft_momentum() const noexcept {
 }
 
 std::size_t Workspace::bytes() const noexcept {
-    const auto of = [](const auto& vector) { return vector.size() * sizeof(vector[0]); };
-    std::size_t doubles = (states.size() + slopes.size() + 1) * static_cast<std::size_t>(layout().size()) + pulleys.tail.size();
-    for (const auto& window : windows) doubles += window.size();
-    return doubles * sizeof(double) + of(links.loads) + of(links.sums) + of(links.accounts) + of(tips.phases) + of(tips.phases_before) +
-           of(tips.before) + of(tips.after) + of(tips.probes) + of(tips.changed) + of(segment_results) + sizeof(*this);
+    const auto of = [](const auto&... vectors) { return ((vectors.size() * sizeof(vectors[0])) + ...); };
+    std::size_t bytes = sizeof(*this);
+    for (const auto& window : windows) bytes += of(window);
+    return bytes + of(memory_, pulleys.tail, links.loads, links.sums, links.accounts, links.errors, tips.phases, tips.phases_before,
+                      tips.before, tips.after, tips.probes, tips.changed, tips.touching, segment_results);
 }
 
 void Workspace::list_touching() noexcept {

@@ -151,7 +151,7 @@ public:
     [[nodiscard]] int tail_size() const noexcept { return layout().size() - layout().pulley_begin(); }
     [[nodiscard]] engine::SlotView slots() const noexcept { return {states.data(), slopes.data()}; }
     [[nodiscard]] engine::Interpolant interpolant() const noexcept { return {states[0], slopes[0], end_state, end_slope, step.h}; }
-    /// What the step loop touches: slots, the state at the step's end, windows, fields over links and tips, the model's constants.
+    /// Memory that the step loop touches here: slots, windows, fields over links and tips, the model's constants [B].
     [[nodiscard]] std::size_t bytes() const noexcept;
 
 private:

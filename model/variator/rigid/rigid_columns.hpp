@@ -226,6 +226,7 @@ public:
     void copy(Column from, Column to) noexcept { std::copy_n((*this)[from] - rigid_lanes, stride_, (*this)[to] - rigid_lanes); }
 
     [[nodiscard]] int stride() const noexcept { return stride_; }
+    [[nodiscard]] std::size_t bytes() const noexcept { return memory_.size() * sizeof(double); }
 
 private:
     int pins_, padded_, stride_;

@@ -53,6 +53,11 @@ public:
     /// The unknowns behind the pins alone. @param tail [unknowns - layout.pulley_begin()]
     void tail_state(double* tail) const noexcept;
 
+    /// Memory that a step touches [B].
+    [[nodiscard]] std::size_t bytes() const noexcept {
+        return sizeof(*this) + columns_.bytes() + (tail_.size() + tail_slope_.size()) * sizeof(double);
+    }
+
     /// Everything that the next step depends on; load() resumes bit for bit.
     void save(std::vector<double>& memory) const;
     /// @throws std::invalid_argument if the memory is not one of this machine

@@ -84,7 +84,7 @@ engine::RowLayout result_layout(const Sweep& sweep) {
     columns.push_back({"start", "", "start of the case: scene, geometric, settled, shared or continued", Type::text, 16});
     for (const auto& [name, what] : {std::pair{"steps", "accepted steps"},
                                      {"evaluations", "evaluations of the right-hand side"},
-                                     {"transitions", "changes of phase of tips"},
+                                     {"transitions", "changes of phase of tips; at rigid pins 0, not counted"},
                                      {"truncated", "steps cut at a transition"},
                                      {"settling_evaluations", "evaluations while settling"}}) {
         columns.push_back({name, "1", what, Type::integer});

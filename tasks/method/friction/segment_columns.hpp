@@ -52,6 +52,7 @@ public:
 
     /// Room for so many segments. Allocates only if there were never so many.
     void make_room(int segments);
+    [[nodiscard]] std::size_t bytes() const noexcept { return packed_.size() * sizeof(Number); }
     /// Copies a segment's first and last column of its field.
     void give(const SegmentColumns& columns, const model::ColumnsOf<Number>& field, int segment) noexcept;
     /// Fills the ghost columns of a segment's field with what their owners gave.

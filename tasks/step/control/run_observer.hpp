@@ -1,6 +1,8 @@
 #pragma once
 /// What a caller sees of a running integration: outputs, transitions, counters.
 
+#include <string_view>
+
 #include "model/law/phase_rule.hpp"
 #include "tasks/step/workspace.hpp"
 
@@ -16,6 +18,9 @@ struct Counters {
     long rejected = 0;     ///< steps taken again because of their error
     bool operator==(const Counters&) const = default;
 };
+
+/// In place of a count where pins are rigid: their tips touch and leave within steps that are searched for no transition.
+inline constexpr std::string_view transitions_not_counted = "not counted at rigid pins";
 
 /// One change of a tip's phase, as recorded.
 struct TransitionRecord {

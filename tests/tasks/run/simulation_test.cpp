@@ -56,6 +56,28 @@ TEST(Simulation, HasTheSameHashForEveryNumberOfSegments) {
     }
 }
 
+/// What outlasts a step is part of it, so the count has at least the numbers that a checkpoint keeps.
+TEST(Simulation, CountsTheMemoryOfItsMethod) {
+    const auto bytes = [](const char* method, model::PinDetail pins, std::size_t& kept) {
+        Scene scene = tiny_scene();
+        scene.run.method = method;
+        if (pins == model::PinDetail::rigid) apply_detail(scene, "rigid");
+        Simulation simulation(scene);
+        EXPECT_FALSE(settle_and_run(simulation, 1e-5)) << method;
+        kept = simulation.integration_state().method.size();
+        return simulation.step_method().bytes();
+    };
+    std::size_t kept = 0;
+    for (const auto& [method, pins] : {std::pair{"leapfrog-sweep", model::PinDetail::halves},
+                                       {"leapfrog-chebyshev", model::PinDetail::halves},
+                                       {"leapfrog-sweep", model::PinDetail::rigid}}) {
+        EXPECT_GT(bytes(method, pins, kept).value_or(0), kept * sizeof(float)) << method;
+        EXPECT_GT(kept, 0u) << method;
+    }
+    EXPECT_EQ(bytes("rk4", model::PinDetail::halves, kept), 0u) << "its stages are in the workspace";
+    EXPECT_FALSE(bytes("leapfrog-sdirk2", model::PinDetail::halves, kept).has_value()) << "not counted, and the summary states it";
+}
+
 TEST(Simulation, GoesThroughTransitionsInTheseRuns) {
     Simulation simulation(tiny_scene());
     ASSERT_FALSE(simulation.advance({.until = 0.0}, silent, uncancelled));

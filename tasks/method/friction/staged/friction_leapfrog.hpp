@@ -41,6 +41,8 @@ public:
     void load(std::span<const double> memory) override;  ///< memory [what save() wrote]
     [[nodiscard]] Fault fault() const noexcept override { return fault_; }
 
+    [[nodiscard]] std::optional<std::size_t> bytes() const noexcept override { return system_.bytes(); }
+
     // Bodies of tasks.
     void record(int segment) noexcept;
     void stage(int item) noexcept;  ///< item = stage of the cycle × segments + segment

@@ -42,6 +42,19 @@ FrictionSystem<Number>::FrictionSystem(const Workspace& w) : friction_(w.variato
 }
 
 template <class Number>
+std::size_t FrictionSystem<Number>::bytes() const noexcept {
+    std::size_t bytes = sizeof(*this) + normal_loads_.size() * sizeof(model::LinkLoad) + contact_edges_.bytes() + mode_edges_.bytes();
+    for (const SegmentEdges<Number>& each : edges_) bytes += each.bytes();
+    for (const Fields& f : fields_) {
+        bytes += f.contacts.bytes() + f.scratch.size() * sizeof(Number);
+        for (const Columns& each : f.states) bytes += each.bytes();
+        for (const Columns* each : {&f.base[0], &f.base[1], &f.result, &f.first_slope, &f.impulses, &f.mode, &f.image})
+            bytes += each->bytes();
+    }
+    return bytes;
+}
+
+template <class Number>
 void FrictionSystem<Number>::restart() noexcept {
     for (int row = 0; row < friction_.chain().layout().link_size(); ++row) {  // a mode without symmetry, to begin with
         for_links(*this, [&](Fields& fields, int link, int column) {

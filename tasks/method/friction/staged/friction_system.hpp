@@ -44,6 +44,9 @@ public:
     /// Largest eigenvalue of friction about rest, from a few power iterations on; everything must be at rest [1/s].
     [[nodiscard]] double spectral_radius(const Workspace& workspace, int iterations) noexcept;
 
+    /// Memory that a step touches [B], no room for what borders move through.
+    [[nodiscard]] std::size_t bytes() const noexcept;
+
     /// Memory between steps: forces of the last step, and the vectors of power iterations.
     void save(std::vector<double>& memory) const;
     void load(std::span<const double> memory);  ///< memory [what save() wrote]

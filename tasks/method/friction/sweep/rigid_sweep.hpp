@@ -19,6 +19,7 @@ public:
     void restart() noexcept override { cold_ = true; }
     void save(std::vector<double>& memory) const override;
     void load(std::span<const double> memory) override;  ///< memory [what save() wrote]
+    [[nodiscard]] std::optional<std::size_t> bytes() const noexcept override { return stepper_.bytes(); }
     [[nodiscard]] Fault fault() const noexcept override { return fault_; }
 
 private:

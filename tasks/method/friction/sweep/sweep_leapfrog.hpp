@@ -51,6 +51,8 @@ public:
     void save(std::vector<double>& memory) const override;
     void load(std::span<const double> memory) override;  ///< memory [what save() wrote]
 
+    [[nodiscard]] std::optional<std::size_t> bytes() const noexcept override { return system_.bytes(); }
+
     // Bodies of tasks.
     void record(int segment) noexcept;
     void sweep(int item) noexcept;  ///< item = pass of the cycle × segments + segment

@@ -78,6 +78,18 @@ void SweepSystem<Number>::repartition(const Partition& partition) {
 }
 
 template <class Number>
+std::size_t SweepSystem<Number>::bytes() const noexcept {
+    std::size_t bytes = sizeof(*this) + normal_loads_.size() * sizeof(model::LinkLoad);
+    for (const Fields& f : fields_) {
+        bytes += f.contacts.bytes() + f.scratch.size() * sizeof(Number);
+        for (const Columns* each : {&f.base, &f.start, &f.velocity, &f.result, &f.impulses, &f.kept[0], &f.kept[1]}) bytes += each->bytes();
+    }
+    for (const SegmentEdges<Number>* each : {&contact_edges_, &kept_edges_, &velocity_edges_[0], &velocity_edges_[1]})
+        bytes += each->bytes();
+    return bytes;
+}
+
+template <class Number>
 void SweepSystem<Number>::restart() noexcept {
     for_kept(*this, now_, [](Number& number) { number = Number(0); });
     losses_ = Losses::none;

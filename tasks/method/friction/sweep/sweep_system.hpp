@@ -41,6 +41,9 @@ public:
     /// Losses by friction in the accounts of an observe cycle become what the forces of the last step have done; while all is at rest.
     void book(Workspace& workspace) noexcept;
 
+    /// Memory that a step touches [B]: no room for what borders move through, nothing that is computed on demand.
+    [[nodiscard]] std::size_t bytes() const noexcept;
+
     /// What outlasts a step: its forces, and their losses.
     void save(std::vector<double>& memory) const;
     void load(std::span<const double> memory);  ///< memory [what save() wrote]
