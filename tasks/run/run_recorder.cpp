@@ -10,6 +10,7 @@
 
 #include "engine/base/hash.hpp"
 #include "engine/record/run/part_file.hpp"
+#include "tasks/run/saved_start.hpp"
 
 namespace cvtflow::tasks {
 
@@ -252,6 +253,7 @@ void RunRecorder::finish(RunReport& report) {
     report.ratio_begin = means_.first_fifth().ratio;
     report.ratio_end = report.last_fifth.ratio;
     if (!file_) return;
+    file_->set_attribute({std::string(step_taken_attribute), report.step});
     if (report.fault)
         file_->set_status(report.fault.message());
     else if (!report.reliable())

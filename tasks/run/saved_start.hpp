@@ -14,6 +14,8 @@ struct SavedState;
 
 namespace cvtflow::tasks {
 
+/// Attribute of records and states with the step in use at their end [s]; "step" of a record is run.step, 0: automatic.
+inline constexpr std::string_view step_taken_attribute = "step_taken";
 /// Attribute with the error of the energy balance (EnergyLedger::suspicion): a run from a wrong state has wrong results.
 inline constexpr std::string_view suspicion_attribute = "energy_suspicion";
 /// Its value; 0 if absent.

@@ -288,6 +288,7 @@ engine::SavedState Simulation::saved_state() const {
     const std::string text = write_scene(scene_);
     saved.fingerprint = engine::Hash().add(std::string_view(text)).hex();
     saved.attributes = {{"scene", text}, {"method", method_name()}, {std::string(suspicion_attribute), suspicion()}};
+    if (step_ > 0.0) saved.attributes.push_back({std::string(step_taken_attribute), step_});
     return saved;
 }
 

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "tasks/run/run_means.hpp"
+#include "tasks/run/saved_start.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tools/program/html/curve_data.hpp"
 #include "tools/program/html/difference_body.hpp"
@@ -155,7 +156,8 @@ std::string provenance(const RecordedRun& run) {
     std::vector<std::pair<std::string, std::string>> rows;
     std::string texts;
     for (const engine::Attribute& each : run.reader().attributes()) {
-        const std::string value = value_text(each);
+        if (each.name == tasks::step_taken_attribute) continue;  // beside "step"
+        const std::string value = each.name == "step" ? step_text(run.reader().attributes()) : value_text(each);
         if (value.find('\n') == std::string::npos)
             rows.emplace_back(each.name, html(value));
         else

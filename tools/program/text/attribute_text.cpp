@@ -5,6 +5,8 @@
 #include <algorithm>
 
 #include "engine/base/error_text.hpp"
+#include "tasks/run/saved_start.hpp"
+#include "tools/program/text/text.hpp"
 
 namespace cvtflow::tools {
 
@@ -25,6 +27,26 @@ std::string text_of(const std::vector<engine::Attribute>& attributes, std::strin
         std::find_if(attributes.begin(), attributes.end(), [&](const engine::Attribute& attribute) { return attribute.name == name; });
     return found == attributes.end() ? otherwise : engine::visible(value_text(*found));
 }
+
+namespace {
+
+/// 0 if it is absent or no real number.
+double number_of(const std::vector<engine::Attribute>& attributes, std::string_view name) {
+    const auto found = std::find_if(attributes.begin(), attributes.end(), [&](const engine::Attribute& each) { return each.name == name; });
+    const double* number = found == attributes.end() ? nullptr : std::get_if<double>(&found->value);
+    return number == nullptr ? 0.0 : *number;
+}
+
+}  // namespace
+
+std::string step_text(const std::vector<engine::Attribute>& attributes, double setting) {
+    const double taken = number_of(attributes, tasks::step_taken_attribute);
+    const std::string set = setting > 0.0 ? time_text(setting) : "auto", used = taken > 0.0 ? time_text(taken) : "";
+    if (used.empty() || used == set) return set;
+    return setting > 0.0 ? fmt::format("{} ({} taken)", set, used) : fmt::format("auto ({})", used);
+}
+
+std::string step_text(const std::vector<engine::Attribute>& attributes) { return step_text(attributes, number_of(attributes, "step")); }
 
 std::optional<tasks::Scene> scene_in(const std::vector<engine::Attribute>& attributes, std::string_view name) {
     const auto found = std::find_if(attributes.begin(), attributes.end(), [&](const engine::Attribute& each) { return each.name == name; });

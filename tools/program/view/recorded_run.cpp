@@ -78,10 +78,7 @@ RecordedRun::RecordedRun(std::string path)
 
 std::string RecordedRun::conditions() const {
     const auto& all = reader_.attributes();
-    const auto step = reader_.attribute("step");
-    const double* length = step ? std::get_if<double>(&step->value) : nullptr;
-    return fmt::format("{}, {}, step {}", text_of(all, "scene"), text_of(all, "method"),
-                       length == nullptr || *length == 0.0 ? "auto" : time_text(*length));
+    return fmt::format("{}, {}, step {}", text_of(all, "scene"), text_of(all, "method"), step_text(all));
 }
 
 std::vector<Curve> RecordedRun::curves(const engine::ChannelInfo& channel, bool each) const {

@@ -57,7 +57,7 @@ std::string run_text(const std::string& path, const engine::RunReader& run) {
     text += field("seal", run.sealed() ? "intact: every byte is as the run wrote it" : "none: numbers cannot be verified");
     text += field("scene", of("scene"));
     if (const auto scene = scene_in(all, "parameters")) text += field("detail", detail_text(*scene));
-    text += field("method", fmt::format("{}, step {} s, seed {}", of("method"), of("step"), of("seed")));
+    text += field("method", fmt::format("{}, step {}, seed {}", of("method"), step_text(all), of("seed")));
     text += field("program", fmt::format("cvtflow {} ({}), {} {}, {}, HDF5 {}", of("program_version"), of("commit"), of("compiler"),
                                          of("build_type"), of("instruction_set"), of("hdf5_version")));
     text += field("machine", fmt::format("{}, {} cores, {}", of("cpu"), of("cores"), of("os")));
@@ -83,9 +83,8 @@ std::string state_text(const std::string& path, const engine::SavedState& saved)
     text += field("settled with", fmt::format("scene {}, {} pins", scene->name, scene->parameters.chain.pins));
     text += field("", detail_text(*scene));
     const std::string method = text_of(saved.attributes, "method", tasks::method_of(*scene));
-    text +=
-        field("", fmt::format("{} with step {}, {} of settling", method, scene->run.step.automatic() ? "auto" : time_text(scene->run.step),
-                              time_text(scene->parameters.start.settling_time)));
+    text += field("", fmt::format("{} with step {}, {} of settling", method, step_text(saved.attributes, scene->run.step.value_or(0.0)),
+                                  time_text(scene->parameters.start.settling_time)));
     return text;
 }
 
