@@ -210,9 +210,10 @@ std::string operating_point(const RunReport& r) {
         return std::isfinite(means.efficiency) ? fmt::format("{:.2f} %", 100.0 * means.efficiency) : std::string("- (no input)");
     };
     line("slip                {:.3f} %      efficiency {}   (over {})", 100.0 * r.slip, percent(r.whole), periods_text(r.whole));
-    if (r.whole.loss_slip > 0.0)
-        line("                    by friction {:.3f} %      lost by creep along the circumference {:.3f} % of the power",
-             100.0 * r.whole.friction_slip, 100.0 * r.whole.loss_slip);
+    if (r.whole.loss_slip > 0.0) {
+        line("                    by friction {:.3f} %", 100.0 * r.whole.friction_slip);
+        line("creep loss          {:.3f} % of the power", 100.0 * r.whole.loss_slip);
+    }
     line("last fifth          slip {:.3f} %      efficiency {}      tight {:.1f} N      slack {:.1f} N", 100.0 * r.last_fifth.slip,
          percent(r.last_fifth), r.last_fifth.tight, r.last_fifth.slack);
     text += outside_lines(r);
@@ -235,9 +236,9 @@ std::string step_text(const RunReport& r) {
 
 /// The energy balance, and what is odd.
 std::string trust_lines(const RunReport& r) {
-    std::string text = fmt::format("  energy balance      residual {:.3g} J, {:.2g} of the losses ({:.3g} J)", r.energy.residual(),
-                                   r.energy.relative(), r.energy.loss);
-    if (r.settled) text += fmt::format("; settling {:.2g}", r.settling_residual);
+    std::string text = fmt::format("  energy balance      {} {:.2g} % of {:.3g} J lost", r.reliable() ? "closes to" : "is off by",
+                                   100.0 * r.energy.relative(), r.energy.loss);
+    if (r.settled) text += fmt::format("; settling {:.2g} %", 100.0 * r.settling_residual);
     text += r.reliable() ? "\n" : "\n  " + unreliable_text(r) + "\n";
     for (const Note& note : r.notes) text += fmt::format("  note                {}\n", note.text);
     return text;

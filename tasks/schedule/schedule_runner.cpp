@@ -156,7 +156,7 @@ std::string ScheduleRunner::text() const {
     const std::string moved = moves_ > 0 ? fmt::format("borders moved {}", times(moves_, "time")) : "";
     const std::string name = slots_[chosen].schedule.text();
     if (slots_.size() == 1) return moved.empty() ? name : fmt::format("{} ({})", name, moved);
-    if (chooser_.checks() == 0) return name + " (auto: no check finished, trials may cost 1 % of the time)";
+    if (chooser_.checks() == 0) return name + " (auto; the run was too short to try others)";
     std::size_t other = chosen == 0 ? 1 : 0;  // serial, or the best beside it
     for (std::size_t each = 2; chosen == 0 && each < slots_.size(); ++each) {
         if (chooser_.per_cycle(static_cast<int>(each)) < chooser_.per_cycle(static_cast<int>(other))) other = each;

@@ -169,7 +169,7 @@ TEST(ScheduleRunner, SaysWhatItCameTo) {
     const engine::Cancellation never;
     Simulation brief(scene, std::vector<Schedule>{Schedule{}, {"barrier", {Assembly::fused}, 2, 2}}, {});
     EXPECT_EQ(brief.advance({.steps = 3, .anew = true}, quiet, never).kind, FaultKind::max_steps);
-    EXPECT_EQ(brief.runner().text(), "serial (auto: no check finished, trials may cost 1 % of the time)");
+    EXPECT_EQ(brief.runner().text(), "serial (auto; the run was too short to try others)");
     EXPECT_EQ(Simulation(scene, Schedule{"barrier", {Assembly::staged}, 5, 2}).runner().text(), "barrier, staged, 5 segments, 2 threads");
     ChooserOptions options = restless();
     options.gain = options.edge = 1e9;  // nothing can bring that
