@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace cvtflow::tasks {
 
@@ -39,14 +40,13 @@ void efficiency(const Instant& now, double* out) {
     powers.loss = now.observation.account.loss;
     powers.work = now.observation.work;
     *out = powers.efficiency_since({});
-    if (!std::isfinite(*out)) *out = 0.0;
 }
 Channel::Read chain_torque(std::size_t shaft) {
     return [shaft](const Instant& now, double* out) { *out = now.chain_torque(shaft); };
 }
 void thrust_ratio(const Instant& now, double* out) {
     const Observation& o = now.observation;
-    *out = o.clamping[1] != 0.0 ? o.clamping[0] / o.clamping[1] : 0.0;
+    *out = o.clamping[1] != 0.0 ? o.clamping[0] / o.clamping[1] : std::numeric_limits<double>::quiet_NaN();
 }
 
 /// Tips of the pin that is followed: of its rear half on its own link and of its front half on the link before.
@@ -137,9 +137,10 @@ const Channel table[] = {
      .read = scalar(&O::loss_slip)},
     {.name = "efficiency",
      .unit = "1",
-     .description = "1 - losses/input over the last whole pin period (input: works of those inputs that brought energy)",
-     .read = efficiency},
-    {.name = "thrust_ratio", .unit = "1", .description = "S_1/S_2", .read = thrust_ratio},
+     .description = "1 - losses/input over the last whole pin period (input: works of those inputs that brought energy); NaN without input",
+     .read = efficiency,
+     .may_be_undefined = true},
+    {.name = "thrust_ratio", .unit = "1", .description = "S_1/S_2; NaN without S_2", .read = thrust_ratio, .may_be_undefined = true},
     {.name = "chain_speed",
      .unit = "m/s",
      .description = "mean speed of the pins along the chain",

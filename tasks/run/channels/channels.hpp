@@ -36,8 +36,9 @@ struct Channel {
     Width width = always(1);     ///< numbers of an instant
     Read read = {};              ///< values [unit of the channel]
     bool needs_pulleys = true;
-    bool usual = true;           ///< recorded in every run; others where record.channels names them
-    bool of_hydraulics = false;  ///< recorded in every run with hydraulics
+    bool usual = true;              ///< recorded in every run; others where record.channels names them
+    bool of_hydraulics = false;     ///< recorded in every run with hydraulics
+    bool may_be_undefined = false;  ///< a quotient that is NaN where its divisor is zero; means and extremes leave such outputs out
 
     /// A width that does not depend on the machine.
     [[nodiscard]] static Width always(int numbers) {

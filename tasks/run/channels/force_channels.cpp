@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "tasks/run/channels/channels.hpp"
@@ -42,6 +43,8 @@ Channel::Read bearing_moment(std::size_t shaft) {
 
 void misalignment(const Instant& now, double* out) { *out = now.observer.forces().misalignment; }
 
+constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
+
 /// Half the sum of what spreads the two sheaves of a shaft.
 [[nodiscard]] double spreading(const Instant& now, std::size_t shaft) {
     const auto& axial = now.observation.axial_force;
@@ -50,7 +53,7 @@ void misalignment(const Instant& now, double* out) { *out = now.observer.forces(
 
 void contact_thrust_ratio(const Instant& now, double* out) {
     const double driven = spreading(now, 1);
-    *out = driven != 0.0 ? spreading(now, 0) / driven : 0.0;
+    *out = driven != 0.0 ? spreading(now, 0) / driven : undefined;
 }
 
 constexpr double largest_safety = 1e3;  ///< without torque it is infinite; records hold numbers
@@ -68,11 +71,11 @@ Channel::Read safety_factor(std::size_t shaft) {
 /// Of the slower part against the faster one on its pulley, in the flow of power from shaft 1 to shaft 2.
 void slip_of_driving(const Instant& now, double* out) {
     const double shaft = now.observation.speed[0];
-    *out = shaft != 0.0 ? 1.0 - now.observation.pin_speed[0] / shaft : 0.0;
+    *out = shaft != 0.0 ? 1.0 - now.observation.pin_speed[0] / shaft : undefined;
 }
 void slip_of_driven(const Instant& now, double* out) {
     const double pins = now.observation.pin_speed[1];
-    *out = pins != 0.0 ? 1.0 - now.observation.speed[1] / pins : 0.0;
+    *out = pins != 0.0 ? 1.0 - now.observation.speed[1] / pins : undefined;
 }
 
 void total_loss(const Instant& now, double* out) {
@@ -238,12 +241,14 @@ const Channel table_of_forces[] = {
      .unit = "1",
      .description = "slip on the driving pulley: 1 - pins/shaft, angular speeds",
      .read = slip_of_driving,
-     .usual = false},
+     .usual = false,
+     .may_be_undefined = true},
     {.name = "shaft_2/slip",
      .unit = "1",
      .description = "slip on the driven pulley: 1 - shaft/pins, angular speeds",
      .read = slip_of_driven,
-     .usual = false},
+     .usual = false,
+     .may_be_undefined = true},
     {.name = "shaft_1/safety_factor",
      .unit = "1",
      .description = "2 mu S_1 r_1/cos(beta) over the chain's torque on the driving sheaves, at most 1000",
@@ -258,7 +263,8 @@ const Channel table_of_forces[] = {
      .unit = "1",
      .description = "mean axial force of the tips on the driving sheaves over that on the driven ones",
      .read = contact_thrust_ratio,
-     .usual = false},
+     .usual = false,
+     .may_be_undefined = true},
     {.name = "misalignment",
      .unit = "m",
      .description = "axial distance of the middles of the two grooves: driving minus driven",

@@ -1,6 +1,5 @@
 /// Channels of cylinders, valves and pump. (model/EQUATIONS.md section 8, hydraulics)
 
-#include <cmath>
 #include <utility>
 
 #include "tasks/run/channels/channels.hpp"
@@ -25,7 +24,6 @@ Channel::Read energy(double HydraulicEnergy::*member) {
 void efficiency_with_pump(const Instant& now, double* out) {
     const HydraulicInstant& oil = now.observation.hydraulics;
     *out = now.workspace.energy.efficiency(now.observation.time, {oil.pump, oil.lost()});
-    if (!std::isfinite(*out)) *out = 0.0;
 }
 
 Channel row(std::string_view name, std::string_view unit, std::string_view description, Channel::Read read) {
@@ -63,8 +61,13 @@ std::span<const Channel> hydraulic_channels() {
         row("hydraulics/leaked", "J", "lost by leakage of the cylinders so far", energy(&E::leakage)),
         row("hydraulics/sheaves", "J", "work of the oil's pressure on the movable sheaves so far", energy(&E::sheaves)),
         row("hydraulics/stored", "J", "energy of the compressed oil", energy(&E::stored)),
-        row("efficiency_with_pump", "1", "1 - losses/input over the last pin period, the pump's losses and power included",
-            efficiency_with_pump),
+        {.name = "efficiency_with_pump",
+         .unit = "1",
+         .description = "1 - losses/input over the last pin period, the pump's losses and power included; NaN without input",
+         .read = efficiency_with_pump,
+         .usual = false,
+         .of_hydraulics = true,
+         .may_be_undefined = true},
     };
     return table;
 }

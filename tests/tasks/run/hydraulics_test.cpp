@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
 
+#include "tasks/run/channels/channels.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/tuning/tuner.hpp"
 
@@ -50,6 +52,35 @@ model::HydraulicInstant oil_in(const Simulation& simulation) {
 
 /// S_2 rises by half within 0.2 ms: a transient of everything.
 const std::vector<std::string> step_of_force{"clamping.driven=[[0, 4000], [0.2e-3, 6000]]", "clamping.driving=5000"};
+
+/// The channel at every output of a run of `tiny` with a pump.
+class PumpEfficiency final : public RunObserver {
+public:
+    explicit PumpEfficiency(const Simulation& simulation) : observer_(simulation.variator()) {}
+    void output(double time, const Workspace& workspace, const Counters& counters) override {
+        const auto all = channels();
+        const auto found = std::find_if(all.begin(), all.end(), [](const Channel& each) { return each.name == "efficiency_with_pump"; });
+        double value = 0.0;
+        found->read({observer_.observe(time, workspace.states[0], workspace.tips.phases.data()), workspace, counters, 0, observer_},
+                    &value);
+        values.push_back(value);
+    }
+    void transition(const TransitionRecord&) override {}
+    std::vector<double> values{};
+
+private:
+    model::Observer observer_;
+};
+
+TEST(PumpEfficiency, IsUndefinedBeforeThereIsPower) {
+    Simulation simulation(hydraulic_scene("rigid"));
+    settle_and_advance(simulation, 0.0);
+    PumpEfficiency seen(simulation);
+    ASSERT_FALSE(simulation.advance({.until = 0.5e-3, .anew = true}, seen, oil_uncancelled));
+    EXPECT_TRUE(std::isnan(seen.values.front())) << "no time has passed";
+    EXPECT_GT(seen.values.back(), 0.1);
+    EXPECT_LT(seen.values.back(), 1.0);
+}
 
 class SimulationHydraulics : public testing::TestWithParam<std::string> {};
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "tools/program/html/page.hpp"
+#include "tools/program/plot/finite.hpp"
 #include "tools/program/view/labels.hpp"
 
 namespace cvtflow::tools {
@@ -44,7 +45,7 @@ std::vector<float> Stretches::values(const std::vector<double>& all) const {
     std::vector<float> kept;
     for (std::size_t k = 0; k < count; ++k) {
         const auto from = all.begin() + static_cast<std::ptrdiff_t>(begin(k)), to = all.begin() + static_cast<std::ptrdiff_t>(begin(k + 1));
-        auto [first, second] = std::minmax_element(from, to);
+        auto [first, second] = finite_extremes(from, to, [](double value) { return value; });
         if (second < first) std::swap(first, second);
         kept.push_back(static_cast<float>(*first));
         kept.push_back(static_cast<float>(*second));

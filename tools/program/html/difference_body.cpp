@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "tools/program/html/page.hpp"
 #include "tools/program/text/markup.hpp"
 #include "tools/program/text/text.hpp"
 #include "tools/program/view/labels.hpp"
@@ -15,11 +16,6 @@ namespace cvtflow::tools {
 namespace {
 
 constexpr std::size_t columns_drawn_of_difference = 450;
-
-std::string number_cell(double number, const char* format) {
-    if (!std::isfinite(number)) return "<td class=\"number\">–</td>";
-    return fmt::format("<td class=\"number\" data-value=\"{:.9g}\">{}</td>", number, fmt::format(fmt::runtime(format), number));
-}
 
 std::string keys_that_differ(const RecordedRun& a, const RecordedRun& b) {
     if (!a.scene() || !b.scene()) return "<p>This program cannot read the scenes of both records.</p>\n";

@@ -93,6 +93,11 @@ nlohmann::json quantised(std::span<const float> values) {
     return {{"from", from}, {"to", to}, {"v", base64(std::as_bytes(std::span<const std::uint16_t>(whole)))}};
 }
 
+std::string number_cell(double number, const char* format) {
+    if (!std::isfinite(number)) return "<td class=\"number\">–</td>";
+    return fmt::format("<td class=\"number\" data-value=\"{:.9g}\">{}</td>", number, fmt::format(fmt::runtime(format), number));
+}
+
 std::string definition_table(const std::vector<std::pair<std::string, std::string>>& rows) {
     std::string text = "<table class=\"pairs\"><tbody>\n";
     for (const auto& [heading, cell] : rows) text += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td></tr>\n", html(heading), cell);

@@ -40,6 +40,8 @@ struct Page {
 /// @throws std::runtime_error if a library was missing when the program was built
 [[nodiscard]] std::string text_of(const Page& page);
 
+/// A cell of a table that can be sorted by the number; a dash if it is not finite. @param format of the number, for fmt
+[[nodiscard]] std::string number_cell(double number, const char* format);
 /// Rows of two cells. @param rows heading and HTML
 [[nodiscard]] std::string definition_table(const std::vector<std::pair<std::string, std::string>>& rows);
 

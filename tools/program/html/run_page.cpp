@@ -12,6 +12,7 @@
 #include "tools/program/html/curve_data.hpp"
 #include "tools/program/html/difference_body.hpp"
 #include "tools/program/html/page.hpp"
+#include "tools/program/plot/finite.hpp"
 #include "tools/program/text/attribute_text.hpp"
 #include "tools/program/text/markup.hpp"
 #include "tools/program/text/scene_text.hpp"
@@ -112,16 +113,12 @@ std::string simulated(const RecordedRun& run) {
 std::string figures(const RecordedRun& run) {
     std::string rows;
     for (const Curve& curve : run.overview()) {
-        const auto& v = curve.values;
-        const auto fifth = v.begin() + static_cast<std::ptrdiff_t>(4 * v.size() / 5);
-        const double mean = std::accumulate(v.begin(), v.end(), 0.0) / static_cast<double>(v.size());
-        const double last = std::accumulate(fifth, v.end(), 0.0) / static_cast<double>(v.end() - fifth);
-        const auto [least, largest] = std::minmax_element(v.begin(), v.end());
+        const std::span<const double> values = curve.values;
+        const FiniteFigures all(values), last(values.subspan(4 * values.size() / 5));
         const Shown how = shown(curve.name, curve.unit);
         rows += fmt::format("<tr data-channel=\"{0}\"><td title=\"{1}\">{0}</td><td>{2}</td>", html(curve.name), html(curve.description),
                             html(how.unit));
-        for (const double number : {mean, last, *least, *largest})
-            rows += fmt::format("<td class=\"number\" data-value=\"{0:.9g}\">{0:.6g}</td>", how.factor * number);
+        for (const double number : {all.mean, last.mean, all.least, all.largest}) rows += number_cell(how.factor * number, "{:.6g}");
         rows += "</tr>\n";
     }
     return fmt::format(

@@ -94,9 +94,10 @@ std::vector<Load> loads_of(const engine::RunReader& run, const RainflowRequest& 
         for (const int element : elements_of(channel, requested)) {
             Load load{width == 1 ? channel.name : fmt::format("{}[{}]", channel.name, element), channel.unit, {}, {}, {}};
             for (std::size_t row = 0; row < times.size(); ++row) {
-                if (times[row] < request.from || times[row] > request.until) continue;
+                const double value = values[row * width + static_cast<std::size_t>(element)];
+                if (times[row] < request.from || times[row] > request.until || !std::isfinite(value)) continue;
                 load.time.push_back(times[row]);
-                load.history.push_back(values[row * width + static_cast<std::size_t>(element)]);
+                load.history.push_back(value);
             }
             load.cycles = engine::rainflow(load.history);
             loads.push_back(std::move(load));

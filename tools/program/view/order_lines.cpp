@@ -7,8 +7,9 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
-#include <numeric>
 #include <unsupported/Eigen/FFT>
+
+#include "tools/program/plot/finite.hpp"
 
 namespace cvtflow::tools {
 
@@ -19,7 +20,8 @@ AmplitudeSpectrum amplitude_spectrum(const std::vector<double>& times, std::vect
     if (!(distance > 0.0)) return spectrum;
     if (std::abs(times.back() - times[times.size() - 2] - distance) > 1e-3 * distance) values.pop_back();
     const auto count = static_cast<double>(values.size());
-    const double mean = std::accumulate(values.begin(), values.end(), 0.0) / count;
+    const double mean = FiniteFigures(values).mean;
+    for (double& value : values) value = std::isfinite(value) ? value : mean;
     std::vector<double> padded(2 * std::bit_ceil(values.size()));
     double weights = 0.0;
     for (std::size_t k = 0; k < values.size(); ++k) {
@@ -46,7 +48,7 @@ double turns(const RecordedRun& run, int shaft) {
     for (const engine::ChannelInfo& channel : run.reader().channels()) {
         if (channel.name != fmt::format("shaft_{}/speed", shaft)) continue;
         const std::vector<double> speed = run.reader().channel(channel.name);
-        return std::accumulate(speed.begin(), speed.end(), 0.0) / static_cast<double>(speed.size()) / (2.0 * std::numbers::pi);
+        return FiniteFigures(speed).mean / (2.0 * std::numbers::pi);
     }
     return 0.0;
 }

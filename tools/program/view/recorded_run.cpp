@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <numeric>
 
 #include "engine/base/spelling.hpp"
 #include "tasks/run/channels/channels.hpp"
 #include "tools/program/guard.hpp"
+#include "tools/program/plot/finite.hpp"
 #include "tools/program/text/attribute_text.hpp"
 #include "tools/program/text/text.hpp"
 
@@ -36,10 +36,10 @@ std::vector<Curve> envelope(const engine::RunReader& reader, const engine::Chann
     for (std::size_t first = 0; first < reader.rows(); first += max_rows) {
         const std::vector<double> some = reader.channel_rows(channel.name, first, std::min(max_rows, reader.rows() - first));
         for (auto row = some.begin(); row != some.end(); row += width) {
-            const auto [least, largest] = std::minmax_element(row, row + width);
-            curves[0].values.push_back(*least);
-            curves[1].values.push_back(std::accumulate(row, row + width, 0.0) / static_cast<double>(width));
-            curves[2].values.push_back(*largest);
+            const FiniteFigures figures({row, row + width});
+            curves[0].values.push_back(figures.least);
+            curves[1].values.push_back(figures.mean);
+            curves[2].values.push_back(figures.largest);
         }
     }
     return curves;
@@ -130,7 +130,7 @@ std::optional<double> RecordedRun::pin_frequency() const {
     for (const engine::ChannelInfo& channel : reader_.channels()) {
         if (channel.name != "chain_speed") continue;
         const std::vector<double> speed = reader_.channel(channel.name);
-        const double mean = std::accumulate(speed.begin(), speed.end(), 0.0) / static_cast<double>(speed.size());
+        const double mean = FiniteFigures(speed).mean;
         const model::Chain& chain = scene_->parameters.chain;
         if (mean > 0.0) return mean * chain.pins / model::chain_length(chain);
     }

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "tasks/scene/parameter_table.hpp"
+#include "tools/program/plot/finite.hpp"
 
 namespace cvtflow::tools {
 
@@ -20,10 +20,7 @@ double on_line(const std::vector<double>& times, const std::vector<double>& valu
     return values[k - 1] + share * (values[k] - values[k - 1]);
 }
 
-double mean_from(const std::vector<double>& values, std::size_t first) {
-    return std::accumulate(values.begin() + static_cast<std::ptrdiff_t>(first), values.end(), 0.0) /
-           static_cast<double>(values.size() - first);
-}
+double mean_from(const std::vector<double>& values, std::size_t first) { return FiniteFigures(std::span(values).subspan(first)).mean; }
 
 ChannelDifference of_channel(const Curve& curve, std::vector<double> a, const std::vector<double>& b, const std::vector<double>& times) {
     ChannelDifference d{curve, {}, {}, 0.0, times.front()};

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "tasks/scene/csv/csv_text.hpp"
 #include "tools/program/guard.hpp"
+#include "tools/program/plot/finite.hpp"
 #include "tools/program/text/text.hpp"
 #include "tools/program/view/labels.hpp"
 #include "tools/program/view/order_lines.hpp"
@@ -42,9 +42,7 @@ std::string name_in(const std::vector<RecordedRun>& runs, const RecordedRun& run
     return runs.size() == 1 ? name : fmt::format("{}, {}", name, run.path());
 }
 
-double mean_of(const std::vector<double>& values) {
-    return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-}
+double mean_of(const std::vector<double>& values) { return FiniteFigures(values).mean; }
 
 struct Panel {
     std::string kind;
@@ -159,11 +157,10 @@ void equalise(Plot& plot) {
 std::vector<Point> thinned(const std::vector<Point>& points, std::size_t columns) {
     if (points.size() <= 2 * columns) return points;
     std::vector<Point> kept;
-    const auto before = [](const Point& a, const Point& b) { return a.y < b.y; };
     for (std::size_t column = 0; column < columns; ++column) {
         const auto begin = points.begin() + static_cast<std::ptrdiff_t>(column * points.size() / columns);
         const auto end = points.begin() + static_cast<std::ptrdiff_t>((column + 1) * points.size() / columns);
-        auto [first, second] = std::minmax_element(begin, end, before);
+        auto [first, second] = finite_extremes(begin, end, [](const Point& point) { return point.y; });
         if (second < first) std::swap(first, second);
         kept.push_back(*first);
         if (first != second) kept.push_back(*second);

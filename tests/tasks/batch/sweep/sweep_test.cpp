@@ -205,6 +205,28 @@ TEST(Reducer, ReducesAsItSays) {
     EXPECT_TRUE(none.empty());
 }
 
+/// An efficiency has no value before there is power. Other channels that are no numbers make a case undefined.
+TEST(Reducer, LeavesOutOutputsAtWhichAQuotientIsUndefined) {
+    const double none = std::numeric_limits<double>::quiet_NaN();
+    std::vector<Problem> problems;
+    const auto reduced = [&](const std::string& text) {
+        const Scalar scalar = parse_scalar(text, {}, problems);
+        Reducer reducer;
+        double time = 0.0;
+        for (const double number : {none, 0.8, 0.9}) {
+            reducer.add(scalar, 0, time, {&number, 1});
+            time += 0.25;
+        }
+        return reducer.result(scalar);
+    };
+    EXPECT_DOUBLE_EQ(reduced("efficiency_with_pump mean"), 0.85);
+    EXPECT_DOUBLE_EQ(reduced("efficiency min"), 0.8);
+    EXPECT_DOUBLE_EQ(reduced("thrust_ratio median"), 0.85);
+    EXPECT_TRUE(std::isnan(reduced("efficiency at 0 s"))) << "that output has none";
+    EXPECT_TRUE(std::isnan(reduced("slip mean"))) << "a fault";
+    EXPECT_TRUE(problems.empty());
+}
+
 TEST(Scalar, OfEveryElementHasAColumnOfItsOwn) {
     std::vector<Problem> none;
     const Scalar second = parse_scalar("sheaves/axial_force[2]  max", {}, none),

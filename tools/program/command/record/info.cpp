@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 
@@ -12,15 +13,16 @@
 #include "tools/program/text/attribute_text.hpp"
 #include "tools/program/text/scene_text.hpp"
 #include "tools/program/text/text.hpp"
+#include "tools/program/plot/finite.hpp"
 
 namespace cvtflow::tools {
 
 namespace {
 
 std::string last_text(const std::vector<double>& last) {
-    if (last.empty()) return "";
-    const auto [low, high] = std::minmax_element(last.begin(), last.end());
-    return last.size() == 1 ? fmt::format("{:.6g}", last.front()) : fmt::format("{:.6g} ... {:.6g}", *low, *high);
+    const FiniteFigures figures(last);
+    if (std::isnan(figures.mean)) return last.empty() ? "" : "undefined";
+    return last.size() == 1 ? fmt::format("{:.6g}", last.front()) : fmt::format("{:.6g} ... {:.6g}", figures.least, figures.largest);
 }
 
 std::string channels_text(const engine::RunReader& run) {
