@@ -51,6 +51,35 @@ TEST_F(ReportCommand, SaysWhatWasSimulatedAndWhatIsNotTheDefault) {
     EXPECT_THAT(page, HasSubstr("shaft 1 drives ("));
 }
 
+TEST_F(ReportCommand, GivesKeysInTheUnitsOfTheirTable) {
+    ASSERT_EQ(run_briefly({"-o", "own.h5", "--set", "tip.angle=10 deg", "--set", "drive.speed=1800 rpm"}).status, 0);
+    ASSERT_EQ(run({"report", "own.h5"}).status, 0);
+    EXPECT_THAT(read("own.html"), testing::AllOf(HasSubstr("<td><code>tip.angle</code></td><td>10 deg</td><td>11 deg</td>"),
+                                                 HasSubstr("<td><code>drive.speed</code></td><td>1800 rpm</td>")));
+}
+
+TEST_F(ReportCommand, HasTheStepThatWasTakenInItsProvenance) {
+    ASSERT_EQ(run({"report", "run.h5"}).status, 0);
+    EXPECT_THAT(read("run.html"), testing::AllOf(HasSubstr("<th scope=\"row\">step</th><td>50 ns</td>"), Not(HasSubstr("step_taken"))));
+}
+
+/// Pins pass every 0.2 ms: outputs every 0.2 ms would show them at frequency 0.
+TEST_F(ReportCommand, HasNoSpectraOfOutputsThatPinsOvertake) {
+    EXPECT_THAT(run({"report", "run.h5"}).err, "");
+    const Outcome outcome = run_briefly({"-o", "slow.h5", "--until", "4 ms", "--step", "200 ns", "--set", "run.output_interval=0.2 ms",
+                                         "--set", "run.state_interval=0.2 ms"});
+    ASSERT_THAT(outcome.status, testing::AnyOf(0, 6)) << outcome.err;
+    change_record((folder_ / "slow.h5").string(), [](hid_t file) { put_text(file, "/", "notes", ""); });
+    ASSERT_EQ(run({"report", "slow.h5"}).status, 0);
+    EXPECT_THAT(read("slow.html"), HasSubstr("No spectra: slow.h5: outputs are 200 us apart, and pins pass at "));
+    const Outcome orders = run({"plot", "slow.h5", "slip", "--orders"});
+    EXPECT_EQ(orders.status, 2);
+    EXPECT_THAT(orders.err, HasSubstr("spectra require run.output_interval below "));
+    change_record((folder_ / "slow.h5").string(), [](hid_t file) { put_text(file, "/", "notes", "unsteady"); });
+    ASSERT_EQ(run({"report", "slow.h5"}).status, 0);
+    EXPECT_THAT(read("slow.html"), HasSubstr("No spectra: slow.h5: the run is unsteady"));
+}
+
 TEST_F(ReportCommand, WarnsFirstOfWhatIsNotFinished) {
     cut("run.h5", "cut.h5", std::filesystem::file_size(folder_ / "run.h5") - 32);  // without its seal
     ASSERT_EQ(run({"report", "cut.h5"}).status, 0);

@@ -177,12 +177,22 @@ std::string of_all(const std::vector<RecordedRun>& runs, const Each& each) {
 }
 
 std::string spectra(const std::vector<RecordedRun>& runs) {
-    const auto too_short = [](const RecordedRun& run) { return run.times().size() < 8 || !(run.times()[1] > run.times()[0]); };
-    if (std::any_of(runs.begin(), runs.end(), too_short)) return "<p>Spectra require at least 8 rows.</p>\n";
+    for (const RecordedRun& run : runs) {
+        if (const std::string why = without_spectra(run); !why.empty())
+            return fmt::format("<p>No spectra: {}: {}.</p>\n", html(run.path()), html(why));
+    }
+/// Why a record has no spectra; empty if it has.
+std::string without_spectra(const RecordedRun& run) {
+    if (run.times().size() < 8 || !(run.times()[1] > run.times()[0])) return "spectra require at least 8 rows";
+    if (attribute(run, "notes").find("unsteady") != std::string::npos)
+        return "the run is unsteady, and a spectrum would contain the change of the operating point";
+    return run.unresolved();
+}
+
     std::vector<std::string> words;
     for (const Curve& curve : runs.front().overview()) {
-        const auto [least, largest] = std::minmax_element(curve.values.begin(), curve.values.end());
-        if (*least < *largest) words.push_back(curve.name);
+        const FiniteFigures figures(curve.values);
+        if (figures.least < figures.largest) words.push_back(curve.name);
     }
     std::string text;
     for (const std::string& word : words) {

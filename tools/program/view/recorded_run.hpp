@@ -46,6 +46,9 @@ public:
 
     /// Pins that pass a place, by the mean speed of the chain and its mean pitch [Hz]; empty if the record does not contain them.
     [[nodiscard]] std::optional<double> pin_frequency() const;
+    /// Why outputs are too far apart for spectra, with the interval that they require: passing pins would be aliased. Empty if they are
+    /// not.
+    [[nodiscard]] std::string unresolved() const;
 
 private:
     std::string path_;

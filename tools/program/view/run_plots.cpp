@@ -200,6 +200,10 @@ std::pair<double, double> amplitude_range(const Plot& plot, double end) {
     return {std::max(1e-6 * largest, 0.5 * std::min(smallest, largest)), 2.0 * largest};
 }
 
+void require_resolved(const RecordedRun& run) {
+    if (const std::string why = run.unresolved(); !why.empty()) throw UsageError(run.path() + ": " + why);
+}
+
 }  // namespace
 
 std::vector<Plot> order_plots(const std::vector<RecordedRun>& runs, const std::vector<std::string>& words) {
@@ -209,6 +213,7 @@ std::vector<Plot> order_plots(const std::vector<RecordedRun>& runs, const std::v
     const double unit = orders.empty() ? 1.0 : orders.front().frequency;
     for (const RecordedRun& run : runs) {
         for (const Curve& curve : chosen(run, words)) {
+            require_resolved(run);
             AmplitudeSpectrum spectrum = amplitude_spectrum(run.times(), curve.values);
             if (spectrum.frequency.empty()) throw UsageError(run.path() + ": orders need 8 rows at least");
             Plot& plot = panel_of(panels, curve);
