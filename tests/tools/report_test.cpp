@@ -46,7 +46,7 @@ TEST_F(ReportCommand, SaysWhatWasSimulatedAndWhatIsNotTheDefault) {
     ASSERT_EQ(run({"report", "run.h5"}).status, 0);
     const std::string page = read("run.html");
     EXPECT_LT(page.find("class=\"status\""), page.find("What was simulated"));
-    EXPECT_THAT(page, HasSubstr("<td><code>load.torque</code></td><td>7</td>"));
+    EXPECT_THAT(page, HasSubstr("<td><code>load.torque</code></td><td>7 N*m</td>"));
     EXPECT_THAT(page, Not(HasSubstr("<td><code>chain.pitch</code></td>")));
     EXPECT_THAT(page, HasSubstr("shaft 1 drives ("));
 }
@@ -117,7 +117,7 @@ TEST_F(ReportCommand, OfTwoRecordsTellsTheirDifferences) {
     ASSERT_EQ(run_briefly({"-o", "other.h5", "--set", "run.output_interval=1 us", "--set", "load.torque=8 N*m"}).status, 0);
     ASSERT_EQ(run({"report", "run.h5", "other.h5", "-o", "both.html"}).status, 0);
     const std::string page = read("both.html");
-    EXPECT_THAT(page, HasSubstr("<tr data-key=\"load.torque\"><td><code>load.torque</code></td><td>7</td><td>8</td>"));
+    EXPECT_THAT(page, HasSubstr("<tr data-key=\"load.torque\"><td><code>load.torque</code></td><td>7 N*m</td><td>8 N*m</td>"));
     EXPECT_THAT(page, Not(HasSubstr("<tr data-key=\"chain.pitch\">")));
     EXPECT_THAT(page, testing::AllOf(HasSubstr("<tr data-difference=\"slip\">"), HasSubstr("slip: B - A")));
     ASSERT_EQ(run({"report", "run.h5", "-o", "one.html"}).status, 0);

@@ -60,7 +60,7 @@ TEST_F(RunDifferences, AreTakenAtTheRowsOfTheFirstWithinTheTimeThatBothHave) {
     ASSERT_EQ(keys.size(), 2u);
     EXPECT_EQ(keys[0].key, "run.until");
     EXPECT_EQ(keys[1].key, "run.output_interval");
-    EXPECT_EQ(keys[1].a, "1e-6");
+    EXPECT_EQ(keys[1].a, "1 us");
 }
 
 TEST_F(RunDifferences, AreSignedAndRelativeToTheFirst) {

@@ -65,16 +65,19 @@ std::string brief(const std::string& value) {
 std::string differences(const tasks::Scene& scene) {
     const tasks::Scene defaults;
     std::string rows;
+    long count = 0;
     for (const tasks::Parameter& parameter : tasks::parameter_table()) {
-        const std::string value = tasks::value_text(parameter, scene), usual = tasks::value_text(parameter, defaults);
+        const std::string value = tasks::readable_value(parameter, scene), usual = tasks::readable_value(parameter, defaults);
         if (value == usual || parameter.section() == "scene") continue;
+        ++count;
         rows += fmt::format("<tr><td><code>{}</code></td><td>{}</td><td>{}</td><td>{}</td></tr>\n", parameter.key, html(brief(value)),
                             html(usual), html(parameter.meaning));
     }
     if (rows.empty()) return "<p>Every key of the scene has its default.</p>\n";
-    return "<table><caption>Differences from "
-           "defaults</caption><thead><tr><th>key</th><th>here</th><th>default</th><th>meaning</th></tr></thead><tbody>\n" +
-           rows + "</tbody></table>\n";
+    return fmt::format(
+        "<details><summary>{} from defaults</summary><table><thead><tr><th>key</th><th>here</th><th>default</th><th>meaning</th></tr>"
+        "</thead><tbody>\n{}</tbody></table></details>\n",
+        plural(count, "difference"), rows);
 }
 
 /// Mean power that flows into a shaft from outside [W]; NaN if the record does not contain it.
@@ -176,11 +179,6 @@ std::string of_all(const std::vector<RecordedRun>& runs, const Each& each) {
     return text;
 }
 
-std::string spectra(const std::vector<RecordedRun>& runs) {
-    for (const RecordedRun& run : runs) {
-        if (const std::string why = without_spectra(run); !why.empty())
-            return fmt::format("<p>No spectra: {}: {}.</p>\n", html(run.path()), html(why));
-    }
 /// Why a record has no spectra; empty if it has.
 std::string without_spectra(const RecordedRun& run) {
     if (run.times().size() < 8 || !(run.times()[1] > run.times()[0])) return "spectra require at least 8 rows";
@@ -189,6 +187,11 @@ std::string without_spectra(const RecordedRun& run) {
     return run.unresolved();
 }
 
+std::string spectra(const std::vector<RecordedRun>& runs) {
+    for (const RecordedRun& run : runs) {
+        if (const std::string why = without_spectra(run); !why.empty())
+            return fmt::format("<p>No spectra: {}: {}.</p>\n", html(run.path()), html(why));
+    }
     std::vector<std::string> words;
     for (const Curve& curve : runs.front().overview()) {
         const FiniteFigures figures(curve.values);

@@ -71,7 +71,7 @@ std::vector<KeyDifference> differing_keys(const tasks::Scene& a, const tasks::Sc
     std::vector<KeyDifference> keys;
     for (const tasks::Parameter& parameter : tasks::parameter_table()) {
         if (parameter.section() == "scene") continue;
-        KeyDifference each{std::string(parameter.key), tasks::value_text(parameter, a), tasks::value_text(parameter, b),
+        KeyDifference each{std::string(parameter.key), tasks::readable_value(parameter, a), tasks::readable_value(parameter, b),
                            std::string(parameter.meaning)};
         if (each.a != each.b) keys.push_back(std::move(each));
     }
