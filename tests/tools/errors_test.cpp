@@ -213,7 +213,7 @@ TEST_F(Errors, InFilesSayWhatTheFileIs) {
                       state = std::to_string(read("state.h5").size() - engine::seal_size);
     const std::vector<Mistake> mistakes{
         {{"info", "missing.h5"}, 1, "missing.h5: No such file or directory"},
-        {{"info", "folder"}, 1, "folder: a folder, not a file"},
+        {{"info", "folder"}, 1, "folder: a folder without the table of a sweep (cases.h5)"},
         {{"info", "text.h5"}, 1, "text.h5: not an HDF5 file"},
         {{"info", "pipe"}, 1, "pipe: not a regular file"},
         {{"info", "/dev/zero"}, 1, "/dev/zero: not a regular file"},
@@ -223,7 +223,7 @@ TEST_F(Errors, InFilesSayWhatTheFileIs) {
         {{"check", "/dev/zero"}, 1, "/dev/zero: cannot be read: not a regular file"},
         {{"batch", "/dev/zero", "-o", "sweep"}, 1, "/dev/zero: cannot be read: not a regular file"},
         {{"check", "large.toml"}, 1, "large.toml: cannot be read: 70000000 bytes, more than the 4194304 that such a file may have"},
-        {{"info", "other.h5"}, 1, "other.h5: an HDF5 file, but neither a record nor a state of cvtflow"},
+        {{"info", "other.h5"}, 1, "other.h5: an HDF5 file, but neither a record, a state nor a sweep's table of cvtflow"},
         {{"info", "cut_record.h5"}, 1, "cut_record.h5: truncated HDF5 file: 2000 bytes of " + record},
         {{"info", "cut_state.h5"}, 1, "cut_state.h5: truncated HDF5 file: 2000 bytes of " + state},
         {{"run", "tiny", "--set", "start.state=gone.h5"}, 2, "--set start.state=gone.h5: start.state: no file \"gone.h5\""},

@@ -116,9 +116,26 @@ bool is_sweep(const std::string& path) {
     }
 }
 
+std::string table_path(const std::string& path) {
+    constexpr std::size_t shown = 3;
+    std::error_code unreadable;
+    if (!std::filesystem::is_directory(path, unreadable)) return path;
+    const std::string table = path + "/cases.h5";
+    if (std::filesystem::exists(table, unreadable) || std::filesystem::is_symlink(table, unreadable)) return table;
+    std::vector<std::string> files;
+    for (const auto& entry : std::filesystem::directory_iterator(path, unreadable))
+        if (entry.path().extension() == ".h5") files.push_back(entry.path().string());
+    std::sort(files.begin(), files.end());
+    const std::size_t count = files.size();
+    files.resize(std::min(count, shown));
+    throw engine::RecordError(fmt::format(
+        "{}: a folder without the table of a sweep (cases.h5){}", path,
+        count == 0 ? "" : fmt::format("; it contains {}{}: name one of these files", fmt::join(files, ", "), count > shown ? ", …" : "")));
+}
+
 SweepView read_sweep(const std::string& path) {
     const bool csv = std::filesystem::path(path).extension() == ".csv";
-    SweepView view = csv ? from_csv(path) : from_table(std::filesystem::is_directory(path) ? path + "/cases.h5" : path);
+    SweepView view = csv ? from_csv(path) : from_table(table_path(path));
     for (std::size_t c = 0; c < view.columns.size(); ++c) {
         SweepColumn& column = view.columns[c];
         const tasks::Parameter* key = key_of(column.name);

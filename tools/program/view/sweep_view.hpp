@@ -34,6 +34,10 @@ struct SweepView {
 /// Whether a path is that of a sweep: a folder, a table of cases, or a CSV.
 [[nodiscard]] bool is_sweep(const std::string& path);
 
+/// The table of a sweep: the path itself, or cases.h5 in a folder.
+/// @throws engine::RecordError for a folder without one, with the records in it
+[[nodiscard]] std::string table_path(const std::string& path);
+
 /// @param path folder of a sweep, its cases.h5, or what `cvtflow table --csv` printed
 /// @throws engine::RecordError
 [[nodiscard]] SweepView read_sweep(const std::string& path);

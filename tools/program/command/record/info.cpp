@@ -4,16 +4,21 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <memory>
 
+#include "engine/base/error_text.hpp"
 #include "engine/base/hash.hpp"
 #include "engine/record/run/run_reader.hpp"
 #include "engine/record/run/state_file.hpp"
+#include "tasks/batch/results/results.hpp"
 #include "tools/program/command/command.hpp"
+#include "tools/program/plot/finite.hpp"
 #include "tools/program/text/attribute_text.hpp"
+#include "tools/program/text/batch_text.hpp"
 #include "tools/program/text/scene_text.hpp"
 #include "tools/program/text/text.hpp"
-#include "tools/program/plot/finite.hpp"
+#include "tools/program/view/sweep_view.hpp"
 
 namespace cvtflow::tools {
 
@@ -90,11 +95,33 @@ std::string state_text(const std::string& path, const engine::SavedState& saved)
     return text;
 }
 
+/// @param path folder of a sweep, or its table
+std::string sweep_text(const std::string& path) {
+    const std::string file = table_path(path);
+    const engine::CaseTable table = tasks::read_results(file);
+    const auto of = [&](const char* name) { return engine::visible(table.attribute(name)); };
+    std::map<std::string, long> statuses;
+    for (std::size_t row = 0; row < table.size(); ++row)
+        ++statuses[std::string(table.layout.text(table.row(row), table.layout.column("status")))];
+    std::string text = fmt::format("{}: results of a sweep, {}\n", file, size_text(static_cast<double>(std::filesystem::file_size(file))));
+    text += field("sweep", of("sweep")) + field("", of("description")) + field("status", of("status"));
+    text += field("cases", fmt::format("{} of {}: {}", table.size(), of("cases"), statuses_text(statuses)));
+    text += field("program", fmt::format("cvtflow {} ({})", of("program_version"), of("commit"))) + field("date", of("date"));
+    text += field("results hash", tasks::results_hash(table)) + field("rows", "cvtflow table " + path) + "\n";
+    Table columns({{"column"}, {"unit"}, {"meaning"}});
+    for (const engine::CaseColumn& column : table.layout.columns()) columns.add({column.name, column.unit, column.description});
+    return text + columns.text(2);
+}
+
 [[nodiscard]] bool other_kind(const engine::RecordError& error) {
     return std::string_view(error.what()).find("an HDF5 file, but not a ") != std::string_view::npos;
 }
 
 ExitStatus info(const std::string& path) {
+    if (std::filesystem::is_directory(path)) {
+        fmt::print("{}", sweep_text(path));
+        return ExitStatus::finished;
+    }
     try {
         fmt::print("{}", run_text(path, engine::RunReader(path)));
         return ExitStatus::finished;
@@ -103,18 +130,26 @@ ExitStatus info(const std::string& path) {
     }
     try {
         fmt::print("{}", state_text(path, engine::read_state(path)));
+        return ExitStatus::finished;
     } catch (const engine::RecordError& error) {
         if (!other_kind(error)) throw;
-        throw engine::RecordError(path + ": an HDF5 file, but neither a record nor a state of cvtflow");
     }
-    return ExitStatus::finished;
+    try {
+        fmt::print("{}", sweep_text(path));
+        return ExitStatus::finished;
+    } catch (const engine::RecordError& error) {
+        if (!other_kind(error)) throw;
+    }
+    throw engine::RecordError(path + ": an HDF5 file, but neither a record, a state nor a sweep's table of cvtflow");
 }
 
 }  // namespace
 
 Action declare_info(CLI::App& app) {
     const auto path = std::make_shared<std::string>();
-    app.add_option("FILE", *path, "Record (also FILE.part of a running or killed run) or state file")->required()->type_name("");
+    app.add_option("FILE", *path, "Record (also FILE.part of a running or killed run), state file, or a sweep's folder or cases.h5")
+        ->required()
+        ->type_name("");
     return [path] { return info(*path); };
 }
 

@@ -15,6 +15,7 @@
 #include "tools/program/text/batch_text.hpp"
 #include "tools/program/text/text.hpp"
 #include "tools/program/view/labels.hpp"
+#include "tools/program/view/sweep_view.hpp"
 
 namespace cvtflow::tools {
 
@@ -86,7 +87,7 @@ void keep_status(engine::CaseTable& table, const std::string& status) {
 }
 
 ExitStatus show(const TableArguments& arguments) {
-    const std::string file = std::filesystem::is_directory(arguments.folder) ? arguments.folder + "/cases.h5" : arguments.folder;
+    const std::string file = table_path(arguments.folder);
     engine::CaseTable table = tasks::read_results(file);
     tasks::sort_rows(table);
     const std::string hash = tasks::results_hash(table);
