@@ -71,8 +71,8 @@ struct BatchReport {
 [[nodiscard]] std::string shard_folder(const std::string& folder, const Shard& shard);
 
 /// Wall time of a step on one thread, measured on a run's first steps, which are begun again where the run is shorter [s]. Zero if it
-/// cannot take one. @param seconds to spend [s]   @param untried why not
-[[nodiscard]] double step_wall(const Scene& scene, double seconds, std::string& untried);
+/// cannot take one. @param seconds to spend [s]   @param untried why not   @param fault that ended the steps, if one did
+[[nodiscard]] double step_wall(const Scene& scene, double seconds, std::string& untried, Fault* fault = nullptr);
 
 /// What a sweep will cost.
 struct BatchEstimate {

@@ -68,8 +68,8 @@ struct TrialPace {
 };
 
 /// Goes on from a case's start in growing batches for so many seconds, but not beyond the case's end: what lies there may break down where
-/// the case does not. A fault ends it as well; steps up to there have cost what steps cost.
-void go(Simulation& simulation, double seconds, long most, TrialPace& pace) {
+/// the case does not. A fault ends it as well and is returned; steps up to there have cost what steps cost.
+Fault go(Simulation& simulation, double seconds, long most, TrialPace& pace) {
     SilentObserver silent;
     const engine::Cancellation go_on;
     using Clock = std::chrono::steady_clock;
@@ -87,6 +87,7 @@ void go(Simulation& simulation, double seconds, long most, TrialPace& pace) {
         pace.steps += fault.kind == FaultKind::max_steps ? requested : simulation.counters().steps - counted;
         before += requested;
     }
+    return fault.kind == FaultKind::max_steps ? Fault{} : fault;
 }
 
 /// Notes how far a case is stable, if it begins with a state that has settled.
@@ -105,21 +106,23 @@ void judge_step(const Scene& scene, BatchEstimate& result) {
 
 }  // namespace
 
-double step_wall(const Scene& scene, double seconds, std::string& untried) {
+double step_wall(const Scene& scene, double seconds, std::string& untried, Fault* fault) {
     try {
         const double time = scene.run.until + (fitting_start(scene) == nullptr ? scene.parameters.start.settling_time : 0.0);
         const long most =
             std::max(2L, std::lround(time / scene.run.step.value_or(longest_automatic_step(method_of(scene), scene.parameters))));
         TrialPace pace;
+        Fault met;
         const auto begin = std::chrono::steady_clock::now();
         const auto spent = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(); };
         for (long before = -1; pace.steps != before && (before < 0 || spent() < seconds);) {
             before = pace.steps;
             Simulation simulation(scene, Schedule{});
-            go(simulation, seconds, most, pace);
+            met = go(simulation, seconds, most, pace);
         }
+        if (fault != nullptr) *fault = met;
         if (pace.steps > 0) return pace.wall / static_cast<double>(pace.steps);
-        untried = "it fails in its first steps";
+        untried = met ? fmt::format("it fails in its first steps: {}", met.message()) : "it takes no step";
     } catch (const std::exception& error) {
         untried = error.what();
     }

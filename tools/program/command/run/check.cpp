@@ -12,6 +12,7 @@
 #include "tools/program/arguments/scene_arguments.hpp"
 #include "tools/program/command/command.hpp"
 #include "tools/program/guard.hpp"
+#include "tools/program/text/machine_text.hpp"
 #include "tools/program/text/scene_text.hpp"
 #include "tools/program/text/text.hpp"
 
@@ -39,9 +40,15 @@ std::string start_line(const tasks::Scene& scene, const tasks::Simulation& simul
                                        : geometric + ", no settling";
 }
 
+/// Text, and the fault that ends the first steps, if one does.
+struct Estimate {
+    std::string text;
+    std::string objection;
+};
+
 /// Estimated cost. A step takes one evaluation per stage, a transition one or two further steps.
 /// @param step run.step, or the automatic one at the start [s]
-std::string cost_lines(const tasks::Scene& scene, const tasks::Simulation& simulation, double step) {
+Estimate cost_lines(const tasks::Scene& scene, const tasks::Simulation& simulation, double step) {
     const tasks::RunSettings& run = scene.run;
     const long stages = static_cast<long>(simulation.method().evaluations_per_step());
     const long running = steps_over(run.until, run.output_interval, step);
@@ -61,10 +68,13 @@ std::string cost_lines(const tasks::Scene& scene, const tasks::Simulation& simul
                                         size_text(tasks::record_bytes(scene, simulation.variator().chain()))));
     constexpr double trial = 0.3;  // [s]
     std::string untried;
-    const double wall = tasks::step_wall(scene, trial, untried);
-    return text + field("time", wall > 0.0 ? fmt::format("about {} on one thread (measured on its first steps)",
-                                                         duration_text(wall * static_cast<double>(running + settling)))
-                                           : "not measured: " + untried);
+    tasks::Fault fault;
+    const double wall = tasks::step_wall(scene, trial, untried, &fault);
+    const std::string takes = duration_text(wall * static_cast<double>(running + settling));
+    text += field("time", wall > 0.0 ? fmt::format("{}{} on one thread (measured on its first steps)",
+                                                   takes.starts_with("less") ? "" : "about ", takes)
+                                     : "not measured: " + untried);
+    return {text, fault ? fault.message() : wall > 0.0 ? "" : untried};
 }
 
 /// Stability limit at the start of the run; empty if the start has yet to settle.
@@ -93,8 +103,11 @@ ExitStatus check(const SceneArguments& arguments) {
     text += field("start", start_line(scene, simulation));
     for (const std::string& difference : simulation.start_differences()) text += field("", difference);
     const double step = scene.run.step.value_or(simulation.automatic_step());
-    fmt::print("{}{}{}", text, cost_lines(scene, simulation, step), stability_line(scene, simulation, step));
-    return ExitStatus::finished;
+    const Estimate estimate = cost_lines(scene, simulation, step);
+    fmt::print("{}{}{}{}", text, machine_lines(scene), estimate.text, stability_line(scene, simulation, step));
+    if (estimate.objection.empty()) return ExitStatus::finished;
+    print_error(fmt::format("{}: the run fails in its first steps: {}", scene.name, estimate.objection));
+    return ExitStatus::error;
 }
 
 }  // namespace
@@ -106,7 +119,7 @@ Action declare_check(CLI::App& app) {
     declare_shortcut(app, *arguments, "--step", "run.step", "TIME");
     declare_shortcut(app, *arguments, "--until", "run.until", "TIME");
     declare_fresh_start(app, *arguments);
-    app.footer("Exit status: 0 if the scene is valid, 1 if not (all problems are printed).");
+    app.footer("Exit status: 0 if the scene is valid and its first steps succeed, else 1 (all problems are printed).");
     return [arguments] { return check(*arguments); };
 }
 
