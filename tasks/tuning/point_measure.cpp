@@ -49,12 +49,19 @@ double largest(const std::vector<double>& errors) noexcept {
 }
 
 PointMeasure::PointMeasure(OperatingPoint point, std::string finest, std::span<const TunedOutput> outputs,
-                           const engine::Cancellation& cancel)
-    : point_(std::move(point)), finest_(std::move(finest)), outputs_(outputs), cancel_(cancel) {
+                           const engine::Cancellation& cancel, const Deadline& deadline)
+    : point_(std::move(point)), finest_(std::move(finest)), outputs_(outputs), cancel_(cancel), deadline_(deadline) {
     point_.scene.run.schedule = "serial";
     point_.scene.run.threads = 1;
     point_.scene.run.max_steps = 0;
     point_.scene.run.max_wall = 0.0;
+}
+
+Fault PointMeasure::advance(Simulation& simulation, Goal goal, RunObserver& observer) {
+    goal.max_wall = deadline_.left();
+    const Fault fault = simulation.advance(goal, observer, cancel_);
+    if (fault.kind == FaultKind::max_wall) throw BudgetUsedUp();
+    return fault;
 }
 
 /// The scene's state if it fits, else that of its finest detail after settling with automatic steps.
@@ -73,7 +80,7 @@ void PointMeasure::settle_finest() {
     Simulation simulation(settled_with_, Schedule{});
     SilentObserver nobody;
     if (simulation.needs_settling()) {
-        if (const Fault fault = simulation.advance({.until = 0.0}, nobody, cancel_)) throw SimulationError("settling: " + fault.message());
+        if (const Fault fault = advance(simulation, {.until = 0.0}, nobody)) throw SimulationError("settling: " + fault.message());
         if (simulation.suspicion() > 1.0) throw SimulationError("settling: its energy balance does not close");
     }
     settled_ = simulation.saved_state();
@@ -111,12 +118,12 @@ PointRun PointMeasure::measured(const TuneChoice& choice, bool settled, engine::
     OutputReader reader(simulation->variator(), outputs_, scene.run.followed_pin, point_.from);
     SilentObserver nobody;
     Fault fault;
-    if (simulation->needs_settling()) fault = simulation->advance({.until = 0.0}, nobody, cancel_);
-    if (!fault && point_.from > simulation->time()) fault = simulation->advance({.until = point_.from}, nobody, cancel_);
+    if (simulation->needs_settling()) fault = advance(*simulation, {.until = 0.0}, nobody);
+    if (!fault && point_.from > simulation->time()) fault = advance(*simulation, {.until = point_.from}, nobody);
     const double before = simulation->suspicion();
     if (!fault && state != nullptr) *state = simulation->saved_state();
     const double began = processor_time(), begin = simulation->time();
-    if (!fault) fault = simulation->advance({.until = point_.until, .anew = true}, reader, cancel_);
+    if (!fault) fault = advance(*simulation, {.until = point_.until, .anew = true}, reader);
     book(*simulation, began, std::max(simulation->time() - begin, 1e-9), run);
     run.values = reader.values();
     if (fault)
@@ -137,7 +144,7 @@ PointRun PointMeasure::trial(const TuneChoice& choice, double duration) {
     simulation->reset(fixed, &state);
     SilentObserver nobody;
     const double began = processor_time(), begin = simulation->time();
-    const Fault fault = simulation->advance({.until = begin + duration}, nobody, cancel_);
+    const Fault fault = advance(*simulation, {.until = begin + duration}, nobody);
     book(*simulation, began, std::max(simulation->time() - begin, 1e-9), run);
     if (fault) run.objection = fault.message();
     run.hash = simulation->hash();
@@ -153,14 +160,17 @@ std::vector<double> PointMeasure::errors(const PointRun& run, const PointRun& sh
     return errors;
 }
 
-const PointRun* PointMeasure::reference(double agreement) {
+const PointRun* PointMeasure::reference(double agreement, const std::function<void(double)>& before) {
     if (reference_ != nullptr && agreement_ <= agreement) return reference_;
     if (!objection_.empty() && references_.empty()) return nullptr;
     double off = 0.0;
     for (const double share : {0.5, 0.25, 0.125, 0.0625}) {
         if (!references_.contains(share)) {
+            if (before) before(share);
             try {
                 references_[share] = run({finest_, RunSettings{}.method, share});
+            } catch (const BudgetUsedUp&) {
+                throw;
             } catch (const SimulationError& error) {
                 objection_ = error.what();
                 return nullptr;

@@ -1,7 +1,10 @@
 #pragma once
 /// One operating point: what a choice of detail, method and step gives there, what that costs, and what it should be.
 
+#include <algorithm>
+#include <chrono>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -30,6 +33,34 @@ struct TuneChoice {
 /// The scene with a choice applied. @param step fixed, 0: automatic [s]   @throws SceneError
 [[nodiscard]] Scene chosen_scene(const Scene& scene, const TuneChoice& choice, double step);
 
+/// Until when measurements may take.
+class Deadline {
+public:
+    /// Begins a budget. seconds [s], 0: no limit
+    void begin(double seconds) noexcept {
+        limited_ = seconds > 0.0;
+        end_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(std::min(seconds, 1e9)));
+    }
+    void clear() noexcept { limited_ = false; }
+    /// For Goal::max_wall: what is left, never quite nothing; 0: no limit [s].
+    [[nodiscard]] double left() const noexcept {
+        return limited_ ? std::max(1e-9, std::chrono::duration<double>(end_ - Clock::now()).count()) : 0.0;
+    }
+    [[nodiscard]] bool passed() const noexcept { return limited_ && Clock::now() >= end_; }
+
+private:
+    using Clock = std::chrono::steady_clock;
+    Clock::time_point end_{};
+    bool limited_ = false;
+};
+
+inline const Deadline no_deadline;
+
+/// The deadline has passed during a measurement.
+struct BudgetUsedUp : SimulationError {
+    BudgetUsedUp() : SimulationError("budget used up") {}
+};
+
 /// A run of a choice at a point.
 struct PointRun {
     std::vector<double> values;  ///< of the outputs
@@ -42,10 +73,13 @@ struct PointRun {
 
 class PointMeasure {
 public:
-    /// @param finest preset that references have   @param outputs must outlive it
-    PointMeasure(OperatingPoint point, std::string finest, std::span<const TunedOutput> outputs, const engine::Cancellation& cancel);
+    /// @param finest preset that references have   @param outputs, cancel, deadline must outlive it
+    PointMeasure(OperatingPoint point, std::string finest, std::span<const TunedOutput> outputs, const engine::Cancellation& cancel,
+                 const Deadline& deadline = no_deadline);
+    PointMeasure(const PointMeasure&) = delete;
+    PointMeasure& operator=(const PointMeasure&) = delete;
 
-    /// @throws SimulationError, engine::RecordError: no run can begin here
+    /// All measurements. @throws SimulationError, engine::RecordError: no run can begin here; BudgetUsedUp
     [[nodiscard]] PointRun run(const TuneChoice& choice);
     /// The same, and the state at the start of the averages. state: unchanged if the run ended before
     [[nodiscard]] PointRun run(const TuneChoice& choice, engine::SavedState& state);
@@ -54,8 +88,9 @@ public:
 
     /// What outputs should be: the finest detail with the default method at a quarter of its automatic step, or less, so that twice that
     /// step has errors of at most `agreement`. Computed on first use, or for a smaller `agreement`.
+    /// @param before called before each of its runs with the share of the automatic step; may be empty
     /// @return empty: no reference; objection() states why
-    [[nodiscard]] const PointRun* reference(double agreement);
+    [[nodiscard]] const PointRun* reference(double agreement, const std::function<void(double)>& before = {});
     [[nodiscard]] const std::string& objection() const noexcept { return objection_; }
     /// How the reference came about, and by how much one with twice its step is off.
     [[nodiscard]] const std::string& reference_text() const noexcept { return reference_text_; }
@@ -65,6 +100,8 @@ public:
     [[nodiscard]] const OperatingPoint& point() const noexcept { return point_; }
 
 private:
+    /// Simulation::advance() up to the deadline. @throws BudgetUsedUp
+    [[nodiscard]] Fault advance(Simulation& simulation, Goal goal, RunObserver& observer);
     [[nodiscard]] engine::SavedState start(const Scene& scene);
     [[nodiscard]] std::unique_ptr<Simulation> begin(const TuneChoice& choice, Scene& scene, bool settled, PointRun& run);
     [[nodiscard]] PointRun measured(const TuneChoice& choice, bool settled, engine::SavedState* state);
@@ -74,6 +111,7 @@ private:
     std::string finest_;
     std::span<const TunedOutput> outputs_;
     const engine::Cancellation& cancel_;
+    const Deadline& deadline_;
     std::optional<engine::SavedState> settled_;  ///< at the finest detail, or the scene's own state
     Scene settled_with_;                         ///< what its numbers mean
     std::map<double, PointRun> references_;      ///< by share of the automatic step

@@ -12,7 +12,12 @@ namespace cvtflow::tasks {
 /// No choice meets the target.
 class AccuracyError : public SimulationError {
 public:
-    using SimulationError::SimulationError;
+    explicit AccuracyError(const std::string& what, bool used_up_budget = false) : SimulationError(what), used_up_budget_(used_up_budget) {}
+    /// Whether the search ended early, so that choices remain untried.
+    [[nodiscard]] bool used_up_budget() const noexcept { return used_up_budget_; }
+
+private:
+    bool used_up_budget_;
 };
 
 /// A choice as it is kept.

@@ -19,6 +19,11 @@ constexpr double gained_by_halving = 4.0;  ///< at most, by a method of second o
 
 double seconds_since(WallClock::time_point then) { return std::chrono::duration<double>(WallClock::now() - then).count(); }
 
+/// "40 s", "2.5 min"
+std::string span_text(double seconds) {
+    return seconds < 90.0 ? fmt::format("{:.2g} s", seconds) : fmt::format("{:.1f} min", seconds / 60.0);
+}
+
 /// An operating point begins anew with its inputs held, which a far end that turns on by itself does not allow.
 void require_held_inputs(const Scene& scene) {
     const model::Parameters& p = scene.parameters;
@@ -39,7 +44,7 @@ Tuner::Tuner(const Scene& scene, TuneSettings settings, const engine::Cancellati
     : scene_(scene), settings_(std::move(settings)), cancel_(cancel), finest_(detail_presets().back().name) {
     require_held_inputs(scene);
     outputs_ = tuned_outputs(settings_.outputs, scene.parameters.detail.pulleys != model::PulleyDetail::absent);
-    for (const OperatingPoint& point : points_of(scene, settings_.times)) points_.emplace_back(point, finest_, outputs_, cancel);
+    for (const OperatingPoint& point : points_of(scene, settings_.times)) points_.emplace_back(point, finest_, outputs_, cancel, deadline_);
 }
 
 Tuner::Tuner(const Sweep& sweep, TuneSettings settings, const engine::Cancellation& cancel)
@@ -47,39 +52,56 @@ Tuner::Tuner(const Sweep& sweep, TuneSettings settings, const engine::Cancellati
     require_held_inputs(sweep.scene);
     settings_.same_everywhere = true;
     outputs_ = tuned_outputs(sweep.scalars);
-    for (const long number : corner_cases(sweep)) points_.emplace_back(point_of_case(sweep, number), finest_, outputs_, cancel);
+    for (const long number : corner_cases(sweep)) points_.emplace_back(point_of_case(sweep, number), finest_, outputs_, cancel, deadline_);
     if (!points_.empty()) return;
     Scene first = sweep.scene;
     sweep.apply_case(0, first);
     throw SceneError(fmt::format("{}: every case at the corners of its axes is invalid; case 0: {}", sweep.name, violations(first)));
 }
 
-void Tuner::say(const std::string& what) const {
-    if (settings_.progress) settings_.progress(what);
+void Tuner::say(const std::string& what, double seconds) {
+    measuring_ = what;
+    if (!settings_.progress) return;
+    const std::string takes = seconds > 0.0 ? fmt::format(", about {}", span_text(seconds)) : "";
+    const std::string left =
+        settings_.budget > 0.0 ? fmt::format("; {} of the budget left", span_text(std::max(0.1, deadline_.left()))) : "";
+    settings_.progress(what + takes + left);
+}
+
+void Tuner::say_share(const std::string& what, std::size_t number, std::size_t of) {
+    if (4 * number / of == 4 * (number - 1) / of && number > 1) return;
+    say(fmt::format("{}: {:.0f} %", what, 100.0 * static_cast<double>(number - 1) / static_cast<double>(of)));
+    measuring_ = what;
+}
+
+double Tuner::expected(const PointMeasure& point, double cost) const noexcept {
+    const double settling = point.point().settles ? point.point().scene.parameters.start.settling_time : 0.0;
+    return cost * (point.point().until + settling);
 }
 
 void Tuner::require_going_on() const {
     if (cancel_.requested()) throw SimulationError("interrupted");
 }
 
-void Tuner::find_references(double accuracy, TuneResult& result) {
-    judged_.clear();
-    for (std::size_t i = 0; i < points_.size(); ++i) {
-        PointMeasure& point = points_[i];
-        say("reference at " + point.point().name);
-        require_going_on();
-        if (point.reference(reference_share * accuracy / tuning_margin) == nullptr) {
-            require_going_on();
-            result.left_out.push_back(fmt::format("{}: {}", point.point().name, point.objection()));
-            continue;
-        }
-        judged_.push_back(i);
+const PointRun* Tuner::reference_at(std::size_t i, TuneResult& result) {
+    PointMeasure& point = points_[i];
+    if (const auto found = judged_.find(i); found != judged_.end()) return found->second ? point.reference(1e300) : nullptr;
+    const auto finest = std::find_if(ranked_.begin(), ranked_.end(),
+                                     [&](const TunedChoice& c) { return c.choice.detail == finest_ && c.choice.share == 1.0; });
+    const double cost = finest == ranked_.end() ? 0.0 : finest->seconds;
+    const auto before = [&](double share) {
+        say(fmt::format("reference at {}, 1/{:g} of its automatic step", point.point().name, 1.0 / share), expected(point, cost / share));
+    };
+    const PointRun* reference = point.reference(reference_share * result.accuracy / tuning_margin, before);
+    require_going_on();
+    judged_[i] = reference != nullptr;
+    if (reference != nullptr) {
         result.points.push_back(point.point().name);
         result.references.push_back(point.reference_text());
+    } else {
+        result.left_out.push_back(fmt::format("{}: {}", point.point().name, point.objection()));
     }
-    if (!judged_.empty()) return;
-    throw SimulationError(fmt::format("{}: no operating point has a reference run for an accuracy of {:g} %:\n  {}", scene_.name,
-                                      100.0 * accuracy, fmt::join(result.left_out, "\n  ")));
+    return reference;
 }
 
 /// A shorter step or another method helps only where the detail is not what is wrong.
@@ -91,56 +113,98 @@ bool Tuner::worth_trying(const TunedChoice& candidate, const TuneResult& result)
     });
 }
 
+namespace {
+
+/// A run that cannot begin is one without values.
+PointRun run_of(const TuneChoice& choice, PointMeasure& point) {
+    try {
+        return point.run(choice);
+    } catch (const BudgetUsedUp&) {
+        throw;
+    } catch (const SimulationError& error) {
+        PointRun none;
+        none.objection = error.what();
+        return none;
+    }
+}
+
+}  // namespace
+
+/// Why its errors are too large; empty if they are not.
+std::string Tuner::objection_to(const TunedChoice& candidate, const TuneResult& result) const {
+    if (candidate.error() <= result.accuracy / tuning_margin) return "";
+    const auto worst = std::max_element(candidate.errors.begin(), candidate.errors.end()) - candidate.errors.begin();
+    return fmt::format("{} has an error of {:.2g} % at {}", outputs_[static_cast<std::size_t>(worst)].name, 100.0 * candidate.error(),
+                       candidate.worst);
+}
+
 /// Until it fails at one of them.
-void Tuner::try_at_points(TunedChoice& candidate, double allowed) {
-    for (const std::size_t i : judged_) {
+void Tuner::try_at_points(TunedChoice& candidate, TuneResult& result) {
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+        if (const auto found = judged_.find(i); found != judged_.end() && !found->second) continue;
         require_going_on();
-        say(fmt::format("{} at {}", candidate.choice.text(), points_[i].point().name));
+        const std::string& place = points_[i].point().name;
+        say(fmt::format("{} at {}", candidate.choice.text(), place), expected(points_[i], candidate.seconds));
         const auto key = std::pair(candidate.choice.text(), i);
-        if (!runs_.contains(key)) runs_[key] = points_[i].run(candidate.choice);
+        if (!runs_.contains(key)) runs_[key] = run_of(candidate.choice, points_[i]);
         const PointRun& run = runs_.at(key);
         require_going_on();
-        const std::vector<double> errors = points_[i].errors(run, *points_[i].reference(1e300));
-        if (!candidate.tried || largest(errors) > candidate.error()) candidate.worst = points_[i].point().name;
+        const PointRun* reference = reference_at(i, result);
+        if (reference == nullptr) continue;
+        const std::vector<double> errors = points_[i].errors(run, *reference);
+        if (!candidate.tried || largest(errors) > candidate.error()) candidate.worst = place;
         candidate.errors.resize(errors.size(), 0.0);
         for (std::size_t k = 0; k < errors.size(); ++k) candidate.errors[k] = std::max(candidate.errors[k], errors[k]);
         if (!candidate.tried) candidate.step = run.step;
         candidate.tried = true;
-        if (!run.objection.empty()) {
-            candidate.standing = fmt::format("{} at {}", run.objection, points_[i].point().name);
-            return;
-        }
-        if (!(candidate.error() <= allowed)) {
-            const auto worst = std::max_element(candidate.errors.begin(), candidate.errors.end()) - candidate.errors.begin();
-            candidate.standing = fmt::format("{} has an error of {:.2g} % at {}", outputs_[static_cast<std::size_t>(worst)].name,
-                                             100.0 * candidate.error(), candidate.worst);
-            return;
-        }
+        candidate.standing = run.objection.empty() ? objection_to(candidate, result) : fmt::format("{} at {}", run.objection, place);
+        if (!candidate.standing.empty()) return;
     }
-    candidate.standing = "chosen";
+    if (candidate.tried)
+        candidate.standing = "chosen";
+    else
+        throw SimulationError(fmt::format("{}: no operating point has a reference run for an accuracy of {:g} %:\n  {}", scene_.name,
+                                          100.0 * result.accuracy, fmt::join(result.left_out, "\n  ")));
+}
+
+void Tuner::try_choices(TuneResult& result) {
+    for (const TunedChoice& ranked : ranked_) {
+        TunedChoice& candidate = result.choices.emplace_back(ranked);
+        if (result.chosen) {
+            candidate.standing = "more expensive than the chosen one";
+        } else if (!result.used_up_by.empty() || deadline_.passed()) {
+            candidate.standing = "budget used up";
+            if (result.used_up_by.empty()) result.used_up_by = measuring_;
+        } else if (!worth_trying(candidate, result)) {
+            candidate.standing = "insufficient detail";
+        } else {
+            try {
+                try_at_points(candidate, result);
+            } catch (const BudgetUsedUp& end) {
+                candidate.standing = end.what();
+                result.used_up_by = measuring_;
+            }
+        }
+        if (candidate.standing == "chosen") result.chosen = result.choices.size() - 1;
+    }
 }
 
 TuneResult Tuner::tune(double accuracy) {
     const auto began = WallClock::now();
+    deadline_.begin(settings_.budget);
     TuneResult result;
     result.scene = scene_.name;
     result.accuracy = accuracy;
     for (const TunedOutput& output : outputs_) result.outputs.push_back(output.name);
-    prepare();
-    find_references(accuracy, result);
-    result.left_out.insert(result.left_out.end(), left_out_.begin(), left_out_.end());
-    for (const TunedChoice& ranked : ranked_) {
-        TunedChoice& candidate = result.choices.emplace_back(ranked);
-        if (result.chosen)
-            candidate.standing = "more expensive than the chosen one";
-        else if (settings_.budget > 0.0 && seconds_since(began) > settings_.budget)
-            candidate.standing = "budget used up";
-        else if (!worth_trying(candidate, result))
-            candidate.standing = "insufficient detail";
-        else
-            try_at_points(candidate, accuracy / tuning_margin);
-        if (candidate.standing == "chosen") result.chosen = result.choices.size() - 1;
+    judged_.clear();
+    try {
+        prepare();
+        try_choices(result);
+    } catch (const BudgetUsedUp&) {
+        result.used_up_by = measuring_;
     }
+    deadline_.clear();  // what is asked of the choice is no part of the search
+    result.left_out.insert(result.left_out.end(), left_out_.begin(), left_out_.end());
     std::vector<TradeoffPoint> points;
     for (const TunedChoice& c : result.choices)
         points.push_back({c.choice.text(), c.tried ? c.error() : std::numeric_limits<double>::infinity(), c.seconds});
@@ -148,6 +212,18 @@ TuneResult Tuner::tune(double accuracy) {
     for (std::size_t i = 0; i < front.size(); ++i) result.choices[i].front = front[i];
     result.wall = seconds_since(began);
     return result;
+}
+
+long TuneResult::tried() const noexcept {
+    return std::count_if(choices.begin(), choices.end(), [](const TunedChoice& c) { return c.tried; });
+}
+
+std::string TuneResult::why_none() const {
+    if (used_up_by.empty()) return fmt::format("no choice has errors times {:g} within the target", tuning_margin);
+    const std::string spent = fmt::format("the budget ended during: {}", used_up_by);
+    return tried() == 0
+               ? "nothing was tried: " + spent
+               : fmt::format("none of the {} that were tried has errors times {:g} within the target; {}", tried(), tuning_margin, spent);
 }
 
 std::vector<double> Tuner::errors_at(const TuneChoice& choice, OperatingPoint point, double accuracy, std::string& why) {

@@ -26,7 +26,7 @@ struct TuneSettings {
     double accuracy = 0.01;            ///< of every output [1]
     std::vector<std::string> outputs;  ///< figures or scalars; none: the usual figures
     std::vector<std::string> methods;  ///< to choose from; none: the default method and the cheapest of the catalogue
-    double budget = 0.0;               ///< wall time after which no further choice is tried; 0: no limit [s]
+    double budget = 0.0;               ///< wall time of the search, whatever it measures then; 0: no limit [s]
     /// Rank by work alone and by the default method, so that every machine and every run chooses the same.
     bool same_everywhere = false;
     PointTimes times;
@@ -57,7 +57,12 @@ struct TuneResult {
     std::vector<std::string> left_out;    ///< points and methods that were left out, with the reason
     std::vector<TunedChoice> choices;     ///< in the order in which they were considered
     std::optional<std::size_t> chosen;    ///< among them
+    std::string used_up_by;               ///< what was being measured when the budget was used up; empty: it was not
     double wall = 0.0;                    ///< what it took [s]
+
+    [[nodiscard]] long tried() const noexcept;
+    /// Why nothing was chosen: "no choice has errors times 2 within the target", or that the budget was used up, and by what.
+    [[nodiscard]] std::string why_none() const;
 };
 
 class Tuner {
@@ -66,8 +71,11 @@ public:
     Tuner(const Scene& scene, TuneSettings settings, const engine::Cancellation& cancel);
     /// A sweep at its corners, its scalars. @throws SceneError
     Tuner(const Sweep& sweep, TuneSettings settings, const engine::Cancellation& cancel);
+    Tuner(const Tuner&) = delete;
+    Tuner& operator=(const Tuner&) = delete;
 
-    /// What has been measured for one accuracy serves the next. accuracy [1]
+    /// What has been measured for one accuracy serves the next. A point's reference is measured when the first choice has run there.
+    /// accuracy [1]
     /// @throws SimulationError: no point has a reference; interrupted
     [[nodiscard]] TuneResult tune(double accuracy);
 
@@ -86,12 +94,19 @@ private:
     /// Every level with every method that can be used there, each with the seconds of a first run.
     [[nodiscard]] std::vector<std::pair<TunedChoice, double>> find_bases();
     void find_costs();
-    /// accuracy [1]
-    void find_references(double accuracy, TuneResult& result);
+    /// Every choice in turn, the cheapest first, until one is chosen or the budget is used up.
+    void try_choices(TuneResult& result);
+    /// Of a point, measured when it is first needed; nullptr: the point has none and is left out.
+    [[nodiscard]] const PointRun* reference_at(std::size_t point, TuneResult& result);
     [[nodiscard]] bool worth_trying(const TunedChoice& candidate, const TuneResult& result) const;
-    /// allowed [1]
-    void try_at_points(TunedChoice& candidate, double allowed);
-    void say(const std::string& what) const;
+    void try_at_points(TunedChoice& candidate, TuneResult& result);
+    [[nodiscard]] std::string objection_to(const TunedChoice& candidate, const TuneResult& result) const;
+    /// Wall time of a run at a point, by the costs measured [s]. @param cost [s/s]
+    [[nodiscard]] double expected(const PointMeasure& point, double cost) const noexcept;
+    /// What is measured now. @param seconds how long that takes, 0: unknown [s]
+    void say(const std::string& what, double seconds = 0.0);
+    /// The same about one of many short measurements: every quarter of them.
+    void say_share(const std::string& what, std::size_t number, std::size_t of);
     void require_going_on() const;
 
     Scene scene_;
@@ -103,7 +118,9 @@ private:
     std::vector<std::string> methods_, left_out_;
     std::vector<TunedChoice> ranked_;                               ///< cheapest first
     std::map<std::pair<std::string, std::size_t>, PointRun> runs_;  ///< by choice and point
-    std::vector<std::size_t> judged_;                               ///< points that have a reference
+    std::map<std::size_t, bool> judged_;  ///< points at which a choice has run for the accuracy at hand: whether they have a reference
+    Deadline deadline_;
+    std::string measuring_;  ///< what say() reported last
 };
 
 }  // namespace cvtflow::tasks

@@ -74,17 +74,20 @@ void Tuner::find_methods() {
         left_out_ = {"all methods but the automatic choice: which of them is cheapest depends on the machine"};
         return;
     }
-    say("methods");
     std::vector<std::pair<double, std::string>> costs;
     std::vector<std::pair<std::string, std::string>> objections;
-    for (const std::string& name : method_names()) {
+    const std::vector<std::string> names = method_names();
+    for (const std::string& name : names) {
         require_going_on();
+        say_share("methods", static_cast<std::size_t>(&name - names.data()) + 1, names.size());
         try {
             const PointRun run = points_.front().trial({"", name}, method_trial);
             if (run.objection.empty())
                 costs.emplace_back(run.seconds, name);
             else
                 objections.emplace_back(name, run.objection);
+        } catch (const BudgetUsedUp&) {
+            throw;
         } catch (const std::exception& error) {  // a method that cannot be used with the scene
             objections.emplace_back(name, error.what());
         }
@@ -125,6 +128,8 @@ std::vector<std::pair<TunedChoice, double>> Tuner::find_bases() {
                 if (!differs && run.objection.empty()) throw SimulationError("takes the steps of " + first->second);
                 base.work = run.work;
                 bases.emplace_back(base, run.seconds);
+            } catch (const BudgetUsedUp&) {
+                throw;
             } catch (const std::exception& error) {  // a method that the scene's detail takes need not take every level: rigid pins
                 objections.emplace_back(fmt::format("{} at {}", method, level.empty() ? "the scene's detail" : level), error.what());
             }
@@ -137,13 +142,14 @@ std::vector<std::pair<TunedChoice, double>> Tuner::find_bases() {
 
 /// Every level with every method, in turns; shares of the step cost in proportion.
 void Tuner::find_costs() {
-    say("costs");
+    say("costs of levels of detail");
     const auto bases = find_bases();
     std::vector<std::vector<double>> seconds;
     for (const auto& [base, first] : bases) seconds.push_back({first});
     for (int round = 1; round < rounds; ++round) {
         for (std::size_t i = 0; i < bases.size(); ++i) {
             require_going_on();
+            say_share(fmt::format("costs of levels of detail, round {} of {}", round + 1, rounds), i + 1, bases.size());
             seconds[i].push_back(points_.front().trial(bases[i].first.choice, cost_trial).seconds);
         }
     }

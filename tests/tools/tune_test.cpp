@@ -44,14 +44,20 @@ TEST_F(Tune, WritesASceneThatRunsWithWhatItChose) {
     EXPECT_THAT(ran.out, Not(HasSubstr("settled"))) << "it begins with a state of its own detail";
 }
 
-TEST_F(Tune, EndsWithItsOwnStatusWhereNothingIsAccurateEnough) {
-    const Outcome outcome = run(Words{"tune"} + tiny_ + brief_ + Words{"--budget", "1 us", "-q"});
-    EXPECT_EQ(outcome.status, 7) << outcome.err;
-    EXPECT_THAT(outcome.out, AllOf(HasSubstr("chosen              none: "), HasSubstr("budget used up")));
+TEST_F(Tune, EndsWithItsOwnStatusWhereItsBudgetIsUsedUp) {
+    const Outcome outcome = run(Words{"tune"} + tiny_ + brief_ + Words{"--budget", "1 us", "-q", "-o", "out"});
+    EXPECT_EQ(outcome.status, 4) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("chosen              none: nothing was tried: the budget ended during: methods\n"));
+    EXPECT_TRUE(nlohmann::json::parse(read("out/tune_tiny.json"))["budget_used_up_by"] == "methods");
     EXPECT_FALSE(exists("tiny.tuned.toml"));
     const Outcome ran = run(Words{"run"} + tiny_ + brief_ + Words{"--budget", "1 us", "-q", "-o", "none", "--cache", "kept"});
-    EXPECT_EQ(ran.status, 7);
-    EXPECT_EQ(ran.err, "cvtflow: tiny: no tried choice is within 20 % (with a margin of 2)\n");
+    EXPECT_EQ(ran.status, 4);
+    EXPECT_EQ(ran.err, "cvtflow: tiny: nothing was tried: the budget ended during: methods\n");
+    const Outcome strict = run(Words{"tune"} + tiny_ +
+                               Words{"--accuracy", "0.0001 %", "--outputs", "tight_tension", "--settling", "1 ms", "--average", "1 ms",
+                                     "--methods", "leapfrog-sweep", "-q"});
+    EXPECT_NE(strict.status, 4) << "it had all the time";
+    EXPECT_NE(strict.status, 0) << strict.out;
 }
 
 TEST_F(Tune, SaysWhatIsWrongWithItsArguments) {

@@ -12,7 +12,7 @@ enum class ExitStatus {
     error = 1,       ///< invalid scene or file, or another failure of the command
     usage = 2,       ///< invalid command line
     fault = 3,       ///< the simulation cannot continue: see tasks::FaultKind
-    budget = 4,      ///< run.max_steps or run.max_wall used up
+    budget = 4,      ///< run.max_steps, run.max_wall or the budget of tuning used up
     incomplete = 5,  ///< cases of a sweep or variants of a comparison failed or are missing
     unreliable = 6,  ///< finished, but the energy balance does not close: the results are wrong
     inaccurate = 7,  ///< target accuracy missed by every tried choice, or by a sweep at its verified cases
@@ -31,7 +31,7 @@ inline constexpr std::string_view exit_status_help =
     "  2    error on the command line\n"
     "  3    the run ended early: state not finite, tip too deep, pin off its sheave,\n"
     "       step too short\n"
-    "  4    budget used up: run.max_steps, run.max_wall\n"
+    "  4    budget used up: run.max_steps, run.max_wall, --budget\n"
     "  5    cases of a sweep (variants of detail) failed or are missing\n"
     "  6    finished, but the energy balance does not close: the results are unreliable\n"
     "  7    target accuracy missed: tune, run --accuracy, sweeps with [accuracy]\n"

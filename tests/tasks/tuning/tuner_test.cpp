@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <chrono>
 
 #include "tests/tasks/settled_tiny_fixture.hpp"
 
@@ -78,6 +79,32 @@ TEST(Tuner, SaysWhatItLeavesOutWhenItsBudgetIsUsedUp) {
     const TuneResult result = Tuner(test::settled_tiny(), settings, undisturbed).tune(0.2);
     EXPECT_FALSE(result.chosen);
     for (const TunedChoice& choice : result.choices) EXPECT_EQ(choice.standing, "budget used up");
+    EXPECT_EQ(result.tried(), 0);
+    EXPECT_THAT(result.why_none(), testing::StartsWith("nothing was tried: the budget ended during: "));
+}
+
+/// The reference takes seconds: the search ends in the middle of it, after the cheapest choice has run.
+TEST(Tuner, KeepsItsBudgetInsideAReference) {
+    using Clock = std::chrono::steady_clock;
+    TuneSettings settings = brief();
+    std::vector<std::string> said;
+    settings.progress = [&said](const std::string& what) { said.push_back(what); };
+    Tuner free(test::settled_tiny(), settings, undisturbed);
+    static_cast<void>(free.tune(0.2));
+    const auto first_reference =
+        std::find_if(said.begin(), said.end(), [](const std::string& line) { return line.starts_with("reference at "); });
+    ASSERT_NE(first_reference, said.end());
+    EXPECT_THAT(*first_reference, testing::HasSubstr(", about ")) << "how long it takes";
+    ASSERT_NE(first_reference, said.begin());
+    EXPECT_THAT(*(first_reference - 1), testing::HasSubstr(" at start, about ")) << "the cheapest choice runs before";
+
+    settings.times = {0.5, 0.5};  // a second of simulated time takes minutes
+    settings.budget = 2.0;
+    const auto begun = Clock::now();
+    const TuneResult result = Tuner(test::settled_tiny(), settings, undisturbed).tune(0.2);
+    EXPECT_LT(std::chrono::duration<double>(Clock::now() - begun).count(), 30.0);
+    EXPECT_FALSE(result.chosen);
+    EXPECT_NE(result.used_up_by, "");
 }
 
 TEST(Tuner, LeavesOutMethodsWhereALevelOfDetailDoesNotTakeThem) {

@@ -38,7 +38,7 @@ void declare_tuning(CLI::App& app, TuningArguments& arguments) {
     app.add_option("--methods", arguments.methods,
                    "Methods to choose from, separated by commas (default: the default method and the cheapest of the catalogue)")
         ->type_name("LIST");
-    app.add_option("--budget", arguments.budget, "Wall time after which no further choice is tried, e.g. \"2 min\"")->type_name("TIME");
+    app.add_option("--budget", arguments.budget, "Wall time of the search, references included, e.g. \"2 min\"")->type_name("TIME");
     const tasks::PointTimes usual;
     app.add_option("--settling", arguments.settle,
                    fmt::format("Simulated time before the averages begin (default: {:g} ms)", 1e3 * usual.settle))

@@ -65,7 +65,7 @@ std::string tune_text(const tasks::TuneResult& result) {
     const std::string margin = fmt::format("errors times {:g} within the target", tasks::tuning_margin);
     text += field("chosen", result.chosen ? fmt::format("{}: {:.3g} s/s, {}", result.choices[*result.chosen].choice.text(),
                                                         result.choices[*result.chosen].seconds, margin)
-                                          : "none: no choice has " + margin);
+                                          : "none: " + result.why_none());
     return text + field("took", clock_text(result.wall));
 }
 
@@ -110,6 +110,7 @@ std::string tune_json(const tasks::TuneResult& result, const std::vector<UnseenP
                       {"references", result.references},
                       {"left_out", result.left_out},
                       {"chosen", result.chosen ? ordered_json(*result.chosen) : ordered_json()},
+                      {"budget_used_up_by", result.used_up_by.empty() ? ordered_json() : ordered_json(result.used_up_by)},
                       {"choices", rows},
                       {"unseen", points},
                       {"wall", result.wall}});

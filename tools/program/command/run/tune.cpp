@@ -92,6 +92,7 @@ ExitStatus tune(TuneArguments& arguments) try {
     folder.write("tune_" + result.scene + ".json", tune_json(result, unseen));
     folder.write("tune_" + result.scene + ".svg", tune_picture(result));
     fmt::print("{}", folder.written());
+    if (!result.chosen && !result.used_up_by.empty()) return ExitStatus::budget;
     return result.chosen && held(unseen, settings.accuracy) ? ExitStatus::finished : ExitStatus::inaccurate;
 } catch (const tasks::SimulationError&) {
     if (catch_interrupts().requested()) return ExitStatus::cancelled;
@@ -121,7 +122,8 @@ Action declare_tune(CLI::App& app) {
         "finest level at\na quarter of its step or less. Chooses the first variant whose errors times " +
         fmt::format("{:g}", tasks::tuning_margin) +
         " meet the accuracy at every point;\nunreliable variants are never chosen. front: no other variant is both cheaper and more "
-        "accurate. Exit status 7: no variant meets\nthe accuracy, or more than one in twenty points of --verify misses it.\n\n" +
+        "accurate. Exit status 7: no variant meets\nthe accuracy, or more than one in twenty points of --verify misses it; 4: the budget "
+        "was used up before one did.\n\n" +
         std::string(exit_status_help));
     return [arguments] { return tune(*arguments); };
 }
