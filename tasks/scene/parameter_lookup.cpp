@@ -12,6 +12,57 @@ namespace {
 
 constexpr std::size_t max_suggested = 3;
 
+/// What the field, or other programs, call a quantity whose key has another name.
+struct Synonym {
+    std::string_view name, key;
+};
+constexpr Synonym synonyms[] = {
+    {"sheave_angle", "tip.angle"},
+    {"cone_angle", "tip.angle"},
+    {"flank_angle", "tip.angle"},
+    {"wedge_angle", "tip.angle"},
+    {"half_angle", "tip.angle"},
+    {"groove_angle", "tip.angle"},
+    {"pulley_angle", "tip.angle"},
+    {"mu", "tip.friction_coefficient"},
+    {"friction", "tip.friction_coefficient"},
+    {"center_distance", "pulley.centre_distance"},
+    {"axis_distance", "pulley.centre_distance"},
+    {"crowning", "pulley.arc_radius"},
+    {"min_radius", "pulley.innermost"},
+    {"max_radius", "pulley.outermost"},
+    {"links", "chain.pins"},
+    {"number_of_pins", "chain.pins"},
+    {"pin_length", "half.length"},
+    {"pin_width", "half.width"},
+    {"pin_mass", "half.mass"},
+    {"plates", "plate.count"},
+    {"rpm", "drive.speed"},
+    {"input_speed", "drive.speed"},
+    {"engine_speed", "drive.speed"},
+    {"input_torque", "drive.torque"},
+    {"engine_torque", "drive.torque"},
+    {"output_torque", "load.torque"},
+    {"load_torque", "load.torque"},
+    {"output_speed", "load.speed"},
+    {"clamping_force", "clamping.driven"},
+    {"axial_force", "clamping.driven"},
+    {"thrust", "clamping.driven"},
+    {"safety_factor", "clamping.safety"},
+    {"duration", "run.until"},
+    {"end", "run.until"},
+    {"end_time", "run.until"},
+    {"stop_time", "run.until"},
+    {"time_step", "run.step"},
+    {"timestep", "run.step"},
+    {"dt", "run.step"},
+    {"step_size", "run.step"},
+    {"solver", "run.method"},
+    {"integrator", "run.method"},
+    {"sample_time", "run.output_interval"},
+    {"output_step", "run.output_interval"},
+};
+
 }  // namespace
 
 Kind Parameter::kind() const {
@@ -40,6 +91,8 @@ std::vector<std::string> nearest_keys(std::string_view key) {
     if (!near.empty() && engine::edit_distance(key, near) <= 2) return {near};
     for (const Parameter& parameter : rows)
         if (name.size() > 2 && parameter.key.starts_with(key)) return {std::string(parameter.key)};
+    const auto synonym = std::ranges::find_if(synonyms, [&](const Synonym& each) { return each.name == name; });
+    if (synonym != std::end(synonyms)) return {std::string(synonym->key)};
     std::vector<std::string> of_that_name;
     for (const Parameter& parameter : rows)
         if (parameter.name() == name) of_that_name.emplace_back(parameter.key);

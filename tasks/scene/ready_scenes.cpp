@@ -61,11 +61,13 @@ std::vector<fs::path> scene_folders() {
     return folders;
 }
 
-std::vector<ReadyScene> ready_scenes() {
+namespace {
+
+std::vector<ReadyScene> ready_files(const fs::path& below) {
     std::vector<ReadyScene> found;
     for (const fs::path& folder : scene_folders()) {
         std::error_code unreadable;
-        for (const fs::directory_entry& entry : fs::directory_iterator(folder, unreadable)) {
+        for (const fs::directory_entry& entry : fs::directory_iterator(folder / below, unreadable)) {
             if (entry.path().extension() == ".toml") found.push_back({entry.path().stem().string(), entry.path()});
         }
     }
@@ -74,6 +76,12 @@ std::vector<ReadyScene> ready_scenes() {
     found.erase(std::unique(found.begin(), found.end(), same), found.end());
     return found;
 }
+
+}  // namespace
+
+std::vector<ReadyScene> ready_scenes() { return ready_files({}); }
+
+std::vector<ReadyScene> ready_sweeps() { return ready_files("sweeps"); }
 
 fs::path find_scene(const std::string& argument) {
     std::error_code unreadable;

@@ -20,6 +20,9 @@ struct ReadyScene {
 /// All scenes in these folders, by name. Of several with one name only the nearest.
 [[nodiscard]] std::vector<ReadyScene> ready_scenes();
 
+/// All sweeps in the subfolder "sweeps" of these folders, likewise.
+[[nodiscard]] std::vector<ReadyScene> ready_sweeps();
+
 /// A file of that path, else the ready scene of that name. A path (with '/' or the ending .toml) is returned unchanged.
 /// @throws SceneError  `no scene 'basline' (did you mean 'baseline'?)`
 [[nodiscard]] std::filesystem::path find_scene(const std::string& argument);

@@ -15,6 +15,7 @@
 #include "engine/record/hdf5/hdf5_exit.hpp"
 #include "engine/record/run/schema.hpp"
 #include "model/basis/isa.hpp"
+#include "tasks/scene/ready_scenes.hpp"
 #include "tools/program/guard.hpp"
 
 namespace cvtflow::tools {
@@ -30,7 +31,14 @@ std::string version_text() {
 bool is_command(const Program& program, const std::string& word) {
     std::vector<std::string> names;
     for (const Command& command : program.commands) names.emplace_back(command.name);
-    if (std::find(names.begin(), names.end(), word) != names.end()) return true;
+    const auto has = [&](const char* name) { return std::find(names.begin(), names.end(), name) != names.end(); };
+    if (has(word.c_str())) return true;
+    for (const auto& [command, all] : {std::pair{"run", &tasks::ready_scenes}, {"batch", &tasks::ready_sweeps}}) {
+        const auto ready = has(command) ? all() : std::vector<tasks::ReadyScene>{};
+        if (std::none_of(ready.begin(), ready.end(), [&](const tasks::ReadyScene& each) { return each.name == word; })) continue;
+        print_error(fmt::format("no command '{0}', did you mean '{1} {2} {0}'? ({1} --help)", word, program.name, command));
+        return false;
+    }
     const std::string near = engine::closest(word, names);
     print_error(fmt::format("no command '{}'{} ({} --help, or {} {})", word, near.empty() ? "" : fmt::format(", did you mean '{}'?", near),
                             program.name, program.other, word));
@@ -58,12 +66,23 @@ std::string near_option(const CLI::App& command, const std::string& message) {
     return engine::closest(word, names);
 }
 
+/// "--set KEY VALUE" in two words: how it is written in one. Empty for other mistakes.
+std::string split_setting(const CLI::App& command, const std::string& message) {
+    const CLI::Option* set = command.get_option_no_throw("--set");
+    const auto colon = message.rfind(": ");
+    if (set == nullptr || colon == std::string::npos) return {};
+    for (const std::string& setting : set->results())
+        if (setting.find('=') == std::string::npos) return fmt::format("--set {}=\"{}\"", setting, message.substr(colon + 2));
+    return {};
+}
+
 /// CLI11 reports --help and --version as errors with code 0.
 int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
     const auto chosen = app.get_subcommands();
     const bool unknown = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
-    const std::string near = unknown && !chosen.empty() ? near_option(*chosen.front(), error.what()) : std::string{};
+    std::string near = unknown && !chosen.empty() ? near_option(*chosen.front(), error.what()) : std::string{};
+    if (unknown && !chosen.empty() && near.empty()) near = split_setting(*chosen.front(), error.what());
     print_error(fmt::format("{}{} ({} {}--help)", error.what(), near.empty() ? "" : fmt::format(", did you mean '{}'?", near),
                             program_name(), chosen.empty() ? "" : chosen.front()->get_name() + " "));
     return static_cast<int>(ExitStatus::usage);

@@ -10,12 +10,34 @@
 
 namespace cvtflow::tasks {
 
+namespace {
+
+/// Words of others for keys of sweeps.
+struct Synonym {
+    std::string_view word, key;
+};
+constexpr Synonym synonyms[] = {
+    {"step", "count"},    {"steps", "count"},  {"n", "count"},         {"num", "count"},      {"number", "count"}, {"points", "count"},
+    {"start", "from"},    {"begin", "from"},   {"min", "from"},        {"end", "to"},         {"stop", "to"},      {"until", "to"},
+    {"max", "to"},        {"name", "key"},     {"parameter", "key"},   {"value", "values"},   {"list", "values"},  {"file", "csv"},
+    {"spacing", "scale"}, {"error", "target"}, {"columns", "scalars"}, {"results", "scalars"}};
+
+/// The known key that an unknown one probably means; empty if there is none.
+std::string likely_key(const std::string& word, const std::vector<std::string>& known) {
+    for (const Synonym& each : synonyms) {
+        if (each.word == word && std::find(known.begin(), known.end(), each.key) != known.end()) return std::string(each.key);
+    }
+    return engine::closest(word, known);
+}
+
+}  // namespace
+
 TableView::TableView(std::string name, const Node::Table& table, Position position, const std::vector<std::string>& known,
                      std::vector<Problem>& problems)
     : name_(std::move(name)), table_(table), position_(position), problems_(problems) {
     for (const Entry& entry : table) {
         if (std::find(known.begin(), known.end(), entry.key) != known.end()) continue;
-        problem(entry.position, fmt::format("{}: unknown key{}", entry.key, engine::did_you_mean(engine::closest(entry.key, known))));
+        problem(entry.position, fmt::format("{}: unknown key{}", entry.key, engine::did_you_mean(likely_key(entry.key, known))));
     }
 }
 

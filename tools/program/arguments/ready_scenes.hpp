@@ -7,6 +7,7 @@ namespace cvtflow::tools {
 
 using tasks::find_scene;
 using tasks::ready_scenes;
+using tasks::ready_sweeps;
 using tasks::ReadyScene;
 using tasks::scene_folders;
 

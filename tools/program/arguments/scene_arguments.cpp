@@ -7,12 +7,15 @@
 #include <sstream>
 
 #include "engine/base/spelling.hpp"
+#include "tasks/batch/batch.hpp"
 #include "tasks/method/automatic_method.hpp"
 #include "tasks/method/method.hpp"
+#include "tasks/run/simulation.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/toml/units.hpp"
 #include "tools/program/arguments/ready_scenes.hpp"
 #include "tools/program/guard.hpp"
+#include "tools/program/text/text.hpp"
 
 namespace cvtflow::tools {
 
@@ -42,6 +45,8 @@ std::string in_words_given(const std::string& message, const SceneArguments& arg
     std::istringstream lines(message);
     std::vector<std::string> rewritten;
     for (std::string line; std::getline(lines, line);) {
+        if (constexpr std::string_view settled = "--set start.state=: "; arguments.settle && line.starts_with(settled))
+            line = "--settle: " + line.substr(settled.size());
         for (const Shortcut& shortcut : arguments.shortcuts) {
             if (!shortcut.value) continue;
             const bool beside = shortcut.key == tolerance_key && line.starts_with(fmt::format("--set {}: ", by_tolerance));
@@ -142,6 +147,47 @@ double seconds_of(const std::string& option, const std::string& text) {
     return quantity->value;
 }
 
+namespace {
+
+/// The scene begins with a geometric start, since `changed` made its state useless. @throws UsageError if the chain does not close
+void without_state(tasks::Scene& scene, const std::string& changed) {
+    constexpr std::string_view ours = "start.state=";
+    try {
+        tasks::set_value(scene, ours);
+    } catch (const tasks::SceneError& error) {  // its lines begin with a setting that the user did not give
+        std::string text = error.what();
+        const std::string blamed = fmt::format("--set {}: ", ours);
+        for (std::size_t at = 0; (at = text.find(blamed, at)) != std::string::npos;) text.replace(at, blamed.size(), changed + ": ");
+        throw UsageError(text);
+    }
+}
+
+/// ", and this run takes about 2:10 on one thread", by its first steps; empty if it cannot take them.
+std::string cost_text(const tasks::Scene& scene) try {
+    constexpr double trial = 0.1;  // [s]
+    std::string untried;
+    const double wall = tasks::step_wall(scene, trial, untried);
+    const double step = scene.run.step.value_or(tasks::Simulation(scene).automatic_step());
+    return wall > 0.0 ? fmt::format(", and this run takes about {} on one thread", duration_text(wall * scene.run.until / step)) : "";
+} catch (const std::exception&) {
+    return "";  // the run reports it
+}
+
+/// A run length given as a bare number is in seconds: what that means, if it is long. Empty if it has a unit or is short.
+std::string bare_until(const tasks::Scene& scene, const SceneArguments& arguments) {
+    constexpr double usual = 1.0;  // longer runs are rare [s]
+    std::string given;
+    for (const std::string& setting : arguments.settings)
+        if (setting.starts_with("run.until=")) given = "--set " + setting;
+    for (const Shortcut& shortcut : arguments.shortcuts)
+        if (shortcut.key == "run.until" && shortcut.value) given = fmt::format("{} {}", shortcut.option, *shortcut.value);
+    const std::string value = given.substr(given.find_last_of(" =") + 1);
+    if (given.empty() || scene.run.until < usual || value.find_first_not_of("0123456789.") != std::string::npos) return "";
+    return fmt::format("{}: a number without a unit is in seconds{}; \"{} ms\" are milliseconds", given, cost_text(scene), value);
+}
+
+}  // namespace
+
 LoadedScene load_scene(const SceneArguments& arguments) {
     const auto start = arguments.settle ? tasks::StartState::ignored : tasks::StartState::required;
     LoadedScene loaded{tasks::read_scene(find_scene(arguments.scene), start), {}};
@@ -152,10 +198,12 @@ LoadedScene load_scene(const SceneArguments& arguments) {
     apply_settings(scene, arguments);
     const std::string changed = changes(before, state_values(scene));
     if (!changed.empty() && !own_state.empty() && scene.state_file == own_state) {
-        tasks::set_value(scene, "start.state=");
+        without_state(scene, changed);
         loaded.notice = fmt::format("{}: the state in {} no longer fits; the run settles again", changed, own_state);
     }
     require_member(scene, own_method, arguments);
+    if (const std::string notice = bare_until(scene, arguments); !notice.empty())
+        loaded.notice += (loaded.notice.empty() ? "" : "\n") + notice;
     return loaded;
 }
 

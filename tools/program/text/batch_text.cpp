@@ -67,7 +67,11 @@ tasks::Sweep load_sweep(const std::string& path) {
         if (path.find('/') != std::string::npos || path.ends_with(".toml") || std::filesystem::exists(file, unreadable)) break;
         file = (folder / "sweeps" / (path + ".toml")).string();
     }
-    return tasks::read_sweep(std::filesystem::exists(file, unreadable) ? file : path, find_scene);
+    if (std::filesystem::exists(file, unreadable)) return tasks::read_sweep(file, find_scene);
+    if (path.find('/') != std::string::npos || path.ends_with(".toml")) return tasks::read_sweep(path, find_scene);
+    std::vector<std::string> names;
+    for (const ReadyScene& ready : ready_sweeps()) names.push_back(ready.name);
+    throw tasks::SceneError(fmt::format("no sweep '{}'; ready sweeps: {}", path, fmt::join(names, ", ")));
 }
 
 std::string sweep_of(const std::string& folder) {

@@ -10,6 +10,7 @@
 #include "engine/executor/runtimes.hpp"
 #include "engine/method/analysis/order.hpp"
 #include "engine/method/catalogue.hpp"
+#include "tasks/batch/sweep/sweep.hpp"
 #include "tasks/method/automatic_method.hpp"
 #include "tasks/method/method_choice.hpp"
 #include "tasks/run/channels/channels.hpp"
@@ -115,6 +116,19 @@ std::string scenes() {
     return table.text() + fmt::format("\nFrom {}. Further folders: environment variable CVTFLOW_SCENES.\n", fmt::join(folders, ", "));
 }
 
+std::string sweeps() {
+    Table table({{"sweep"}, {"cases", Align::right}, {"scene"}, {"description"}});
+    for (const ReadyScene& ready : ready_sweeps()) {
+        try {
+            const tasks::Sweep sweep = tasks::read_sweep(ready.path.string(), find_scene);
+            table.add({ready.name, fmt::format("{}", sweep.cases()), sweep.scene.name, sweep.description});
+        } catch (const std::exception&) {
+            table.add({ready.name, "", "", "(has errors, see cvtflow batch --dry-run)"});
+        }
+    }
+    return table.text() + "\nFrom the folders \"sweeps\" beside the ready scenes (cvtflow list scenes). cvtflow batch NAME runs one.\n";
+}
+
 std::string executors() { return executor_table() + fmt::format("\nRuntimes: {}.\n", engine::runtime_versions()) + absent_executor_text(); }
 
 std::string keys() {
@@ -155,6 +169,7 @@ constexpr std::array listings{
     Listing{"detail", "Levels of detail, coarsest first", detail},
     Listing{"channels", "Recorded quantities", channels},
     Listing{"scenes", "Ready scenes", scenes},
+    Listing{"sweeps", "Ready sweeps", sweeps},
     Listing{"executors", "Executors of the task graph; more for comparison: cvtflow-lab executors", executors},
     Listing{"keys", "All keys of scenes", keys},
     Listing{"units", "Units of quantities", units},
