@@ -23,8 +23,11 @@ enum class ExitStatus {
 
 [[nodiscard]] ExitStatus exit_status(const tasks::RunReport& report) noexcept;
 
-/// The table above for --help.
-inline constexpr std::string_view exit_status_help =
+/// The last line of a command's --help.
+inline constexpr std::string_view exit_status_help = "Exit status: 0 finished; the other numbers are in cvtflow --help.";
+
+/// The table above for the program's --help.
+inline constexpr std::string_view exit_status_table =
     "Exit status:\n"
     "  0    finished\n"
     "  1    error in the scene or a file\n"

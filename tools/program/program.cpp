@@ -117,7 +117,7 @@ int execute(const Program& program, int argc, char** argv) {
         actions.push_back(command.declare(*sub));
     }
     app.footer(
-        fmt::format("{} COMMAND --help describes a command. First steps:\n{}\n\n{}", program.name, program.first_steps, exit_status_help));
+        fmt::format("{} COMMAND --help describes a command. First steps:\n{}\n\n{}", program.name, program.first_steps, exit_status_table));
     if (argc > 1 && argv[1][0] != '-' && !is_command(program, argv[1])) return static_cast<int>(ExitStatus::usage);
     try {
         app.parse(argc, argv);

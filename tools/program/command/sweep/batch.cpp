@@ -159,7 +159,8 @@ Action declare_batch(CLI::App& app) {
     app.add_option("--bench", arguments->bench,
                    "Benchmark instead: ROUNDS rounds of the bare step loop, of one thread and of all threads, in DIR/bench")
         ->type_name("ROUNDS")
-        ->check(CLI::Range(1, 10000));
+        ->check(CLI::Range(1, 10000))
+        ->group("Laboratory");
     app.add_option("--threads", arguments->threads, "Number of cases that run in parallel (default: all processors of this process)")
         ->type_name("N")
         ->check(CLI::Range(1, 1024));
