@@ -199,6 +199,17 @@ class Sweeps(Folder):
         self.assertEqual([text.get_text() for text in axes.get_legend().get_texts()],
                          ["clamping_driving [N] = 7000", "clamping_driving [N] = 8000"])
 
+    @matplotlib_only
+    def test_results_have_a_line_for_each_value_of_every_other_axis(self):
+        results = self.results()
+        axes = results.plot(x="load.torque", y="slip mean")
+        self.assertEqual([list(line.get_xdata()) for line in axes.lines], [[6, 12], [6, 12]])
+        self.assertEqual(axes.get_legend().get_texts()[0].get_text(), "clamping_driving [N] = 7000, clamping_driven [N] = 5000")
+        axes = results.plot(x="clamping.driving", y="slip mean")  # the driven force follows it
+        self.assertEqual([list(line.get_xdata()) for line in axes.lines], [[7000, 8000], [7000, 8000]])
+        self.assertEqual([text.get_text() for text in axes.get_legend().get_texts()], ["load_torque [N*m] = 6", "load_torque [N*m] = 12"])
+        self.assertEqual(len(results.plot(x="load.torque", y="slip mean", by=[]).lines), 1)
+
     def test_ctrl_c_ends_a_sweep_file_and_it_goes_on(self):
         file = Path(self.folder, "long.toml")
         sweep = cvtflow.Sweep("tiny", {"load.torque": list(np.linspace(6, 12, 2000))}, ["slip mean"], settings={"run.until": "0.2 ms"})

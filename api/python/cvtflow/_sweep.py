@@ -6,7 +6,7 @@ import threading
 from pathlib import Path
 
 from ._cvtflow import Scene, SweepFile, Table
-from ._scene import flat, resolve, suggestion, toml
+from ._scene import all_keys, flat, resolve, suggestion, toml
 
 
 def _list(values):
@@ -36,26 +36,33 @@ class Results(dict):
         raise KeyError(f"unknown column '{name}'" + suggestion(plain, self))
 
     def plot(self, x, y, by=None, ax=None, **style):
-        """Draws a column over another with Matplotlib; by: one line for each value of a third. Returns the Axes.
+        """Draws a column over another with Matplotlib, one line for each value of the others that vary. Returns the Axes.
 
+        by     a column, or a list of them, that lines are drawn for; None: every key of the scene that varies beside x
         ax     None: a new figure
         style  goes to Axes.plot
         """
         import matplotlib.pyplot as pyplot
         import numpy as np
 
-        x, y, by = (name and self.column(name) for name in (x, y, by))
+        x, y = self.column(x), self.column(y)
+        by = self._other_axes(x, y) if by is None else [self.column(name) for name in ([by] if isinstance(by, str) else by)]
         axes = ax or pyplot.subplots(layout="constrained")[1]
-        groups = np.unique(self[by]) if by else [None]
-        for group in groups:
-            chosen = np.flatnonzero(np.equal(self[by], group)) if by else np.arange(len(self[x]))
+        cases = list(zip(*(self[name] for name in by))) if by else [()] * len(self[x])
+        for group in sorted(set(cases)):
+            chosen = np.array([number for number, case in enumerate(cases) if case == group])
             chosen = chosen[np.argsort(np.asarray(self[x])[chosen], kind="stable")]
-            label = f"{self._label(by)} = {group:.6g}" if by else None
-            axes.plot(self[x][chosen], self[y][chosen], label=label, **{"marker": "o", **style})
+            label = ", ".join(f"{self._label(name)} = {_short(value)}" for name, value in zip(by, group)) or None
+            axes.plot(np.asarray(self[x])[chosen], np.asarray(self[y])[chosen], label=label, **{"marker": "o", **style})
         axes.set(xlabel=self._label(x), ylabel=self._label(y))
         if by:
             axes.legend()
         return axes
+
+    def _other_axes(self, x, y):
+        """Columns of keys that vary while x does not: what varies with x, as keys of one axis do, makes no line of its own."""
+        keys = {name.replace(".", "_") for name in all_keys()}
+        return [name for name in self if name in keys - {x, y} and len(set(zip(self[x], self[name]))) > len(set(self[x]))]
 
     def _label(self, name):
         unit = self.info[name].unit
@@ -63,6 +70,10 @@ class Results(dict):
 
     def __repr__(self):
         return f"<cvtflow.Results: {len(self['case'])} cases of {', '.join(self)}>"
+
+
+def _short(value):
+    return f"{value:.6g}" if isinstance(value, (int, float)) else str(value)
 
 
 class Sweep:
