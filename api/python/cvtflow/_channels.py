@@ -1,6 +1,7 @@
 """Channels by name, of a simulation now and of records over time."""
 
 import re
+import weakref
 from collections.abc import Mapping
 
 from ._scene import suggestion
@@ -17,6 +18,20 @@ def unknown(name, names):
     return KeyError(f"unknown channel '{name}'" + suggestion(name, names))
 
 
+class Columns:
+    """Columns of channels by the prefix of their group; each group is worked out once."""
+
+    def __init__(self, columns):
+        self._columns, self._below = list(columns), {}
+
+    def below(self, prefix):
+        """Columns whose names begin with the prefix, by the rest of the name; and the names of the groups among them."""
+        if prefix not in self._below:
+            info = {column.name[len(prefix):]: column for column in self._columns if column.name.startswith(prefix)}
+            self._below[prefix] = info, {name.split("/")[0] for name in info if "/" in name}
+        return self._below[prefix]
+
+
 class Channels(Mapping):
     """Values by the names of channels: channels["slip"], channels["links/tension[3]"], channels.shaft_1.torque; channels.info has their
     units."""
@@ -27,35 +42,35 @@ class Channels(Mapping):
     @property
     def info(self):
         """Column (name, unit, description, width) of every channel, by name."""
-        cut = len(self._prefix)
-        return {column.name[cut:]: column for column in self._columns() if column.name.startswith(self._prefix)}
+        return dict(self._names()[0])
+
+    def _names(self):
+        return self._columns.below(self._prefix)
 
     def __getitem__(self, name):
         return self._read(self._prefix + name)
 
     def __iter__(self):
-        return iter(self.info)
+        return iter(self._names()[0])
 
     def __len__(self):
-        return len(self.info)
+        return len(self._names()[0])
 
     def __contains__(self, name):
-        return name in self.info
+        return name in self._names()[0]
 
     def __getattr__(self, name):
         if name.startswith("_"):
             raise AttributeError(name)
-        if name in self.info:
+        info, groups = self._names()
+        if name in info:
             return self[name]
-        if name in self._groups():
+        if name in groups:
             return Channels(self._read, self._columns, f"{self._prefix}{name}/")
-        raise AttributeError(unknown(name, {*self.info, *self._groups()}).args[0])
-
-    def _groups(self):
-        return {name.split("/")[0] for name in self.info if "/" in name}
+        raise AttributeError(unknown(name, {*info, *groups}).args[0])
 
     def __dir__(self):
-        return [*super().__dir__(), *self._groups(), *(name for name in self.info if "/" not in name)]
+        return [*super().__dir__(), *self._names()[1], *(name for name in self._names()[0] if "/" not in name)]
 
     def _ipython_key_completions_(self):
         return list(self.info)
@@ -64,6 +79,9 @@ class Channels(Mapping):
         lines = [f"{name}  [{column.unit}]{f' x {column.width}' if column.width > 1 else ''}  {column.description}"
                  for name, column in self.info.items()]
         return "\n".join(lines)
+
+
+_of_simulations = weakref.WeakKeyDictionary()  # a simulation's channels never change
 
 
 def of_simulation(simulation):
@@ -79,4 +97,6 @@ def of_simulation(simulation):
             raise KeyError(f"{name}: {channel} has {len(values)} elements")
         return float(values[element or 0]) if element is not None or len(values) == 1 else values.copy()
 
-    return Channels(read, simulation._channel_infos)
+    if simulation not in _of_simulations:
+        _of_simulations[simulation] = Columns(simulation._channel_infos())
+    return Channels(read, _of_simulations[simulation])

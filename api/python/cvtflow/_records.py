@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ._channels import Channels, split, unknown
+from ._channels import Channels, Columns, split, unknown
 from ._cvtflow import RecordFile
 from ._series import Series
 
@@ -58,7 +58,7 @@ class Record(Series, Mapping):
 
     status = property(lambda self: self._file.status, doc="finished, running, unreliable, or the cause of an early end.")
     attributes = property(lambda self: self._file.attributes(), doc="Of the whole file, by name.")
-    channels = property(lambda self: Channels(self.__getitem__, lambda: self._columns), doc="Arrays by name; channels.info: their units.")
+    channels = property(lambda self: Channels(self.__getitem__, Columns(self._columns)), doc="Arrays by name; channels.info: their units.")
     info = property(lambda self: {row.name: row for row in self._columns}, doc="Column (unit, description, width) of channels, by name.")
     rows = property(lambda self: self._file.rows(), doc="Number of rows when the file was opened.")
     states = property(lambda self: States(self._file), doc="The recorded states: time, unknowns, phases.")
