@@ -7,6 +7,7 @@
 #include <pybind11/stl/filesystem.h>
 
 #include <cvtflow/cvtflow.hpp>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <variant>
@@ -40,6 +41,11 @@ using Callable = std::shared_ptr<py::function>;
 using Quantity = std::variant<double, std::string>;
 /// @param name of the argument, for messages. @throws Error (argument)
 [[nodiscard]] double in_si(const Quantity& quantity, const std::string& name, const std::string& unit);
+
+/// A scene, the name of a ready one, or a file.
+using SceneLike = std::variant<std::string, std::filesystem::path, Scene>;
+/// @throws Error (scene)
+[[nodiscard]] Scene scene_of(const SceneLike& given);
 
 /// A function of the package's Python part: by_python("_scene", "keys").
 [[nodiscard]] py::object by_python(const char* file, const char* function);

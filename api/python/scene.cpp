@@ -5,6 +5,13 @@
 
 namespace cvtflow::python {
 
+Scene scene_of(const SceneLike& given) {
+    if (const auto* scene = std::get_if<Scene>(&given)) return *scene;
+    if (const auto* path = std::get_if<std::filesystem::path>(&given)) return Scene::read(path->string());
+    const auto& name = std::get<std::string>(given);
+    return name.find('/') != std::string::npos || name.ends_with(".toml") ? Scene::read(name) : Scene::ready(name);
+}
+
 namespace {
 
 [[nodiscard]] Scene with_settings(const Scene& scene, const py::args& settings, const py::kwargs& values) {
@@ -33,8 +40,9 @@ private:
     bool raised_ = false;
 };
 
-[[nodiscard]] Tuning tuned(const Scene& scene, const Quantity& accuracy, std::vector<std::string> outputs, const Quantity& budget,
+[[nodiscard]] Tuning tuned(const SceneLike& given, const Quantity& accuracy, std::vector<std::string> outputs, const Quantity& budget,
                            std::string folder) {
+    const Scene scene = scene_of(given);
     SignalWatch watch;
     TuneOptions options{in_si(accuracy, "accuracy", "1"), std::move(outputs), in_si(budget, "budget", "s"), std::move(folder)};
     options.stop = std::ref(watch);
@@ -109,6 +117,7 @@ void bind_scene(py::module_& module) {
         .def_property_readonly("description", &Scene::description, "Description, one line.")
         .def_property_readonly("text", &Scene::text, "The scene as TOML with every key.")
         .def("__eq__", [](const Scene& one, const Scene& other) { return one.text() == other.text(); })
+        .def("__hash__", [](const Scene& self) { return py::hash(py::str(self.text())); })
         .def(py::pickle([](const Scene& scene) { return py::make_tuple(scene.text()); },
                         [](const py::tuple& kept) { return Scene::parse(kept[0].cast<std::string>()); }));
     bind_tune(module);

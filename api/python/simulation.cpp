@@ -32,7 +32,8 @@ void advance_to(Stepper& self, const Quantity& time) {
     }
 }
 
-[[nodiscard]] std::unique_ptr<Stepper> create(const Scene& scene, Threads threads, int segments) {
+[[nodiscard]] std::unique_ptr<Stepper> create(const SceneLike& given, Threads threads, int segments) {
+    const Scene scene = scene_of(given);
     const Released released;
     return std::make_unique<Stepper>(Stepper{Simulation(scene, threads, segments), threads, segments});
 }
@@ -137,8 +138,8 @@ void step(Stepper& self) {
 using Class = py::class_<Stepper>;
 
 void bind_time(Class& type) {
-    type.def(py::init(&create), py::arg("scene"), py::arg("threads") = Threads::caller(), py::arg("segments") = 0,
-             "Prepares the start state. Starts no thread.")
+    type.def(py::init(&create), py::arg("scene"), py::arg_v("threads", Threads::caller(), "Threads.caller()"), py::arg("segments") = 0,
+             "Prepares the start state of a scene: a Scene, the name of a ready one, or a file. Starts no thread.")
         .def("copy", &copy, "A second simulation in the same state, without the callbacks.")
         .def_property_readonly(
             "scene", [](const Stepper& self) { return self.simulation.scene(); }, "The scene.")

@@ -34,6 +34,12 @@ class Scenes(unittest.TestCase):
         self.assertEqual(cvtflow.Scene(dict(tiny())), tiny())
         self.assertRaises(TypeError, cvtflow.Scene, "tiny")
 
+    def test_equal_scenes_are_one_key_of_a_dict(self):
+        kept = {tiny(): "first"}
+        kept[tiny("load.torque=8 N*m")] = "second"
+        kept[tiny()] = "third"
+        self.assertEqual((len(kept), kept[tiny()]), (2, "third"))
+
     def test_tables_over_time_are_lists_and_arrays(self):
         requested = tiny("load.torque=[[0, 8], [1e-3, 12]]")
         time, torque = np.transpose(RAMP)

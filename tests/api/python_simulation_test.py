@@ -1,6 +1,7 @@
 """Simulations from Python: threads, the interpreter's lock, pickling, exceptions, Ctrl-C, memory, cost of a call."""
 
 import gc
+import inspect
 import os
 import pickle
 import signal
@@ -9,6 +10,7 @@ import threading
 import time
 import unittest
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from pathlib import Path
 
 from python_fixture import BRIEF, SOURCE, main, program, tiny
 
@@ -32,6 +34,34 @@ def resident():
     """Pages of this process in memory [B]."""
     with open("/proc/self/statm") as file:
         return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+class Calls(unittest.TestCase):
+    def test_take_the_name_of_a_scene_for_a_scene(self):
+        ready = cvtflow.Simulation("tiny").scene
+        self.assertEqual(ready, cvtflow.Scene.ready("tiny"))
+        file = SOURCE + "/scenes/tiny.toml"
+        for given in (file, Path(file)):
+            self.assertEqual(cvtflow.Simulation(given).scene, ready)
+        with self.assertRaisesRegex(cvtflow.SceneError, "did you mean 'tiny'"):
+            cvtflow.Simulation("tini")
+        self.assertEqual(len(cvtflow.run("free_ring", "20 us", channels=["chain_speed"])["time"]), 3)
+
+    def test_state_what_they_take_and_what_they_were_given(self):
+        simulation = cvtflow.Simulation(tiny())
+        for call, words in [(lambda: cvtflow.Simulation(3), r"^Simulation\(scene: .*Scene.*threads: Threads = Threads.caller\(\).*\(3\)$"),
+                            (lambda: simulation.set_input("load_torque", [1, 2]), r"^set_input\(.*value.*'load_torque', \[1, 2\]\)$"),
+                            (lambda: simulation.advance_to(None), r"^advance_to\(time: .*\(None\)$"),
+                            (lambda: cvtflow.tune(3), r"^tune\(scene: .*\(3\)$")]:
+            with self.assertRaisesRegex(TypeError, words) as caught:
+                call()
+            self.assertNotIn(" object at 0x", str(caught.exception))
+            self.assertNotIn("incompatible", str(caught.exception))
+
+    def test_have_signatures(self):
+        self.assertEqual(list(inspect.signature(cvtflow.Simulation).parameters), ["scene", "threads", "segments"])
+        self.assertEqual(list(inspect.signature(cvtflow.Simulation.set_input).parameters), ["self", "input", "value"])
+        self.assertEqual(list(inspect.signature(cvtflow.tune).parameters), ["scene", "accuracy", "outputs", "budget", "folder"])
 
 
 class Results(unittest.TestCase):
@@ -173,6 +203,23 @@ class Cost(unittest.TestCase):
         # One simulation holds some 2 MiB: a leak of one in twenty would show.
         self.assertLess(resident() - before, 16 * 2**20)
 
+    def test_a_channel_by_attributes_costs_about_what_its_name_costs(self):
+        simulation = cvtflow.Simulation(tiny())
+
+        def least(action):
+            times = []
+            for _ in range(20):
+                begin = time.perf_counter()
+                for _ in range(50):
+                    action()
+                times.append(time.perf_counter() - begin)
+            return min(times) / 50
+
+        name, attributes = least(lambda: simulation.channels["shaft_1/torque"]), least(lambda: simulation.channels.shaft_1.torque)
+        print(f"by name {1e6 * name:.1f} us, by attributes {1e6 * attributes:.1f} us")
+        self.assertEqual(simulation.channels.shaft_1.torque, simulation.channels["shaft_1/torque"])
+        self.assertLess(attributes, 10 * name)  # 140 times when every attribute made the list of channels anew
+
     def test_a_call_costs_less_than_two_percent_of_a_tenth_of_a_millisecond(self):
         """All that Python adds to a call is in one that finds nothing to do: arguments, lock, clock, signals."""
         simulation = cvtflow.Simulation(cvtflow.Scene.read(SOURCE + "/scenes/tiny.toml"))
@@ -194,20 +241,3 @@ class Cost(unittest.TestCase):
 
 
 main() if __name__ == "__main__" else None
-    def test_a_channel_by_attributes_costs_about_what_its_name_costs(self):
-        simulation = cvtflow.Simulation(tiny())
-
-        def least(action):
-            times = []
-            for _ in range(20):
-                begin = time.perf_counter()
-                for _ in range(50):
-                    action()
-                times.append(time.perf_counter() - begin)
-            return min(times) / 50
-
-        name, attributes = least(lambda: simulation.channels["shaft_1/torque"]), least(lambda: simulation.channels.shaft_1.torque)
-        print(f"by name {1e6 * name:.1f} us, by attributes {1e6 * attributes:.1f} us")
-        self.assertEqual(simulation.channels.shaft_1.torque, simulation.channels["shaft_1/torque"])
-        self.assertLess(attributes, 10 * name)  # 140 times when every attribute made the list of channels anew
-

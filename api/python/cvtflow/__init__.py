@@ -14,7 +14,7 @@ Python. Names are those of the C++ interface.
 
 from ._cvtflow import *  # noqa: F401,F403
 from ._cvtflow import Scene, Simulation, library_version
-from . import _display, _pickle
+from . import _calls, _cvtflow, _display, _pickle
 from ._records import Record
 from ._run import Rows, run
 from ._sweep import Results, Sweep
@@ -23,4 +23,6 @@ __version__ = library_version()
 
 Scene.__module__ = Simulation.__module__ = "cvtflow"
 _pickle.install(Simulation)
+_calls.install(Simulation)
+tune = _calls.plain(_cvtflow.tune, "tune")
 _display.install()
