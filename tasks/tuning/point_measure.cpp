@@ -169,8 +169,6 @@ const PointRun* PointMeasure::reference(double agreement, const std::function<vo
             if (before) before(share);
             try {
                 references_[share] = run({finest_, RunSettings{}.method, share});
-            } catch (const BudgetUsedUp&) {
-                throw;
             } catch (const SimulationError& error) {
                 objection_ = error.what();
                 return nullptr;

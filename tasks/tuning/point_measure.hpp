@@ -56,10 +56,8 @@ private:
 
 inline const Deadline no_deadline;
 
-/// The deadline has passed during a measurement.
-struct BudgetUsedUp : SimulationError {
-    BudgetUsedUp() : SimulationError("budget used up") {}
-};
+/// Thrown where the deadline has passed during a measurement. No std::exception: it is no objection to what is measured.
+struct BudgetUsedUp {};
 
 /// A run of a choice at a point.
 struct PointRun {

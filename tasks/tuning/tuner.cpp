@@ -15,6 +15,7 @@ namespace {
 
 using WallClock = std::chrono::steady_clock;
 
+constexpr const char* out_of_time = "budget used up";
 constexpr double gained_by_halving = 4.0;  ///< at most, by a method of second order
 
 double seconds_since(WallClock::time_point then) { return std::chrono::duration<double>(WallClock::now() - then).count(); }
@@ -69,6 +70,7 @@ void Tuner::say(const std::string& what, double seconds) {
 }
 
 void Tuner::say_share(const std::string& what, std::size_t number, std::size_t of) {
+    require_going_on();
     if (4 * number / of == 4 * (number - 1) / of && number > 1) return;
     say(fmt::format("{}: {:.0f} %", what, 100.0 * static_cast<double>(number - 1) / static_cast<double>(of)));
     measuring_ = what;
@@ -119,8 +121,6 @@ namespace {
 PointRun run_of(const TuneChoice& choice, PointMeasure& point) {
     try {
         return point.run(choice);
-    } catch (const BudgetUsedUp&) {
-        throw;
     } catch (const SimulationError& error) {
         PointRun none;
         none.objection = error.what();
@@ -173,15 +173,15 @@ void Tuner::try_choices(TuneResult& result) {
         if (result.chosen) {
             candidate.standing = "more expensive than the chosen one";
         } else if (!result.used_up_by.empty() || deadline_.passed()) {
-            candidate.standing = "budget used up";
+            candidate.standing = out_of_time;
             if (result.used_up_by.empty()) result.used_up_by = measuring_;
         } else if (!worth_trying(candidate, result)) {
             candidate.standing = "insufficient detail";
         } else {
             try {
                 try_at_points(candidate, result);
-            } catch (const BudgetUsedUp& end) {
-                candidate.standing = end.what();
+            } catch (const BudgetUsedUp&) {
+                candidate.standing = out_of_time;
                 result.used_up_by = measuring_;
             }
         }

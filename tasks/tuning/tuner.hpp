@@ -105,7 +105,7 @@ private:
     [[nodiscard]] double expected(const PointMeasure& point, double cost) const noexcept;
     /// What is measured now. @param seconds how long that takes, 0: unknown [s]
     void say(const std::string& what, double seconds = 0.0);
-    /// The same about one of many short measurements: every quarter of them.
+    /// The same about one of many short measurements: every quarter of them. @throws SimulationError: interrupted
     void say_share(const std::string& what, std::size_t number, std::size_t of);
     void require_going_on() const;
 

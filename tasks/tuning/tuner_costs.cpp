@@ -78,7 +78,6 @@ void Tuner::find_methods() {
     std::vector<std::pair<std::string, std::string>> objections;
     const std::vector<std::string> names = method_names();
     for (const std::string& name : names) {
-        require_going_on();
         say_share("methods", static_cast<std::size_t>(&name - names.data()) + 1, names.size());
         try {
             const PointRun run = points_.front().trial({"", name}, method_trial);
@@ -86,8 +85,6 @@ void Tuner::find_methods() {
                 costs.emplace_back(run.seconds, name);
             else
                 objections.emplace_back(name, run.objection);
-        } catch (const BudgetUsedUp&) {
-            throw;
         } catch (const std::exception& error) {  // a method that cannot be used with the scene
             objections.emplace_back(name, error.what());
         }
@@ -128,8 +125,6 @@ std::vector<std::pair<TunedChoice, double>> Tuner::find_bases() {
                 if (!differs && run.objection.empty()) throw SimulationError("takes the steps of " + first->second);
                 base.work = run.work;
                 bases.emplace_back(base, run.seconds);
-            } catch (const BudgetUsedUp&) {
-                throw;
             } catch (const std::exception& error) {  // a method that the scene's detail takes need not take every level: rigid pins
                 objections.emplace_back(fmt::format("{} at {}", method, level.empty() ? "the scene's detail" : level), error.what());
             }
@@ -148,7 +143,6 @@ void Tuner::find_costs() {
     for (const auto& [base, first] : bases) seconds.push_back({first});
     for (int round = 1; round < rounds; ++round) {
         for (std::size_t i = 0; i < bases.size(); ++i) {
-            require_going_on();
             say_share(fmt::format("costs of levels of detail, round {} of {}", round + 1, rounds), i + 1, bases.size());
             seconds[i].push_back(points_.front().trial(bases[i].first.choice, cost_trial).seconds);
         }
