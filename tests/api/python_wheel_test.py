@@ -16,7 +16,7 @@ import cvtflow
 sys.path.insert(0, SOURCE + "/api/python")
 import build_backend  # noqa: E402
 
-BUILD = Path(cvtflow.__file__).resolve().parents[2]
+BUILD = Path(cvtflow.__file__).absolute().parents[2]
 
 
 class Wheel(unittest.TestCase):
@@ -35,7 +35,8 @@ class Wheel(unittest.TestCase):
         package.mkdir()
         module = Path(cvtflow._cvtflow.__file__)
         (package / module.name).symlink_to(module)
-        done = subprocess.run([sys.executable, "-S", SOURCE + "/api/python/stubs.py", self.folder], capture_output=True, text=True)
+        done = subprocess.run([sys.executable, "-S", SOURCE + "/api/python/stubs.py", self.folder], capture_output=True, text=True,
+                              env={"LD_LIBRARY_PATH": str(BUILD)})  # as the back-end does
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual((package / "_cvtflow.pyi").read_text(), module.with_name("_cvtflow.pyi").read_text())
 

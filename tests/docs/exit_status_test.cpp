@@ -13,7 +13,7 @@ namespace {
 
 TEST(ExitStatusPage, HasARowForEveryStatusOfTheHelp) {
     const std::string text = page("docs/exit_status.md").text;
-    std::istringstream help{std::string(tools::exit_status_help)};
+    std::istringstream help{std::string(tools::exit_status_table)};
     std::size_t rows = 0;
     for (std::string line; std::getline(help, line);) {
         std::smatch match;

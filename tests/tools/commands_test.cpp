@@ -35,8 +35,8 @@ TEST_F(Commands, AreAllInTheHelp) {
 TEST_F(Commands, DocumentTheExitStatus) {
     for (const std::string status : {"0 ", "1 ", "2 ", "3 ", "4 ", "130 "}) {
         EXPECT_THAT(run({"--help"}).out, HasSubstr("\n  " + status));
-        EXPECT_THAT(run({"run", "--help"}).out, HasSubstr("\n  " + status));
     }
+    EXPECT_THAT(run({"run", "--help"}).out, HasSubstr("cvtflow --help"));
 }
 
 TEST_F(Commands, VersionTellsProgramBuildAndMachine) {
