@@ -182,10 +182,6 @@ std::string costs_text(const Profile& profile) {
     text += field("segment", fmt::format("{} us per evaluation for the neighbours' joints", microseconds(costs.border)));
     text += field("controller", fmt::format("{} us per cycle, {:.2f} evaluation cycles and {:.2f} other cycles per step",
                                             microseconds(costs.controller), costs.evaluations, 1.0 + costs.other_cycles));
-    if (costs.own_tasks + costs.own_single > 0.0) {
-        text += field("own cycles", fmt::format("{} us per step in parallel tasks, {} us in tasks that are alone on their level",
-                                                microseconds(costs.own_tasks), microseconds(costs.own_single)));
-    }
     text += field("stretch", profile.model.stretched ? fmt::format("tasks on several threads take {:.3f} times as long", costs.stretch)
                                                      : "not measured: no fused schedule got all its threads");
     text += field("jitter", fmt::format("{:.3f} us per evaluation and square root of links", 1e6 * costs.jitter));
@@ -203,9 +199,15 @@ std::string crowding_text(const Profile& profile) {
                        profile.processors_requested(), profile.processors_got(), crowded_below * profile.processors_requested());
 }
 
+std::string no_prediction_text(const Profile& profile) {
+    if (profile.own_cycles())
+        return "the model of the critical path has stages and their detection; the method runs other cycles, for which it was wrong by a "
+               "factor of up to two";
+    return crowding_text(profile) + ". Other processes are busy (--predict overrides)";
+}
+
 std::string model_text(const Profile& profile) {
-    if (!profile.predicts())
-        return fmt::format("No prediction: {}. Other processes are busy (--predict overrides).\n", crowding_text(profile));
+    if (!profile.predicts()) return fmt::format("No prediction: {}.\n", no_prediction_text(profile));
     std::string text = "Critical path (fused, a thread per segment):\n" + costs_text(profile);
     Table table(
         {right("M"), right("ideal"), right("N/N_max"), right("Amdahl"), right("critical path"), right("bounds"), right("measured")});

@@ -44,7 +44,7 @@ SegmentCost lanes_of(const Segment& segment, const std::vector<bool>& touching, 
 double step_time(const PathCosts& costs, const Partition& partition, int threads, const std::vector<bool>& touching, double meeting) {
     const int segments = partition.size(), links = static_cast<int>(touching.size());
     const bool alone = threads == 1 && segments == 1;
-    double evaluation = 0.0, detection = 0.0, spread = 0.0;
+    double evaluation = 0.0, detection = 0.0;
     for (int thread = 0, first = 0; thread < threads; ++thread) {
         const int last = first + segments / threads + (thread < segments % threads);  // as executors share
         double time = 0.0;
@@ -57,13 +57,11 @@ double step_time(const PathCosts& costs, const Partition& partition, int threads
         }
         evaluation = std::max(evaluation, time);
         detection = std::max(detection, costs.detect * own);
-        spread = std::max(spread, costs.own_tasks * own / links);
         first = last;
     }
     const double late = costs.jitter * std::sqrt(static_cast<double>(links) / threads) * expected_largest(threads);
     const double stretch = threads == 1 ? 1.0 : costs.stretch, between = costs.controller + (threads == 1 ? 0.0 : meeting);
-    return costs.evaluations * (stretch * evaluation + late + between) + stretch * (detection + spread) + costs.own_single + between +
-           costs.other_cycles * between;
+    return costs.evaluations * (stretch * evaluation + late + between) + stretch * detection + between + costs.other_cycles * between;
 }
 
 double predicted_speed_up(const PathCosts& costs, int threads, const std::vector<bool>& touching, MeetingLaw law) {

@@ -35,9 +35,7 @@ struct PathCosts {
     double stretch =
         1.0;  ///< time of a task on one of several threads over that on a single one: caches and memory are shared, states come from afar
     double jitter = 0.0;        ///< standard deviation of the time of one link's evaluation; that of n links is sqrt(n) times it
-    double other_cycles = 0.0;  ///< per step, besides evaluations and one detection: location, truncation and a method's own
-    double own_tasks = 0.0;     ///< of a method's own cycles per step, tasks that run side by side, all together …
-    double own_single = 0.0;    ///< … and those that are alone on their level
+    double other_cycles = 0.0;  ///< per step, besides evaluations and one detection: location, truncation
 };
 
 /// Per cycle, on so many threads; none on one.

@@ -44,23 +44,6 @@ struct SegmentSamples {
     std::vector<double> jitter;  ///< [s per square root of links]
 };
 
-/// Tasks of the method's own cycles per step: alone on their level, or side by side.
-void sample_own_cycles(const engine::TaskGraph& graph, const std::vector<std::vector<double>>& times, double runs_kept_per_step,
-                       PathCosts& costs) {
-    costs.own_tasks = costs.own_single = 0.0;
-    for (int cycle = method_cycles; cycle < graph.cycles(); ++cycle) {
-        for (int level = 0; level < graph.levels(cycle); ++level) {
-            const auto tasks = graph.level(cycle, level);
-            double sum = 0.0;
-            for (const int task : tasks) {
-                const auto& each = times[static_cast<std::size_t>(task)];
-                sum += median(each) * static_cast<double>(each.size()) / runs_kept_per_step;
-            }
-            (tasks.size() > 1 ? costs.own_tasks : costs.own_single) += sum;
-        }
-    }
-}
-
 /// Adds the evaluation tasks of a recorded serial run with so many segments.
 void sample_segments(const Scene& scene, int segments, const MeasureOptions& options, SegmentSamples& samples, ProfileModel& model) {
     Schedule schedule;
@@ -69,11 +52,9 @@ void sample_segments(const Scene& scene, int segments, const MeasureOptions& opt
     Trial trial(scene, schedule, &recorder);
     const double per_step = trial.run(4).per_step();
     recorder.clear();
-    const long steps = trial.run(std::min(500L, steps_within(options.round_seconds, per_step))).steps;
+    trial.run(std::min(500L, steps_within(options.round_seconds, per_step)));
     const engine::TaskGraph& graph = trial.simulation().graph();
     const auto times = task_times({recorder.spans(0)}, graph.size());
-    const double kept = static_cast<double>(recorder.spans(0).size()), recorded = kept + static_cast<double>(recorder.lost(0));
-    sample_own_cycles(graph, times, static_cast<double>(steps) * kept / recorded, model.costs);
     const Workspace& workspace = trial.simulation().workspace();
     model.touching = touching_links(workspace);
     model.costs.lanes = model::lanes_of(workspace.variator.chain().isa());

@@ -111,6 +111,11 @@ int Profile::processors_requested() const noexcept {
     return most;
 }
 
+bool Profile::own_cycles() const noexcept {
+    const std::vector<int>& cycles = results.front().recording.cycles;
+    return std::any_of(cycles.begin(), cycles.end(), [](int cycle) { return cycle >= method_cycles; });
+}
+
 bool Profile::crowded() const noexcept {
     const double needed = crowded_below * processors_requested();
     return processors_got() < needed || (calibrated >= 0.0 && calibrated < needed);
@@ -169,7 +174,7 @@ Profile profile_schedules(const Scene& scene, const std::vector<Schedule>& sched
     calibrate(profile, threads);
     for (ScheduleTrial& lane : lanes) profile.results.push_back(std::move(lane.result));
     profile.bare = bare_barriers(profile.results);
-    if (!profile.crowded() || options.predict_crowded) {
+    if ((!profile.crowded() || options.predict_crowded) && !profile.own_cycles()) {
         say("model");
         profile.model = measure_model(scene, profile.results, options);
     }

@@ -40,7 +40,9 @@ struct Profile {
     /// Whether it, or the calibration, got less than nine tenths: what threads bring cannot be seen on such a machine. (Waiting threads
     /// burn time too, which only a calibration tells apart.)
     [[nodiscard]] bool crowded() const noexcept;
-    /// Whether there is a model with its predictions: not on a crowded machine, unless that was asked for.
+    /// Whether the method runs cycles besides evaluations, detection and transitions: the model does not describe them.
+    [[nodiscard]] bool own_cycles() const noexcept;
+    /// Whether there is a model with its predictions: not on a crowded machine, unless that was requested, and not with own_cycles().
     [[nodiscard]] bool predicts() const noexcept { return !model.curves.empty(); }
 };
 

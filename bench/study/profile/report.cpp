@@ -147,8 +147,6 @@ ordered_json model_json(const ProfileModel& model) {
             {"serial_step", model.serial_step},
             {"other_cycles_per_step", costs.other_cycles},
             {"evaluations_per_step", costs.evaluations},
-            {"own_tasks_per_step", costs.own_tasks},
-            {"own_single_tasks_per_step", costs.own_single},
             {"serial_share", model.serial_share},
             {"synchronisation_assumed", model.assumed},
             {"synchronisation_samples", thread_costs(model.synchronisation)},

@@ -131,7 +131,7 @@ std::string write_files(const ProfileArguments& arguments, const tasks::Scene& s
 ExitStatus verdict(const ProfileArguments& arguments, const Profile& result) {
     for (const std::string& line : result.differences) print_error(fmt::format("states differ: {}", line));
     const bool refused = !arguments.curves.empty() && !result.predicts();
-    if (refused) print_error(fmt::format("{}: not written: no prediction: {}", arguments.curves, crowding_text(result)));
+    if (refused) print_error(fmt::format("{}: not written: no prediction: {}", arguments.curves, no_prediction_text(result)));
     return result.differences.empty() && !refused ? ExitStatus::finished : ExitStatus::error;
 }
 

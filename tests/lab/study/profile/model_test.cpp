@@ -49,17 +49,6 @@ TEST_F(CriticalPath, TakesTheSlowestSegmentOfEveryCycle) {
                      4.0 * (7.5 + 0.1 + meeting) + 1.25 + 0.1 + meeting);
 }
 
-TEST_F(CriticalPath, SpreadsAMethodsOwnTasksByLinksButNotThoseAloneOnTheirLevel) {
-    PathCosts own = costs_;
-    own.own_tasks = 12.0;
-    own.own_single = 2.0;
-    EXPECT_DOUBLE_EQ(
-        step_time(own, Partition::equal(6, 1), 1, touching_, 0.0) - step_time(costs_, Partition::equal(6, 1), 1, touching_, 0.0), 14.0);
-    // Segments of one link and of five: five sixths of 12 on one thread.
-    EXPECT_DOUBLE_EQ(
-        step_time(own, Partition::at({0, 1, 6}), 2, touching_, 0.3) - step_time(costs_, Partition::at({0, 1, 6}), 2, touching_, 0.3), 12.0);
-}
-
 TEST_F(CriticalPath, SpeedUpIsTheRatio) {
     EXPECT_DOUBLE_EQ(predicted_speed_up(costs_, 1, touching_), 1.0);
     EXPECT_DOUBLE_EQ(predicted_speed_up(costs_, 2, touching_), (4.0 * 10.1 + 1.6) / (4.0 * 7.9 + 1.15));
