@@ -69,7 +69,7 @@ struct Counters {
 struct Energy {
     double residual = 0.0;    ///< change of the stored energy - work of the inputs + losses [J]
     double dissipated = 0.0;  ///< [J]
-    /// |residual| over its tolerance: the largest of settling, of windows of 5 ms and of the whole run
+    /// |residual| over its tolerance: the largest of settling, of windows of 2 ms and of the whole run
     double suspicion = 0.0;
     bool reliable = true;  ///< suspicion ≤ 1; else results are wrong: use a shorter step, or run.step = "auto"
     bool operator==(const Energy&) const = default;
