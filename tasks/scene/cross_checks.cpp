@@ -7,11 +7,13 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/name_rule.hpp"
 #include "engine/base/spelling.hpp"
 #include "engine/executor/catalogue.hpp"
 #include "model/start/belt.hpp"
 #include "tasks/method/method.hpp"
 #include "tasks/scene/channel_names.hpp"
+#include "tasks/scene/toml/toml_tree.hpp"
 #include "tasks/scene/toml/units.hpp"
 
 namespace cvtflow::tasks {
@@ -222,8 +224,23 @@ Violation executor_exists(const Scene& scene) {
                        engine::missing_executor(name, others));
 }
 
+/// Names become parts of files' names, and both go onto terminals and into other files.
+Violation name_is_plain(const Scene& scene) {
+    const std::string wrong = engine::name_problem(scene.name);
+    if (wrong.empty()) return {};
+    return fmt::format("scene.name: {} {}", toml_text(scene.name.substr(0, 60)), wrong);
+}
+
+Violation description_is_text(const Scene& scene) {
+    const std::string wrong = engine::text_problem(scene.description);
+    if (wrong.empty()) return {};
+    return fmt::format("scene.description: {}", wrong);
+}
+
 const std::vector<CrossCheck>& general_checks() {
     static const std::vector<CrossCheck> checks{
+        {{"scene.name"}, name_is_plain},
+        {{"scene.description"}, description_is_text},
         {{"chain.pins", "chain.pitch", "pulley.centre_distance", "start.ratio", "pulley.innermost", "pulley.outermost", "detail.pulleys",
           "start.layout", "start.state"},
          geometry_closes},

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/error_text.hpp"
+#include "engine/base/name_rule.hpp"
 #include "engine/base/spelling.hpp"
 #include "tasks/method/automatic_method.hpp"
 #include "tasks/scene/cross_checks.hpp"
@@ -104,9 +105,10 @@ void Reading::value(const Parameter& parameter, const Node& node) {
 }
 
 void Reading::resolve_state(const Node& node) {
-    if (start_ != StartState::required) scene_.state_file.clear();
     if (scene_.state_file.empty()) return;
     const auto file = std::filesystem::absolute(folder_ / scene_.state_file).lexically_normal();
+    if (start_ != StartState::recorded) scene_.named_files.push_back(file);
+    if (start_ != StartState::required) return scene_.state_file.clear();
     std::error_code unreadable;
     if (!std::filesystem::is_regular_file(file, unreadable))
         problem(node.position, fmt::format("start.state: no file {}", toml_text(scene_.state_file)));
@@ -176,6 +178,12 @@ void read_setting(Reading& reading, const std::string& setting, Position positio
 
 }  // namespace
 
+std::vector<std::filesystem::path> input_files(const Scene& scene) {
+    std::vector<std::filesystem::path> files{scene.path, scene.state_file};
+    files.insert(files.end(), scene.named_files.begin(), scene.named_files.end());
+    return files;
+}
+
 std::string method_of(const Scene& scene) { return std::string(resolved_method(scene.run.method, scene.parameters)); }
 
 Scene read_scene(const std::filesystem::path& path, StartState start) { return parse_scene(read_toml_text(path), path, start); }
@@ -187,7 +195,7 @@ Scene parse_scene(std::string text, std::filesystem::path name, StartState start
     Reading reading(Scene{}, name.parent_path(), start);
     reading.document(std::get<Node::Table>(std::get<Node>(parsed).value));
     Scene scene = reading.finish(place);
-    if (scene.name.empty()) scene.name = name.stem().string();
+    if (scene.name.empty()) scene.name = engine::name_of_file(name.stem().string());
     scene.text = std::move(text);
     scene.path = std::move(name);
     return scene;

@@ -68,7 +68,11 @@ struct Scene {
     KeptState start_state;       ///< what state_file holds, read once
     std::string text;            ///< the TOML as it was read; not changed by set_values or apply_detail (see write_scene)
     std::filesystem::path path;  ///< of the file, as given
+    std::vector<std::filesystem::path> named_files;  ///< by its values: CSV tables, and states whether they are used or not
 };
+
+/// The file that a scene was read from and those that it names: nothing written for it may replace them. Empty paths: none.
+[[nodiscard]] std::vector<std::filesystem::path> input_files(const Scene& scene);
 
 /// A scene that cannot be used. what() is the full message: one problem per line, in the order of their positions.
 class SceneError : public std::runtime_error {

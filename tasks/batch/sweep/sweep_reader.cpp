@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/base/error_text.hpp"
+#include "engine/base/name_rule.hpp"
 #include "engine/base/spelling.hpp"
 #include "tasks/batch/results/table_view.hpp"
 #include "tasks/batch/sweep/axis_reader.hpp"
@@ -22,7 +23,7 @@ class SweepReader {
 public:
     SweepReader(const std::filesystem::path& path, std::string text, const FindScene& find_scene) : find_scene_(find_scene) {
         sweep_.path = path;
-        sweep_.name = path.stem().string();
+        sweep_.name = engine::name_of_file(path.stem().string());
         sweep_.text = std::move(text);
     }
 
@@ -76,6 +77,10 @@ private:
         const TableView view("sweep", *rows, section->position, names_in_sweep("sweep"), problems_);
         sweep_.name = view.text("name").value_or(sweep_.name);
         sweep_.description = view.text("description").value_or("");
+        if (const std::string wrong = engine::name_problem(sweep_.name); !wrong.empty())
+            view.problem(view.find("name")->position, fmt::format("name: {} {}", toml_text(sweep_.name.substr(0, 60)), wrong));
+        if (const std::string wrong = engine::text_problem(sweep_.description); !wrong.empty())
+            view.problem(view.find("description")->position, fmt::format("description: {}", wrong));
         if (!view.require("scene")) return;
         const auto name = view.text("scene");
         if (name) scene(*name, view);

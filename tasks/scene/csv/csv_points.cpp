@@ -78,6 +78,7 @@ public:
         problems_.push_back({position_, fmt::format("{} ({}:{}:{})", inside.message, file_, inside.position.line, inside.position.column)});
     }
     [[nodiscard]] bool good() const noexcept { return good_; }
+    [[nodiscard]] std::filesystem::path file(const std::filesystem::path& folder) const { return folder / file_; }
 
 private:
     void problem(const std::string& message) {
@@ -125,6 +126,7 @@ void read_csv_points(const Parameter& parameter, const Node& node, const std::fi
     if (!reader.keys(std::get<Node::Table>(node.value))) return;
     const Node points = reader.points(folder);
     if (!reader.good()) return;
+    scene.named_files.push_back(reader.file(folder));
     std::vector<Problem> inside;
     read_value(parameter, points, scene, inside);
     for (const Problem& problem : inside) reader.tell(problem);
