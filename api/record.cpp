@@ -98,7 +98,7 @@ struct Recording::Impl final : public tasks::RunObserver {
     Impl(Simulation::Impl& of, const tasks::Scene& what, const std::string& path)
         : simulation(of),
           scene(what),
-          options(writing(path)),
+          options(writing(path, what)),
           recorder(what, of.simulation(), options),
           next(std::ceil(std::max(0.0, of.simulation().time()) / what.run.output_interval - 1e-9)) {
         if (simulation.recorder() != nullptr) throw Error(ErrorCode::state, "the simulation is being recorded already");
@@ -108,9 +108,13 @@ struct Recording::Impl final : public tasks::RunObserver {
     Impl(const Impl&) = delete;
     Impl& operator=(const Impl&) = delete;
 
-    [[nodiscard]] static tasks::RunOptions writing(const std::string& path) {
+    [[nodiscard]] static tasks::RunOptions writing(const std::string& path, const tasks::Scene& scene) {
         tasks::RunOptions made;
-        made.file = path;
+        made.file = {path,
+                     {.what = "record of the same scene",
+                      .own = engine::record_with("scene", scene.name),
+                      .repeats = true,
+                      .advice = "remove it, or name another file"}};
         return made;
     }
 

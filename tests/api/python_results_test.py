@@ -1,6 +1,7 @@
 """Records, sweeps, display and stubs of the Python module."""
 
 import ast
+import importlib
 import importlib.util
 import inspect
 import os
@@ -10,6 +11,7 @@ import tempfile
 import threading
 import time
 import unittest
+import unittest.mock
 from pathlib import Path
 
 from python_fixture import SOURCE, main, program, tiny
@@ -116,6 +118,71 @@ class Sweeps(Folder):
         said = cvtflow.Sweep("tiny", {"load.torque": [6.0]}, ["slip mean"]).submit(self.folder + "/out", "4")
         self.assertEqual(said, f"{self.folder}/out.toml {self.folder}/out 4\n")
         self.assertEqual(cvtflow._cvtflow.SweepFile.read(self.folder + "/out.toml").cases, 1)
+
+
+class SweepFiles(Folder):
+    """What write(), run() and submit() may replace."""
+
+    def setUp(self):
+        super().setUp()
+        script = Path(self.folder, "submit")
+        script.write_text('#!/bin/sh\necho "$@"\n')
+        script.chmod(0o755)
+        os.environ["CVTFLOW_SLURM_SUBMIT"] = str(script)
+        self.addCleanup(os.environ.pop, "CVTFLOW_SLURM_SUBMIT", None)
+
+    def sweep(self, load=6.0, scene="tiny"):
+        return cvtflow.Sweep(scene, {"load.torque": [load]}, ["slip mean"], settings=SETTINGS)
+
+    def test_folders_whose_names_differ_behind_a_dot_have_files_of_their_own(self):
+        for number, load in ((1, 6.0), (2, 7.0)):
+            said = self.sweep(load, tiny()).submit(f"{self.folder}/study-0.{number}")
+            self.assertEqual(said.split()[0], f"{self.folder}/study-0.{number}.toml")
+        for number, load in ((1, "6.0"), (2, "7.0")):
+            self.assertIn(f"values = [{load}]", Path(self.folder, f"study-0.{number}.toml").read_text())
+            self.assertTrue(Path(self.folder, f"study-0.{number}.scene.toml").exists())
+
+    def test_a_job_keeps_the_sweep_file_that_it_reads(self):
+        self.sweep(6.0).submit(self.folder + "/study")
+        before = Path(self.folder, "study.toml").read_text()
+        with self.assertRaisesRegex(cvtflow.RecordError, "study.toml: already exists and is not the file of this sweep"):
+            self.sweep(7.0).submit(self.folder + "/study")
+        self.assertEqual(Path(self.folder, "study.toml").read_text(), before)
+        self.sweep(6.0).submit(self.folder + "/study")
+
+    def test_no_file_of_the_users_is_replaced(self):
+        for name, act in (("sweep.toml", lambda sweep: sweep.run(self.folder)), ("study.toml", lambda sweep: sweep.submit(self.folder + "/study")),
+                          ("s.toml", lambda sweep: sweep.write(self.folder + "/s.toml")),
+                          ("s.scene.toml", lambda sweep: sweep.write(self.folder + "/s.toml"))):
+            mine = Path(self.folder, name)
+            mine.write_text("mine")
+            self.assertRaises(cvtflow.RecordError, act, self.sweep(6.0, tiny()))
+            self.assertEqual(mine.read_text(), "mine")
+            mine.unlink()
+        Path(self.folder, "notes").write_text("mine")
+        Path(self.folder, "s.toml").symlink_to("notes")
+        self.assertRaises(cvtflow.RecordError, self.sweep().write, self.folder + "/s.toml")
+        self.assertEqual(Path(self.folder, "notes").read_text(), "mine")
+
+    def test_a_sweep_that_is_refused_changes_no_file(self):
+        self.sweep(6.0, tiny()).run(self.folder, 1)
+        before = {file.name: file.read_bytes() for file in Path(self.folder).iterdir() if file.is_file()}
+        self.assertRaises(cvtflow.StateError, self.sweep(8.0, tiny("load.torque=9 N*m")).run, self.folder)
+        with self.assertRaises(cvtflow.SceneError):
+            cvtflow.Sweep("tiny", {"load.torqe": [6.0]}, ["slip mean"]).write(self.folder + "/sweep.toml")
+        for name, contents in before.items():
+            self.assertEqual(Path(self.folder, name).read_bytes(), contents, name)
+
+    def test_the_script_is_that_of_the_installation_alone(self):
+        planted = Path(self.folder, "share/cvtflow/slurm/submit")
+        planted.parent.mkdir(parents=True)
+        planted.write_text("#!/bin/sh\n")
+        sweep = importlib.import_module("cvtflow._sweep")
+        for place in ("cvtflow", "a/cvtflow", "a/b/c/d/cvtflow", "python3/cvtflow"):
+            with unittest.mock.patch.object(sweep, "__file__", f"{self.folder}/{place}/_sweep.py"):
+                self.assertRaises(FileNotFoundError, sweep._script)
+        with unittest.mock.patch.object(sweep, "__file__", f"{self.folder}/lib/python3/dist-packages/cvtflow/_sweep.py"):
+            self.assertEqual(sweep._script(), str(planted))
 
 
 class Faces(unittest.TestCase):

@@ -63,7 +63,8 @@ private:
 };
 
 /// Writes the record of a simulation while it is advanced: channels, states, transitions and file of `cvtflow run`, at the scene's
-/// run.output_interval from now on. Settling is not recorded. Must not outlive the simulation; one at a time for each.
+/// run.output_interval from now on. Settling is not recorded. An existing file is replaced only if it is a record of a scene of that name.
+/// Must not outlive the simulation; one at a time for each.
 class CVTFLOW_EXPORT Recording {
 public:
     /// @throws Error (record) for files that cannot be written, (state) if the simulation is being recorded already

@@ -2,10 +2,11 @@
 
 import os
 import re
+import tempfile
 import threading
 from pathlib import Path
 
-from ._cvtflow import Scene, SweepFile, Table
+from ._cvtflow import RecordError, Scene, SceneError, SweepFile, Table
 from ._scene import all_keys, flat, resolve, suggestion, toml
 
 
@@ -132,23 +133,38 @@ class Sweep:
         return ["zip = [" + ", ".join(rows) + "]"]
 
     def write(self, path):
-        """Writes the sweep file, and a Scene beside it, and checks the sweep. Raises SceneError with every problem."""
-        path = Path(path)
-        beside = path.with_suffix(".scene.toml")
-        if isinstance(self.scene, Scene):
-            beside.write_text(self.scene.text, encoding="utf-8")
-        path.write_text(self._text(beside.name if isinstance(self.scene, Scene) else self._place()), encoding="utf-8")
+        """Writes the sweep file, and a Scene beside it, and checks the sweep. Raises SceneError with every problem.
+
+        Existing files are replaced only if a Sweep has written them: their first line says so. Raises RecordError for others.
+        """
+        files = self._files(Path(path))
+        _check(files)
+        _replace(files, _is_own)
         return SweepFile.read(str(path))
+
+    def _files(self, path):
+        """Text by file: the sweep file, and a Scene beside it."""
+        if not isinstance(self.scene, Scene):
+            return {path: MARK + self._text(self._place())}
+        name = path.name[:-5] if path.name.endswith(".toml") else path.name
+        scene = path.with_name(name + ".scene.toml")
+        return {path: MARK + self._text(scene.name), scene: MARK + self.scene.text}
 
     def run(self, folder, threads=0, progress=None):
         """Runs what is missing in the folder, on so many threads (0: all), and returns results(folder).
 
         progress  called as progress(SweepProgress) after each case, on a worker's thread
-        Ctrl-C ends it; running cases leave checkpoints, and the next call goes on.
+        Ctrl-C ends it; running cases leave checkpoints, and the next call goes on. Raises StateError if the folder holds another sweep,
+        whose files stay as they are.
         """
         folder = Path(folder)
         folder.mkdir(parents=True, exist_ok=True)
-        self.write(folder / "sweep.toml").run(str(folder), threads, progress)
+        files = self._files(folder / "sweep.toml")
+        if (folder / "cases.h5").exists() and not all(file.is_file() and file.read_bytes() == text.encode() for file, text in files.items()):
+            with tempfile.TemporaryDirectory() as elsewhere:  # of another sweep: it is refused; else it goes on
+                self.write(Path(elsewhere, "sweep.toml")).run(str(folder), threads, progress)
+        else:
+            self.write(folder / "sweep.toml").run(str(folder), threads, progress)
         return self.results(folder)
 
     @staticmethod
@@ -158,23 +174,64 @@ class Sweep:
         return Results(Table(str(path / "cases.h5" if path.is_dir() else path)))
 
     def submit(self, folder, *arguments):
-        """Hands the sweep to Slurm by the installed script. Returns what it printed."""
+        """Hands the sweep to Slurm by the installed script. Returns what it printed. The sweep file is FOLDER.toml; one of another sweep,
+        which a job may be reading, is not replaced (RecordError)."""
         import subprocess
 
         script = os.environ.get("CVTFLOW_SLURM_SUBMIT") or _script()
-        file = Path(folder).with_suffix(".toml")
-        file.parent.mkdir(parents=True, exist_ok=True)
-        self.write(file)
-        return subprocess.run([script, str(file), str(folder), *arguments], check=True, capture_output=True, text=True).stdout
+        folder = Path(folder)
+        files = self._files(folder.with_name(folder.name + ".toml"))
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        _check(files)
+        _replace(files, lambda there, text: there == text)
+        return subprocess.run([script, str(next(iter(files))), str(folder), *arguments], check=True, capture_output=True, text=True).stdout
 
 
 def _script():
-    """tools/slurm/submit of this module's installation."""
-    for parent in Path(__file__).resolve().parents:
-        found = parent / "share/cvtflow/slurm/submit"
+    """tools/slurm/submit of this module's installation: PREFIX/share of PREFIX/lib/pythonX.Y/site-packages/cvtflow, or share of the package."""
+    package = Path(__file__).resolve().parent
+    places = [package]
+    if package.parent.name in ("site-packages", "dist-packages"):
+        places.append(package.parents[3])
+    for place in places:
+        found = place / "share/cvtflow/slurm/submit"
         if found.is_file():
             return str(found)
-    raise FileNotFoundError("no share/cvtflow/slurm/submit above this module; set CVTFLOW_SLURM_SUBMIT")
+    raise FileNotFoundError("no share/cvtflow/slurm/submit in this module's installation; set CVTFLOW_SLURM_SUBMIT")
+
+
+MARK = "# Written by cvtflow.Sweep, which may replace this file.\n"
+
+
+def _is_own(there, text):
+    """Whether a file may be replaced: written by a Sweep, or the same but for the first line (of earlier versions)."""
+    return there.startswith(MARK) or MARK + there == text
+
+
+def _check(files):
+    """Reads the sweep in a folder of its own, so that nothing is replaced if it is wrong. Raises SceneError with the places in `files`."""
+    first = next(iter(files))
+    with tempfile.TemporaryDirectory() as folder:
+        for file, text in files.items():
+            Path(folder, file.name).write_text(text, encoding="utf-8")
+        try:
+            SweepFile.read(str(Path(folder, first.name)))
+        except SceneError as error:
+            raise SceneError(str(error).replace(folder, str(first.parent))) from None
+
+
+def _replace(files, may_replace):
+    """Writes files whose existing contents may be replaced, each at once. Raises RecordError before anything is written."""
+    for file, text in files.items():
+        if file.is_symlink() or (file.exists() and not file.is_file()):
+            raise RecordError(f"{file}: cannot be written: not a plain file")
+        if file.exists() and not may_replace(file.read_text(encoding="utf-8", errors="replace"), text):
+            raise RecordError(f"{file}: already exists and is not the file of this sweep; move it away, or use another name")
+    for file, text in files.items():
+        new = file.with_name(f".{file.name}.{os.getpid()}.new")
+        with open(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666), "w", encoding="utf-8") as opened:
+            opened.write(text)
+        os.replace(new, file)
 
 
 def _is_path(scene):
