@@ -10,6 +10,7 @@
 #include "engine/executor/tbb/job_pool.hpp"
 #include "tasks/batch/continuation_error.hpp"
 #include "tasks/batch/results/results.hpp"
+#include "tasks/batch/results/sweep_files.hpp"
 #include "tasks/batch/results/torn_results.hpp"
 #include "tasks/schedule/schedule.hpp"
 
@@ -75,7 +76,8 @@ public:
         progress_.cases = static_cast<long>(cases_.size());
         progress_.before = static_cast<long>(table.size());
         {
-            engine::CaseWriter writer(file_, table);
+            permit_ = permit_table(file_, table.attribute("definition"), true);
+            engine::CaseWriter writer(permit_, table);
             table.rows = {};  // they are in the file
             work(writer, table.layout);
         }
@@ -221,18 +223,17 @@ private:
         head.set({"continuation_error", result.continuation_error});
         head.set({"status", result.finished ? "finished" : "interrupted"});
         head.set({"results_hash", result.results_hash});
-        engine::write_cases(file_, head, rows.size(), [&rows](std::size_t first, std::span<std::byte> some) { rows.fill(first, some); });
+        engine::write_cases(permit_, head, rows.size(), [&rows](std::size_t first, std::span<std::byte> some) { rows.fill(first, some); });
         std::error_code not_empty;
         fs::remove(places().checkpoints, not_empty);
-        if (!result.finished) return result;
-        for (const fs::path& over : {places().checkpoints, places().continuation})
-            fs::remove_all(over, not_empty);  // also what a kill left half written
+        if (result.finished) remove_case_files(places().checkpoints, places().continuation, sweep_);
         return result;
     }
 
     const Sweep& sweep_;
     const BatchOptions& options_;
     std::string folder_, file_;
+    engine::Permit permit_;
     int outer_;
     engine::FolderLock lock_;
     const engine::Cancellation& cancel_;

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <chrono>
-#include <filesystem>
 
 #include "tasks/batch/batch.hpp"
+#include "tasks/batch/results/sweep_files.hpp"
 #include "tasks/batch/start_states.hpp"
 
 namespace cvtflow::tasks {
@@ -66,22 +66,20 @@ long bare_loop(const Sweep& sweep, StartStates& starts, double& wall, double& cp
 }  // namespace
 
 BatchBench bench_batch(const Sweep& sweep, const std::string& parent, const std::vector<int>& threads, int rounds) {
-    const std::string folder = (std::filesystem::path(parent) / "bench").string();
+    const BenchFolder folder(parent, sweep);
     BatchBench bench;
     bench.cases = sweep.cases();
     std::vector<std::vector<double>> walls(threads.size() + 1), cpus(threads.size() + 1);
-    std::filesystem::remove_all(folder);
-    std::filesystem::create_directories(folder);
-    StartStates starts(sweep, std::filesystem::path(folder) / "states");
+    StartStates starts(sweep, folder.path() / "states");
     for (int round = 0; round < rounds; ++round) {
         double wall = 0.0, cpu = 0.0;
         bench.evaluations = bare_loop(sweep, starts, wall, cpu);
         walls[0].push_back(wall);
         cpus[0].push_back(cpu);
         for (std::size_t i = 0; i < threads.size(); ++i) {
-            std::filesystem::remove(std::filesystem::path(folder) / "cases.h5");
+            folder.forget_table();
             BatchOptions options;
-            options.folder = folder;
+            options.folder = folder.path().string();
             options.threads = threads[i];
             const Watch watch;
             const BatchReport report = run_batch(sweep, options);

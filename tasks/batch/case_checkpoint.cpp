@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "tasks/batch/case_engine.hpp"
+#include "tasks/batch/results/sweep_files.hpp"
 #include "tasks/run/checkpoint.hpp"
 #include "tasks/run/saved_start.hpp"
 
@@ -33,7 +34,7 @@ void CaseEngine::save() {
     }
     sign(checkpoint, scene_, simulation_->variator());
     std::filesystem::create_directories(places_.checkpoints);
-    write_checkpoint(checkpoint_file(), checkpoint);
+    write_checkpoint(permit_state(checkpoint_file(), sweep_), checkpoint);
     on_disk_ = true;
 }
 
@@ -152,7 +153,7 @@ void CaseEngine::keep_for_neighbour() {
     saved.more = {{"case", {static_cast<double>(result_.number)}}};
     std::filesystem::create_directories(places_.continuation);
     const long strand = result_.number / sweep_.strand();
-    engine::write_state(end_file(places_, strand, result_.number % 2), saved);
+    engine::write_state(permit_state(end_file(places_, strand, result_.number % 2), sweep_), saved);
 }
 
 }  // namespace cvtflow::tasks

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "engine/base/error_text.hpp"
+#include "tasks/batch/results/sweep_files.hpp"
 #include "tasks/method/method_choice.hpp"
 #include "tasks/schedule/auto_schedule.hpp"
 
@@ -125,7 +126,7 @@ void CaseEngine::begin(const StartStates::State& saved) {
     simulation_->pause_on(&pause_);
     if (record_options_.from != nullptr) require_same(checkpoint_file(), *record_options_.from, scene_, simulation_->variator());
     if (!sweep_.records || own_start_) return;
-    record_options_.file = record_file();
+    record_options_.file = permit_record(record_file(), scene_);
     recorder_ = std::make_unique<RunRecorder>(scene_, *simulation_, record_options_);
 }
 

@@ -163,7 +163,10 @@ std::string text(const engine::SavedState& saved, std::string_view name) {
 
 void remove_checkpoint(const std::string& path) {
     std::error_code gone;
-    for (const std::string& file : {path, path + ".part"}) std::filesystem::remove(file, gone);
+    for (const std::string& file : {path, path + ".part"}) {
+        const bool empty = std::filesystem::file_size(file, gone) == 0 && !gone;
+        if (empty || engine::is_state_file(file)) std::filesystem::remove(file, gone);
+    }
 }
 
 void sign(Checkpoint& checkpoint, const Scene& scene, const model::Variator& variator) {
@@ -176,20 +179,24 @@ void sign(Checkpoint& checkpoint, const Scene& scene, const model::Variator& var
     checkpoint.slope_hash = hash_of_slope(checkpoint.integration, variator);
 }
 
-void write_checkpoint(const std::string& path, const Checkpoint& c) {
+void write_checkpoint(const std::string& path, const Checkpoint& checkpoint) {
+    write_checkpoint(engine::Permit(path, {.what = "checkpoint", .own = engine::is_state_file}), checkpoint);
+}
+
+void write_checkpoint(const engine::Permit& permit, const Checkpoint& c) {
     engine::SavedState saved;
     saved.time = c.integration.time;
     saved.state = c.integration.state;
     for (const model::Phase phase : c.integration.phases) saved.phases.push_back(static_cast<std::uint8_t>(phase));
     saved.fingerprint = fingerprint_of(c);
-    saved.attributes = {{"scene", c.scene},     {"scene_name", c.name},         {"scene_path", c.path},
-                        {"scene_text", c.text}, {"record", c.record},           {"run", c.run},
-                        {"program", c.program}, {"method_hash", c.method_hash}, {"slope_hash", c.slope_hash}};
+    saved.attributes = {
+        {"scene", c.scene}, {"scene_name", c.name}, {"scene_path", c.path},   {"scene_text", c.text},         {"record", c.record},
+        {"run", c.run},     {"program", c.program}, {"replaces", c.replaces}, {"method_hash", c.method_hash}, {"slope_hash", c.slope_hash}};
     saved.more = {{"history", packed(c.history)}, {"recorder", c.recorder}};
     FieldWriter fields{saved.more};
     visit_fields(c.integration, fields);
     saved.more.push_back({integration_scalars, std::move(fields.scalars)});
-    engine::write_state(path, saved);
+    engine::write_state(permit, saved);
 }
 
 namespace {
@@ -207,6 +214,7 @@ Checkpoint unpacked(const engine::SavedState& saved, const std::string& path) {
     c.text = text(saved, "scene_text");
     c.record = text(saved, "record");
     c.run = text(saved, "run");
+    c.replaces = text(saved, "replaces");
     c.program = text(saved, "program");
     c.method_hash = text(saved, "method_hash");
     c.slope_hash = text(saved, "slope_hash");
@@ -225,10 +233,15 @@ Checkpoint read_checkpoint(const std::string& path) {
     }
 }
 
-bool is_record_of(const Checkpoint& checkpoint, const std::string& file) {
+std::string run_of_record(const std::string& file) {
     const auto run = engine::RunReader(file).attribute("run");
     const std::string* identity = run ? std::get_if<std::string>(&run->value) : nullptr;
-    return identity != nullptr && !identity->empty() && *identity == checkpoint.run;
+    return identity != nullptr ? *identity : "";
+}
+
+bool is_record_of(const Checkpoint& checkpoint, const std::string& file) {
+    const std::string identity = run_of_record(file);
+    return !identity.empty() && identity == checkpoint.run;
 }
 
 Scene scene_of(const Checkpoint& checkpoint) {

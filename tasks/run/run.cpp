@@ -65,8 +65,9 @@ private:
         checkpoint.integration = simulation_.integration_state();
         checkpoint.history = {report.settled, report.settling, report.begin, report.wall, report.settling_wall};
         (simulation_.needs_settling() ? checkpoint.history.settling_wall : checkpoint.history.wall) += since(started_);
-        if (!options_.file.empty()) checkpoint.record = std::filesystem::absolute(options_.file).string();
+        if (!options_.file.empty()) checkpoint.record = std::filesystem::absolute(options_.file.path()).string();
         checkpoint.run = recorder_.run();
+        checkpoint.replaces = options_.replaces;
         checkpoint.recorder = recorder_.position();
         sign(checkpoint, scene_, simulation_.variator());
         write_checkpoint(options_.checkpoint, checkpoint);
@@ -109,6 +110,13 @@ void warn_if_unstable(const Scene& scene, const RunOptions& options, const Simul
                                report.step, simulation.method_name(), report.stable_step, automatic));
 }
 
+/// A run that ended before its checkpoint would count as finished, and nobody could go on with it. @throws SimulationError
+void require_rest(const std::string& file, const Checkpoint& from, const Scene& scene) {
+    if (scene.run.until >= from.integration.time * (1.0 - 1e-12)) return;
+    throw SimulationError(fmt::format("{}: run.until = {} s is before the checkpoint, which is at t = {} s; it can only be continued", file,
+                                      scene.run.until, from.integration.time));
+}
+
 /// Settling, if the start needs it, and the run.
 void run_parts(const Scene& scene, const RunOptions& options, Simulation& simulation, RunRecorder& recorder, RunReport& report) {
     const engine::Cancellation& cancel = options.cancel != nullptr ? *options.cancel : never;
@@ -133,7 +141,10 @@ void run_parts(const Scene& scene, const RunOptions& options, Simulation& simula
 
 RunReport run_scene(const Scene& scene, const RunOptions& options) {
     Simulation simulation(scene);
-    if (options.from != nullptr) require_same(options.checkpoint, *options.from, scene, simulation.variator());
+    if (options.from != nullptr) {
+        require_same(options.checkpoint, *options.from, scene, simulation.variator());
+        require_rest(options.checkpoint, *options.from, scene);
+    }
     RunRecorder recorder(scene, simulation, options);
     RunReport report;
     report.method = simulation.method_name();
@@ -163,17 +174,19 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
     report.schedule = simulation.runner().text();
     report.hash = simulation.hash();
     recorder.finish(report);
-    if (!report.fault && !options.checkpoint.empty()) remove_checkpoint(options.checkpoint);
+    // Rows of a record that this run did not continue are in no finished record.
+    const bool complete = options.from == nullptr || options.from->run.empty() || !options.file.empty();
+    if (!report.fault && complete && !options.checkpoint.empty()) remove_checkpoint(options.checkpoint);
     return report;
 }
 
-double settle_scene(const Scene& scene, const std::string& state_file, const RunOptions& options) {
+double settle_scene(const Scene& scene, const engine::Permit& state_file, const RunOptions& options) {
     Scene unsettled = scene;
     unsettled.state_file.clear();
     const engine::Cancellation& cancel = options.cancel != nullptr ? *options.cancel : never;
     Simulation simulation(unsettled);
     RunOptions quiet = options;
-    quiet.file.clear();
+    quiet.file = {};
     RunRecorder recorder(unsettled, simulation, quiet);
     recorder.begin_part(-unsettled.parameters.start.settling_time, 0.0);
     if (simulation.needs_settling()) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/record/run/output_rule.hpp"
 #include "tasks/run/checkpoint.hpp"
 #include "tasks/run/run_means.hpp"
 #include "tasks/run/simulation.hpp"
@@ -21,14 +22,15 @@ struct Progress {
 };
 
 struct RunOptions {
-    std::string file;                               ///< record to write; empty: none
+    engine::Permit file;                            ///< record to write; empty: none. A text permits a new file
     std::function<void(const Progress&)> progress;  ///< called at every output time, serially
     const engine::Cancellation* cancel = nullptr;
     std::string checkpoint;                          ///< file to write checkpoints to; empty: none
     double checkpoint_every = 0.0;                   ///< wall time between checkpoints, at output times; 0: only if the run ends early [s]
     std::function<void(const std::string&)> notice;  ///< receives warnings before the run begins
-    const Checkpoint* from = nullptr;                ///< checkpoint to resume; `file` is then the record to continue
+    const Checkpoint* from = nullptr;                ///< checkpoint to resume; `file` is then the record to continue (record_to_continue)
     bool replace = false;                            ///< with `from`: whether a file of that name that is not the run's own is replaced
+    std::string replaces;                            ///< identity of the run whose record `file` replaces; empty: of none
 };
 
 /// A coupling of a shaft at the end of a run.
@@ -92,8 +94,10 @@ struct RunReport {
 };
 
 /// Runs the scene to run.until. A fault ends the run with what was recorded so far on file and is part of the report.
-/// A run that ends early (cancelled, budget) leaves a checkpoint if it may; a finished one takes its checkpoint away.
-/// @throws SimulationError, engine::RecordError, std::invalid_argument before the run; engine::RecordError during it (disk full)
+/// A run that ends early (cancelled, budget) leaves a checkpoint if it may. A finished one takes its checkpoint away, if the record
+/// contains what it stands for.
+/// @throws SimulationError (also if the run would end before its checkpoint), engine::RecordError, std::invalid_argument before the run;
+/// engine::RecordError during it (disk full)
 [[nodiscard]] RunReport run_scene(const Scene& scene, const RunOptions& options);
 
 /// One line about a balance that does not close.
@@ -112,6 +116,6 @@ public:
 /// Settles a scene's geometric start and writes the state at t = 0.
 /// @return EnergyLedger::suspicion(): above 1 the state is wrong; also stored in the file
 /// @throws as run_scene; SettlingFault, and then writes nothing
-double settle_scene(const Scene& scene, const std::string& state_file, const RunOptions& options);
+double settle_scene(const Scene& scene, const engine::Permit& state_file, const RunOptions& options);
 
 }  // namespace cvtflow::tasks

@@ -44,15 +44,11 @@ std::string new_identity() {
 
 /// The record that `options.from` continues, renamed to make room for the new one; empty if there is none.
 std::string former_record(const RunOptions& options) {
-    const auto own = [&options](const std::string& file) {
-        try {
-            return is_record_of(*options.from, file);
-        } catch (const engine::RecordError&) {
-            if (!options.replace) throw;
-            return false;
-        }
+    const auto own = [&options](const std::string& file) { return is_record_of(*options.from, file); };
+    const auto yields = [&options](const std::string& file) {
+        return !options.from->replaces.empty() && run_of_record(file) == options.from->replaces;
     };
-    return engine::set_aside(options.file, own, options.replace);
+    return engine::set_aside(options.file.path(), {own, yields, options.replace});
 }
 
 std::vector<engine::Attribute> attributes_of_run(const Scene& scene, const std::string& run) {
@@ -203,13 +199,13 @@ std::vector<double> RunRecorder::position() {
 void RunRecorder::restore(const std::vector<double>& position) {
     std::size_t least = 14;  // rows, next state, outputs, and what the means begin with
     for_every_sum(sums_, [&](double) { ++least; });
-    if (position.size() < least) throw engine::RecordError(options_.file + ": the checkpoint contains no position in its record");
+    if (position.size() < least) throw engine::RecordError(options_.file.path() + ": the checkpoint contains no position in its record");
     const double* next = position.data();
     const auto take = [&] { return *next++; };
     const auto count = [&] {
         const double number = take();
         if (!(number >= 0.0 && number <= 9007199254740992.0))
-            throw engine::RecordError(options_.file + ": the checkpoint contains an invalid count");
+            throw engine::RecordError(options_.file.path() + ": the checkpoint contains an invalid count");
         return static_cast<std::size_t>(number);
     };
     for (engine::RowsWritten* rows : {&written_.channels, &written_.states, &written_.tables[0]}) {
@@ -223,7 +219,7 @@ void RunRecorder::restore(const std::vector<double>& position) {
     (void)means_.load({next, position.data() + position.size()});
     if (!file_) return;
     if (former_.empty() && written_.channels.count > 0)
-        throw engine::RecordError(options_.file + ": the checkpoint's record does not exist");
+        throw engine::RecordError(options_.file.path() + ": the checkpoint's record does not exist");
     if (former_.empty()) return;
     engine::copy_record(former_, written_, contents_, *file_);
     std::filesystem::remove(former_);

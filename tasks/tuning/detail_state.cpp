@@ -1,8 +1,10 @@
 #include "tasks/tuning/detail_state.hpp"
 
-#include <unistd.h>
+#include <stdlib.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 
 #include "model/machine/coefficients.hpp"
@@ -104,14 +106,18 @@ void turn_shaft(engine::SavedState& state, const model::Parameters& parameters, 
         coordinates[model::body_freedom(body, turn)] += angle;
 }
 
-StateFile::StateFile(const engine::SavedState& state)
-    : path_((std::filesystem::temp_directory_path() / ("cvtflow_detail_" + std::to_string(getpid()) + ".h5")).string()) {
-    engine::write_state(path_, state);
+StateFile::StateFile(const engine::SavedState& state) {
+    std::string folder = (std::filesystem::temp_directory_path() / "cvtflow-XXXXXX").string();
+    if (mkdtemp(folder.data()) == nullptr) throw engine::RecordError(folder + ": cannot create: " + std::strerror(errno));
+    path_ = folder + "/state.h5";
+    engine::write_state(engine::Permit(path_), state);
 }
 
 StateFile::~StateFile() {
+    const std::filesystem::path file(path_);
     std::error_code ignored;
-    std::filesystem::remove(path_, ignored);
+    std::filesystem::remove(file, ignored);
+    std::filesystem::remove(file.parent_path(), ignored);
 }
 
 }  // namespace cvtflow::tasks

@@ -1,15 +1,15 @@
 #include "tasks/tuning/tuned_scene.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <cstdlib>
-#include <fstream>
 #include <sstream>
 
 #include "engine/base/hash.hpp"
 #include "engine/base/input_file.hpp"
 #include "engine/base/provenance.hpp"
+#include "engine/record/run/output_rule.hpp"
+#include "engine/record/run/schema.hpp"
 #include "model/basis/isa.hpp"
 #include "tasks/run/saved_start.hpp"
 
@@ -105,14 +105,12 @@ std::optional<KeptTuning> read_tuning(const fs::path& folder, const std::string&
 void keep_tuning(const fs::path& folder, const std::string& key, const KeptTuning& kept) {
     std::error_code unwritable;
     fs::create_directories(folder, unwritable);
-    const fs::path part = text_file(folder, fmt::format("{}-{}", key, getpid()));
-    std::ofstream file(part, std::ios::binary);
-    file << sealed(content_of(key, kept));
-    file.close();
-    if (file)
-        fs::rename(part, text_file(folder, key), unwritable);
-    else
-        fs::remove(part, unwritable);
+    try {
+        const engine::OutputRule rule{.what = "kept tuning", .own = engine::text_with({"cvtflow tuning"})};
+        engine::write_whole({text_file(folder, key).string(), rule}, sealed(content_of(key, kept)));
+    } catch (const engine::RecordError&) {
+        // Nothing is kept: the folder cannot be written, something else has the name, or another run is keeping the same.
+    }
 }
 
 TunedScene tuned_scene(const Scene& scene, const TuneSettings& settings, const fs::path& folder, const engine::Cancellation& cancel) {

@@ -11,6 +11,7 @@
 #include "engine/record/table/case_table.hpp"
 #include "tasks/batch/results/ordered_rows.hpp"
 #include "tasks/batch/results/results.hpp"
+#include "tasks/batch/results/sweep_files.hpp"
 #include "tasks/run/saved_start.hpp"
 #include "tasks/scene/toml/units.hpp"
 #include "tasks/tuning/detail_state.hpp"
@@ -112,17 +113,18 @@ void write_errors(const std::string& file, const Sweep& sweep, const TunedSweep&
         head.set({"accuracy_choice", tuned.kept.choice.text()});
         head.set({"accuracy_at_corners", number_text(tuned.kept.error)});
         if (hashed) head.set({"results_hash", rows.hash()});
-        engine::write_cases(file, head, rows.size(), [&](std::size_t first, std::span<std::byte> some) {
-            rows.fill(first, some);
-            for (std::size_t at = 0; at < some.size(); at += layout.bytes()) {
-                const auto row = some.subspan(at, layout.bytes());
-                const auto found = errors.find(layout.integer(row, layout.column("case")));
-                if (found == errors.end()) continue;
-                for (std::size_t i = 0; i < sweep.scalars.size(); ++i)
-                    layout.put(row, layout.column(std::string(error_prefix) + sweep.scalars[i].column), found->second[i]);
-                layout.seal(row);
-            }
-        });
+        engine::write_cases(
+            permit_table(file, head.attribute("definition")), head, rows.size(), [&](std::size_t first, std::span<std::byte> some) {
+                rows.fill(first, some);
+                for (std::size_t at = 0; at < some.size(); at += layout.bytes()) {
+                    const auto row = some.subspan(at, layout.bytes());
+                    const auto found = errors.find(layout.integer(row, layout.column("case")));
+                    if (found == errors.end()) continue;
+                    for (std::size_t i = 0; i < sweep.scalars.size(); ++i)
+                        layout.put(row, layout.column(std::string(error_prefix) + sweep.scalars[i].column), found->second[i]);
+                    layout.seal(row);
+                }
+            });
     }
 }
 

@@ -92,7 +92,7 @@ TEST_F(Sweeps, ThatHasLostRowsOfCasesWhichOthersStartedFromRunsThemAllAgain) {
         engine::CaseTable some = rows;
         some.rows.clear();
         for (const std::size_t row : left) some.rows.insert(some.rows.end(), rows.row(row).begin(), rows.row(row).end());
-        engine::write_cases((folder_ / "out/cases.h5").string(), some);
+        engine::write_cases({(folder_ / "out/cases.h5").string(), {.force = true}}, some);
         const Outcome rest = run({"resume", "out"});
         EXPECT_EQ(hash_in(rest.out), hash_in(whole.out)) << rest.err;
         EXPECT_EQ(column("start"), column("start", "whole"));

@@ -182,7 +182,7 @@ std::string forge_table(const std::string& path, Dice& dice) {
         if (type == engine::CaseColumnType::text) table.layout.put(cells, column, std::string_view(hostile_text(dice.below(100))));
         table.layout.seal(cells);
     }
-    engine::write_cases(path, table);
+    engine::write_cases({path, {.force = true}}, table);
     return "table, " + std::to_string(how);
 }
 

@@ -249,7 +249,7 @@ TEST_F(PlotCommand, SaysWhatIsWrong) {
     complains({"cases.csv", "--orders"}, 2, "is a sweep");
     complains({"cases.csv", "--x", "load.torque", "--y", "slip_mean", "--where", "start.ratio=7"}, 2, "no case of cases.csv is left");
     complains({"twice.csv", "--x", "load.torque", "--y", "start.ratio", "--colour", "slip_mean"}, 2, "among tip_angle");
-    complains({"run.h5", "-o", "none/p.svg"}, 1, "none/p.svg: cannot write");
+    complains({"run.h5", "-o", "none/p.svg"}, 1, "none/p.svg: cannot create: the folder 'none' does not exist");
 }
 
 TEST_F(PlotCommand, WithoutTheProgramForPngTellsWhatToInstall) {
@@ -260,7 +260,8 @@ TEST_F(PlotCommand, WithoutTheProgramForPngTellsWhatToInstall) {
 
 TEST_F(PlotCommand, OverwritesNothingThatItReads) {
     std::filesystem::copy_file(folder_ / "run.h5", folder_ / "run.svg");
-    EXPECT_EQ(run({"plot", "run.svg"}).status, 1);
+    EXPECT_EQ(run({"plot", "run.svg", "-o", "run.svg", "--force"}).status, 1);
+    EXPECT_EQ(run({"plot", "run.svg"}).out, "run.svg.svg\n");
     EXPECT_EQ(read("run.svg"), read("run.h5"));
 }
 

@@ -64,6 +64,7 @@ std::string name_of_kind(const std::string& format) {
 }
 
 void require_kind(hid_t file, const std::string& path, const FileKind& kind) {
+    if (kind.format == nullptr) return;
     const std::string found = read_text(file, "format");
     if (found != kind.format) {
         throw RecordError(path + ": an HDF5 file, but not a " + name_of_kind(kind.format) +
@@ -90,7 +91,7 @@ OpenFile open_input(const std::string& path, const FileKind& kind) {
     if (mark == Marked::no) {
         throw RecordError(path + ": not an HDF5 file");
     }
-    if (mark == Marked::old) {
+    if (mark == Marked::old && kind.format != nullptr) {
         throw RecordError(path + ": an HDF5 file, but not a " + name_of_kind(kind.format));
     }
     const Seal seal = inspect_seal(input);
@@ -121,6 +122,11 @@ OpenFile open_for_reading(const std::string& path, const FileKind& kind) {
     } catch (const InputError& error) {
         throw RecordError(path + ": " + error.what());
     }
+}
+
+std::string format_of(const std::string& path) {
+    const OpenFile open = open_for_reading(path, {nullptr, 0, false});
+    return guarded(path, [&] { return read_text(open.file.id(), "format"); });
 }
 
 }  // namespace cvtflow::engine::hdf5

@@ -10,7 +10,7 @@ namespace cvtflow::engine::hdf5 {
 
 /// A kind of file.
 struct FileKind {
-    const char* format;    ///< required value of the attribute `format`, e.g. "cvtflow run"
+    const char* format;    ///< required value of the attribute `format`, e.g. "cvtflow run"; nullptr: any
     std::int64_t version;  ///< newest `format_version` that can be read
     bool always_sealed;    ///< written at once: without a seal it is damaged
 };
@@ -25,5 +25,8 @@ struct OpenFile {
 /// reaches HDF5.
 /// @throws std::bad_alloc where HDF5, which crashes without memory, would soon be without
 [[nodiscard]] OpenFile open_for_reading(const std::string& path, const FileKind& kind);
+
+/// The attribute `format` of any HDF5 file; empty if it has none. Errors as above.
+[[nodiscard]] std::string format_of(const std::string& path);
 
 }  // namespace cvtflow::engine::hdf5

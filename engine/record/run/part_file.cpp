@@ -24,30 +24,6 @@ std::string folder_of(const std::string& path) {
     return folder.empty() ? "." : folder;
 }
 
-/// What is under a name and must not be replaced; empty: nothing, or a plain file. A rename would put a file in the place of a device, and
-/// of a link instead of what it points to; a file that is opened through a link belongs to another user.
-std::string other_than_file(const std::string& path) {
-    struct stat file {};
-    if (lstat(path.c_str(), &file) != 0 || S_ISREG(file.st_mode)) return "";
-    if (S_ISLNK(file.st_mode)) return "a symbolic link; name its target";
-    return S_ISDIR(file.st_mode) ? "a folder, not a file" : "a device, pipe or socket, not a file";
-}
-
-void require_plain(const std::string& path) {
-    if (const std::string other = other_than_file(path); !other.empty()) throw RecordError(path + ": cannot create: " + other);
-}
-
-void require_place(const std::string& final_path, const std::string& part_path, bool replace) {
-    std::error_code ignored;
-    require_replaceable(final_path);
-    if (!replace && fs::exists(final_path, ignored)) {
-        throw RecordError(final_path + ": cannot create: the file exists");
-    }
-    if (!replace && fs::exists(part_path, ignored)) {
-        throw RecordError(part_path + ": cannot create: the file exists (a run is writing it, or was killed)");
-    }
-}
-
 /// Whether the path still names the file that is open; not so if another writer has just finished and renamed it.
 bool still_named(int descriptor, const std::string& path) {
     struct stat open_file {};
@@ -80,18 +56,18 @@ bool lock(int descriptor) {
 
 }  // namespace
 
-void require_replaceable(const std::string& path) {
-    if (path.empty()) throw RecordError("cannot create a temporary file");
-    if (path.back() == '/') throw RecordError(path + ": cannot create: a folder, not a file");
-    for (const char* suffix : {"", ".part"}) require_plain(path + suffix);
-    std::error_code ignored;
-    const std::string folder = folder_of(path);
-    if (!fs::is_directory(folder, ignored)) throw RecordError(path + ": cannot create: the folder '" + folder + "' does not exist");
-    if (access(folder.c_str(), W_OK) != 0) throw RecordError(path + ": cannot create: " + std::strerror(errno));
+bool being_written(const std::string& part) {
+    const int descriptor = open(part.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
+    const bool free = descriptor < 0 || lock(descriptor);
+    if (descriptor >= 0) ::close(descriptor);
+    return !free;
 }
 
-PartFile::PartFile(std::string final_path, bool replace) : final_path_(std::move(final_path)), part_path_(final_path_ + ".part") {
-    require_place(final_path_, part_path_, replace);
+PartFile::PartFile(const Permit& permit) : final_path_(permit.path()), part_path_(final_path_ + ".part") {
+    if (permit.empty()) throw RecordError("cannot create a temporary file");
+    for (const std::string& path : {final_path_, part_path_}) {  // a link may have taken its place since it was permitted
+        if (const std::string other = other_than_file(path); !other.empty()) throw RecordError(path + ": cannot create: " + other);
+    }
     descriptor_ = open_part(part_path_);
     if (descriptor_ < 0) {
         throw RecordError(part_path_ + ": cannot create: " + std::strerror(errno));
@@ -175,26 +151,53 @@ void PartFile::publish() {
     }
 }
 
-std::string set_aside(const std::string& path, const std::function<bool(const std::string&)>& own, bool replace) {
-    const std::string before = path + ".before";
+namespace {
+
+bool is_there(const std::string& path) {
     std::error_code ignored;
+    return fs::exists(fs::symlink_status(path, ignored));
+}
+
+void require_at_rest(const std::string& path) {
+    if (const std::string other = other_than_file(path); !other.empty()) throw RecordError(path + ": cannot be continued: " + other);
+    if (being_written(path)) throw RecordError(path + ": cannot be continued: a run is still writing it");
+}
+
+/// Whether a file that lies in the way is the run's. @throws RecordError if it is not, and may not be replaced
+bool is_former(const std::string& path, const FormerFiles& files) try {
+    require_at_rest(path);
+    if (files.own(path)) return true;
+    if (!files.replace) throw RecordError(path + ": cannot be continued: not the record of this run; --force replaces it");
+    return false;
+} catch (const RecordError&) {
+    if (!files.replace || being_written(path) || !other_than_file(path).empty()) throw;
+    return false;
+}
+
+bool yields(const std::string& path, const FormerFiles& files) try {
+    return other_than_file(path).empty() && files.yields(path);
+} catch (const RecordError&) {
+    return false;
+}
+
+}  // namespace
+
+std::string set_aside(const std::string& path, const FormerFiles& files) {
+    const std::string before = path + ".before";
+    std::string found;
     for (const std::string& left : {before, path + ".part", path}) {
-        if (!fs::exists(fs::symlink_status(left, ignored))) continue;
-        if (const std::string other = other_than_file(left); !other.empty()) throw RecordError(left + ": cannot be continued: " + other);
-        const int descriptor = open(left.c_str(), O_RDWR | O_CLOEXEC);
-        const bool free = descriptor < 0 || lock(descriptor);
-        if (descriptor >= 0) ::close(descriptor);
-        if (!free) throw RecordError(left + ": cannot be continued: a run is still writing it");
-        if (!own(left)) {
-            if (!replace) throw RecordError(left + ": cannot be continued: not the record of this run; --force replaces it");
-            continue;
+        if (!is_there(left)) continue;
+        if (left == path && !found.empty() && yields(left, files)) continue;
+        if (left == path + ".part" && !found.empty()) {
+            require_at_rest(left);
+            continue;  // of the attempt that was killed, or of a run that would have found .before
         }
-        if (left != before && std::rename(left.c_str(), before.c_str()) != 0) {
-            throw RecordError(left + ": cannot rename to '" + before + "': " + std::strerror(errno));
-        }
-        return before;
+        if (is_former(left, files) && found.empty()) found = left;
     }
-    return {};
+    if (found.empty() || found == before) return found;
+    if (std::rename(found.c_str(), before.c_str()) != 0)
+        throw RecordError(found + ": cannot rename to '" + before + "': " + std::strerror(errno));
+    return before;
 }
 
 void PartFile::discard() noexcept { unlink(part_path_.c_str()); }

@@ -2,8 +2,9 @@
 /// A file under construction: `<name>.part` beside its final name, which appears complete or not at all.
 
 #include <cstddef>
-#include <functional>
 #include <string>
+
+#include "engine/record/run/output_rule.hpp"
 
 namespace cvtflow::engine {
 
@@ -11,10 +12,8 @@ namespace cvtflow::engine {
 /// Errors are RecordError.
 class PartFile {
 public:
-    /// Creates or empties `<final_path>.part`.
-    /// Errors: as require_replaceable; another process writing the same file.
-    /// @param replace  whether a finished file of the final name, or a .part that a killed run left, may be overwritten
-    PartFile(std::string final_path, bool replace);
+    /// Creates or empties `<path>.part`. Errors: another process writing the same file; not allowed by the system.
+    explicit PartFile(const Permit& permit);
     ~PartFile();
     PartFile(const PartFile&) = delete;
     PartFile& operator=(const PartFile&) = delete;
@@ -45,16 +44,20 @@ private:
     std::size_t reserved_ = 0;
 };
 
-/// Whether a file may be created at `path`, or a plain file there replaced, with a .part beside it; asked before work whose result goes
-/// there. Errors (RecordError): a folder, a device, pipe or socket, a symbolic link; a missing folder; no permission.
-void require_replaceable(const std::string& path);
+/// Whether a PartFile is open on it: in another process, or here.
+[[nodiscard]] bool being_written(const std::string& part);
+
+/// The files of a run that goes on.
+struct FormerFiles {
+    IsOwn own;             ///< whether a file is the run's; it may throw for one that cannot be read
+    IsOwn yields;          ///< whether a finished file of another run is the one that this run was permitted to replace when it began
+    bool replace = false;  ///< whether any other file may be replaced
+};
 
 /// Takes what a run left under a name out of the way of a new one, to read it: `<path>.before` from now on, or already since an attempt
-/// that was killed. Takes the .part file if there is one, else the finished file.
-/// @param own      whether a file is the run's own; no other file is renamed
-/// @param replace  whether files that are not may be replaced by the new run
+/// that was killed. Takes the .part file if there is one, else the finished file. No other file is renamed.
 /// @return the path to read, empty if there is nothing. Errors (RecordError): a run is still writing it; not allowed; a file that is not
 /// the run's own, without `replace`.
-[[nodiscard]] std::string set_aside(const std::string& path, const std::function<bool(const std::string&)>& own, bool replace);
+[[nodiscard]] std::string set_aside(const std::string& path, const FormerFiles& files);
 
 }  // namespace cvtflow::engine

@@ -24,8 +24,8 @@ std::uint64_t cell(const TableColumn& column, double value) {
 
 }  // namespace
 
-RunFile::RunFile(const std::string& path, RunContents contents, RunFileOptions options)
-    : impl_(std::make_unique<Impl>(path, std::move(contents), options)) {}
+RunFile::RunFile(const Permit& permit, RunContents contents, RunFileOptions options)
+    : impl_(std::make_unique<Impl>(permit, std::move(contents), options)) {}
 
 RunFile::~RunFile() {
     if (!impl_->file) {

@@ -18,6 +18,7 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/record/run/output_rule.hpp"
 #include "engine/record/run/schema.hpp"
 
 namespace cvtflow::engine {
@@ -36,7 +37,6 @@ struct RunFileOptions {
     double flush_seconds = 5.0;  ///< wall time after which an append first flushes by itself [s]
     int channel_rows = 512;      ///< rows of channels gathered in memory; chunks of the file have as many, at most 512
     int deflate_states = 0;      ///< compression of states, 0 (none) … 9
-    bool replace = true;         ///< whether files of that name, finished or .part, may be overwritten
 };
 
 /// Writer. All errors are RecordError; those of writing contain the path, the reason and what is saved, for instance
@@ -49,8 +49,8 @@ struct RunFileOptions {
 class RunFile {
 public:
     /// Creates `<path>.part`.
-    /// Errors: missing folder, not writable, a folder of that name, another run writing it, contents that contradict.
-    RunFile(const std::string& path, RunContents contents, RunFileOptions options = {});
+    /// Errors: those of Permit, another run writing it, contents that contradict.
+    RunFile(const Permit& permit, RunContents contents, RunFileOptions options = {});
     /// Without close(): saves what it can, sets the status to "interrupted" unless set_status() was called, leaves the .part file.
     ~RunFile();
     RunFile(const RunFile&) = delete;

@@ -23,8 +23,7 @@ hdf5::RowBlock open_block(hid_t file, const hdf5::BlockShape& shape) {
 
 }  // namespace
 
-RunFile::Impl::Impl(const std::string& path, RunContents what, RunFileOptions how)
-    : part(path, how.replace), contents(std::move(what)), options(how) {
+RunFile::Impl::Impl(const Permit& permit, RunContents what, RunFileOptions how) : part(permit), contents(std::move(what)), options(how) {
     try {
         hdf5::guarded(part.path(), [this] { start(); });
     } catch (...) {

@@ -31,7 +31,7 @@ struct RunFile::Impl {
     std::string status;
     std::string damage;  ///< why HDF5 failed; nothing is written any more
 
-    Impl(const std::string& path, RunContents what, RunFileOptions how);
+    Impl(const Permit& permit, RunContents what, RunFileOptions how);
     void start();
     void require_open() const;
     void require_size(std::size_t given, std::size_t requested, std::string_view of) const;

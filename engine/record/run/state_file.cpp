@@ -9,7 +9,6 @@
 #include "engine/record/hdf5/hdf5_checksum.hpp"
 #include "engine/record/hdf5/hdf5_open.hpp"
 #include "engine/record/hdf5/hdf5_series.hpp"
-#include "engine/record/run/part_file.hpp"
 
 namespace cvtflow::engine {
 namespace {
@@ -143,7 +142,12 @@ SavedState read_contents(hid_t file) {
 
 }  // namespace
 
-void write_state(const std::string& path, const SavedState& unsorted) {
+void write_state(const std::string& path, const SavedState& saved) {
+    write_state(Permit(path, {.what = "state", .own = is_state_file}), saved);
+}
+
+void write_state(const Permit& permit, const SavedState& unsorted) {
+    const std::string& path = permit.path();
     SavedState saved = unsorted;
     const auto by_name = [](const auto& a, const auto& b) { return a.name < b.name; };
     std::sort(saved.more.begin(), saved.more.end(), by_name);
@@ -151,12 +155,7 @@ void write_state(const std::string& path, const SavedState& unsorted) {
     std::vector<std::byte> image = hdf5::guarded(path, [&] { return image_of(saved, path); });
     const auto seal = seal_of(image.size(), Checksum().add(image));
     image.insert(image.end(), seal.begin(), seal.end());
-    PartFile part(path, true);
-    if (const int reason = part.write(image.data(), image.size()); reason != 0) {
-        part.discard();
-        throw RecordError(path + ": cannot write: " + std::strerror(reason));
-    }
-    part.publish();
+    write_whole(permit, {reinterpret_cast<const char*>(image.data()), image.size()});
 }
 
 SavedState read_state(const std::string& path) {

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/record/run/output_rule.hpp"
 #include "engine/record/run/schema.hpp"
 
 namespace cvtflow::engine {
@@ -35,6 +36,8 @@ struct SavedState {
 
 /// Writes the file atomically: readers see the former file or the new one, also after a kill or a power cut. Built in memory, written to
 /// `<path>.part`, synced, renamed. Throws RecordError: missing folder, not writable, disk full, another process writing the same file.
+void write_state(const Permit& permit, const SavedState& saved);
+/// The same, replacing nothing but a state.
 void write_state(const std::string& path, const SavedState& saved);
 
 /// Exactly what was written, bit for bit. Attributes come sorted by name.

@@ -157,17 +157,17 @@ FillRows rows_of(const CaseTable& table) {
 
 }  // namespace
 
-void write_cases(const std::string& path, const CaseTable& head, std::size_t rows, const FillRows& fill) {
-    PartFile part(path, true);
+void write_cases(const Permit& permit, const CaseTable& head, std::size_t rows, const FillRows& fill) {
+    PartFile part(permit);
     write_part(part, head, rows, fill);
     if (const int reason = part.seal(); reason != 0) {
         part.discard();
-        throw RecordError(path + ": cannot write: " + std::strerror(reason));
+        throw RecordError(permit.path() + ": cannot write: " + std::strerror(reason));
     }
     part.publish();
 }
 
-void write_cases(const std::string& path, const CaseTable& table) { write_cases(path, table, table.size(), rows_of(table)); }
+void write_cases(const Permit& permit, const CaseTable& table) { write_cases(permit, table, table.size(), rows_of(table)); }
 
 struct CaseWriter::Impl {
     std::string path;
@@ -177,8 +177,8 @@ struct CaseWriter::Impl {
     std::size_t row_bytes = 0;
     std::string damage;
 
-    Impl(std::string where, const CaseTable& begin)
-        : path(std::move(where)), part(path, true), rows(begin.size()), row_bytes(begin.layout.bytes()) {
+    Impl(const Permit& permit, const CaseTable& begin)
+        : path(permit.path()), part(permit), rows(begin.size()), row_bytes(begin.layout.bytes()) {
         write_part(part, begin, begin.size(), rows_of(begin));
         part.publish();  // `part` keeps its descriptor: the same file under its new name
         hdf5::guarded(path, [&] {
@@ -209,7 +209,7 @@ struct CaseWriter::Impl {
     }
 };
 
-CaseWriter::CaseWriter(std::string path, const CaseTable& begin) : impl_(std::make_unique<Impl>(std::move(path), begin)) {}
+CaseWriter::CaseWriter(const Permit& permit, const CaseTable& begin) : impl_(std::make_unique<Impl>(permit, begin)) {}
 
 CaseWriter::~CaseWriter() {
     const hdf5::QuietErrors quiet;

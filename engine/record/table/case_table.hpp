@@ -18,6 +18,7 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/record/run/output_rule.hpp"
 #include "engine/record/run/schema.hpp"
 
 namespace cvtflow::engine {
@@ -109,17 +110,17 @@ private:
 [[nodiscard]] CaseTable read_cases(const std::string& path);
 
 /// Writes a finished table atomically: readers see the former file or the new one. Errors (RecordError).
-void write_cases(const std::string& path, const CaseTable& table);
+void write_cases(const Permit& permit, const CaseTable& table);
 /// Writes a finished table at once from rows that come a few at a time. @param fill writes rows from `first` on, as many as there is room
 /// for
-void write_cases(const std::string& path, const CaseTable& head, std::size_t rows,
+void write_cases(const Permit& permit, const CaseTable& head, std::size_t rows,
                  const std::function<void(std::size_t first, std::span<std::byte> rows)>& fill);
 
 /// A table that grows.
 class CaseWriter {
 public:
     /// Writes the rows so far, as write_cases does, and continues with that file. Errors (RecordError).
-    CaseWriter(std::string path, const CaseTable& begin);
+    CaseWriter(const Permit& permit, const CaseTable& begin);
     ~CaseWriter();
     CaseWriter(const CaseWriter&) = delete;
     CaseWriter& operator=(const CaseWriter&) = delete;

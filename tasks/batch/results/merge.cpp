@@ -7,6 +7,7 @@
 
 #include "tasks/batch/batch.hpp"
 #include "tasks/batch/results/results.hpp"
+#include "tasks/batch/results/sweep_files.hpp"
 
 namespace cvtflow::tasks {
 
@@ -36,6 +37,7 @@ public:
 
     MergeReport run(bool partial) {
         const int shards = shard_count(folder_);
+        const engine::FolderLock lock(folder_);
         for (int number = 1; number <= shards; ++number) add(shard_folder(folder_, {number, shards}));
         if (!table_) throw SimulationError(folder_ + ": no shard has results");
         find_missing();
@@ -74,7 +76,19 @@ private:
         }
     }
 
+    /// A table with more cases than the shards have is not of these shards.
+    void require_no_more_cases() const {
+        std::error_code absent;
+        if (!fs::exists(report_.file, absent)) return;
+        const std::size_t there = engine::CaseReader(report_.file).size();
+        if (there <= table_->size()) return;
+        throw engine::RecordError(
+            fmt::format("{}: has {} cases, the shards have {}; move it away to merge them", report_.file, there, table_->size()));
+    }
+
     void write(bool whole) {
+        const engine::Permit permit = permit_table(report_.file, table_->attribute("definition"));
+        require_no_more_cases();
         sort_rows(*table_);
         report_.results_hash = results_hash(*table_);
         table_->set({"shard", "1/1"});
@@ -82,7 +96,7 @@ private:
         table_->set({"status", whole ? "finished" : "incomplete"});
         table_->set({"missing_cases", fmt::format("{}", fmt::join(report_.missing_cases, " "))});
         table_->set({"results_hash", report_.results_hash});
-        engine::write_cases(report_.file, *table_);
+        engine::write_cases(permit, *table_);
     }
 
     std::string folder_;

@@ -52,7 +52,8 @@ TEST_F(OutputPlace, NoLinkIsFollowedWhereATemporaryFileGoes) {
     fs::create_symlink("notes.txt", folder_ / "a.h5.part");
     expect_refused(run_to({"-o", "a.h5"}), "a.h5.part: cannot create: a symbolic link; name its target");
     fs::create_hard_link(folder_ / "notes.txt", folder_ / "b.h5.part");
-    expect_refused(run_to({"-o", "b.h5"}), "b.h5.part: cannot create: File exists");
+    expect_refused(run_to({"-o", "b.h5"}), "b.h5.part: already exists and is not a record of the scene 'scene'; --force replaces it");
+    expect_refused(run_to({"-o", "b.h5", "--force"}), "b.h5.part: cannot create: File exists");
     fs::create_symlink("nowhere", folder_ / "c.h5.part");
     expect_refused(run({"settle", "scene.toml", "-o", "c.h5"}), "c.h5.part: cannot create: a symbolic link; name its target");
     EXPECT_FALSE(exists("nowhere"));

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "tools/program/output/text_file.hpp"
+#include "tools/program/output/outputs.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::tools {
@@ -32,7 +32,10 @@ void OutputFolder::write(const std::string& name, const std::string& text) {
     const std::filesystem::path path = std::filesystem::path(arguments_.folder.empty() ? "results" : arguments_.folder) / name;
     std::error_code ignored;  // writing the file then fails with a message
     std::filesystem::create_directories(path.parent_path(), ignored);
-    write_text(path.string(), text);
+    const bool picture = name.ends_with(".svg");
+    engine::OutputRule rule = picture ? marked_rule("picture", name) : text_rule(text);
+    rule.advice = "remove it, or name another folder";
+    engine::write_whole({path.string(), rule}, picture ? marked(text, mark_of("picture", name)) : text);
     names_.push_back(path.string());
 }
 

@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
 #include <cstring>
 
-#include "engine/record/run/part_file.hpp"
 #include "engine/record/run/schema.hpp"
 
 namespace cvtflow::tools {
@@ -49,18 +49,36 @@ void VtkMesh::add(VtkCell type, std::span<const std::int64_t> corners, std::int3
     number.push_back(count);
 }
 
-VtkSeries::VtkSeries(std::filesystem::path collection, const VtkMesh& mesh, std::vector<VtkArray> arrays, bool replace)
-    : collection_(std::move(collection)), folder_(collection_), mesh_(mesh), arrays_(std::move(arrays)) {
+VtkSeries::VtkSeries(const engine::Permit& collection, const VtkMesh& mesh, std::vector<VtkArray> arrays, bool replace)
+    : collection_(collection), folder_(collection.path()), replace_(replace), mesh_(mesh), arrays_(std::move(arrays)) {
     folder_.replace_extension();
-    engine::require_replaceable(collection_.string());
     std::error_code failed;
-    const bool filled = std::filesystem::exists(folder_) && !std::filesystem::is_empty(folder_, failed);
-    if (filled && !replace) throw engine::RecordError(folder_.string() + ": already exists; --force replaces it");
     std::filesystem::create_directory(folder_, failed);
     if (failed) throw engine::RecordError(fmt::format("{}: cannot be created: {}", folder_.string(), failed.message()));
     for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
-        if (entry.path().extension() == ".vtu") std::filesystem::remove(entry.path(), failed);
+        if (number_of(entry.path()) >= 0 && !replace)
+            throw engine::RecordError(fmt::format("{}: already exists; --force replaces the series there", entry.path().string()));
     }
+}
+
+VtkSeries::~VtkSeries() {
+    if (finished_) return;
+    std::error_code ignored;
+    for (long number = 0; number < count_; ++number) std::filesystem::remove(file(number), ignored);
+    std::filesystem::remove(folder_, ignored);  // only if it is empty
+}
+
+std::filesystem::path VtkSeries::file(long number) const {
+    return folder_ / fmt::format("{}_{:06}.vtu", folder_.filename().string(), number);
+}
+
+long VtkSeries::number_of(const std::filesystem::path& file) const {
+    const std::string name = file.filename().string(), begin = folder_.filename().string() + "_", end = ".vtu";
+    if (!name.starts_with(begin) || !name.ends_with(end) || name.size() < begin.size() + 6 + end.size()) return -1;
+    const char *first = name.data() + begin.size(), *last = name.data() + name.size() - end.size();
+    long number = -1;
+    const auto [stop, error] = std::from_chars(first, last, number);
+    return error == std::errc() && stop == last && number >= 0 ? number : -1;
 }
 
 std::size_t VtkSeries::length(const VtkArray& array) const noexcept {
@@ -87,16 +105,6 @@ std::string VtkSeries::head() const {
     return text + "</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_";
 }
 
-void VtkSeries::write(const std::filesystem::path& path, const std::string& bytes) {
-    engine::PartFile file(path.string(), true);
-    if (const int error = file.write(bytes.data(), bytes.size()); error != 0) {
-        file.discard();
-        throw engine::RecordError(fmt::format("{}: cannot write: {}", path.string(), std::strerror(error)));
-    }
-    file.publish();
-    bytes_ += bytes.size();
-}
-
 void VtkSeries::add(double time, const VtkFrame& frame) {
     std::string file = head();
     append(file, mesh_.connectivity);
@@ -107,15 +115,20 @@ void VtkSeries::add(double time, const VtkFrame& frame) {
     append(file, frame.points);
     for (const auto& values : frame.values) append(file, values);
     file += "\n</AppendedData>\n</VTKFile>\n";
-    const std::string name = fmt::format("{}_{:06}.vtu", folder_.filename().string(), count_++);
-    write(folder_ / name, file);
-    rows_ += fmt::format("<DataSet timestep=\"{}\" file=\"{}/{}\"/>\n", time, folder_.filename().string(), name);
+    const std::filesystem::path name = this->file(count_);
+    engine::write_whole({name.string(), {.force = replace_}}, file);
+    ++count_;
+    bytes_ += file.size();
+    rows_ += fmt::format("<DataSet timestep=\"{}\" file=\"{}/{}\"/>\n", time, folder_.filename().string(), name.filename().string());
 }
 
 std::uintmax_t VtkSeries::finish() {
-    write(collection_, "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n" +
-                           element("Collection", rows_) + "</VTKFile>\n");
-    return bytes_;
+    const std::string text = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n" +
+                             element("Collection", rows_) + "</VTKFile>\n";
+    engine::write_whole(collection_, text);
+    finished_ = true;
+    engine::remove_own_files(folder_, [this](const std::filesystem::path& there) { return number_of(there) >= count_; });
+    return bytes_ + text.size();
 }
 
 }  // namespace cvtflow::tools

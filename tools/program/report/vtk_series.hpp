@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "engine/record/run/output_rule.hpp"
+
 namespace cvtflow::tools {
 
 enum class VtkCell : std::uint8_t { line = 3, poly_line = 4, quad = 9 };
@@ -43,7 +45,11 @@ struct VtkFrame {
 class VtkSeries {
 public:
     /// @param replace whether files of a former series may go
-    VtkSeries(std::filesystem::path collection, const VtkMesh& mesh, std::vector<VtkArray> arrays, bool replace);
+    VtkSeries(const engine::Permit& collection, const VtkMesh& mesh, std::vector<VtkArray> arrays, bool replace);
+    /// Without finish(): removes what it has written.
+    ~VtkSeries();
+    VtkSeries(const VtkSeries&) = delete;
+    VtkSeries& operator=(const VtkSeries&) = delete;
     /// The next time.
     void add(double time, const VtkFrame& frame);
     /// The collection appears under its name. @return bytes of all files
@@ -52,9 +58,13 @@ public:
 private:
     [[nodiscard]] std::string head() const;
     [[nodiscard]] std::size_t length(const VtkArray& array) const noexcept;
-    void write(const std::filesystem::path& path, const std::string& bytes);
+    [[nodiscard]] std::filesystem::path file(long number) const;
+    /// Number of a file of a series of this name; -1: another file.
+    [[nodiscard]] long number_of(const std::filesystem::path& file) const;
 
-    std::filesystem::path collection_, folder_;
+    engine::Permit collection_;
+    std::filesystem::path folder_;
+    bool replace_, finished_ = false;
     const VtkMesh& mesh_;
     std::vector<VtkArray> arrays_;
     std::string rows_;  ///< of the collection

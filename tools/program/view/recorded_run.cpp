@@ -76,6 +76,12 @@ RecordedRun::RecordedRun(std::string path)
     if (!finite || !std::is_sorted(times_.begin(), times_.end())) throw engine::RecordError(path_ + ": damaged: times do not increase");
 }
 
+std::string RecordedRun::name() const {
+    const auto scene = reader_.attribute("scene");
+    const auto* text = scene ? std::get_if<std::string>(&scene->value) : nullptr;
+    return text != nullptr ? *text : "";
+}
+
 std::string RecordedRun::conditions() const {
     const auto& all = reader_.attributes();
     return fmt::format("{}, {}, step {}", text_of(all, "scene"), text_of(all, "method"), step_text(all));

@@ -26,6 +26,8 @@ public:
     explicit RecordedRun(std::string path);
 
     [[nodiscard]] const std::string& path() const noexcept { return path_; }
+    /// Of its scene.
+    [[nodiscard]] std::string name() const;
     [[nodiscard]] const engine::RunReader& reader() const noexcept { return reader_; }
     /// Empty if this program cannot read it.
     [[nodiscard]] const std::optional<tasks::Scene>& scene() const noexcept { return scene_; }

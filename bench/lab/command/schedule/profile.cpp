@@ -19,7 +19,7 @@
 #include "tools/program/arguments/scene_arguments.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output/output_folder.hpp"
-#include "tools/program/output/output_place.hpp"
+#include "tools/program/output/outputs.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::bench {
@@ -140,7 +140,7 @@ ExitStatus profile(const ProfileArguments& arguments) {
     if (!loaded.notice.empty() && !arguments.quiet) print_error(loaded.notice);
     const tasks::Scene& scene = loaded.scene;
     for (const std::string& file : {arguments.csv, arguments.json, arguments.trace, arguments.stages, arguments.curves})
-        require_no_input(file, {scene.path, scene.state_file});
+        engine::require_no_input(file, input_files(scene));
     const MeasureOptions options = options_of(arguments);
     ScheduleChoice choice = arguments.choice;
     choice.wait = waits.at(arguments.wait);

@@ -36,7 +36,7 @@ TEST_F(RunFileTest, KeepsTheFormerFileUntilTheNewOneIsComplete) {
         append_example(first, 7);
         first.close();
     }
-    RunFile second(path("out.h5"), example_contents());
+    RunFile second({path("out.h5"), {.force = true}}, example_contents());
     second.flush();
     EXPECT_EQ(RunReader(path("out.h5")).rows(), 1U);
     second.close();
@@ -144,15 +144,20 @@ TEST_F(RunFileTest, SaysWhyAFileCannotBeCreated) {
     }
 }
 
-TEST_F(RunFileTest, DoesNotReplaceFilesIfToldSo) {
-    const auto create = [](const std::string& name) { return error_of([&] { RunFile(name, example_contents(), {.replace = false}); }); };
-    { RunFile killed(path("a.h5"), example_contents()); }
-    EXPECT_EQ(create(path("a.h5")), path("a.h5.part") + ": cannot create: the file exists (a run is writing it, or was killed)");
+TEST_F(RunFileTest, ReplacesNothingUnlessPermitted) {
+    const auto create = [](const std::string& name) { return error_of([&] { RunFile(name, example_contents()); }); };
+    {
+        RunFile killed(path("a.h5"), example_contents());
+        append_example(killed, 0);
+    }
+    EXPECT_EQ(create(path("a.h5")),
+              path("a.h5.part") + ": already exists: rows of a run that was killed (cvtflow info shows them); --force replaces it");
+    EXPECT_EQ(RunReader(path("a.h5.part")).rows(), 1U);
     {
         RunFile finished(path("b.h5"), example_contents());
         finished.close();
     }
-    EXPECT_EQ(create(path("b.h5")), path("b.h5") + ": cannot create: the file exists");
+    EXPECT_EQ(create(path("b.h5")), path("b.h5") + ": already exists and is not a file that may be replaced; --force replaces it");
 }
 
 TEST_F(RunFileTest, RefusesAFileThatAnotherRunIsWriting) {

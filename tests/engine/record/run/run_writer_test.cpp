@@ -69,7 +69,7 @@ TEST_F(RunWriterTest, AFileOfAKilledRunHoldsAllRowsUpToTheLastFlush) {
 
 /// A child appends and flushes as fast as it can, telling in `flushed` (a pipe) how many rows it has brought to safety.
 void write_without_end(const std::string& path, int pipe_end) {
-    RunFile file(path, example_contents(), {.flush_seconds = 1e9, .channel_rows = 16});
+    RunFile file({path, {.force = true}}, example_contents(), {.flush_seconds = 1e9, .channel_rows = 16});
     for (int i = 0;; ++i) {
         append_example(file, i);
         append_example_state(file, i);

@@ -84,7 +84,7 @@ TEST_F(TornTable, IsKnownByItsTextUnlessItWasFinished) {
     EXPECT_TRUE(torn_while_growing(file_, "cvtflow cases"));
     EXPECT_FALSE(torn_while_growing(file_, "cvtflow causes"));
     EXPECT_FALSE(torn_while_growing(path("nothing.h5"), "cvtflow cases"));
-    write_cases(file_, table_);
+    write_cases({file_, {.force = true}}, table_);
     EXPECT_FALSE(torn_while_growing(file_, "cvtflow cases"));
     std::string changed = read_text_file(file_);
     changed[changed.size() / 2] = static_cast<char>(changed[changed.size() / 2] ^ 1);

@@ -10,9 +10,7 @@
 #include "tasks/scene/scene.hpp"
 #include "tools/program/command/command.hpp"
 #include "tools/program/guard.hpp"
-#include "tools/program/output/output_place.hpp"
-#include "tools/program/output/replacing.hpp"
-#include "tools/program/output/text_file.hpp"
+#include "tools/program/output/outputs.hpp"
 #include "tools/program/report/chain_solids.hpp"
 #include "tools/program/text/text.hpp"
 #include "tools/program/view/machine_state.hpp"
@@ -57,8 +55,7 @@ std::vector<Curve> columns_of(const RecordedRun& run, const std::vector<std::str
 ExitStatus export_csv(const ExportArguments& arguments) {
     const RecordedRun run(arguments.record);
     const std::vector<Curve> columns = columns_of(run, arguments.channels);
-    require_output(arguments.csv, {arguments.record});
-    const std::string replaced = replacing(arguments.csv, true, arguments.force);
+    const engine::Permit permit(arguments.csv, {.inputs = {arguments.record}, .force = arguments.force, .named = true, .devices = true});
     std::string text = "time [s]";
     for (const Curve& column : columns)
         text += ',' + tasks::csv_cell(fmt::format("{} [{}]", column.name, column.unit.empty() ? "1" : column.unit), true, false);
@@ -71,8 +68,8 @@ ExitStatus export_csv(const ExportArguments& arguments) {
         }
         text += '\n';
     }
-    write_text(arguments.csv, text);
-    if (!replaced.empty()) print_error(replaced);
+    engine::write_whole(permit, text);
+    if (!permit.notice().empty()) print_error(permit.notice());
     fmt::print("{}", field("written", fmt::format("{}, {} of {}", arguments.csv, plural(static_cast<long>(run.times().size()), "row"),
                                                   plural(static_cast<long>(columns.size() + 1), "column"))));
     return ExitStatus::finished;
@@ -85,14 +82,13 @@ ExitStatus export_record(const ExportArguments& arguments) {
     if (std::filesystem::path(arguments.vtk).extension() != ".pvd")
         throw UsageError(fmt::format("--vtk {}: the name must end in .pvd", arguments.vtk));
     const engine::RunReader run(arguments.record);
-    const std::string replaced = replacing(arguments.vtk, true, arguments.force);
-    require_output(arguments.vtk, {arguments.record});
+    const engine::Permit permit(arguments.vtk, {.inputs = {arguments.record}, .force = arguments.force, .named = true});
     const tasks::Scene scene = recorded_scene(arguments.record, run);
     const model::Variator variator(scene.parameters);
     const std::size_t states = run.state_times().size();
     if (states == 0) throw engine::RecordError(arguments.record + ": contains no states");
     ChainSolids solids(variator, scene.parameters);
-    VtkSeries series(arguments.vtk, solids.mesh(), ChainSolids::arrays(), arguments.force);
+    VtkSeries series(permit, solids.mesh(), ChainSolids::arrays(), arguments.force);
     VtkFrame frame;
     long shown = 0;
     for (std::size_t number = 0; number < states; number += static_cast<std::size_t>(arguments.every), ++shown) {
@@ -102,7 +98,7 @@ ExitStatus export_record(const ExportArguments& arguments) {
         series.add(recorded.time, frame);
     }
     const std::uintmax_t bytes = series.finish();
-    if (!replaced.empty()) print_error(replaced);
+    if (!permit.notice().empty()) print_error(permit.notice());
     fmt::print("{}", field("written", fmt::format("{}, {} of {} cells, {}", arguments.vtk, plural(shown, "state"), solids.mesh().cells(),
                                                   size_text(static_cast<double>(bytes)))));
     return ExitStatus::finished;

@@ -11,6 +11,7 @@
 #include <memory>
 
 #include "engine/base/hash.hpp"
+#include "engine/base/name_rule.hpp"
 #include "engine/record/run/schema.hpp"
 #include "tools/program/arguments/scene_arguments.hpp"
 #include "tools/program/command/command.hpp"
@@ -19,9 +20,8 @@
 #include "tools/program/output/fmu/generation_date.hpp"
 #include "tools/program/output/fmu/model_description.hpp"
 #include "tools/program/output/fmu/zip_file.hpp"
-#include "tools/program/output/output_place.hpp"
-#include "tools/program/output/replacing.hpp"
-#include "tools/program/output/text_file.hpp"
+#include "tools/program/output/outputs.hpp"
+#include "tools/program/text/markup.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::tools {
@@ -124,19 +124,29 @@ std::string fmu_bytes(const FmuArguments& arguments, const std::vector<FmuSystem
     return zip_file(files);
 }
 
+/// Its description is the first of its parts; one with very many variables is compressed, and known by nothing.
+engine::OutputRule fmu_rule(const FmuArguments& arguments, const tasks::Scene& scene) {
+    return {
+        .what = fmt::format("FMU of the scene '{}'", scene.name),
+        .own = engine::text_with({"modelDescription.xml", "generationTool=\"cvtflow ", fmt::format("modelName=\"{}\"", html(scene.name))}),
+        .inputs = input_files(scene),
+        .force = arguments.force,
+        .named = !arguments.output.empty()};
+}
+
 ExitStatus export_fmu(const FmuArguments& arguments) {
     const LoadedScene loaded = load_scene(arguments.scene);
     const std::string file = arguments.output.empty() ? loaded.scene.name + ".fmu" : arguments.output;
-    require_output(file, {loaded.scene.path});
-    const std::string replaced = replacing(file, !arguments.output.empty(), arguments.force);
-    for (const std::string& notice : {loaded.notice, replaced}) {
+    if (const std::string wrong = engine::text_problem(arguments.author); !wrong.empty()) throw UsageError("--author: " + wrong);
+    const engine::Permit permit(file, fmu_rule(arguments, loaded.scene));
+    for (const std::string& notice : {loaded.notice, permit.notice()}) {
         if (!notice.empty() && !arguments.quiet) print_error(notice);
     }
     std::vector<FmuSystem> systems = fmu_systems();
     const std::string alone = no_windows(systems);
     if (!alone.empty()) systems.pop_back();
     Simulation simulation = settled(Scene::parse(tasks::write_scene(loaded.scene), loaded.scene.path.string()));
-    write_text(file, fmu_bytes(arguments, systems, loaded.scene, simulation));
+    engine::write_whole(permit, fmu_bytes(arguments, systems, loaded.scene, simulation));
     for (const std::string& notice : simulation.notices()) print_error(notice);
     if (!arguments.quiet)
         fmt::print("{}: FMI {}.0 for co-simulation, {}, {}\n", file, arguments.version,

@@ -1,66 +1,27 @@
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <memory>
-#include <stdexcept>
 #include <string>
 
 #include "tools/program/command/command.hpp"
 #include "tools/program/guard.hpp"
-#include "tools/program/output/output_place.hpp"
-#include "tools/program/output/text_file.hpp"
+#include "tools/program/output/outputs.hpp"
+#include "tools/program/output/png_file.hpp"
 #include "tools/program/view/run_plots.hpp"
 #include "tools/program/view/sweep_plots.hpp"
 #include "tools/program/view/wear_plots.hpp"
-
-extern char** environ;
 
 namespace cvtflow::tools {
 
 namespace {
 
-/// An anonymous temporary file that contains the text, positioned at its beginning.
-std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_with(const std::string& text) {
-    std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::tmpfile(), std::fclose);
-    if (!file || std::fwrite(text.data(), 1, text.size(), file.get()) != text.size() || std::fflush(file.get()) != 0)
-        throw std::runtime_error(fmt::format("cannot write a temporary file: {}", std::strerror(errno)));
-    std::rewind(file.get());
-    return file;
-}
-
-/// Writes a picture as PNG with rsvg-convert.
-/// @throws std::runtime_error if rsvg-convert is missing (names the package) or fails
-void write_png(const std::string& path, const std::string& svg) {
-    const auto input = file_with(svg);
-    std::string program = "rsvg-convert", format = "--format=png", zoom = "--zoom=2", output = "--output=" + path;
-    char* words[] = {program.data(), format.data(), zoom.data(), output.data(), nullptr};
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_adddup2(&actions, fileno(input.get()), STDIN_FILENO);
-    pid_t child = -1;
-    const int failed = posix_spawnp(&child, words[0], &actions, nullptr, words, environ);
-    posix_spawn_file_actions_destroy(&actions);
-    if (failed == ENOENT)
-        throw std::runtime_error(path +
-                                 ": PNG requires the program rsvg-convert (Debian: apt-get install librsvg2-bin); SVG and CSV do not");
-    if (failed != 0) throw std::runtime_error(fmt::format("{}: cannot run rsvg-convert: {}", path, std::strerror(failed)));
-    int status = 0;
-    while (waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
-    if (status != 0) throw std::runtime_error(path + ": rsvg-convert could not write it");
-}
-
 struct PlotArguments {
     std::vector<std::string> words;
     std::string output, x, y, colour;
     std::vector<std::string> where;
-    bool orders = false, round = false, losses = false, wear = false, every_output = false;
+    bool orders = false, round = false, losses = false, wear = false, every_output = false, force = false;
 };
 
 /// Files come first, then channels.
@@ -78,11 +39,12 @@ PlotWords sorted_words(const std::vector<std::string>& words) {
     return sorted;
 }
 
-std::vector<Plot> plots_of_runs(const PlotArguments& arguments, const PlotWords& words) {
+std::vector<Plot> plots_of_runs(const PlotArguments& arguments, const PlotWords& words, std::string& of) {
     if (!arguments.x.empty() || !arguments.y.empty() || !arguments.colour.empty() || !arguments.where.empty())
         throw UsageError("--x, --y, --colour and --where are for sweeps; " + words.files.front() + " is not a sweep");
     std::vector<RecordedRun> runs;
     for (const std::string& file : words.files) runs.emplace_back(file);
+    of = runs.front().name();
     if (arguments.wear && runs.size() > 1) throw UsageError("--wear draws one record");
     if (arguments.wear) return wear_plots(runs.front());
     if (arguments.round) return {round_plot(runs)};
@@ -93,7 +55,8 @@ std::vector<Plot> plots_of_runs(const PlotArguments& arguments, const PlotWords&
     return plots;
 }
 
-std::vector<Plot> plots_of_sweeps(const PlotArguments& arguments, const PlotWords& words) {
+/// @param of receives the name of the sweep, or of the scene above
+std::vector<Plot> plots_of_sweeps(const PlotArguments& arguments, const PlotWords& words, std::string& of) {
     if (arguments.orders || arguments.round || arguments.losses || arguments.wear || !words.channels.empty())
         throw UsageError("channels, --orders, --round, --losses and --wear are for records; " + words.files.front() + " is a sweep");
     if (arguments.x.empty() || arguments.y.empty())
@@ -101,6 +64,7 @@ std::vector<Plot> plots_of_sweeps(const PlotArguments& arguments, const PlotWord
     std::vector<Plot> plots;
     for (const std::string& file : words.files) {
         SweepView sweep = read_sweep(file);
+        if (of.empty()) of = sweep.name;
         for (const std::string& condition : arguments.where) sweep.keep(condition);
         plots.push_back(arguments.colour.empty() ? sweep_curves(sweep, arguments.x, arguments.y)
                                                  : sweep_map(sweep, arguments.x, arguments.y, arguments.colour));
@@ -112,9 +76,9 @@ std::vector<Plot> plots_of_sweeps(const PlotArguments& arguments, const PlotWord
 /// Beside the input, unless the user names a file.
 std::string picture_path(const PlotArguments& arguments, const std::string& file) {
     if (!arguments.output.empty()) return arguments.output;
-    std::filesystem::path path(file);
+    const std::filesystem::path path(file);
     if (std::filesystem::is_directory(path)) return (path / "plot.svg").string();
-    return path.replace_extension(".svg").string();
+    return beside(file, ".svg");
 }
 
 ExitStatus plot(const PlotArguments& arguments) {
@@ -123,13 +87,18 @@ ExitStatus plot(const PlotArguments& arguments) {
     const std::string kind = std::filesystem::path(path).extension().string();
     if (kind != ".svg" && kind != ".png" && kind != ".csv")
         throw UsageError(fmt::format("-o {}: expected FILE.svg, FILE.png or FILE.csv", path));
-    require_no_input(path, {words.files.begin(), words.files.end()});
-    const std::vector<Plot> plots = is_sweep(words.files.front()) ? plots_of_sweeps(arguments, words) : plots_of_runs(arguments, words);
+    const std::vector<std::filesystem::path> inputs = read_files(words.files);
+    engine::require_no_input(path, inputs);
+    std::string of;
+    const std::vector<Plot> plots =
+        is_sweep(words.files.front()) ? plots_of_sweeps(arguments, words, of) : plots_of_runs(arguments, words, of);
     if (plots.empty()) throw UsageError("nothing to draw: name a channel (cvtflow info " + words.files.front() + ")");
-    if (kind == ".png")
-        write_png(path, svg(plots));
-    else
-        write_text(path, kind == ".csv" ? csv(plots) : svg(plots));
+    const std::string text = kind == ".csv" ? csv(plots) : marked(svg(plots), mark_of("picture", of));
+    engine::OutputRule rule = kind == ".csv" ? engine::OutputRule{.named = true, .devices = true} : marked_rule("picture", of);
+    rule.inputs = inputs;
+    rule.force = arguments.force;
+    const engine::Permit permit(path, rule);
+    engine::write_whole(permit, kind == ".png" ? png_of(path, text, mark_of("picture", of)) : text);
     fmt::print("{}\n", path);
     return ExitStatus::finished;
 }
@@ -158,11 +127,13 @@ Action declare_plot(CLI::App& app) {
         ->expected(1)
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    app.add_flag("--force", arguments->force, force_meaning);
     app.footer(
         "cvtflow plot run.h5 slip efficiency          cvtflow plot a.h5 b.h5 shaft_1/speed   (both in one picture)\n"
         "cvtflow plot run.h5 'tips/axial_force[7]'    cvtflow plot run.h5 tight_tension --orders -o orders.png\n"
         "cvtflow plot SWEEP --x load.torque --y start.ratio --colour slip_mean --where clamping.driven=20000\n"
-        "For channels of more than four numbers, minimum, mean and maximum are drawn. PNG requires rsvg-convert (librsvg2-bin).");
+        "For channels of more than four numbers, minimum, mean and maximum are drawn. PNG requires rsvg-convert (librsvg2-bin).\n"
+        "A picture of the same scene or sweep is replaced, any other file only with --force.");
     return [arguments] { return plot(*arguments); };
 }
 

@@ -7,8 +7,7 @@
 #include "tools/program/command/command.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/html/run_page.hpp"
-#include "tools/program/output/output_place.hpp"
-#include "tools/program/output/text_file.hpp"
+#include "tools/program/output/outputs.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::tools {
@@ -18,6 +17,7 @@ namespace {
 struct ReportArguments {
     std::vector<std::string> files;
     std::string output;
+    bool force = false;
 };
 
 /// The page shows what was recorded; the chain needs the machine as well.
@@ -33,33 +33,42 @@ void warn_without_machine(const RecordedRun& run, const std::string& file) {
     }
 }
 
-std::string page_of(const std::vector<std::string>& files) {
+struct MadePage {
+    std::string text, of;  ///< of: name of the scene or sweep
+};
+
+MadePage page_of(const std::vector<std::string>& files) {
     if (is_sweep(files.front())) {
         if (files.size() > 1) throw UsageError("a report covers one sweep, or one or more records");
-        return sweep_page(read_sweep(files.front()));
+        const SweepView sweep = read_sweep(files.front());
+        return {sweep_page(sweep), sweep.name};
     }
     std::vector<RecordedRun> runs;
     for (const std::string& file : files) {
         runs.emplace_back(file);
         warn_without_machine(runs.back(), file);
     }
-    return run_page(runs);
+    return {run_page(runs), runs.front().name()};
 }
 
 /// Beside the input, unless the user names a file.
 std::string report_path(const ReportArguments& arguments) {
     if (!arguments.output.empty()) return arguments.output;
-    std::filesystem::path path(arguments.files.front());
+    const std::filesystem::path path(arguments.files.front());
     if (std::filesystem::is_directory(path)) return (path / "report.html").string();
-    return path.replace_extension(".html").string();
+    return beside(path.string(), ".html");
 }
 
 ExitStatus report(const ReportArguments& arguments) {
     const std::string path = report_path(arguments);
-    require_no_input(path, {arguments.files.begin(), arguments.files.end()});
-    const std::string page = page_of(arguments.files);
-    write_text(path, page);
-    fmt::print("{} ({})\n", path, size_text(static_cast<double>(page.size())));
+    const std::vector<std::filesystem::path> inputs = read_files(arguments.files);
+    engine::require_no_input(path, inputs);
+    const MadePage page = page_of(arguments.files);
+    engine::OutputRule rule = marked_rule("page", page.of);
+    rule.inputs = inputs;
+    rule.force = arguments.force;
+    engine::write_whole({path, rule}, marked(page.text, mark_of("page", page.of)));
+    fmt::print("{} ({})\n", path, size_text(static_cast<double>(page.text.size())));
     return ExitStatus::finished;
 }
 
@@ -71,9 +80,11 @@ Action declare_report(CLI::App& app) {
         ->required()
         ->type_name("...");
     app.add_option("-o,--output", arguments->output, "Page to write (default: beside the input, .html)")->type_name("FILE");
+    app.add_flag("--force", arguments->force, force_meaning);
     app.footer(
         "The page is one file and needs no network: status and warnings, scene, key figures, curves, running chain, spectra, losses,\n"
-        "tip forces, provenance. Long records are thinned to minima and maxima, and the page states it.");
+        "tip forces, provenance. A page of the same scene or sweep is replaced, any other file only with --force. Long records are thinned "
+        "to minima and maxima, and the page states it.");
     return [arguments] { return report(*arguments); };
 }
 

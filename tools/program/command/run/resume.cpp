@@ -13,9 +13,8 @@
 #include "tools/program/command/command.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output/interrupt.hpp"
-#include "tools/program/output/output_place.hpp"
+#include "tools/program/output/outputs.hpp"
 #include "tools/program/output/progress.hpp"
-#include "tools/program/output/replacing.hpp"
 #include "tools/program/text/batch_text.hpp"
 #include "tools/program/text/text.hpp"
 
@@ -35,31 +34,50 @@ struct ResumeArguments {
 
 constexpr std::string_view checkpoint_ending = ".checkpoint.h5";
 
-/// The record that belongs to a checkpoint: beside it, NAME.h5 for NAME.checkpoint.h5. The path stored in the checkpoint must agree but is
-/// never used to choose a file. @throws engine::RecordError if it differs
+/// The record that belongs to a checkpoint: beside it, NAME.h5 or NAME for NAME.checkpoint.h5. The path stored in the checkpoint must agree
+/// but is never used to choose a file. @throws engine::RecordError if it differs
 std::string record_beside(const std::string& file, const tasks::Checkpoint& checkpoint) {
     if (checkpoint.record.empty()) return {};
     const bool named = file.ends_with(checkpoint_ending) && file.size() > checkpoint_ending.size();
-    const std::string beside = named ? file.substr(0, file.size() - checkpoint_ending.size()) + ".h5" : "";
+    const std::string stem = named ? file.substr(0, file.size() - checkpoint_ending.size()) : "";
     const auto place = [](const std::string& name) {
         std::error_code unknown;
         return std::filesystem::weakly_canonical(std::filesystem::absolute(name), unknown);
     };
-    if (named && place(beside) == place(checkpoint.record)) return beside;
+    for (const std::string& beside : {stem + ".h5", stem}) {
+        if (named && place(beside) == place(checkpoint.record)) return beside;
+    }
     throw engine::RecordError(
         fmt::format("{}: its run wrote the record {}, which is not NAME.h5 beside the checkpoint; -o FILE names the record to continue, "
                     "-o none resumes without a record",
                     file, checkpoint.record));
 }
 
-/// Notice that a record of another run is replaced: allowed because this run left a .part or .before file beside it.
+std::string record_place(const ResumeArguments& arguments, const tasks::Checkpoint& checkpoint) {
+    if (arguments.output.empty()) return record_beside(arguments.what, checkpoint);
+    return arguments.output == "none" ? "" : arguments.output;
+}
+
+/// Where to go on. What is there is looked at by engine::set_aside: the run's own files, and the record that it was to replace.
+engine::Permit record_permit(const ResumeArguments& arguments, const tasks::Checkpoint& checkpoint, const tasks::Scene& scene) {
+    std::vector<std::filesystem::path> inputs = input_files(scene);
+    inputs.emplace_back(arguments.what);
+    return {record_place(arguments, checkpoint), {.inputs = inputs, .force = true}};
+}
+
+/// Without its record, a run must not move its checkpoint on: the rows in between would be nowhere.
+bool keeps_record_waiting(const tasks::RunOptions& options, const tasks::Checkpoint& checkpoint) {
+    return options.file.empty() && !checkpoint.run.empty();
+}
+
+/// Notice that the record of another run is replaced.
 std::string replacing_another(const std::string& file, const tasks::Checkpoint& checkpoint) {
-    const bool left = std::filesystem::exists(file + ".before") || std::filesystem::exists(file + ".part");
-    if (!left || !std::filesystem::exists(file)) return {};
+    std::error_code absent;
+    if (!std::filesystem::exists(file, absent)) return {};
     try {
         if (tasks::is_record_of(checkpoint, file)) return {};
     } catch (const engine::RecordError&) {}  // no record at all
-    return replacing(file, false, false);
+    return file + ": the existing file is replaced";
 }
 
 tasks::Scene scene_to_go_on(const ResumeArguments& arguments, const tasks::Checkpoint& checkpoint) {
@@ -86,32 +104,27 @@ ExitStatus go_on_sweep(const ResumeArguments& arguments) {
     return run_sweep(load_sweep(sweep_of(arguments.what)), options, arguments.quiet);
 }
 
-std::string record_place(const ResumeArguments& arguments, const tasks::Checkpoint& checkpoint) {
-    if (arguments.output.empty()) return record_beside(arguments.what, checkpoint);
-    return arguments.output == "none" ? "" : arguments.output;
-}
-
 ExitStatus go_on(const ResumeArguments& arguments) {
     if (std::filesystem::is_directory(arguments.what)) return go_on_sweep(arguments);
     const tasks::Checkpoint checkpoint = tasks::read_checkpoint(arguments.what);
     const tasks::Scene scene = scene_to_go_on(arguments, checkpoint);
     ProgressDisplay display(progress_style(arguments.quiet), scene.run.until);
     tasks::RunOptions options;
-    options.file = record_place(arguments, checkpoint);
+    options.file = record_permit(arguments, checkpoint, scene);
     options.replace = arguments.force;
-    require_output(options.file, {arguments.what, scene.path, scene.state_file});
+    options.replaces = checkpoint.replaces;
     options.cancel = &catch_interrupts();
-    options.checkpoint = arguments.what;
+    if (!keeps_record_waiting(options, checkpoint)) options.checkpoint = arguments.what;
     options.checkpoint_every = seconds_of("--checkpoint-every", arguments.every.value_or("60 s"));
     options.from = &checkpoint;
     if (!arguments.quiet) options.progress = [&display](const tasks::Progress& progress) { display.show(progress); };
-    if (const std::string replaced = replacing_another(options.file, checkpoint); !replaced.empty() && !arguments.quiet)
-        print_error(replaced);
+    const std::string replaced = options.file.empty() ? "" : replacing_another(options.file.path(), checkpoint);
+    if (!replaced.empty() && !arguments.quiet) print_error(replaced);
     if (!arguments.quiet) print_error(fmt::format("{} resumes at t = {}", scene.name, time_text(checkpoint.integration.time)));
     const tasks::RunReport report = tasks::run_scene(scene, options);
     if (!arguments.quiet) {
         fmt::print("{}: {}{}", engine::visible(scene.name), tasks::summary(report),
-                   field("record", options.file.empty() ? "none" : options.file));
+                   field("record", options.file.empty() ? "none" : options.file.path()));
     } else if (report.fault) {
         print_error(report.fault.message());
     }

@@ -13,9 +13,8 @@
 #include "tools/program/command/command.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output/interrupt.hpp"
-#include "tools/program/output/output_place.hpp"
+#include "tools/program/output/outputs.hpp"
 #include "tools/program/output/progress.hpp"
-#include "tools/program/output/replacing.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::tools {
@@ -44,19 +43,30 @@ std::string record_path(const RunArguments& arguments, const tasks::Scene& scene
 /// Beside the record, or under the scene's name.
 std::string checkpoint_path(const RunArguments& arguments, const tasks::Scene& scene, const std::string& record) {
     if (!arguments.checkpoint.empty()) return arguments.checkpoint;
-    std::filesystem::path path = record.empty() ? scene.path.stem() : std::filesystem::path(record);
-    return path.replace_extension(".checkpoint.h5").string();
+    return beside(record.empty() ? scene.path.stem().string() : record, ".checkpoint.h5");
 }
 
-/// Checks the command line and the output paths before the work begins.
-void require_places(const RunArguments& arguments, const tasks::Scene& scene, const std::string& file) {
-    const std::vector<std::filesystem::path> inputs{scene.path, scene.state_file};
-    require_output(file, inputs);
-    if (!arguments.checkpoint_every) return;
-    static_cast<void>(seconds_of("--checkpoint-every", *arguments.checkpoint_every));
+/// Checks the command line and the output paths before the work begins. A checkpoint beside the record belongs to a run that can go on.
+engine::Permit require_places(const RunArguments& arguments, const tasks::Scene& scene, const std::string& file) {
     const std::string checkpoint = checkpoint_path(arguments, scene, file);
-    require_checkpoint_place(checkpoint, file, inputs);
-    keep_checkpoint(checkpoint, arguments.force);
+    if (arguments.checkpoint_every) static_cast<void>(seconds_of("--checkpoint-every", *arguments.checkpoint_every));
+    const bool kept = arguments.checkpoint_every || !file.empty();
+    if (kept && !arguments.force) keep_checkpoint(checkpoint);
+    engine::Permit permit(file, record_rule(scene, !arguments.output.empty(), arguments.force));
+    if (arguments.checkpoint_every) require_checkpoint_place(checkpoint, file, input_files(scene));
+    if (kept && arguments.force) forget_checkpoint(checkpoint, input_files(scene));
+    if (!permit.notice().empty() && !arguments.quiet) print_error(permit.notice());
+    return permit;
+}
+
+/// Identity of the run whose record is there and will be replaced; empty: none.
+std::string run_replaced(const engine::Permit& record) {
+    if (record.notice().empty()) return {};
+    try {
+        return tasks::run_of_record(record.path());
+    } catch (const engine::RecordError&) {
+        return {};  // another file
+    }
 }
 
 std::string record_text(const std::string& path) {
@@ -73,14 +83,15 @@ std::string machine_text() {
                                         here.instruction_set));
 }
 
-tasks::RunReport simulate(const RunArguments& arguments, const tasks::Scene& scene, const std::string& file) {
+tasks::RunReport simulate(const RunArguments& arguments, const tasks::Scene& scene, const engine::Permit& file) {
     ProgressDisplay display(progress_style(arguments.quiet), scene.run.until);
     tasks::RunOptions options;
     options.file = file;
+    options.replaces = run_replaced(file);
     options.cancel = &catch_interrupts();
     if (arguments.checkpoint_every) {
         options.checkpoint_every = seconds_of("--checkpoint-every", *arguments.checkpoint_every);
-        options.checkpoint = checkpoint_path(arguments, scene, file);
+        options.checkpoint = checkpoint_path(arguments, scene, file.path());
     }
     options.notice = [](const std::string& text) { print_error(text); };
     if (!arguments.quiet) options.progress = [&display](const tasks::Progress& progress) { display.show(progress); };
@@ -102,11 +113,9 @@ tasks::Scene tuned(const RunArguments& arguments, const tasks::Scene& scene) {
 ExitStatus run_loaded(const RunArguments& arguments, LoadedScene loaded) {
     if (!loaded.notice.empty() && !arguments.quiet) print_error(loaded.notice);
     const std::string file = record_path(arguments, loaded.scene);
-    require_places(arguments, loaded.scene, file);
+    const engine::Permit permit = require_places(arguments, loaded.scene, file);
     if (arguments.tuning.accuracy) loaded.scene = tuned(arguments, loaded.scene);
-    const std::string replaced = replacing(file, !arguments.output.empty(), arguments.force);
-    if (!replaced.empty() && !arguments.quiet) print_error(replaced);
-    const tasks::RunReport report = simulate(arguments, loaded.scene, file);
+    const tasks::RunReport report = simulate(arguments, loaded.scene, permit);
     if (!arguments.quiet) {
         fmt::print("{}: {}{}{}", loaded.scene.name, tasks::summary(report), machine_text(), field("record", record_text(file)));
     } else if (report.fault) {

@@ -9,9 +9,8 @@
 #include "tools/program/command/command.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output/interrupt.hpp"
-#include "tools/program/output/output_place.hpp"
+#include "tools/program/output/outputs.hpp"
 #include "tools/program/output/progress.hpp"
-#include "tools/program/output/replacing.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::tools {
@@ -24,7 +23,7 @@ struct SettleArguments {
     bool force = false, quiet = false;
 };
 
-double simulate(const SettleArguments& arguments, const tasks::Scene& scene, const std::string& file) {
+double simulate(const SettleArguments& arguments, const tasks::Scene& scene, const engine::Permit& file) {
     ProgressDisplay display(progress_style(arguments.quiet), 0.0);
     tasks::RunOptions options;
     options.cancel = &catch_interrupts();
@@ -40,10 +39,9 @@ ExitStatus settle(SettleArguments& arguments) {
     if (start.layout != model::StartLayout::belt || start.settling_time <= 0.0) {
         throw tasks::SceneError(fmt::format("{}: nothing to settle: start.layout is \"ring\" or start.settling_time is 0", scene.name));
     }
-    require_output(file, {scene.path});  // fails before settling, not after it
-    const std::string replaced = replacing(file, !arguments.output.empty(), arguments.force);
-    if (!replaced.empty() && !arguments.quiet) print_error(replaced);
-    const double suspicion = simulate(arguments, scene, file);
+    const engine::Permit permit(file, state_rule(scene, !arguments.output.empty(), arguments.force));  // before settling, not after it
+    if (!permit.notice().empty() && !arguments.quiet) print_error(permit.notice());
+    const double suspicion = simulate(arguments, scene, permit);
     const ExitStatus status = suspicion <= 1.0 ? ExitStatus::finished : ExitStatus::unreliable;
     if (status == ExitStatus::unreliable) {
         print_error(

@@ -11,9 +11,7 @@
 #include "tools/program/guard.hpp"
 #include "tools/program/output/interrupt.hpp"
 #include "tools/program/output/output_folder.hpp"
-#include "tools/program/output/output_place.hpp"
-#include "tools/program/output/replacing.hpp"
-#include "tools/program/output/text_file.hpp"
+#include "tools/program/output/outputs.hpp"
 #include "tools/program/report/tune_report.hpp"
 #include "tools/program/text/text.hpp"
 
@@ -53,19 +51,42 @@ bool held(const std::vector<UnseenPoint>& unseen, double accuracy) {
     return 20 * missed <= judged;
 }
 
-/// Writes FILE and, if the scene's start does not fit, a state beside it.
-void write_tuned(const TuneArguments& arguments, tasks::Tuner& tuner, const tasks::Scene& scene, const tasks::TuneResult& result) {
+/// FILE, and beside it a picture and, if the scene's start does not fit, a state.
+struct TunedFiles {
+    engine::Permit scene, picture, state;
+};
+
+/// Asked before the work, whether a state will be needed or not.
+TunedFiles permit_files(const TuneArguments& arguments, const tasks::Scene& scene, bool named) {
+    const std::string &file = arguments.file, picture = beside(file, ".svg"), state = beside(file, ".h5");
+    if (file == picture || file == state) throw UsageError(fmt::format("--write {}: expected FILE.toml", file));
+    const bool force = arguments.force;
+    engine::OutputRule scene_rule{.what = fmt::format("scene that cvtflow tuned from '{}'", scene.name),
+                                  .own = engine::text_with({fmt::format("# {} for an accuracy of ", scene.name), "# Made by cvtflow"}),
+                                  .inputs = input_files(scene),
+                                  .force = force,
+                                  .named = named};
+    engine::OutputRule picture_rule = marked_rule("picture", scene.name);
+    picture_rule.inputs = scene_rule.inputs;
+    picture_rule.force = force;
+    picture_rule.devices = false;
+    TunedFiles files{{file, scene_rule}, {picture, picture_rule}, {}};
+    if (scene.parameters.start.layout == model::StartLayout::belt) files.state = {state, state_rule(scene, false, force)};
+    if (!files.scene.notice().empty() && !arguments.quiet) print_error(files.scene.notice());
+    return files;
+}
+
+void write_tuned(const TunedFiles& files, tasks::Tuner& tuner, const tasks::Scene& scene, const tasks::TuneResult& result) {
     const tasks::TunedChoice& chosen = result.choices[*result.chosen];
-    std::string state;
+    std::string place;
     if (tasks::needs_own_state(scene, tasks::chosen_scene(scene, chosen.choice, chosen.step))) {
-        state = std::filesystem::path(arguments.file).replace_extension(".h5").string();
-        engine::write_state(state, tuner.settled_state(chosen.choice));
+        place = std::filesystem::absolute(files.state.path()).lexically_normal().string();
+        engine::write_state(files.state, tuner.settled_state(chosen.choice));
     }
-    const std::string place = state.empty() ? "" : std::filesystem::absolute(state).lexically_normal().string();
-    write_text(arguments.file, tasks::tuned_text(scene, result, place));
-    const std::string picture = std::filesystem::path(arguments.file).replace_extension(".svg").string();
-    write_text(picture, tune_picture(result));
-    fmt::print("{}", field("written", fmt::format("{}, {}{}", arguments.file, picture, state.empty() ? "" : ", " + state)));
+    engine::write_whole(files.scene, tasks::tuned_text(scene, result, place));
+    engine::write_whole(files.picture, marked(tune_picture(result), mark_of("picture", scene.name)));
+    fmt::print("{}", field("written", fmt::format("{}, {}{}", files.scene.path(), files.picture.path(),
+                                                  place.empty() ? "" : ", " + files.state.path())));
 }
 
 ExitStatus tune(TuneArguments& arguments) try {
@@ -75,9 +96,7 @@ ExitStatus tune(TuneArguments& arguments) try {
     if (!loaded.notice.empty() && !arguments.quiet) print_error(loaded.notice);
     const bool named = !arguments.file.empty();
     if (!named) arguments.file = scene.path.stem().string() + ".tuned.toml";
-    require_output(arguments.file, {scene.path, scene.state_file});
-    const std::string replaced = replacing(arguments.file, named, arguments.force);
-    if (!replaced.empty() && !arguments.quiet) print_error(replaced);
+    const TunedFiles files = permit_files(arguments, scene, named);
     tasks::Tuner tuner(scene, settings, catch_interrupts());
     const tasks::TuneResult result = tuner.tune(settings.accuracy);
     fmt::print("{}", tune_text(result));
@@ -85,7 +104,7 @@ ExitStatus tune(TuneArguments& arguments) try {
     if (result.chosen) {
         unseen = verify(tuner, scene, settings, result, arguments.verify);
         if (!unseen.empty()) fmt::print("{}", unseen_text(result, unseen));
-        write_tuned(arguments, tuner, scene, result);
+        write_tuned(files, tuner, scene, result);
     }
     OutputFolder folder(arguments.output);
     folder.write("tune_" + result.scene + ".csv", tune_csv(result));

@@ -1,0 +1,235 @@
+#include "engine/record/run/output_rule.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <optional>
+#include <utility>
+
+#include "engine/base/input_file.hpp"
+#include "engine/record/hdf5/hdf5_open.hpp"
+#include "engine/record/run/part_file.hpp"
+#include "engine/record/run/run_reader.hpp"
+#include "engine/record/run/schema.hpp"
+#include "engine/record/table/case_table.hpp"
+#include "engine/record/table/torn_table.hpp"
+
+namespace cvtflow::engine {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void refuse_creation(const std::string& path, const std::string& why) { throw RecordError(path + ": cannot create: " + why); }
+
+/// Up to 4 KiB of a file; empty if it cannot be read.
+std::string head_of(const std::string& path) {
+    std::string head(4096, '\0');
+    try {
+        head.resize(InputFile(path).read(0, reinterpret_cast<std::byte*>(head.data()), head.size()));
+        return head;
+    } catch (const InputError&) {
+        return {};
+    }
+}
+
+/// What HDF5 leaves of a file that it has created and not yet flushed: no row of a run, whose file is flushed before the first.
+bool is_unflushed(const std::string& path) {
+    const std::string head = head_of(path);
+    return !head.empty() && head.find_first_not_of('\0') == std::string::npos;
+}
+
+/// Version of the superblock that an HDF5 file begins with: 2 in states, 3 in records and tables; -1: no HDF5 file.
+int hdf5_version(const std::string& path) {
+    const std::string head = head_of(path);
+    return head.size() > 8 && head.starts_with("\x89HDF\r\n\x1a\n") ? head[8] : -1;
+}
+
+/// Its attribute `format`; nothing if HDF5 cannot read it.
+std::optional<std::string> format_of(const std::string& path) {
+    try {
+        return hdf5::format_of(path);
+    } catch (const RecordError&) {
+        return std::nullopt;
+    }
+}
+
+bool has_text(const std::optional<Attribute>& attribute, const std::string& text) {
+    const auto* found = attribute ? std::get_if<std::string>(&attribute->value) : nullptr;
+    return found != nullptr && *found == text;
+}
+
+/// Whether a file has rows of a run: what a killed one left. Unreadable files of HDF5 count as such; none that small can have rows.
+bool holds_rows(const std::string& path) {
+    constexpr std::uintmax_t most_without_rows = 8192;
+    if (hdf5_version(path) != 3) return false;
+    try {
+        return RunReader(path).rows() > 0;
+    } catch (const RecordError&) {
+        std::error_code unknown;
+        return !format_of(path) && fs::file_size(path, unknown) > most_without_rows;
+    }
+}
+
+/// Names of what this process has open, which a shell gave it, lead where the shell's `>` would.
+bool is_descriptor(const std::string& path) {
+    return path == "/dev/stdout" || path == "/dev/stderr" || path.starts_with("/dev/fd/") || path.starts_with("/proc/self/fd/");
+}
+
+/// Whether a writer of texts takes the name as a shell's `>` does: a device or a pipe.
+bool leads_to_device(const std::string& path) {
+    struct stat file {};
+    if (stat(path.c_str(), &file) != 0) return false;
+    return is_descriptor(path) || S_ISCHR(file.st_mode) || S_ISFIFO(file.st_mode);
+}
+
+void require_place(const std::string& path) {
+    if (path.back() == '/') refuse_creation(path, "a folder, not a file");
+    for (const char* suffix : {"", ".part"}) {
+        if (const std::string other = other_than_file(path + suffix); !other.empty()) refuse_creation(path + suffix, other);
+    }
+    std::error_code ignored;
+    const std::string parent = fs::path(path).parent_path().string(), folder = parent.empty() ? "." : parent;
+    if (!fs::is_directory(folder, ignored)) refuse_creation(path, "the folder '" + folder + "' does not exist");
+    if (access(folder.c_str(), W_OK) != 0) refuse_creation(path, std::strerror(errno));
+}
+
+bool is_owned(const OutputRule& rule, const std::string& file) {
+    try {
+        return rule.own && rule.own(file);
+    } catch (const RecordError&) {
+        return false;
+    }
+}
+
+/// What a killed writer left beside the name: the .part of its file, or the .before of a record that was being continued. A live one is
+/// found by PartFile.
+void require_free_part(const std::string& part, const OutputRule& rule) {
+    std::error_code absent;
+    if (rule.force || !fs::exists(part, absent) || fs::file_size(part, absent) == 0 || being_written(part)) return;
+    const bool rows = holds_rows(part);
+    if (rows && !rule.repeats)
+        throw RecordError(part + ": already exists: rows of a run that was killed (cvtflow info shows them); " + rule.advice);
+    if (rule.repeats && is_unflushed(part)) return;
+    if (part.ends_with(".before")) return;  // nobody writes there but resume, which asks for itself
+    if (is_owned(rule, part) || (!rows && hdf5_version(part) == 3 && format_of(part).value_or("cvtflow run") == "cvtflow run")) return;
+    throw RecordError(part + ": already exists and is not a " + rule.what + "; " + rule.advice);
+}
+
+void require_own(const std::string& path, const OutputRule& rule) {
+    if (rule.force) return;
+    if (rule.named) throw RecordError(path + ": already exists; " + rule.advice);
+    if (!is_owned(rule, path)) throw RecordError(path + ": already exists and is not a " + rule.what + "; " + rule.advice);
+}
+
+}  // namespace
+
+std::string other_than_file(const std::string& path) {
+    struct stat file {};
+    if (lstat(path.c_str(), &file) != 0 || S_ISREG(file.st_mode)) return "";
+    if (S_ISLNK(file.st_mode)) return "a symbolic link; name its target";
+    return S_ISDIR(file.st_mode) ? "a folder, not a file" : "a device, pipe or socket, not a file";
+}
+
+void require_no_input(const std::string& path, const std::vector<fs::path>& inputs) {
+    for (const std::string& written : {path, path + ".part"}) {
+        for (const fs::path& input : inputs) {
+            std::error_code absent;
+            if (input.empty() || !fs::equivalent(written, input, absent) || absent) continue;
+            refuse_creation(path, (written == path ? "it" : "its .part") + std::string(" would replace the input ") + input.string());
+        }
+    }
+}
+
+Permit::Permit(const std::string& path) : Permit(path, OutputRule{}) {}
+
+Permit::Permit(const std::string& path, const OutputRule& rule) : path_(path) {
+    if (path.empty()) return;
+    require_no_input(path, rule.inputs);
+    device_ = rule.devices && leads_to_device(path);
+    if (device_) return;
+    require_place(path);
+    std::error_code absent;
+    replaces_ = fs::exists(path, absent);
+    if (replaces_) require_own(path, rule);
+    for (const char* suffix : {".part", ".before"}) require_free_part(path + suffix, rule);
+}
+
+std::string Permit::notice() const { return replaces_ ? path_ + ": the existing file is replaced" : ""; }
+
+IsOwn record_with(std::string attribute, std::string text) {
+    return [attribute = std::move(attribute), text = std::move(text)](const std::string& file) {
+        return hdf5_version(file) == 3 && has_text(RunReader(file).attribute(attribute), text);
+    };
+}
+
+bool is_torn_record(const std::string& file) { return hdf5_version(file) == 3 && !format_of(file); }
+
+bool is_state_file(const std::string& file) {
+    if (hdf5_version(file) != 2) return false;
+    const std::optional<std::string> format = format_of(file);
+    return !format || *format == "cvtflow state";
+}
+
+IsOwn table_with(std::string attribute, std::string text) {
+    return [attribute = std::move(attribute), text = std::move(text)](const std::string& file) {
+        if (hdf5_version(file) != 3) return false;
+        if (!format_of(file)) return !holds_rows(file) || torn_while_growing(file, "cvtflow cases");
+        return CaseReader(file).head().attribute(attribute) == text;
+    };
+}
+
+IsOwn text_with(std::vector<std::string> marks) {
+    return [marks = std::move(marks)](const std::string& file) {
+        const std::string head = head_of(file);
+        const auto is_there = [&head](const std::string& mark) { return head.find(mark) != std::string::npos; };
+        return !marks.empty() && std::all_of(marks.begin(), marks.end(), is_there);
+    };
+}
+
+namespace {
+
+/// Opened without waiting for a reader; then as a shell's `>`.
+void write_device(const std::string& path, std::string_view bytes) {
+    const int device = open(path.c_str(), O_WRONLY | O_TRUNC | O_NONBLOCK | O_CLOEXEC | O_NOCTTY);
+    const auto fail = [&](int reason) {
+        if (device >= 0) ::close(device);
+        throw RecordError(path + ": cannot write: " + (reason == ENXIO ? "nobody reads from this pipe" : std::strerror(reason)));
+    };
+    if (device < 0) fail(errno);
+    fcntl(device, F_SETFL, fcntl(device, F_GETFL) & ~O_NONBLOCK);
+    while (!bytes.empty()) {
+        const ssize_t count = ::write(device, bytes.data(), bytes.size());
+        if (count < 0 && errno != EINTR) fail(errno);
+        bytes.remove_prefix(static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+    }
+    if (::close(device) != 0) throw RecordError(path + ": cannot write: " + std::strerror(errno));
+}
+
+}  // namespace
+
+void write_whole(const Permit& permit, std::string_view bytes) {
+    if (permit.device()) return write_device(permit.path(), bytes);
+    PartFile part(permit);
+    if (const int reason = part.write(bytes.data(), bytes.size()); reason != 0) {
+        part.discard();
+        throw RecordError(permit.path() + ": cannot write: " + std::strerror(reason));
+    }
+    part.publish();
+}
+
+void remove_own_files(const fs::path& folder, const std::function<bool(const fs::path& file)>& own) {
+    std::error_code ignored;
+    if (!fs::is_directory(fs::symlink_status(folder, ignored))) return;
+    std::vector<fs::path> files;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
+        if (fs::is_regular_file(entry.symlink_status(ignored)) && own(entry.path())) files.push_back(entry.path());
+    }
+    for (const fs::path& file : files) fs::remove(file, ignored);
+    fs::remove(folder, ignored);  // only if it is empty
+}
+
+}  // namespace cvtflow::engine

@@ -1,0 +1,82 @@
+#pragma once
+/// The one rule for files that are written. docs/security.md promises it to users:
+///
+///     A command replaces a file only if that file is of the kind that the command writes and of the same scene, run or sweep, or --force
+///     is given; FILE.part and every side file counts as FILE. An input is never replaced, not even with --force. A command removes nothing
+///     by folder, only files that it wrote, by name.
+///
+/// Every file is written through a PartFile, and every PartFile asks for a Permit, which only this rule gives. tests/architecture shows
+/// that no source opens a file for writing otherwise.
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace cvtflow::engine {
+
+/// Whether an existing file is of the kind that is written, and of the same scene, run or sweep.
+using IsOwn = std::function<bool(const std::string& file)>;
+
+/// What a writer says about the file that it is about to write. As it is: a new file, nothing may be there.
+struct OutputRule {
+    std::string what = "file that may be replaced";  ///< in messages: "FILE: already exists and is not a WHAT"
+    IsOwn own = nullptr;                             ///< none: no file is
+    std::vector<std::filesystem::path> inputs = {};  ///< never replaced, under whatever name; empty paths count as none
+    bool force = false;                              ///< whether other files may be replaced, as --force says
+    bool named = false;                              ///< the user chose the name: without `force` even a file of its own stays
+    bool repeats = false;  ///< what a killed writer left in FILE.part is made again, bit for bit: rows in it need no `force`
+    bool devices = false;  ///< devices and pipes are written as by a shell's `>`
+    std::string advice = "--force replaces it";
+};
+
+/// The permission to write a file under a name. It stays valid for whoever holds it: a file that was permitted once may be written again.
+class Permit {
+public:
+    /// Of no file.
+    Permit() = default;
+    /// Of a new file.
+    Permit(const std::string& path);
+    /// Asked before the work whose result goes there.
+    /// @throws RecordError: an input; another file without `force`; a folder, a symbolic link, a device, pipe or socket; a missing folder;
+    /// no permission
+    Permit(const std::string& path, const OutputRule& rule);
+
+    [[nodiscard]] const std::string& path() const noexcept { return path_; }
+    [[nodiscard]] bool empty() const noexcept { return path_.empty(); }
+    /// Whether the name is that of a device or pipe (`devices`).
+    [[nodiscard]] bool device() const noexcept { return device_; }
+    /// "FILE: the existing file is replaced"; empty: nothing was there.
+    [[nodiscard]] std::string notice() const;
+
+private:
+    std::string path_;
+    bool device_ = false, replaces_ = false;
+};
+
+/// What is under a name and can never be replaced: "a symbolic link; name its target" …; empty: nothing, or a plain file.
+[[nodiscard]] std::string other_than_file(const std::string& path);
+
+/// Whether a file is a record of which the attribute of that name is this text.
+[[nodiscard]] IsOwn record_with(std::string attribute, std::string text);
+/// Whether a file is what a killed writer left of a record, so that HDF5 cannot read it.
+[[nodiscard]] bool is_torn_record(const std::string& file);
+/// Whether a file is a state (checkpoints are), or one that was left half written.
+[[nodiscard]] bool is_state_file(const std::string& file);
+/// Whether a file is a table of cases of which the attribute of that name is this text, or what was left before its first row.
+[[nodiscard]] IsOwn table_with(std::string attribute, std::string text);
+/// Whether a text, picture or archive has all of these marks in its first 4 KiB.
+[[nodiscard]] IsOwn text_with(std::vector<std::string> marks);
+
+/// Writes a file as a whole: it takes its name when it is complete, an existing file remains until then. @throws RecordError "FILE: cannot
+/// write: reason"
+void write_whole(const Permit& permit, std::string_view bytes);
+
+/// Removes those plain files of a folder that are `own`, and the folder if nothing is left in it. No link is followed, no folder entered.
+void remove_own_files(const std::filesystem::path& folder, const std::function<bool(const std::filesystem::path& file)>& own);
+
+/// @throws RecordError if the file, or its .part, is one of the inputs, under whatever name
+void require_no_input(const std::string& path, const std::vector<std::filesystem::path>& inputs);
+
+}  // namespace cvtflow::engine
