@@ -131,6 +131,18 @@ TEST_F(Package, SearchesNoEmptyOrRelativeFolderForLibraries) {
     }
 }
 
+/// What finds written stacks and writes into tables of functions is on; sanitizers have their own.
+TEST_F(Package, IsHardened) {
+    if (std::string(CVTFLOW_SANITIZER) != "") GTEST_SKIP() << "sanitizers have checks of their own";
+    install("p");
+    for (const std::string file : {"p/bin/cvtflow", "$(find p -name 'libcvtflow.so.*' -type f)"}) {
+        EXPECT_THAT(run("readelf -Wd " + file), testing::AnyOf(testing::HasSubstr("BIND_NOW"), testing::HasSubstr("Flags: NOW"))) << file;
+        EXPECT_THAT(run("readelf -Wl " + file), testing::HasSubstr("GNU_RELRO")) << file;
+        EXPECT_THAT(run("readelf -Ws " + file), testing::HasSubstr("__stack_chk_fail")) << file;
+    }
+    EXPECT_THAT(run("readelf -Wh p/bin/cvtflow"), testing::HasSubstr("Type:                              DYN")) << "position-independent";
+}
+
 TEST_F(Package, RunsNoLibraryFromTheWorkingFolder) {
     install("p");
     run("echo '__attribute__((constructor)) static void foreign(void) { __builtin_puts(\"foreign code runs\"); }' > foreign.c "

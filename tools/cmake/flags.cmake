@@ -23,6 +23,13 @@ if(CVTFLOW_SANITIZE)
     target_compile_options(cvtflow_flags INTERFACE -Wno-array-bounds)   # instrumented loops over Eigen matrices look as if they left std::array
   endif()
 endif()
+# Hardening, of everything but the kernels, which read no file and have no buffer of a size that a file names. It costs nothing that can be
+# measured (docs/security.md).
+if(NOT WIN32 AND NOT EMSCRIPTEN AND NOT CVTFLOW_SANITIZE)
+  target_compile_options(cvtflow_flags INTERFACE $<$<NOT:$<BOOL:$<TARGET_PROPERTY:CVTFLOW_KERNELS>>>:-fstack-protector-strong>
+    $<$<CONFIG:Release>:-U_FORTIFY_SOURCE$<SEMICOLON>-D_FORTIFY_SOURCE=2>)
+  target_link_options(cvtflow_flags INTERFACE -Wl,-z,relro,-z,now)
+endif()
 # No unique symbols, which would keep the shared library loaded after dlclose.
 target_compile_options(cvtflow_flags INTERFACE $<$<CXX_COMPILER_ID:GNU>:-fno-gnu-unique>)
 target_include_directories(cvtflow_flags INTERFACE ${PROJECT_SOURCE_DIR})
