@@ -189,13 +189,14 @@ const tasks::Channel& Simulation::Impl::channel_row(std::size_t index) const {
     throw Error(ErrorCode::argument, "channel: number " + std::to_string(index) + " of " + std::to_string(channels_.size()));
 }
 
-std::size_t Simulation::Impl::find_channel(const std::string& name) const {
-    std::vector<std::string> names;
+std::size_t Simulation::Impl::find_channel(std::string_view name) const {
     for (std::size_t index = 0; index < channels_.size(); ++index) {
         if (channels_[index]->name == name) return index;
-        names.emplace_back(channels_[index]->name);
     }
-    throw Error(ErrorCode::argument, "channel: there is no '" + name + "'" + engine::did_you_mean(engine::closest(name, names)));
+    std::vector<std::string> names;
+    for (const tasks::Channel* row : channels_) names.emplace_back(row->name);
+    throw Error(ErrorCode::argument,
+                "channel: there is no '" + std::string(name) + "'" + engine::did_you_mean(engine::closest(name, names)));
 }
 
 std::span<const double> Simulation::Impl::channel(std::size_t index) {

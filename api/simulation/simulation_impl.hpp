@@ -48,7 +48,7 @@ public:
     void rhs(double t, std::span<const double> x, std::span<double> out);  ///< t [s], x [unknowns], out [unknowns, per second]
     [[nodiscard]] std::span<const double> channel(std::size_t index);
     [[nodiscard]] const tasks::Channel& channel_row(std::size_t index) const;
-    [[nodiscard]] std::size_t find_channel(const std::string& name) const;
+    [[nodiscard]] std::size_t find_channel(std::string_view name) const;
     void on_output(double interval, std::function<void(Simulation&)> callback);  ///< interval [s]
     void on_transition(std::function<void(Simulation&, const Transition&)> callback) { transition_callback_ = std::move(callback); }
     [[nodiscard]] std::vector<std::string> notices() const;

@@ -11,6 +11,7 @@
 #include "model/machine/heat_balance.hpp"
 #include "model/variator/variator.hpp"
 #include "tasks/step/control/energy_ledger.hpp"
+#include "tasks/step/control/frame_memory.hpp"
 #include "tasks/step/control/step_control.hpp"
 #include "tasks/step/fault.hpp"
 #include "tasks/step/partition.hpp"
@@ -121,6 +122,7 @@ public:
 
     std::vector<model::LineVector<double>> windows;  ///< [segments] stage states of the segment's links and of the layout's halo
     std::vector<SegmentResult> segment_results;      ///< [segments]
+    FrameMemory frame;                               ///< of the controller's coroutine
     EnergyLedger energy;                             ///< works, losses and balance so far, written by the controller
     model::HeatBalance heat;                         ///< temperatures, changed at outputs by the controller
 

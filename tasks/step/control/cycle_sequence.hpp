@@ -2,20 +2,27 @@
 /// A coroutine that yields cycles of the task graph: serial code between cycles reads from top to bottom although an executor calls it.
 
 #include <coroutine>
+#include <cstddef>
 #include <exception>
 #include <utility>
 
 #include "engine/executor/executor.hpp"
+#include "tasks/step/control/frame_memory.hpp"
 
 namespace cvtflow::tasks {
 
-/// Suspended at its start and after each `co_yield cycle`. Its frame is allocated once, when the coroutine is called.
+/// Suspended at its start and after each `co_yield cycle`. Its frame is in the FrameMemory of the object whose member the coroutine is.
 class CycleSequence {
 public:
     struct promise_type {
         int cycle = engine::Controller::stop;
         std::exception_ptr thrown;
 
+        template <class Owner, class... Arguments>
+        static void* operator new(std::size_t bytes, Owner& owner, Arguments&...) {
+            return FrameMemory::take(bytes, owner.frame_memory());
+        }
+        static void operator delete(void* frame) noexcept { FrameMemory::give_back(frame); }
         CycleSequence get_return_object() noexcept { return CycleSequence(std::coroutine_handle<promise_type>::from_promise(*this)); }
         static std::suspend_always initial_suspend() noexcept { return {}; }
         static std::suspend_always final_suspend() noexcept { return {}; }

@@ -47,6 +47,8 @@ public:
     /// error decides [s].
     [[nodiscard]] double step() const noexcept { return settings_.control == StepControl::error ? settings_.step : grid_.step; }
     [[nodiscard]] const LocalErrorStatistics& local_errors() const noexcept { return errors_.statistics(); }
+    /// The workspace's: kept from one run to the next.
+    [[nodiscard]] FrameMemory* frame_memory() const noexcept { return &w_.frame; }
     /// Rethrows what the observer threw.
     void rethrow() const { integration_.rethrow(); }
 
