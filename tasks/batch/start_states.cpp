@@ -91,12 +91,16 @@ void StartStates::keep(Map& map, const typename Map::key_type& key, typename Map
 
 StartStates::State StartStates::of_case(long number, const Scene& scene, const engine::Cancellation& cancel) {
     if (sweep_.start == StartMode::scene) return file_state(scene);
-    if (!shareable_) return nullptr;
-    const long first = first_alike(number, [this](const Axis& axis) { return matters(axis); });
+    const long first = first_settling_alike(number);
+    if (first < 0) return nullptr;
     if (State known = kept(of_settling_, first)) return known;
     State made = settled(settling_scene(scene), cancel);
     keep(of_settling_, first, made);
     return made;
+}
+
+long StartStates::first_settling_alike(long number) const noexcept {
+    return shareable_ ? first_alike(number, [this](const Axis& axis) { return matters(axis); }) : -1;
 }
 
 /// What is settled for a case: itself, or its machine operated as the sweep's base scene is.
@@ -139,7 +143,9 @@ StartStates::Placed StartStates::placed(long number, const Scene& scene) {
 StartStates::State StartStates::file_state(const Scene& scene) {
     if (scene.state_file.empty()) return nullptr;
     State state = from_file(scene.state_file);
-    return start_fits(*state, scene) ? state : nullptr;
+    if (start_fits(*state, scene)) return state;
+    require_time_to_settle(scene, unfit_text(*state, scene));
+    return nullptr;
 }
 
 StartStates::State StartStates::from_file(const std::string& path) {

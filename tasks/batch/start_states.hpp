@@ -36,6 +36,8 @@ public:
     /// @param scene of the case
     /// @throws std::invalid_argument if the chain does not close
     [[nodiscard]] Placed placed(long number, const Scene& scene);
+    /// The first of all cases that begin with the same settled state; -1: the case shares none.
+    [[nodiscard]] long first_settling_alike(long number) const noexcept;
     /// "scene", "geometric", "settled" or "shared". Any thread. @throws engine::RecordError
     [[nodiscard]] std::string_view kind(const Scene& scene);
 

@@ -11,6 +11,7 @@
 
 #include "engine/record/run/state_file.hpp"
 #include "model/observe/observation.hpp"
+#include "tasks/run/simulation.hpp"
 #include "tasks/scene/parameter_table.hpp"
 
 namespace cvtflow::tasks {
@@ -48,6 +49,11 @@ const std::string* text_attribute(const engine::SavedState& saved, std::string_v
     return a.order == b.order && a.links == b.links && a.pulley_size == b.pulley_size && a.rigid == b.rigid;
 }
 
+[[nodiscard]] bool contains_coordinates(const engine::SavedState& saved, const model::ChainLayout& of) noexcept {
+    return saved.state.size() >= static_cast<std::size_t>(of.control_begin()) &&
+           saved.phases.size() == static_cast<std::size_t>(model::tips_per_link * of.links);
+}
+
 /// Energies of a state by kind, without the kinetic one [J]. The phases are the settled ones: what they hold is compared.
 [[nodiscard]] std::array<double, model::energy_kinds> elastic_energies(const engine::SavedState& saved, const model::Parameters& machine) {
     const model::Variator variator(machine);
@@ -60,6 +66,21 @@ const std::string* text_attribute(const engine::SavedState& saved, std::string_v
     std::array<double, model::energy_kinds> energies = observer.observe(saved.time, state.data(), phases.data()).account.energy;
     energies[static_cast<std::size_t>(model::Energy::kinetic)] = 0.0;
     return energies;
+}
+
+/// As start_misfit(). @param then  scene that the state was settled with
+[[nodiscard]] double misfit_between(const engine::SavedState& saved, const Scene& then, const Scene& scene) {
+    if (model::Variator::same_machine(then.parameters, scene.parameters)) return 0.0;
+    const model::ChainLayout own = model::layout_of(then.parameters);
+    if (!contains_coordinates(saved, own) || !same_coordinates(own, model::layout_of(scene.parameters))) return 0.0;
+    const auto before = elastic_energies(saved, then.parameters), now = elastic_energies(saved, scene.parameters);
+    double change = 0.0, stored = 0.0;
+    for (std::size_t kind = 0; kind < before.size(); ++kind) {
+        change += std::abs(now[kind] - before[kind]);
+        stored += before[kind];
+    }
+    if (change == 0.0) return 0.0;
+    return std::isfinite(change / stored) ? change / stored : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace
@@ -77,26 +98,39 @@ model::Parameters settled_parameters(const engine::SavedState& saved, const Scen
 
 double start_misfit(const engine::SavedState& saved, const Scene& scene) {
     const std::optional<Scene> then = settled_scene(saved, scene.state_file);
-    if (!then || model::Variator::same_machine(then->parameters, scene.parameters)) return 0.0;
-    const model::ChainLayout own = model::layout_of(then->parameters);
-    const bool complete = saved.state.size() >= static_cast<std::size_t>(own.control_begin()) &&
-                          saved.phases.size() == static_cast<std::size_t>(model::tips_per_link * own.links);
-    if (!complete || !same_coordinates(own, model::layout_of(scene.parameters))) return 0.0;
-    const auto before = elastic_energies(saved, then->parameters), now = elastic_energies(saved, scene.parameters);
-    double change = 0.0, stored = 0.0;
-    for (std::size_t kind = 0; kind < before.size(); ++kind) {
-        change += std::abs(now[kind] - before[kind]);
-        stored += before[kind];
-    }
-    if (change == 0.0) return 0.0;
-    return std::isfinite(change / stored) ? change / stored : std::numeric_limits<double>::infinity();
+    return then ? misfit_between(saved, *then, scene) : 0.0;
 }
 
 std::string unfit_text(double misfit) {
     return fmt::format("the state does not fit this machine (its elastic energy differs by {:.2g} %)", 100.0 * misfit);
 }
 
-bool start_fits(const engine::SavedState& saved, const Scene& scene) { return start_misfit(saved, scene) <= start_misfit_tolerance; }
+std::string unfit_text(const engine::SavedState& saved, const Scene& scene) {
+    return has_coordinates(saved, settled_layout(saved, scene), scene) ? unfit_text(start_misfit(saved, scene))
+                                                                       : "the state has the unknowns of another level of detail";
+}
+
+std::optional<model::ChainLayout> settled_layout(const engine::SavedState& saved, const Scene& scene) {
+    const std::optional<Scene> then = settled_scene(saved, scene.state_file);
+    return then ? std::optional(model::layout_of(then->parameters)) : std::nullopt;
+}
+
+bool has_coordinates(const engine::SavedState& saved, const std::optional<model::ChainLayout>& settled, const Scene& scene) {
+    const model::ChainLayout own = model::layout_of(scene.parameters);
+    return contains_coordinates(saved, own) && (!settled || same_coordinates(*settled, own));
+}
+
+bool start_fits(const engine::SavedState& saved, const Scene& scene) {
+    const std::optional<Scene> then = settled_scene(saved, scene.state_file);
+    if (!then) return has_coordinates(saved, std::nullopt, scene);
+    return has_coordinates(saved, model::layout_of(then->parameters), scene) &&
+           misfit_between(saved, *then, scene) <= start_misfit_tolerance;
+}
+
+void require_time_to_settle(const Scene& scene, const std::string& unfit) {
+    if (scene.parameters.start.settling_time > 0.0) return;
+    throw SimulationError(fmt::format("{}start.state: {}, and start.settling_time = 0 leaves no time to settle", scene.state_place, unfit));
+}
 
 std::shared_ptr<const engine::SavedState> fitting_start(const Scene& scene) {
     if (scene.state_file.empty()) return nullptr;

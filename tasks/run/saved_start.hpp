@@ -2,10 +2,12 @@
 /// Attributes of a saved state.
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "model/parameters/chain_layout.hpp"
 #include "tasks/scene/scene.hpp"
 
 namespace cvtflow::engine {
@@ -35,7 +37,17 @@ inline constexpr std::string_view suspicion_attribute = "energy_suspicion";
 inline constexpr double start_misfit_tolerance = 0.01;
 /// "the state does not fit this machine: its elastic energy differs by 12 %"
 [[nodiscard]] std::string unfit_text(double misfit);
+/// The same, or that the state has other unknowns. @param saved  does not fit the scene
+[[nodiscard]] std::string unfit_text(const engine::SavedState& saved, const Scene& scene);
+/// Coordinates that a state was settled with; nothing if the state does not contain its scene. @param scene  that names the state
+[[nodiscard]] std::optional<model::ChainLayout> settled_layout(const engine::SavedState& saved, const Scene& scene);
+/// Whether a state has a scene's coordinates: number of pins and level of detail agree. Control and ledger need not.
+/// @param settled  settled_layout() of the state
+[[nodiscard]] bool has_coordinates(const engine::SavedState& saved, const std::optional<model::ChainLayout>& settled, const Scene& scene);
 [[nodiscard]] bool start_fits(const engine::SavedState& saved, const Scene& scene);
+/// @param unfit  unfit_text() of the state that the scene names
+/// @throws SimulationError if the scene has no time to settle instead
+void require_time_to_settle(const Scene& scene, const std::string& unfit);
 /// The state that a scene names, if it names one that fits; else nullptr: the scene begins with a geometric start.
 /// @throws as saved_start
 [[nodiscard]] std::shared_ptr<const engine::SavedState> fitting_start(const Scene& scene);

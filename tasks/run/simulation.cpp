@@ -59,9 +59,7 @@ void Simulation::begin_with(const engine::SavedState* saved, const model::StartS
         const double misfit = misfit_of(*saved);
         if (misfit <= start_misfit_tolerance) return take_state(*saved);
         const std::string unfit = unfit_text(misfit);
-        if (scene_.parameters.start.settling_time == 0.0)
-            throw SimulationError(
-                fmt::format("{}start.state: {}, and start.settling_time = 0 leaves no time to settle", scene_.state_place, unfit));
+        require_time_to_settle(scene_, unfit);
         start_differences_.push_back(unfit + ": the run settles again");
     }
     if (placed != nullptr)
