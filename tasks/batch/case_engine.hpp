@@ -146,8 +146,24 @@ private:
     int refused_threads_ = 0;   ///< that were tried and were not worth it
 };
 
-/// Cost of a step: evaluations x unknowns. Of a case: that of its steps, for sharing out.
+/// Cost of a step: evaluations x unknowns.
 [[nodiscard]] double step_cost(const Scene& scene);
-[[nodiscard]] double case_cost(const Sweep& sweep, const Scene& scene);
+
+/// Cost of cases, that of their steps: for sharing out and for estimates.
+class CaseCosts {
+public:
+    explicit CaseCosts(const Sweep& sweep) : sweep_(sweep) {}
+    [[nodiscard]] double of_run(const Scene& scene) const;
+    [[nodiscard]] double of_settling(const Scene& scene) const;
+    /// Whether the case settles, as far as its level of detail tells. In a sweep with shared starts none does.
+    /// @throws as saved_start
+    [[nodiscard]] bool settles(const Scene& scene);
+
+private:
+    const Sweep& sweep_;
+    std::string known_;  ///< file of the following state
+    std::shared_ptr<const engine::SavedState> state_;
+    std::optional<model::ChainLayout> settled_;
+};
 
 }  // namespace cvtflow::tasks

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -10,6 +11,7 @@
 #include "engine/base/name_rule.hpp"
 #include "engine/base/spelling.hpp"
 #include "engine/executor/catalogue.hpp"
+#include "engine/thread/mutex.hpp"
 #include "model/start/belt.hpp"
 #include "tasks/method/method.hpp"
 #include "tasks/scene/channel_names.hpp"
@@ -29,6 +31,19 @@ std::string mm(double length) { return fmt::format("{:.4g} mm", 1e3 * length); }
 
 std::string seconds(double time) { return number_text(time) + " s"; }
 
+/// Radii on which a chain runs, kept: a sweep of a million cases has a few geometries.
+std::optional<model::BeltRadii> known_radii(double length, double ratio, double centre_distance) {
+    constexpr std::size_t max_known = 1000;
+    static engine::Mutex mutex;
+    static std::map<std::array<double, 3>, std::optional<model::BeltRadii>> known;
+    return mutex.guard([&] {
+        if (known.size() >= max_known) known.clear();
+        const auto [at, missing] = known.try_emplace({length, ratio, centre_distance});
+        if (missing) at->second = model::belt_radii(length, ratio, centre_distance);
+        return at->second;
+    });
+}
+
 Violation geometry_closes(const Scene& scene) {
     const auto& chain = scene.parameters.chain;
     const auto& pulley = scene.parameters.pulley;
@@ -37,7 +52,7 @@ Violation geometry_closes(const Scene& scene) {
     if (start.layout != StartLayout::belt || absent || !scene.state_file.empty()) return {};
     if (pulley.innermost >= pulley.outermost) return {};  // reported by radii_ordered
     const double length = model::chain_length(chain);
-    const auto radii = model::belt_radii(length, start.ratio, pulley.centre_distance);
+    const auto radii = known_radii(length, start.ratio, pulley.centre_distance);
     const auto chain_text = fmt::format("chain.pins: {} pins make a chain of {}", chain.pins, mm(length));
     const auto centre_distance = mm(pulley.centre_distance);
     if (!radii && length <= 2.0 * pulley.centre_distance)

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <set>
 
-#include "tasks/run/saved_start.hpp"
 #include "tasks/scene/toml/units.hpp"
 
 namespace cvtflow::tasks {
@@ -96,11 +95,9 @@ std::vector<OperatingPoint> unseen_points(const Scene& scene, const PointTimes& 
 }
 
 OperatingPoint point_of_case(const Sweep& sweep, long number) {
-    OperatingPoint point{fmt::format("case {}", number), sweep.scene, sweep.from, sweep.scene.run.until};
-    sweep.apply_case(number, point.scene);
+    OperatingPoint point{fmt::format("case {}", number), scene_of_case(sweep, number), sweep.from, 0.0};
     point.until = point.scene.run.until;
-    point.settles = sweep.start != StartMode::scene || fitting_start(point.scene) == nullptr;
-    if (point.settles) point.scene.state_file.clear();
+    point.settles = point.scene.state_file.empty();
     return point;
 }
 

@@ -29,7 +29,9 @@ TEST_F(BatchDryRun, SaysWhyNoCaseCouldBeTried) {
     std::string sweep = read("sweep.toml");
     sweep.replace(sweep.find("run.until"), 0, "run.method = \"trapezoidal-frozen\"\ndetail.pulleys = \"absent\"\n");
     write("sweep.toml", sweep);
-    EXPECT_THAT(batch({"--dry-run"}).out, HasSubstr("estimate            none: every case has inconsistent parameters"));
+    const Outcome dry = batch({"--dry-run"});
+    EXPECT_THAT(dry.out, HasSubstr("estimate            none: every case has inconsistent parameters"));
+    EXPECT_EQ(dry.status, 5) << "nothing can run";
 }
 
 TEST_F(BatchDryRun, PrintsCasesAndAnEstimate) {

@@ -6,6 +6,7 @@
 
 #include "engine/base/hash.hpp"
 #include "tasks/run/checkpoint.hpp"
+#include "tasks/run/saved_start.hpp"
 #include "tasks/scene/cross_checks.hpp"
 #include "tasks/scene/toml/units.hpp"
 
@@ -75,6 +76,14 @@ std::string violations(const Scene& scene) {
         if (const auto violation = check.violation(scene)) text += (text.empty() ? "" : "; ") + *violation;
     }
     return text;
+}
+
+Scene scene_of_case(const Sweep& sweep, long number) {
+    Scene scene = sweep.scene;
+    sweep.apply_case(number, scene);
+    const bool settles = sweep.start != StartMode::scene || !violations(scene).empty() || fitting_start(scene) == nullptr;
+    if (settles) scene.state_file.clear();
+    return scene;
 }
 
 }  // namespace cvtflow::tasks

@@ -56,4 +56,7 @@ struct Sweep {
 /// What is wrong with a case's values taken together; empty if nothing.
 [[nodiscard]] std::string violations(const Scene& scene);
 
+/// The scene of a case by itself: without a state where the case settles. @throws as saved_start
+[[nodiscard]] Scene scene_of_case(const Sweep& sweep, long number);
+
 }  // namespace cvtflow::tasks

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -166,11 +167,14 @@ TEST_F(SweepFile, ShardsHaveEveryCaseOnceAndAboutEqualCost) {
             const std::vector<long> cases = shard_cases(sweep, {i, of});
             all.insert(cases.begin(), cases.end());
             costs.push_back(0.0);
+            CaseCosts cost(sweep);
             Scene scene = sweep.scene;
             for (const long number : cases) {
                 sweep.apply_case(number, scene);
-                costs.back() += case_cost(sweep, scene);
-                cheapest = std::min(cheapest, case_cost(sweep, scene));
+                ASSERT_TRUE(cost.settles(scene)) << "tiny has no state";
+                const double whole = cost.of_run(scene) + cost.of_settling(scene);
+                costs.back() += whole;
+                cheapest = std::min(cheapest, whole);
             }
         }
         EXPECT_EQ(all.size(), 90u);
@@ -179,6 +183,46 @@ TEST_F(SweepFile, ShardsHaveEveryCaseOnceAndAboutEqualCost) {
         EXPECT_LE(*most - *least, cheapest * (1.0 + 1e-9))
             << of << ": the last cases given out are the cheapest, each to the shard with the least";
     }
+}
+
+/// Cost of a sweep over that of a step's evaluations and unknowns, which no measurement disturbs.
+double cost_of(const Sweep& sweep, const Shard& shard = {}) {
+    const BatchEstimate result = estimate(sweep, shard, 0.01);
+    EXPECT_EQ(result.measured, 3) << result.untried;
+    return result.total / result.seconds_per_cost;
+}
+
+/// 3 x 4 cases of tiny, which has no state: 1 ms of run and 3 ms of settling each.
+TEST_F(SweepFile, AnEstimateCountsEverySettlingOnceInEveryStartMode) {
+    const std::string cases =
+        head +
+        "[set]\nrun.until = \"1 ms\"\nstart.settling_time = \"3 ms\"\nstart.ramp_time = \"1 ms\"\n"
+        "[[axes]]\nkey = \"load.torque\"\nvalues = [1, 2, 3]\n[[axes]]\nkey = \"run.until\"\nvalues = [\"1 ms\", \"1 ms\", \"1 ms\", \"1 "
+        "ms\"]\n[start]\nmode = ";
+    const double alone = cost_of(read(cases + "\"scene\"\n")), settled = cost_of(read(cases + "\"settle\"\n")),
+                 shared = cost_of(read(cases + "\"shared\"\n"));
+    EXPECT_NEAR(alone / (12 + 12 * 3), shared / (12 + 1 * 3), 1e-9 * shared) << "each by itself; all share one";
+    EXPECT_NEAR(settled / (12 + 3 * 3), shared / (12 + 1 * 3), 1e-9 * shared) << "one per load";
+}
+
+/// The state of baseline is of elastic pins: 1,416 unknowns of rigid pins are not in it.
+TEST_F(SweepFile, AnEstimateMeasuresCasesOfAnotherLevelOfDetailThanTheScenesState) {
+    for (const std::string mode : {"scene", "settle", "shared"}) {
+        const Sweep sweep = read(
+            "[sweep]\nscene = \"baseline\"\ndetail = \"rigid\"\n[outputs]\nscalars = [\"slip mean\"]\n[[axes]]\nkey = "
+            "\"load.torque\"\nvalues = [1, 2, 3]\n"
+            "[start]\nmode = \"" +
+            mode + "\"\n");
+        EXPECT_GT(cost_of(sweep), 0.0) << mode;
+    }
+}
+
+/// A million cases would take ten times as long. Placing the chain for every case took 8 s for these.
+TEST_F(SweepFile, AHundredThousandCasesAreEstimatedInSeconds) {
+    const Sweep sweep = read(head + "[[axes]]\nkey = \"load.torque\"\nfrom = 1\nto = 9\ncount = 100000\n");
+    const std::clock_t begin = std::clock();
+    EXPECT_EQ(estimate(sweep, {}, 0.01).cases, 100000);
+    EXPECT_LT(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC, 3.0);
 }
 
 TEST(Reducer, ReducesAsItSays) {

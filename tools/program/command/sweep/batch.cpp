@@ -90,14 +90,14 @@ ExitStatus dry_run(const tasks::Sweep& sweep, const tasks::Shard& shard, int thr
                                         plural(threads, "thread"));
     const std::string none =
         cost.bad == cost.cases ? "none: every case has inconsistent parameters" : "none: no case could be measured: " + cost.untried;
-    fmt::print("{}", field("estimate", cost.measured == 0 ? none
-                                                          : fmt::format("{} (measured on {}, without settling of shared starts)", one,
-                                                                        plural(cost.measured, "case"))));
+    fmt::print(
+        "{}", field("estimate",
+                    cost.measured == 0 ? none : fmt::format("{} (measured on {}, settling included)", one, plural(cost.measured, "case"))));
     fmt::print("{}", field("disk", disk_text(sweep, cases)));
     if (cost.stable_step > 0.0 && std::isfinite(cost.stable_step))
         fmt::print("{}", field("stable to", fmt::format("{} at the start of the cases tried{}", time_text(cost.stable_step),
                                                         cost.beyond > 1.0 ? "; run.step exceeds this limit" : "")));
-    return ExitStatus::finished;
+    return cost.measured == 0 ? ExitStatus::incomplete : ExitStatus::finished;
 }
 
 /// One line per number of threads: wall and CPU time, cases per second, parallel efficiency, overhead over the bare loop.

@@ -1,0 +1,153 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numeric>
+#include <unordered_set>
+
+#include "tasks/batch/batch.hpp"
+#include "tasks/batch/case_engine.hpp"
+#include "tasks/method/stability/predicted_step.hpp"
+#include "tasks/run/saved_start.hpp"
+#include "tasks/schedule/schedule.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+/// How long so many steps took.
+struct TrialPace {
+    double wall = 0.0;
+    long steps = 0;
+};
+
+/// Observes at every output of the run, as recorders and scalars do: at rigid pins that costs as much as the steps.
+class ObservingObserver final : public RunObserver {
+public:
+    explicit ObservingObserver(const Simulation& simulation) : simulation_(simulation), observer_(simulation.variator()) {}
+    void output(double time, const Workspace& workspace, const Counters& /*counters*/) override {
+        if (!simulation_.needs_settling()) static_cast<void>(observer_.observe(time, workspace.states[0], workspace.tips.phases.data()));
+    }
+    void transition(const TransitionRecord& /*record*/) override {}
+
+private:
+    const Simulation& simulation_;
+    model::Observer observer_;
+};
+
+/// Goes on from a case's start in growing batches for so many seconds, but not beyond the case's end: what lies there may break down where
+/// the case does not. A fault ends it as well and is returned; steps up to there have cost what steps cost.
+Fault go(Simulation& simulation, double seconds, long most, TrialPace& pace) {
+    ObservingObserver observer(simulation);
+    const engine::Cancellation go_on;
+    using Clock = std::chrono::steady_clock;
+    long before = std::min(100L, most / 2);  // many tips first touch here
+    Fault fault =
+        before > 0 ? simulation.advance({.steps = before, .anew = true, .max_wall = 0.0}, observer, go_on) : Fault{FaultKind::max_steps};
+    for (long batch = 20; pace.wall < seconds && before < most && fault.kind == FaultKind::max_steps; batch *= 2) {
+        const long requested = std::min(batch, most - before);
+        // A run computes its automatic step once, which takes as long as a hundred steps.
+        const bool anew = before == 0 || simulation.needs_settling();
+        const long counted = anew ? 0 : simulation.counters().steps;
+        const auto begin = Clock::now();
+        fault = simulation.advance({.steps = requested, .anew = anew, .max_wall = 0.0}, observer, go_on);
+        pace.wall += std::chrono::duration<double>(Clock::now() - begin).count();
+        pace.steps += fault.kind == FaultKind::max_steps ? requested : simulation.counters().steps - counted;
+        before += requested;
+    }
+    return fault.kind == FaultKind::max_steps ? Fault{} : fault;
+}
+
+/// Notes how far a case is stable, if it begins with a state that has settled.
+void judge_step(const Scene& scene, BatchEstimate& result) {
+    try {
+        const Simulation simulation(scene, Schedule{});
+        if (simulation.needs_settling()) return;
+        const double stable =
+            predicted_step_limit(simulation.variator(), scene.parameters, simulation.method(), frozen_start(simulation)).step;
+        result.stable_step = result.stable_step > 0.0 ? std::min(result.stable_step, stable) : stable;
+        result.beyond = std::max(result.beyond, scene.run.step / stable);
+    } catch (const std::exception&) {
+        return;  // measuring reports that the case cannot begin
+    }
+}
+
+}  // namespace
+
+double step_wall(const Scene& scene, double seconds, std::string& untried, Fault* fault) {
+    try {
+        const double time = scene.run.until + (fitting_start(scene) == nullptr ? scene.parameters.start.settling_time : 0.0);
+        const long most =
+            std::max(2L, std::lround(time / scene.run.step.value_or(longest_automatic_step(method_of(scene), scene.parameters))));
+        TrialPace pace;
+        Fault met;
+        const auto begin = std::chrono::steady_clock::now();
+        const auto spent = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(); };
+        for (long before = -1; pace.steps != before && (before < 0 || spent() < seconds);) {
+            before = pace.steps;
+            Simulation simulation(scene, Schedule{});
+            met = go(simulation, seconds, most, pace);
+        }
+        if (fault != nullptr) *fault = met;
+        if (pace.steps > 0) return pace.wall / static_cast<double>(pace.steps);
+        untried = met ? fmt::format("it fails in its first steps: {}", met.message()) : "it takes no step";
+    } catch (const std::exception& error) {
+        untried = error.what();
+    }
+    return 0.0;
+}
+
+namespace {
+
+/// Adds up what the cases of a shard cost. Settling that several cases share counts once.
+class Costs {
+public:
+    explicit Costs(const Sweep& sweep) : sweep_(sweep), scene_(sweep.scene), starts_(sweep, {}), costs_(sweep) {
+        if (sweep.start != StartMode::scene) scene_.state_file.clear();
+    }
+
+    void add(long number, BatchEstimate& result) {
+        sweep_.apply_case(number, scene_);
+        if (!violations(scene_).empty()) {
+            ++result.bad;
+            return;
+        }
+        total_ += costs_.of_run(scene_);
+        const long first = starts_.first_settling_alike(number);
+        if (first >= 0 ? settled_.insert(first).second : costs_.settles(scene_)) total_ += costs_.of_settling(scene_);
+    }
+    [[nodiscard]] double total() const noexcept { return total_; }
+
+private:
+    const Sweep& sweep_;
+    Scene scene_;
+    StartStates starts_;
+    CaseCosts costs_;
+    std::unordered_set<long> settled_;
+    double total_ = 0.0;
+};
+
+}  // namespace
+
+BatchEstimate estimate(const Sweep& sweep, const Shard& shard, double seconds) {
+    BatchEstimate result;
+    const std::vector<long> cases = shard_cases(sweep, shard);
+    result.cases = static_cast<long>(cases.size());
+    Costs costs(sweep);
+    for (const long number : cases) costs.add(number, result);
+    std::vector<double> rates;
+    for (const std::size_t at : {cases.size() / 2, std::size_t{0}, cases.size() - 1}) {
+        if (cases.empty()) break;
+        const Scene scene = scene_of_case(sweep, cases[at]);
+        if (result.untried = violations(scene); !result.untried.empty()) continue;
+        if (const double wall = step_wall(scene, seconds / 3.0, result.untried); wall > 0.0) rates.push_back(wall / step_cost(scene));
+        judge_step(scene, result);
+    }
+    result.measured = static_cast<int>(rates.size());
+    if (!rates.empty()) result.seconds_per_cost = std::accumulate(rates.begin(), rates.end(), 0.0) / static_cast<double>(rates.size());
+    result.total = costs.total() * result.seconds_per_cost;
+    return result;
+}
+
+}  // namespace cvtflow::tasks
