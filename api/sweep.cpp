@@ -33,6 +33,7 @@ struct Sweep::Impl {
         try {
             const tasks::TunedSweep tuned = tasks::tuned_sweep(sweep, folder, cancel, {});
             const tasks::BatchReport report = tasks::run_batch(tuned.sweep, options);
+            if (!report.hopeless.empty()) throw tasks::SimulationError(report.hopeless);
             if (report.finished && sweep.accuracy.target > 0.0)
                 static_cast<void>(tasks::verify_sweep(sweep, tuned, report.folder, cancel, {}));
             return report;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <optional>
@@ -55,6 +56,32 @@ void keep_done(engine::CaseTable& table, const std::vector<char>& done) {
     table.rows = std::move(kept);
 }
 
+/// Whether the first cases of a session all fail with the same message: the others would, too.
+class FailingAlike {
+public:
+    /// @param sought  otherwise never hopeless
+    explicit FailingAlike(bool sought) : open_(sought) {}
+    /// One thread at a time.
+    void add(const CaseResult& result) {
+        if (!open_) return;
+        const std::string text = fmt::format("{}: {}", status_name(result.status), result.error);
+        open_ = result.status != CaseStatus::ok && (count_ == 0 || text == text_);
+        text_ = text;
+        if (open_ && ++count_ == first_cases) hopeless_ = true;
+    }
+    /// Some case of the sweep has ended well: it is not hopeless.
+    void disprove() noexcept { open_ = false; }
+    [[nodiscard]] bool hopeless() const noexcept { return hopeless_; }
+    [[nodiscard]] std::string text() const { return fmt::format("the first {} cases all failed alike: {}", first_cases, text_); }
+
+private:
+    static constexpr long first_cases = 12;
+    bool open_;
+    std::atomic<bool> hopeless_ = false;
+    long count_ = 0;
+    std::string text_;
+};
+
 /// One session of a sweep in a folder.
 class Session {
 public:
@@ -69,7 +96,8 @@ public:
           threads_(options.threads > 0 ? options.threads : usable_threads()),
           starts_(sweep, fs::path(options.folder) / "states"),
           control_(threads_, options.grace, cancel_, options.notice),
-          cases_(shard_cases(sweep, options.shard)) {}
+          cases_(shard_cases(sweep, options.shard)),
+          failing_alike_(!options.keep_going && !options.part.only) {}
 
     BatchReport run() {
         engine::CaseTable table = read_or_begin();
@@ -105,6 +133,7 @@ private:
             throw SimulationError(
                 fmt::format("{}: results of shard {}, not {}", file_, table.attribute("shard"), begin.attribute("shard")));
         const std::vector<long> ok = mark_done(table, options_.part.attempt == 0 ? options_.retry : std::vector<std::string>{}, done_);
+        if (!ok.empty()) failing_alike_.disprove();
         reopen_broken_strands(sweep_, places(), ok, done_);
         keep_done(table, done_);
         table.set({"status", "running"});
@@ -157,7 +186,7 @@ private:
         writer.sync();
     }
 
-    [[nodiscard]] bool stopping() const noexcept { return cancel_.requested(); }
+    [[nodiscard]] bool stopping() const noexcept { return cancel_.requested() || failing_alike_.hopeless(); }
 
     /// Whether a case is to be run now.
     [[nodiscard]] bool open(long number) const noexcept {
@@ -188,6 +217,11 @@ private:
         mutex_.guard([&] {
             ++progress_.done;
             progress_.failed += result.status != CaseStatus::ok;
+            if (progress_.done == threads_) {
+                progress_.warm = progress_.done;
+                progress_.warm_wall = progress_.wall;
+            }
+            failing_alike_.add(result);
             progress_.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
             if (options_.progress) options_.progress(progress_);
         });
@@ -216,8 +250,9 @@ private:
     BatchReport report() {
         OrderedRows rows(file_);
         engine::CaseTable head = rows.head();
-        BatchReport result{
-            folder_, progress_, rows.statuses(), rows.size() == cases_.size(), rows.hash(), threads_, head.attribute("continuation_error")};
+        BatchReport result{folder_,     progress_, rows.tally(), rows.size() == cases_.size(),
+                           rows.hash(), threads_,  {},           head.attribute("continuation_error")};
+        if (!result.finished && failing_alike_.hopeless()) result.hopeless = failing_alike_.text();
         if (result.finished && (progress_.done > 0 || result.continuation_error.empty()))
             result.continuation_error = check_continuation(rows);
         head.set({"continuation_error", result.continuation_error});
@@ -241,6 +276,7 @@ private:
     StartStates starts_;
     BatchControl control_;
     std::vector<long> cases_;
+    FailingAlike failing_alike_;
     std::vector<char> done_;
     std::size_t position_ = 0;
     BatchProgress progress_;

@@ -11,11 +11,11 @@
 /// starts it again (supervisor.hpp), as the program does.
 
 #include <functional>
-#include <map>
 #include <string>
 #include <vector>
 
 #include "engine/executor/cancellation.hpp"
+#include "tasks/batch/results/tally.hpp"
 #include "tasks/batch/supervisor.hpp"
 #include "tasks/batch/sweep/sweep.hpp"
 
@@ -34,6 +34,11 @@ struct BatchProgress {
     long cases = 0, before = 0, done = 0;  ///< of this shard: all, done in former sessions, done now
     long failed = 0;                       ///< done now, but not ok
     double wall = 0.0;                     ///< [s]
+    long warm = 0;                         ///< done when every worker had finished a case, the shared settling included; 0: not yet
+    double warm_wall = 0.0;                ///< then [s]
+
+    /// Time left by the pace since then; NaN as long as there is none [s].
+    [[nodiscard]] double left() const noexcept;
 };
 
 struct BatchOptions {
@@ -44,6 +49,7 @@ struct BatchOptions {
     double checkpoint_every = 60.0;  ///< of every running case, wall time [s]
     Shard shard;
     std::vector<std::string> retry;          ///< statuses whose cases run again
+    bool keep_going = false;                 ///< also if the first dozen cases fail with the same message
     SweepPart part;                          ///< all, or a single case after a crash
     engine::SharedSlots* journal = nullptr;  ///< one slot per thread; receives the case that each worker runs
     const engine::Cancellation* cancel = nullptr;
@@ -54,10 +60,11 @@ struct BatchOptions {
 struct BatchReport {
     std::string folder;  ///< of this shard
     BatchProgress progress;
-    std::map<std::string, long> statuses;  ///< all rows of the table
+    CaseTally tally;  ///< of all rows of the table
     bool finished = false;
     std::string results_hash;
     int threads = 0;
+    std::string hopeless;            ///< how the first cases failed, all alike, so that no other was begun; empty: they did not
     std::string continuation_error;  ///< see ContinuationError::text(); empty: nothing was continued, or not checked yet
 };
 
@@ -91,7 +98,7 @@ struct MergeReport {
     long rows = 0, cases = 0;
     std::vector<std::string> missing_shards;  ///< folders that should be there
     std::vector<long> missing_cases;
-    std::map<std::string, long> statuses;
+    CaseTally tally;
     std::string results_hash;
 };
 

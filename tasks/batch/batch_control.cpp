@@ -1,8 +1,17 @@
 #include <algorithm>
+#include <limits>
 
+#include "tasks/batch/batch.hpp"
 #include "tasks/batch/case_engine.hpp"
 
 namespace cvtflow::tasks {
+
+double BatchProgress::left() const noexcept {
+    const long open = cases - before - done;
+    if (open == 0) return 0.0;
+    if (warm == 0 || done < 2 * warm) return std::numeric_limits<double>::quiet_NaN();
+    return static_cast<double>(open) * (wall - warm_wall) / static_cast<double>(done - warm);
+}
 
 double BatchControl::grace_left() {
     return mutex_.guard([&] {

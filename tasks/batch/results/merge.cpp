@@ -58,12 +58,12 @@ private:
         }
         require_same_sweep(file, part, *table_);
         if (const std::string error = part.attribute("continuation_error"); !error.empty()) errors_.push_back(error);
-        const std::size_t number = part.layout.column("case"), status = part.layout.column("status");
+        const std::size_t number = part.layout.column("case");
         for (std::size_t i = 0; i < part.size(); ++i) {
             const auto row = part.row(i);
             if (!seen_.insert(part.layout.integer(row, number)).second)
                 throw SimulationError(fmt::format("{}: case {} is in two shards", file, part.layout.integer(row, number)));
-            ++report_.statuses[part.layout.text(row, status)];
+            report_.tally.add(part.layout, row);
             table_->rows.insert(table_->rows.end(), row.begin(), row.end());
         }
     }

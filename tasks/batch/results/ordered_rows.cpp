@@ -14,13 +14,13 @@ constexpr std::size_t window_rows = 256;  ///< rows lie nearly in the order of t
 
 OrderedRows::OrderedRows(const std::string& path) : reader_(path) {
     const engine::RowLayout& layout = head().layout;
-    const std::size_t number = layout.column("case"), status = layout.column("status");
+    const std::size_t number = layout.column("case");
     order_.reserve(reader_.size());
     for (std::size_t i = 0; i < reader_.size(); ++i) {
         order_.emplace_back(0, i);
         const auto at = row(i);
         order_.back().first = layout.integer(at, number);
-        ++statuses_[layout.text(at, status)];
+        tally_.add(layout, at);
     }
     std::sort(order_.begin(), order_.end());
 }

@@ -2,13 +2,13 @@
 /// The rows of a table on disk in the order of their cases, a few at a time: memory grows by 16 bytes per case and no more.
 
 #include <functional>
-#include <map>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "engine/record/table/case_table.hpp"
+#include "tasks/batch/results/tally.hpp"
 
 namespace cvtflow::tasks {
 
@@ -19,7 +19,7 @@ public:
 
     [[nodiscard]] const engine::CaseTable& head() const noexcept { return reader_.head(); }
     [[nodiscard]] std::size_t size() const noexcept { return order_.size(); }
-    [[nodiscard]] const std::map<std::string, long>& statuses() const noexcept { return statuses_; }
+    [[nodiscard]] const CaseTally& tally() const noexcept { return tally_; }
     /// Row of a case, valid until the next call; empty if it has none.
     [[nodiscard]] std::span<const std::byte> of_case(long number);
     /// results_hash() of all rows.
@@ -32,7 +32,7 @@ private:
 
     engine::CaseReader reader_;
     std::vector<std::pair<long, std::size_t>> order_;  ///< case, row in the file; ascending
-    std::map<std::string, long> statuses_;
+    CaseTally tally_;
     std::vector<std::byte> window_;  ///< rows from first_ on
     std::size_t first_ = 0;
 };

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 
 #include "engine/record/table/torn_table.hpp"
@@ -38,9 +39,10 @@ public:
         if (quiet_ || since < (terminal_ ? 0.1 : 10.0)) return;
         last_ = Clock::now();
         const double rate = static_cast<double>(p.done) / std::max(p.wall, 1e-9);
-        const double left = static_cast<double>(p.cases - p.before - p.done) / rate;
-        const std::string line = fmt::format("{} of {} cases, {:.3g} a second, {} left{}", p.before + p.done, p.cases, rate,
-                                             clock_text(left), p.failed > 0 ? fmt::format(", {} failed", p.failed) : "");
+        const double left = p.left();
+        const std::string line = fmt::format("{} of {} cases, {:.3g} a second{}{}", p.before + p.done, p.cases, rate,
+                                             std::isnan(left) ? "" : fmt::format(", {} left", clock_text(left)),
+                                             p.failed > 0 ? fmt::format(", {} failed", p.failed) : "");
         to_stderr(fmt::format("{}{}{}", terminal_ ? "\r" : "", line, terminal_ ? "\x1b[K" : "\n"));
         drawn_ = terminal_;
     }
@@ -98,10 +100,27 @@ void require_statuses(const std::string& option, const std::vector<std::string>&
     }
 }
 
-std::string statuses_text(const std::map<std::string, long>& statuses) {
+std::string tally_text(const tasks::CaseTally& tally) {
     std::vector<std::string> parts;
-    for (const auto& [status, count] : statuses) parts.push_back(fmt::format("{} {}", count, status));
-    return parts.empty() ? "none" : fmt::format("{}", fmt::join(parts, ", "));
+    for (const auto& [status, count] : tally.statuses()) parts.push_back(fmt::format("{} {}", count, status));
+    std::string text = field("statuses", parts.empty() ? "none" : fmt::format("{}", fmt::join(parts, ", ")));
+    const long failed = tally.failed();
+    if (failed > 0)
+        text += field("failed", fmt::format("{} of {} ({:.3g} %)", failed, plural(tally.rows(), "case"),
+                                            100.0 * static_cast<double>(failed) / static_cast<double>(tally.rows())));
+    long named = 0;
+    for (const tasks::CaseTally::Failure& failure : tally.failures()) {
+        named += failure.cases;
+        text += field("", fmt::format("{} {}: {} (first: case {})", failure.cases, failure.status, failure.error, failure.first));
+    }
+    if (named > 0 && named < failed) text += field("", fmt::format("{} with other messages", failed - named));
+    parts.clear();
+    for (const auto& [name, count] : tally.notes()) parts.push_back(fmt::format("{} {} of {}", name, count, tally.rows()));
+    return text + (parts.empty() ? "" : field("notes", fmt::format("{}", fmt::join(parts, ", "))));
+}
+
+ExitStatus exit_status(const tasks::CaseTally& tally) noexcept {
+    return tally.failed() == 0 ? ExitStatus::finished : ExitStatus::incomplete;
 }
 
 namespace {
@@ -109,14 +128,13 @@ namespace {
 void print_end(const tasks::Sweep& sweep, const tasks::BatchReport& report, const std::string& folder) {
     const tasks::BatchProgress& p = report.progress;
     fmt::print("{}: {}\n", sweep.name,
-               report.finished
-                   ? "finished"
-                   : fmt::format("stopped after {} of {} cases; to continue: cvtflow resume {}", p.before + p.done, p.cases, folder));
+               report.finished ? "finished"
+                               : fmt::format("stopped after {} of {} cases; to continue: cvtflow resume {}{}", p.before + p.done, p.cases,
+                                             folder, report.hopeless.empty() ? "" : " --keep-going"));
     fmt::print("{}", field("cases", fmt::format("{} now in {:.2f} s on {}, {:.3g} a second{}", p.done, p.wall,
                                                 plural(report.threads, "thread"), static_cast<double>(p.done) / std::max(p.wall, 1e-9),
                                                 p.before > 0 ? fmt::format("; {} before", p.before) : "")));
-    fmt::print("{}{}{}", field("statuses", statuses_text(report.statuses)), field("results hash", report.results_hash),
-               field("table", report.folder + "/cases.h5"));
+    fmt::print("{}{}{}", tally_text(report.tally), field("results hash", report.results_hash), field("table", report.folder + "/cases.h5"));
     if (!report.continuation_error.empty()) fmt::print("{}", field("continuation error", report.continuation_error));
 }
 
@@ -160,9 +178,12 @@ ExitStatus run_part(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, t
         print_end(sweep, report, options.folder);
         print_notices();
     }
+    if (!report.hopeless.empty()) {
+        print_error(fmt::format("{}: {}; --keep-going runs the others", sweep.name, report.hopeless));
+        return ExitStatus::incomplete;
+    }
     if (!report.finished || interrupted.requested()) return ExitStatus::cancelled;
-    if (!accurate) return ExitStatus::inaccurate;
-    return report.statuses.size() == 1 && report.statuses.contains("ok") ? ExitStatus::finished : ExitStatus::incomplete;
+    return accurate ? exit_status(report.tally) : ExitStatus::inaccurate;
 }
 
 }  // namespace

@@ -9,6 +9,9 @@
 
 namespace cvtflow::tools {
 
+/// Of --keep-going.
+inline constexpr const char* keep_going_meaning = "Continue a sweep if its first dozen cases all fail with the same message";
+
 /// Reads a sweep; scenes by name come from the ready ones.
 [[nodiscard]] tasks::Sweep load_sweep(const std::string& path);
 
@@ -25,7 +28,9 @@ bool say_verdict(const std::string& name, const std::string& file, bool quiet);
 /// @throws UsageError for an unknown status
 void require_statuses(const std::string& option, const std::vector<std::string>& given);
 
-/// "38 ok, 2 diverged"
-[[nodiscard]] std::string statuses_text(const std::map<std::string, long>& statuses);
+/// Lines of a summary: statuses, how many cases failed and with which messages, how many have which notes.
+[[nodiscard]] std::string tally_text(const tasks::CaseTally& tally);
+/// Of a sweep whose cases are all there: `finished` only if all are ok.
+[[nodiscard]] ExitStatus exit_status(const tasks::CaseTally& tally) noexcept;
 
 }  // namespace cvtflow::tools

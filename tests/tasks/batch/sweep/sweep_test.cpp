@@ -225,6 +225,18 @@ TEST_F(SweepFile, AHundredThousandCasesAreEstimatedInSeconds) {
     EXPECT_LT(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC, 3.0);
 }
 
+/// Two workers: the first cases include the settling that all share.
+TEST(BatchProgress, PredictsByThePaceAfterEveryWorkersFirstCase) {
+    BatchProgress progress{.cases = 102, .before = 2, .done = 1, .wall = 10.0};
+    EXPECT_TRUE(std::isnan(progress.left()));
+    progress = {.cases = 102, .before = 2, .done = 3, .wall = 10.3, .warm = 2, .warm_wall = 10.1};
+    EXPECT_TRUE(std::isnan(progress.left())) << "one case of two workers may have been nearly done";
+    progress = {.cases = 102, .before = 2, .done = 12, .wall = 11.1, .warm = 2, .warm_wall = 10.1};
+    EXPECT_DOUBLE_EQ(progress.left(), 8.8);
+    progress.done = 100;
+    EXPECT_EQ(progress.left(), 0.0);
+}
+
 TEST(Reducer, ReducesAsItSays) {
     std::vector<Problem> none;
     const std::map<std::string, double> expected{

@@ -100,12 +100,11 @@ std::string sweep_text(const std::string& path) {
     const std::string file = table_path(path);
     const engine::CaseTable table = tasks::read_results(file);
     const auto of = [&](const char* name) { return engine::visible(table.attribute(name)); };
-    std::map<std::string, long> statuses;
-    for (std::size_t row = 0; row < table.size(); ++row)
-        ++statuses[std::string(table.layout.text(table.row(row), table.layout.column("status")))];
+    tasks::CaseTally tally;
+    for (std::size_t row = 0; row < table.size(); ++row) tally.add(table.layout, table.row(row));
     std::string text = fmt::format("{}: results of a sweep, {}\n", file, size_text(static_cast<double>(std::filesystem::file_size(file))));
     text += field("sweep", of("sweep")) + field("", of("description")) + field("status", of("status"));
-    text += field("cases", fmt::format("{} of {}: {}", table.size(), of("cases"), statuses_text(statuses)));
+    text += field("cases", fmt::format("{} of {}", table.size(), of("cases"))) + tally_text(tally);
     text += field("program", fmt::format("cvtflow {} ({})", of("program_version"), of("commit"))) + field("date", of("date"));
     text += field("results hash", tasks::results_hash(table)) + field("rows", "cvtflow table " + path) + "\n";
     Table columns({{"column"}, {"unit"}, {"meaning"}});

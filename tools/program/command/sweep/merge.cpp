@@ -37,10 +37,10 @@ ExitStatus merge(const std::string& folder, bool partial) {
         print_error("nothing was written; run the missing shards, or use --partial to join the available ones");
         return ExitStatus::incomplete;
     }
-    fmt::print("{}: {} of {} cases\n{}{}", report.file, report.rows, report.cases, field("statuses", statuses_text(report.statuses)),
+    fmt::print("{}: {} of {} cases\n{}{}", report.file, report.rows, report.cases, tally_text(report.tally),
                field("results hash", report.results_hash));
     const bool accurate = say_verdict(folder, report.file, false);
-    return !whole ? ExitStatus::incomplete : accurate ? ExitStatus::finished : ExitStatus::inaccurate;
+    return !whole ? ExitStatus::incomplete : accurate ? exit_status(report.tally) : ExitStatus::inaccurate;
 }
 
 }  // namespace
