@@ -75,4 +75,6 @@ Provenance current_provenance() {
             .date = utc_now()};
 }
 
+std::string version_text() { return CVTFLOW_VERSION " (" CVTFLOW_COMMIT ")"; }
+
 }  // namespace cvtflow::engine

@@ -20,4 +20,7 @@ struct Provenance {
 /// Of this program, here and now. What cannot be found out is "unknown" (cores: 1). Never fails but for lack of memory.
 [[nodiscard]] Provenance current_provenance();
 
+/// "0.2.0 (b9f2dddb)": which program made rows of a sweep, checkpoints and shared states.
+[[nodiscard]] std::string version_text();
+
 }  // namespace cvtflow::engine

@@ -10,6 +10,7 @@
 
 #include "engine/executor/tbb/job_pool.hpp"
 #include "tasks/batch/continuation_error.hpp"
+#include "tasks/batch/results/origin.hpp"
 #include "tasks/batch/results/results.hpp"
 #include "tasks/batch/results/sweep_files.hpp"
 #include "tasks/batch/results/torn_results.hpp"
@@ -94,7 +95,7 @@ public:
           lock_(folder_),
           cancel_(options.cancel != nullptr ? *options.cancel : never),
           threads_(options.threads > 0 ? options.threads : usable_threads()),
-          starts_(sweep, fs::path(options.folder) / "states"),
+          starts_(sweep, fs::path(options.folder) / "states", options.mixed),
           control_(threads_, options.grace, cancel_, options.notice),
           cases_(shard_cases(sweep, options.shard)),
           failing_alike_(!options.keep_going && !options.part.only) {}
@@ -129,6 +130,7 @@ private:
         if (!fs::exists(file_, missing)) return begin;
         engine::CaseTable table = read_or_recover(begin);
         require_same_sweep(file_, table, begin);
+        require_same_origin(file_, table, begin, options_.mixed);
         if (table.attribute("shard") != begin.attribute("shard"))
             throw SimulationError(
                 fmt::format("{}: results of shard {}, not {}", file_, table.attribute("shard"), begin.attribute("shard")));
@@ -230,7 +232,7 @@ private:
     [[nodiscard]] CasePlaces places() const {
         const fs::path folder(folder_);
         if (sweep_.records) fs::create_directories(folder / "records");
-        return {folder / "checkpoints", folder / "records", folder / "continuation", options_.checkpoint_every};
+        return {folder / "checkpoints", folder / "records", folder / "continuation", options_.checkpoint_every, options_.mixed};
     }
 
     /// Some continued cases from their own start, one after the other. Empty if it was stopped.

@@ -49,6 +49,7 @@ struct BatchOptions {
     double checkpoint_every = 60.0;  ///< of every running case, wall time [s]
     Shard shard;
     std::vector<std::string> retry;          ///< statuses whose cases run again
+    bool mixed = false;                      ///< also if rows there are of another version of the program or another start.state
     bool keep_going = false;                 ///< also if the first dozen cases fail with the same message
     SweepPart part;                          ///< all, or a single case after a crash
     engine::SharedSlots* journal = nullptr;  ///< one slot per thread; receives the case that each worker runs
@@ -104,7 +105,8 @@ struct MergeReport {
 
 /// Joins the tables of all shards of a folder into DIR/cases.h5.
 /// @param partial write the table even if shards or cases are missing; they stay missing, and an attribute names them
+/// @param mixed join rows of different versions of the program or starts
 /// @throws SimulationError nothing to join; shards of other sweeps, or cut in another number; engine::RecordError
-[[nodiscard]] MergeReport merge(const std::string& folder, bool partial);
+[[nodiscard]] MergeReport merge(const std::string& folder, bool partial, bool mixed = false);
 
 }  // namespace cvtflow::tasks

@@ -61,7 +61,6 @@ bool CaseEngine::restore() {
         std::filesystem::remove(record_file() + ".before", missing);
     }
     on_disk_ = true;
-    if (why.empty() && end_before()) result_.start = "continued";  // that end stays until the case has its own
     return why.empty();
 }
 
@@ -129,7 +128,8 @@ StartStates::State CaseEngine::end_before() const {
     return latest;
 }
 
-/// What a case begins with: the end before it if that fits its machine, else what any case begins with.
+/// What a case begins with: the end before it if that fits its machine, else what any case begins with. That end stays until the case has
+/// its own.
 StartStates::State CaseEngine::start() {
     StartStates::State before = end_before();
     if (before && !start_fits(*before, scene_)) before = nullptr;

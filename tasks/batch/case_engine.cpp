@@ -11,6 +11,7 @@
 #include "engine/base/error_text.hpp"
 #include "tasks/batch/results/sweep_files.hpp"
 #include "tasks/method/method_choice.hpp"
+#include "tasks/run/saved_start.hpp"
 #include "tasks/schedule/auto_schedule.hpp"
 
 namespace cvtflow::tasks {
@@ -107,7 +108,7 @@ void CaseEngine::prepare() {
     result_.notes.clear();
     result_.counters = result_.settling = {};
     result_.threads = 1;
-    result_.hash = 0;
+    result_.hash = result_.start_state = 0;
 }
 
 double CaseEngine::elapsed() const { return wall_before_ + seconds_since(started_); }
@@ -124,7 +125,8 @@ void CaseEngine::begin(const StartStates::State& saved) {
     simulation_ = serial_.get();
     eye_ = serial_observer_.get();
     simulation_->pause_on(&pause_);
-    if (record_options_.from != nullptr) require_same(checkpoint_file(), *record_options_.from, scene_, simulation_->variator());
+    if (record_options_.from != nullptr)
+        require_same(checkpoint_file(), *record_options_.from, scene_, simulation_->variator(), places_.mixed);
     if (!sweep_.records || own_start_) return;
     record_options_.file = permit_record(record_file(), scene_);
     recorder_ = std::make_unique<RunRecorder>(scene_, *simulation_, record_options_);
@@ -132,7 +134,10 @@ void CaseEngine::begin(const StartStates::State& saved) {
 
 void CaseEngine::integrate() {
     result_.start = starts_.kind(scene_);
-    if (!restore()) begin(start());
+    const bool resumed = restore();
+    const StartStates::State from = start();
+    result_.start_state = from ? content_hash(*from) : 0;
+    if (!resumed) begin(from);
     Fault fault;
     do fault = part();
     while (!fault && simulation_->time() < scene_.run.until - 1e-9 * scene_.run.output_interval);

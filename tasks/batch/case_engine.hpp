@@ -27,7 +27,8 @@ struct CaseResult {
     CaseStatus status = CaseStatus::ok;
     std::string error;
     std::string_view start;
-    std::vector<double> scalars;  ///< NaN unless ok [scalars of the sweep]
+    std::uint64_t start_state = 0;  ///< content_hash() of the state that it began with; 0: none
+    std::vector<double> scalars;    ///< NaN unless ok [scalars of the sweep]
     Counters counters, settling;
     double wall = 0.0;        ///< settling and resumed parts included [s]
     int threads = 1;          ///< most that worked on it at once
@@ -70,6 +71,7 @@ private:
 struct CasePlaces {
     std::filesystem::path checkpoints, records, continuation;
     double checkpoint_every = 60.0;  ///< [s]
+    bool mixed = false;              ///< whether checkpoints may be of another version of the program
 };
 
 /// A case of a continued sweep starts where the last good one before it ended, and of every strand only the latest ends are kept. Strands

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "engine/base/hash.hpp"
+#include "engine/base/provenance.hpp"
 #include "tasks/run/checkpoint.hpp"
 #include "tasks/run/saved_start.hpp"
 
@@ -41,7 +42,8 @@ bool matters_for_placing(const Parameter& parameter) noexcept {
     return std::find(std::begin(operation), std::end(operation), parameter.section()) == std::end(operation);
 }
 
-StartStates::StartStates(const Sweep& sweep, std::filesystem::path folder) : sweep_(sweep), folder_(std::move(folder)) {
+StartStates::StartStates(const Sweep& sweep, std::filesystem::path folder, bool mixed)
+    : sweep_(sweep), folder_(std::move(folder)), mixed_(mixed) {
     shareable_ = sweep.start == StartMode::shared ||
                  (sweep.start == StartMode::settle &&
                   !std::all_of(sweep.axes.begin(), sweep.axes.end(), [this](const Axis& axis) { return matters(axis); }));
@@ -155,6 +157,20 @@ StartStates::State StartStates::from_file(const std::string& path) {
     return state;
 }
 
+/// A state that another session or shard has settled. Its name promises a scene: what it contains is compared.
+StartStates::State StartStates::shared_from_file(const std::string& path, std::uint64_t key) {
+    State state = from_file(path);
+    const std::string_view text = settled_scene_text(*state);
+    if (text.empty() || content(parse_scene(std::string(text), path, StartState::recorded)) != key)
+        throw engine::RecordError(path + ": a shared start state of another scene than its name promises; remove it");
+    const std::string_view by = program_of(*state);
+    if (!mixed_ && by != engine::version_text())
+        throw engine::RecordError(
+            fmt::format("{}: a shared start state settled by cvtflow {}, this is {}; remove it, or go on with --mixed", path,
+                        by.empty() ? "of unknown version" : by, engine::version_text()));
+    return state;
+}
+
 StartStates::State StartStates::settled(const Scene& scene, const engine::Cancellation& cancel) {
     const std::uint64_t key = content(scene);
     const std::string file = (folder_ / (engine::hex(key) + ".h5")).string();
@@ -163,7 +179,7 @@ StartStates::State StartStates::settled(const Scene& scene, const engine::Cancel
     std::error_code missing;
     if (std::filesystem::exists(file, missing)) {
         if (mine) once_.made(key);
-        return from_file(file);
+        return shared_from_file(file, key);
     }
     const std::unique_ptr<const std::uint64_t, std::function<void(const std::uint64_t*)>> announced(
         &key, [&](const std::uint64_t*) { once_.made(key); });
@@ -172,7 +188,9 @@ StartStates::State StartStates::settled(const Scene& scene, const engine::Cancel
     if (simulation.needs_settling()) {
         if (const Fault fault = simulation.advance({.until = 0.0}, silent, cancel)) throw StartFault(fault);
     }
-    auto state = std::make_shared<const engine::SavedState>(simulation.saved_state());
+    auto made = std::make_shared<engine::SavedState>(simulation.saved_state());
+    made->attributes.push_back({std::string(program_attribute), engine::version_text()});
+    const State state = made;
     std::filesystem::create_directories(folder_);
     engine::write_state(file, *state);
     keep(of_file_, file, state);

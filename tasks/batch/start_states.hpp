@@ -27,7 +27,8 @@ public:
     using Placed = std::shared_ptr<const model::StartState>;
 
     /// @param folder  where settled states are kept, by the hash of all that they depend on; made when it is needed
-    StartStates(const Sweep& sweep, std::filesystem::path folder);
+    /// @param mixed  whether states that are there may be of another version of the program
+    StartStates(const Sweep& sweep, std::filesystem::path folder, bool mixed = false);
 
     /// The state that a case begins with; nullptr: it settles by itself. Any thread. Allocates nothing for a state that is kept.
     /// @param scene of the case   @throws StartFault, engine::RecordError
@@ -45,6 +46,7 @@ private:
     [[nodiscard]] State file_state(const Scene& scene);
     [[nodiscard]] State from_file(const std::string& path);
     [[nodiscard]] State settled(const Scene& scene, const engine::Cancellation& cancel);
+    [[nodiscard]] State shared_from_file(const std::string& path, std::uint64_t key);
     template <class Map>
     [[nodiscard]] typename Map::mapped_type kept(const Map& map, const typename Map::key_type& key);
     template <class Map>
@@ -56,6 +58,7 @@ private:
 
     const Sweep& sweep_;
     std::filesystem::path folder_;
+    bool mixed_;
     bool shareable_ = false;  ///< whether several cases of the sweep settle alike
     engine::Mutex mutex_;
     engine::OnceEach once_;

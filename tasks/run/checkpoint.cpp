@@ -27,8 +27,11 @@ constexpr std::string_view changeable[] = {"scene.name",    "scene.description",
 
 std::string program_text() {
     const engine::Provenance here = engine::current_provenance();
-    return fmt::format("cvtflow {} ({}), {} {}, {}", here.version, here.commit, here.compiler, here.build_type, here.instruction_set);
+    return fmt::format("cvtflow {}, {} {}, {}", engine::version_text(), here.compiler, here.build_type, here.instruction_set);
 }
+
+/// "cvtflow 0.2.0 (b9f2dddb)" of the above: builds for other processors compute the same.
+std::string_view version_in(std::string_view program) { return program.substr(0, program.find(',')); }
 
 void add_combination(const std::vector<engine::Term>& terms, engine::Hash& hash) {
     hash.add(static_cast<std::uint64_t>(terms.size()));
@@ -254,7 +257,7 @@ bool may_change(std::string_view key) noexcept {
     return std::find(std::begin(changeable), std::end(changeable), key) != std::end(changeable);
 }
 
-void require_same(const std::string& path, const Checkpoint& checkpoint, const Scene& scene, const model::Variator& variator) {
+void require_same(const std::string& path, const Checkpoint& checkpoint, const Scene& scene, const model::Variator& variator, bool mixed) {
     const Scene then = scene_of(checkpoint);
     std::vector<std::string> lines;
     for (const Parameter& parameter : parameter_table()) {
@@ -270,6 +273,8 @@ void require_same(const std::string& path, const Checkpoint& checkpoint, const S
     if (lines.empty() && checkpoint.slope_hash != hash_of_slope(checkpoint.integration, variator)) {
         lines.push_back(fmt::format("  the model computes other accelerations at the checkpoint's state; {}", written_by()));
     }
+    if (lines.empty() && !mixed && version_in(checkpoint.program) != version_in(program_text()))
+        throw SimulationError(fmt::format("{}: {}; --mixed resumes nevertheless", path, written_by()));
     if (!lines.empty()) throw SimulationError(fmt::format("{}: not a checkpoint of this scene:\n{}", path, fmt::join(lines, "\n")));
 }
 

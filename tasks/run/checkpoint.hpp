@@ -62,10 +62,12 @@ void remove_checkpoint(const std::string& path);
 /// …
 [[nodiscard]] bool may_change(std::string_view key) noexcept;
 
-/// Refuses to continue a run of another scene, method or model.
+/// Refuses to continue a run of another scene, method, model or version of the program.
 /// @throws SimulationError, a line per difference:
 ///     run.checkpoint.h5: this is no checkpoint of the scene:
 ///       chain.pins = 24, the checkpoint has 84
-void require_same(const std::string& path, const Checkpoint& checkpoint, const Scene& scene, const model::Variator& variator);
+/// @param mixed  whether another version of the program may go on
+void require_same(const std::string& path, const Checkpoint& checkpoint, const Scene& scene, const model::Variator& variator,
+                  bool mixed = false);
 
 }  // namespace cvtflow::tasks

@@ -142,7 +142,7 @@ void run_parts(const Scene& scene, const RunOptions& options, Simulation& simula
 RunReport run_scene(const Scene& scene, const RunOptions& options) {
     Simulation simulation(scene);
     if (options.from != nullptr) {
-        require_same(options.checkpoint, *options.from, scene, simulation.variator());
+        require_same(options.checkpoint, *options.from, scene, simulation.variator(), options.mixed);
         require_rest(options.checkpoint, *options.from, scene);
     }
     RunRecorder recorder(scene, simulation, options);

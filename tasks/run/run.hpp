@@ -31,6 +31,7 @@ struct RunOptions {
     const Checkpoint* from = nullptr;                ///< checkpoint to resume; `file` is then the record to continue (record_to_continue)
     bool replace = false;                            ///< with `from`: whether a file of that name that is not the run's own is replaced
     std::string replaces;                            ///< identity of the run whose record `file` replaces; empty: of none
+    bool mixed = false;                              ///< with `from`: whether the checkpoint may be of another version of the program
 };
 
 /// A coupling of a shaft at the end of a run.

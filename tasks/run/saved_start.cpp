@@ -9,6 +9,7 @@
 #include <optional>
 #include <variant>
 
+#include "engine/base/hash.hpp"
 #include "engine/record/run/state_file.hpp"
 #include "model/observe/observation.hpp"
 #include "tasks/run/simulation.hpp"
@@ -88,6 +89,19 @@ const std::string* text_attribute(const engine::SavedState& saved, std::string_v
 std::string_view settled_scene_text(const engine::SavedState& saved) {
     const std::string* text = text_attribute(saved, "scene");
     return text == nullptr ? std::string_view() : std::string_view(*text);
+}
+
+std::string_view program_of(const engine::SavedState& saved) {
+    const std::string* text = text_attribute(saved, program_attribute);
+    return text == nullptr ? std::string_view() : std::string_view(*text);
+}
+
+std::uint64_t content_hash(const engine::SavedState& saved) noexcept {
+    return engine::Hash()
+        .add(std::span<const double>(saved.state))
+        .add(std::span<const std::uint8_t>(saved.phases))
+        .add(settled_scene_text(saved))
+        .value();
 }
 
 model::Parameters settled_parameters(const engine::SavedState& saved, const Scene& scene) {

@@ -45,6 +45,12 @@ inline constexpr double start_misfit_tolerance = 0.01;
 /// @param settled  settled_layout() of the state
 [[nodiscard]] bool has_coordinates(const engine::SavedState& saved, const std::optional<model::ChainLayout>& settled, const Scene& scene);
 [[nodiscard]] bool start_fits(const engine::SavedState& saved, const Scene& scene);
+/// Attribute of shared states of sweeps: engine::version_text() of the program that settled it.
+inline constexpr std::string_view program_attribute = "program";
+/// Empty if the state does not contain it.
+[[nodiscard]] std::string_view program_of(const engine::SavedState& saved);
+/// Of everything that a run which begins with the state depends on.
+[[nodiscard]] std::uint64_t content_hash(const engine::SavedState& saved) noexcept;
 /// @param unfit  unfit_text() of the state that the scene names
 /// @throws SimulationError if the scene has no time to settle instead
 void require_time_to_settle(const Scene& scene, const std::string& unfit);

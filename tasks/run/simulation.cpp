@@ -69,9 +69,8 @@ void Simulation::begin_with(const engine::SavedState* saved, const model::StartS
 }
 
 double Simulation::misfit_of(const engine::SavedState& saved) {
-    engine::Hash hash;
-    hash.add(std::span<const double>(saved.state)).add(std::span<const std::uint8_t>(saved.phases)).add(settled_scene_text(saved));
-    if (!checked_start_ || checked_start_->hash != hash.value()) checked_start_ = {hash.value(), start_misfit(saved, scene_)};
+    const std::uint64_t hash = content_hash(saved);
+    if (!checked_start_ || checked_start_->hash != hash) checked_start_ = {hash, start_misfit(saved, scene_)};
     return checked_start_->misfit;
 }
 

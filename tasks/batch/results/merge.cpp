@@ -6,6 +6,7 @@
 #include <set>
 
 #include "tasks/batch/batch.hpp"
+#include "tasks/batch/results/origin.hpp"
 #include "tasks/batch/results/results.hpp"
 #include "tasks/batch/results/sweep_files.hpp"
 
@@ -33,7 +34,9 @@ int shard_count(const std::string& folder) {
 
 class Merge {
 public:
-    explicit Merge(const std::string& folder) : folder_(folder) { report_.file = (fs::path(folder) / "cases.h5").string(); }
+    Merge(const std::string& folder, bool mixed) : folder_(folder), mixed_(mixed) {
+        report_.file = (fs::path(folder) / "cases.h5").string();
+    }
 
     MergeReport run(bool partial) {
         const int shards = shard_count(folder_);
@@ -57,6 +60,7 @@ private:
             table_->rows.clear();
         }
         require_same_sweep(file, part, *table_);
+        require_same_origin(file, *table_, part, mixed_);
         if (const std::string error = part.attribute("continuation_error"); !error.empty()) errors_.push_back(error);
         const std::size_t number = part.layout.column("case");
         for (std::size_t i = 0; i < part.size(); ++i) {
@@ -100,6 +104,7 @@ private:
     }
 
     std::string folder_;
+    bool mixed_;
     MergeReport report_;
     std::optional<engine::CaseTable> table_;
     std::set<std::int64_t> seen_;
@@ -108,6 +113,6 @@ private:
 
 }  // namespace
 
-MergeReport merge(const std::string& folder, bool partial) { return Merge(folder).run(partial); }
+MergeReport merge(const std::string& folder, bool partial, bool mixed) { return Merge(folder, mixed).run(partial); }
 
 }  // namespace cvtflow::tasks

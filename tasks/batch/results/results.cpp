@@ -14,6 +14,7 @@
 #include "engine/base/hash.hpp"
 #include "engine/base/provenance.hpp"
 #include "model/start/start_state.hpp"
+#include "tasks/batch/results/origin.hpp"
 #include "tasks/scene/csv/csv_text.hpp"
 
 namespace cvtflow::tasks {
@@ -23,7 +24,7 @@ namespace {
 using engine::CaseColumn;
 using Type = engine::CaseColumnType;
 
-constexpr int error_width = 240;
+constexpr int error_width = 240, program_width = 48;
 
 std::string column_of(const Parameter& key) {
     std::string name(key.key);
@@ -59,7 +60,8 @@ CaseColumn error_column(const Scalar& scalar) {
     return {std::string(error_prefix) + scalar.column, "1", scalar.text + ": relative error against the reference run; NaN: not verified"};
 }
 
-constexpr std::string_view unsteady[] = {"wall", "threads"};  // columns that differ from run to run
+/// Columns without part in the hash: they differ from run to run, or name what the row comes from.
+constexpr std::string_view unhashed[] = {"wall", "threads", "program", "start_state"};
 
 }  // namespace
 
@@ -82,6 +84,7 @@ engine::RowLayout result_layout(const Sweep& sweep) {
                        "remarks: gross_slip, control_limit, slack_strand, efficiency, unsteady, standstill, no_load, unresolved",
                        Type::text, 96});
     columns.push_back({"start", "", "start of the case: scene, geometric, settled, shared or continued", Type::text, 16});
+    columns.push_back({"start_state", "", "hash of the state that the case began with; none: it settled by itself", Type::text, 16});
     for (const auto& [name, what] : {std::pair{"steps", "accepted steps"},
                                      {"evaluations", "evaluations of the right-hand side"},
                                      {"transitions", "changes of phase of tips; at rigid pins 0, not counted"},
@@ -91,6 +94,7 @@ engine::RowLayout result_layout(const Sweep& sweep) {
     }
     columns.push_back({"wall", "s", "wall time of this case, all sessions"});
     columns.push_back({"threads", "1", "largest number of threads at once", Type::integer});
+    columns.push_back({"program", "", "version and commit of the program that ran the case", Type::text, program_width});
     columns.push_back({"hash", "", "of the final state and phases", Type::text, 16});
     columns.push_back({"error", "", "message of the fault", Type::text, error_width});
     return engine::RowLayout(std::move(columns));
@@ -125,6 +129,7 @@ engine::CaseTable empty_table(const Sweep& sweep) {
     table.set({"sweep_text", sweep.text});
     table.set({"parameters", write_scene(sweep.scene)});
     table.set({"definition", sweep.definition() + fmt::format("model = hash {}\n", model_hash(sweep))});
+    set_origin(table, sweep);
     table.set({"cases", static_cast<std::int64_t>(sweep.cases())});
     table.set({"status", "running"});
     return table;
@@ -175,10 +180,12 @@ void fill_row(const engine::RowLayout& layout, const Sweep& sweep, const CaseRes
     for (const double number : {r.efficiency, r.residual, r.suspicion}) layout.put(row, column++, number);
     layout.put(row, column++, std::string_view(r.notes));
     layout.put(row, column++, r.start);
+    layout.put(row, column++, std::string_view(r.start_state != 0 ? engine::hex(r.start_state) : "none"));
     for (const long count : {r.counters.steps, r.counters.evaluations, r.counters.detected, r.counters.truncated, r.settling.evaluations})
         layout.put(row, column++, static_cast<std::int64_t>(count));
     layout.put(row, column++, r.wall);
     layout.put(row, column++, static_cast<std::int64_t>(r.threads));
+    layout.put(row, column++, std::string_view(engine::version_text()));
     layout.put(row, column++, std::string_view(engine::hex(r.hash)));
     layout.put(row, column++, std::string_view(r.error));
     layout.seal(row);
@@ -244,7 +251,7 @@ void sort_rows(engine::CaseTable& table) {
 void add_result(engine::Hash& hash, const engine::RowLayout& layout, std::span<const std::byte> row) {
     for (std::size_t c = 0; c < layout.columns().size(); ++c) {
         const CaseColumn& column = layout.columns()[c];
-        if (std::find(std::begin(unsteady), std::end(unsteady), column.name) != std::end(unsteady)) continue;
+        if (std::find(std::begin(unhashed), std::end(unhashed), column.name) != std::end(unhashed)) continue;
         hash.add(row.subspan(layout.offset(c), static_cast<std::size_t>(column.width)));
     }
 }

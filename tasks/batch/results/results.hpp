@@ -39,11 +39,11 @@ void require_same_sweep(const std::string& path, const engine::CaseTable& there,
 /// Rows in the order of their cases.
 void sort_rows(engine::CaseTable& table);
 
-/// Everything of a row but wall time and threads.
+/// Everything of a row but wall time, threads, and what it comes from (program, start state).
 void add_result(engine::Hash& hash, const engine::RowLayout& layout, std::span<const std::byte> row);
 
-/// Hash over everything in the rows, in the order of cases, but what differs from run to run: wall time and threads. Equal for every number
-/// of threads, shards, kills and resumptions.
+/// Hash over everything in the rows, in the order of cases, but what differs from run to run (wall time, threads) and what they come from
+/// (program, start state). Equal for every number of threads, shards, kills and resumptions.
 [[nodiscard]] std::string results_hash(const engine::CaseTable& table);
 
 /// Text for people and CSV of the rows in the order of their cases. @param units whether CSV headings carry them

@@ -5,13 +5,14 @@
 #include "engine/base/hash.hpp"
 #include "engine/record/table/torn_table.hpp"
 #include "tasks/batch/case_engine.hpp"
+#include "tasks/batch/results/origin.hpp"
 #include "tasks/batch/results/results.hpp"
 
 namespace cvtflow::tasks {
 
 void set_mark(engine::CaseTable& table) {
     engine::Hash hash;
-    for (const char* name : {"definition", "shard"}) hash.add(table.attribute(name)).add(name);
+    for (const char* name : {"definition", "shard", "start_states"}) hash.add(table.attribute(name)).add(name);
     for (const engine::CaseColumn& column : table.layout.columns())
         hash.add(column.name + "\n" + column.unit + "\n" + column.description + "\n" + std::to_string(static_cast<int>(column.type)) + " " +
                  std::to_string(column.width));
@@ -28,6 +29,7 @@ std::optional<engine::CaseTable> recover_results(const std::string& path, const 
         const std::int64_t of_case = table.layout.integer(row, number);
         return of_case >= 0 && of_case < cases && std::ranges::find(statuses, table.layout.text(row, status)) != statuses.end();
     });
+    set_programs_of_rows(table);
     return table;
 }
 

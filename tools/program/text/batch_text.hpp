@@ -9,6 +9,9 @@
 
 namespace cvtflow::tools {
 
+/// Of --mixed.
+inline constexpr const char* mixed_meaning = "Continue or join what another version of the program, or another start state, began";
+
 /// Of --keep-going.
 inline constexpr const char* keep_going_meaning = "Continue a sweep if its first dozen cases all fail with the same message";
 

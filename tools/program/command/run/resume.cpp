@@ -29,7 +29,7 @@ struct ResumeArguments {
     std::string output;
     std::optional<std::string> every;
     std::vector<std::string> settings;
-    bool force = false, quiet = false, keep_going = false;
+    bool force = false, quiet = false, keep_going = false, mixed = false;
 };
 
 constexpr std::string_view checkpoint_ending = ".checkpoint.h5";
@@ -96,6 +96,7 @@ ExitStatus go_on_sweep(const ResumeArguments& arguments) {
     while (options.folder.size() > 1 && options.folder.back() == '/') options.folder.pop_back();
     if (arguments.every) options.checkpoint_every = seconds_of("--checkpoint-every", *arguments.every);
     options.keep_going = arguments.keep_going;
+    options.mixed = arguments.mixed;
     tasks::Shard shard;
     const std::filesystem::path folder(options.folder);
     if (std::sscanf(folder.filename().c_str(), "shard-%9d-of-%9d", &shard.number, &shard.of) == 2 && shard.valid()) {
@@ -118,6 +119,7 @@ ExitStatus go_on(const ResumeArguments& arguments) {
     if (!keeps_record_waiting(options, checkpoint)) options.checkpoint = arguments.what;
     options.checkpoint_every = seconds_of("--checkpoint-every", arguments.every.value_or("60 s"));
     options.from = &checkpoint;
+    options.mixed = arguments.mixed;
     if (!arguments.quiet) options.progress = [&display](const tasks::Progress& progress) { display.show(progress); };
     const std::string replaced = options.file.empty() ? "" : replacing_another(options.file.path(), checkpoint);
     if (!replaced.empty() && !arguments.quiet) print_error(replaced);
@@ -149,6 +151,7 @@ Action declare_resume(CLI::App& app) {
     app.add_flag("--force", arguments->force, force_meaning);
     app.add_option("--checkpoint-every", arguments->every, "Wall time between checkpoints (default: 60 s)")->type_name("TIME");
     app.add_flag("--keep-going", arguments->keep_going, keep_going_meaning);
+    app.add_flag("--mixed", arguments->mixed, mixed_meaning);
     app.add_flag("-q,--quiet", arguments->quiet, "Print errors only");
     app.footer(
         "The results are bitwise equal to those of an uninterrupted run. A checkpoint of another scene, method or model is refused.\n"

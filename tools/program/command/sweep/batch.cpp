@@ -27,7 +27,7 @@ struct BatchArguments {
     std::optional<std::string> shard, grace, every;  ///< empty text is an error
     std::vector<std::string> retry;
     int threads = 0, bench = 0;
-    bool dry = false, pin = false, quiet = false, keep_going = false;
+    bool dry = false, pin = false, quiet = false, keep_going = false, mixed = false;
 };
 
 tasks::Shard shard_of(const std::string& text) {
@@ -133,6 +133,7 @@ ExitStatus batch(const BatchArguments& arguments) {
     if (arguments.shard) options.shard = shard_of(*arguments.shard);
     options.retry = arguments.retry;
     options.keep_going = arguments.keep_going;
+    options.mixed = arguments.mixed;
     require_statuses("--retry", arguments.retry);
     if (arguments.grace) options.grace = seconds_of("--grace", *arguments.grace);
     if (arguments.every) options.checkpoint_every = seconds_of("--checkpoint-every", *arguments.every);
@@ -178,6 +179,7 @@ Action declare_batch(CLI::App& app) {
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     app.add_flag("--keep-going", arguments->keep_going, keep_going_meaning);
+    app.add_flag("--mixed", arguments->mixed, mixed_meaning);
     app.add_flag("-q,--quiet", arguments->quiet, "Print errors only");
     app.footer("Results do not depend on threads, shards or interruptions. cvtflow table DIR shows them.\n\n" +
                std::string(exit_status_help));

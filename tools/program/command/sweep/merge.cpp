@@ -29,8 +29,8 @@ std::string missing_text(const tasks::MergeReport& report) {
                               fmt::join(first, ", "), report.missing_cases.size() > named_cases ? ", …" : "");
 }
 
-ExitStatus merge(const std::string& folder, bool partial) {
-    const tasks::MergeReport report = tasks::merge(folder, partial);
+ExitStatus merge(const std::string& folder, bool partial, bool mixed) {
+    const tasks::MergeReport report = tasks::merge(folder, partial, mixed);
     const bool whole = report.missing_cases.empty() && report.missing_shards.empty();
     if (!whole) to_stderr(missing_text(report));
     if (!whole && !partial) {
@@ -47,11 +47,12 @@ ExitStatus merge(const std::string& folder, bool partial) {
 
 Action declare_merge(CLI::App& app) {
     const auto folder = std::make_shared<std::string>();
-    const auto partial = std::make_shared<bool>(false);
+    const auto partial = std::make_shared<bool>(false), mixed = std::make_shared<bool>(false);
     app.add_option("DIR", *folder, "Folder of all shards")->required()->type_name("");
     app.add_flag("--partial", *partial, "Join the available cases although others are missing");
+    app.add_flag("--mixed", *mixed, mixed_meaning);
     app.footer("Missing shards and cases are listed.\n\n" + std::string(exit_status_help));
-    return [folder, partial] { return merge(*folder, *partial); };
+    return [folder, partial, mixed] { return merge(*folder, *partial, *mixed); };
 }
 
 }  // namespace cvtflow::tools

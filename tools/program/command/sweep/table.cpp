@@ -50,8 +50,8 @@ std::string short_cell(const engine::CaseTable& table, std::size_t row, std::siz
 
 /// The requested columns; by default all except counters.
 std::vector<std::size_t> chosen_columns(const engine::RowLayout& layout, const std::vector<std::string>& names) {
-    constexpr std::string_view quiet[] = {"start",   "steps", "evaluations", "transitions", "truncated", "settling_evaluations",
-                                          "threads", "hash"};
+    constexpr std::string_view quiet[] = {"start",     "start_state",          "program", "steps", "evaluations", "transitions",
+                                          "truncated", "settling_evaluations", "threads", "hash"};
     std::vector<std::size_t> chosen;
     for (const std::string& name : names) {
         if (!layout.has(name)) throw UsageError(fmt::format("--column {}: the table has no such column", name));
