@@ -71,7 +71,8 @@ MethodReach reach_of(const Method& method) {
 /// the step [s].
 constexpr double longest_with_tip_law = 0.7e-6;
 
-/// Rigid pins: at 5 us strands are off by 0.4 % and slip by 1.5 % at most (docs/detail.md), and 6.1 us are stable at `baseline`.
+/// Rigid pins: at 5 us strands are off by 0.4 % and slip by 1.5 % at most (docs/detail.md), and 6.1 us are stable at `baseline`. The step
+/// is shorter where friction falls (accurate_growth).
 double longest_automatic_step(const Method& method, const model::Parameters& parameters) {
     if (parameters.detail.pins == model::PinDetail::rigid) return 5e-6;
     const MethodProgram* program = method.program();
@@ -112,8 +113,8 @@ AutoStep::AutoStep(const model::Variator& variator, const model::Parameters& par
       interval_(parameters.detail.pins == model::PinDetail::rigid && reach_.damping != forever ? rigid_look_interval : look_interval),
       keeps_directions_(parameters.detail.pins == model::PinDetail::rigid),
       bound_(variator) {
-    if (parameters.detail.pins != model::PinDetail::rigid && variator.chain().coefficients().tip.law != nullptr)
-        falling_ = std::make_unique<FallingFriction>(variator, parameters);
+    if (variator.chain().coefficients().tip.law != nullptr) falling_ = std::make_unique<FallingFriction>(variator, parameters);
+    if (falling_ != nullptr) interval_ = look_interval;  // the forces that the growth is in proportion to change with the load
     if (reach_.damping == forever) return;
     friction_matters_ = parameters.detail.pins == model::PinDetail::rigid || reach_.oscillation < (1.0 - 1e-6) * reach_.frictionless;
     model::Parameters without_friction = parameters;
