@@ -77,9 +77,12 @@ private:
     double damped_ = std::numeric_limits<double>::infinity();  ///< longest stable step without friction [s]
     std::unique_ptr<FallingFriction> falling_;                 ///< of machines whose friction depends on the sliding speed
     double growth_ = 0.0;                                      ///< of sliding, as found [1/s]
-    double looked_ = -1e300, begun_ = -1e300;                  ///< when [s]
-    double damped_at_ = -1e300;                                ///< when damped_ was found [s]
-    double stable_ = 0.0;                                      ///< the longest stable step found [s]
+    const model::Variator& variator_;
+    model::Chain chain_;
+    double pin_period_ = 0.0;                  ///< of rigid pins, as found; 0: sets no limit [s]
+    double looked_ = -1e300, begun_ = -1e300;  ///< when [s]
+    double damped_at_ = -1e300;                ///< when damped_ was found [s]
+    double stable_ = 0.0;                      ///< the longest stable step found [s]
     long evaluations_ = 0;
 };
 

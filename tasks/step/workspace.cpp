@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "model/basis/portable_math.hpp"
+#include "model/observe/pin_period.hpp"
 
 namespace cvtflow::tasks {
 
@@ -117,15 +118,7 @@ model::Account Workspace::observed_pulleys() const noexcept {
     return total;
 }
 
-double Workspace::pin_period() const noexcept {
-    double speed = 0.0;
-    for (int link = 0; link < layout().links; ++link) {
-        const double* v = states[0] + layout().link_begin(link) + layout().link_size();
-        const double vx = v[layout().x(model::End::rear, 0)], vy = v[layout().y(model::End::rear, 0)];
-        speed += std::sqrt(vx * vx + vy * vy);
-    }
-    return speed > 0.0 ? model::chain_length(parameters.chain) / speed : 0.0;  // mean pitch over mean speed
-}
+double Workspace::pin_period() const noexcept { return model::pin_period(parameters.chain, layout(), states[0]); }
 
 std::array<double, 2> Workspace::shaft_momentum() const noexcept {
     if (layout().pulley_size == 0) return {};
