@@ -216,6 +216,15 @@ void CaseEngine::output(double time, const Workspace& workspace, const Counters&
     pause_ = why_ != Pause::none;
 }
 
+bool CaseEngine::samples(double time) const noexcept { return means_.due(time) || (recorder_ && recorder_->samples(time)); }
+
+void CaseEngine::sample(double time, const Workspace& workspace) {
+    if (recorder_ && recorder_->samples(time)) recorder_->sample(time, workspace);
+    if (!means_.due(time)) return;
+    const model::Observation& now = eye_->observe(time, workspace.states[0], workspace.tips.phases.data());
+    means_.add(now, workspace.energy.sums(time), workspace.pin_period());
+}
+
 void CaseEngine::transition(const TransitionRecord& record) {
     if (recorder_) recorder_->transition(record);
 }

@@ -96,6 +96,8 @@ public:
     [[nodiscard]] const CaseResult& book_crash(long number, const std::string& why);
 
     void output(double time, const Workspace& workspace, const Counters& counters) override;  ///< time [s]
+    [[nodiscard]] bool samples(double time) const noexcept override;
+    void sample(double time, const Workspace& workspace) override;
     void transition(const TransitionRecord& record) override;
 
 private:

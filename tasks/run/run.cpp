@@ -40,6 +40,8 @@ public:
         recorder_.output(time, workspace, counters);
         due_ = options_.checkpoint_every > 0.0 && since(last_) >= options_.checkpoint_every;
     }
+    [[nodiscard]] bool samples(double time) const noexcept override { return recorder_.samples(time); }
+    void sample(double time, const Workspace& workspace) override { recorder_.sample(time, workspace); }
     void transition(const TransitionRecord& record) override { recorder_.transition(record); }
 
     /// The present part of the run, from the present state to its end. @param until end of a part that is not settling
@@ -203,26 +205,30 @@ std::string periods_text(const SpanMeans& means) {
 }
 
 std::string operating_point(const RunReport& r) {
+    const SpanMeans& m = r.whole;
     std::string text;
     const auto line = [&text]<class... Args>(fmt::format_string<Args...> format, Args&&... args) {
         text += "  " + fmt::format(format, std::forward<Args>(args)...) + "\n";
     };
     constexpr double rpm = 30.0 / std::numbers::pi;
-    line("strand tension      tight {:9.1f} N      slack {:9.1f} N      difference {:8.1f} N", r.tight, r.slack, r.tight - r.slack);
+    line("strand tension      tight {:9.1f} N      slack {:9.1f} N      difference {:8.1f} N", m.tight, m.slack, m.tight - m.slack);
     if (!r.has_pulleys) return text;
-    line("torque              drive {:9.3f} N*m    load  {:9.3f} N*m", r.torque[0], r.torque[1]);
-    line("speed               drive {:9.2f} rpm    driven{:9.2f} rpm", rpm * r.speed[0], rpm * r.speed[1]);
-    line("running radius      drive {:9.3f} mm     driven{:9.3f} mm", 1e3 * r.radius[0], 1e3 * r.radius[1]);
-    line("clamping            S_1   {:9.1f} N      S_2   {:9.1f} N      thrust ratio {:.4f}", r.clamping[0], r.clamping[1],
-         r.clamping[1] != 0.0 ? r.clamping[0] / r.clamping[1] : 0.0);
-    line("axial tip forces    1-{:9.1f}  1+{:9.1f}  2-{:9.1f}  2+{:9.1f} N", r.axial_force[0], r.axial_force[1], r.axial_force[2],
-         r.axial_force[3]);
-    line("speed ratio         {:.5f}   (first fifth {:.5f}, last fifth {:.5f})", r.ratio, r.ratio_begin, r.ratio_end);
+    line("torque              drive {:9.3f} N*m    load  {:9.3f} N*m", m.torque[0], m.torque[1]);
+    line("speed               drive {:9.2f} rpm    driven{:9.2f} rpm", rpm * m.speed[0], rpm * m.speed[1]);
+    if (m.input > 0.0)
+        line("power               in {:.5g} W      out {:.5g} W      lost {:.4g} W      stored {:.3g} W      out/in {:.2f} %", m.input,
+             m.taken, m.lost, m.stored * m.input, 100.0 * m.taken / m.input);
+    line("running radius      drive {:9.3f} mm     driven{:9.3f} mm", 1e3 * m.radius[0], 1e3 * m.radius[1]);
+    line("clamping            S_1   {:9.1f} N      S_2   {:9.1f} N      thrust ratio {:.4f}", m.clamping[0], m.clamping[1],
+         m.clamping[1] != 0.0 ? m.clamping[0] / m.clamping[1] : 0.0);
+    line("axial tip forces    1-{:9.1f}  1+{:9.1f}  2-{:9.1f}  2+{:9.1f} N", m.axial_force[0], m.axial_force[1], m.axial_force[2],
+         m.axial_force[3]);
+    line("speed ratio         {:.5f}   (first fifth {:.5f}, last fifth {:.5f})", m.ratio, r.first_fifth.ratio, r.last_fifth.ratio);
     const auto percent = [&r](const SpanMeans& means) {
         if (r.whole.no_load || means.no_load) return std::string("- (no load)");
         return std::isfinite(means.efficiency) ? fmt::format("{:.2f} %", 100.0 * means.efficiency) : std::string("- (no input)");
     };
-    line("slip                {:.3f} %      efficiency {}   (over {})", 100.0 * r.slip, percent(r.whole), periods_text(r.whole));
+    line("slip                {:.3f} %      efficiency {}   (over {})", 100.0 * m.slip, percent(r.whole), periods_text(r.whole));
     if (r.whole.loss_slip > 0.0) {
         line("                    by friction {:.3f} %", 100.0 * r.whole.friction_slip);
         line("creep loss          {:.3f} % of the power", 100.0 * r.whole.loss_slip);

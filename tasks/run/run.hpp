@@ -42,17 +42,17 @@ struct CouplingReport {
     double far_work = 0.0, dissipated = 0.0;  ///< since t = 0: done at the far end (negative: taken out), lost [J]
 };
 
-/// Mean values over the outputs with t ≥ 0, and what the run took.
+/// Mean values from t = 0 on, and what the run took.
 struct RunReport {
     Fault fault;
-    EnergyBalance energy;                   ///< of the run, without settling
-    double suspicion = 0.0;                 ///< of run and settling (EnergyLedger::suspicion); above 1 the results are unreliable [1]
-    double settling_residual = 0.0;         ///< relative residual of the energy balance of settling
-    SpanMeans whole, last_fifth;            ///< over the outputs of the run
-    std::vector<CouplingReport> couplings;  ///< of the shafts that have one
-    model::HeatBalance heat;                ///< as the run has left it
-    std::vector<Note> notes;                ///< what is odd about results that are right
-    bool settled = false;                   ///< whether the run began with settling
+    EnergyBalance energy;                      ///< of the run, without settling
+    double suspicion = 0.0;                    ///< of run and settling (EnergyLedger::suspicion); above 1 the results are unreliable [1]
+    double settling_residual = 0.0;            ///< relative residual of the energy balance of settling
+    SpanMeans whole, first_fifth, last_fifth;  ///< of the run
+    std::vector<CouplingReport> couplings;     ///< of the shafts that have one
+    model::HeatBalance heat;                   ///< as the run has left it
+    std::vector<Note> notes;                   ///< what is odd about results that are right
+    bool settled = false;                      ///< whether the run began with settling
     std::vector<std::string> start_differences;
     double begin = 0.0, end = 0.0;  ///< simulated time, after settling [s]
     double step = 0.0;              ///< last one in use [s]
@@ -75,16 +75,6 @@ struct RunReport {
     std::uint64_t hash = 0;
     long outputs = 0;
 
-    double tight = 0.0, slack = 0.0;            ///< mean tensions [N]
-    std::array<double, 2> speed{};              ///< mean [rad/s]
-    std::array<double, 2> torque{};             ///< mean, of drive and load [N·m]
-    std::array<double, 2> chain_torque{};       ///< mean, of the chain on the shafts [N·m]
-    std::array<double, 2> clamping{};           ///< mean [N]
-    std::array<double, 2> radius{};             ///< mean [m]
-    std::array<double, 4> axial_force{};        ///< mean, on sheaves 1-, 1+, 2-, 2+ [N]
-    double slip = 0.0;                          ///< [1]
-    double ratio_begin = 0.0, ratio_end = 0.0;  ///< means over the first and the last fifth [1]
-    double ratio = 0.0;                         ///< [1]
     bool has_pulleys = true;
 
     [[nodiscard]] bool reliable() const noexcept { return suspicion <= 1.0; }

@@ -4,18 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
-#include <type_traits>
-
-#include "tasks/step/method_memory.hpp"
 
 namespace cvtflow::tasks {
 
 namespace {
 
 constexpr double gross_slip = 0.03;  ///< creep of a holding chain stays below a hundredth, a sliding one is beyond
-constexpr double often = 0.05;       ///< share of outputs
+constexpr double often = 0.05;       ///< share of time
 constexpr double drifts_ratio = 0.01, drifts_slip = 0.2, min_slip = 5e-4;
 constexpr double standing_speed = 0.1;   ///< of shafts, 5 mm/s at the chain: of the order of the speeds at which tips creep [rad/s]
 constexpr double resolved_share = 0.05;  ///< of the losses, that the balance may leave whatever they are
@@ -24,13 +20,13 @@ constexpr double takes_energy = 0.02;    ///< of the input; 7e-4 over 11 pin per
 
 constexpr NoteKind kinds[] = {
     {"gross_slip", "mean slip of the last fifth above 3 %"},
-    {"control_limit", "a controller was at the limit of its authority at more than 5 % of the last fifth's outputs"},
-    {"slack_strand", "the slack strand carried no tension at more than 5 % of the last fifth's outputs"},
-    {"clamping_limit", "a clamping force was above wear.clamping_limit at the slip speed of an output"},
+    {"control_limit", "a controller was at the limit of its authority in more than 5 % of the last fifth"},
+    {"slack_strand", "the slack strand carried no tension in more than 5 % of the last fifth"},
+    {"clamping_limit", "a clamping force was above wear.clamping_limit at the slip speed at some time"},
     {"efficiency", "efficiency of the whole run, or of its last fifth, outside 0 … 1"},
     {"unsteady",
-     "the state changes: ratio of the first and the last fifth differ by more than 1 %, slip by more than a fifth of it, the stored "
-     "energy by more than 2 % of the input; or it was seen for less than a pin period"},
+     "the state changes: ratio of the first and the last fifth differ by more than 1 %, slip by more than a fifth of it; the stored energy "
+     "changes by more than 2 % of the input; or it was seen for less than a pin period"},
     {"standstill", "the shafts turn by less than 0.1 rad/s: slip is noise"},
     {"no_load", "drive and load transfer less power than the machine loses: slip and efficiency are those of idling"},
     {"unresolved", "losses below the resolution of the energy balance: it would not show an error of 5 % in them"},
@@ -64,110 +60,64 @@ constexpr NoteKind kinds[] = {
     return after.efficiency_since(before, means.hydraulics.pump * lasted, means.hydraulics.lost() * lasted);
 }
 
+void fill_means(const MeanPoint& before, const MeanPoint& after, SpanMeans& means) {
+    const auto mean = [&](Mean quantity) { return after.mean_since(before, quantity); };
+    const auto each = [&](Mean quantity, auto& values) {
+        for (std::size_t k = 0; k < values.size(); ++k) values[k] = after.mean_since(before, quantity, k);
+    };
+    means.ratio = mean(Mean::ratio);
+    means.slip = mean(Mean::slip);
+    means.friction_slip = mean(Mean::friction_slip);
+    means.loss_slip = mean(Mean::brought) > 0.0 ? mean(Mean::creep) / mean(Mean::brought) : 0.0;
+    means.tight = mean(Mean::tight);
+    means.slack = mean(Mean::slack);
+    means.limited = mean(Mean::limited);
+    means.loose = mean(Mean::loose);
+    means.beyond = mean(Mean::beyond);
+    means.turning = mean(Mean::turning);
+    each(Mean::speed, means.speed);
+    each(Mean::torque, means.torque);
+    each(Mean::chain_torque, means.chain_torque);
+    each(Mean::clamping, means.clamping);
+    each(Mean::radius, means.radius);
+    each(Mean::axial_force, means.axial_force);
+}
+
+void fill_energies(const MeanPoint& before, const MeanPoint& after, SpanMeans& means) {
+    const EnergySums &from = before.energy, &to = after.energy;
+    const double lasted = after.time - before.time, lost = to.lost() - from.lost(), in = input(from, to);
+    const auto taken_out = [&](model::Work by) {  // by a shaft, not by a cylinder
+        return std::max(0.0, from.work[static_cast<std::size_t>(by)] - to.work[static_cast<std::size_t>(by)]);
+    };
+    const double taken = taken_out(model::Work::drive) + taken_out(model::Work::load), change = change_of_energy(from, to);
+    means.no_load = in > 0.0 && taken < min_load * in;
+    means.efficiency = means.no_load ? std::numeric_limits<double>::quiet_NaN() : to.efficiency_since(from);
+    means.hydraulics = model::mean_powers(before.hydraulics, after.hydraulics, lasted);
+    means.with_pump = means.no_load ? means.efficiency : efficiency_with_pump(means, from, to);
+    means.carried = lost > 0.0 ? taken / lost : 0.0;
+    means.stored = in > 0.0 ? change / in : 0.0;
+    if (!(lasted > 0.0)) return;
+    means.input = in / lasted;
+    means.lost = lost / lasted;
+    means.taken = (in - lost - change) / lasted;
+}
+
 }  // namespace
 
 std::span<const NoteKind> note_kinds() noexcept { return kinds; }
 
-void RunMeans::clear() noexcept {
-    bins_.clear();
-    per_bin_ = 1.0;
-    pin_period_ = 0.0;
-}
-
-void RunMeans::add(const model::Observation& now, const EnergySums& sums, double pin_period) {
-    if (bins_.empty() || bins_.back().outputs >= per_bin_) {
-        if (bins_.size() == max_bins) halve();
-        if (bins_.empty() || bins_.back().outputs >= per_bin_) bins_.emplace_back();
-    }
-    Bin& bin = bins_.back();
-    bin.outputs += 1.0;
-    bin.time = now.time;
-    bin.ratio += now.ratio;
-    bin.slip += now.slip;
-    bin.tight += now.tight;
-    bin.slack += now.slack;
-    bin.limited += now.control_limited ? 1.0 : 0.0;
-    bin.loose += now.slack <= 0.0 ? 1.0 : 0.0;
-    bin.beyond += now.limit_use > 1.0 ? 1.0 : 0.0;
-    bin.turning += 0.5 * (std::abs(now.speed[0]) + std::abs(now.speed[1]));
-    bin.friction_slip += now.friction_slip;
-    bin.creep += now.creep_power;
-    bin.brought += std::max(0.0, now.work[0]) + std::max(0.0, now.work[1]);
-    bin.energy = sums;
-    bin.hydraulics = now.hydraulic_energy;
-    pin_period_ = pin_period;
-}
-
-void RunMeans::Bin::add(const Bin& other) noexcept {
-    outputs += other.outputs;
-    ratio += other.ratio;
-    slip += other.slip;
-    tight += other.tight;
-    slack += other.slack;
-    limited += other.limited;
-    loose += other.loose;
-    beyond += other.beyond;
-    turning += other.turning;
-    friction_slip += other.friction_slip;
-    creep += other.creep;
-    brought += other.brought;
-}
-
-/// Twice as many outputs in each.
-void RunMeans::halve() {
-    for (std::size_t k = 0; 2 * k + 1 < bins_.size(); ++k) {
-        Bin sum = bins_[2 * k + 1];
-        sum.add(bins_[2 * k]);
-        bins_[k] = sum;
-    }
-    bins_.resize(bins_.size() / 2);
-    per_bin_ *= 2.0;
-}
-
-EnergySums RunMeans::energy_at(double time) const {
-    const auto after = std::find_if(bins_.begin(), bins_.end(), [&](const Bin& bin) { return bin.energy.time >= time; });
-    if (after == bins_.end()) return bins_.back().energy;
-    if (after == bins_.begin()) return after->energy;
-    return EnergySums::between((after - 1)->energy, after->energy, time);
-}
-
 SpanMeans RunMeans::span(double from, double to) const {
     SpanMeans means;
-    if (bins_.empty()) return means;
-    const auto size = static_cast<double>(bins_.size());
-    const auto width = [&](double share) { return static_cast<std::size_t>(share * size); };
-    const std::size_t begin = from == 0.0 ? 0 : bins_.size() - std::max<std::size_t>(1, width(1.0 - from)),
-                      end = to == 1.0 ? bins_.size() : std::max<std::size_t>(1, width(to));
-    Bin sum;
-    for (std::size_t k = begin; k < end; ++k) sum.add(bins_[k]);
-    means.ratio = sum.ratio / sum.outputs;
-    means.slip = sum.slip / sum.outputs;
-    means.friction_slip = sum.friction_slip / sum.outputs;
-    means.loss_slip = sum.brought > 0.0 ? sum.creep / sum.brought : 0.0;
-    means.tight = sum.tight / sum.outputs;
-    means.slack = sum.slack / sum.outputs;
-    means.limited = sum.limited / sum.outputs;
-    means.loose = sum.loose / sum.outputs;
-    means.beyond = sum.beyond / sum.outputs;
-    means.turning = sum.turning / sum.outputs;
-    means.begin = begin == 0 ? bins_.front().time : bins_[begin - 1].time;
-    means.end = bins_[end - 1].time;
-    means.periods = pin_period_ > 0.0 ? std::floor((means.end - means.begin) / pin_period_) : 0.0;
-    if (means.periods == 0.0 && pin_period_ > 0.0 && means.end - bins_.front().time >= pin_period_)
-        means.periods = 1.0;  // a fifth shorter than a period
-    const EnergySums before = energy_at(means.periods > 0.0 ? means.end - means.periods * pin_period_ : means.begin);
-    const EnergySums after = energy_at(means.end);
-    const auto taken_out = [&](model::Work by) {  // by a shaft, not by a cylinder
-        return std::max(0.0, before.work[static_cast<std::size_t>(by)] - after.work[static_cast<std::size_t>(by)]);
-    };
-    const double taken = taken_out(model::Work::drive) + taken_out(model::Work::load), lost = after.lost() - before.lost();
-    const double in = input(before, after);
-    means.no_load = in > 0.0 && taken < min_load * in;
-    means.efficiency = means.no_load ? std::numeric_limits<double>::quiet_NaN() : after.efficiency_since(before);
-    means.hydraulics = model::mean_powers(bins_[begin == 0 ? 0 : begin - 1].hydraulics, bins_[end - 1].hydraulics, means.end - means.begin);
-    means.with_pump = means.no_load ? means.efficiency : efficiency_with_pump(means, before, after);
-    means.carried = lost > 0.0 ? taken / lost : 0.0;
-    means.stored = in > 0.0 ? change_of_energy(before, after) / in : 0.0;
+    if (curve_.empty()) return means;
+    const double first = curve_.first().time, lasted = curve_.last().time - first, period = curve_.pin_period();
+    means.begin = first + from * lasted;
+    means.end = to == 1.0 ? curve_.last().time : first + to * lasted;
+    means.periods = period > 0.0 ? std::floor((means.end - means.begin) / period) : 0.0;
+    if (means.periods == 0.0 && period > 0.0 && means.end - first >= period) means.periods = 1.0;  // a fifth shorter than a period
+    if (means.periods > 0.0) means.begin = std::max(first, means.end - means.periods * period);
+    const MeanPoint before = curve_.at(means.begin), after = curve_.at(means.end);
+    fill_means(before, lasted > 0.0 ? after : curve_.instant(before), means);
+    fill_energies(before, after, means);
     return means;
 }
 
@@ -176,7 +126,7 @@ RunMeans::Change RunMeans::change() const {
     const bool ratio_drifts = std::abs(last.ratio - first.ratio) > drifts_ratio * std::abs(whole.ratio);
     const bool slip_drifts = std::abs(last.slip - first.slip) > drifts_slip * std::abs(whole.slip) + min_slip;
     if (ratio_drifts || slip_drifts) return Change::drift;
-    if (pin_period_ > 0.0 && whole.periods < 1.0) return Change::brief;
+    if (curve_.pin_period() > 0.0 && whole.periods < 1.0) return Change::brief;
     return std::abs(whole.stored) > takes_energy ? Change::energy : Change::none;
 }
 
@@ -188,7 +138,8 @@ std::string RunMeans::text_of(Change change) const {
             return fmt::format("means are over a changing state: ratio {:.5g} … {:.5g}, slip {} … {}", first.ratio, last.ratio,
                                percent(first.slip), percent(last.slip));
         case Change::brief:
-            return fmt::format("means are over less than the {:.3g} ms in which a pin takes the place of the next one", 1e3 * pin_period_);
+            return fmt::format("means are over less than the {:.3g} ms in which a pin takes the place of the next one",
+                               1e3 * curve_.pin_period());
         case Change::energy:
             return fmt::format("means are over a changing state: the stored energy has {} {} of the input",
                                whole.stored > 0.0 ? "taken" : "given", percent(std::abs(whole.stored)));
@@ -198,7 +149,7 @@ std::string RunMeans::text_of(Change change) const {
 }
 
 std::array<bool, 9> RunMeans::odd(const EnergyBalance& balance) const {
-    if (bins_.empty()) return {};
+    if (curve_.empty()) return {};
     const SpanMeans whole = all(), last = last_fifth();
     const auto impossible = [](double efficiency) { return efficiency < 0.0 || efficiency > 1.0; };  // not a number: none
     const bool stands = whole.turning < standing_speed;
@@ -222,7 +173,7 @@ std::vector<Note> RunMeans::notes(const EnergyBalance& balance, bool pulleys) co
         fmt::format("the chain slips by {}", percent(last.slip)),
         fmt::format("control is at the limit of its authority ({} of the last fifth)", percent(last.limited)),
         fmt::format("the slack strand carries no tension ({} of the last fifth)", percent(last.loose)),
-        fmt::format("clamping exceeds wear.clamping_limit at its slip speed at {} of the outputs", percent(whole.beyond)),
+        fmt::format("clamping exceeds wear.clamping_limit at its slip speed in {} of the time", percent(whole.beyond)),
         fmt::format("an efficiency of {} ({} in the last fifth) is none: what moves has taken or given energy", percent(whole.efficiency),
                     percent(last.efficiency)),
         text_of(change()),
@@ -245,26 +196,6 @@ void RunMeans::name_notes(const EnergyBalance& balance, std::string& names) cons
     for (std::size_t k = 0; k < found.size(); ++k) {
         if (found[k]) names.append(names.empty() ? "" : " ").append(kinds[k].name);
     }
-}
-
-void RunMeans::save(std::vector<double>& memory) const {
-    static_assert(std::is_trivially_copyable_v<Bin> && sizeof(Bin) % sizeof(double) == 0);
-    constexpr std::size_t numbers = sizeof(Bin) / sizeof(double);
-    memory.insert(memory.end(), {static_cast<double>(bins_.size()), per_bin_, pin_period_});
-    const std::size_t begin = memory.size();
-    memory.resize(begin + bins_.size() * numbers);
-    if (!bins_.empty()) std::memcpy(memory.data() + begin, bins_.data(), bins_.size() * sizeof(Bin));
-}
-
-std::span<const double> RunMeans::load(std::span<const double> memory) {
-    constexpr std::size_t numbers = sizeof(Bin) / sizeof(double);
-    const auto bins = static_cast<std::size_t>(pop_integer(memory, 0, static_cast<int>(max_bins)));
-    const auto own = pop_front(memory, 2);
-    per_bin_ = own[0];
-    pin_period_ = own[1];
-    bins_.resize(bins);
-    if (bins > 0) std::memcpy(static_cast<void*>(bins_.data()), pop_front(memory, bins * numbers).data(), bins * sizeof(Bin));
-    return memory;
 }
 
 }  // namespace cvtflow::tasks

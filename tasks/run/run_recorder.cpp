@@ -96,13 +96,12 @@ RunRecorder::RunRecorder(const Scene& scene, const Simulation& simulation, const
     : options_(options),
       state_interval_(scene.run.state_interval),
       followed_pin_(scene.run.followed_pin),
+      has_pulleys_(simulation.variator().layout().pulley_size != 0),
       observer_(simulation.variator()),
       channels_(chosen_channels(scene.run.channels, simulation.variator().layout())) {
-    const model::ChainLayout& at = simulation.variator().layout();
     std::size_t width = 0;
     for (const Channel* channel : channels_) width += static_cast<std::size_t>(channel->width(simulation.variator().chain()));
     row_.resize(width);
-    sums_.has_pulleys = at.pulley_size != 0;
     if (!options.file.empty()) {
         run_ = options.from != nullptr && !options.from->run.empty() ? options.from->run : new_identity();
         contents_ = contents_of(scene, simulation.variator().chain(), channels_, run_);
@@ -124,7 +123,8 @@ void RunRecorder::output(double time, const Workspace& workspace, const Counters
     }
     if (begin_ < 0.0) return;  // settling is not recorded
     const model::Observation& now = observer_.observe(time, workspace.states[0], workspace.tips.phases.data());
-    gather(now, workspace);
+    ++outputs_;
+    means_.add(now, workspace.energy.sums(time), workspace.pin_period());
     if (file_) write(time, workspace, {now, workspace, counters, followed_pin_, observer_});
 }
 
@@ -152,35 +152,10 @@ void RunRecorder::transition(const TransitionRecord& record) {
     written_.tables[0].add(0.0, values);
 }
 
-void RunRecorder::gather(const model::Observation& now, const Workspace& workspace) {
-    ++outputs_;
-    const auto add = [](auto& sum, const auto& values) {
-        std::transform(sum.begin(), sum.end(), values.begin(), sum.begin(), std::plus<>());
-    };
-    sums_.tight += now.tight;
-    sums_.slack += now.slack;
-    sums_.slip += now.slip;
-    add(sums_.speed, now.speed);
-    add(sums_.torque, now.torque);
-    add(sums_.chain_torque, now.chain_torque);
-    add(sums_.clamping, now.clamping);
-    add(sums_.radius, now.radius);
-    add(sums_.axial_force, now.axial_force);
-    means_.add(now, workspace.energy.sums(now.time), workspace.pin_period());
+void RunRecorder::sample(double time, const Workspace& workspace) {
+    const model::Observation& now = observer_.observe(time, workspace.states[0], workspace.tips.phases.data());
+    means_.add(now, workspace.energy.sums(time), workspace.pin_period());
 }
-
-namespace {
-
-/// Calls each(number) for every sum of the report.
-template <class Each>
-void for_every_sum(RunReport& sums, const Each& each) {
-    for (double* sum : {&sums.tight, &sums.slack, &sums.slip}) each(*sum);
-    for (auto* pair : {&sums.speed, &sums.torque, &sums.chain_torque, &sums.clamping, &sums.radius})
-        std::for_each(pair->begin(), pair->end(), each);
-    std::for_each(sums.axial_force.begin(), sums.axial_force.end(), each);
-}
-
-}  // namespace
 
 std::vector<double> RunRecorder::position() {
     if (file_) file_->flush();
@@ -191,14 +166,12 @@ std::vector<double> RunRecorder::position() {
                                        static_cast<double>(rows->sum & 0xffffffffU)});
     }
     numbers.insert(numbers.end(), {next_state_, static_cast<double>(outputs_)});
-    for_every_sum(sums_, [&](double sum) { numbers.push_back(sum); });
     means_.save(numbers);
     return numbers;
 }
 
 void RunRecorder::restore(const std::vector<double>& position) {
-    std::size_t least = 14;  // rows, next state, outputs, and what the means begin with
-    for_every_sum(sums_, [&](double) { ++least; });
+    constexpr std::size_t least = 11;  // rows, next state, outputs
     if (position.size() < least) throw engine::RecordError(options_.file.path() + ": the checkpoint contains no position in its record");
     const double* next = position.data();
     const auto take = [&] { return *next++; };
@@ -215,7 +188,6 @@ void RunRecorder::restore(const std::vector<double>& position) {
     }
     next_state_ = take();
     outputs_ = static_cast<long>(count());
-    for_every_sum(sums_, [&](double& sum) { sum = take(); });
     (void)means_.load({next, position.data() + position.size()});
     if (!file_) return;
     if (former_.empty() && written_.channels.count > 0)
@@ -226,28 +198,12 @@ void RunRecorder::restore(const std::vector<double>& position) {
 }
 
 void RunRecorder::finish(RunReport& report) {
-    const double n = static_cast<double>(std::max(1L, outputs_));
-    const auto mean = [n](auto values) {
-        for (double& value : values) value /= n;
-        return values;
-    };
     report.outputs = outputs_;
-    report.has_pulleys = sums_.has_pulleys;
-    report.tight = sums_.tight / n;
-    report.slack = sums_.slack / n;
-    report.slip = sums_.slip / n;
-    report.speed = mean(sums_.speed);
-    report.torque = mean(sums_.torque);
-    report.chain_torque = mean(sums_.chain_torque);
-    report.clamping = mean(sums_.clamping);
-    report.radius = mean(sums_.radius);
-    report.axial_force = mean(sums_.axial_force);
+    report.has_pulleys = has_pulleys_;
     report.whole = means_.all();
+    report.first_fifth = means_.first_fifth();
     report.last_fifth = means_.last_fifth();
     report.notes = means_.notes(report.energy, report.has_pulleys);
-    report.ratio = report.whole.ratio;
-    report.ratio_begin = means_.first_fifth().ratio;
-    report.ratio_end = report.last_fifth.ratio;
     if (!file_) return;
     file_->set_attribute({std::string(step_taken_attribute), report.step});
     if (report.fault)

@@ -20,6 +20,8 @@ public:
     RunRecorder(const Scene& scene, const Simulation& simulation, const RunOptions& options);
 
     void output(double time, const Workspace& workspace, const Counters& counters) override;  ///< time [s]
+    [[nodiscard]] bool samples(double time) const noexcept override { return begin_ >= 0.0 && means_.due(time); }
+    void sample(double time, const Workspace& workspace) override;
     void transition(const TransitionRecord& record) override;
     /// Identity of the run: drawn when it began, kept by its checkpoints; empty without a record.
     [[nodiscard]] const std::string& run() const noexcept { return run_; }
@@ -33,12 +35,12 @@ public:
     void begin_part(double begin, double until) noexcept;
 
 private:
-    void gather(const model::Observation& now, const Workspace& workspace);
     void write(double time, const Workspace& workspace, const Instant& instant);  ///< time [s]
 
     const RunOptions& options_;
     double state_interval_;  ///< [s]
     int followed_pin_;
+    bool has_pulleys_;
     model::Observer observer_;
     std::vector<const Channel*> channels_;
     std::vector<double> row_;  ///< one number per column of the channels [columns]
@@ -52,7 +54,6 @@ private:
     std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
 
     long outputs_ = 0;
-    RunReport sums_;
     RunMeans means_;
 };
 

@@ -37,6 +37,8 @@ public:
     void add(const model::Observation& now, const Workspace& workspace);
     /// @param ledger of the run   @param before suspicion of what it began with; before [1]
     [[nodiscard]] RunVerdict verdict(const EnergyLedger& ledger, double before = 0.0) const;
+    /// Whether add() is needed at this time, between outputs. time [s]
+    [[nodiscard]] bool due(double time) const noexcept { return begun_ && means_.due(time); }
     [[nodiscard]] const RunMeans& means() const noexcept { return means_; }
 
 private:

@@ -130,6 +130,10 @@ void OutputReader::output(double time, const Workspace& workspace, const Counter
     }
 }
 
+void OutputReader::sample(double time, const Workspace& workspace) {
+    watch_.add(observer_.observe(time, workspace.states[0], workspace.tips.phases.data()), workspace);
+}
+
 void OutputReader::reduce(std::size_t output, double time, const Instant& instant) {
     const Scalar& scalar = outputs_[output].scalar;
     for (std::size_t term = 0; term < scalar.terms.size(); ++term) {

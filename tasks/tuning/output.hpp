@@ -55,6 +55,8 @@ public:
 
     /// time [s]
     void output(double time, const Workspace& workspace, const Counters& counters) override;
+    [[nodiscard]] bool samples(double time) const noexcept override { return watch_.due(time); }
+    void sample(double time, const Workspace& workspace) override;
     void transition(const TransitionRecord&) override {}
 
     /// Of every output, in its unit; not a number where nothing counted.

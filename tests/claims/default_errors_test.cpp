@@ -38,8 +38,8 @@ void expect_right(const std::string& scene, const std::vector<std::string>& more
     ASSERT_EQ(exact.status(), "finished") << scene << ": " << exact.fault.message();
     double axial = 0.0;
     for (std::size_t sheave = 0; sheave < 4; ++sheave)
-        axial = std::max(axial, std::abs(run.axial_force[sheave] / exact.axial_force[sheave] - 1.0));
-    const double slip = std::abs(run.slip / exact.slip - 1.0);
+        axial = std::max(axial, std::abs(run.whole.axial_force[sheave] / exact.whole.axial_force[sheave] - 1.0));
+    const double slip = std::abs(run.whole.slip / exact.whole.slip - 1.0);
     const double efficiency = std::abs(run.whole.efficiency - exact.whole.efficiency), left = std::abs(run.energy.relative());
     fmt::print("{:10} {} at {:.3g} s: slip {:.3f} %, efficiency {:.4f} points, axial force {:.1e}, energy balance {:.1e}\n", scene,
                run.method, run.step, 100.0 * slip, 100.0 * efficiency, axial, left);

@@ -36,6 +36,16 @@ public:
     virtual ~RunObserver() = default;
     /// At every output time, the first one included. The state is that of the workspace's slot 0.
     virtual void output(double time, const Workspace& workspace, const Counters& counters) = 0;
+    /// Whether sample() should be called at this time, at which a step has ended and no output is due. Changes no result. time [s]
+    [[nodiscard]] virtual bool samples(double time) const noexcept {
+        (void)time;
+        return false;
+    }
+    /// Between two outputs, where samples() requests it; the state is that of the workspace's slot 0. time [s]
+    virtual void sample(double time, const Workspace& workspace) {
+        (void)time;
+        (void)workspace;
+    }
     /// After each truncated step, for every tip that changed.
     virtual void transition(const TransitionRecord& record) = 0;
 

@@ -187,6 +187,10 @@ bool StepController::deliver_output() {
     }
     if (due || over) observer_.output(w_.step.time, w_, counters_);
     if (due) ++outputs_;
+    if (!due && !over && observer_.samples(w_.step.time)) {
+        show_state();
+        observer_.sample(w_.step.time, w_);
+    }
     return over;
 }
 

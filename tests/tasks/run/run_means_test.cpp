@@ -1,0 +1,174 @@
+#include "tasks/run/run_means.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "tasks/run/run.hpp"
+#include "tasks/scene/ready_scenes.hpp"
+
+namespace cvtflow::tasks {
+namespace {
+
+TEST(RunMeans, AreOverWholePinPeriodsAndSayWhatIsOdd) {
+    RunMeans means;
+    for (int k = 0; k <= 5000; ++k) {  // more outputs than bins: 100 ms of a chain that begins to slide
+        model::Observation now;
+        now.time = 2e-5 * k;
+        now.ratio = 1.0;
+        now.speed = {200.0, 200.0};
+        now.slip = k < 2500 ? 0.002 : 0.1;
+        now.slack = 100.0;
+        EnergySums sums;
+        sums.time = now.time;
+        sums.work[0] = 1e4 * now.time;
+        sums.work[1] = -9.8e3 * now.time;
+        sums.loss[0] = 200.0 * now.time;
+        means.add(now, sums, 7e-4);
+    }
+    const SpanMeans whole = means.all();  // of the last 142 pin periods
+    EXPECT_NEAR(whole.end - whole.begin, 142 * 7e-4, 1e-12);
+    EXPECT_NEAR(whole.slip, (0.002 * (0.05 - whole.begin) + 0.1 * 0.05) / (0.1 - whole.begin), 1e-4);  // a sample is 1e-4 of it
+    EXPECT_NEAR(means.last_fifth().slip, 0.1, 1e-12);                                                  // rounding of sums of thousands
+    EXPECT_NEAR(means.all().efficiency, 0.98, 1e-9);
+    EXPECT_EQ(means.all().periods, std::floor(0.1 / 7e-4));
+    std::string names;
+    EnergyBalance balance{.work = 20.0, .loss = 20.0, .through = 1e3, .stored = 4.0, .samples = 100.0};
+    means.name_notes(balance, names);
+    EXPECT_EQ(names, "gross_slip unsteady");
+    balance.loss = 0.05;  // 1e-5 of what came in are a fifth of it
+    means.name_notes(balance, names);
+    EXPECT_EQ(names, "gross_slip unsteady unresolved");
+    std::vector<double> memory;
+    means.save(memory);
+    RunMeans again;
+    EXPECT_TRUE(again.load(memory).empty());
+    EXPECT_EQ(again.all().slip, means.all().slip);
+}
+
+/// One sample above the limit of clamping is enough.
+TEST(RunMeans, SayWhereClampingWasAboveItsLimit) {
+    for (const double most : {0.99, 1.01}) {
+        RunMeans means;
+        for (int k = 0; k <= 1000; ++k) {
+            model::Observation now;
+            now.time = 1e-3 * k;
+            now.limit_use = k == 500 ? most : 0.5;
+            means.add(now, {}, 1e-3);
+        }
+        std::string names;
+        means.name_notes({}, names);
+        EXPECT_EQ(names.find("clamping_limit") != std::string::npos, most > 1.0) << names;
+        EXPECT_NEAR(means.all().beyond, most > 1.0 ? 1e-3 : 0.0, 2e-6);  // a sample's share of the time
+    }
+}
+
+/// 1 s of a machine that carries nothing. speed of its shafts [rad/s]
+std::string notes_of_idling(double speed) {
+    RunMeans means;
+    for (int k = 0; k <= 1000; ++k) {
+        model::Observation now;
+        now.time = 1e-3 * k;
+        now.ratio = 1.0;
+        now.speed = {speed, -speed};
+        now.slip = k % 2 == 0 ? 0.4 : -0.3;
+        now.slack = 100.0;
+        EnergySums sums;
+        sums.time = now.time;
+        sums.work = {100.0 * now.time, -10.0 * now.time, 150.0 * now.time};  // clamping brings energy, what moves keeps it
+        sums.loss[0] = 90.0 * now.time;
+        means.add(now, sums, 1e-3);
+    }
+    std::string names;
+    means.name_notes({.work = 240.0, .loss = 90.0, .through = 250.0, .samples = 100.0}, names);
+    return names;
+}
+
+TEST(RunMeans, SayWhereSlipIsNoiseAndWhereEfficiencyIsThatOfIdling) {
+    EXPECT_EQ(notes_of_idling(200.0), "gross_slip unsteady no_load") << "64 % of the input are neither lost nor carried";
+    EXPECT_EQ(notes_of_idling(2e-3), "standstill");
+}
+
+/// Means of a steady chain, a tenth of a second, of 100 W of losses, whose drive and load have those powers [W].
+RunMeans steady_means(double drive, double load, double pin_period = 7e-4, double cylinder = 0.0) {
+    RunMeans means;
+    for (int k = 0; k <= 5000; ++k) {
+        model::Observation now;
+        now.time = 2e-5 * k;
+        now.ratio = 1.0;
+        now.speed = {200.0, -200.0};
+        now.slack = 100.0;
+        EnergySums sums;
+        sums.time = now.time;
+        sums.work[0] = drive * now.time;
+        sums.work[1] = -load * now.time;
+        sums.work[2] = -cylinder * now.time;
+        sums.loss[0] = 100.0 * now.time;
+        means.add(now, sums, pin_period);
+    }
+    return means;
+}
+
+constexpr EnergyBalance closed_balance{.work = 10.0, .loss = 10.0, .through = 1000.0, .samples = 100.0};
+
+std::string names_of(const RunMeans& means) {
+    std::string names;
+    means.name_notes(closed_balance, names);
+    return names;
+}
+
+TEST(RunMeans, OfAStateThatStoresOrGivesEnergyAreNotSteady) {
+    EXPECT_EQ(names_of(steady_means(10000.0, 9900.0)), "");
+    EXPECT_EQ(names_of(steady_means(10000.0, 9600.0)), "unsteady") << "3 % of the input are stored";
+    EXPECT_EQ(names_of(steady_means(6000.0, 9600.0)), "unsteady") << "the load is carried by what moves";
+    EXPECT_THAT(steady_means(6000.0, 9600.0).notes(closed_balance).front().text,
+                testing::HasSubstr("the stored energy has given 61.7 % of the input"));
+    EXPECT_EQ(names_of(steady_means(10000.0, 9900.0, 0.2)), "unsteady") << "half a pin period";
+}
+
+TEST(RunMeans, WithoutLoadThereIsNoEfficiency) {
+    const RunMeans means = steady_means(100.0, 0.0);
+    EXPECT_TRUE(std::isnan(means.all().efficiency));
+    EXPECT_EQ(names_of(means), "no_load");
+    EXPECT_TRUE(std::isnan(steady_means(120.0, 0.0, 7e-4, 20.0).all().efficiency)) << "what a cylinder takes is no load";
+}
+
+RunReport run_of_rigid_pins(const std::vector<std::string>& settings) {
+    Scene scene = read_scene(find_scene("baseline"), StartState::ignored);
+    apply_detail(scene, "rigid");
+    std::vector<std::string> all{"start.settling_time=10 ms", "run.until=20 ms", "run.state_interval=10 ms"};
+    all.insert(all.end(), settings.begin(), settings.end());
+    set_values(scene, all);
+    return run_scene(scene, {});
+}
+
+/// Outputs as far apart as pins pass see them in one place only: slip was 15 % off, the difference of tensions 1 %.
+TEST(RunMeans, DoNotDependOnTheDistanceOfOutputs) {
+    const RunReport fine = run_of_rigid_pins({"run.output_interval=10 us"});
+    for (const char* interval : {"0.1 ms", "0.7145 ms", "5 ms"}) {
+        const RunReport coarse = run_of_rigid_pins({std::string("run.output_interval=") + interval});
+        EXPECT_NEAR(coarse.whole.slip, fine.whole.slip, 0.01 * fine.whole.slip) << interval;
+        EXPECT_NEAR(coarse.whole.friction_slip, fine.whole.friction_slip, 0.01 * fine.whole.friction_slip) << interval;
+        EXPECT_NEAR(coarse.whole.tight, fine.whole.tight, 1e-3 * fine.whole.tight) << interval;
+        EXPECT_NEAR(coarse.whole.slack, fine.whole.slack, 1e-3 * fine.whole.slack) << interval;
+        EXPECT_NEAR(coarse.whole.efficiency, fine.whole.efficiency, 1e-5) << interval;
+    }
+}
+
+/// Powers, torques times speeds and losses are over one window, and what is stored closes them.
+TEST(RunMeans, OfASummaryAreOverOneWindow) {
+    const RunReport report = run_of_rigid_pins({"run.output_interval=20 us"});
+    const SpanMeans& m = report.whole;
+    EXPECT_NEAR(m.torque[0] * m.speed[0], m.input, 1e-3 * m.input);  // clamping brings and takes a little
+    EXPECT_NEAR(-m.torque[1] * m.speed[1], m.taken, 1e-3 * m.input);
+    EXPECT_NEAR(m.input - m.taken - m.lost, m.stored * m.input, 1e-9 * m.input);
+    EXPECT_NEAR(1.0 - m.lost / m.input, m.efficiency, 1e-12);
+    EXPECT_THAT(summary(report), testing::HasSubstr("lost"));
+    EXPECT_THAT(summary(report), testing::HasSubstr("out/in"));
+}
+
+}  // namespace
+}  // namespace cvtflow::tasks
