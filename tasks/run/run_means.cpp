@@ -12,6 +12,7 @@ namespace {
 
 constexpr double gross_slip = 0.03;  ///< creep of a holding chain stays below a hundredth, a sliding one is beyond
 constexpr double often = 0.05;       ///< share of time
+constexpr double moves = 0.01;       ///< a mean, from begin to end of the window: it is no result to 1 %
 constexpr double drifts_ratio = 0.01, drifts_slip = 0.2, min_slip = 5e-4;
 constexpr double standing_speed = 0.1;   ///< of shafts, 5 mm/s at the chain: of the order of the speeds at which tips creep [rad/s]
 constexpr double resolved_share = 0.05;  ///< of the losses, that the balance may leave whatever they are
@@ -25,8 +26,9 @@ constexpr NoteKind kinds[] = {
     {"clamping_limit", "a clamping force was above wear.clamping_limit at the slip speed at some time"},
     {"efficiency", "efficiency of the whole run, or of its last fifth, outside 0 … 1"},
     {"unsteady",
-     "the state changes: ratio of the first and the last fifth differ by more than 1 %, slip by more than a fifth of it; the stored energy "
-     "changes by more than 2 % of the input; or it was seen for less than a pin period"},
+     "the state changes: ratio of the first and the last fifth differ by more than 1 %, slip by more than a fifth of it; a line through "
+     "means of pin periods changes by more than 1 % in ratio, thrust ratio, tensions, slip or losses; the stored energy changes by more "
+     "than 2 % of the input; or it was seen for less than a pin period"},
     {"standstill", "the shafts turn by less than 0.1 rad/s: slip is noise"},
     {"no_load", "drive and load transfer less power than the machine loses: slip and efficiency are those of idling"},
     {"unresolved", "losses below the resolution of the energy balance: it would not show an error of 5 % in them"},
@@ -121,11 +123,14 @@ SpanMeans RunMeans::span(double from, double to) const {
     return means;
 }
 
+MeanTrend RunMeans::trend() const { return curve_.empty() ? MeanTrend{} : largest_trend(curve_, curve_.first().time, curve_.last().time); }
+
 RunMeans::Change RunMeans::change() const {
     const SpanMeans whole = all(), first = first_fifth(), last = last_fifth();
     const bool ratio_drifts = std::abs(last.ratio - first.ratio) > drifts_ratio * std::abs(whole.ratio);
     const bool slip_drifts = std::abs(last.slip - first.slip) > drifts_slip * std::abs(whole.slip) + min_slip;
     if (ratio_drifts || slip_drifts) return Change::drift;
+    if (trend().least() > moves) return Change::trend;
     if (curve_.pin_period() > 0.0 && whole.periods < 1.0) return Change::brief;
     return std::abs(whole.stored) > takes_energy ? Change::energy : Change::none;
 }
@@ -137,6 +142,11 @@ std::string RunMeans::text_of(Change change) const {
         case Change::drift:
             return fmt::format("means are over a changing state: ratio {:.5g} … {:.5g}, slip {} … {}", first.ratio, last.ratio,
                                percent(first.slip), percent(last.slip));
+        case Change::trend: {
+            const MeanTrend moving = trend();
+            return fmt::format("means are over a changing state: change of {} from begin to end {} ± {}", moving.quantity,
+                               percent(moving.change), percent(moving.uncertainty));
+        }
         case Change::brief:
             return fmt::format("means are over less than the {:.3g} ms in which a pin takes the place of the next one",
                                1e3 * curve_.pin_period());

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tasks/run/mean_curve.hpp"
+#include "tasks/run/mean_trend.hpp"
 
 namespace cvtflow::tasks {
 
@@ -69,9 +70,10 @@ private:
     /// Which of note_kinds() there are.
     [[nodiscard]] std::array<bool, 9> odd(const EnergyBalance& balance) const;
     /// Why means are over a changing state.
-    enum class Change { none, drift, brief, energy };
+    enum class Change { none, drift, trend, brief, energy };
     [[nodiscard]] Change change() const;
     [[nodiscard]] std::string text_of(Change change) const;
+    [[nodiscard]] MeanTrend trend() const;
     [[nodiscard]] SpanMeans span(double from, double to) const;  ///< from, to: shares of the time seen [1]
 
     MeanCurve curve_;

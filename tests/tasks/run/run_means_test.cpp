@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -134,6 +135,40 @@ TEST(RunMeans, WithoutLoadThereIsNoEfficiency) {
     EXPECT_TRUE(std::isnan(means.all().efficiency));
     EXPECT_EQ(names_of(means), "no_load");
     EXPECT_TRUE(std::isnan(steady_means(120.0, 0.0, 7e-4, 20.0).all().efficiency)) << "what a cylinder takes is no load";
+}
+
+/// 28 pin periods, a hundred samples in each, whose tight tension swings by a third and its mean rises by `rise` in all.
+RunMeans rising_means(double rise, double noise) {
+    RunMeans means;
+    constexpr double period = 7e-4, samples = 100.0, periods = 28.0;
+    for (int k = 0; k <= static_cast<int>(samples * periods); ++k) {
+        model::Observation now;
+        const double passed = static_cast<double>(k) / samples, share = passed / periods;
+        now.time = passed * period;
+        now.ratio = 1.0;
+        now.speed = {200.0, -200.0};
+        now.slack = 2000.0;
+        now.clamping = {27e3, 20e3};
+        const double jitter = noise * std::sin(0.93 * std::floor(passed) * std::floor(passed));
+        now.tight = 5000.0 * (1.0 + rise * share + jitter + std::sin(2.0 * std::numbers::pi * passed) / 3.0);
+        EnergySums sums;
+        sums.time = now.time;
+        sums.work = {1e4 * now.time, -9.9e3 * now.time, 0.0};
+        sums.loss[0] = 100.0 * now.time;
+        means.add(now, sums, period);
+    }
+    return means;
+}
+
+/// What moves by more than 1 % is no mean to 1 %. The swing of pins and scatter from period to period are not a movement.
+TEST(RunMeans, AreUnsteadyWhereOneStillMovesByMoreThanAPerCent) {
+    EXPECT_EQ(names_of(rising_means(0.0, 0.0)), "");
+    EXPECT_EQ(names_of(rising_means(0.005, 0.0)), "");
+    EXPECT_EQ(names_of(rising_means(0.0, 0.02)), "") << "scatter";
+    EXPECT_EQ(names_of(rising_means(0.02, 0.0)), "unsteady");
+    EXPECT_EQ(names_of(rising_means(-0.02, 0.0)), "unsteady");
+    EXPECT_THAT(rising_means(0.02, 0.0).notes(closed_balance).front().text,
+                testing::HasSubstr("change of tight tension from begin to end 1.98 %"));
 }
 
 RunReport run_of_rigid_pins(const std::vector<std::string>& settings) {
