@@ -35,9 +35,12 @@ std::vector<Input> inputs_of(const Scene& scene) {
     return inputs;
 }
 
-/// All inputs held at what they are at t = 0, for as long as a point takes.
+/// All inputs held at what they are at t = 0, for as long as a point takes. Starts as a run does: without a state that fits, every choice
+/// settles by itself.
 OperatingPoint at_start(const Scene& scene, const PointTimes& times, const std::string& name) {
     OperatingPoint point{name, scene, times.settle, times.settle + times.average};
+    point.settles = scene.parameters.start.layout == model::StartLayout::belt && fitting_start(scene) == nullptr;
+    if (point.settles) point.scene.state_file.clear();
     for (const Input& input : inputs_of(scene)) {
         if (input.varies()) table_of(*input.key, point.scene) = model::TimeTable(input.at_start);
     }

@@ -30,11 +30,38 @@ std::string sealed(const std::string& content) { return content + "seal " + engi
 
 fs::path text_file(const fs::path& folder, const std::string& key) { return folder / (key + ".tuning"); }
 
-/// The scene with what was chosen. A state with other unknowns than its detail has is left out, as with --detail: the run settles.
+fs::path state_file(const fs::path& folder, const std::string& key) { return fs::absolute(folder / (key + ".h5")).lexically_normal(); }
+
+/// Whether a scene has a start state that fits, with other unknowns than those of the chosen detail.
+bool needs_converted_state(const Scene& scene, const Scene& chosen) {
+    return model::layout_of(scene.parameters) != model::layout_of(chosen.parameters) && fitting_start(scene) != nullptr;
+}
+
+/// Whether a kept state is whole and has the unknowns of a scene.
+bool is_start_of(const fs::path& file, const Scene& scene) {
+    try {
+        return engine::read_state(file.string()).state.size() ==
+               static_cast<std::size_t>(model::layout_of(scene.parameters).ledger_begin());
+    } catch (const engine::RecordError&) {
+        return false;
+    }
+}
+
+/// The scene with what was chosen, without a state of other unknowns.
 Scene applied(const Scene& scene, const KeptTuning& kept) {
     Scene chosen = chosen_scene(scene, kept.choice, kept.step);
     if (model::layout_of(scene.parameters) != model::layout_of(chosen.parameters)) chosen.state_file.clear();
     return chosen;
+}
+
+/// Keeps a state. @return whether its place can be written to
+bool keep_state(const fs::path& file, const engine::SavedState& state) {
+    try {
+        engine::write_state(file.string(), state);
+        return true;
+    } catch (const engine::RecordError&) {
+        return false;
+    }
 }
 
 }  // namespace
@@ -115,14 +142,25 @@ void keep_tuning(const fs::path& folder, const std::string& key, const KeptTunin
 
 TunedScene tuned_scene(const Scene& scene, const TuneSettings& settings, const fs::path& folder, const engine::Cancellation& cancel) {
     const std::string key = tuning_key(scene, settings);
-    if (const auto kept = read_tuning(folder, key)) return {applied(scene, *kept), *kept, std::nullopt};
-    Tuner tuner(scene, settings, cancel);
     TunedScene tuned;
-    tuned.result = tuner.tune(settings.accuracy);
-    const TunedChoice& chosen = chosen_of(*tuned.result);
-    tuned.kept = {chosen.choice, chosen.step, chosen.error()};
-    keep_tuning(folder, key, tuned.kept);
+    std::optional<Tuner> tuner;
+    if (const auto kept = read_tuning(folder, key)) {
+        tuned.kept = *kept;
+    } else {
+        tuner.emplace(scene, settings, cancel);
+        tuned.result = tuner->tune(settings.accuracy);
+        const TunedChoice& chosen = chosen_of(*tuned.result);
+        tuned.kept = {chosen.choice, chosen.step, chosen.error()};
+        keep_tuning(folder, key, tuned.kept);
+    }
     tuned.scene = applied(scene, tuned.kept);
+    if (!needs_converted_state(scene, tuned.scene)) return tuned;
+    const fs::path state = state_file(folder, key);
+    if (tuner || !is_start_of(state, tuned.scene)) {
+        if (!tuner) tuner.emplace(scene, settings, cancel);
+        if (!keep_state(state, tuner->settled_state(tuned.kept.choice))) return tuned;
+    }
+    tuned.scene.state_file = state.string();
     return tuned;
 }
 

@@ -45,8 +45,9 @@ struct TunedScene {
 };
 
 /// The scene as it should be run for an accuracy: as written but for detail, method and step, which are as kept, else measured and kept.
-/// It begins with its own start: its state if that has the unknowns of the chosen detail, else it settles for start.settling_time.
-/// @param folder where; one that cannot be written to keeps nothing
+/// It begins where its errors were measured: with the scene's state; where that has other unknowns than the chosen detail, with the state
+/// of the chosen detail that was measured, kept beside the choice; without a state that fits it settles for start.settling_time.
+/// @param folder where; one that cannot be written to keeps nothing, and the scene settles instead of taking a kept state
 /// @throws AccuracyError, as Tuner
 [[nodiscard]] TunedScene tuned_scene(const Scene& scene, const TuneSettings& settings, const std::filesystem::path& folder,
                                      const engine::Cancellation& cancel);

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "tests/tasks/settled_tiny_fixture.hpp"
 #include "tests/tasks/tiny_fixture.hpp"
 
 namespace cvtflow::tasks {
@@ -25,6 +26,15 @@ TEST(OperatingPoints, OfASceneWithConstantInputsAreItsStart) {
     EXPECT_EQ(points[0].from, 1e-3);
     EXPECT_EQ(points[0].until, 3e-3);
     EXPECT_EQ(points[0].scene.run.until, 3e-3);
+}
+
+/// As a run does: else levels are compared from one settled state, and the run of the cheaper one settles to another.
+TEST(OperatingPoints, OfASceneWithoutAStateThatFitsSettleByThemselves) {
+    Scene scene = test::settled_tiny();
+    EXPECT_FALSE(points_of(scene, {}).front().settles);
+    scene.state_file.clear();
+    EXPECT_TRUE(points_of(scene, {}).front().settles);
+    EXPECT_TRUE(unseen_points(scene, {}, 1, 1).front().settles);
 }
 
 TEST(OperatingPoints, HoldEveryTableAtItsEndsAndTheOthersAsTheyBegin) {

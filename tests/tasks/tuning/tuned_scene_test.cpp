@@ -56,7 +56,7 @@ TEST_F(TunedScenes, BeginWithTheStartOfTheSceneAsWritten) {
     TuneSettings any = settings();
     const TunedScene tuned = tuned_scene(scene, any, folder_, never);
     Scene written = chosen_scene(scene, tuned.kept.choice, tuned.kept.step);
-    if (model::layout_of(written.parameters) != model::layout_of(scene.parameters)) written.state_file.clear();
+    if (model::layout_of(written.parameters) != model::layout_of(scene.parameters)) written.state_file = tuned.scene.state_file;
     EXPECT_EQ(write_scene(tuned.scene), write_scene(written));
     any.budget = 1e3;
     EXPECT_EQ(tuning_key(scene, any), tuning_key(scene, settings())) << "a choice does not depend on the budget it was found within";
@@ -64,6 +64,35 @@ TEST_F(TunedScenes, BeginWithTheStartOfTheSceneAsWritten) {
     const TunedScene geometric = tuned_scene(scene, settings(), folder_, never);
     EXPECT_TRUE(geometric.scene.state_file.empty());
     EXPECT_TRUE(Simulation(geometric.scene).needs_settling());
+}
+
+/// Errors are measured from the scene's state, converted to the chosen detail. A run that settles instead is another run: slip was 4.4 %
+/// off where 1.4 % had been measured.
+TEST_F(TunedScenes, OfOtherUnknownsBeginWithTheStateThatWasMeasured) {
+    const Scene scene = test::settled_tiny();
+    const TuneSettings any = settings();
+    const TuneChoice finest{"full", RunSettings{}.method, 1.0};
+    ASSERT_FALSE(model::layout_of(chosen_scene(scene, finest, 0.0).parameters) == model::layout_of(scene.parameters));
+    keep_tuning(folder_, tuning_key(scene, any), {finest, 0.0, 0.01});
+    const TunedScene tuned = tuned_scene(scene, any, folder_, never);
+    ASSERT_FALSE(tuned.result) << "the choice is as kept";
+    const fs::path state = tuned.scene.state_file;
+    EXPECT_EQ(state.parent_path(), folder_.lexically_normal());
+    Simulation simulation(tuned.scene, Schedule{});
+    EXPECT_FALSE(simulation.needs_settling());
+
+    const auto outputs = tuned_outputs(any.outputs, true);
+    PointMeasure measure(points_of(scene, any.times).front(), "full", outputs, never);
+    OutputReader reader(simulation.variator(), outputs, 0, 0.0);
+    ASSERT_FALSE(simulation.advance({.until = any.times.average}, reader, never));
+    const double measured = measure.run(finest).values[0];
+    EXPECT_NEAR(reader.values()[0], measured, 1e-6 * measured) << "angles of the shafts begin anew";
+
+    const auto written = fs::last_write_time(state);
+    EXPECT_EQ(tuned_scene(scene, any, folder_, never).scene.state_file, state);
+    EXPECT_EQ(fs::last_write_time(state), written) << "kept";
+    std::ofstream(state) << "damaged";
+    EXPECT_FALSE(Simulation(tuned_scene(scene, any, folder_, never).scene, Schedule{}).needs_settling()) << "made anew";
 }
 
 TEST_F(TunedScenes, AreMeasuredAnewWhereWhatIsKeptIsDamagedOrForeign) {
