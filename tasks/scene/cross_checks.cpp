@@ -165,8 +165,9 @@ Violation outputs_take_steps(const Scene& scene) {
 
 Violation states_take_outputs(const Scene& scene) {
     if (scene.run.state_interval >= scene.run.output_interval) return {};
-    return fmt::format("run.state_interval: {} is shorter than run.output_interval = {}", seconds(scene.run.state_interval),
-                       seconds(scene.run.output_interval));
+    return fmt::format(
+        "run.state_interval: {} is shorter than run.output_interval = {}; states are recorded at outputs: set it to at least {}",
+        seconds(scene.run.state_interval), seconds(scene.run.output_interval), seconds(scene.run.output_interval));
 }
 
 Violation followed_pin_exists(const Scene& scene) {
