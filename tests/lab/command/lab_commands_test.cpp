@@ -1,7 +1,9 @@
 #include <gmock/gmock.h>
+#include <wordexp.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "engine/method/catalogue.hpp"
 #include "tasks/run/channels/channels.hpp"
@@ -28,6 +30,21 @@ TEST_F(LabCommands, HaveAHelpEach) {
         EXPECT_EQ(own.status, 0) << name;
         EXPECT_THAT(own.out, HasSubstr("Usage: cvtflow-lab " + name)) << name;
     }
+}
+
+/// As they are pasted: values contain blanks, brackets and commas.
+TEST_F(LabCommands, LotteryPrintsSettingsAsWordsOfAShell) {
+    std::istringstream lines(run({"lottery", "--settings", "--machines", "40"}).out);
+    int settings = 0;
+    for (std::string line; std::getline(lines, line);) {
+        if (!line.starts_with("--set")) continue;
+        wordexp_t words{};
+        ASSERT_EQ(wordexp(line.c_str(), &words, WRDE_NOCMD | WRDE_UNDEF), 0) << line;
+        EXPECT_EQ(words.we_wordc, 2u) << line;
+        wordfree(&words);
+        ++settings;
+    }
+    EXPECT_GT(settings, 400);
 }
 
 TEST_F(LabCommands, LocalErrorShowsTheOrder) {

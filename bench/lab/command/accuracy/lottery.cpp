@@ -45,7 +45,7 @@ ExitStatus lottery(const LotteryArguments& arguments) {
             fmt::print("# machine {}\n", arguments.first + k);
             const LotteryMachine machine = lottery_machine(arguments.seed, arguments.first + k);
             if (!machine.scene.empty()) fmt::print("# of scene {}\n", machine.scene);
-            for (const std::string& setting : machine.settings) fmt::print("--set {}\n", setting);
+            for (const std::string& setting : machine.settings) fmt::print("--set '{}'\n", setting);
         }
         return ExitStatus::finished;
     }
