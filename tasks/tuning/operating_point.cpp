@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "tasks/run/saved_start.hpp"
 #include "tasks/scene/toml/units.hpp"
 
 namespace cvtflow::tasks {
