@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <optional>
@@ -68,17 +67,17 @@ public:
         const std::string text = fmt::format("{}: {}", status_name(result.status), result.error);
         open_ = result.status != CaseStatus::ok && (count_ == 0 || text == text_);
         text_ = text;
-        if (open_ && ++count_ == first_cases) hopeless_ = true;
+        if (open_ && ++count_ == first_cases) hopeless_.request();
     }
     /// Some case of the sweep has ended well: it is not hopeless.
     void disprove() noexcept { open_ = false; }
-    [[nodiscard]] bool hopeless() const noexcept { return hopeless_; }
+    [[nodiscard]] bool hopeless() const noexcept { return hopeless_.requested(); }
     [[nodiscard]] std::string text() const { return fmt::format("the first {} cases all failed alike: {}", first_cases, text_); }
 
 private:
     static constexpr long first_cases = 12;
     bool open_;
-    std::atomic<bool> hopeless_ = false;
+    engine::Cancellation hopeless_;
     long count_ = 0;
     std::string text_;
 };
