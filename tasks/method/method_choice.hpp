@@ -42,6 +42,7 @@ struct MethodProgram {
     std::function<std::unique_ptr<StepMap>(const LinearChain& chain)> linear = {};
     double longest_step = usual_longest_step;  ///< that is chosen where steps are automatic, with pin halves [s]
     bool estimates_error = false;              ///< of a step: StepMethod::error_power() is not 0
+    int revision = 1;  ///< raised whenever a step computes otherwise, so that no checkpoint of the former method is continued
     /// What it needs that parameters do not have, as a setting; empty: it takes them.
     std::string_view (*missing)(const model::Parameters& parameters) = [](const model::Parameters&) { return std::string_view(); };
 

@@ -44,6 +44,7 @@ std::string hash_of_method(const Scene& scene) {
     const engine::StagePlan& plan = method->plan();
     engine::Hash hash;
     hash.add(std::string_view(plan.name));
+    if (const MethodProgram* program = method->program()) hash.add(static_cast<std::uint64_t>(program->revision));
     for (const auto& stage : plan.stages) {
         add_combination(stage.states, hash);
         add_combination(stage.slopes, hash);
@@ -93,17 +94,6 @@ long whole(double value) {
     if (!(value >= 0.0 && value <= 9007199254740992.0) || value != std::floor(value))
         throw std::domain_error("it contains an invalid count");
     return static_cast<long>(value);
-}
-
-Numbers packed(const RunHistory& h) {
-    const Counters& c = h.settling;
-    Numbers numbers{static_cast<double>(h.settled), h.begin, h.wall, h.settling_wall};
-    for (const long count : {c.steps, c.evaluations, c.detected, c.truncated, c.suppressed}) numbers.push_back(static_cast<double>(count));
-    return numbers;
-}
-
-void unpack(const Numbers& n, RunHistory& h) {
-    h = {n[0] != 0.0, {whole(n[4]), whole(n[5]), whole(n[6]), whole(n[7]), whole(n[8])}, n[1], n[2], n[3]};
 }
 
 /// The array of that name. @throws engine::RecordError if it is missing or not as long as it must be
@@ -195,8 +185,9 @@ void write_checkpoint(const engine::Permit& permit, const Checkpoint& c) {
     saved.attributes = {
         {"scene", c.scene}, {"scene_name", c.name}, {"scene_path", c.path},   {"scene_text", c.text},         {"record", c.record},
         {"run", c.run},     {"program", c.program}, {"replaces", c.replaces}, {"method_hash", c.method_hash}, {"slope_hash", c.slope_hash}};
-    saved.more = {{"history", packed(c.history)}, {"recorder", c.recorder}};
-    FieldWriter fields{saved.more};
+    FieldWriter history{saved.more}, fields{saved.more};
+    visit_fields(c.history, history);
+    saved.more = {{"history", std::move(history.scalars)}, {"recorder", c.recorder}};
     visit_fields(c.integration, fields);
     saved.more.push_back({integration_scalars, std::move(fields.scalars)});
     engine::write_state(permit, saved);
@@ -209,7 +200,9 @@ Checkpoint unpacked(const engine::SavedState& saved, const std::string& path) {
     FieldReader fields{saved, path, array(saved, path, integration_scalars, 1)};
     visit_fields(c.integration, fields);
     if (!fields.scalars.empty()) throw std::domain_error("it contains too many numbers");
-    unpack(array(saved, path, "history", 9), c.history);
+    FieldReader history{saved, path, array(saved, path, "history", 1)};
+    visit_fields(c.history, history);
+    if (!history.scalars.empty()) throw std::domain_error("its history contains too many numbers");
     c.recorder = array(saved, path, "recorder", 0);
     c.scene = text(saved, "scene");
     c.name = text(saved, "scene_name");

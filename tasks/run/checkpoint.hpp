@@ -6,6 +6,7 @@
 /// until the new one is on disk, the former one is there.
 
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "engine/record/run/output_rule.hpp"
@@ -22,6 +23,16 @@ struct RunHistory {
     double wall = 0.0, settling_wall = 0.0;  ///< so far [s]
     bool operator==(const RunHistory&) const = default;
 };
+
+/// The only list of its fields: calls visitor(name, field) for each. `history` is a RunHistory or a const one.
+template <class History, class Visitor>
+void visit_fields(History& history, Visitor& visitor) requires std::is_same_v<std::remove_const_t<History>, RunHistory> {
+    visitor("settled", history.settled);
+    visitor("begin", history.begin);
+    visitor("wall", history.wall);
+    visitor("settling_wall", history.settling_wall);
+    visit_counters(history.settling, visitor);
+}
 
 struct Checkpoint {
     std::string scene;        ///< as write_scene

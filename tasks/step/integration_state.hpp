@@ -56,10 +56,7 @@ void visit_fields(State& state, Visitor& visitor) {
     visitor("grid_number", state.grid_number);
     visitor("grid_steps", state.grid_steps);
     visitor("outputs", state.outputs);
-    auto& counters = state.counters;
-    for (auto* count :
-         {&counters.steps, &counters.evaluations, &counters.detected, &counters.truncated, &counters.suppressed, &counters.rejected})
-        visitor("counter", *count);
+    visit_counters(state.counters, visitor);
     visitor("state", state.state);
     visitor("phases", state.phases);
     visitor("changed", state.changed);

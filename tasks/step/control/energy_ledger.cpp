@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <numeric>
+#include <span>
 #include <stdexcept>
 #include <type_traits>
 #include <utility>
 
+#include "engine/base/hash.hpp"
 #include "model/variator/variator.hpp"
 #include "tasks/step/method_memory.hpp"
 
@@ -271,16 +272,52 @@ std::array<double, 2> EnergyLedger::chain_torque(double time, const std::array<d
     return m_.outputs > 1.0 ? m_.chain_torque : std::array{unknown, unknown};
 }
 
+template <class AnyMemory, class Visitor>
+void EnergyLedger::visit(AnyMemory& m, Visitor&& visitor) {
+    using Number = std::conditional_t<std::is_const_v<AnyMemory>, const double, double>;
+    const auto field = [&visitor](const char* name, auto& numbers) {
+        static_assert(std::is_trivially_copyable_v<std::remove_cvref_t<decltype(numbers)>> && sizeof(numbers) % sizeof(double) == 0);
+        visitor(name, std::span<Number>(reinterpret_cast<Number*>(&numbers), sizeof(numbers) / sizeof(double)));
+    };
+    field("samples", m.samples), field("sampled", m.sampled), field("steps", m.steps), field("jumped", m.jumped);
+    field("power", m.power), field("loss", m.loss), field("powers", m.powers);
+    field("stored", m.stored), field("max_stored", m.max_stored), field("noise", m.noise), field("through", m.through);
+    field("pin_period", m.pin_period);
+    field("work", m.work), field("work_sampled", m.work_sampled);
+    field("impulse", m.impulse), field("impulse_output", m.impulse_output), field("momentum_output", m.momentum_output);
+    field("chain_torque", m.chain_torque), field("couplings: work, dissipated", m.couplings);
+    field("outputs", m.outputs), field("output_time", m.output_time);
+    constexpr const char* of_span = ": begin, loss, work, stored, through, noise, samples";
+    field(of_span, m.all), field(of_span, m.part);
+    field("worst", m.worst), field("doubt", m.doubt), field("judged_from", m.judged_from);
+    field("past: time, loss, work", m.past), field("past_begin", m.past_begin), field("past_count", m.past_count);
+}
+
+double EnergyLedger::layout() noexcept {
+    engine::Hash hash;
+    std::size_t numbers = 0;
+    const Memory none{};
+    visit(none, [&](const char* name, std::span<const double> field) {
+        hash.add(std::string_view(name)).add(static_cast<std::uint64_t>(field.size()));
+        numbers += field.size();
+    });
+    return static_cast<double>(hash.add(static_cast<std::uint64_t>(numbers)).value() >> 11U);  // a whole number that a double holds
+}
+
 void EnergyLedger::save(std::vector<double>& memory) const {
-    static_assert(std::is_trivially_copyable_v<Memory> && sizeof(Memory) % sizeof(double) == 0);
-    memory.resize(sizeof(Memory) / sizeof(double));
-    std::memcpy(memory.data(), &m_, sizeof(Memory));
+    memory.clear();
+    memory.reserve(1 + sizeof(Memory) / sizeof(double));
+    memory.push_back(layout());
+    visit(m_, [&memory](const char* /*name*/, std::span<const double> field) { memory.insert(memory.end(), field.begin(), field.end()); });
+    if (memory.size() != 1 + sizeof(Memory) / sizeof(double)) throw std::logic_error("EnergyLedger::visit() leaves out a field");
 }
 
 void EnergyLedger::load(std::span<const double> memory, long stride) {
     restart(stride);
     if (memory.empty()) return;
-    std::memcpy(static_cast<void*>(&m_), pop_front(memory, sizeof(Memory) / sizeof(double)).data(), sizeof(Memory));
+    if (pop_front(memory, 1).front() != layout()) throw std::invalid_argument("energy memory of another layout");
+    visit(m_,
+          [&memory](const char* /*name*/, std::span<double> field) { std::ranges::copy(pop_front(memory, field.size()), field.begin()); });
     for (const auto& [place, most] : {std::pair{m_.past_begin, past_size - 1}, {m_.past_count, past_size}}) {
         if (!(place >= 0.0 && place <= static_cast<double>(most)) || place != std::floor(place))
             throw std::invalid_argument("malformed energy memory");

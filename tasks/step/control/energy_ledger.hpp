@@ -160,7 +160,7 @@ private:
     void close_sample(double time) noexcept;
     void close_window() noexcept;
 
-    /// Numbers only: saved and loaded as they lie.
+    /// Numbers only: saved and loaded by visit(), the list of the fields.
     struct Memory {
         double samples, sampled, steps;                         ///< how many; when the last one was [s]; steps since
         double jumped;                                          ///< when inputs or the state jumped last, the beginning included [s]
@@ -178,6 +178,12 @@ private:
         std::array<EnergySums, past_size> past;  ///< at outputs, round and round
         double past_begin, past_count;           ///< index and number of what is kept [1]
     };
+
+    /// Calls visitor(name, numbers) for each field. `memory` is a Memory or a const one.
+    template <class AnyMemory, class Visitor>
+    static void visit(AnyMemory& memory, Visitor&& visitor);
+    /// Of names, lengths and order of the fields: memories of another layout are refused.
+    [[nodiscard]] static double layout() noexcept;
 
     Memory m_{};
     model::Inputs inputs_;  ///< at the end of the last step

@@ -19,6 +19,14 @@ struct Counters {
     bool operator==(const Counters&) const = default;
 };
 
+/// The only list of the counters: calls visitor(name, count) for each. `counters` are Counters or const ones.
+template <class AnyCounters, class Visitor>
+void visit_counters(AnyCounters& counters, Visitor& visitor) {
+    for (auto* count :
+         {&counters.steps, &counters.evaluations, &counters.detected, &counters.truncated, &counters.suppressed, &counters.rejected})
+        visitor("counter", *count);
+}
+
 /// In place of a count where pins are rigid: their tips touch and leave within steps that are searched for no transition.
 inline constexpr std::string_view transitions_not_counted = "not counted at rigid pins";
 

@@ -205,5 +205,26 @@ TEST(Simulation, ResetIsANewOne) {
     EXPECT_FALSE(used.fits(scene));
 }
 
+/// Every counter of settling: one of the six was lost.
+TEST(RunHistory, ComesBackWhole) {
+    Scene scene = tiny();
+    Simulation simulation(scene);
+    Checkpoint checkpoint;
+    checkpoint.integration = simulation.integration_state();
+    long number = 1;
+    const auto count = [&number](const char* /*name*/, long& field) { field = number++; };
+    visit_counters(checkpoint.history.settling, count);
+    EXPECT_EQ(number - 1, static_cast<long>(sizeof(Counters) / sizeof(long))) << "visit_counters() leaves one out";
+    checkpoint.history.settled = true;
+    checkpoint.history.begin = 0.25;
+    checkpoint.history.wall = 3.0;
+    checkpoint.history.settling_wall = 2.0;
+    sign(checkpoint, scene, simulation.variator());
+    const std::string file = (std::filesystem::temp_directory_path() / ("cvtflow_history_" + std::to_string(getpid()) + ".h5")).string();
+    write_checkpoint(file, checkpoint);
+    EXPECT_EQ(read_checkpoint(file).history, checkpoint.history);
+    std::filesystem::remove(file);
+}
+
 }  // namespace
 }  // namespace cvtflow::tasks

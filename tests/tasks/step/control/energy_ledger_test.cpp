@@ -27,6 +27,22 @@ TEST(EnergyLedger, ClosesWhereWhatIsLostWasStored) {
     EXPECT_TRUE(honest.reliable());
 }
 
+/// A memory as long as ours, of a program whose fields were others.
+TEST(EnergyLedger, RefusesAMemoryOfAnotherLayout) {
+    std::vector<double> memory;
+    sampled(300.0, -300.0).save(memory);
+    EnergyLedger same, other;
+    same.load(memory, 1);
+    EXPECT_EQ(same.balance().loss, sampled(300.0, -300.0).balance().loss);
+    std::vector<double> again;
+    same.save(again);
+    EXPECT_EQ(again, memory);
+    ++memory.front();
+    EXPECT_THROW(other.load(memory, 1), std::invalid_argument);
+    memory.erase(memory.begin());
+    EXPECT_THROW(other.load(memory, 1), std::invalid_argument) << "of programs before layouts";
+}
+
 TEST(EnergyLedger, CallsEnergyFromNowhereUnreliable) {
     const EnergyLedger wrong = sampled(300.0, -297.0);  // a hundredth of what is lost comes from nowhere: ten times the tolerance
     EXPECT_NEAR(wrong.balance().relative(), 0.01, 1e-9);
