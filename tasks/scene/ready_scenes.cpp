@@ -92,6 +92,10 @@ fs::path find_scene(const std::string& argument) {
         if (scene.name == argument) return scene.path;
         names.push_back(scene.name);
     }
+    for (const fs::path& folder : scene_folders()) {
+        if (fs::is_regular_file(folder / "sweeps" / (argument + ".toml"), unreadable))
+            throw SceneError(fmt::format("'{0}' is a ready sweep, not a scene; to run it: cvtflow batch {0}", argument));
+    }
     const std::string near = engine::closest(argument, names);
     const std::string hint = near.empty() ? "cvtflow list scenes" : fmt::format("did you mean '{}'?", near);
     throw SceneError(fmt::format("no scene '{}' ({})", argument, hint));

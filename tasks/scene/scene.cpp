@@ -22,8 +22,6 @@
 namespace cvtflow::tasks {
 namespace {
 
-constexpr std::size_t max_problems = 100;  ///< listed in a message, one line each
-
 /// A key in a message: as written, unless it contains unprintable characters or is very long.
 std::string shown(const std::string& key) { return key.size() <= 100 ? key : key.substr(0, 60) + "…"; }
 
@@ -68,13 +66,14 @@ void Reading::document(const Node::Table& sections) {
 
 void Reading::section(const Entry& entry) {
     const auto names = section_names();
+    const bool hint = problems_.size() < max_problems;
     const auto* table = std::get_if<Node::Table>(&entry.node.value);
     if (std::find(names.begin(), names.end(), entry.key) == names.end()) {
         if (table)
-            return problem(entry.position,
-                           fmt::format("{}: unknown section{}", shown(entry.key), engine::did_you_mean(engine::closest(entry.key, names))));
-        return problem(entry.position,
-                       fmt::format("{}: key outside any section{}", shown(entry.key), engine::did_you_mean(nearest_keys(entry.key))));
+            return problem(entry.position, fmt::format("{}: unknown section{}", shown(entry.key),
+                                                       hint ? engine::did_you_mean(engine::closest(entry.key, names)) : ""));
+        return problem(entry.position, fmt::format("{}: key outside any section{}", shown(entry.key),
+                                                   hint ? engine::did_you_mean(nearest_keys(entry.key)) : ""));
     }
     if (!table) return problem(entry.position, fmt::format("{0}: not a section; write [{0}]", entry.key));
     for (const Entry& row : *table) {
@@ -131,12 +130,7 @@ Scene Reading::finish(const std::function<std::string(Position)>& place) {
         if (const auto given = given_.find(key); given != given_.end()) *to = place(given->second) + ": ";
     }
     if (problems_.empty()) return std::move(scene_);
-    std::stable_sort(problems_.begin(), problems_.end(), [](const Problem& a, const Problem& b) { return a.position < b.position; });
-    std::vector<std::string> lines;
-    for (std::size_t i = 0; i < std::min(problems_.size(), max_problems); ++i)
-        lines.push_back(fmt::format("{}: {}", place(problems_[i].position), problems_[i].message));
-    if (problems_.size() > max_problems) lines.push_back(fmt::format("… and {} more problems", problems_.size() - max_problems));
-    throw SceneError(engine::visible(fmt::format("{}", fmt::join(lines, "\n"))));  // a NUL would end what()
+    throw SceneError(problems_text(std::move(problems_), place));
 }
 
 /// The value of a setting on the command line. Texts and choices are taken as they are; quantities ("8.12 mm") need no quotes.
@@ -192,8 +186,12 @@ Scene parse_scene(std::string text, std::filesystem::path name, StartState start
     const auto place = [&](Position position) { return fmt::format("{}:{}:{}", name.string(), position.line, position.column); };
     const auto parsed = parse_toml(text);
     if (const auto* wrong = std::get_if<Problem>(&parsed)) throw SceneError(fmt::format("{}: {}", place(wrong->position), wrong->message));
+    const auto& sections = std::get<Node::Table>(std::get<Node>(parsed).value);
+    if (const auto sweep = std::ranges::find(sections, "sweep", &Entry::key); sweep != sections.end())
+        throw SceneError(
+            fmt::format("{}: sweep: this is a sweep, not a scene; to run it: cvtflow batch {}", place(sweep->position), name.string()));
     Reading reading(Scene{}, name.parent_path(), start);
-    reading.document(std::get<Node::Table>(std::get<Node>(parsed).value));
+    reading.document(sections);
     Scene scene = reading.finish(place);
     if (scene.name.empty()) scene.name = engine::name_of_file(name.stem().string());
     scene.text = std::move(text);

@@ -47,5 +47,17 @@ TEST_F(BatchStart, CasesThatMustSettleButHaveNoTimeForItSayWhy) {
     EXPECT_THAT(column("error"), Each(Pair(testing::_, HasSubstr("start.settling_time = 0 leaves no time to settle"))));
 }
 
+TEST_F(BatchStart, NamesTheCommandOfAFileOfTheOtherKind) {
+    write("t.toml", "[scene]\nname = \"t\"\n\n[chain]\npins = 24\n\n[tips]\nx = 1\n");
+    write_sweep();
+    EXPECT_EQ(run({"batch", "t.toml"}).err, "cvtflow: t.toml:4:2: chain: this is a scene, not a sweep; to run it: cvtflow run t.toml\n");
+    EXPECT_EQ(run({"run", "sweep.toml"}).err,
+              "cvtflow: sweep.toml:1:2: sweep: this is a sweep, not a scene; to run it: cvtflow batch sweep.toml\n");
+    EXPECT_EQ(run({"batch", "tiny"}).err,
+              "cvtflow: no sweep 'tiny'; ready sweeps: operating_map, slip_efficiency; to run the scene of that name: cvtflow run tiny\n");
+    EXPECT_EQ(run({"run", "slip_efficiency"}).err,
+              "cvtflow: 'slip_efficiency' is a ready sweep, not a scene; to run it: cvtflow batch slip_efficiency\n");
+}
+
 }  // namespace
 }  // namespace cvtflow::tools

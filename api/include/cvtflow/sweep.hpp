@@ -34,7 +34,8 @@ public:
     /// A sweep with [accuracy] is tuned first and verified in the end; its table has the errors in columns `error_of_...`.
     /// @param progress called after each case, by one worker at a time
     /// @return whether all cases are in the table `folder`/cases.h5; false after cancel()
-    /// @throws Error (record) for folders and tables, (state) for results of another sweep, (argument)
+    /// @throws Error (record) for folders and tables; (state) for results of another sweep, program version or start state, or if the first
+    /// dozen cases all fail with the same message; (argument)
     bool run(const std::string& folder, int threads = 0, std::function<void(const SweepProgress&)> progress = {});
     /// Requests the end of run(), from any thread or signal handler; running cases write checkpoints. One request ends one run.
     void cancel() noexcept;

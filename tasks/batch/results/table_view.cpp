@@ -37,7 +37,8 @@ TableView::TableView(std::string name, const Node::Table& table, Position positi
     : name_(std::move(name)), table_(table), position_(position), problems_(problems) {
     for (const Entry& entry : table) {
         if (std::find(known.begin(), known.end(), entry.key) != known.end()) continue;
-        problem(entry.position, fmt::format("{}: unknown key{}", entry.key, engine::did_you_mean(likely_key(entry.key, known))));
+        problem(entry.position, fmt::format("{}: unknown key{}", entry.key,
+                                            problems_.size() < max_problems ? engine::did_you_mean(likely_key(entry.key, known)) : ""));
     }
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "engine/base/error_text.hpp"
 #include "engine/base/name_rule.hpp"
 #include "engine/base/spelling.hpp"
 #include "tasks/batch/results/table_view.hpp"
@@ -10,7 +9,9 @@
 #include "tasks/batch/sweep/sweep.hpp"
 #include "tasks/batch/sweep/sweep_keys.hpp"
 #include "tasks/method/method.hpp"
+#include "tasks/run/saved_start.hpp"
 #include "tasks/scene/cross_checks.hpp"
+#include "tasks/scene/toml/units.hpp"
 #include "tasks/scene/toml/value_reader.hpp"
 
 namespace cvtflow::tasks {
@@ -34,20 +35,23 @@ public:
         else
             document(std::get<Node::Table>(std::get<Node>(parsed).value));
         if (problems_.empty()) return std::move(sweep_);
-        std::stable_sort(problems_.begin(), problems_.end(), [](const Problem& a, const Problem& b) { return a.position < b.position; });
-        std::vector<std::string> lines;
-        for (const Problem& p : problems_)
-            lines.push_back(fmt::format("{}:{}:{}: {}", sweep_.path.string(), p.position.line, p.position.column, p.message));
-        throw SceneError(engine::visible(fmt::format("{}", fmt::join(lines, "\n"))));  // a NUL would end what()
+        throw SceneError(problems_text(std::move(problems_), [this](Position position) {
+            return fmt::format("{}:{}:{}", sweep_.path.string(), position.line, position.column);
+        }));
     }
 
 private:
     void document(const Node::Table& sections) {
         const std::vector<std::string> known = sweep_sections();
+        if (const Entry* section = section_of_scene(sections, known); section != nullptr)
+            return problems_.push_back({section->position, fmt::format("{}: this is a scene, not a sweep; to run it: cvtflow run {}",
+                                                                       section->key, sweep_.path.string())});
         for (const Entry& section : sections) {
             if (std::find(known.begin(), known.end(), section.key) != known.end()) continue;
-            problems_.push_back({section.position, fmt::format("{}: unknown section{}", section.key,
-                                                               engine::did_you_mean(engine::closest(section.key, known)))});
+            problems_.push_back(
+                {section.position,
+                 fmt::format("{}: unknown section{}", section.key,
+                             problems_.size() < max_problems ? engine::did_you_mean(engine::closest(section.key, known)) : "")});
         }
         head(sections);
         for (const Entry& section : sections) {
@@ -61,6 +65,16 @@ private:
             if (section.key == "start") start(section);
         }
         consistent();
+    }
+
+    /// The first section that only scenes have, in a file without [sweep]; nullptr if there is none.
+    [[nodiscard]] static const Entry* section_of_scene(const Node::Table& sections, const std::vector<std::string>& known) {
+        if (std::ranges::find(sections, "sweep", &Entry::key) != sections.end()) return nullptr;
+        const auto found = std::ranges::find_if(sections, [&](const Entry& section) {
+            return std::ranges::find(known, section.key) == known.end() &&
+                   std::ranges::find(parameter_table(), section.key, &Parameter::section) != parameter_table().end();
+        });
+        return found == sections.end() ? nullptr : &*found;
     }
 
     [[nodiscard]] const Node::Table* table(const Entry& section) {
@@ -108,7 +122,9 @@ private:
             else if (const Parameter* parameter = find_parameter(key))
                 setting(*parameter, row.node);
             else
-                problems_.push_back({row.position, fmt::format("set.{}: unknown key{}", key, engine::did_you_mean(nearest_keys(key)))});
+                problems_.push_back(
+                    {row.position, fmt::format("set.{}: unknown key{}", key,
+                                               problems_.size() < max_problems ? engine::did_you_mean(nearest_keys(key)) : "")});
         }
     }
 
@@ -196,8 +212,43 @@ private:
         if (sweep_.accuracy.target > 0.0 && sweep_.start == StartMode::shared)
             problems_.push_back(
                 {{}, "accuracy: start.mode \"shared\" starts cases from a state in which none of them has settled; use \"settle\""});
+        outputs_within_run();
+        start_takes_accuracy();
         if (!Method::find(method_of(sweep_.scene)))
             problems_.push_back({{}, fmt::format("run.method: unknown method {}", toml_text(sweep_.scene.run.method))});
+    }
+
+    /// What lies beyond the end of a case is not a finite number, and the case is undefined.
+    void outputs_within_run() {
+        double end = sweep_.scene.run.until;
+        for (const Axis& axis : sweep_.axes) {
+            for (std::size_t key = 0; key < axis.keys.size(); ++key) {
+                for (std::size_t row = 0; axis.keys[key]->key == "run.until" && row < axis.rows(); ++row) {
+                    const auto* value = std::get_if<double>(&axis.at(row, key));
+                    if (value != nullptr) end = row == 0 ? *value : std::min(end, *value);
+                }
+            }
+        }
+        const auto beyond = [end](double time) { return time > end * (1.0 + 1e-9); };
+        const std::string text = fmt::format("is beyond run.until = {} s", number_text(end));
+        if (beyond(sweep_.from))
+            problems_.push_back({{}, fmt::format("outputs.from: {} s {}: no output would count", number_text(sweep_.from), text)});
+        for (const Scalar& scalar : sweep_.scalars) {
+            const auto late = [&](const ScalarTerm& term) { return term.reduction == Reduction::at && beyond(term.time); };
+            if (std::ranges::any_of(scalar.terms, late))
+                problems_.push_back({{}, fmt::format("outputs.scalars: \"{}\" {}", scalar.text, text)});
+        }
+    }
+
+    /// Tuning chooses the level of detail, and brings the scene's state over to it; a state of other unknowns than the scene's fits none.
+    void start_takes_accuracy() {
+        const Scene& scene = sweep_.scene;
+        if (!(sweep_.accuracy.target > 0.0) || sweep_.start != StartMode::scene || scene.state_file.empty()) return;
+        const auto saved = saved_start(scene);
+        if (has_coordinates(*saved, settled_layout(*saved, scene), scene)) return;
+        problems_.push_back({{},
+                             "accuracy: start.state has the unknowns of another level of detail than the sweep's scene; leave the level to "
+                             "[accuracy] (remove sweep.detail and detail.*), or let cases settle (start.mode = \"settle\")"});
     }
 
     /// What is found for the accuracy cannot be an axis as well.

@@ -9,6 +9,7 @@
 // toml++ 3.3 violates its own preconditions on some malformed texts (such as "[[[a]]]"): an abort in debug builds, undefined behaviour
 // where the compiler takes assertions as assumptions. Here a violated one is an exception, in every build type.
 
+#include "engine/base/error_text.hpp"
 #include "engine/base/input_file.hpp"
 #include "tasks/scene/scene.hpp"
 
@@ -87,6 +88,15 @@ private:
 std::optional<Problem> beyond_limits(const std::string& text) {
     if (text.size() > longest_toml) return Problem{{}, fmt::format("not valid TOML: longer than {} bytes", longest_toml)};
     return Walk(text).excess();
+}
+
+std::string problems_text(std::vector<Problem> problems, const std::function<std::string(Position)>& place) {
+    std::ranges::stable_sort(problems, {}, &Problem::position);
+    std::vector<std::string> lines;
+    for (std::size_t i = 0; i < std::min(problems.size(), max_problems); ++i)
+        lines.push_back(fmt::format("{}: {}", place(problems[i].position), problems[i].message));
+    if (problems.size() > max_problems) lines.push_back(fmt::format("… and {} more problems", problems.size() - max_problems));
+    return engine::visible(fmt::format("{}", fmt::join(lines, "\n")));  // a NUL would end what()
 }
 
 std::string read_toml_text(const std::filesystem::path& path) {

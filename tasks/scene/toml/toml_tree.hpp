@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <variant>
@@ -45,6 +46,12 @@ struct Entry {
 
 /// Longest text of a document: four bytes of it may become hundreds in memory [byte].
 inline constexpr std::size_t longest_toml = std::size_t{4} << 20U;
+
+/// Most problems that a message lists; those beyond need no hint, which is a search in all names.
+inline constexpr std::size_t max_problems = 100;
+
+/// A line per problem, in the order of their positions: "scene.toml:3:1: chain.pns: unknown key"
+[[nodiscard]] std::string problems_text(std::vector<Problem> problems, const std::function<std::string(Position)>& place);
 
 /// The text of a TOML file. @throws SceneError "path: cannot be read: why"
 [[nodiscard]] std::string read_toml_text(const std::filesystem::path& path);

@@ -73,7 +73,10 @@ tasks::Sweep load_sweep(const std::string& path) {
     if (path.find('/') != std::string::npos || path.ends_with(".toml")) return tasks::read_sweep(path, find_scene);
     std::vector<std::string> names;
     for (const ReadyScene& ready : ready_sweeps()) names.push_back(ready.name);
-    throw tasks::SceneError(fmt::format("no sweep '{}'; ready sweeps: {}", path, fmt::join(names, ", ")));
+    const auto scenes = tasks::ready_scenes();
+    const bool scene = std::ranges::find(scenes, path, &tasks::ReadyScene::name) != scenes.end();
+    throw tasks::SceneError(fmt::format("no sweep '{}'; ready sweeps: {}{}", path, fmt::join(names, ", "),
+                                        scene ? fmt::format("; to run the scene of that name: cvtflow run {}", path) : ""));
 }
 
 std::string sweep_of(const std::string& folder) {

@@ -225,6 +225,36 @@ TEST_F(SweepFile, AHundredThousandCasesAreEstimatedInSeconds) {
     EXPECT_LT(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC, 3.0);
 }
 
+TEST_F(SweepFile, RefusesOutputsBeyondTheEndOfACase) {
+    const std::string cases = "[[axes]]\nkey = \"run.until\"\nvalues = [\"2 ms\", \"1 ms\"]\n";
+    const std::string outputs = "[sweep]\nscene = \"tiny\"\n[outputs]\nscalars = [\"slip mean\", \"slip at ";
+    EXPECT_EQ(error(outputs + "1 ms\"]\nfrom = \"1 ms\"\n" + cases), "none");
+    EXPECT_THAT(error(outputs + "1 ms\"]\nfrom = \"1 s\"\n" + cases),
+                HasSubstr("outputs.from: 1 s is beyond run.until = 1e-3 s: no output"));
+    EXPECT_THAT(error(outputs + "1.5 ms\"]\n" + cases), HasSubstr("outputs.scalars: \"slip at 1.5 ms\" is beyond run.until = 1e-3 s"));
+}
+
+TEST_F(SweepFile, RefusesAnAccuracyOfCasesThatBeginWithAStateOfAnotherLevel) {
+    const std::string more =
+        "[outputs]\nscalars = [\"slip mean\"]\n[[axes]]\nkey = \"load.torque\"\nvalues = [1, 2]\n[accuracy]\ntarget = \"3 %\"\n";
+    const std::string of_baseline = "[sweep]\nscene = \"baseline\"\n";
+    EXPECT_EQ(error(of_baseline + more), "none");
+    EXPECT_THAT(error(of_baseline + "detail = \"rigid\"\n" + more),
+                HasSubstr("accuracy: start.state has the unknowns of another level of detail"));
+    EXPECT_EQ(error(of_baseline + "detail = \"rigid\"\n" + more + "[start]\nmode = \"settle\"\n"), "none");
+}
+
+/// A search for the nearest name took 0.06 ms of each.
+TEST_F(SweepFile, ListsTheFirstHundredOfManyProblems) {
+    std::string many = head + "[set]\n";
+    for (int i = 0; i < 20000; ++i) many += "load.torqe" + std::to_string(i) + " = 1\n";
+    const std::clock_t begin = std::clock();
+    const std::string message = error(many + "[[axes]]\nkey = \"load.torque\"\nvalues = [1]\n");
+    EXPECT_LT(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC, 0.5);
+    EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 100);
+    EXPECT_THAT(message, HasSubstr("… and 19900 more problems"));
+}
+
 /// Two workers: the first cases include the settling that all share.
 TEST(BatchProgress, PredictsByThePaceAfterEveryWorkersFirstCase) {
     BatchProgress progress{.cases = 102, .before = 2, .done = 1, .wall = 10.0};
