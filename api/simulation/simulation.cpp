@@ -85,13 +85,13 @@ ChannelInfo Simulation::channel_info(std::size_t index) const {
                            static_cast<std::size_t>(row.width(impl_->simulation().variator().chain()))};
     });
 }
-std::size_t Simulation::find_channel(std::string_view name) const {
+std::size_t Simulation::find_channel(const std::string& name) const {
     return entered(ErrorCode::internal, [&] { return impl_->find_channel(name); });
 }
 std::span<const double> Simulation::channel(std::size_t index) {
     return entered(ErrorCode::internal, [&] { return impl_->channel(index); });
 }
-std::span<const double> Simulation::channel(std::string_view name) { return channel(find_channel(name)); }
+std::span<const double> Simulation::channel(const std::string& name) { return channel(find_channel(name)); }
 
 Counters Simulation::counters() const noexcept { return impl_->counters(); }
 std::vector<std::string> Simulation::notices() const {

@@ -44,6 +44,12 @@ constexpr int max_threads = 1024;
     return schedule;
 }
 
+/// nullptr: none.
+template <class Function>
+[[nodiscard]] std::shared_ptr<const Function> shared(Function&& function) {
+    return function ? std::make_shared<const Function>(std::move(function)) : nullptr;
+}
+
 }  // namespace
 
 Simulation::Impl::Impl(const Scene& scene, Threads threads, int segments)
@@ -97,22 +103,23 @@ void Simulation::Impl::transition(const tasks::TransitionRecord& record) {
     transitions_.push_back({record.time, record.pin, record.tip, static_cast<int>(record.from), static_cast<int>(record.to)});
 }
 
-/// Calls back what has come due, in the host's floating-point environment. The host's callbacks may replace themselves, so copies are
-/// called.
+/// Calls back what has come due, in the host's floating-point environment. The host's callbacks may replace themselves, so they are held
+/// while they are called.
 void Simulation::Impl::deliver(Simulation& self, api::FloatingDefaults& defaults) {
-    const std::vector<Transition> happened = std::exchange(transitions_, {});
-    for (const Transition& transition : happened) {
+    happened_.clear();
+    std::swap(happened_, transitions_);
+    for (const Transition& transition : happened_) {
         const auto callback = transition_callback_;
         if (!callback) continue;
         const api::FloatingDefaults::Outside outside(defaults);
-        callback(self, transition);
+        (*callback)(self, transition);
     }
     const double now = simulation_.time() + 1e-9 * data().run.output_interval;
     if (!output_callback_ || now < static_cast<double>(outputs_) * output_interval_) return;
     outputs_ = static_cast<long>(std::floor(now / output_interval_)) + 1;
     const auto callback = output_callback_;
     const api::FloatingDefaults::Outside outside(defaults);
-    callback(self);
+    (*callback)(self);
 }
 
 /// A step that would do, where the step is the likely reason of a fault.
@@ -209,11 +216,15 @@ std::span<const double> Simulation::Impl::channel(std::size_t index) {
     return values_[index];
 }
 
+void Simulation::Impl::on_transition(std::function<void(Simulation&, const Transition&)> callback) {
+    transition_callback_ = shared(std::move(callback));
+}
+
 void Simulation::Impl::on_output(double interval, std::function<void(Simulation&)> callback) {
     const Scope scope(*this, Scope::As::visitor);
     if (callback && !(interval > 0.0 && std::isfinite(interval)))
         throw Error(ErrorCode::argument, "on_output: the interval must be positive");
-    output_callback_ = std::move(callback);
+    output_callback_ = shared(std::move(callback));
     output_interval_ = interval;
     if (output_callback_) outputs_ = static_cast<long>(std::floor(simulation_.time() / interval + 1e-9)) + 1;
 }

@@ -50,7 +50,7 @@ public:
     [[nodiscard]] const tasks::Channel& channel_row(std::size_t index) const;
     [[nodiscard]] std::size_t find_channel(std::string_view name) const;
     void on_output(double interval, std::function<void(Simulation&)> callback);  ///< interval [s]
-    void on_transition(std::function<void(Simulation&, const Transition&)> callback) { transition_callback_ = std::move(callback); }
+    void on_transition(std::function<void(Simulation&, const Transition&)> callback);
     [[nodiscard]] std::vector<std::string> notices() const;
     [[nodiscard]] Energy energy() const noexcept;
     [[nodiscard]] double largest_stable_step();
@@ -89,12 +89,13 @@ private:
     std::vector<std::vector<double>> values_;  ///< [channel][width]
     engine::ReentryGuard entry_;
     engine::Cancellation cancel_;
-    long process_ = 0;  ///< in which it first ran on threads; 0: it has not
-    std::function<void(Simulation&)> output_callback_;
-    double output_interval_ = 0.0;  ///< [s]
-    long outputs_ = 0;              ///< the next one is due at outputs_ * output_interval_
-    std::function<void(Simulation&, const Transition&)> transition_callback_;
+    long process_ = 0;                                                         ///< in which it first ran on threads; 0: it has not
+    std::shared_ptr<const std::function<void(Simulation&)>> output_callback_;  ///< shared: a callback may replace itself
+    double output_interval_ = 0.0;                                             ///< [s]
+    long outputs_ = 0;                                                         ///< the next one is due at outputs_ * output_interval_
+    std::shared_ptr<const std::function<void(Simulation&, const Transition&)>> transition_callback_;
     std::vector<Transition> transitions_;  ///< not delivered yet
+    std::vector<Transition> happened_;     ///< being delivered
     tasks::RunObserver* recorder_ = nullptr;
 };
 

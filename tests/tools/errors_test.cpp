@@ -82,7 +82,7 @@ TEST_F(Errors, InTheProgramNameTheOtherOne) {
     const auto told = [&](const std::string& program, const std::string& command) {
         std::FILE* pipe = popen(("'" + program + "' " + command + " 2>&1").c_str(), "r");
         char line[200] = "";
-        static_cast<void>(std::fgets(line, sizeof line, pipe));
+        EXPECT_NE(std::fgets(line, sizeof line, pipe), nullptr) << program << " " << command;
         pclose(pipe);
         return std::string(line);
     };

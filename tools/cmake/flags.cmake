@@ -27,7 +27,7 @@ endif()
 # measured (docs/security.md).
 if(NOT WIN32 AND NOT EMSCRIPTEN AND NOT CVTFLOW_SANITIZE)
   target_compile_options(cvtflow_flags INTERFACE $<$<NOT:$<BOOL:$<TARGET_PROPERTY:CVTFLOW_KERNELS>>>:-fstack-protector-strong>
-    $<$<CONFIG:Release>:-U_FORTIFY_SOURCE$<SEMICOLON>-D_FORTIFY_SOURCE=2>)
+    "$<$<CONFIG:Release>:-U_FORTIFY_SOURCE>" "$<$<CONFIG:Release>:-D_FORTIFY_SOURCE=2>")
   target_link_options(cvtflow_flags INTERFACE -Wl,-z,relro,-z,now)
 endif()
 # No unique symbols, which would keep the shared library loaded after dlclose.

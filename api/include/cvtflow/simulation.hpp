@@ -158,11 +158,11 @@ public:
     /// @throws Error (argument)
     [[nodiscard]] ChannelInfo channel_info(std::size_t index) const;
     /// @throws Error (argument) with the name that was probably meant
-    [[nodiscard]] std::size_t find_channel(std::string_view name) const;
+    [[nodiscard]] std::size_t find_channel(const std::string& name) const;
     /// The values of a channel now, valid until the simulation changes. The first read after a step observes the whole state, some tens of
     /// microseconds; further reads are free. @throws Error (argument)
     [[nodiscard]] std::span<const double> channel(std::size_t index);
-    [[nodiscard]] std::span<const double> channel(std::string_view name);
+    [[nodiscard]] std::span<const double> channel(const std::string& name);
 
     [[nodiscard]] Counters counters() const noexcept;
     [[nodiscard]] Energy energy() const noexcept;
