@@ -3,6 +3,7 @@
 #include "api/host/translate.hpp"
 #include "api/scene/scene_data.hpp"
 #include "engine/record/run/schema.hpp"
+#include "tasks/scene/toml/units.hpp"
 #include "tasks/tuning/tuned_scene.hpp"
 
 namespace cvtflow {
@@ -12,7 +13,7 @@ namespace {
 
 tasks::TuneSettings settings_of(const TuneOptions& options) {
     if (!(options.accuracy > 0.0 && options.accuracy <= 0.5))
-        throw Error(ErrorCode::argument, "accuracy: " + std::to_string(options.accuracy) + " is outside (0, 0.5]");
+        throw Error(ErrorCode::argument, "accuracy: " + tasks::number_text(options.accuracy) + " is outside (0, 0.5]");
     tasks::TuneSettings settings;
     settings.accuracy = options.accuracy;
     settings.outputs = options.outputs;

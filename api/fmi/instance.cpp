@@ -2,24 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
+
+#include "engine/base/number.hpp"
+#include "tasks/scene/toml/units.hpp"
 
 namespace cvtflow::fmi {
 
 namespace {
 
+using tasks::number_text;
+
 [[nodiscard]] Input input_of(const std::string& name) {
     int number = 0;
     while (input_info(static_cast<Input>(number)).name != name) ++number;  // throws behind the last one
     return static_cast<Input>(number);
-}
-
-/// So that it reads back as the same double.
-[[nodiscard]] std::string text_of(double value) {
-    char text[40];
-    std::snprintf(text, sizeof text, "%.17g", value);
-    return text;
 }
 
 /// Thrown through advance_to() by a callback that ends a step early.
@@ -41,7 +37,7 @@ const Variable& Instance::variable(std::uint32_t reference) const {
 /// The state that was exported fits the scene that was exported; another one begins with its geometric start, and settles.
 Simulation Instance::made() const {
     std::vector<std::string> settings;
-    for (const auto& [key, value] : parameters_) settings.push_back(key + "=" + text_of(value));
+    for (const auto& [key, value] : parameters_) settings.push_back(key + "=" + number_text(value));
     Simulation simulation(scene_.with(settings));
     if (parameters_.empty()) {
         const std::string bytes = read_file(resources_ + "/state.bin");
@@ -67,9 +63,11 @@ void Instance::reset() {
     ready_ = false;
 }
 
+double Instance::number(const std::string& key) const { return engine::number_of(scene_.value(key)).value(); }
+
 double Instance::parameter(const std::string& key) const {
     const auto changed = parameters_.find(key);
-    return changed != parameters_.end() ? changed->second : std::strtod(scene_.value(key).c_str(), nullptr);
+    return changed != parameters_.end() ? changed->second : number(key);
 }
 
 void Instance::get(std::uint32_t reference, std::vector<double>& values) {
@@ -89,7 +87,7 @@ void Instance::set(std::uint32_t reference, double value) {
     if (row.kind != VariableKind::parameter) throw Error(ErrorCode::argument, row.name + ": cannot be set");
     if (value == parameter(row.name)) return;
     if (ready_) throw Error(ErrorCode::argument, row.name + ": a parameter is set before the initialisation ends");
-    static_cast<void>(scene_.with(row.name + "=" + text_of(value)));  // the range
+    static_cast<void>(scene_.with(row.name + "=" + number_text(value)));  // the range
     parameters_[row.name] = value;
     if (simulation_) simulation_.reset();
 }
@@ -97,11 +95,12 @@ void Instance::set(std::uint32_t reference, double value) {
 double Instance::step(double begin, double length, const Intermediate& intermediate) {
     if (!ready_) throw Error(ErrorCode::argument, "a step before the initialisation has ended");
     if (!(length >= 0.0) || !(std::abs(begin - now_) <= 1e-9 * std::max(1.0, std::abs(now_))))
-        throw Error(ErrorCode::argument, "a step from " + text_of(begin) + " s of " + text_of(length) + " s after " + text_of(now_) + " s");
+        throw Error(ErrorCode::argument,
+                    "a step from " + number_text(begin) + " s of " + number_text(length) + " s after " + number_text(now_) + " s");
     const double end = begin + length;
     Simulation& inside = simulation();
     if (intermediate) {
-        const double interval = std::strtod(scene_.value("run.output_interval").c_str(), nullptr);
+        const double interval = number("run.output_interval");
         inside.on_output(interval, [&](Simulation& there) {
             if (there.time() + start_ < end && intermediate(there.time() + start_)) throw Enough{};
         });

@@ -57,6 +57,7 @@ private:
     [[nodiscard]] const Variable& variable(std::uint32_t reference) const;
     [[nodiscard]] Simulation& simulation();
     [[nodiscard]] Simulation made() const;
+    [[nodiscard]] double number(const std::string& key) const;  ///< of the scene
     [[nodiscard]] double parameter(const std::string& key) const;
 
     std::string resources_;

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <locale>
 #include <sstream>
 
 namespace cvtflow::fmi {
@@ -24,6 +25,7 @@ Variables read_variables(const std::string& path) {
     std::istringstream lines(read_file(path));
     for (std::string line; std::getline(lines, line);) {
         std::istringstream words(line);
+        words.imbue(std::locale::classic());
         std::uint32_t reference = 0;
         std::string kind;
         Variable variable;

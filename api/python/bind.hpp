@@ -29,8 +29,8 @@ struct Stepper {
     Simulation simulation;
     Threads threads;
     int segments;
-    double interval = std::stod(simulation.scene().value("run.output_interval"));  ///< [s]
-    double pace = 0.0;                                                             ///< simulated over wall time; 0: not known yet
+    double interval = quantity(simulation.scene().value("run.output_interval") + " s", "s");  ///< [s]
+    double pace = 0.0;  ///< simulated over wall time; 0: not known yet
 };
 
 /// A Python callable that C++ may copy and drop on any thread, with or without the lock.

@@ -1,8 +1,8 @@
 #include "api/simulation/simulation_impl.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 #include "api/host/translate.hpp"
@@ -131,9 +131,10 @@ std::string Simulation::Impl::advice(tasks::FaultKind kind) const {
                                                       simulation_.phases().data())
                               .step;
     if (!(stable > 0.0 && std::isfinite(stable))) return "";
-    char text[64];
-    std::snprintf(text, sizeof text, " up to about %.2g s here", stable);
-    return "; " + simulation_.method_name() + " is stable for steps" + text;
+    char digits[64];
+    char* const end = std::to_chars(digits, digits + sizeof digits, stable, std::chars_format::general, 2).ptr;
+    return "; " + simulation_.method_name() + " is stable for steps up to about " +
+           std::string(digits, static_cast<std::size_t>(end - digits)) + " s here";
 }
 
 void Simulation::Impl::advance(Simulation& self, double until, long steps) {

@@ -1,5 +1,7 @@
 #include "engine/method/stage_plan.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -55,8 +57,7 @@ private:
         check_written(slopes_, slopes, "slope");
         double sum = 0.0;
         for (const Term& term : states) sum += term.factor;
-        if (!(std::abs(sum - expected) <= 1e-12))
-            fail("state factors sum to " + std::to_string(sum) + " instead of " + std::to_string(expected));
+        if (!(std::abs(sum - expected) <= 1e-12)) fail(fmt::format("state factors sum to {:.6f} instead of {:.6f}", sum, expected));
     }
 
     void check_written(const std::vector<bool>& written, const std::vector<Term>& terms, const std::string& kind) const {

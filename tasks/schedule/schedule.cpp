@@ -7,6 +7,7 @@
 #include <fstream>
 #include <limits>
 
+#include "engine/base/number.hpp"
 #include "engine/executor/catalogue.hpp"
 #include "engine/executor/runtimes.hpp"
 
@@ -19,10 +20,10 @@ namespace {
     int least = std::numeric_limits<int>::max();
     for (group = group.relative_path();; group = group.parent_path()) {
         std::ifstream file(root / group / "cpu.max");
-        std::string quota;
-        double period = 0.0;
-        if (file >> quota >> period && quota != "max" && period > 0.0)
-            least = std::min(least, std::max(1, static_cast<int>(std::strtod(quota.c_str(), nullptr) / period)));
+        std::string quota, period;
+        file >> quota >> period;
+        const auto granted = engine::number_of(quota), of = engine::number_of(period);  // none: "max"
+        if (granted && of && *of > 0.0) least = std::min(least, std::max(1, static_cast<int>(*granted / *of)));
         if (group.empty()) return least;
     }
 }

@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <cstdlib>
 #include <sstream>
 
 #include "engine/base/hash.hpp"
 #include "engine/base/input_file.hpp"
+#include "engine/base/number.hpp"
 #include "engine/base/provenance.hpp"
 #include "engine/record/run/output_rule.hpp"
 #include "engine/record/run/schema.hpp"
@@ -117,14 +117,15 @@ std::optional<KeptTuning> read_tuning(const fs::path& folder, const std::string&
         std::getline(lines, line);
         return line.starts_with(fmt::format("{} ", name)) ? line.substr(name.size() + 1) : std::string();
     };
+    const auto number = [&](std::string_view name) { return engine::number_of(value(name)).value_or(0.0); };
     std::string format;
     std::getline(lines, format);
     static_cast<void>(value("key"));
     kept.choice.detail = value("detail");
     kept.choice.method = value("method");
-    kept.choice.share = std::strtod(value("share").c_str(), nullptr);
-    kept.step = std::strtod(value("step").c_str(), nullptr);
-    kept.error = std::strtod(value("error").c_str(), nullptr);
+    kept.choice.share = number("share");
+    kept.step = number("step");
+    kept.error = number("error");
     if (text != sealed(content_of(key, kept))) return std::nullopt;
     return kept;
 }

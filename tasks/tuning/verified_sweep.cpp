@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <set>
 
 #include "engine/base/hash.hpp"
+#include "engine/base/number.hpp"
 #include "engine/record/table/case_table.hpp"
 #include "tasks/batch/results/ordered_rows.hpp"
 #include "tasks/batch/results/results.hpp"
@@ -161,7 +161,7 @@ SweepVerdict sweep_verdict(const std::string& file) {
     OrderedRows rows(file);
     const engine::CaseTable& head = rows.head();
     SweepVerdict verdict;
-    verdict.target = std::strtod(head.attribute(target_attribute).c_str(), nullptr);
+    verdict.target = engine::number_of(head.attribute(target_attribute)).value_or(0.0);
     std::vector<std::size_t> columns;
     for (const engine::CaseColumn& column : head.layout.columns()) {
         if (!column.name.starts_with(error_prefix)) continue;

@@ -2,7 +2,7 @@
 
        fmu_steps LIBRARY RESOURCES VERSION STEPS LENGTH INPUT VALUE REFERENCE...      RESOURCES: path (3.0) or URI (2.0); LENGTH [s]
 
-   Half-way through the input with reference INPUT becomes VALUE. */
+   Half-way through the input with reference INPUT becomes VALUE. On Linux the locale is that of the environment. */
 
 #include <inttypes.h>
 #include <stdbool.h>
@@ -16,6 +16,7 @@ static void* opened(const char* path) { return (void*)LoadLibraryA(path); }
 static void* symbol(void* library, const char* name) { return (void*)GetProcAddress((HMODULE)library, name); }
 #else
 #include <dlfcn.h>
+#include <locale.h>
 static void* opened(const char* path) { return dlopen(path, RTLD_NOW); }
 static void* symbol(void* library, const char* name) { return dlsym(library, name); }
 #endif
@@ -99,6 +100,9 @@ static void step(void* c, double time, double length) {
 
 int main(int count, char** words) {
     if (count < 9) return 2;
+#ifndef _WIN32
+    setlocale(LC_ALL, "");
+#endif
     library = opened(words[1]);
     if (!library) return fprintf(stderr, "%s: cannot be loaded\n", words[1]), 3;
     version = atoi(words[3]);

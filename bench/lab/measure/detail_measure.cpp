@@ -5,12 +5,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <utility>
+#include <variant>
 
 #include "bench/lab/text/watch_text.hpp"
 #include "model/observe/observation.hpp"
 #include "tasks/run/simulation.hpp"
+#include "tasks/scene/toml/units.hpp"
 #include "tasks/tuning/detail_state.hpp"
 #include "tasks/tuning/output.hpp"
 #include "tools/program/arguments/scene_arguments.hpp"
@@ -222,7 +223,8 @@ DetailOutcome DetailMeasure::measure(const DetailVariant& variant, double target
 
 /// Mean over the last fifth of the time that ratio control has; gains as in scene `control`.
 void DetailMeasure::find_thrust(const DetailVariant& variant, double target, DetailOutcome& outcome) const {
-    if (std::strtod(arguments_.control.c_str(), nullptr) == 0.0) return;
+    const auto time = tasks::parse_quantity(arguments_.control);
+    if (const auto* length = std::get_if<tasks::Quantity>(&time); length != nullptr && length->number == 0.0) return;
     tasks::Scene scene = scene_of(
         arguments_, scene_, variant, arguments_.control,
         {"control.enabled=true", fmt::format("control.ratio={:.6f}", target), "control.proportional=1 MN", "control.integral=5e7 N/s"});

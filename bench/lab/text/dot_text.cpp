@@ -1,6 +1,6 @@
 #include "bench/lab/text/dot_text.hpp"
 
-#include <sstream>
+#include <fmt/format.h>
 
 namespace cvtflow::bench {
 
@@ -18,18 +18,16 @@ std::string quoted(const std::string& text) {
 }  // namespace
 
 std::string to_dot(const engine::TaskGraph& graph, int cycle) {
-    std::ostringstream text;
-    text << "digraph cycle_" << cycle << " {\n    rankdir=LR;\n    node [shape=box];\n";
+    std::string text = fmt::format("digraph cycle_{} {{\n    rankdir=LR;\n    node [shape=box];\n", cycle);
     for (int level = 0; level < graph.levels(cycle); ++level) {
-        text << "    { rank=same;";
-        for (const int task : graph.level(cycle, level)) text << " t" << task << " [label=" << quoted(graph.task(task).name) << "];";
-        text << " }\n";
+        text += "    { rank=same;";
+        for (const int task : graph.level(cycle, level)) text += fmt::format(" t{} [label={}];", task, quoted(graph.task(task).name));
+        text += " }\n";
     }
     for (const int task : graph.topological(cycle)) {
-        for (const int after : graph.successors(task)) text << "    t" << task << " -> t" << after << ";\n";
+        for (const int after : graph.successors(task)) text += fmt::format("    t{} -> t{};\n", task, after);
     }
-    text << "}\n";
-    return text.str();
+    return text + "}\n";
 }
 
 }  // namespace cvtflow::bench

@@ -14,7 +14,9 @@
 #include <filesystem>
 #include <fstream>
 #include <new>
+#include <string>
 
+#include "engine/base/number.hpp"
 #include "engine/record/hdf5/hdf5_attribute.hpp"
 #include "engine/record/hdf5/hdf5_series.hpp"
 
@@ -42,9 +44,9 @@ void limit(decltype(RLIMIT_AS) what, rlim_t most) noexcept {
 void limit_child() {
     constexpr rlim_t gibibyte = rlim_t{1} << 30U;
     std::ifstream sizes("/proc/self/statm");
-    rlim_t pages = 0;
+    std::string pages;
     sizes >> pages;
-    limit(RLIMIT_AS, pages * static_cast<rlim_t>(sysconf(_SC_PAGESIZE)) + gibibyte);
+    limit(RLIMIT_AS, static_cast<rlim_t>(number_of(pages).value_or(0.0)) * static_cast<rlim_t>(sysconf(_SC_PAGESIZE)) + gibibyte);
     limit(RLIMIT_CORE, 0);
     for (const int signal : {SIGALRM, SIGPROF, SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGTERM}) std::signal(signal, SIG_DFL);
     const itimerval of_processor{{0, 0}, {1, 0}};

@@ -1,9 +1,9 @@
 #include "tasks/scene/csv/csv_text.hpp"
 
-#include <charconv>
 #include <utility>
 
 #include "engine/base/error_text.hpp"
+#include "engine/base/number.hpp"
 
 namespace cvtflow::tasks {
 
@@ -54,9 +54,7 @@ std::vector<std::vector<std::string>> csv_lines(std::string_view text, char sepa
 }
 
 std::string csv_cell(std::string_view text, bool is_text, bool quoted) {
-    double number = 0.0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    const bool is_number = error == std::errc() && end == text.data() + text.size();
+    const bool is_number = engine::number_of(text).has_value();
     std::string cell =
         is_text && !is_number && !text.empty() && std::string_view("=+-@\t").find(text.front()) != std::string_view::npos ? "'" : "";
     cell += engine::visible(text);

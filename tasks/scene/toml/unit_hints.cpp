@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cstdlib>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "engine/base/number.hpp"
 #include "engine/base/spelling.hpp"
 #include "tasks/scene/toml/units.hpp"
 
@@ -86,7 +86,7 @@ std::string with_power(std::string_view symbol, const std::vector<std::string>& 
 }
 
 /// With six digits at most.
-std::string short_text(double value) { return number_text(std::strtod(fmt::format("{:.6g}", value).c_str(), nullptr)); }
+std::string short_text(double value) { return number_text(engine::number_of(fmt::format("{:.6g}", value)).value_or(value)); }
 
 }  // namespace
 

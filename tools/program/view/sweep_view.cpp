@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 
 #include "engine/base/input_file.hpp"
+#include "engine/base/number.hpp"
 #include "engine/base/spelling.hpp"
 #include "tasks/batch/results/results.hpp"
 #include "tasks/scene/csv/csv_text.hpp"
@@ -33,11 +33,7 @@ const tasks::Parameter* key_of(const std::string& column) {
     return nullptr;
 }
 
-double as_number(const std::string& cell) {
-    double value = NAN;
-    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-    return error == std::errc() && end == cell.data() + cell.size() ? value : NAN;
-}
+double as_number(const std::string& cell) { return engine::number_of(cell).value_or(NAN); }
 
 SweepView from_csv(const std::string& path) {
     std::string text;

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <iterator>
 #include <span>
 #include <string_view>
 
+#include "engine/base/number.hpp"
 #include "engine/base/spelling.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/toml/units.hpp"
@@ -156,7 +156,7 @@ std::vector<FmuVariable> parameters(const Scene& scene, const Names& wanted) {
     for (const std::string& key : chosen("--parameters", wanted, keys, keys, usual_parameters)) {
         const tasks::Parameter& row = *tasks::find_parameter(key);
         rows.push_back(
-            {0, "parameter", key, std::string(row.unit), std::string(row.meaning), 1, std::strtod(scene.value(key).c_str(), nullptr), key});
+            {0, "parameter", key, std::string(row.unit), std::string(row.meaning), 1, engine::number_of(scene.value(key)).value(), key});
         add_range(rows.back(), row);
     }
     return rows;
