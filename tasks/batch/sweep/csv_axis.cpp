@@ -96,7 +96,12 @@ Axis read_csv_axis(const std::filesystem::path& file, const std::vector<CsvColum
         return {};
     }
     try {
-        std::istringstream text(engine::read_text_input(file.string(), longest_csv));
+        const std::string content = engine::read_text_input(file.string(), longest_csv);
+        if (const auto doubtful = doubtful_number(content)) {
+            problems.push_back({position, fmt::format("axes.csv: {}:{}: {}", file.filename().string(), doubtful->line, doubtful->problem)});
+            return {};
+        }
+        std::istringstream text(content);
         for (std::string line; std::getline(text, line);) reader.line(line);
     } catch (const engine::InputError& error) {
         problems.push_back({position, fmt::format("axes.csv: {} cannot be read: {}", toml_text(file.string()), error.what())});

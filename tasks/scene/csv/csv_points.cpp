@@ -55,7 +55,9 @@ public:
         const std::filesystem::path path = folder / file_;
         if (!std::filesystem::exists(path, unknown)) return problem(fmt::format("no file {}", toml_text(file_))), Node{points, {}};
         try {
-            std::istringstream text(engine::read_text_input(path.string(), longest_csv));
+            const std::string content = engine::read_text_input(path.string(), longest_csv);
+            if (const auto doubtful = doubtful_number(content)) problem(fmt::format("{}:{}: {}", file_, doubtful->line, doubtful->problem));
+            std::istringstream text(content);
             for (std::string line; std::getline(text, line) && good_;) {
                 ++line_;
                 if (is_blank(line)) continue;

@@ -42,6 +42,13 @@ TEST_F(CsvPoints, AreColumnsByTheirNamesWithUnitsOfTheHeadingOrTheCells) {
     EXPECT_EQ(load(R"({csv = "cells.csv"})"), expected);
 }
 
+TEST_F(CsvPoints, AreRefusedWhereACommaMayBeOfThousands) {
+    write("drive.csv", "t;M\n0;12,000\n1;13,500\n");
+    EXPECT_EQ(problem(R"({csv = "drive.csv"})").substr(0, 58), "load.torque: drive.csv:2: \"12,000\" can be 12 or 12000: wri");
+    write("drive.csv", "t;M\n0,000;12,000\n1,000;13,500\n");
+    EXPECT_EQ(load(R"({csv = "drive.csv"})"), model::TimeTable({0.0, 1.0}, {12.0, 13.5}));
+}
+
 TEST_F(CsvPoints, CountFromTheScenesFolderAndForASettingFromTheWorkingOne) {
     write("drive.csv", "t,M\n0,1\n1,2\n");
     Scene scene = parse_scene("", folder_ / "scene.toml");

@@ -42,6 +42,8 @@ SweepView from_csv(const std::string& path) {
     } catch (const engine::InputError& error) {
         throw engine::RecordError(path + ": " + error.what());
     }
+    if (const auto doubtful = tasks::doubtful_number(text))
+        throw engine::RecordError(fmt::format("{}:{}: {}", path, doubtful->line, doubtful->problem));
     auto lines = tasks::csv_lines(text, tasks::csv_separator(text.substr(0, text.find('\n'))));
     std::erase_if(lines, [](const auto& cells) { return cells.size() == 1 && cells[0].empty(); });
     if (lines.size() < 2 || std::find(lines[0].begin(), lines[0].end(), "status") == lines[0].end())
