@@ -14,7 +14,7 @@ namespace {
 
 /// Calls that follow the locale of C or C++.
 const std::regex locale_calls(R"(\b(strto(d|f|ld)|atof|sto(d|f|ld)|[a-z]*printf|[a-z]*scanf|setlocale|localeconv)\b ?\()"
-                       R"(|\b(basic_)?o?stringstream\b|\bstd::locale\(|\blocale::global\b|\bput_time\b)");
+                              R"(|\b(basic_)?o?stringstream\b|\bstd::locale\(|\blocale::global\b|\bput_time\b)");
 const std::regex stream(R"(\b(std::)?(ifstream|istringstream|istream)\b)"), extraction(R"([\w)] >> [a-z]\w*)"), grouped(R"(\{:[^{}"]*L\})");
 
 /// Who may, and why.
@@ -50,7 +50,8 @@ TEST(NumberText, FollowsNoLocale) {
         const std::string found = localised(file.text);
         if (found.empty()) continue;
         used.insert(file.path);
-        EXPECT_TRUE(locale_exempt.contains(file.path)) << file.path << ": '" << found << "' follows the locale: use engine::number_of and fmt";
+        EXPECT_TRUE(locale_exempt.contains(file.path))
+            << file.path << ": '" << found << "' follows the locale: use engine::number_of and fmt";
     }
     for (const auto& [path, reason] : locale_exempt) EXPECT_TRUE(used.contains(path)) << path << " is exempt and need not be: " << reason;
 }

@@ -6,6 +6,8 @@
 #include "tasks/scene/csv/csv_text.hpp"
 #include "tasks/tuning/tuned_scene.hpp"
 #include "tests/tools/batch_fixture.hpp"
+#include "tools/program/report/tune_report.hpp"
+#include "tools/program/text/report_columns.hpp"
 
 namespace cvtflow::tools {
 namespace {
@@ -83,7 +85,21 @@ TEST(CsvCell, IsNoFormulaAndReadsBack) {
     EXPECT_EQ(tasks::csv_cell("-x", false), "-x");
     EXPECT_EQ(tasks::csv_cell("a,\"b\"", true), "\"a,\"\"b\"\"\"");
     EXPECT_EQ(tasks::csv_cell("\x1b[31m", true), "\\x1b[31m");
+    EXPECT_EQ(tasks::csv_cell("a;=1+1 [m]", true), "\"a;=1+1 [m]\"");  // spreadsheets of other countries split there
     EXPECT_EQ(tasks::csv_lines(tasks::csv_cell("a,\"b\"\nc", true)).front(), std::vector<std::string>{"a,\"b\"\nc"});
+}
+
+/// Reports of tune and of the laboratory, too.
+TEST(CsvCell, IsWrittenAlikeByReports) {
+    EXPECT_EQ(csv_cell(nlohmann::ordered_json("requires detail.pins = \"halves\"")), "\"requires detail.pins = \"\"halves\"\"\"");
+    EXPECT_EQ(csv_cell(nlohmann::ordered_json("=1+1")), "'=1+1");
+    EXPECT_EQ(csv_cell(nlohmann::ordered_json(-1.5)), "-1.5");
+    tasks::TuneResult result;
+    result.outputs = {"slip"};
+    result.choices.resize(1);
+    result.choices[0].standing = "requires detail.pins = \"halves\"";
+    result.choices[0].worst = "=1+1";
+    EXPECT_THAT(tune_csv(result), HasSubstr(",\"'=1+1\",0,\"requires detail.pins = \"\"halves\"\"\"\n"));
 }
 
 TEST(Visible, SpellsOutWhatATerminalWouldObey) {

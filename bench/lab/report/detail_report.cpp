@@ -7,6 +7,7 @@
 
 #include "bench/lab/text/watch_text.hpp"
 #include "tasks/method/method_choice.hpp"
+#include "tasks/scene/csv/csv_text.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output/interrupt.hpp"
 #include "tools/program/plot/plot.hpp"
@@ -66,7 +67,7 @@ std::string csv_of(const std::vector<DetailOutcome>& outcomes) {
     text += watch_heading + std::string("\n");
     for (const DetailOutcome& o : outcomes) {
         if (!o.fault.empty()) {
-            text += fmt::format("{},{},,,,,,,,,,{},,,,,,\n", dials_csv(o), o.coordinates, o.status);
+            text += fmt::format("{},{},,,,,,,,,,{},,,,,,\n", dials_csv(o), o.coordinates, tasks::csv_cell(o.status, true));
             continue;
         }
         text += fmt::format("{},{},{:.4g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.4g},{},{:.3g},{}\n", dials_csv(o), o.coordinates, o.cost,

@@ -8,6 +8,7 @@
 #include "bench/study/profile/report.hpp"
 #include "engine/base/provenance.hpp"
 #include "engine/executor/runtimes.hpp"
+#include "tasks/scene/csv/csv_text.hpp"
 #include "tools/program/text/provenance_json.hpp"
 #include "tools/program/text/text.hpp"
 
@@ -39,7 +40,7 @@ std::string conditions(const Granularity& result) {
 /// Colours repeat after eight.
 Line line_of_curve(std::size_t series) { return series < 8 ? Line::solid : Line::dashed; }
 
-std::string in_quotes(const std::string& text) { return "\"" + text + "\""; }  // no quotes inside: versions and names
+std::string in_quotes(const std::string& text) { return tasks::csv_cell(text, true, true); }
 
 }  // namespace
 

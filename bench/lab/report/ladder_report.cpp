@@ -7,6 +7,7 @@
 #include <map>
 
 #include "bench/lab/text/watch_text.hpp"
+#include "tasks/scene/csv/csv_text.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output/interrupt.hpp"
 #include "tools/program/plot/plot.hpp"
@@ -103,9 +104,9 @@ void print_summary(const std::vector<Ladder>& ladders) {
 }
 
 std::string csv_row(const Ladder& ladder, const DetailOutcome& o, double seconds, double spread) {
-    std::string row = fmt::format("{},{},{:g},{},{:.4g},{:.4g},{:.2g},", ladder.point.name, o.variant.preset, o.variant.share,
-                                  o.coordinates, o.step, seconds, spread);
-    if (!o.fault.empty()) return row + fmt::format(",,,,,,,,,{},,,,,,\n", o.status);
+    std::string row = fmt::format("{},{},{:g},{},{:.4g},{:.4g},{:.2g},", tasks::csv_cell(ladder.point.name, true), o.variant.preset,
+                                  o.variant.share, o.coordinates, o.step, seconds, spread);
+    if (!o.fault.empty()) return row + fmt::format(",,,,,,,,,{},,,,,,\n", tasks::csv_cell(o.status, true));
     return row + fmt::format("{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.4g},{},{:.3g},{}\n", o.tight, o.slack, o.tip, o.slip,
                              o.efficiency, o.ratio, o.shift, o.thrust == 0.0 ? "" : fmt::format("{:.6g}", o.thrust), o.drift,
                              watch_csv({}, o.watch));

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "tasks/scene/csv/csv_text.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::bench {
@@ -32,7 +33,7 @@ std::string pin_csv(const std::vector<ComparedChoice>& choices, const Trajectory
     std::vector<std::vector<double>> columns{reference.pin_axial(setting.pin->pin, 0)};
     for (const ComparedChoice& choice : choices) {
         if (choice.run.fault) continue;
-        text += "," + choice.choice;
+        text += "," + tasks::csv_cell(choice.choice, true);
         columns.push_back(choice.run.pin_axial(setting.pin->pin, 0));
     }
     text += "\n";

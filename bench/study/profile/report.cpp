@@ -10,6 +10,7 @@
 #include "engine/base/hash.hpp"
 #include "engine/base/provenance.hpp"
 #include "engine/executor/runtimes.hpp"
+#include "tasks/scene/csv/csv_text.hpp"
 
 namespace cvtflow::bench {
 
@@ -19,12 +20,7 @@ using nlohmann::ordered_json;
 
 namespace {
 
-/// As CSV wants it: quotes doubled.
-std::string quoted(const std::string& text) {
-    std::string result = "\"";
-    for (const char c : text) result += c == '"' ? std::string("\"\"") : std::string(1, c);
-    return result + "\"";
-}
+std::string quoted(const std::string& text) { return tasks::csv_cell(text, true, true); }
 
 std::string_view wait_name(engine::Wait wait) {
     return wait == engine::Wait::spin ? "spin" : wait == engine::Wait::passive ? "passive" : "balanced";

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "tasks/scene/csv/csv_text.hpp"
 #include "tools/program/plot/plot.hpp"
 #include "tools/program/text/provenance_json.hpp"
 #include "tools/program/text/text.hpp"
@@ -70,15 +71,16 @@ std::string tune_text(const tasks::TuneResult& result) {
 }
 
 std::string tune_csv(const tasks::TuneResult& result) {
+    const auto quoted = [](const std::string& cell) { return tasks::csv_cell(cell, true, true); };
     std::string text = "detail,method,share,step_s,seconds_per_second,spread,work_per_second";
-    for (const std::string& output : result.outputs) text += fmt::format(",\"error {}\"", output);
+    for (const std::string& output : result.outputs) text += "," + quoted("error " + output);
     text += ",worst,front,standing\n";
     for (const tasks::TunedChoice& c : result.choices) {
         text += fmt::format("{},{},{:g},{:.6g},{:.6g},{:.3g},{:.6g}", c.choice.detail, c.choice.method, c.choice.share, c.step, c.seconds,
                             c.spread, c.work);
         for (std::size_t i = 0; i < result.outputs.size(); ++i)
             text += c.tried && std::isfinite(c.errors[i]) ? fmt::format(",{:.6g}", c.errors[i]) : ",";
-        text += fmt::format(",\"{}\",{},\"{}\"\n", c.worst, c.front ? 1 : 0, c.standing);
+        text += fmt::format(",{},{},{}\n", quoted(c.worst), c.front ? 1 : 0, quoted(c.standing));
     }
     return text;
 }

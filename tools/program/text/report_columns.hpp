@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "tasks/scene/csv/csv_text.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::tools {
@@ -22,14 +23,13 @@ struct ReportColumn {
     Align align = Align::right;
 };
 
-/// "" for null and numbers that are not finite, 1 or 0 for truth values, nine digits; texts with a comma are quoted.
+/// "" for null and numbers that are not finite, 1 or 0 for truth values, nine digits; texts as tasks::csv_cell writes them.
 [[nodiscard]] inline std::string csv_cell(const nlohmann::ordered_json& value) {
     if (value.is_boolean()) return value.get<bool>() ? "1" : "0";
     if (value.is_number_float()) return std::isfinite(value.get<double>()) ? fmt::format("{:.9g}", value.get<double>()) : "";
     if (value.is_null()) return "";
     if (!value.is_string()) return value.dump();
-    const auto text = value.get<std::string>();
-    return text.find(',') == std::string::npos ? text : '"' + text + '"';
+    return tasks::csv_cell(value.get<std::string>(), true);
 }
 
 template <class Row>
