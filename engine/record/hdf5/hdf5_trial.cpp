@@ -48,10 +48,9 @@ void limit_child() {
     sizes >> pages;
     limit(RLIMIT_AS, static_cast<rlim_t>(number_of(pages).value_or(0.0)) * static_cast<rlim_t>(sysconf(_SC_PAGESIZE)) + gibibyte);
     limit(RLIMIT_CORE, 0);
-    for (const int signal : {SIGALRM, SIGPROF, SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGTERM}) std::signal(signal, SIG_DFL);
+    for (const int signal : {SIGPROF, SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGTERM}) std::signal(signal, SIG_DFL);
     const itimerval of_processor{{0, 0}, {1, 0}};
     setitimer(ITIMER_PROF, &of_processor, nullptr);
-    alarm(5);
     prctl(PR_SET_PDEATHSIG, SIGKILL);
 }
 
@@ -140,8 +139,7 @@ void inspect_in_child(const std::function<void()>& inspect) {
     close(ends[0]);
     if (child < 0) return;  // no process available: as in a host
     if (WIFSIGNALED(status)) {
-        const bool late = WTERMSIG(status) == SIGALRM || WTERMSIG(status) == SIGPROF;
-        throw Failure(late ? "HDF5 takes too long" : "HDF5 crashes on it");
+        throw Failure(WTERMSIG(status) == SIGPROF ? "HDF5 takes too long" : "HDF5 crashes on it");
     }
     if (WEXITSTATUS(status) == has_a_message) throw Failure(said);
     if (WEXITSTATUS(status) == out_of_memory) throw Failure("HDF5 needs more than 1 GiB for it");

@@ -53,6 +53,11 @@ TEST_F(Hdf5TrialTest, TellsWhatBecameOfTheChild) {
     EXPECT_GE(std::chrono::steady_clock::now() - begun, std::chrono::milliseconds(990));  // of processor time
 }
 
+/// A storage that stalls: the limit was 5 s, and the file was called damaged.
+TEST_F(Hdf5TrialTest, WaitsForAStorageThatStalls) {
+    EXPECT_EQ(verdicts(path("out"), {[] { std::this_thread::sleep_for(std::chrono::milliseconds(5500)); }}), "survived; ");
+}
+
 TEST_F(Hdf5TrialTest, IsNotHeldBesideOtherThreads) {
     EXPECT_EQ(verdicts(path("out"), {[] { std::raise(SIGSEGV); }}, true), "survived; ");
 }
