@@ -109,8 +109,8 @@ std::string fmu_bytes(const FmuArguments& arguments, const std::vector<FmuSystem
     const std::string table = variables_text(variables);
     const std::string token = fmt::format(
         "{{{:016x}}}", engine::Hash().add(std::string_view(text)).add(std::string_view(state_bytes)).add(std::string_view(table)).value());
-    const FmuFacts facts{wanted.name,      identifier_of(wanted.name), token, wanted.description, arguments.author, generation_date(),
-                         wanted.run.until, wanted.run.output_interval};
+    const FmuFacts facts{wanted.name,      identifier_of(wanted.name), token,           wanted.description,
+                         arguments.author, generation_date(),          wanted.run.until};
     std::vector<ZipPart> files{
         {"modelDescription.xml", third ? model_description_3(facts, variables) : model_description_2(facts, variables)}};
     for (const FmuSystem& system : systems)

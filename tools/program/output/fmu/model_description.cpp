@@ -65,11 +65,14 @@ std::string head(const FmuFacts& facts, const char* version, const char* token) 
         attribute("author", facts.author), attribute("generationDateAndTime", facts.date));
 }
 
+/// Of the default experiment, which importers take unasked: long enough for a call to cost little beside the steps that it takes. [s]
+double communication_step(double until) { return until >= 0.05 ? 1e-3 : std::min(1e-4, until); }
+
 std::string middle(const FmuFacts& facts, const std::vector<FmuVariable>& variables) {
     std::string text = unit_definitions(variables) + "  <LogCategories>\n";
     for (const char* category : {"logStatusError", "logStatusWarning"}) text += fmt::format("    <Category name=\"{}\"/>\n", category);
     return text + fmt::format("  </LogCategories>\n  <DefaultExperiment startTime=\"0\" stopTime=\"{}\" stepSize=\"{}\"/>\n",
-                              number(facts.until), number(facts.step));
+                              number(facts.until), number(communication_step(facts.until)));
 }
 
 /// Attributes that both versions give a variable.

@@ -9,13 +9,13 @@
 namespace cvtflow::tools {
 
 struct FmuFacts {
-    std::string name;                ///< of the scene
-    std::string identifier;          ///< of the library inside: a name in C
-    std::string token;               ///< that tells this FMU from others
-    std::string description;         ///< one line
-    std::string author;              ///< empty: not stated
-    std::string date;                ///< of generation, UTC, ISO 8601; empty: unknown
-    double until = 0.0, step = 0.0;  ///< of the default experiment [s]
+    std::string name;         ///< of the scene
+    std::string identifier;   ///< of the library inside: a name in C
+    std::string token;        ///< that tells this FMU from others
+    std::string description;  ///< one line
+    std::string author;       ///< empty: not stated
+    std::string date;         ///< of generation, UTC, ISO 8601; empty: unknown
+    double until = 0.0;       ///< of the default experiment [s]
 };
 
 [[nodiscard]] std::string model_description_2(const FmuFacts& facts, const std::vector<FmuVariable>& variables);
