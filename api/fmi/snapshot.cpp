@@ -1,12 +1,13 @@
 #include <cstring>
 
 #include "api/fmi/instance.hpp"
+#include "engine/base/hash.hpp"
 
 namespace cvtflow::fmi {
 
 namespace {
 
-constexpr std::string_view magic = "CVTFMU01";
+constexpr std::string_view magic = "CVTFMU02";
 
 class Bytes {
 public:
@@ -49,6 +50,7 @@ std::vector<std::byte> Snapshot::bytes() const {
         for (const char letter : key) add(bytes, letter);
         add(bytes, value);
     }
+    add(bytes, engine::Hash().add(std::span<const std::byte>(bytes)).value());  // the state has its own
     bytes.insert(bytes.end(), state.bytes().begin(), state.bytes().end());
     return bytes;
 }
@@ -66,6 +68,8 @@ Snapshot Snapshot::from_bytes(std::span<const std::byte> bytes) {
         const std::string key(reinterpret_cast<const char*>(letters.data()), letters.size());
         made.parameters[key] = rest.value<double>();
     }
+    const std::uint64_t header = engine::Hash().add(bytes.first(bytes.size() - rest.rest().size())).value();
+    if (rest.value<std::uint64_t>() != header) throw Error(ErrorCode::state, "saved state of an FMU: it is damaged");
     made.state = State::from_bytes(rest.rest());
     return made;
 }
