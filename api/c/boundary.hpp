@@ -7,6 +7,8 @@
 #include <cvtflow/simulation.hpp>
 #include <vector>
 
+#include "api/host/given.hpp"
+
 struct cvtflow_scene {
     cvtflow::Scene scene;
 };
@@ -41,13 +43,6 @@ cvtflow_code guarded(cvtflow_message* message, Action&& action) noexcept {
     } catch (...) {
         return say_exception(message);
     }
-}
-
-/// The object behind a pointer. @throws Error (argument) that names what is NULL
-template <class T>
-T& given(T* pointer, const char* name) {
-    if (pointer == nullptr) throw Error(ErrorCode::argument, std::string(name) + " is NULL");
-    return *pointer;
 }
 
 /// Copies a text and its 0 to where a caller has *size bytes; *size becomes what is needed. @throws Error (argument) if it does not fit

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "api/fmi/instance.hpp"
+#include "api/host/given.hpp"
 
 #ifdef _WIN32
 #define CVTFLOW_FMI extern "C" __declspec(dllexport)
@@ -20,7 +21,7 @@ enum FmiStatus : int { fmi_ok = 0, fmi_warning = 1, fmi_discard = 2, fmi_error =
 namespace cvtflow::fmi {
 
 /// State of an instance in the standard's state machine.
-enum class Stage { instantiated, initialising, stepping, terminated };
+enum class Stage { instantiated, initialising, stepping, in_step, terminated };
 
 /// What an importer holds: the instance and its way to the importer's log.
 struct Component {
@@ -29,6 +30,13 @@ struct Component {
     std::function<void(int status, const char* category, const char* message)> log;
     Instance instance;
     Stage stage = Stage::instantiated;
+    bool freed = false;  ///< by a callback of the step that has not ended
+
+    Component(std::string called, bool logs, std::string resources)
+        : name(std::move(called)), logging(logs), instance(std::move(resources)) {}
+    virtual ~Component() = default;
+    Component(const Component&) = delete;
+    Component& operator=(const Component&) = delete;
 
     void say(int status, const char* category, const std::string& message) const {
         if (logging && log) log(status, category, message.c_str());
@@ -48,6 +56,7 @@ struct Component {
         case Stage::instantiated: return "the initialisation has not begun";
         case Stage::initialising: return "the initialisation has not ended";
         case Stage::stepping: return "the initialisation has ended";
+        case Stage::in_step: return "a step has not ended";
         default: return "the simulation was terminated";
     }
 }
@@ -80,6 +89,32 @@ int staged(void* component, const char* function, Stage from, Stage to, Action&&
     });
 }
 
+/// A call that the standard allows in every stage, but not in a callback of a step.
+template <class Action>
+int between_steps(void* component, const char* function, Action&& action) noexcept {
+    return guarded(component, [&](Component& self) {
+        if (self.stage == Stage::in_step)
+            throw Error(ErrorCode::argument, std::string(function) + ": not allowed now: " + stage_text(self.stage));
+        action(self);
+    });
+}
+
+// Functions that both versions of the standard have, with arguments as the importer gives them, NULL included.
+
+/// In a callback of a step: at the end of that step.
+void free_instance(void* component) noexcept;
+int finish_initialisation(void* component) noexcept;
+int terminate(void* component) noexcept;
+int reset(void* component) noexcept;
+int get_values(void* component, const std::uint32_t* references, std::size_t count, double* values, std::size_t room) noexcept;
+int set_values(void* component, const std::uint32_t* references, std::size_t count, const double* values, std::size_t number) noexcept;
+int get_state(void* component, void** state) noexcept;
+int set_state(void* component, const void* state) noexcept;
+int free_state(void* component, void** state) noexcept;
+int state_size(void* component, const void* state, std::size_t* size) noexcept;
+int write_state(void* component, const void* state, void* bytes, std::size_t size) noexcept;
+int read_state(void* component, const void* bytes, std::size_t size, void** state) noexcept;
+int set_logging(void* component, bool on, std::size_t count, const char* const* categories) noexcept;
 /// For functions of the standard that this FMU does not offer.
 int not_offered(void* component, const char* function) noexcept;
 

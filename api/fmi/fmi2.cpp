@@ -4,13 +4,13 @@
 
 #include "api/fmi/fmi.hpp"
 
+namespace fmi = cvtflow::fmi;
 using cvtflow::Error;
 using cvtflow::ErrorCode;
+using cvtflow::api::given;
 using cvtflow::fmi::Component;
 using cvtflow::fmi::guarded;
-using cvtflow::fmi::Instance;
 using cvtflow::fmi::not_offered;
-using cvtflow::fmi::Snapshot;
 using cvtflow::fmi::Stage;
 using cvtflow::fmi::staged;
 
@@ -57,8 +57,8 @@ CVTFLOW_FMI void* fmi2Instantiate(const char* name, int type, const char*, const
     try {
         constexpr int co_simulation = 1;
         if (type != co_simulation) throw Error(ErrorCode::argument, "this FMU is for co-simulation");
-        auto component = std::make_unique<Component>(
-            Component{name != nullptr ? name : "", logging != 0, {}, Instance(path_of(resources)), Stage::instantiated});
+        auto component =
+            std::make_unique<Component>(name != nullptr ? name : "", logging != 0, path_of(&given(resources, "the location of resources")));
         log_with(*component, calls);
         return component.release();
     } catch (const std::exception& error) {
@@ -67,10 +67,10 @@ CVTFLOW_FMI void* fmi2Instantiate(const char* name, int type, const char*, const
     }
 }
 
-CVTFLOW_FMI void fmi2FreeInstance(void* c) { delete static_cast<Component*>(c); }
+CVTFLOW_FMI void fmi2FreeInstance(void* c) { fmi::free_instance(c); }
 
-CVTFLOW_FMI int fmi2SetDebugLogging(void* c, int on, size_t, const char* const[]) {
-    return guarded(c, [&](Component& self) { self.logging = on != 0; });
+CVTFLOW_FMI int fmi2SetDebugLogging(void* c, int on, size_t count, const char* const categories[]) {
+    return fmi::set_logging(c, on != 0, count, categories);
 }
 
 CVTFLOW_FMI int fmi2SetupExperiment(void* c, int, double, double start, int, double) {
@@ -82,38 +82,15 @@ CVTFLOW_FMI int fmi2EnterInitializationMode(void* c) {
     return staged(c, "fmi2EnterInitializationMode", Stage::instantiated, Stage::initialising, [](Component&) {});
 }
 
-CVTFLOW_FMI int fmi2ExitInitializationMode(void* c) {
-    return staged(c, "fmi2ExitInitializationMode", Stage::initialising, Stage::stepping, [](Component& self) {
-        self.instance.finish_initialisation();
-        for (const std::string& notice : self.instance.notices()) self.say(fmi_warning, "logStatusWarning", notice);
-    });
-}
-
-CVTFLOW_FMI int fmi2Terminate(void* c) {
-    return staged(c, "fmi2Terminate", Stage::stepping, Stage::terminated, [](Component& self) {
-        for (const std::string& notice : self.instance.notices()) self.say(fmi_warning, "logStatusWarning", notice);
-    });
-}
-
-CVTFLOW_FMI int fmi2Reset(void* c) {
-    return guarded(c, [](Component& self) {
-        self.instance.reset();
-        self.stage = Stage::instantiated;
-    });
-}
+CVTFLOW_FMI int fmi2ExitInitializationMode(void* c) { return fmi::finish_initialisation(c); }
+CVTFLOW_FMI int fmi2Terminate(void* c) { return fmi::terminate(c); }
+CVTFLOW_FMI int fmi2Reset(void* c) { return fmi::reset(c); }
 
 CVTFLOW_FMI int fmi2GetReal(void* c, const Reference references[], size_t count, double values[]) {
-    return guarded(c, [&](Component& self) {
-        std::vector<double> found;
-        for (size_t k = 0; k < count; ++k) self.instance.get(references[k], found);
-        std::copy(found.begin(), found.end(), values);
-    });
+    return fmi::get_values(c, references, count, values, count);
 }
-
 CVTFLOW_FMI int fmi2SetReal(void* c, const Reference references[], size_t count, const double values[]) {
-    return guarded(c, [&](Component& self) {
-        for (size_t k = 0; k < count; ++k) self.instance.set(references[k], values[k]);
-    });
+    return fmi::set_values(c, references, count, values, count);
 }
 
 CVTFLOW_FMI int fmi2DoStep(void* c, double begin, double length, int) {
@@ -121,45 +98,19 @@ CVTFLOW_FMI int fmi2DoStep(void* c, double begin, double length, int) {
                   [&](Component& self) { static_cast<void>(self.instance.step(begin, length, {})); });
 }
 
-CVTFLOW_FMI int fmi2GetFMUstate(void* c, void** state) {
-    return guarded(c, [&](Component& self) {
-        auto made = std::make_unique<Snapshot>(self.instance.snapshot());
-        delete static_cast<Snapshot*>(*state);
-        *state = made.release();
-    });
-}
-
-CVTFLOW_FMI int fmi2SetFMUstate(void* c, void* state) {
-    return guarded(c, [&](Component& self) { self.restore(*static_cast<Snapshot*>(state)); });
-}
-
-CVTFLOW_FMI int fmi2FreeFMUstate(void* c, void** state) {
-    return guarded(c, [&](Component&) {
-        delete static_cast<Snapshot*>(*state);
-        *state = nullptr;
-    });
-}
-
-CVTFLOW_FMI int fmi2SerializedFMUstateSize(void* c, void* state, size_t* size) {
-    return guarded(c, [&](Component&) { *size = static_cast<Snapshot*>(state)->bytes().size(); });
-}
-
-CVTFLOW_FMI int fmi2SerializeFMUstate(void* c, void* state, char bytes[], size_t size) {
-    return guarded(c, [&](Component&) {
-        const std::vector<std::byte> all = static_cast<Snapshot*>(state)->bytes();
-        if (size < all.size()) throw Error(ErrorCode::argument, "serialise: no room for the state");
-        std::copy(all.begin(), all.end(), reinterpret_cast<std::byte*>(bytes));
-    });
-}
-
+CVTFLOW_FMI int fmi2GetFMUstate(void* c, void** state) { return fmi::get_state(c, state); }
+CVTFLOW_FMI int fmi2SetFMUstate(void* c, void* state) { return fmi::set_state(c, state); }
+CVTFLOW_FMI int fmi2FreeFMUstate(void* c, void** state) { return fmi::free_state(c, state); }
+CVTFLOW_FMI int fmi2SerializedFMUstateSize(void* c, void* state, size_t* size) { return fmi::state_size(c, state, size); }
+CVTFLOW_FMI int fmi2SerializeFMUstate(void* c, void* state, char bytes[], size_t size) { return fmi::write_state(c, state, bytes, size); }
 CVTFLOW_FMI int fmi2DeSerializeFMUstate(void* c, const char bytes[], size_t size, void** state) {
-    return guarded(c, [&](Component&) { *state = new Snapshot(Snapshot::from_bytes({reinterpret_cast<const std::byte*>(bytes), size})); });
+    return fmi::read_state(c, bytes, size, state);
 }
 
 CVTFLOW_FMI int fmi2GetRealStatus(void* c, int kind, double* value) {
     constexpr int last_successful_time = 2;
-    if (kind != last_successful_time) return fmi_discard;
-    return guarded(c, [&](Component& self) { *value = self.instance.now(); });
+    if (c != nullptr && kind != last_successful_time) return fmi_discard;
+    return guarded(c, [&](Component& self) { given(value, "the value") = self.instance.now(); });
 }
 
 // No variable has these types, and nothing runs after a call has returned.

@@ -21,6 +21,22 @@ using tasks::number_text;
 /// Thrown through advance_to() by a callback that ends a step early.
 struct Enough {};
 
+/// Removes the callback at the end of a step, however that ends: it refers to what the step holds.
+class Listener {
+public:
+    explicit Listener(Simulation& simulation) : simulation_(simulation) {}
+    ~Listener() {
+        try {
+            simulation_.on_output(1.0, nullptr);
+        } catch (...) {}  // in use by another thread, which is an error of the importer
+    }
+    Listener(const Listener&) = delete;
+    Listener& operator=(const Listener&) = delete;
+
+private:
+    Simulation& simulation_;
+};
+
 }  // namespace
 
 Instance::Instance(std::string resources)
@@ -35,11 +51,11 @@ const Variable& Instance::variable(std::uint32_t reference) const {
 }
 
 /// The state that was exported fits the scene that was exported; another one begins with its geometric start, and settles.
-Simulation Instance::made() const {
+Simulation Instance::made(const std::map<std::string, double>& parameters) const {
     std::vector<std::string> settings;
-    for (const auto& [key, value] : parameters_) settings.push_back(key + "=" + number_text(value));
+    for (const auto& [key, value] : parameters) settings.push_back(key + "=" + number_text(value));
     Simulation simulation(scene_.with(settings));
-    if (parameters_.empty()) {
+    if (parameters.empty()) {
         const std::string bytes = read_file(resources_ + "/state.bin");
         simulation.set_state(State::from_bytes(std::as_bytes(std::span(bytes.data(), bytes.size()))));
     }
@@ -47,8 +63,13 @@ Simulation Instance::made() const {
 }
 
 Simulation& Instance::simulation() {
-    if (!simulation_) simulation_.emplace(made());
+    if (!simulation_) simulation_.emplace(made(parameters_));
     return *simulation_;
+}
+
+void Instance::set_start(double time) {
+    if (!std::isfinite(time)) throw Error(ErrorCode::argument, "the start time is not a finite number");
+    start_ = now_ = time;
 }
 
 void Instance::finish_initialisation() {
@@ -92,35 +113,49 @@ void Instance::set(std::uint32_t reference, double value) {
     if (simulation_) simulation_.reset();
 }
 
-double Instance::step(double begin, double length, const Intermediate& intermediate) {
+void Instance::require_step(double begin, double length) const {
     if (!ready_) throw Error(ErrorCode::argument, "a step before the initialisation has ended");
+    const std::string step = "a step from " + number_text(begin) + " s of " + number_text(length) + " s";
     if (!(length >= 0.0) || !(std::abs(begin - now_) <= 1e-9 * std::max(1.0, std::abs(now_))))
-        throw Error(ErrorCode::argument,
-                    "a step from " + number_text(begin) + " s of " + number_text(length) + " s after " + number_text(now_) + " s");
-    const double end = begin + length;
+        throw Error(ErrorCode::argument, step + " after " + number_text(now_) + " s");
+    if (length > 0.0 && !(begin + length > begin)) throw Error(ErrorCode::argument, step + ": shorter than the resolution of time there");
+}
+
+double Instance::step(double begin, double length, const Intermediate& intermediate) {
+    require_step(begin, length);
+    const double last = now_, end = begin + length;
     Simulation& inside = simulation();
+    const Listener listener(inside);
     if (intermediate) {
         const double interval = number("run.output_interval");
         inside.on_output(interval, [&](Simulation& there) {
-            if (there.time() + start_ < end && intermediate(there.time() + start_)) throw Enough{};
+            if (there.time() + start_ >= end) return;
+            now_ = there.time() + start_;
+            if (intermediate(now_)) throw Enough{};
         });
     }
-    now_ = end;
     try {
         inside.advance_to(end - start_);
-    } catch (const Enough&) {
-        now_ = inside.time() + start_;
+        now_ = end;
+    } catch (const Enough&) {  // now_ is the time there
+    } catch (...) {
+        now_ = last;
+        throw;
     }
-    if (intermediate) inside.on_output(1.0, nullptr);
     return now_;
 }
 
 Snapshot Instance::snapshot() { return {parameters_, start_, now_, ready_, simulation().state()}; }
 
 void Instance::restore(const Snapshot& snapshot) {
-    if (snapshot.parameters != parameters_) simulation_.reset();
-    parameters_ = snapshot.parameters;
-    simulation().set_state(snapshot.state);
+    if (snapshot.parameters == parameters_) {
+        simulation().set_state(snapshot.state);
+    } else {  // a snapshot that is refused changes nothing
+        Simulation other = made(snapshot.parameters);
+        other.set_state(snapshot.state);
+        simulation_ = std::move(other);
+        parameters_ = snapshot.parameters;
+    }
     start_ = snapshot.start;
     now_ = snapshot.now;
     ready_ = snapshot.ready;

@@ -32,7 +32,7 @@ public:
     /// @param resources folder of the FMU's resources. @throws Error
     explicit Instance(std::string resources);
 
-    void set_start(double time) noexcept { start_ = now_ = time; }  ///< time [s]
+    void set_start(double time);  ///< time [s]. @throws Error (argument)
     /// The start state with the parameters and inputs so far; settles it if parameters ask for that. @throws Error
     void finish_initialisation();
     void reset();
@@ -44,11 +44,13 @@ public:
     [[nodiscard]] std::size_t width(std::uint32_t reference) const { return variable(reference).width; }
 
     /// One communication step. @return the time it reached: its end, or where `intermediate` ended it [s]
-    /// @throws Error (argument) if it does not begin where the last one ended; faults
+    /// @throws Error (argument) if it does not begin where the last one ended; faults, after which now() is the end of the last step
     double step(double begin, double length, const Intermediate& intermediate);
 
     [[nodiscard]] Snapshot snapshot();
+    /// @throws Error (state); nothing has changed then
     void restore(const Snapshot& snapshot);
+    /// Inside a step the time of the callback [s].
     [[nodiscard]] double now() const noexcept { return now_; }
     /// Warnings, one line each.
     [[nodiscard]] std::vector<std::string> notices() { return simulation().notices(); }
@@ -56,7 +58,8 @@ public:
 private:
     [[nodiscard]] const Variable& variable(std::uint32_t reference) const;
     [[nodiscard]] Simulation& simulation();
-    [[nodiscard]] Simulation made() const;
+    [[nodiscard]] Simulation made(const std::map<std::string, double>& parameters) const;
+    void require_step(double begin, double length) const;
     [[nodiscard]] double number(const std::string& key) const;  ///< of the scene
     [[nodiscard]] double parameter(const std::string& key) const;
 

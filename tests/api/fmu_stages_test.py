@@ -4,6 +4,8 @@
 """
 
 import ctypes
+import functools
+import io
 import pathlib
 import subprocess
 import sys
@@ -17,15 +19,21 @@ sys.dont_write_bytecode = True
 OK, ERROR = 0, 3
 
 
+@functools.cache
+def exported(scene, version):
+    with tempfile.TemporaryDirectory() as folder:
+        file = pathlib.Path(folder, "one.fmu")
+        subprocess.run([PROGRAM, "export-fmu", scene, "-o", file, "-q", "--fmi", str(version)], check=True)
+        return file.read_bytes()
+
+
 class Fmu:
     """One instance of version 2 or 3, by its functions' short names."""
 
-    def __init__(self, folder, version, scene="tiny"):
+    def __init__(self, folder, version, scene="tiny", update=None):
         self.version = version
-        file = f"{folder}/{scene}{version}.fmu"
-        subprocess.run([PROGRAM, "export-fmu", scene, "-o", file, "-q", "--force", "--fmi", str(version)], check=True)
         inside = pathlib.Path(folder, f"fmi{version}")
-        with zipfile.ZipFile(file) as parts:
+        with zipfile.ZipFile(io.BytesIO(exported(scene, version))) as parts:
             parts.extractall(inside)
         token = xml.etree.ElementTree.parse(inside / "modelDescription.xml").getroot()
         self.references = {row.get("name"): int(row.get("valueReference")) for row in token.iter() if row.get("valueReference")}
@@ -39,7 +47,8 @@ class Fmu:
             self.instance = make(name, 1, guid, b"file://" + resources, callbacks, 0, 0)
         else:
             no = ctypes.c_bool(False)
-            self.instance = make(name, guid, resources + b"/", no, no, no, no, None, ctypes.c_size_t(0), None, None, None)
+            self.instance = make(name, guid, resources + b"/", no, no, no, no, None, ctypes.c_size_t(0), None, None, update)
+            self.update = update  # lives as long as the instance
         assert self.instance
 
     def function(self, name):
@@ -48,15 +57,15 @@ class Fmu:
     def call(self, name, *more):
         return self.function(name)(ctypes.c_void_p(self.instance), *more)
 
-    def enter(self):
+    def enter(self, start=0.0):
         if self.version == 2:
             return self.call("EnterInitializationMode")
         zero = ctypes.c_double(0.0)
-        return self.call("EnterInitializationMode", ctypes.c_bool(False), zero, zero, ctypes.c_bool(False), zero)
+        return self.call("EnterInitializationMode", ctypes.c_bool(False), zero, ctypes.c_double(start), ctypes.c_bool(False), zero)
 
-    def setup(self):
+    def setup(self, start=0.0):
         zero = ctypes.c_double(0.0)
-        return self.call("SetupExperiment", 0, zero, zero, 0, zero) if self.version == 2 else OK
+        return self.call("SetupExperiment", 0, zero, ctypes.c_double(start), 0, zero) if self.version == 2 else OK
 
     def get(self, name):
         value, reference = ctypes.c_double(), (ctypes.c_uint * 1)(self.references[name])
