@@ -3,6 +3,7 @@
 
 #include <cvtflow/cvtflow.h>
 
+#include <atomic>
 #include <cvtflow/record.hpp>
 #include <cvtflow/simulation.hpp>
 #include <vector>
@@ -18,6 +19,8 @@ struct cvtflow_simulation {
     cvtflow_log_function log = nullptr;
     void* log_user = nullptr;
     std::vector<std::string> logged{};  ///< notices that the log has seen
+    std::atomic<int> users{1};          ///< its owner, and calls under way that may call back
+    std::atomic<bool> destroyed{false};
 };
 
 struct cvtflow_record {

@@ -25,12 +25,36 @@ T ask(const cvtflow_simulation* simulation, T nothing, Question&& question) noex
     }
 }
 
+/// A call that may call the host back: a simulation that is destroyed meanwhile ends with the last of them.
+class Visit {
+public:
+    explicit Visit(cvtflow_simulation& handle) noexcept : handle_(handle) { ++handle.users; }
+    ~Visit() { leave(handle_); }
+    Visit(const Visit&) = delete;
+    Visit& operator=(const Visit&) = delete;
+
+    static void leave(cvtflow_simulation& handle) noexcept {
+        if (--handle.users == 0) delete &handle;
+    }
+
+private:
+    cvtflow_simulation& handle_;
+};
+
+/// Runs a callback of a step, unless the simulation has been destroyed. @throws Error (callback, cancelled), which ends the call
+template <class Callback>
+void call_back(const cvtflow_simulation& handle, const char* name, Callback&& callback) {
+    const int status = handle.destroyed ? 0 : callback();
+    if (handle.destroyed) throw Error(ErrorCode::cancelled, "the simulation was destroyed while it was stepping");
+    if (status != 0) throw Error(ErrorCode::callback, std::string("the callback on ") + name + " requested the end");
+}
+
 void log(const cvtflow_simulation& handle, const std::string& line) {
-    if (handle.log != nullptr) handle.log(line.c_str(), handle.log_user);
+    if (handle.log != nullptr && !handle.destroyed) handle.log(line.c_str(), handle.log_user);
 }
 
 void log_notices(cvtflow_simulation& handle) {
-    if (handle.log == nullptr) return;
+    if (handle.log == nullptr || handle.destroyed) return;
     for (const std::string& line : handle.simulation.notices()) {
         if (std::find(handle.logged.begin(), handle.logged.end(), line) != handle.logged.end()) continue;
         handle.logged.push_back(line);
@@ -41,6 +65,7 @@ void log_notices(cvtflow_simulation& handle) {
 /// Runs `action` and logs its errors.
 template <class Action>
 void logged(cvtflow_simulation& handle, Action&& action) {
+    const Visit visit(handle);
     try {
         action(handle.simulation);
     } catch (const std::exception& error) {
@@ -68,7 +93,11 @@ cvtflow_code cvtflow_copy(const cvtflow_simulation* from, cvtflow_simulation** c
     return api::guarded(message, [&] { api::given(copy, "copy") = new cvtflow_simulation{api::given(from, "from").simulation.copy()}; });
 }
 
-void cvtflow_destroy(cvtflow_simulation* simulation) { delete simulation; }
+void cvtflow_destroy(cvtflow_simulation* simulation) {
+    if (simulation == nullptr || simulation->destroyed.exchange(true)) return;
+    simulation->simulation.cancel();
+    Visit::leave(*simulation);
+}
 
 double cvtflow_time(const cvtflow_simulation* simulation) {
     return ask(simulation, 0.0, [](const Simulation& s) { return s.time(); });
@@ -219,9 +248,7 @@ cvtflow_code cvtflow_on_output(cvtflow_simulation* simulation, double interval, 
     return api::guarded(message, [&] {
         std::function<void(Simulation&)> callback;
         if (function != nullptr) {
-            callback = [=](Simulation&) {
-                if (function(simulation, user) != 0) throw Error(ErrorCode::callback, "the callback on output requested the end");
-            };
+            callback = [=](Simulation&) { call_back(*simulation, "output", [&] { return function(simulation, user); }); };
         }
         api::given(simulation, "simulation").simulation.on_output(interval, std::move(callback));
     });
@@ -234,8 +261,7 @@ cvtflow_code cvtflow_on_transition(cvtflow_simulation* simulation, cvtflow_trans
         if (function != nullptr) {
             callback = [=](Simulation&, const Transition& t) {
                 const cvtflow_transition now{sizeof now, t.pin, t.tip, t.from, t.to, 0, t.time};
-                if (function(simulation, &now, user) != 0)
-                    throw Error(ErrorCode::callback, "the callback on a transition requested the end");
+                call_back(*simulation, "a transition", [&] { return function(simulation, &now, user); });
             };
         }
         api::given(simulation, "simulation").simulation.on_transition(std::move(callback));

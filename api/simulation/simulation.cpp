@@ -1,4 +1,5 @@
 #include <cvtflow/simulation.hpp>
+#include <utility>
 
 #include "api/host/translate.hpp"
 #include "api/simulation/simulation_impl.hpp"
@@ -24,12 +25,16 @@ Simulation::Simulation(const Scene& scene, Threads threads, int segments)
 
 Simulation::~Simulation() {
     const api::FloatingDefaults defaults;
-    impl_.reset();
+    Impl::end(std::move(impl_));
 }
-Simulation::Simulation(Simulation&& other) noexcept = default;
+Simulation::Simulation(Simulation&& other) noexcept : impl_(std::move(other.impl_)) {
+    if (impl_) impl_->moved();
+}
 Simulation& Simulation::operator=(Simulation&& other) noexcept {
+    if (this == &other) return *this;
     const api::FloatingDefaults defaults;
-    impl_ = std::move(other.impl_);
+    Impl::end(std::exchange(impl_, std::move(other.impl_)));
+    if (impl_) impl_->moved();
     return *this;
 }
 

@@ -76,7 +76,21 @@ Simulation::Impl::Scope::Scope(Impl& impl, As as) : impl_(impl), entered_(impl.e
 }
 
 Simulation::Impl::Scope::~Scope() {
-    if (entered_) impl_.entry_.leave();
+    if (!entered_) return;
+    const bool ended = impl_.ended_;
+    impl_.entry_.leave();
+    if (ended) delete &impl_;
+}
+
+void Simulation::Impl::end(std::unique_ptr<Impl> impl) noexcept {
+    if (impl && impl->entry_.mine()) {
+        impl->abandoned_ = impl->ended_ = true;
+        static_cast<void>(impl.release());
+    }
+}
+
+void Simulation::Impl::require_owner() const {
+    if (abandoned_) throw Error(ErrorCode::cancelled, "the simulation was destroyed or moved by its own callback");
 }
 
 /// A process that was forked off after the first threaded step has the memory but not the threads.
@@ -110,12 +124,12 @@ void Simulation::Impl::deliver(Simulation& self, api::FloatingDefaults& defaults
     std::swap(happened_, transitions_);
     for (const Transition& transition : happened_) {
         const auto callback = transition_callback_;
-        if (!callback) continue;
+        if (!callback || abandoned_) continue;
         const api::FloatingDefaults::Outside outside(defaults);
         (*callback)(self, transition);
     }
     const double now = simulation_.time() + 1e-9 * data().run.output_interval;
-    if (!output_callback_ || now < static_cast<double>(outputs_) * output_interval_) return;
+    if (!output_callback_ || abandoned_ || now < static_cast<double>(outputs_) * output_interval_) return;
     outputs_ = static_cast<long>(std::floor(now / output_interval_)) + 1;
     const auto callback = output_callback_;
     const api::FloatingDefaults::Outside outside(defaults);
@@ -141,6 +155,7 @@ void Simulation::Impl::advance(Simulation& self, double until, long steps) {
     if (!std::isfinite(until)) throw Error(ErrorCode::argument, "time: not a finite number");
     api::FloatingDefaults defaults;
     const Scope scope(*this, Scope::As::stepper);
+    abandoned_ = false;
     // A step may end up to one output interval after the requested time; requesting the same time again is allowed.
     if (until < simulation_.time() - data().run.output_interval) {
         throw Error(ErrorCode::argument, "time: " + tasks::number_text(until) + " s is before " + tasks::number_text(simulation_.time()) +
@@ -155,6 +170,7 @@ void Simulation::Impl::advance(Simulation& self, double until, long steps) {
         const tasks::Fault fault = api::translated(
             ErrorCode::internal, [&] { return simulation_.advance({.until = next_stop(until), .steps = steps}, *this, cancel_); });
         deliver(self, defaults);
+        require_owner();
         if (fault.kind == tasks::FaultKind::cancelled) cancel_.withdraw();
         if (steps > 0 && (simulation_.integration_state().counters.steps != steps_before || !fault)) return;
         if (fault) throw Error(api::code_of(fault.kind), fault.message() + advice(fault.kind));

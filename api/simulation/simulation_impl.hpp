@@ -38,6 +38,10 @@ public:
         bool entered_;
     };
 
+    /// Frees a simulation, or leaves that to the call under way if its callback does this.
+    static void end(std::unique_ptr<Impl> impl) noexcept;
+    /// Into another object.
+    void moved() noexcept { abandoned_ |= entry_.mine(); }
     [[nodiscard]] std::unique_ptr<Impl> copy();
     void advance(Simulation& self, double until, long steps);  ///< until [s]
     void cancel() noexcept { cancel_.request(); }
@@ -72,7 +76,8 @@ private:
     void transition(const tasks::TransitionRecord& record) override;
     [[nodiscard]] const tasks::Scene& data() const noexcept { return scene_.data_->scene; }
     void require_own_process();
-    [[nodiscard]] double next_stop(double until) const;  ///< until [s]
+    [[nodiscard]] double next_stop(double until) const;   ///< until [s]
+    void require_owner() const;
     void deliver(Simulation& self, api::FloatingDefaults& defaults);
     [[nodiscard]] std::string advice(tasks::FaultKind kind) const;
     void hold(const model::HeldInputs& held);
@@ -89,6 +94,8 @@ private:
     std::vector<std::vector<double>> values_;  ///< [channel][width]
     engine::ReentryGuard entry_;
     engine::Cancellation cancel_;
+    bool abandoned_ = false;  ///< the object that calls back was destroyed or moved by its callback
+    bool ended_ = false;      ///< to be freed by the call under way
     long process_ = 0;                                                         ///< in which it first ran on threads; 0: it has not
     std::shared_ptr<const std::function<void(Simulation&)>> output_callback_;  ///< shared: a callback may replace itself
     double output_interval_ = 0.0;                                             ///< [s]

@@ -238,6 +238,45 @@ static void check_rigid_pins(const cvtflow_scene* scene) {
     cvtflow_scene_release(level);
 }
 
+static int calls_after_destroy = 0;
+
+static int destroy_at_output(cvtflow_simulation* simulation, void* user) {
+    (void)user;
+    ++calls_after_destroy;
+    cvtflow_destroy(simulation);
+    cvtflow_destroy(simulation); /* again, as long as the callback runs */
+    return 0;
+}
+static int destroy_at_transition(cvtflow_simulation* simulation, const cvtflow_transition* transition, void* user) {
+    (void)transition;
+    return destroy_at_output(simulation, user);
+}
+static void destroy_at_log(const char* line, void* user) {
+    (void)line;
+    ++calls_after_destroy;
+    cvtflow_destroy((cvtflow_simulation*)user);
+}
+
+/* A simulation destroyed by its own callback: that call ends cancelled, and nothing is called any more. */
+static void check_destruction(const cvtflow_scene* scene) {
+    for (int way = 0; way < 3; ++way) {
+        cvtflow_simulation* simulation = NULL;
+        cvtflow_message message = CVTFLOW_INIT(cvtflow_message);
+        CHECK(cvtflow_create(scene, NULL, &simulation, NULL) == CVTFLOW_OK);
+        calls_after_destroy = 0;
+        if (way == 0) CHECK(cvtflow_on_output(simulation, 1e-5, destroy_at_output, NULL, NULL) == CVTFLOW_OK);
+        if (way == 1) CHECK(cvtflow_on_transition(simulation, destroy_at_transition, NULL, NULL) == CVTFLOW_OK);
+        CHECK(cvtflow_on_log(simulation, destroy_at_log, simulation, NULL) == CVTFLOW_OK);
+        if (way == 2) {
+            CHECK(cvtflow_advance_to(simulation, NAN, &message) == CVTFLOW_ARGUMENT); /* logged */
+        } else {
+            CHECK(cvtflow_advance_to(simulation, 0.0, &message) == CVTFLOW_CANCELLED);
+            CHECK(strstr(message.text, "destroyed") != NULL);
+        }
+        CHECK(calls_after_destroy == 1);
+    }
+}
+
 int main(int argc, char** argv) {
     cvtflow_scene* scene = argc > 1 ? brief_scene(argv[1]) : NULL;
     cvtflow_simulation* simulation = NULL;
@@ -249,6 +288,7 @@ int main(int argc, char** argv) {
     check_records();
     check_rigid_pins(scene);
     if (argc > 2) check_a_record(argv[2]);
+    check_destruction(scene);
     options.way = CVTFLOW_OWN;
     options.threads = 2;
     CHECK(cvtflow_create(scene, &options, &simulation, NULL) == CVTFLOW_OK);

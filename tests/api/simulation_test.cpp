@@ -210,6 +210,44 @@ TEST(HostSimulation, CallbacksMayDoEverythingButStepTheirOwnSimulation) {
     EXPECT_EQ(simulation.input(Input::clamping_driving), 7702.0);
 }
 
+/// advance_to() ends cancelled, and calls back no more.
+TEST(HostSimulation, CallbacksMayDestroyOrMoveTheirOwnSimulation) {
+    const Scene scene = tiny();
+    std::unique_ptr<Simulation> simulation, other;
+    const std::vector<std::function<void()>> ends{[&] { simulation.reset(); }, [&] { *simulation = Simulation(scene); },
+                                                  [&] { other = std::make_unique<Simulation>(std::move(*simulation)); },
+                                                  [&] {
+                                                      other = std::make_unique<Simulation>(std::move(*simulation));
+                                                      simulation.reset();
+                                                      other.reset();
+                                                  }};
+    for (const auto& end : ends) {
+        for (const bool at_transition : {false, true}) {
+            int calls = 0;
+            simulation = std::make_unique<Simulation>(scene);
+            const auto once = [&] { ++calls, end(); };
+            if (at_transition)
+                simulation->on_transition([&](Simulation&, const Transition&) { once(); });
+            else
+                simulation->on_output(1e-5, [&](Simulation&) { once(); });
+            EXPECT_EQ(code_of([&] { simulation->advance_to(0.0); }), ErrorCode::cancelled);
+            EXPECT_EQ(calls, 1);
+        }
+    }
+}
+
+/// The last reference to a simulation may be its own callback's.
+TEST(HostSimulation, MayEndWithTheCallbackThatHoldsIt) {
+    auto simulation = std::make_shared<Simulation>(tiny());
+    Simulation& it = *simulation;
+    const std::weak_ptr<Simulation> seen = simulation;
+    it.on_output(1e-5, [simulation](Simulation& self) { self.on_output(1.0, nullptr); });
+    simulation.reset();
+    EXPECT_FALSE(seen.expired());
+    EXPECT_EQ(code_of([&] { it.advance_to(0.0); }), ErrorCode::cancelled);
+    EXPECT_TRUE(seen.expired());
+}
+
 TEST(HostSimulation, ExceptionsOfCallbacksReachTheCaller) {
     Simulation simulation(tiny(), Threads::own(2));
     simulation.on_output(1e-4, [](Simulation&) { throw std::string("from the host"); });

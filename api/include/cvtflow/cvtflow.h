@@ -10,7 +10,9 @@
  *
  * Threads. A scene may be used from all threads. A simulation is used by one thread at a time; a call while another one is under way
  * returns CVTFLOW_BUSY. cvtflow_cancel may be called from every thread and from signal handlers. No thread is started before the first
- * step. Callbacks run on the thread that called cvtflow_advance_to, between steps. See simulation.hpp for details.
+ * step. Callbacks run on the thread that called cvtflow_advance_to, between steps. A callback that steps its own simulation or sets its
+ * state gets CVTFLOW_BUSY. A callback may destroy its own simulation: no further callback is called, the call that runs the callback returns
+ * CVTFLOW_CANCELLED after at most one step, and the simulation is freed when that call returns. See simulation.hpp for details.
  */
 #ifndef CVTFLOW_CVTFLOW_H
 #define CVTFLOW_CVTFLOW_H
