@@ -123,7 +123,7 @@ void Instance::require_step(double begin, double length) const {
 
 double Instance::step(double begin, double length, const Intermediate& intermediate) {
     require_step(begin, length);
-    const double last = now_, end = begin + length;
+    const double last = now_, end = std::max(begin + length, now_);
     Simulation& inside = simulation();
     const Listener listener(inside);
     if (intermediate) {

@@ -157,7 +157,7 @@ void bind_time(Class& type) {
         .def("advance_to", &advance_to, py::arg("time"),
              "Takes whole steps until self.time >= time (\"1 ms\"; numbers are in s), without the interpreter's lock. Ctrl-C ends it "
              "between two steps, and the "
-             "simulation can go on. Raises a Fault, CancelledError, BusyError.")
+             "simulation can go on. Raises a Fault, CancelledError, BusyError; ArgumentError for a time more than a step back.")
         .def("step", &step, "One step, which a transition may shorten.")
         .def(
             "cancel", [](Stepper& self) { self.simulation.cancel(); }, "Ends advance_to() of another thread after at most one step.")

@@ -151,17 +151,22 @@ std::string Simulation::Impl::advice(tasks::FaultKind kind) const {
            std::string(digits, static_cast<std::size_t>(end - digits)) + " s here";
 }
 
+double Simulation::Impl::earliest_stop() const noexcept {
+    return std::min(last_stop_, simulation_.time() - step_length()) - 1e-9 * data().run.output_interval;
+}
+
 void Simulation::Impl::advance(Simulation& self, double until, long steps) {
     if (!std::isfinite(until)) throw Error(ErrorCode::argument, "time: not a finite number");
     api::FloatingDefaults defaults;
     const Scope scope(*this, Scope::As::stepper);
     abandoned_ = false;
-    // A step may end up to one output interval after the requested time; requesting the same time again is allowed.
-    if (until < simulation_.time() - data().run.output_interval) {
+    // A step may end after the requested time; requesting the same time again is allowed.
+    if (until < simulation_.time() && until < earliest_stop()) {
         throw Error(ErrorCode::argument, "time: " + tasks::number_text(until) + " s is before " + tasks::number_text(simulation_.time()) +
                                              " s, the present time; to go back, set a state");
     }
     require_own_process();
+    last_stop_ = steps > 0 ? std::numeric_limits<double>::infinity() : until;
     const double enough = until - 1e-9 * data().run.output_interval;
     while (simulation_.time() < enough) {
         if (cancel_.withdraw()) throw Error(ErrorCode::cancelled, "cancelled");
@@ -194,6 +199,7 @@ void Simulation::Impl::restore(const StateRecord& record) {
         throw Error(ErrorCode::state, "saved state: it belongs to another scene, method or step");
     api::translated(ErrorCode::state, [&] { simulation_.restore(record.integration); });
     hold(record.held);
+    last_stop_ = std::numeric_limits<double>::infinity();
     transitions_.clear();
     if (output_callback_) outputs_ = static_cast<long>(std::floor(simulation_.time() / output_interval_ + 1e-9)) + 1;
 }

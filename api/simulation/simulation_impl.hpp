@@ -2,6 +2,7 @@
 /// Implementation of the public Simulation. Internal to api.
 
 #include <cvtflow/simulation.hpp>
+#include <limits>
 #include <optional>
 
 #include "api/host/floating_defaults.hpp"
@@ -77,6 +78,7 @@ private:
     [[nodiscard]] const tasks::Scene& data() const noexcept { return scene_.data_->scene; }
     void require_own_process();
     [[nodiscard]] double next_stop(double until) const;   ///< until [s]
+    [[nodiscard]] double earliest_stop() const noexcept;  ///< that advance() accepts [s]
     void require_owner() const;
     void deliver(Simulation& self, api::FloatingDefaults& defaults);
     [[nodiscard]] std::string advice(tasks::FaultKind kind) const;
@@ -96,6 +98,8 @@ private:
     engine::Cancellation cancel_;
     bool abandoned_ = false;  ///< the object that calls back was destroyed or moved by its callback
     bool ended_ = false;      ///< to be freed by the call under way
+    double last_stop_ =
+        std::numeric_limits<double>::infinity();  ///< of the last advance(); infinity: it took one step, or there was none [s]
     long process_ = 0;                                                         ///< in which it first ran on threads; 0: it has not
     std::shared_ptr<const std::function<void(Simulation&)>> output_callback_;  ///< shared: a callback may replace itself
     double output_interval_ = 0.0;                                             ///< [s]

@@ -21,6 +21,23 @@ TEST(HostTime, GoesBackByAStateAndNotByAStep) {
     EXPECT_EQ(simulation.hash(), hash);
 }
 
+/// Outputs may be far apart: a request between the last two was obeyed by doing nothing.
+TEST(HostTime, GoesBackByNoStepWhateverTheOutputs) {
+    for (const std::string interval : {"10 us", "1 ms"}) {
+        Simulation simulation(tiny({"run.output_interval=" + interval, "run.state_interval=" + interval}));
+        simulation.advance_to(-1e-4);
+        for (const double back : {1e-6, 5e-6, 1e-4}) {
+            EXPECT_EQ(code_of([&] { simulation.advance_to(-1e-4 - back); }), ErrorCode::argument) << interval << ", " << back;
+        }
+        simulation.advance_to(-1e-4);                  // again
+        simulation.advance_to(-1e-4 * (1.0 - 1e-15));  // rounded otherwise
+        EXPECT_NEAR(simulation.time(), -1e-4, 1e-12);
+        for (int k = 0; k < 30; ++k) simulation.step();
+        EXPECT_EQ(code_of([&] { simulation.advance_to(-1e-4); }), ErrorCode::argument) << interval;  // steps have gone on
+        simulation.advance_to(simulation.time());
+    }
+}
+
 /// The last step may have ended behind the time asked for, and so behind the next one.
 TEST(HostTime, MayBeAskedForInPartsOfAStep) {
     Simulation simulation(tiny({"run.step=1 us"}));

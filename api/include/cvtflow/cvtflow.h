@@ -165,6 +165,7 @@ CVTFLOW_API void cvtflow_destroy(cvtflow_simulation* simulation); /* NULL is all
 CVTFLOW_API const char* cvtflow_method(const cvtflow_simulation* simulation);
 CVTFLOW_API double cvtflow_time(const cvtflow_simulation* simulation);        /* [s] */
 CVTFLOW_API double cvtflow_step_length(const cvtflow_simulation* simulation); /* [s] */
+/* Takes whole steps until the time [s] is reached. A time that lies more than a step back is CVTFLOW_ARGUMENT. */
 CVTFLOW_API cvtflow_code cvtflow_advance_to(cvtflow_simulation* simulation, double time, cvtflow_message* message);
 CVTFLOW_API cvtflow_code cvtflow_step(cvtflow_simulation* simulation, cvtflow_message* message);
 CVTFLOW_API void cvtflow_cancel(cvtflow_simulation* simulation);

@@ -127,7 +127,7 @@ public:
     [[nodiscard]] double step_length() const noexcept;
 
     /// Takes whole steps until time() ≥ t. Where the calls end does not change the result: one call or a thousand give the same bits.
-    /// A time more than run.output_interval before time() is refused: states go back, steps do not.
+    /// A time before the last one, or more than a step before time(), is refused: states go back, steps do not.
     /// @param t [s]
     /// @throws Error (a fault, cancelled, busy, forked, argument); the state is then that of the last accepted step
     void advance_to(double t);
