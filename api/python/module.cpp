@@ -32,6 +32,17 @@ py::array_t<double> array_of(std::vector<double> values, std::size_t width) {
     return py::array_t<double>(width == 1 ? flat : square, kept->data(), owner);
 }
 
+/// An object that __new__ made and no __init__ has nothing behind it: pybind11 would take uninitialised memory for its value.
+void refuse_objects_without_init(const py::module_& module) {
+    const py::handle metaclass(reinterpret_cast<PyObject*>(py::detail::get_internals().default_metaclass));
+    for (const auto& [name, object] : module.attr("__dict__").cast<py::dict>()) {
+        if (!py::isinstance(object, metaclass)) continue;
+        py::detail::get_type_info(reinterpret_cast<PyTypeObject*>(object.ptr()))->operator_new = [](std::size_t) -> void* {
+            throw py::type_error("this object was made by __new__() without __init__()");
+        };
+    }
+}
+
 }  // namespace cvtflow::python
 
 PYBIND11_MODULE(_cvtflow, module) {
@@ -53,4 +64,5 @@ PYBIND11_MODULE(_cvtflow, module) {
             return cvtflow::shutdown();
         },
         "Ends the worker threads of all simulations of this process. False if other users keep them alive.");
+    refuse_objects_without_init(module);
 }

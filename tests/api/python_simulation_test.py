@@ -190,6 +190,35 @@ class Failing(unittest.TestCase):
             cvtflow.Simulation(tiny()).set_input("clamping_driving", -1.0)
 
 
+    def test_a_time_in_the_past_is_an_error_that_says_how_to_go_back(self):
+        simulation = cvtflow.Simulation(tiny("run.output_interval=1 ms", "run.state_interval=1 ms"))
+        simulation.advance_to("-0.1 ms")
+        with self.assertRaisesRegex(cvtflow.ArgumentError, "to go back, set a state"):
+            simulation.advance_to("-0.15 ms")
+
+    def test_objects_without_init_are_refused_by_all_that_they_have(self):
+        from cvtflow import _cvtflow
+
+        classes = [value for value in vars(_cvtflow).values() if isinstance(value, type) and not issubclass(value, Exception)]
+        self.assertIn(cvtflow.Simulation, classes)
+        refused = 0
+        for kind in classes:
+            made = kind.__new__(kind)
+            for name, member in vars(kind).items():
+                if name.startswith("_") or isinstance(member, (staticmethod, kind)):
+                    continue
+                with self.subTest(kind=kind.__name__, name=name), self.assertRaises(TypeError) as seen:
+                    value = getattr(made, name)
+                    if isinstance(member, property):
+                        self.fail(f"it is {value!r}")
+                    value()
+                text = str(getattr(seen, "exception", ""))
+                if isinstance(member, property):
+                    self.assertIn("without __init__", text)
+                refused += "without __init__" in text  # the others lack arguments
+        self.assertGreater(refused, 60)
+
+
 class Cost(unittest.TestCase):
     def test_hundreds_of_simulations_leave_nothing_behind(self):
         scene = tiny()
