@@ -100,7 +100,7 @@ private:
     bool ended_ = false;      ///< to be freed by the call under way
     double last_stop_ =
         std::numeric_limits<double>::infinity();  ///< of the last advance(); infinity: it took one step, or there was none [s]
-    long process_ = 0;                                                         ///< in which it first ran on threads; 0: it has not
+    long process_ = 0;                            ///< in which it first ran on threads; 0: it has not
     std::shared_ptr<const std::function<void(Simulation&)>> output_callback_;  ///< shared: a callback may replace itself
     double output_interval_ = 0.0;                                             ///< [s]
     long outputs_ = 0;                                                         ///< the next one is due at outputs_ * output_interval_
