@@ -49,10 +49,10 @@ int reset(void* component) noexcept {
 int get_values(void* component, const std::uint32_t* references, std::size_t count, double* values, std::size_t room) noexcept {
     return guarded(component, [&](Component& self) {
         const std::span<double> to = given(values, room, "values");
-        std::vector<double> found;
-        for (const std::uint32_t reference : given(references, count, "value references")) self.instance.get(reference, found);
-        check_room(found.size(), room);
-        std::copy(found.begin(), found.end(), to.begin());
+        self.found.clear();
+        for (const std::uint32_t reference : given(references, count, "value references")) self.instance.get(reference, self.found);
+        check_room(self.found.size(), room);
+        std::copy(self.found.begin(), self.found.end(), to.begin());
     });
 }
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "api/fmi/instance.hpp"
 #include "api/host/given.hpp"
@@ -30,7 +31,8 @@ struct Component {
     std::function<void(int status, const char* category, const char* message)> log;
     Instance instance;
     Stage stage = Stage::instantiated;
-    bool freed = false;  ///< by a callback of the step that has not ended
+    std::vector<double> found;  ///< by get_values(), kept from call to call
+    bool freed = false;         ///< by a callback of the step that has not ended
 
     Component(std::string called, bool logs, std::string resources)
         : name(std::move(called)), logging(logs), instance(std::move(resources)) {}
