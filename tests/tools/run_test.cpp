@@ -58,7 +58,7 @@ TEST_F(Run, RecordsInResultsAndSumsUp) {
 
 TEST_F(Run, SaysThatClampingWasAboveItsLimit) {
     EXPECT_THAT(run_briefly({"--set", "wear.clamping_limit=[[0, 1], [0.1, 0.5]]"}).out,
-                HasSubstr("clamping exceeds wear.clamping_limit at its slip speed at 100 % of the outputs"));
+                HasSubstr("clamping exceeds wear.clamping_limit at its slip speed in 100 % of the time"));
     EXPECT_THAT(run_briefly({"--set", "wear.clamping_limit=[[0, 1e6], [0.1, 1e6]]"}).out, testing::Not(HasSubstr("clamping_limit")));
 }
 
