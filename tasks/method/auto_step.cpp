@@ -73,7 +73,7 @@ MethodReach reach_of(const Method& method) {
 constexpr double longest_with_tip_law = 0.7e-6;
 
 /// Rigid pins: at 5 us strands are off by 0.4 % and slip by 1.5 % at most (docs/detail.md), and 6.1 us are stable at `baseline`. The step
-/// is shorter where friction falls (accurate_growth) and where the chain is fast (steps_per_pin).
+/// is shorter where friction falls (accurate_growth) and where the chain is fast (steps_per_rigid_pin).
 double longest_automatic_step(const Method& method, const model::Parameters& parameters) {
     if (parameters.detail.pins == model::PinDetail::rigid) return 5e-6;
     const MethodProgram* program = method.program();
@@ -97,10 +97,11 @@ constexpr MethodReach rigid_reach{2.0, forever, forever, 2.0, 2.0};
 /// 0.2 [1].
 constexpr double accurate_growth = 0.15;
 
-/// Of rigid pins: least number of steps in which a pin takes the place of the next one. A pin strikes its sheave, and rolls in its joint,
-/// within a few hundredths of that time. Of 400 machines of the lottery 23 were off by more than 1 % in losses, by 3.7 % at most; with this
-/// limit 13, by 1.6 % at most. At 2000 rpm a pin takes 120 to 170 steps of 5 us.
-constexpr double steps_per_pin = 100.0;
+/// Least number of steps in which a pin takes the place of the next one. A pin strikes its sheave, and rolls in its joint, within a few
+/// hundredths of that time. Of 400 machines of the lottery with rigid pins 23 were off by more than 1 % in losses, by 3.7 % at most; with
+/// this limit 13, by 1.6 % at most. At 2000 rpm a pin takes 120 to 170 steps of 5 us. With halves machine 25 (5900 rpm, ratio 0.417) lost
+/// 1.6 % too little in 100 steps per pin, 0.5 % in 140, 0.1 % in 200; at 2000 rpm a pin takes 270 steps of 2 us and more.
+constexpr double steps_per_rigid_pin = 100.0, steps_per_pin_of_halves = 150.0;
 
 /// Longest stable step of an oscillation ω with an explicit damping δ. A leapfrog that takes the damping at velocities extrapolated to the
 /// middle of the step is stable up to (h ω/2)² + h δ = 1. Where friction beside it takes some of the stability away, shares add up instead:
@@ -170,12 +171,12 @@ double AutoStep::longest(double time, const double* state, const model::Phase* p
             damped_at_ = time;
         }
         looked_ = time;
-        if (keeps_directions_) pin_period_ = model::pin_period(chain_, variator_.layout(), state);
+        pin_period_ = model::pin_period(chain_, variator_.layout(), state);
         if (falling_ != nullptr) growth_ = falling_->growth(time, state, phases);
         stable_ = std::min({within(reach_.oscillation, bound_.imaginary()), within(reach_.decay, bound_.real()), damped_});
     }
     const double accurate = std::min(within(reach_.accurate, bound_.imaginary()), within(accurate_growth, growth_));
-    const double passing = pin_period_ > 0.0 ? pin_period_ / steps_per_pin : forever;
+    const double passing = pin_period_ > 0.0 ? pin_period_ / (keeps_directions_ ? steps_per_rigid_pin : steps_per_pin_of_halves) : forever;
     return std::min({(friction_matters_ ? margin : sharp_margin) * stable_, accurate, passing, longest_});
 }
 

@@ -79,7 +79,7 @@ private:
     double growth_ = 0.0;                                      ///< of sliding, as found [1/s]
     const model::Variator& variator_;
     model::Chain chain_;
-    double pin_period_ = 0.0;                  ///< of rigid pins, as found; 0: sets no limit [s]
+    double pin_period_ = 0.0;                  ///< as found; 0: sets no limit [s]
     double looked_ = -1e300, begun_ = -1e300;  ///< when [s]
     double damped_at_ = -1e300;                ///< when damped_ was found [s]
     double stable_ = 0.0;                      ///< the longest stable step found [s]
