@@ -126,6 +126,9 @@ PointRun PointMeasure::measured(const TuneChoice& choice, bool settled, engine::
     if (!fault) fault = advance(*simulation, {.until = point_.until, .anew = true}, reader);
     book(*simulation, began, std::max(simulation->time() - begin, 1e-9), run);
     run.values = reader.values();
+    std::string notes;
+    reader.watch().means().name_notes(simulation->energy().balance(), notes);
+    run.unsteady = notes.find("unsteady") != std::string::npos;
     if (fault)
         run.objection = fault.message();
     else if (std::max(before, simulation->suspicion()) > 1.0)
@@ -183,8 +186,9 @@ const PointRun* PointMeasure::reference(double agreement, const std::function<vo
         off = largest(errors(references_[2.0 * share], now));
         if (!(off <= agreement)) continue;
         agreement_ = off;
-        reference_text_ = fmt::format("{}, {} at {:g} of its automatic step; twice that step has errors of {}", finest_,
-                                      method_of(chosen_scene(point_.scene, {finest_, RunSettings{}.method}, 0.0)), share, percent_of(off));
+        reference_text_ = fmt::format("{}, {} at {:g} of its automatic step; twice that step has errors of {}{}", finest_,
+                                      method_of(chosen_scene(point_.scene, {finest_, RunSettings{}.method}, 0.0)), share, percent_of(off),
+                                      now.unsteady ? "; unsteady: its means still change (--settling, --average)" : "");
         objection_.clear();
         return reference_ = &now;
     }

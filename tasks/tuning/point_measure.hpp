@@ -67,6 +67,7 @@ struct PointRun {
     double seconds = 0.0;        ///< processor time per simulated second [s/s]
     double work = 0.0;       ///< evaluations of the right-hand side times unknowns, per simulated second: the same on every machine [1/s]
     std::uint64_t hash = 0;  ///< of the state at the end of a trial
+    bool unsteady = false;   ///< means that counted still change
 };
 
 class PointMeasure {
