@@ -5,7 +5,7 @@
  *     CVTFLOW_FAULT=threads:2   pthread_create fails while 2 threads that it made live, as under ulimit -u
  *     CVTFLOW_FAULT_COUNTS=FILE at exit, "name calls failed" of every family is added to FILE, by every process that ends
  *
- * Families: open, read, write, fsync, rename, mmap, malloc, pthread_create, threads, truncate.
+ * Families: open, read, write, fsync, rename, mmap, malloc, pthread_create, threads, truncate, lock.
  */
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -22,9 +22,9 @@
 #include <sys/uio.h>
 #include <unistd.h>
 
-enum Family { OPEN, READ, WRITE, FSYNC, RENAME, MMAP, MALLOC, CREATE, THREADS, TRUNCATE, FAMILIES };
-static const char* const names[FAMILIES] = {"open", "read", "write", "fsync", "rename", "mmap", "malloc", "pthread_create", "threads", "truncate"};
-static const int reasons[FAMILIES] = {EMFILE, EIO, ENOSPC, EIO, EIO, ENOMEM, ENOMEM, EAGAIN, EAGAIN, ENOSPC};
+enum Family { OPEN, READ, WRITE, FSYNC, RENAME, MMAP, MALLOC, CREATE, THREADS, TRUNCATE, LOCK, FAMILIES };
+static const char* const names[FAMILIES] = {"open", "read", "write", "fsync", "rename", "mmap", "malloc", "pthread_create", "threads", "truncate", "lock"};
+static const int reasons[FAMILIES] = {EMFILE, EIO, ENOSPC, EIO, EIO, ENOMEM, ENOMEM, EAGAIN, EAGAIN, ENOSPC, ENOLCK};
 
 static atomic_long calls[FAMILIES], failed[FAMILIES], living;
 static int family = -1, lasting, counting;
@@ -163,6 +163,19 @@ int fallocate64(int file, int mode, off64_t at, off64_t size) {
     CACHED(fallocate64);
     return fails(TRUNCATE) ? -1 : real(file, mode, at, size);
 }
+
+#define CONTROLS(name)                                                        \
+    int name(int file, int command, ...) {                                    \
+        va_list rest;                                                         \
+        va_start(rest, command);                                              \
+        void* argument = va_arg(rest, void*);                                 \
+        va_end(rest);                                                         \
+        CACHED(name);                                                         \
+        const int locks = command == F_OFD_SETLK || command == F_SETLK;       \
+        return locks && fails(LOCK) ? -1 : real(file, command, argument);     \
+    }
+CONTROLS(fcntl)
+CONTROLS(fcntl64)
 
 void* mmap(void* where, size_t size, int protection, int flags, int file, off_t at) {
     CACHED(mmap);

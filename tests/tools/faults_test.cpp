@@ -78,7 +78,7 @@ const std::vector<Order>& orders() {
     return all;
 }
 
-constexpr const char* families[] = {"open", "read", "write", "fsync", "rename", "truncate", "mmap", "pthread_create"};
+constexpr const char* families[] = {"open", "read", "write", "fsync", "rename", "truncate", "lock", "mmap", "pthread_create"};
 
 class Faults : public Sweeps {
 protected:
@@ -192,6 +192,20 @@ TEST_F(Faults, SampledCallsOfCommandsEndInAStatedOutcome) {
                 if (n >= 1 && n <= count) expect_stated_outcome(order, family, n, n % 2 == 0);
             }
         }
+    }
+}
+
+/// Two writers could take one file otherwise: a first run that reports success, and a record that is damaged.
+TEST_F(Faults, NothingIsWrittenWithoutALock) {
+    for (const Words& order :
+         {with_brief({"run", "tiny", "-o", "new.h5", "--force"}), Words{"batch", "sweep.toml", "-o", "new", "--threads", "1"},
+          Words{"resume", "old.checkpoint.h5", "--set", "run.max_steps=0"}}) {
+        clean();
+        const Outcome outcome = run(order, environment("lock", 1, true));
+        EXPECT_EQ(outcome.status, 1) << order.front();
+        EXPECT_THAT(outcome.err, testing::HasSubstr(": cannot lock: No locks available; ")) << order.front();
+        expect_untouched(order.front());
+        EXPECT_FALSE(exists("new.h5") || exists("new/cases.h5")) << order.front();
     }
 }
 

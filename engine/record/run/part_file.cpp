@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "engine/record/hdf5/file_seal.hpp"
+#include "engine/record/run/file_lock.hpp"
 #include "engine/record/run/schema.hpp"
 
 namespace cvtflow::engine {
@@ -46,21 +47,11 @@ int open_part(const std::string& path) {
     return -1;
 }
 
-/// An open-file-description lock: gone with the process, however it ends, and unseen by HDF5, which asks for flock locks.
-bool lock(int descriptor) {
-    struct flock whole {};
-    whole.l_type = F_WRLCK;
-    whole.l_whence = SEEK_SET;
-    return fcntl(descriptor, F_OFD_SETLK, &whole) == 0 || (errno != EAGAIN && errno != EACCES);
-}
-
 }  // namespace
 
 bool being_written(const std::string& part) {
-    const int descriptor = open(part.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
-    const bool free = descriptor < 0 || lock(descriptor);
-    if (descriptor >= 0) ::close(descriptor);
-    return !free;
+    const Descriptor descriptor(open(part.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW));
+    return descriptor.number() >= 0 && !try_lock(descriptor.number(), part);
 }
 
 PartFile::PartFile(const Permit& permit) : final_path_(permit.path()), part_path_(final_path_ + ".part") {
@@ -68,19 +59,12 @@ PartFile::PartFile(const Permit& permit) : final_path_(permit.path()), part_path
     for (const std::string& path : {final_path_, part_path_}) {  // a link may have taken its place since it was permitted
         if (const std::string other = other_than_file(path); !other.empty()) throw RecordError(path + ": cannot create: " + other);
     }
-    descriptor_ = open_part(part_path_);
-    if (descriptor_ < 0) {
-        throw RecordError(part_path_ + ": cannot create: " + std::strerror(errno));
-    }
-    if (!lock(descriptor_) || !still_named(descriptor_, part_path_)) {
-        ::close(descriptor_);
+    Descriptor part(open_part(part_path_));
+    if (part.number() < 0) throw RecordError(part_path_ + ": cannot create: " + std::strerror(errno));
+    if (!try_lock(part.number(), part_path_) || !still_named(part.number(), part_path_))
         throw RecordError(part_path_ + ": cannot create: another run is writing it");
-    }
-    if (ftruncate(descriptor_, 0) != 0) {
-        const int reason = errno;
-        ::close(descriptor_);
-        throw RecordError(part_path_ + ": cannot empty: " + std::strerror(reason));
-    }
+    if (ftruncate(part.number(), 0) != 0) throw RecordError(part_path_ + ": cannot empty: " + std::strerror(errno));
+    descriptor_ = part.give_away();
 }
 
 PartFile::~PartFile() {

@@ -13,6 +13,7 @@
 #include "engine/record/hdf5/hdf5_attribute.hpp"
 #include "engine/record/hdf5/hdf5_open.hpp"
 #include "engine/record/hdf5/hdf5_series.hpp"
+#include "engine/record/run/file_lock.hpp"
 #include "engine/record/run/part_file.hpp"
 
 namespace cvtflow::engine {
@@ -244,18 +245,14 @@ FolderLock::FolderLock(const std::string& folder) {
     if (!std::filesystem::is_directory(folder, unreadable))
         throw RecordError(folder + ": cannot create: " + (error ? error.message() : "a file with that name exists"));
     for (const char* inside : {"", "/records", "/checkpoints", "/continuation", "/states"}) require_no_link(folder + inside);
-    descriptor_ = open((folder + "/lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
-    if (descriptor_ < 0) throw RecordError(folder + ": cannot write into it: " + std::strerror(errno));
-    struct flock whole {};
-    whole.l_type = F_WRLCK;
-    whole.l_whence = SEEK_SET;
-    for (int attempt = 0; fcntl(descriptor_, F_OFD_SETLK, &whole) != 0 && (errno == EAGAIN || errno == EACCES); ++attempt) {
-        if (attempt == 100) {  // a sweep that was killed is gone before that
-            close(descriptor_);
-            throw RecordError(folder + ": another sweep is writing into it");
-        }
+    const std::string lock = folder + "/lock";
+    Descriptor file(open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666));
+    if (file.number() < 0) throw RecordError(folder + ": cannot write into it: " + std::strerror(errno));
+    for (int attempt = 0; !try_lock(file.number(), lock); ++attempt) {
+        if (attempt == 100) throw RecordError(folder + ": another sweep is writing into it");  // one that was killed is gone before that
         usleep(10'000);
     }
+    descriptor_ = file.give_away();
 }
 
 FolderLock::~FolderLock() { close(descriptor_); }
