@@ -3,12 +3,12 @@
 
 #include <cvtflow/cvtflow.h>
 
-#include <atomic>
 #include <cvtflow/record.hpp>
 #include <cvtflow/simulation.hpp>
 #include <vector>
 
 #include "api/host/given.hpp"
+#include "engine/thread/life_count.hpp"
 
 struct cvtflow_scene {
     cvtflow::Scene scene;
@@ -19,8 +19,7 @@ struct cvtflow_simulation {
     cvtflow_log_function log = nullptr;
     void* log_user = nullptr;
     std::vector<std::string> logged{};  ///< notices that the log has seen
-    std::atomic<int> users{1};          ///< its owner, and calls under way that may call back
-    std::atomic<bool> destroyed{false};
+    cvtflow::engine::LifeCount life{};  ///< of its owner, and of calls that may call back
 };
 
 struct cvtflow_record {

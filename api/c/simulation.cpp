@@ -28,13 +28,13 @@ T ask(const cvtflow_simulation* simulation, T nothing, Question&& question) noex
 /// A call that may call the host back: a simulation that is destroyed meanwhile ends with the last of them.
 class Visit {
 public:
-    explicit Visit(cvtflow_simulation& handle) noexcept : handle_(handle) { ++handle.users; }
+    explicit Visit(cvtflow_simulation& handle) noexcept : handle_(handle) { handle.life.enter(); }
     ~Visit() { leave(handle_); }
     Visit(const Visit&) = delete;
     Visit& operator=(const Visit&) = delete;
 
     static void leave(cvtflow_simulation& handle) noexcept {
-        if (--handle.users == 0) delete &handle;
+        if (handle.life.leave()) delete &handle;
     }
 
 private:
@@ -44,17 +44,17 @@ private:
 /// Runs a callback of a step, unless the simulation has been destroyed. @throws Error (callback, cancelled), which ends the call
 template <class Callback>
 void call_back(const cvtflow_simulation& handle, const char* name, Callback&& callback) {
-    const int status = handle.destroyed ? 0 : callback();
-    if (handle.destroyed) throw Error(ErrorCode::cancelled, "the simulation was destroyed while it was stepping");
+    const int status = handle.life.given_up() ? 0 : callback();
+    if (handle.life.given_up()) throw Error(ErrorCode::cancelled, "the simulation was destroyed while it was stepping");
     if (status != 0) throw Error(ErrorCode::callback, std::string("the callback on ") + name + " requested the end");
 }
 
 void log(const cvtflow_simulation& handle, const std::string& line) {
-    if (handle.log != nullptr && !handle.destroyed) handle.log(line.c_str(), handle.log_user);
+    if (handle.log != nullptr && !handle.life.given_up()) handle.log(line.c_str(), handle.log_user);
 }
 
 void log_notices(cvtflow_simulation& handle) {
-    if (handle.log == nullptr || handle.destroyed) return;
+    if (handle.log == nullptr || handle.life.given_up()) return;
     for (const std::string& line : handle.simulation.notices()) {
         if (std::find(handle.logged.begin(), handle.logged.end(), line) != handle.logged.end()) continue;
         handle.logged.push_back(line);
@@ -94,7 +94,7 @@ cvtflow_code cvtflow_copy(const cvtflow_simulation* from, cvtflow_simulation** c
 }
 
 void cvtflow_destroy(cvtflow_simulation* simulation) {
-    if (simulation == nullptr || simulation->destroyed.exchange(true)) return;
+    if (simulation == nullptr || !simulation->life.give_up()) return;
     simulation->simulation.cancel();
     Visit::leave(*simulation);
 }
