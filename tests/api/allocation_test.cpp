@@ -56,7 +56,8 @@ void expect_none(const std::string& what, Simulation simulation) {
 Scene at_level(const std::string& level, const std::string& method = "auto") {
     return Scene::ready("tiny")
         .with({"start.settling_time=0.3 ms", "start.ramp_time=0.3 ms"})
-        .with({"detail.level=" + level, "run.method=" + method});
+        .with({"run.method=" + method})
+        .with_detail(level);
 }
 
 class Allocations : public testing::Test {

@@ -45,7 +45,7 @@ protected:
     void give_to_other_program(const std::string& folder) const {
         engine::CaseTable other = table(folder);
         other.set({"program", std::string(other_program)});
-        engine::write_cases((folder_ / folder / "cases.h5").string(), other);
+        engine::write_cases(engine::Permit((folder_ / folder / "cases.h5").string(), {.force = true}), other);
     }
     void give_state_to_other_program(const fs::path& file) const {
         engine::SavedState state = engine::read_state((folder_ / file).string());

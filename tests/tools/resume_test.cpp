@@ -57,7 +57,7 @@ int Resume::killed_and_resumed(int kills) const {
             EXPECT_EQ(outcome.status, 0) << outcome.err;
             ++resumed;
         } else if (!exists("cut.h5")) {
-            EXPECT_EQ(run(run_to_be_ended("cut.h5")).status, 0);  // killed before there was anything to go on from
+            EXPECT_EQ(run(run_to_be_ended("cut.h5") + Words{"--force"}).status, 0);  // killed before there was anything to go on from
         }
         expect_same("whole.h5", "cut.h5");
         EXPECT_FALSE(exists("cut.checkpoint.h5"));

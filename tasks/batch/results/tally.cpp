@@ -1,7 +1,6 @@
 #include "tasks/batch/results/tally.hpp"
 
 #include <algorithm>
-#include <sstream>
 
 #include "tasks/batch/case_engine.hpp"
 
@@ -12,8 +11,12 @@ void CaseTally::add(const engine::RowLayout& layout, std::span<const std::byte> 
     ++rows_;
     ++statuses_[status];
     if (layout.has("notes")) {
-        std::istringstream names(layout.text(row, layout.column("notes")));
-        for (std::string name; names >> name;) ++notes_[name];
+        const std::string names = layout.text(row, layout.column("notes"));
+        for (std::size_t begin = 0; begin < names.size();) {
+            const std::size_t end = std::min(names.find(' ', begin), names.size());
+            if (end > begin) ++notes_[names.substr(begin, end - begin)];
+            begin = end + 1;
+        }
     }
     if (status == status_name(CaseStatus::ok) || !layout.has("error")) return;
     const std::string error = layout.text(row, layout.column("error"));

@@ -240,12 +240,14 @@ private:
         }
     }
 
-    /// Tuning chooses the level of detail, and brings the scene's state over to it; a state of other unknowns than the scene's fits none.
+    /// Tuning chooses the level of detail, and brings the scene's state over to it: between levels of halves, or of rigid pins, alone.
     void start_takes_accuracy() {
         const Scene& scene = sweep_.scene;
         if (!(sweep_.accuracy.target > 0.0) || sweep_.start != StartMode::scene || scene.state_file.empty()) return;
         const auto saved = saved_start(scene);
-        if (has_coordinates(*saved, settled_layout(*saved, scene), scene)) return;
+        const auto settled = settled_layout(*saved, scene);
+        const model::ChainLayout own = model::layout_of(scene.parameters);
+        if (!settled || (settled->links == own.links && settled->rigid == own.rigid)) return;
         problems_.push_back({{},
                              "accuracy: start.state has the unknowns of another level of detail than the sweep's scene; leave the level to "
                              "[accuracy] (remove sweep.detail and detail.*), or let cases settle (start.mode = \"settle\")"});

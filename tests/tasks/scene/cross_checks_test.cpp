@@ -1,5 +1,6 @@
 #include "tasks/scene/cross_checks.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -24,10 +25,12 @@ TEST(CrossChecks, KeysExist) {
 TEST(CrossChecks, AStateToStartFromNeedsNoGeometricStart) {
     Scene scene;
     scene.parameters.start.ratio = 10.0;
-    const auto& closes = cross_checks().front();
-    EXPECT_TRUE(closes.violation(scene));
+    const auto violated = [&] {
+        return std::ranges::any_of(cross_checks(), [&](const CrossCheck& check) { return check.violation(scene).has_value(); });
+    };
+    EXPECT_TRUE(violated());
     scene.state_file = "/some/state.h5";
-    EXPECT_FALSE(closes.violation(scene));
+    EXPECT_FALSE(violated());
 }
 
 TEST(CrossChecks, WithoutSettlingTheRampDoesNotMatter) {

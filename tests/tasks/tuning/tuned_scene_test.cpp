@@ -91,8 +91,12 @@ TEST_F(TunedScenes, OfOtherUnknownsBeginWithTheStateThatWasMeasured) {
     const auto written = fs::last_write_time(state);
     EXPECT_EQ(tuned_scene(scene, any, folder_, never).scene.state_file, state);
     EXPECT_EQ(fs::last_write_time(state), written) << "kept";
-    std::ofstream(state) << "damaged";
+    fs::resize_file(state, fs::file_size(state) / 2);
     EXPECT_FALSE(Simulation(tuned_scene(scene, any, folder_, never).scene, Schedule{}).needs_settling()) << "made anew";
+    fs::remove(state);
+    std::ofstream(state) << "mine";
+    EXPECT_TRUE(Simulation(tuned_scene(scene, any, folder_, never).scene, Schedule{}).needs_settling());
+    EXPECT_EQ(fs::file_size(state), 4u) << "no state: somebody else's";
 }
 
 TEST_F(TunedScenes, AreMeasuredAnewWhereWhatIsKeptIsDamagedOrForeign) {
