@@ -102,6 +102,8 @@ OpenFile open_input(const std::string& path, const FileKind& kind) {
     try {
         inspect_in_child([&] { inspect_everything(open_that(path, input).id()); });
         open.file = open_that(path, input);
+    } catch (const OverLimit& reason) {
+        throw RecordError(path + ": cannot be read: " + reason.what() + "; it may be damaged");
     } catch (const Failure& failure) {
         throw_unreadable(path, failure.what());
     }

@@ -139,10 +139,11 @@ void inspect_in_child(const std::function<void()>& inspect) {
     close(ends[0]);
     if (child < 0) return;  // no process available: as in a host
     if (WIFSIGNALED(status)) {
-        throw Failure(WTERMSIG(status) == SIGPROF ? "HDF5 takes too long" : "HDF5 crashes on it");
+        if (WTERMSIG(status) == SIGPROF) throw OverLimit("HDF5 needs more than 1 s of processor time for it");
+        throw Failure("HDF5 crashes on it");
     }
     if (WEXITSTATUS(status) == has_a_message) throw Failure(said);
-    if (WEXITSTATUS(status) == out_of_memory) throw Failure("HDF5 needs more than 1 GiB for it");
+    if (WEXITSTATUS(status) == out_of_memory) throw OverLimit("HDF5 needs more than 1 GiB for it");
 }
 
 }  // namespace hdf5

@@ -14,11 +14,15 @@ namespace cvtflow::engine::hdf5 {
 /// listed.
 void inspect_everything(hid_t file);
 
-/// Runs `inspect` in a child with 1 s of processor time and 1 GiB of memory more than there is. Wall time has no limit: a network share
-/// that stalls or a laptop that sleeps does not damage a file. Does nothing unless the program has asked for it (try_files_first), and
-/// where other threads run, of which one may hold the library's lock. Throws the Failure that `inspect` throws there, Failure("HDF5 crashes
-/// on it"),
-/// ("HDF5 takes too long") or ("HDF5 needs more than 1 GiB for it").
+/// Such files may be forged, or the machine very slow.
+struct OverLimit : Failure {
+    using Failure::Failure;
+};
+
+/// Runs `inspect` in a child with 1 s of processor time and 1 GiB of memory more than there is; time that it waits for a slow disk or
+/// network does not count. Does nothing unless the program has asked for it (try_files_first), and where other threads run, of which one
+/// may hold the library's lock. Throws the Failure that `inspect` throws there, Failure("HDF5 crashes on it"), OverLimit("HDF5 needs more
+/// than 1 s of processor time for it") or OverLimit("HDF5 needs more than 1 GiB for it").
 void inspect_in_child(const std::function<void()>& inspect);
 
 }  // namespace cvtflow::engine::hdf5

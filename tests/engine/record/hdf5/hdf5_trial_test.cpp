@@ -44,18 +44,19 @@ using Hdf5TrialTest = RecordTest;
 
 TEST_F(Hdf5TrialTest, TellsWhatBecameOfTheChild) {
     const auto begun = std::chrono::steady_clock::now();
-    EXPECT_EQ(verdicts(path("out"), {[] {}, [] { throw std::runtime_error("for the parent to say"); }, [] { std::raise(SIGSEGV); },
-                                     [] {
-                                         while (getpid() != 0) {}
-                                     },
-                                     [] { throw std::bad_alloc(); }}),
-              "survived; survived; HDF5 crashes on it; HDF5 takes too long; HDF5 needs more than 1 GiB for it; ");
+    EXPECT_EQ(
+        verdicts(path("out"), {[] {}, [] { throw std::runtime_error("for the parent to say"); }, [] { std::raise(SIGSEGV); },
+                               [] {
+                                   while (getpid() != 0) {}
+                               },
+                               [] { throw std::bad_alloc(); }}),
+        "survived; survived; HDF5 crashes on it; HDF5 needs more than 1 s of processor time for it; HDF5 needs more than 1 GiB for it; ");
     EXPECT_GE(std::chrono::steady_clock::now() - begun, std::chrono::milliseconds(990));  // of processor time
 }
 
-/// A storage that stalls: the limit was 5 s, and the file was called damaged.
-TEST_F(Hdf5TrialTest, WaitsForAStorageThatStalls) {
-    EXPECT_EQ(verdicts(path("out"), {[] { std::this_thread::sleep_for(std::chrono::milliseconds(5500)); }}), "survived; ");
+/// As on a network drive, or after a laptop was suspended.
+TEST_F(Hdf5TrialTest, WaitsForStorageThatStalls) {
+    EXPECT_EQ(verdicts(path("out"), {[] { usleep(5'500'000); }}), "survived; ");
 }
 
 TEST_F(Hdf5TrialTest, IsNotHeldBesideOtherThreads) {
