@@ -16,14 +16,15 @@ class WorkCommand : public Program {};
 class DrawCommand : public Program {};
 
 TEST_F(WorkCommand, CountsInstructionsByStageAndByThreads) {
-    const Outcome outcome = run({"work", "tiny", "--method", "rk4", "--step", "50 ns", "--segments", "2", "-q", "-o", "w"});
+    const Outcome outcome =
+        run({"work", "tiny", "--method", "rk4", "--step", "50 ns", "--segments", "2", "-q", "-o", "w", "--set", "scene.name=a,b;=1+1"});
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_EQ(outcome.err, "");
-    EXPECT_THAT(outcome.out, AllOf(StartsWith("tiny: work of a step of rk4, 50 ns long, kernels "), HasSubstr("\n  all forces (fused) "),
-                                   HasSubstr(" 2 ")));
+    EXPECT_THAT(outcome.out, AllOf(StartsWith("a,b;=1+1: work of a step of rk4, 50 ns long, kernels "),
+                                   HasSubstr("\n  all forces (fused) "), HasSubstr(" 2 ")));
     EXPECT_THAT(read("w/work.csv"), StartsWith("scene,method,kernels,threads,links,even,segments,instructions,fixed,claimed,"));
-    EXPECT_THAT(read("w/stages.csv"), StartsWith("scene,method,kernels,step_s,stage,instructions,share,commit\ntiny,rk4,"));
-    EXPECT_THAT(read("w/work.svg"), HasSubstr("Speed-up of tiny by counted instructions"));
+    EXPECT_THAT(read("w/stages.csv"), StartsWith("scene,method,kernels,step_s,stage,instructions,share,commit\n\"a,b;=1+1\",rk4,"));
+    EXPECT_THAT(read("w/work.svg"), HasSubstr("Speed-up of a,b;=1+1 by counted instructions"));
 }
 
 TEST_F(WorkCommand, RefusesMoreSegmentsThanLinks) {

@@ -8,6 +8,7 @@
 #include "bench/study/profile/counted_work.hpp"
 #include "engine/base/provenance.hpp"
 #include "model/basis/isa.hpp"
+#include "tasks/scene/csv/csv_text.hpp"
 #include "tools/program/arguments/scene_arguments.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output/output_folder.hpp"
@@ -45,9 +46,9 @@ std::string work_csv(const tasks::Scene& scene, const std::vector<WorkRow>& rows
     std::string text =
         "scene,method,kernels,threads,links,even,segments,instructions,fixed,claimed,claimed_segments,step_fixed,step_claimed,commit\n";
     for (const WorkRow& row : rows) {
-        text += fmt::format("{},{},{},{},{},{:.4f},{},{:.0f},{:.4f},{:.4f},{},{:.4f},{:.4f},{}\n", scene.name, tasks::method_of(scene),
-                            kernels, row.threads, row.links, row.even, row.segments, row.longest, row.fixed, row.claimed,
-                            row.claimed_segments, row.step_fixed, row.step_claimed, engine::current_provenance().commit);
+        text += fmt::format("{},{},{},{},{},{:.4f},{},{:.0f},{:.4f},{:.4f},{},{:.4f},{:.4f},{}\n", tasks::csv_cell(scene.name, true),
+                            tasks::method_of(scene), kernels, row.threads, row.links, row.even, row.segments, row.longest, row.fixed,
+                            row.claimed, row.claimed_segments, row.step_fixed, row.step_claimed, engine::current_provenance().commit);
     }
     return text;
 }
@@ -70,9 +71,9 @@ std::string stages_table(const CountedWork& counted) {
 std::string stages_csv(const tasks::Scene& scene, const CountedWork& counted, const std::string& kernels) {
     std::string text = "scene,method,kernels,step_s,stage,instructions,share,commit\n";
     for (const StageWork& stage : counted.stages) {
-        text +=
-            fmt::format("{},{},{},{:.6g},{},{:.0f},{:.5f},{}\n", scene.name, tasks::method_of(scene), kernels, counted.step, stage.stage,
-                        stage.instructions, stage.instructions / all_instructions(counted), engine::current_provenance().commit);
+        text += fmt::format("{},{},{},{:.6g},{},{:.0f},{:.5f},{}\n", tasks::csv_cell(scene.name, true), tasks::method_of(scene), kernels,
+                            counted.step, stage.stage, stage.instructions, stage.instructions / all_instructions(counted),
+                            engine::current_provenance().commit);
     }
     return text;
 }
