@@ -1,54 +1,53 @@
-/// Every file under broken/ is a scene with something wrong. Its first lines say which messages it must give, exactly.
+/// broken_scenes.txt contains scenes with something wrong: a line `=== name`, then the scene, whose first lines `# expect: …` are exactly
+/// the messages that it must give.
 
-#include <algorithm>
-#include <filesystem>
+#include <gtest/gtest.h>
+
 #include <fstream>
-#include <sstream>
 #include <string>
 #include <vector>
-
-#include <fmt/format.h>
-#include <gtest/gtest.h>
 
 #include "tasks/scene/scene.hpp"
 
 namespace cvtflow::tasks {
 namespace {
 
-std::vector<std::filesystem::path> broken_scenes() {
-    std::vector<std::filesystem::path> files;
-    for (const auto& file : std::filesystem::directory_iterator(std::filesystem::path(CVTFLOW_SOURCE_DIR) / "tests/tasks/scene/broken"))
-        files.push_back(file.path());
-    std::sort(files.begin(), files.end());
-    return files;
-}
+struct Broken {
+    std::string name, text, expected;
+};
 
-/// The lines `# expect: …` at the beginning of a scene, without that word.
-std::string expectation(const std::string& text) {
+void PrintTo(const Broken& scene, std::ostream* out) { *out << scene.name; }
+
+std::vector<Broken> broken_scenes() {
+    const std::string head = "=== ";
     const std::string mark = "# expect: ";
-    std::istringstream lines(text);
-    std::vector<std::string> expected;
-    for (std::string line; std::getline(lines, line) && line.starts_with(mark);) expected.push_back(line.substr(mark.size()));
-    return fmt::format("{}", fmt::join(expected, "\n"));
+    std::ifstream file(CVTFLOW_SOURCE_DIR "/tests/tasks/scene/broken_scenes.txt");
+    std::vector<Broken> scenes;
+    for (std::string line; std::getline(file, line);) {
+        if (line.starts_with(head)) {
+            scenes.push_back({line.substr(head.size()), "", ""});
+            continue;
+        }
+        Broken& scene = scenes.back();
+        if (line.starts_with(mark)) scene.expected += (scene.expected.empty() ? "" : "\n") + line.substr(mark.size());
+        scene.text += line + "\n";
+    }
+    return scenes;
 }
 
-class BrokenScene : public testing::TestWithParam<std::filesystem::path> {};
+class BrokenScene : public testing::TestWithParam<Broken> {};
 
 TEST_P(BrokenScene, GivesExactlyTheMessageItExpects) {
-    std::ifstream file(GetParam());
-    std::ostringstream text;
-    text << file.rdbuf();
-    ASSERT_NE(expectation(text.str()), "");
+    ASSERT_NE(GetParam().expected, "");
     try {
-        (void)parse_scene(text.str(), "scene.toml");
+        (void)parse_scene(GetParam().text, "scene.toml");
         FAIL() << "the scene was accepted";
     } catch (const SceneError& error) {
-        EXPECT_EQ(error.what(), expectation(text.str()));
+        EXPECT_EQ(error.what(), GetParam().expected);
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, BrokenScene, testing::ValuesIn(broken_scenes()),
-                         [](const auto& scene) { return scene.param.stem().string(); });
+INSTANTIATE_TEST_SUITE_P(All, BrokenScene, testing::ValuesIn(broken_scenes()), [](const auto& scene) { return scene.param.name; });
 
 TEST(BrokenScenes, AreMany) { EXPECT_GE(broken_scenes().size(), 55U); }
 
