@@ -9,8 +9,6 @@
 
 namespace cvtflow::model {
 
-struct SlipKernels;  // model/contact/slip/slip_space.hpp
-
 /// Defined in chain_kernels.cpp, which is compiled once per instruction set. @param order p, 0 … 3
 template <Isa isa>
 ChainKernels chain_kernels(int order) noexcept;
@@ -51,23 +49,12 @@ SingleFrictionKernels single_kernels<Isa::avx2>(int order) noexcept;
 template <>
 SingleFrictionKernels single_kernels<Isa::avx512>(int order) noexcept;
 
-/// Defined in slip_kernels.cpp, likewise. @param points of a joint
-template <Isa isa>
-SlipKernels slip_kernels(int order, int points) noexcept;
-template <>
-SlipKernels slip_kernels<Isa::baseline>(int order, int points) noexcept;
-template <>
-SlipKernels slip_kernels<Isa::avx2>(int order, int points) noexcept;
-template <>
-SlipKernels slip_kernels<Isa::avx512>(int order, int points) noexcept;
-
 struct CompiledKernels {
     Isa isa;
     ChainKernels (*chain)(int order) noexcept;
     StagedFunctions (*staged)(int order, bool observe) noexcept;
     FrictionKernels (*friction)(int order) noexcept;
     SingleFrictionKernels (*single)(int order) noexcept;
-    SlipKernels (*slip)(int order, int points) noexcept;
 };
 /// Whatever this program contains, ascending. The build writes this list (compiled_kernels.cpp.in).
 [[nodiscard]] std::vector<CompiledKernels> compiled_kernels();

@@ -46,7 +46,7 @@ struct MethodProgram {
     /// What it needs that parameters do not have, as a setting; empty: it takes them.
     std::string_view (*missing)(const model::Parameters& parameters) = [](const model::Parameters&) { return std::string_view(); };
 
-    /// Why it cannot be used with these parameters: "method 'leapfrog-be' requires detail.pins = "halves""; empty: it can.
+    /// Why it cannot be used with these parameters: "method 'sw2' requires detail.pins = "halves""; empty: it can.
     [[nodiscard]] std::string objection(const model::Parameters& parameters) const;
 };
 

@@ -92,9 +92,6 @@ void expect_limit(const std::string& method) {
 /// limit.
 TEST(FrictionLeapfrogClaim, AsTheSaturationSpeedVanishesResultsTendToALimit) { expect_limit("leapfrog-chebyshev"); }
 
-/// Solves take more iterations, but get there.
-TEST(FrictionLeapfrogClaim, AsTheSaturationSpeedVanishesSolvedFrictionTendsToALimit) { expect_limit("leapfrog-be"); }
-
 /// What a user is told on one scene holds on another.
 TEST(NightlyFrictionLeapfrog, KeepsItsErrorsOnLowOverdriveAndTheLoadRamp) {
     for (const std::string scene : {"low", "overdrive", "load_ramp"}) {

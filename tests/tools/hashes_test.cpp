@@ -22,7 +22,6 @@ TEST_F(Hashes, AreTheSameForEveryVariantOfTheCLibrary) {
         {"--method", "rk4"},
         {"--method", "leapfrog-chebyshev"},
         {"--method", "leapfrog-sweep"},
-        {"--method", "leapfrog-be"},
         {"--method", "dumka3"},
         {"--method", "rkc"},
         {"--method", "rock2-s10"},

@@ -100,7 +100,7 @@ TEST_F(RigidPins, RefuseWhatTheyDoNotHave) {
         EXPECT_EQ(outcome.status, 2);
         return outcome.err;
     };
-    EXPECT_THAT(refusal({"--set", "run.method=leapfrog-be"}), HasSubstr("method 'leapfrog-be' requires detail.pins = \"halves\""));
+    EXPECT_THAT(refusal({"--set", "run.method=sw2"}), HasSubstr("method 'sw2' requires detail.pins = \"halves\""));
     EXPECT_THAT(refusal({"--set", "detail.order=1"}), HasSubstr("detail.order: detail.pins = \"rigid\" has order 2, not 1"));
     EXPECT_THAT(refusal({"--set", "detail.plates=each"}), HasSubstr("has \"lumped\" plates"));
     EXPECT_THAT(refusal({"--set", "detail.stick_slip=true"}), HasSubstr("no phases stick and slip"));

@@ -1,8 +1,7 @@
 # The kernels, one source for every instruction set; which one runs is chosen at the start of a run (model/basis/isa.hpp).
 # Whatever is not in an unnamed namespace would be shared between them by the linker: tests/architecture looks at their symbols.
 set(force_kernels model/kernels/chain_kernels.cpp model/kernels/staged/staged_kernels.cpp)
-set(kernel_sources ${force_kernels} model/kernels/friction_kernels.cpp model/kernels/single_kernels.cpp model/kernels/slip_kernels.cpp
-  model/kernels/rigid_kernels.cpp)
+set(kernel_sources ${force_kernels} model/kernels/friction_kernels.cpp model/kernels/single_kernels.cpp model/kernels/rigid_kernels.cpp)
 if(CVTFLOW_ONE_LANE)   # the stand-in of bench/one_lane, as the program's baseline
   list(REMOVE_ITEM kernel_sources ${force_kernels})
   add_library(cvtflow_one_lane OBJECT ${force_kernels})
@@ -27,7 +26,7 @@ foreach(isa ${isas})
   target_link_libraries(cvtflow_kernels_${isa} PRIVATE cvtflow_flags)
   target_compile_options(cvtflow_kernels_${isa} PRIVATE ${flags_of_${isa}} $<$<CONFIG:Debug>:-O2>)
   set_target_properties(cvtflow_kernels_${isa} PROPERTIES CVTFLOW_CONTRACTS ${CVTFLOW_FMA} CVTFLOW_KERNELS ON)
-  string(APPEND CVTFLOW_KERNEL_ROWS "        {Isa::${isa}, chain_kernels<Isa::${isa}>, staged_kernels<Isa::${isa}>, friction_kernels<Isa::${isa}>, single_kernels<Isa::${isa}>, slip_kernels<Isa::${isa}>},\n")
+  string(APPEND CVTFLOW_KERNEL_ROWS "        {Isa::${isa}, chain_kernels<Isa::${isa}>, staged_kernels<Isa::${isa}>, friction_kernels<Isa::${isa}>, single_kernels<Isa::${isa}>},\n")
   string(APPEND CVTFLOW_RIGID_KERNEL_ROWS "        {Isa::${isa}, rigid_kernels<Isa::${isa}>},\n")
   list(APPEND kernel_parts cvtflow_kernels_${isa})
 endforeach()

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <string>
 
-#include "tasks/method/friction/additive/additive_method.hpp"
-#include "tasks/method/friction/implicit_leapfrog.hpp"
 #include "tasks/method/friction/staged/friction_leapfrog.hpp"
 #include "tasks/method/friction/sweep/rigid_sweep.hpp"
 #include "tasks/method/friction/sweep/sweep_leapfrog.hpp"
@@ -22,12 +20,6 @@ constexpr const char* ours = "this project (tasks/method/friction)";
 /// Contacts are kept in fields that rigid pins do not have.
 [[nodiscard]] std::string_view missing_contact_fields(const model::Parameters& parameters) noexcept {
     return parameters.detail.pins != model::PinDetail::rigid ? "" : "detail.pins = \"halves\"";
-}
-
-/// Friction solved for as one convex problem: it must not fall with the sliding speed, and slips belong to pin halves.
-[[nodiscard]] std::string_view missing_for_slips(const model::Parameters& parameters) noexcept {
-    if (const std::string_view pins = missing_halves(parameters); !pins.empty()) return pins;
-    return parameters.tip.friction_law == model::TipFriction::constant ? "" : "tip.friction_law = \"constant\"";
 }
 
 enum class Precision { with_single_stages, double_throughout };
@@ -70,44 +62,10 @@ template <class Number>
                 return std::make_unique<SweepLeapfrog<Number>>(workspace);
             },
             .solves = "one per contact and sweep, for friction",
-            .stability = [] { return leapfrog_stability(backward_euler()); },
-            .linear = [](const LinearChain& chain) { return leapfrog_step(chain, backward_euler()); },
+            .stability = backward_euler_leapfrog_stability,
+            .linear = backward_euler_leapfrog_step,
             .longest_step = longest_swept_step,
             .missing = missing_for_sweeps};
-}
-
-/// Friction solved for inside the step of a leapfrog.
-[[nodiscard]] MethodProgram implicit_friction(const char* name, const char* description, const char* source, int order, const char* solves,
-                                              DirkTable (*table)()) {
-    return {.name = name,
-            .description = description,
-            .source = source,
-            .order = order,
-            .evaluations = 1,
-            .state_slots = ImplicitLeapfrog::state_slots,
-            .slope_slots = ImplicitLeapfrog::slope_slots,
-            .make = [table](Workspace& workspace) { return std::make_unique<ImplicitLeapfrog>(workspace, table()); },
-            .solves = solves,
-            .stability = [table] { return leapfrog_stability(table()); },
-            .linear = [table](const LinearChain& chain) { return leapfrog_step(chain, table()); },
-            .missing = missing_for_slips};
-}
-
-[[nodiscard]] MethodProgram additive(const char* description, const char* solves, AdditiveTable (*table)()) {
-    const AdditiveTable t = table();
-    return {.name = t.name,
-            .description = description,
-            .source = t.source,
-            .order = t.order,
-            .evaluations = t.stages(),
-            .state_slots = AdditiveMethod::state_slots,
-            .slope_slots = AdditiveMethod::slope_slots(t),
-            .make = [table](Workspace& workspace) { return std::make_unique<AdditiveMethod>(workspace, table()); },
-            .solves = solves,
-            .stability = [table] { return additive_stability(table()); },
-            .linear = [table](const LinearChain& chain) { return additive_step(chain, table()); },
-            .estimates_error = !t.embedded.empty(),
-            .missing = missing_for_slips};
 }
 
 }  // namespace
@@ -124,13 +82,6 @@ std::vector<MethodProgram> friction_methods() {
         swept_friction<float>("leapfrog-sweep",
                               "leapfrog, friction solved contact by contact in sweeps that start from the forces of the last step"),
         swept_friction<double>(std::string("leapfrog-sweep") + in_double, "leapfrog-sweep with velocities in double precision, too"),
-        implicit_friction("leapfrog-be", "leapfrog, friction implicit inside the step: backward Euler on velocities", ours, 1,
-                          "1 a step, for friction", backward_euler),
-        implicit_friction("leapfrog-sdirk2", "the same with two stages of order 2 (SDIRK2)",
-                          "this project (tasks/method/friction); R. Alexander, SIAM J. Numer. Anal. 14 (1977) 1006-1021", 2,
-                          "2 a step, for friction", sdirk2),
-        additive("ARK4(3)6L[2]SA, additive Runge-Kutta: friction implicit, all else explicit", "5 a step, for friction", ark436),
-        additive("ARS(3,4,3), additive Runge-Kutta: friction implicit, all else explicit", "3 a step, for friction", ars343),
     };
 }
 

@@ -5,8 +5,6 @@
 #include <string_view>
 #include <vector>
 
-#include "tasks/method/friction/additive/additive_table.hpp"
-#include "tasks/method/friction/implicit_leapfrog.hpp"
 #include "tasks/method/friction/staged/kick_tables.hpp"
 #include "tasks/method/method_choice.hpp"
 #include "tasks/method/program_stability.hpp"
@@ -18,7 +16,7 @@ namespace cvtflow::tasks {
 [[nodiscard]] std::string in_double_precision(std::string_view method);
 
 [[nodiscard]] ProgramStability leapfrog_stability(Kick kick);
-[[nodiscard]] ProgramStability leapfrog_stability(const DirkTable& table);
-[[nodiscard]] ProgramStability additive_stability(const AdditiveTable& table);
+/// Of sweeps over contacts that have converged: friction by backward Euler on velocities.
+[[nodiscard]] ProgramStability backward_euler_leapfrog_stability();
 
 }  // namespace cvtflow::tasks

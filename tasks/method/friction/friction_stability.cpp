@@ -46,24 +46,15 @@ double explicit_kick(const KickTable& table, Kicked& kicked) {
     return combined(table.plan.result());
 }
 
-/// The error is one of what is solved for: friction acts on it.
-double implicit_kick(const DirkTable& table, Kicked& kicked) {
-    kicked.stages = static_cast<int>(table.times.size());
-    std::vector<double> slopes;
-    double v = 0.0;
-    for (int stage = 0; stage < kicked.stages; ++stage) {
-        const double frictionless = kicked.frictionless + table.extrapolation(stage, 1.0) * kicked.change;
-        v = kicked.velocity + table.gamma * frictionless + (stage == kicked.disturbed ? 1.0 : 0.0);
-        for (int other = 0; other < stage; ++other) v += table.weights[at(stage)][at(other)] * slopes[at(other)];
-        v /= 1.0 + table.gamma * kicked.friction;
-        kicked.largest = std::max(kicked.largest, std::abs(v));
-        slopes.push_back(frictionless - kicked.friction * v);
-    }
+/// Backward Euler, one stage. The error is one of what is solved for: friction acts on it.
+double backward_euler_kick(Kicked& kicked) {
+    kicked.stages = 1;
+    const double v = (kicked.velocity + kicked.frictionless + (kicked.disturbed == 0 ? 1.0 : 0.0)) / (1.0 + kicked.friction);
+    kicked.largest = std::max(kicked.largest, std::abs(v));
     return v;
 }
 
-template <int Size>
-[[nodiscard]] double spectral_radius(const Eigen::Matrix<double, Size, Size>& step) {
+[[nodiscard]] double spectral_radius(const Eigen::Matrix3d& step) {
     return step.allFinite() ? step.eigenvalues().cwiseAbs().maxCoeff() : std::numeric_limits<double>::infinity();
 }
 
@@ -117,52 +108,6 @@ template <int Size>
     return {TestEquation::oscillator, radius, [kick](double decay) { return stage_figures(kick, decay); }, longest, longest_damping};
 }
 
-/// One additive step of the oscillator, h = 1, from (q, v).
-struct AdditiveStep {
-    double oscillation, friction;
-    double damping = 0.0;         ///< explicit
-    int disturbed = undisturbed;  ///< the stage whose velocity is off by 1 before its friction acts
-    double largest = 0.0;         ///< velocity of a stage, afterwards
-
-    [[nodiscard]] Eigen::Vector2d from(const AdditiveTable& table, const Eigen::Vector2d& begin);
-};
-
-Eigen::Vector2d AdditiveStep::from(const AdditiveTable& table, const Eigen::Vector2d& begin) {
-    std::vector<Eigen::Vector2d> elastic, frictional;
-    Eigen::Vector2d end = begin;
-    for (int stage = 0; stage < table.stages(); ++stage) {
-        Eigen::Vector2d y = begin;
-        for (int other = 0; other < stage; ++other)
-            y += table.explicit_part[at(stage)][at(other)] * elastic[at(other)] +
-                 table.implicit_part[at(stage)][at(other)] * frictional[at(other)];
-        if (stage == disturbed) y(1) += 1.0;
-        if (stage > 0) y(1) /= 1.0 + table.gamma * friction;
-        largest = std::max(largest, std::abs(y(1)));
-        elastic.emplace_back(y(1), -oscillation * oscillation * y(0) - damping * y(1));
-        frictional.emplace_back(0.0, -friction * y(1));
-        end += table.weights[at(stage)] * (elastic.back() + frictional.back());
-    }
-    return end;
-}
-
-[[nodiscard]] StageFigures stage_figures(const AdditiveTable& table, double friction) {
-    AdditiveStep plain{0.0, friction};
-    StageFigures figures;
-    figures.left = std::abs(plain.from(table, Eigen::Vector2d::UnitY())(1));
-    figures.growth = plain.largest;
-    for (int stage = 1; stage < table.stages(); ++stage)
-        figures.gain = std::max(figures.gain, std::abs(AdditiveStep{0.0, friction, 0.0, stage}.from(table, Eigen::Vector2d::Zero())(1)));
-    return figures;
-}
-
-/// Largest h δ with which a velocity does not grow.
-[[nodiscard]] double longest_damping(const AdditiveTable& table) {
-    constexpr double fine = 1e-3, far = 100.0;
-    double damping = fine;
-    while (damping < far && std::abs(AdditiveStep{0.0, 0.0, damping}.from(table, Eigen::Vector2d::UnitY())(1)) <= 1.0) damping += fine;
-    return damping;
-}
-
 }  // namespace
 
 ProgramStability leapfrog_stability(Kick kick) {
@@ -177,21 +122,10 @@ ProgramStability leapfrog_stability(Kick kick) {
     return stability;
 }
 
-ProgramStability leapfrog_stability(const DirkTable& table) {
-    const auto run = [table](Kicked& kicked) { return implicit_kick(table, kicked); };
-    ProgramStability stability = leapfrog_stability(run, std::numeric_limits<double>::infinity());
-    stability.beside = [run](double stiffest) { return oscillation_limit_up_to(run, stiffest); };
+ProgramStability backward_euler_leapfrog_stability() {
+    ProgramStability stability = leapfrog_stability(backward_euler_kick, std::numeric_limits<double>::infinity());
+    stability.beside = [](double stiffest) { return oscillation_limit_up_to(backward_euler_kick, stiffest); };
     return stability;
-}
-
-ProgramStability additive_stability(const AdditiveTable& table) {
-    const auto radius = [table](double x, double y) {
-        Eigen::Matrix2d step;
-        for (int k = 0; k < 2; ++k) step.col(k) = AdditiveStep{x, y}.from(table, Eigen::Vector2d::Unit(k));
-        return spectral_radius(step);
-    };
-    return {TestEquation::oscillator, radius, [table](double decay) { return stage_figures(table, decay); },
-            std::numeric_limits<double>::infinity(), longest_damping(table)};
 }
 
 }  // namespace cvtflow::tasks

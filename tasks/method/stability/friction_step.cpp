@@ -91,44 +91,28 @@ private:
     std::array<Numbers, kick_slope_slots> slopes_;
 };
 
-class ImplicitKicker final : public Kicker {
+/// Backward Euler: the drift of the sheaves over half a step.
+class BackwardEulerKicker final : public Kicker {
 public:
-    explicit ImplicitKicker(DirkTable table) : table_(std::move(table)) {}
     bool prepare(const LinearChain& chain, double h) override {
-        chain_ = &chain;
-        h_ = h;
-        solver_ = chain.friction_solver(table_.gamma * h);
-        slopes_.assign(table_.times.size(), Numbers(at(chain.link_velocities())));
+        solver_ = chain.friction_solver(h);
+        right_.resize(at(chain.link_velocities()));
         return true;
     }
     void kick(LinkKick& k) override {
-        const int count = chain_->link_velocities();
-        std::fill_n(k.mean, count, 0.0);
-        k.mean_time = 0.0;
-        for (int stage = 0; stage < static_cast<int>(table_.times.size()); ++stage) {
-            const double time = table_.times[at(stage)] - 0.5;
-            Numbers& slope = slopes_[at(stage)];
-            std::copy_n(k.frictionless, count, slope.begin());
-            add(table_.extrapolation(stage, 1.0), k.change, count, slope.data());
-            add(1.0, k.grip, count, slope.data());
-            add(time, k.drift, count, slope.data());
-            Numbers right(k.velocity, k.velocity + count);
-            for (int other = 0; other < stage; ++other)
-                add(table_.weights[at(stage)][at(other)], slopes_[at(other)].data(), count, right.data());
-            add(table_.gamma, slope.data(), count, right.data());
-            solver_->solve(right.data(), k.result);
-            if (stage + 1 < static_cast<int>(table_.times.size())) chain_->add_link_friction(h_, k.result, slope.data());
-            add(table_.weight(stage), k.result, count, k.mean);
-            k.mean_time += table_.weight(stage) * time;
-        }
+        const int count = static_cast<int>(right_.size());
+        std::copy_n(k.velocity, count, right_.begin());
+        add(1.0, k.frictionless, count, right_.data());
+        add(1.0, k.grip, count, right_.data());
+        k.mean_time = 0.5;
+        add(k.mean_time, k.drift, count, right_.data());
+        solver_->solve(right_.data(), k.result);
+        std::copy_n(k.result, count, k.mean);
     }
 
 private:
-    const DirkTable table_;
-    const LinearChain* chain_ = nullptr;
-    double h_ = 0.0;
     std::unique_ptr<LinearSolver> solver_;
-    std::vector<Numbers> slopes_;
+    Numbers right_;
 };
 
 /// (q, h v, h² a of the step before, frictionless of the step before, h v of the sheaves in its middle).
@@ -188,79 +172,14 @@ private:
     Numbers middle_, velocity_, frictionless_, change_, grip_, drift_, surface_, mean_, pulleys_;
 };
 
-/// Friction of links by links' velocities is solved for, everything else is explicit.
-class Additive final : public StepMap {
-public:
-    Additive(const LinearChain& chain, AdditiveTable table)
-        : chain_(chain), table_(std::move(table)), n_(chain.coordinates()), m_(chain.velocities()), links_(chain.link_velocities()) {
-        slopes_.assign(at(table_.stages()), Numbers(at(n_ + m_)));
-        friction_.assign(at(table_.stages()), Numbers(at(m_)));
-    }
-    bool prepare(double h) override {
-        h_ = h;
-        solver_ = chain_.friction_solver(table_.gamma * h);
-        return true;
-    }
-    int size() const noexcept override { return n_ + m_; }
-    void step(const double* from, double* to) override {
-        Numbers y(at(n_ + m_));
-        std::copy_n(from, n_ + m_, to);
-        for (int stage = 0; stage < table_.stages(); ++stage) {
-            std::copy_n(from, n_ + m_, y.begin());
-            for (int other = 0; other < stage; ++other) {
-                const double explicit_weight = table_.explicit_part[at(stage)][at(other)];
-                add(explicit_weight, slopes_[at(other)].data(), n_ + m_, y.data());
-                add(table_.implicit_part[at(stage)][at(other)] - explicit_weight, friction_[at(other)].data(), links_, y.data() + n_);
-            }
-            if (stage > 0) solve(y);
-            evaluate(stage, y);
-            add(table_.weights[at(stage)], slopes_[at(stage)].data(), n_ + m_, to);
-        }
-    }
-
-private:
-    /// Friction with the sheaves and the normal forces of the stage, of which only links' velocities are unknown.
-    void solve(Numbers& y) const {
-        Numbers friction(at(m_), 0.0), surface(y.begin() + n_, y.end());
-        std::fill_n(surface.begin(), links_, 0.0);
-        chain_.add_friction(h_, surface.data(), friction.data());
-        chain_.add_sliding(h_ * h_, y.data(), friction.data());
-        Numbers right(y.begin() + n_, y.begin() + n_ + links_);
-        add(table_.gamma, friction.data(), links_, right.data());
-        solver_->solve(right.data(), y.data() + n_);
-    }
-    void evaluate(int stage, const Numbers& y) {
-        Numbers& slope = slopes_[at(stage)];
-        std::copy_n(y.begin() + n_, n_, slope.begin());
-        std::fill(slope.begin() + n_, slope.end(), 0.0);
-        chain_.add_elastic(h_ * h_, y.data(), slope.data() + n_);
-        chain_.add_damping(h_, y.data() + n_, slope.data() + n_);
-        chain_.add_friction(h_, y.data() + n_, slope.data() + n_);
-        std::fill(friction_[at(stage)].begin(), friction_[at(stage)].end(), 0.0);
-        chain_.add_friction(h_, y.data() + n_, friction_[at(stage)].data());
-        chain_.add_sliding(h_ * h_, y.data(), friction_[at(stage)].data());
-    }
-
-    const LinearChain& chain_;
-    const AdditiveTable table_;
-    const int n_, m_, links_;
-    double h_ = 0.0;
-    std::unique_ptr<LinearSolver> solver_;
-    std::vector<Numbers> slopes_, friction_;  ///< [stage]; of the whole, and of friction alone, of which links' rows are used
-};
-
 }  // namespace
 
 std::unique_ptr<StepMap> leapfrog_step(const LinearChain& chain, Kick kick) {
     return std::make_unique<Leapfrog>(chain, std::make_unique<ExplicitKicker>(kick));
 }
 
-std::unique_ptr<StepMap> leapfrog_step(const LinearChain& chain, const DirkTable& table) {
-    return std::make_unique<Leapfrog>(chain, std::make_unique<ImplicitKicker>(table));
-}
-
-std::unique_ptr<StepMap> additive_step(const LinearChain& chain, const AdditiveTable& table) {
-    return std::make_unique<Additive>(chain, table);
+std::unique_ptr<StepMap> backward_euler_leapfrog_step(const LinearChain& chain) {
+    return std::make_unique<Leapfrog>(chain, std::make_unique<BackwardEulerKicker>());
 }
 
 }  // namespace cvtflow::tasks

@@ -5,8 +5,6 @@
 #include <memory>
 
 #include "engine/method/compiled_plan.hpp"
-#include "tasks/method/friction/additive/additive_table.hpp"
-#include "tasks/method/friction/implicit_leapfrog.hpp"
 #include "tasks/method/friction/staged/kick_tables.hpp"
 #include "tasks/method/implicit/linear_plan.hpp"
 #include "tasks/method/stability/linear_chain.hpp"
@@ -31,8 +29,8 @@ protected:
 
 [[nodiscard]] std::unique_ptr<StepMap> table_step(const LinearChain& chain, const engine::CompiledPlan& plan);
 [[nodiscard]] std::unique_ptr<StepMap> leapfrog_step(const LinearChain& chain, Kick kick);
-[[nodiscard]] std::unique_ptr<StepMap> leapfrog_step(const LinearChain& chain, const DirkTable& table);
-[[nodiscard]] std::unique_ptr<StepMap> additive_step(const LinearChain& chain, const AdditiveTable& table);
+/// Of sweeps over contacts that have converged: friction by backward Euler on velocities.
+[[nodiscard]] std::unique_ptr<StepMap> backward_euler_leapfrog_step(const LinearChain& chain);
 [[nodiscard]] std::unique_ptr<StepMap> implicit_step(const LinearChain& chain, const LinearPlan& plan);
 [[nodiscard]] std::unique_ptr<StepMap> trapezoidal_step(const LinearChain& chain);
 /// Methods that choose among tables by the spectrum: as they would at their first step.

@@ -40,7 +40,7 @@ INSTANTIATE_TEST_SUITE_P(Machines, AutoStepOn,
                          });
 
 TEST_P(AutoStepOn, IsStableAndNotNeedlesslyShort) {
-    for (const char* method : {"leapfrog-chebyshev", "leapfrog-sweep", "leapfrog-sdirk2", "ars343"}) {
+    for (const char* method : {"leapfrog-chebyshev", "leapfrog-sweep"}) {
         const Scene scene = claims::ready_scene("tiny", {GetParam(), std::string("run.method=") + method});
         const Simulation simulation(scene);
         AutoStep automatic(simulation.variator(), scene.parameters, method);
@@ -49,7 +49,7 @@ TEST_P(AutoStepOn, IsStableAndNotNeedlesslyShort) {
         // These machines do not rest in the state of the ready one: what grows by itself grows alike in shorter steps.
         const double by_itself = std::max(1.0, std::pow(predicted_growth(chain, method, step / 4.0), 4.0));
         EXPECT_LE(predicted_growth(chain, method, step), by_itself + noticeable_growth) << method << ", " << step << " s";
-        if (step == automatic.longest() || std::string(method) == "ars343") continue;  // its damping is stable for longer than it says
+        if (step == automatic.longest()) continue;
         EXPECT_GT(predicted_growth(chain, method, given_away * step), 1.0 + growth_factor_tolerance) << method << ", " << step << " s";
     }
 }

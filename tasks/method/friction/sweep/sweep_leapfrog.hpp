@@ -1,6 +1,7 @@
 #pragma once
 /// Leapfrog with friction solved for where it acts: by a few implicit sweeps over the contacts of each joint and link, which begin with the
-/// forces of the step before. It is backward Euler on velocities alone (tasks/method/friction/implicit_leapfrog.hpp), nearly converged.
+/// forces of the step before. It is backward Euler on velocities alone,
+/// nearly converged.
 ///
 ///     opening    joints and links with the forces of the step before, then plates and tips of each link
 ///     middle     joints, plates and tips once more, as often as the plan states

@@ -46,8 +46,8 @@ struct Place {
 }
 
 /// Where prediction misses by more, measured over predicted: rock2 on tiny 0.58 (it chooses among tables by the step, so that stable and
-/// unstable steps alternate), ars343 0.76 and rock4-s40 0.944 (in steps of 3 to 5 us contacts leave what was linearised).
-const std::set<std::pair<std::string, std::string>> known_misses{{"tiny", "rock2"}, {"tiny", "ars343"}, {"tiny", "rock4-s40"}};
+/// unstable steps alternate) and rock4-s40 0.944 (in steps of 3 to 5 us contacts leave what was linearised).
+const std::set<std::pair<std::string, std::string>> known_misses{{"tiny", "rock2"}, {"tiny", "rock4-s40"}};
 
 /// What a person asked for: five hundredths.
 void expect_agreement(const Place& place, const std::string& method) {
@@ -66,8 +66,7 @@ void expect_agreement(const Place& place, const std::string& method) {
 
 TEST(LargestStep, IsMeasuredAsPredictedOnTheSmallestScene) {
     const Place tiny(settled_tiny());
-    for (const char* method : {"rk4", "euler", "dumka3-p3", "rkc-s10", "dumka3", "leapfrog-rkc", "leapfrog-chebyshev", "leapfrog-be",
-                               "leapfrog-sdirk2", "leapfrog-sweep", "ark436"})
+    for (const char* method : {"rk4", "euler", "dumka3-p3", "rkc-s10", "dumka3", "leapfrog-rkc", "leapfrog-chebyshev", "leapfrog-sweep"})
         expect_agreement(tiny, method);
 }
 
