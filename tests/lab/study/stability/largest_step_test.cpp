@@ -7,10 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include <unistd.h>
-
 #include <cmath>
-#include <filesystem>
 #include <set>
 #include <string>
 #include <utility>
@@ -19,6 +16,7 @@
 #include "tasks/method/method_choice.hpp"
 #include "tasks/run/run.hpp"
 #include "tests/tasks/settled_tiny_fixture.hpp"
+#include "tests/temporary_file_fixture.hpp"
 
 namespace cvtflow::bench {
 
@@ -143,12 +141,11 @@ TEST(NightlyLargestStep, IsMeasuredAsPredictedForAllMethodsAtMediumDetail) { exp
 /// kink within a measured step.)
 TEST(NightlyLargestStep, IsMeasuredAsPredictedForAllMethodsOnTheSmallestScene) {
     Scene tiny = ready("tiny");
-    const std::string file =
-        (std::filesystem::temp_directory_path() / ("cvtflow_largest_step_" + std::to_string(getpid()) + ".h5")).string();
+    const cvtflow::tests::TemporaryFile state("largest_step");
+    const std::string& file = state.path();
     settle_scene(tiny, file, {});
     set_values(tiny, std::vector<std::string>{"start.state=" + file});
     expect_all(Place(tiny));
-    std::filesystem::remove(file);
 }
 
 }  // namespace

@@ -1,13 +1,12 @@
 #include "bench/study/tradeoff/error_measure.hpp"
 
 #include <gmock/gmock.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <filesystem>
 #include <string>
 
 #include "tasks/run/run.hpp"
+#include "tests/temporary_file_fixture.hpp"
 
 namespace cvtflow::bench {
 
@@ -51,10 +50,9 @@ TEST(ErrorMeasureCompare, OtherOutputTimesAreRefused) {
 /// The smallest scene after a millisecond of settling, with its state on file.
 class ErrorMeasureRuns : public testing::Test {
 protected:
-    static Scene settled() {
+    [[nodiscard]] Scene settled() const {
         Scene scene = read_scene(CVTFLOW_SOURCE_DIR "/scenes/tiny.toml");
-        const std::string file =
-            (std::filesystem::temp_directory_path() / ("cvtflow_error_measure_" + std::to_string(getpid()) + ".h5")).string();
+        const std::string& file = state_.path();
         set_values(scene, std::vector<std::string>{"start.settling_time=1ms", "start.ramp_time=0.5ms", "run.schedule=serial"});
         settle_scene(scene, file, {});
         set_value(scene, "start.state=" + file);
@@ -65,6 +63,9 @@ protected:
         settings.duration = 24e-6;
         return settings;
     }
+
+private:
+    const cvtflow::tests::TemporaryFile state_{"error_measure"};
 };
 
 TEST_F(ErrorMeasureRuns, TheReferenceAgreesWithItselfAndALongerStepDoesNot) {
