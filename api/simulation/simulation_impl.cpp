@@ -61,7 +61,7 @@ Simulation::Impl::Impl(const Scene& scene, Threads threads, int segments)
       slope_(simulation_.variator(), simulation_.workspace().rule),
       observer_(simulation_.variator()) {
     for (const tasks::Channel& row : tasks::channels()) {
-        if (row.needs_pulleys && data().parameters.detail.pulleys == model::PulleyDetail::absent) continue;
+        if (!row.is(tasks::Channel::any_machine) && data().parameters.detail.pulleys == model::PulleyDetail::absent) continue;
         channels_.push_back(&row);
         values_.emplace_back(static_cast<std::size_t>(row.width(simulation_.variator().chain())));
     }

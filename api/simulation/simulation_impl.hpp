@@ -11,7 +11,7 @@
 #include "engine/executor/cancellation.hpp"
 #include "engine/thread/reentry_guard.hpp"
 #include "model/observe/observation.hpp"
-#include "tasks/run/channels/channels.hpp"
+#include "tasks/run/channels.hpp"
 #include "tasks/run/plain_slope.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/step/frozen_start.hpp"

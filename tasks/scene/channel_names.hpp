@@ -1,5 +1,5 @@
 #pragma once
-/// Channels that a scene may request. Defined by the catalogue in a higher layer (tasks/run/channels/channels.cpp).
+/// Channels that a scene may request. Defined by the catalogue in a higher layer (tasks/run/channels.cpp).
 
 #include <span>
 #include <string>

@@ -1,8 +1,8 @@
-/// Recipe "a channel": one row of tasks/run/channels/channels.cpp.
+/// Recipe "a channel": one row of tasks/run/channels.cpp.
 
 #include <gtest/gtest.h>
 
-#include "tasks/run/channels/channels.hpp"
+#include "tasks/run/channels.hpp"
 #include "tests/claims/rig_fixture.hpp"
 #include "tests/tasks/tiny_fixture.hpp"
 
@@ -10,11 +10,8 @@ namespace cvtflow::recipes {
 namespace {
 
 /// Sum of the tensions of both strands.
-const tasks::Channel strand_sum{
-    .name = "strands/sum",
-    .unit = "N",
-    .description = "tension of both strands together",
-    .read = [](const tasks::Instant& now, double* value) { *value = now.observation.tight + now.observation.slack; }};
+const tasks::Channel strand_sum{"strands/sum", "N", "tension of both strands together",
+                                [](const tasks::Instant& now, double* value) { *value = now.observation.tight + now.observation.slack; }};
 
 TEST(ChannelRecipe, ReadsWhatItSaysAndWritesItsWidth) {
     claims::Rig rig(tasks::tiny_parameters());

@@ -6,7 +6,7 @@
 
 #include "engine/method/catalogue.hpp"
 #include "tasks/method/method_choice.hpp"
-#include "tasks/run/channels/channels.hpp"
+#include "tasks/run/channels.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tests/tools/program_fixture.hpp"

@@ -185,7 +185,7 @@ double TermSum::result(const ScalarTerm& term) const {
 void Reducer::add(const Scalar& scalar, std::size_t term, double time, std::span<const double> numbers) {
     const ScalarTerm& of = scalar.terms[term];
     const bool one_output = of.reduction == Reduction::final || of.reduction == Reduction::at;
-    if (of.channel->may_be_undefined && !one_output && std::isnan(numbers[0])) return;  // such channels have one number
+    if (of.channel->is(Channel::may_be_undefined) && !one_output && std::isnan(numbers[0])) return;  // such channels have one number
     if (of.element != every_element) return sums[term].add(of, time, numbers[static_cast<std::size_t>(of.element)]);
     for (const double number : numbers) sums[term].add(of, time, number);
 }

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tasks/run/channels/channels.hpp"
+#include "tasks/run/channels.hpp"
 #include "tasks/scene/toml/toml_tree.hpp"
 
 namespace cvtflow::tasks {

@@ -5,7 +5,7 @@
 #include <map>
 #include <numeric>
 
-#include "tasks/run/channels/channels.hpp"
+#include "tasks/run/channels.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
 
 namespace cvtflow::tasks {
@@ -25,7 +25,7 @@ TEST(ForceChannels, AreRecordedWhereTheyAreNamedAlone) {
     };
     const std::vector<std::string> names{"tips/*", "joints/normal_force"};
     const auto usual = chosen_channels({}, variator), some = chosen_channels(names, variator), of_ring = chosen_channels(names, ring);
-    EXPECT_TRUE(std::all_of(usual.begin(), usual.end(), [](const Channel* channel) { return channel->usual; }));
+    EXPECT_TRUE(std::all_of(usual.begin(), usual.end(), [](const Channel* channel) { return !channel->is(Channel::on_demand); }));
     EXPECT_EQ(some.size(), usual.size() + 4);
     EXPECT_TRUE(has(some, "tips/radial_force") && has(some, "joints/normal_force") && !has(some, "joints/friction_force"));
     EXPECT_TRUE(has(of_ring, "joints/normal_force") && !has(of_ring, "tips/radial_force"));

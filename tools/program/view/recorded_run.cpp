@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "engine/base/spelling.hpp"
-#include "tasks/run/channels/channels.hpp"
+#include "tasks/run/channels.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/plot/finite.hpp"
 #include "tools/program/text/attribute_text.hpp"
@@ -65,7 +65,7 @@ std::string how_to_record(const std::string& name) {
     const bool group = std::any_of(all.begin(), all.end(), of_group);
     const auto found = std::find_if(all.begin(), all.end(), named);
     if (found == all.end() && !group) return {};
-    if (found != all.end() && found->usual) return "the machine has no pulleys";
+    if (found != all.end() && !found->is(tasks::Channel::on_demand)) return "the machine has no pulleys";
     return fmt::format("record it with --set record.channels={}{}", name, found == all.end() ? "/*" : "");
 }
 

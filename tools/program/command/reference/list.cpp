@@ -13,7 +13,7 @@
 #include "tasks/batch/sweep/sweep.hpp"
 #include "tasks/method/automatic_method.hpp"
 #include "tasks/method/method_choice.hpp"
-#include "tasks/run/channels/channels.hpp"
+#include "tasks/run/channels.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/toml/units.hpp"
 #include "tools/program/arguments/ready_scenes.hpp"

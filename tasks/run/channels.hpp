@@ -29,16 +29,24 @@ struct Channel {
     using Width = std::function<int(const model::ChainModel&)>;
     using Read = std::function<void(const Instant&, double* values)>;
 
+    /// What differs from a usual channel, which every run of a machine with pulleys records; combined by |.
+    enum Trait : unsigned {
+        usual = 0,
+        any_machine = 1,                ///< of a ring of links without pulleys also
+        on_demand = 2,                  ///< recorded where record.channels names it
+        of_hydraulics = 4 | on_demand,  ///< recorded in every run with hydraulics also
+        may_be_undefined = 8,           ///< a quotient that is NaN where its divisor is zero; means and extremes leave such outputs out
+    };
+
     std::string_view name;  ///< as in the record; '/' groups
     std::string_view unit;
     std::string_view description;
+    Read read = {};  ///< values [unit of the channel]
+    unsigned traits = usual;
     std::string_view axis = {};  ///< label of the second dimension, empty for a plain channel
     Width width = always(1);     ///< numbers of an instant
-    Read read = {};              ///< values [unit of the channel]
-    bool needs_pulleys = true;
-    bool usual = true;              ///< recorded in every run; others where record.channels names them
-    bool of_hydraulics = false;     ///< recorded in every run with hydraulics
-    bool may_be_undefined = false;  ///< a quotient that is NaN where its divisor is zero; means and extremes leave such outputs out
+
+    [[nodiscard]] bool is(Trait trait) const noexcept { return (traits & trait) == trait; }
 
     /// A width that does not depend on the machine.
     [[nodiscard]] static Width always(int numbers) {
@@ -46,8 +54,7 @@ struct Channel {
     }
 };
 
-/// All there are: those of channels.cpp, of energy_channels.cpp, and those on demand of force_channels.cpp, coupling_channels.cpp,
-/// hydraulic_channels.cpp and wear_channels.cpp.
+/// All there are: those of channels.cpp, of energy_channels.cpp, and those on demand of force_channels.cpp and drive_channels.cpp.
 [[nodiscard]] std::span<const Channel> channels();
 
 /// What of the catalogue a record has: the usual ones and those that `names` ask for, where the machine has them.

@@ -1,0 +1,108 @@
+/// Channels of what drives the variator from outside: couplings, the impulse that a co-simulation exchanges, and hydraulics (cylinders,
+/// valves, pump: model/EQUATIONS.md section 8).
+
+#include "tasks/run/channels.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+using enum Channel::Trait;
+using model::HydraulicEnergy;
+using model::HydraulicInstant;
+
+[[nodiscard]] model::CouplingState coupling(const Instant& now, int shaft) {
+    const model::ChainLayout& at = now.workspace.layout();
+    return now.workspace.variator.pulleys().coupling(now.observation.time, now.workspace.states[0] + at.pulley_begin(), shaft);
+}
+
+Channel::Read twist(int shaft) {
+    return [shaft](const Instant& now, double* out) { *out = coupling(now, shaft).twist; };
+}
+Channel::Read stored(int shaft) {
+    return [shaft](const Instant& now, double* out) { *out = coupling(now, shaft).energy; };
+}
+Channel::Read far_work(std::size_t shaft) {
+    return [shaft](const Instant& now, double* out) { *out = now.workspace.energy.couplings().work[shaft]; };
+}
+Channel::Read dissipated(std::size_t shaft) {
+    return [shaft](const Instant& now, double* out) { *out = now.workspace.energy.couplings().dissipated[shaft]; };
+}
+Channel::Read impulse(std::size_t shaft) {
+    return [shaft](const Instant& now, double* out) { *out = now.workspace.energy.impulse()[shaft]; };
+}
+
+const Channel table_of_couplings[] = {
+    {"shaft_1/impulse", "N*m*s", "angular impulse of the drive on the driving shaft so far: its change over a time is the mean torque",
+     impulse(0), on_demand},
+    {"shaft_2/impulse", "N*m*s",
+     "angular impulse of the load on the driven shaft so far (negative brakes): its change over a time is the mean torque", impulse(1),
+     on_demand},
+    {"shaft_1/twist", "rad", "twist of the coupling of the driving shaft: far end less shaft", twist(0), on_demand},
+    {"shaft_2/twist", "rad", "twist of the coupling of the driven shaft: far end less shaft", twist(1), on_demand},
+    {"shaft_1/coupling_energy", "J", "energy stored in the coupling of the driving shaft", stored(0), on_demand},
+    {"shaft_2/coupling_energy", "J", "energy stored in the coupling of the driven shaft", stored(1), on_demand},
+    {"shaft_1/coupling_work", "J", "work done at the far end of the coupling of the driving shaft so far", far_work(0), on_demand},
+    {"shaft_2/coupling_work", "J", "work done at the far end of the coupling of the driven shaft so far (negative: taken out)", far_work(1),
+     on_demand},
+    {"shaft_1/coupling_dissipated", "J", "energy dissipated in the coupling of the driving shaft so far", dissipated(0), on_demand},
+    {"shaft_2/coupling_dissipated", "J", "energy dissipated in the coupling of the driven shaft so far", dissipated(1), on_demand},
+};
+
+Channel::Read of(double HydraulicInstant::*member) {
+    return [member](const Instant& now, double* out) { *out = now.observation.hydraulics.*member; };
+}
+Channel::Read of(std::array<double, 2> HydraulicInstant::*member, std::size_t shaft) {
+    return [member, shaft](const Instant& now, double* out) { *out = (now.observation.hydraulics.*member)[shaft]; };
+}
+Channel::Read energy(double HydraulicEnergy::*member) {
+    return [member](const Instant& now, double* out) { *out = now.observation.hydraulic_energy.*member; };
+}
+/// Not all that the pump takes is input: what the oil does on the sheaves comes back.
+void efficiency_with_pump(const Instant& now, double* out) {
+    const HydraulicInstant& oil = now.observation.hydraulics;
+    *out = now.workspace.energy.efficiency(now.observation.time, {oil.pump, oil.lost()});
+}
+
+}  // namespace
+
+std::span<const Channel> coupling_channels() { return table_of_couplings; }
+
+std::span<const Channel> hydraulic_channels() {
+    using I = HydraulicInstant;
+    using E = HydraulicEnergy;
+    static const Channel table[] = {
+        {"shaft_1/pressure", "Pa", "pressure of the driving cylinder at the feed radius", of(&I::pressure, 0), of_hydraulics},
+        {"shaft_2/pressure", "Pa", "pressure of the driven cylinder at the feed radius", of(&I::pressure, 1), of_hydraulics},
+        {"shaft_1/pressure_target", "Pa", "pressure that is requested of the driving valve", of(&I::target, 0), of_hydraulics},
+        {"shaft_2/pressure_target", "Pa", "pressure that is requested of the driven valve", of(&I::target, 1), of_hydraulics},
+        {"shaft_1/oil_flow", "m^3/s", "flow through the valve into the driving cylinder (negative: out of it)", of(&I::flow, 0),
+         of_hydraulics},
+        {"shaft_2/oil_flow", "m^3/s", "flow through the valve into the driven cylinder (negative: out of it)", of(&I::flow, 1),
+         of_hydraulics},
+        {"pump/line_pressure", "Pa", "pressure behind the pump", of(&I::line), of_hydraulics},
+        {"pump/speed", "rad/s", "speed of the pump", of(&I::pump_speed), of_hydraulics},
+        {"pump/torque", "N*m", "torque on the pump's shaft", of(&I::pump_torque), of_hydraulics},
+        {"pump/power", "W", "power of the pump's shaft", of(&I::pump), of_hydraulics},
+        {"pump/flow", "m^3/s", "flow of the pump", of(&I::pump_flow), of_hydraulics},
+        {"pump/spill", "m^3/s", "flow of the pump that no cylinder takes; 0: the pump is short of flow", of(&I::spill), of_hydraulics},
+        {"loss/pump_friction", "W", "power dissipated by friction in the pump", of(&I::mechanical), of_hydraulics},
+        {"loss/pump_leakage", "W", "power dissipated by leakage inside the pump", of(&I::volumetric), of_hydraulics},
+        {"loss/relief", "W", "power dissipated by flow of the pump that no cylinder takes", of(&I::relief), of_hydraulics},
+        {"loss/valves", "W", "power dissipated by throttling in the valves", of(&I::valves), of_hydraulics},
+        {"loss/oil_leakage", "W", "power dissipated by leakage of the cylinders", of(&I::leakage), of_hydraulics},
+        {"hydraulics/pump", "J", "work on the pump's shaft so far", energy(&E::pump), of_hydraulics},
+        {"hydraulics/mechanical", "J", "lost in the pump by friction so far", energy(&E::mechanical), of_hydraulics},
+        {"hydraulics/volumetric", "J", "lost in the pump by its leakage so far", energy(&E::volumetric), of_hydraulics},
+        {"hydraulics/relief", "J", "lost by flow that no cylinder takes so far", energy(&E::relief), of_hydraulics},
+        {"hydraulics/valves", "J", "lost by throttling in the valves so far", energy(&E::valves), of_hydraulics},
+        {"hydraulics/leaked", "J", "lost by leakage of the cylinders so far", energy(&E::leakage), of_hydraulics},
+        {"hydraulics/sheaves", "J", "work of the oil's pressure on the movable sheaves so far", energy(&E::sheaves), of_hydraulics},
+        {"hydraulics/stored", "J", "energy of the compressed oil", energy(&E::stored), of_hydraulics},
+        {"efficiency_with_pump", "1", "1 - losses/input over the last pin period, the pump's losses and power included; NaN without input",
+         efficiency_with_pump, of_hydraulics | may_be_undefined},
+    };
+    return table;
+}
+
+}  // namespace cvtflow::tasks
