@@ -5,7 +5,7 @@
 
 #include "api/host/translate.hpp"
 #include "api/simulation/simulation_impl.hpp"
-#include "engine/base/spelling.hpp"
+#include "engine/base/text.hpp"
 #include "engine/record/run/run_reader.hpp"
 #include "tasks/batch/results/results.hpp"
 #include "tasks/run/run_recorder.hpp"

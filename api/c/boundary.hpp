@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "api/host/given.hpp"
-#include "engine/thread/life_count.hpp"
+#include "engine/thread/guards.hpp"
 
 struct cvtflow_scene {
     cvtflow::Scene scene;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/base/number.hpp"
+#include "engine/base/text.hpp"
 #include "tasks/scene/toml/units.hpp"
 
 namespace cvtflow::fmi {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "engine/base/error_text.hpp"
+#include "engine/base/text.hpp"
 #include "engine/thread/stack_left.hpp"
 
 namespace cvtflow::api {

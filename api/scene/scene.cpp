@@ -4,7 +4,7 @@
 
 #include "api/host/translate.hpp"
 #include "api/scene/scene_data.hpp"
-#include "engine/base/spelling.hpp"
+#include "engine/base/text.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/ready_scenes.hpp"
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "api/host/translate.hpp"
-#include "engine/base/spelling.hpp"
+#include "engine/base/text.hpp"
 #include "engine/thread/worker_threads.hpp"
 #include "tasks/method/stability/predicted_step.hpp"
 #include "tasks/method/stability/step_limit.hpp"

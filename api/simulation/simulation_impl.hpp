@@ -9,7 +9,7 @@
 #include "api/host/state_bytes.hpp"
 #include "api/scene/scene_data.hpp"
 #include "engine/executor/cancellation.hpp"
-#include "engine/thread/reentry_guard.hpp"
+#include "engine/thread/guards.hpp"
 #include "model/observe/observation.hpp"
 #include "tasks/run/channels.hpp"
 #include "tasks/run/plain_slope.hpp"

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "api/host/translate.hpp"
-#include "engine/base/spelling.hpp"
+#include "engine/base/text.hpp"
 #include "tasks/method/stability/predicted_step.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/parameter_table.hpp"

@@ -31,9 +31,7 @@ std::string cpu_model() {
     std::ifstream file("/proc/cpuinfo");
     for (std::string line; std::getline(file, line);) {
         const auto colon = line.find(": ");
-        if (line.starts_with("model name") && colon != std::string::npos) {
-            return line.substr(colon + 2);
-        }
+        if (line.starts_with("model name") && colon != std::string::npos) return line.substr(colon + 2);
     }
     return "unknown";
 }
@@ -47,9 +45,7 @@ int usable_cores() {
 
 std::string operating_system() {
     utsname system{};
-    if (uname(&system) != 0) {
-        return "unknown";
-    }
+    if (uname(&system) != 0) return "unknown";
     return std::string(system.sysname) + " " + system.release + " " + system.machine;
 }
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/base/spelling.hpp"
+#include "engine/base/text.hpp"
 #include "engine/executor/reference/serial.hpp"
 #include "engine/executor/threaded_executors.hpp"
 

@@ -1,9 +1,9 @@
 #pragma once
-/// Waiting for another thread: pause, then yield, then sleep, bounded by the clock (a number of pauses is no measure of time: one pause
-/// takes 5 ns on one processor and 50 ns on the next). Private to this folder.
+/// Waiting for another thread, and leaving a processor that other threads need. Private to this part.
 
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 
 #include "engine/thread/executor_options.hpp"
 
@@ -12,9 +12,10 @@ namespace cvtflow::engine {
 /// Data of different writers stay this far apart: two cache lines, since processors fetch lines in pairs.
 inline constexpr std::size_t apart = 128;
 
-/// One thread's backoff; each has its own copy. It learns: a wait that outlasts the pauses halves them, a shorter one doubles them up
-/// to the policy's. Two threads that the system has put on one processor would otherwise pause in each other's time (measured: 46 µs
-/// per cycle, and 8 ms with OpenMP's barriers, which pause for milliseconds).
+/// One thread's backoff; each has its own copy: pause, then yield, then sleep, bounded by the clock (a number of pauses is no measure of
+/// time: one pause takes 5 ns on one processor and 50 ns on the next). It learns: a wait that outlasts the pauses halves them, a shorter
+/// one doubles them up to the policy's. Two threads that the system has put on one processor would otherwise pause in each other's time
+/// (measured: 46 µs per cycle, and 8 ms with OpenMP's barriers, which pause for milliseconds).
 class Backoff {
 public:
     /// No pauses if there are more threads than processors: the one waited for may need ours.
@@ -60,6 +61,45 @@ private:
     std::chrono::nanoseconds max_pauses_;
     std::chrono::nanoseconds pauses_ = max_pauses_;
     std::chrono::nanoseconds yields_;  ///< after the pauses, before the first sleep
+};
+
+/// What the system has given the calling thread so far.
+struct ProcessorUse {
+    std::chrono::nanoseconds wall{};       ///< since any fixed moment
+    std::chrono::nanoseconds processor{};  ///< of this thread
+    std::int64_t taken_away = 0;           ///< number of times that the thread lost the processor while runnable
+
+    /// Zeros if the system does not report them; such a worker never retreats. Costs about 1 µs.
+    [[nodiscard]] static ProcessorUse now() noexcept;
+};
+
+/// Decides when a resident worker leaves a contended processor; not shared. The system takes the processor away for a slice of
+/// milliseconds, nearly always in the middle of a task, and everybody waits for that task. A worker that notices leaves between two tasks
+/// instead: the others do all of the work meanwhile, at their own speed. It comes back after a while, and stays away for longer each time
+/// that it finds the processor contended again.
+class ContentionBackoff {
+public:
+    using Milliseconds = std::chrono::milliseconds;
+    static constexpr Milliseconds window{2};     ///< shorter than a slice, so that one loss stands out
+    static constexpr Milliseconds shortest{8};   ///< two slices
+    static constexpr Milliseconds longest{256};  ///< a return costs up to one slice of everybody's time: below 2 %
+
+    explicit ContentionBackoff(const ProcessorUse& begin) noexcept : begin_(begin) {}
+
+    /// Called between tasks. Whether the worker should leave for length(): since the last window it was kept off the processor, against
+    /// its will, for more than a quarter of the time. Reads the clock, and the rest only when a window is over.
+    [[nodiscard]] bool due() noexcept;
+    [[nodiscard]] bool due(const ProcessorUse& now) noexcept;
+
+    /// How long to stay away.
+    [[nodiscard]] Milliseconds length() const noexcept { return length_; }
+    /// The worker has been away and begins a new window.
+    void returned(const ProcessorUse& now) noexcept;
+
+private:
+    ProcessorUse begin_;                      ///< of the window
+    std::chrono::nanoseconds undisturbed_{};  ///< since the last return
+    Milliseconds length_ = shortest;
 };
 
 }  // namespace cvtflow::engine

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/base/error_text.hpp"
+#include "engine/base/text.hpp"
 #include "tasks/batch/results/sweep_files.hpp"
 #include "tasks/method/method_choice.hpp"
 #include "tasks/run/saved_start.hpp"

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "engine/method/analysis/stability.hpp"
-#include "engine/thread/mutex.hpp"
+#include "engine/thread/guards.hpp"
 #include "model/observe/pin_period.hpp"
 #include "tasks/method/program_stability.hpp"
 #include "tasks/step/method_memory.hpp"

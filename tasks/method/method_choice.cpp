@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "engine/base/spelling.hpp"
+#include "engine/base/text.hpp"
 #include "engine/method/catalogue.hpp"
 #include "tasks/method/friction/friction_methods.hpp"
 #include "tasks/method/implicit/catalogue.hpp"

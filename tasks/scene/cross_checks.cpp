@@ -8,10 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "engine/base/name_rule.hpp"
-#include "engine/base/spelling.hpp"
+#include "engine/base/text.hpp"
 #include "engine/executor/catalogue.hpp"
-#include "engine/thread/mutex.hpp"
+#include "engine/thread/guards.hpp"
 #include "model/start/belt.hpp"
 #include "tasks/method/method.hpp"
 #include "tasks/scene/channel_names.hpp"

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "engine/base/spelling.hpp"
+#include "engine/base/text.hpp"
 #include "tasks/scene/scene.hpp"
 
 namespace cvtflow::tasks {

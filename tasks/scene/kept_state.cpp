@@ -1,7 +1,7 @@
 #include "tasks/scene/kept_state.hpp"
 
 #include "engine/base/input_file.hpp"
-#include "engine/thread/mutex.hpp"
+#include "engine/thread/guards.hpp"
 
 namespace cvtflow::tasks {
 

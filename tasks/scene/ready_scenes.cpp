@@ -10,7 +10,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "engine/base/spelling.hpp"
+#include "engine/base/text.hpp"
 #include "tasks/scene/scene.hpp"
 
 namespace cvtflow::tasks {

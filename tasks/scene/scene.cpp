@@ -10,9 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "engine/base/error_text.hpp"
-#include "engine/base/name_rule.hpp"
-#include "engine/base/spelling.hpp"
+#include "engine/base/text.hpp"
 #include "tasks/method/automatic_method.hpp"
 #include "tasks/scene/cross_checks.hpp"
 #include "tasks/scene/csv/csv_points.hpp"

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <limits>
 
-#include "engine/base/number.hpp"
+#include "engine/base/text.hpp"
 #include "engine/executor/catalogue.hpp"
 #include "engine/executor/runtimes.hpp"
 

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "engine/base/spelling.hpp"
+#include "engine/base/text.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/tuning/relative_error.hpp"
 

@@ -6,8 +6,8 @@
 
 #include "engine/base/hash.hpp"
 #include "engine/base/input_file.hpp"
-#include "engine/base/number.hpp"
 #include "engine/base/provenance.hpp"
+#include "engine/base/text.hpp"
 #include "engine/record/run/output_rule.hpp"
 #include "engine/record/run/schema.hpp"
 #include "model/basis/isa.hpp"

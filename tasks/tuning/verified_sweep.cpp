@@ -7,8 +7,8 @@
 #include <set>
 
 #include "engine/base/hash.hpp"
-#include "engine/base/number.hpp"
-#include "engine/record/table/case_table.hpp"
+#include "engine/base/text.hpp"
+#include "engine/record/case_table.hpp"
 #include "tasks/batch/results/ordered_rows.hpp"
 #include "tasks/batch/results/results.hpp"
 #include "tasks/batch/results/sweep_files.hpp"

@@ -1,4 +1,4 @@
-/// Numbers are read and written with a decimal point, whatever the locale of the host: std::from_chars (engine/base/number.hpp) and fmt.
+/// Numbers are read and written with a decimal point, whatever the locale of the host: std::from_chars (engine/base/text.hpp) and fmt.
 
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ const std::map<std::string, std::string> locale_exempt{
     {"tools/program/command/run/resume.cpp", "counts in a folder's name"},
     {"tasks/batch/sweep/scalar.cpp", "words"},
     {"tasks/schedule/schedule.cpp", "words, which number_of reads"},
-    {"engine/record/hdf5/hdf5_trial.cpp", "a word, which number_of reads"},
+    {"engine/record/hdf5/hdf5_open.cpp", "a word, which number_of reads"},
 };
 
 /// What runs in a host's process or writes files. Other benchmarks are programs that leave the locale as it is: "C".

@@ -9,7 +9,7 @@
 #include <map>
 #include <sstream>
 
-#include "engine/record/table/case_table.hpp"
+#include "engine/record/case_table.hpp"
 #include "tasks/batch/batch.hpp"
 #include "tasks/batch/results/results.hpp"
 #include "tasks/batch/sweep/sweep.hpp"

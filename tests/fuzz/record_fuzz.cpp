@@ -1,13 +1,13 @@
 /// Any bytes are a record, a state, a table of cases, or a RecordError. Mutants are made by hdf5_mutant_fixture.hpp, which keeps them HDF5
-/// files; headers are not forged, since HDF5 itself does not survive that (hdf5_trial.hpp), and is not ours to mend.
+/// files; headers are not forged, since HDF5 itself does not survive that (hdf5_open.hpp), and is not ours to mend.
 
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 
+#include "engine/record/case_table.hpp"
 #include "engine/record/run/run_reader.hpp"
 #include "engine/record/run/state_file.hpp"
-#include "engine/record/table/case_table.hpp"
 #include "tests/engine/record/hdf5_mutant_fixture.hpp"
 #include "tests/fuzz/fuzz_fixture.hpp"
 

@@ -11,9 +11,9 @@
 #include <limits>
 #include <vector>
 
+#include "engine/record/case_table.hpp"
 #include "engine/record/hdf5/file_seal.hpp"
 #include "engine/record/run/state_file.hpp"
-#include "engine/record/table/case_table.hpp"
 #include "tests/engine/record/hdf5_mutant_fixture.hpp"
 #include "tests/engine/record/mutant_dice_fixture.hpp"
 

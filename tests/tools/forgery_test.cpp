@@ -9,7 +9,7 @@
 #include <iostream>
 #include <utility>
 
-#include "engine/base/error_text.hpp"
+#include "engine/base/text.hpp"
 #include "tests/sample_fixture.hpp"
 #include "tests/tools/batch_fixture.hpp"
 #include "tests/tools/object_forgery_fixture.hpp"

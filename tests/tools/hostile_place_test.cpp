@@ -2,7 +2,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "engine/base/error_text.hpp"
+#include "engine/base/text.hpp"
 #include "tasks/scene/csv/csv_text.hpp"
 #include "tasks/tuning/tuned_scene.hpp"
 #include "tests/tools/batch_fixture.hpp"

@@ -13,7 +13,7 @@
 #include <exception>
 #include <system_error>
 
-#include "engine/base/error_text.hpp"
+#include "engine/base/text.hpp"
 #include "engine/thread/worker_threads.hpp"
 #include "tasks/run/run.hpp"
 

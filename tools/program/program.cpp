@@ -11,8 +11,7 @@
 #include <vector>
 
 #include "engine/base/provenance.hpp"
-#include "engine/base/spelling.hpp"
-#include "engine/record/hdf5/hdf5_exit.hpp"
+#include "engine/base/text.hpp"
 #include "engine/record/run/schema.hpp"
 #include "model/basis/isa.hpp"
 #include "tasks/scene/ready_scenes.hpp"

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "engine/thread/pinning.hpp"
-#include "engine/thread/worker_grant.hpp"
+#include "engine/thread/worker_threads.hpp"
 
 namespace cvtflow::bench {
 

@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "engine/thread/worker_grant.hpp"
+#include "engine/thread/worker_threads.hpp"
 
 namespace cvtflow::bench {
 

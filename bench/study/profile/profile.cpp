@@ -7,7 +7,7 @@
 #include <map>
 
 #include "bench/study/profile/crowding.hpp"
-#include "engine/base/spelling.hpp"
+#include "engine/base/text.hpp"
 #include "engine/executor/catalogue.hpp"
 
 namespace cvtflow::bench {

@@ -4,7 +4,7 @@
 
 #include "engine/thread/floating_mode.hpp"
 #include "engine/thread/pinning.hpp"
-#include "engine/thread/worker_grant.hpp"
+#include "engine/thread/worker_threads.hpp"
 
 namespace cvtflow::engine {
 

@@ -8,7 +8,7 @@
 
 #include "engine/thread/backoff.hpp"
 #include "engine/thread/pinning.hpp"
-#include "engine/thread/worker_grant.hpp"
+#include "engine/thread/worker_threads.hpp"
 
 namespace cvtflow::engine {
 

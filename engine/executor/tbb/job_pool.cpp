@@ -7,7 +7,7 @@
 
 #include "engine/executor/tbb/tbb_section.hpp"
 #include "engine/thread/floating_mode.hpp"
-#include "engine/thread/worker_grant.hpp"
+#include "engine/thread/worker_threads.hpp"
 
 namespace cvtflow::engine {
 

@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-#include "engine/thread/mutex.hpp"
+#include "engine/thread/guards.hpp"
 
 namespace cvtflow::engine {
 

@@ -12,7 +12,7 @@
 
 #include "engine/thread/executor_options.hpp"
 #include "engine/thread/pinning.hpp"
-#include "engine/thread/worker_grant.hpp"
+#include "engine/thread/worker_threads.hpp"
 
 namespace cvtflow::engine {
 

@@ -8,9 +8,7 @@ namespace {
 
 void write(hid_t object, const std::string& name, hid_t type, hid_t space, const void* data) {
     const std::string what = "cannot write attribute '" + name + "'";
-    if (has_attribute(object, name)) {
-        check(H5Adelete(object, name.c_str()), what);
-    }
+    if (has_attribute(object, name)) check(H5Adelete(object, name.c_str()), what);
     Handle attribute(H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose, what);
     check(H5Awrite(attribute.id(), type, data), what);
     attribute.close(what);
@@ -31,14 +29,10 @@ constexpr std::size_t max_texts = 65'536;  ///< of one attribute: columns of a t
 std::optional<std::vector<std::string>> texts_of(hid_t attribute, const std::string& what) {
     const Handle type(H5Aget_type(attribute), H5Tclose, what);
     const Handle space(H5Aget_space(attribute), H5Sclose, what);
-    if (H5Tget_class(type.id()) != H5T_STRING || check(H5Tis_variable_str(type.id()), what) > 0) {
-        return std::nullopt;
-    }
+    if (H5Tget_class(type.id()) != H5T_STRING || check(H5Tis_variable_str(type.id()), what) > 0) return std::nullopt;
     const std::size_t width = H5Tget_size(type.id());
     const auto count = static_cast<std::size_t>(check(H5Sget_simple_extent_npoints(space.id()), what));
-    if (width == 0 || count > max_texts || count > max_text_bytes / width) {
-        throw Failure(what + ": it is too large");
-    }
+    if (width == 0 || count > max_texts || count > max_text_bytes / width) throw Failure(what + ": it is too large");
     std::string all(width * count, '\0');
     check(H5Aread(attribute, type.id(), all.data()), what);
     if (count == 1) {
@@ -46,9 +40,7 @@ std::optional<std::vector<std::string>> texts_of(hid_t attribute, const std::str
         return std::vector<std::string>{std::move(all)};
     }
     std::vector<std::string> texts(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        texts[i] = all.substr(i * width, width).c_str();
-    }
+    for (std::size_t i = 0; i < count; ++i) texts[i] = all.substr(i * width, width).c_str();
     return texts;
 }
 
@@ -57,13 +49,9 @@ std::optional<Attribute> read(hid_t object, const std::string& name) {
     const Handle attribute = open_attribute(object, name);
     const Handle type(H5Aget_type(attribute.id()), H5Tclose, what);
     const Handle space(H5Aget_space(attribute.id()), H5Sclose, what);
-    if (H5Sget_simple_extent_type(space.id()) != H5S_SCALAR) {
-        return std::nullopt;
-    }
+    if (H5Sget_simple_extent_type(space.id()) != H5S_SCALAR) return std::nullopt;
     const H5T_class_t kind = H5Tget_class(type.id());
-    if (kind != H5T_STRING && H5Tget_size(type.id()) > sizeof(std::int64_t)) {
-        return std::nullopt;
-    }
+    if (kind != H5T_STRING && H5Tget_size(type.id()) > sizeof(std::int64_t)) return std::nullopt;
     if (kind == H5T_INTEGER) {
         std::int64_t value = 0;
         check(H5Aread(attribute.id(), H5T_NATIVE_INT64, &value), what);
@@ -89,20 +77,17 @@ Handle text_type(std::size_t width) {
 
 void write_attribute(hid_t object, const Attribute& attribute) {
     const Handle space = scalar();
-    if (const auto* text = std::get_if<std::string>(&attribute.value)) {
+    if (const auto* text = std::get_if<std::string>(&attribute.value))
         write(object, attribute.name, text_type(text->size()).id(), space.id(), text->c_str());
-    } else if (const auto* real = std::get_if<double>(&attribute.value)) {
+    else if (const auto* real = std::get_if<double>(&attribute.value))
         write(object, attribute.name, H5T_NATIVE_DOUBLE, space.id(), real);
-    } else {
+    else
         write(object, attribute.name, H5T_NATIVE_INT64, space.id(), &std::get<std::int64_t>(attribute.value));
-    }
 }
 
 void write_texts(hid_t object, const std::string& name, const std::vector<std::string>& texts) {
     std::size_t width = 1;
-    for (const std::string& text : texts) {
-        width = std::max(width, text.size());
-    }
+    for (const std::string& text : texts) width = std::max(width, text.size());
     std::string all;
     for (const std::string& text : texts) {
         all += text;
@@ -123,11 +108,8 @@ std::vector<Attribute> read_attributes(hid_t object) {
     check(H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, collect, &names), "cannot list attributes");
     std::sort(names.begin(), names.end());  // as links are (hdf5_series.cpp)
     std::vector<Attribute> attributes;
-    for (const std::string& name : names) {
-        if (auto attribute = read(object, name)) {
-            attributes.push_back(std::move(*attribute));
-        }
-    }
+    for (const std::string& name : names)
+        if (auto attribute = read(object, name)) attributes.push_back(std::move(*attribute));
     return attributes;
 }
 
@@ -137,18 +119,14 @@ std::string read_text(hid_t object, const std::string& name) {
 }
 
 std::int64_t read_integer(hid_t object, const std::string& name, std::int64_t fallback) {
-    if (!has_attribute(object, name)) {
-        return fallback;
-    }
+    if (!has_attribute(object, name)) return fallback;
     const auto attribute = read(object, name);
     const auto* value = attribute ? std::get_if<std::int64_t>(&attribute->value) : nullptr;
     return value == nullptr ? fallback : *value;
 }
 
 std::vector<std::string> read_texts(hid_t object, const std::string& name) {
-    if (!has_attribute(object, name)) {
-        return {};
-    }
+    if (!has_attribute(object, name)) return {};
     return texts_of(open_attribute(object, name).id(), "cannot read attribute '" + name + "'").value_or(std::vector<std::string>{});
 }
 

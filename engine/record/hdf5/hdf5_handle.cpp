@@ -15,9 +15,7 @@ namespace {
 /// Keeps the first description of a walk that begins at the innermost function.
 herr_t keep_innermost(unsigned, const H5E_error2_t* error, void* client) noexcept {
     auto& reason = *static_cast<std::string*>(client);
-    if (reason.empty() && error->desc != nullptr) {
-        reason = error->desc;
-    }
+    if (reason.empty() && error->desc != nullptr) reason = error->desc;
     return 0;
 }
 
@@ -43,15 +41,11 @@ std::string last_reason() {
 }
 
 void Handle::close(std::string_view what) {
-    if (id_ >= 0) {
-        check(close_(std::exchange(id_, -1)), what);
-    }
+    if (id_ >= 0) check(close_(std::exchange(id_, -1)), what);
 }
 
 void Handle::release() noexcept {
-    if (id_ >= 0) {
-        close_(std::exchange(id_, -1));
-    }
+    if (id_ >= 0) close_(std::exchange(id_, -1));
 }
 
 Handle file_access() {
@@ -69,9 +63,7 @@ int descriptor_of(hid_t file) {
 
 std::uint64_t bytes_on_disk(hid_t file) {
     struct stat status {};
-    if (fstat(descriptor_of(file), &status) != 0) {
-        throw Failure(std::string("cannot get the file's size: ") + std::strerror(errno));
-    }
+    if (fstat(descriptor_of(file), &status) != 0) throw Failure(std::string("cannot get the file's size: ") + std::strerror(errno));
     return static_cast<std::uint64_t>(status.st_size);
 }
 
@@ -93,12 +85,8 @@ herr_t note_name(const char* name, void* names) noexcept {
 void divert_writes(hid_t file) noexcept {
     void* handle = nullptr;
     const int memory = memfd_create("abandoned", MFD_CLOEXEC);
-    if (memory >= 0 && H5Fget_vfd_handle(file, H5P_DEFAULT, &handle) >= 0) {
-        dup2(memory, *static_cast<int*>(handle));
-    }
-    if (memory >= 0) {
-        close(memory);
-    }
+    if (memory >= 0 && H5Fget_vfd_handle(file, H5P_DEFAULT, &handle) >= 0) dup2(memory, *static_cast<int*>(handle));
+    if (memory >= 0) close(memory);
 }
 
 }  // namespace cvtflow::engine::hdf5

@@ -36,9 +36,7 @@ private:
 /// Throws Failure("what: reason") if an HDF5 call returned a negative number; otherwise hands that number back.
 template <class Result>
 Result check(Result result, std::string_view what) {
-    if (result < 0) {
-        throw Failure(std::string(what) + ": " + last_reason());
-    }
+    if (result < 0) throw Failure(std::string(what) + ": " + last_reason());
     return result;
 }
 

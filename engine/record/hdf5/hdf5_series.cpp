@@ -1,12 +1,15 @@
+
 #include "engine/record/hdf5/hdf5_series.hpp"
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <limits>
 
-#include "engine/base/error_text.hpp"
+#include "engine/base/text.hpp"
 
 namespace cvtflow::engine::hdf5 {
+
 namespace {
 
 constexpr std::size_t max_row_bytes = std::size_t{1} << 24U;    ///< a state of two million unknowns
@@ -24,9 +27,8 @@ std::size_t inflation(hid_t creation, const std::string& what) {
         unsigned flags = 0, configuration = 0;
         std::size_t count = 0;
         const H5Z_filter_t filter = H5Pget_filter2(creation, static_cast<unsigned>(i), &flags, &count, nullptr, 0, nullptr, &configuration);
-        if ((filter != H5Z_FILTER_SHUFFLE && filter != H5Z_FILTER_DEFLATE) || inflated > max_inflated) {
+        if ((filter != H5Z_FILTER_SHUFFLE && filter != H5Z_FILTER_DEFLATE) || inflated > max_inflated)
             throw Failure(what + ": unknown filters");
-        }
         inflated *= filter == H5Z_FILTER_DEFLATE ? max_inflated : 1;
     }
     return inflated;
@@ -39,9 +41,7 @@ struct Listing {
 
 void collect_datasets(hid_t file, const std::string& group, const std::string& prefix, int depth, Listing& found) {
     const std::string what = "cannot list '" + group + "'";
-    if (depth > deepest_group) {
-        throw Failure(what + ": nested too deeply");
-    }
+    if (depth > deepest_group) throw Failure(what + ": nested too deeply");
     std::vector<std::string> names;
     const auto collect = [](hid_t, const char* name, const H5L_info_t* link, void* client) -> herr_t {
         return link->type == H5L_TYPE_HARD ? note_name(name, client) : 0;
@@ -52,18 +52,15 @@ void collect_datasets(hid_t file, const std::string& group, const std::string& p
         check(H5Literate(handle.id(), H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, collect, &names), what);
         std::sort(names.begin(), names.end());
     }
-    if ((found.objects += names.size()) > max_objects) {
-        throw Failure(what + ": too many objects");
-    }
+    if ((found.objects += names.size()) > max_objects) throw Failure(what + ": too many objects");
     for (const std::string& name : names) {
         const std::string path = (group == "/" ? "" : group) + "/" + name;
         const Handle object(H5Oopen(file, path.c_str(), H5P_DEFAULT), H5Oclose, "cannot open '" + path + "'");
         const H5I_type_t kind = H5Iget_type(object.id());
-        if (kind == H5I_DATASET) {
+        if (kind == H5I_DATASET)
             found.datasets.push_back(prefix + name);
-        } else if (kind == H5I_GROUP) {
+        else if (kind == H5I_GROUP)
             collect_datasets(file, path, prefix + name + "/", depth + 1, found);
-        }
     }
 }
 
@@ -96,14 +93,10 @@ Handle open_series(hid_t file, const std::string& path) {
 }
 
 Series::Series(hid_t file, std::string path, Cells cells, int max_rank) : path_(std::move(path)) {
-    if (!has_object(file, path_)) {
-        fail("it does not exist");
-    }
+    if (!has_object(file, path_)) fail("it does not exist");
     {
         const Handle object(H5Oopen(file, path_.c_str(), H5P_DEFAULT), H5Oclose, "cannot open '" + path_ + "'");
-        if (H5Iget_type(object.id()) != H5I_DATASET) {
-            fail("it is not a dataset");
-        }
+        if (H5Iget_type(object.id()) != H5I_DATASET) fail("it is not a dataset");
     }
     dataset_ = open_series(file, path_);
     require_type(cells);
@@ -117,23 +110,15 @@ void Series::require_type(Cells cells) const {
     const Handle type(H5Dget_type(id()), H5Tclose, "cannot read the type of '" + path_ + "'");
     const H5T_class_t kind = H5Tget_class(type.id());
     const std::size_t size = H5Tget_size(type.id());
-    if (cells == Cells::reals && (kind != H5T_FLOAT || size != sizeof(double))) {
-        fail("it is not of float64");
-    }
-    if (cells == Cells::bytes && (kind != H5T_INTEGER || size != 1)) {
-        fail("it is not of uint8");
-    }
-    if (cells == Cells::records) {
-        require_record_type(type.id(), "cannot read '" + path_ + "'");
-    }
+    if (cells == Cells::reals && (kind != H5T_FLOAT || size != sizeof(double))) fail("it is not of float64");
+    if (cells == Cells::bytes && (kind != H5T_INTEGER || size != 1)) fail("it is not of uint8");
+    if (cells == Cells::records) require_record_type(type.id(), "cannot read '" + path_ + "'");
 }
 
 void Series::require_extent(int max_rank) {
     const Handle space(H5Dget_space(id()), H5Sclose, "cannot read the shape of '" + path_ + "'");
     const int rank = H5Sget_simple_extent_type(space.id()) == H5S_SIMPLE ? H5Sget_simple_extent_ndims(space.id()) : 0;
-    if (rank < 1 || rank > max_rank) {
-        fail("it has rank " + std::to_string(rank));
-    }
+    if (rank < 1 || rank > max_rank) fail("it has rank " + std::to_string(rank));
     std::array<hsize_t, 2> sizes{0, 1};
     check(H5Sget_simple_extent_dims(space.id(), sizes.data(), nullptr), "cannot read the shape of '" + path_ + "'");
     rank_ = rank;
@@ -147,38 +132,27 @@ void Series::require_storage(hid_t file) {
     const std::string what = "cannot read '" + path_ + "'";
     const Handle type(H5Dget_type(id()), H5Tclose, what);
     const std::size_t cell = H5Tget_size(type.id());
-    if (width_ == 0 || cell == 0 || width_ > max_row_bytes / cell) {
-        fail("its rows are " + std::string(width_ == 0 ? "empty" : "too long"));
-    }
+    if (width_ == 0 || cell == 0 || width_ > max_row_bytes / cell) fail("its rows are " + std::string(width_ == 0 ? "empty" : "too long"));
     const Handle creation(H5Dget_create_plist(id()), H5Pclose, what);
     const H5D_layout_t layout = H5Pget_layout(creation.id());
-    if ((layout != H5D_CHUNKED && layout != H5D_CONTIGUOUS && layout != H5D_COMPACT) || H5Pget_external_count(creation.id()) != 0) {
+    if ((layout != H5D_CHUNKED && layout != H5D_CONTIGUOUS && layout != H5D_COMPACT) || H5Pget_external_count(creation.id()) != 0)
         fail("its data are not in the file");
-    }
     if (layout == H5D_CHUNKED) {
         std::array<hsize_t, 2> chunk{1, 1};
         check(H5Pget_chunk(creation.id(), rank_, chunk.data()), what);
-        if (chunk[0] == 0 || chunk[1] == 0 || chunk[1] > max_chunk_bytes / cell || chunk[0] > max_chunk_bytes / (cell * chunk[1])) {
+        if (chunk[0] == 0 || chunk[1] == 0 || chunk[1] > max_chunk_bytes / cell || chunk[0] > max_chunk_bytes / (cell * chunk[1]))
             fail("its chunks are too large");
-        }
     }
     const std::size_t row = width_ * cell;
     row_bytes_ = std::max(row, width_ * sizeof(double));
-    if (rows_ > bytes_on_disk(file) * inflation(creation.id(), what) / row) {
+    if (rows_ > bytes_on_disk(file) * inflation(creation.id(), what) / row)
         fail("it says " + std::to_string(rows_) + " rows of " + std::to_string(row) + " bytes, for which the file is too small");
-    }
 }
 
 void Series::read(hid_t type, std::size_t first, std::size_t count, void* memory, std::size_t bytes) const {
-    if (first > rows_ || count > rows_ - first) {
-        fail("it has " + std::to_string(rows_) + " rows, not " + std::to_string(first + count));
-    }
-    if (bytes != count * width_ * H5Tget_size(type)) {
-        fail("its rows have another size");
-    }
-    if (count == 0) {
-        return;
-    }
+    if (first > rows_ || count > rows_ - first) fail("it has " + std::to_string(rows_) + " rows, not " + std::to_string(first + count));
+    if (bytes != count * width_ * H5Tget_size(type)) fail("its rows have another size");
+    if (count == 0) return;
     const std::string what = "cannot read '" + path_ + "'";
     const std::array<hsize_t, 2> begin{first, 0};
     const std::array<hsize_t, 2> block{count, width_};
@@ -189,9 +163,8 @@ void Series::read(hid_t type, std::size_t first, std::size_t count, void* memory
 }
 
 std::vector<double> Series::reals(std::size_t first, std::size_t count) const {
-    if (first > rows_ || count > rows_ - first) {  // before memory is taken
+    if (first > rows_ || count > rows_ - first)  // before memory is taken
         fail("it has " + std::to_string(rows_) + " rows, not " + std::to_string(first) + " and " + std::to_string(count));
-    }
     std::vector<double> values(count * width_);
     read(H5T_NATIVE_DOUBLE, first, count, values.data(), values.size() * sizeof(double));
     return values;
@@ -214,41 +187,71 @@ bool has_object(hid_t file, const std::string& path) {
         const std::string part = path.substr(0, end);
         H5L_info_t link{};
         if (H5Lexists(file, part.c_str(), H5P_DEFAULT) <= 0 || H5Lget_info(file, part.c_str(), &link, H5P_DEFAULT) < 0 ||
-            link.type != H5L_TYPE_HARD) {
+            link.type != H5L_TYPE_HARD)
             return false;
-        }
-        if (end == std::string::npos) {
-            return true;
-        }
+        if (end == std::string::npos) return true;
         const Handle object(H5Oopen(file, part.c_str(), H5P_DEFAULT), H5Oclose, "cannot open '" + part + "'");
-        if (H5Iget_type(object.id()) != H5I_GROUP) {
-            return false;
-        }
+        if (H5Iget_type(object.id()) != H5I_GROUP) return false;
     }
 }
 
 std::vector<std::string> dataset_names(hid_t file, const std::string& group) {
     Listing found;
-    if (group == "/" || has_object(file, group)) {
-        collect_datasets(file, group, "", 0, found);
-    }
+    if (group == "/" || has_object(file, group)) collect_datasets(file, group, "", 0, found);
     return std::move(found.datasets);
 }
 
 int require_record_type(hid_t type, const std::string& what) {
-    if (H5Tget_class(type) != H5T_COMPOUND || H5Tget_size(type) > max_row_bytes) {
-        throw Failure(what + ": not a table");
-    }
+    if (H5Tget_class(type) != H5T_COMPOUND || H5Tget_size(type) > max_row_bytes) throw Failure(what + ": not a table");
     const int members = check(H5Tget_nmembers(type), what);
     for (unsigned i = 0; i < static_cast<unsigned>(members); ++i) {
         const Handle member(H5Tget_member_type(type, i), H5Tclose, what);
         const H5T_class_t kind = H5Tget_class(member.id());
         const bool text = kind == H5T_STRING && check(H5Tis_variable_str(member.id()), what) == 0;
-        if (!text && ((kind != H5T_INTEGER && kind != H5T_FLOAT) || H5Tget_size(member.id()) != 8)) {
+        if (!text && ((kind != H5T_INTEGER && kind != H5T_FLOAT) || H5Tget_size(member.id()) != 8))
             throw Failure(what + ": its column " + std::to_string(i + 1) + " is neither text nor an 8-byte number");
-        }
     }
     return members;
+}
+
+void RowBlock::add(Handle dataset, const SeriesShape& shape) {
+    const std::size_t row_bytes = H5Tget_size(shape.type) * shape.width;
+    members_.push_back({std::move(dataset), shape.type, shape.width, shape.flat, row_bytes, std::vector<std::byte>(row_bytes * capacity_)});
+}
+
+void RowBlock::put(std::size_t member, const void* row) noexcept {
+    Member& target = members_[member];
+    std::memcpy(target.rows.data() + buffered_ * target.row_bytes, row, target.row_bytes);
+}
+
+void RowBlock::write() {
+    if (buffered_ == 0) return;
+    for (const Member& member : members_) write_member(member);
+    written_ += buffered_;
+    buffered_ = 0;
+}
+
+void RowBlock::write_member(const Member& member) const {
+    constexpr std::string_view what = "cannot write";
+    const int rank = member.flat ? 1 : 2;
+    const std::array<hsize_t, 2> extent{written_ + buffered_, member.width};
+    const std::array<hsize_t, 2> first{written_, 0};
+    const std::array<hsize_t, 2> count{buffered_, member.width};
+    check(H5Dset_extent(member.dataset.id(), extent.data()), what);
+    const Handle file_rows(H5Dget_space(member.dataset.id()), H5Sclose, what);
+    check(H5Sselect_hyperslab(file_rows.id(), H5S_SELECT_SET, first.data(), nullptr, count.data(), nullptr), what);
+    const Handle memory_rows(H5Screate_simple(rank, count.data(), nullptr), H5Sclose, what);
+    check(H5Dwrite(member.dataset.id(), member.type, memory_rows.id(), file_rows.id(), H5P_DEFAULT, member.rows.data()), what);
+    check(H5Dflush(member.dataset.id()), what);
+}
+
+std::size_t RowBlock::growth() const noexcept {
+    if (buffered_ == 0) return 0;
+    // One chunk per dataset at most (rows in memory never straddle a chunk's end), and its share of the chunk index.
+    constexpr std::size_t index_share = 8192;
+    std::size_t bytes = 0;
+    for (const Member& member : members_) bytes += member.row_bytes * capacity_ + index_share;
+    return bytes;
 }
 
 }  // namespace cvtflow::engine::hdf5

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "engine/base/checksum.hpp"
+#include "engine/base/hash.hpp"
 #include "engine/record/run/run_reader.hpp"
 
 namespace cvtflow::engine {

@@ -11,12 +11,11 @@
 #include <utility>
 
 #include "engine/base/input_file.hpp"
+#include "engine/record/case_table.hpp"
 #include "engine/record/hdf5/hdf5_open.hpp"
 #include "engine/record/run/part_file.hpp"
 #include "engine/record/run/run_reader.hpp"
 #include "engine/record/run/schema.hpp"
-#include "engine/record/table/case_table.hpp"
-#include "engine/record/table/torn_table.hpp"
 
 namespace cvtflow::engine {
 namespace {
@@ -88,9 +87,8 @@ bool leads_to_device(const std::string& path) {
 
 void require_place(const std::string& path) {
     if (path.back() == '/') refuse_creation(path, "a folder, not a file");
-    for (const char* suffix : {"", ".part"}) {
+    for (const char* suffix : {"", ".part"})
         if (const std::string other = other_than_file(path + suffix); !other.empty()) refuse_creation(path + suffix, other);
-    }
     std::error_code ignored;
     const std::string parent = fs::path(path).parent_path().string(), folder = parent.empty() ? "." : parent;
     if (!fs::is_directory(folder, ignored)) refuse_creation(path, "the folder '" + folder + "' does not exist");
@@ -225,9 +223,8 @@ void remove_own_files(const fs::path& folder, const std::function<bool(const fs:
     std::error_code ignored;
     if (!fs::is_directory(fs::symlink_status(folder, ignored))) return;
     std::vector<fs::path> files;
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
         if (fs::is_regular_file(entry.symlink_status(ignored)) && own(entry.path())) files.push_back(entry.path());
-    }
     for (const fs::path& file : files) fs::remove(file, ignored);
     fs::remove(folder, ignored);  // only if it is empty
 }

@@ -1,10 +1,10 @@
+
 #include "engine/record/run/part_file.hpp"
 
 #include <fcntl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
@@ -12,10 +12,25 @@
 #include <utility>
 
 #include "engine/record/hdf5/file_seal.hpp"
-#include "engine/record/run/file_lock.hpp"
 #include "engine/record/run/schema.hpp"
 
 namespace cvtflow::engine {
+
+/// An open-file-description lock: gone with the process, however it ends, and unseen by HDF5, which asks for flock locks.
+bool try_lock(int descriptor, const std::string& path) {
+    struct flock whole {};
+    whole.l_type = F_WRLCK;
+    whole.l_whence = SEEK_SET;
+    int result = 0;
+    do {
+        result = fcntl(descriptor, F_OFD_SETLK, &whole);
+    } while (result != 0 && errno == EINTR);
+    if (result == 0) return true;
+    if (errno == EAGAIN || errno == EACCES) return false;
+    throw RecordError(path + ": cannot lock: " + std::strerror(errno) +
+                      "; without a lock, two runs could write into it; use another file system");
+}
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -56,9 +71,8 @@ bool being_written(const std::string& part) {
 
 PartFile::PartFile(const Permit& permit) : final_path_(permit.path()), part_path_(final_path_ + ".part") {
     if (permit.empty()) throw RecordError("cannot create a temporary file");
-    for (const std::string& path : {final_path_, part_path_}) {  // a link may have taken its place since it was permitted
+    for (const std::string& path : {final_path_, part_path_})  // a link may have taken its place since it was permitted
         if (const std::string other = other_than_file(path); !other.empty()) throw RecordError(path + ": cannot create: " + other);
-    }
     Descriptor part(open_part(part_path_));
     if (part.number() < 0) throw RecordError(part_path_ + ": cannot create: " + std::strerror(errno));
     if (!try_lock(part.number(), part_path_) || !still_named(part.number(), part_path_))
@@ -68,19 +82,13 @@ PartFile::PartFile(const Permit& permit) : final_path_(permit.path()), part_path
 }
 
 PartFile::~PartFile() {
-    if (descriptor_ >= 0) {
-        ::close(descriptor_);
-    }
+    if (descriptor_ >= 0) ::close(descriptor_);
 }
 
 int PartFile::reserve(std::size_t end) noexcept {
     rlimit limit{};
-    if (getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY && end > limit.rlim_cur) {
-        return EFBIG;
-    }
-    if (end <= reserved_) {
-        return 0;
-    }
+    if (getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY && end > limit.rlim_cur) return EFBIG;
+    if (end <= reserved_) return 0;
     // Large steps keep the file in few pieces; if they do not fit any more, what is needed may still.
     constexpr std::size_t step = std::size_t{4} << 20U;
     for (const std::size_t target : {end + step, end}) {
@@ -88,9 +96,7 @@ int PartFile::reserve(std::size_t end) noexcept {
             reserved_ = target;
             return 0;
         }
-        if (errno == EOPNOTSUPP || errno == ENOSYS) {
-            return 0;
-        }
+        if (errno == EOPNOTSUPP || errno == ENOSYS) return 0;
     }
     return errno;
 }
@@ -99,9 +105,7 @@ int PartFile::write(const void* bytes, std::size_t size) noexcept {
     const char* next = static_cast<const char*>(bytes);
     for (std::size_t done = 0; done < size;) {
         const ssize_t count = pwrite(descriptor_, next + done, size - done, static_cast<off_t>(done));
-        if (count < 0 && errno != EINTR) {
-            return errno;
-        }
+        if (count < 0 && errno != EINTR) return errno;
         done += static_cast<std::size_t>(std::max<ssize_t>(count, 0));
     }
     return 0;
@@ -116,19 +120,14 @@ int PartFile::sync() noexcept { return fsync(descriptor_) == 0 ? 0 : errno; }
 
 void PartFile::trim() noexcept {
     struct stat file {};
-    if (reserved_ > 0 && fstat(descriptor_, &file) == 0 && ftruncate(descriptor_, file.st_size) == 0) {
-        reserved_ = 0;
-    }
+    if (reserved_ > 0 && fstat(descriptor_, &file) == 0 && ftruncate(descriptor_, file.st_size) == 0) reserved_ = 0;
 }
 
 void PartFile::publish() {
     trim();
-    if (const int reason = sync(); reason != 0) {
-        throw RecordError(part_path_ + ": cannot write to disk: " + std::strerror(reason));
-    }
-    if (std::rename(part_path_.c_str(), final_path_.c_str()) != 0) {
+    if (const int reason = sync(); reason != 0) throw RecordError(part_path_ + ": cannot write to disk: " + std::strerror(reason));
+    if (std::rename(part_path_.c_str(), final_path_.c_str()) != 0)
         throw RecordError(part_path_ + ": cannot rename to '" + final_path_ + "': " + std::strerror(errno));
-    }
     if (const int folder = open(folder_of(final_path_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); folder >= 0) {
         fsync(folder);  // so that the new name survives a power cut; the data are safe already, so failure is no error
         ::close(folder);

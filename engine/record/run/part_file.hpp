@@ -1,12 +1,35 @@
 #pragma once
-/// A file under construction: `<name>.part` beside its final name, which appears complete or not at all.
+/// A file under construction: `<name>.part` beside its final name, which appears complete or not at all. A lock keeps a second writer out.
 
+#include <unistd.h>
 #include <cstddef>
 #include <string>
+#include <utility>
 
 #include "engine/record/run/output_rule.hpp"
 
 namespace cvtflow::engine {
+
+/// Closed when the scope ends, unless it is given away.
+class Descriptor {
+public:
+    explicit Descriptor(int number) noexcept : number_(number) {}
+    ~Descriptor() {
+        if (number_ >= 0) ::close(number_);
+    }
+    Descriptor(const Descriptor&) = delete;
+    Descriptor& operator=(const Descriptor&) = delete;
+    [[nodiscard]] int number() const noexcept { return number_; }
+    [[nodiscard]] int give_away() noexcept { return std::exchange(number_, -1); }
+
+private:
+    int number_;
+};
+
+/// Locks a whole file against other writers (not against readers) until `descriptor` is closed.
+/// @param path for messages   @return false if it is locked already, here or in another process
+/// @throws RecordError where the system cannot lock: going on would let two runs write into one file
+[[nodiscard]] bool try_lock(int descriptor, const std::string& path);
 
 /// Holds `<name>.part` open and locked against other writers (not against readers). Knows nothing of the contents.
 /// Errors are RecordError.

@@ -45,7 +45,7 @@ struct RunFileOptions {
 /// a row whose append threw was not taken; rows that were taken wait in memory.
 ///
 /// Not thread-safe; one thread at a time. append… copy into memory taken at construction and allocate nothing; if a chunk is complete or
-/// flush_seconds have passed they first call HDF5, which allocates inside (row_block.cpp: RowBlock::write) and writes.
+/// flush_seconds have passed they first call HDF5, which allocates inside (RowBlock::write) and writes.
 class RunFile {
 public:
     /// Creates `<path>.part`.

@@ -20,15 +20,10 @@ void check_names(const Items& items, const std::string& kind, const std::set<std
     std::set<std::string> seen;
     for (const auto& item : items) {
         const std::string& name = item.name;
-        if (name.empty() || name.front() == '/' || name.back() == '/' || name.find("//") != std::string::npos) {
+        if (name.empty() || name.front() == '/' || name.back() == '/' || name.find("//") != std::string::npos)
             throw Failure("'" + name + "' cannot be the name of a " + kind);
-        }
-        if (reserved.contains(name)) {
-            throw Failure("the name '" + name + "' is reserved (" + kind + ")");
-        }
-        if (!seen.insert(name).second) {
-            throw Failure("the " + kind + " '" + name + "' is declared twice");
-        }
+        if (reserved.contains(name)) throw Failure("the name '" + name + "' is reserved (" + kind + ")");
+        if (!seen.insert(name).second) throw Failure("the " + kind + " '" + name + "' is declared twice");
     }
 }
 
@@ -47,12 +42,8 @@ Handle compound_type(const TableInfo& table) {
 /// Every series of a block, with the last (the time) as the first dimension's scale of the others.
 std::vector<Handle> create_block(hid_t file, const BlockShape& block) {
     std::vector<Handle> datasets;
-    for (const SeriesShape& shape : block.series) {
-        datasets.push_back(create_series(file, shape));
-    }
-    if (datasets.empty()) {
-        return datasets;
-    }
+    for (const SeriesShape& shape : block.series) datasets.push_back(create_series(file, shape));
+    if (datasets.empty()) return datasets;
     const hid_t time = datasets.back().id();
     write_attribute(time, {"units", "s"});
     write_attribute(time, {"description", "time"});
@@ -96,16 +87,11 @@ void check_contents(const RunContents& contents) {
     check_names(contents.channels, "channel", {"time"});
     check_names(contents.tables, "table", {});
     check_names(contents.attributes, "attribute", {"format", "format_version", "status"});
-    for (const ChannelInfo& channel : contents.channels) {
-        if (channel.width < 1) {
-            throw Failure("the channel '" + channel.name + "' has width " + std::to_string(channel.width));
-        }
-    }
+    for (const ChannelInfo& channel : contents.channels)
+        if (channel.width < 1) throw Failure("the channel '" + channel.name + "' has width " + std::to_string(channel.width));
     for (const TableInfo& table : contents.tables) {
         check_names(table.columns, "column", {});
-        if (table.columns.empty()) {
-            throw Failure("the table '" + table.name + "' has no columns");
-        }
+        if (table.columns.empty()) throw Failure("the table '" + table.name + "' has no columns");
     }
 }
 
@@ -153,16 +139,11 @@ void create_run(const std::string& path, const RunContents& contents, const RunL
     write_attribute(file.id(), {"format", run_format});
     write_attribute(file.id(), {"format_version", run_format_version});
     write_attribute(file.id(), {"status", "running"});
-    for (const Attribute& attribute : contents.attributes) {
-        write_attribute(file.id(), attribute);
-    }
+    for (const Attribute& attribute : contents.attributes) write_attribute(file.id(), attribute);
     describe_channels(create_block(file.id(), layout.channels), contents.channels);
-    if (const auto datasets = create_block(file.id(), layout.states); !datasets.empty()) {
+    if (const auto datasets = create_block(file.id(), layout.states); !datasets.empty())
         write_attribute(datasets.front().id(), {"description", contents.state_description});
-    }
-    for (std::size_t i = 0; i < contents.tables.size(); ++i) {
-        create_table(file.id(), layout.tables[i], contents.tables[i]);
-    }
+    for (std::size_t i = 0; i < contents.tables.size(); ++i) create_table(file.id(), layout.tables[i], contents.tables[i]);
     file.close("cannot create");
 }
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "engine/record/hdf5/hdf5_series.hpp"
 #include "engine/record/run/run_file.hpp"
-#include "engine/record/table/row_block.hpp"
 
 namespace cvtflow::engine::hdf5 {
 

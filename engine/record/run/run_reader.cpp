@@ -14,9 +14,7 @@ namespace {
 std::vector<ChannelInfo> read_channels(hid_t file, hdf5::ReadBudget& budget) {
     std::vector<std::pair<std::int64_t, ChannelInfo>> found;
     for (const std::string& name : hdf5::dataset_names(file, "/channels")) {
-        if (name == "time") {
-            continue;
-        }
+        if (name == "time") continue;
         const hdf5::Series series(file, "/channels/" + name, hdf5::Cells::reals, 2);
         budget.take(series.bytes());
         const auto text = [&](const char* of) { return hdf5::label(hdf5::read_text(series.id(), of), name); };
@@ -25,9 +23,7 @@ std::vector<ChannelInfo> read_channels(hid_t file, hdf5::ReadBudget& budget) {
     }
     std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     std::vector<ChannelInfo> channels;
-    for (auto& [index, info] : found) {
-        channels.push_back(std::move(info));
-    }
+    for (auto& [index, info] : found) channels.push_back(std::move(info));
     return channels;
 }
 
@@ -42,9 +38,7 @@ TableInfo read_table_info(hid_t file, const std::string& name, hdf5::ReadBudget&
     for (unsigned i = 0; i < static_cast<unsigned>(members); ++i) {
         const std::unique_ptr<char, herr_t (*)(void*)> column(H5Tget_member_name(type.id(), i), H5free_memory);
         const H5T_class_t kind = H5Tget_member_class(type.id(), i);
-        if (column == nullptr || kind == H5T_STRING) {
-            throw hdf5::Failure("cannot read table '" + name + "': it has texts");
-        }
+        if (column == nullptr || kind == H5T_STRING) throw hdf5::Failure("cannot read table '" + name + "': it has texts");
         const auto text = [&](const auto& texts) { return i < texts.size() ? hdf5::label(texts[i], name) : ""; };
         table.columns.push_back({hdf5::label(column.get(), name), text(units), text(descriptions),
                                  kind == H5T_INTEGER ? ColumnType::integer : ColumnType::real});
@@ -54,9 +48,7 @@ TableInfo read_table_info(hid_t file, const std::string& name, hdf5::ReadBudget&
 
 std::vector<TableInfo> read_tables(hid_t file, hdf5::ReadBudget& budget) {
     std::vector<TableInfo> tables;
-    for (const std::string& name : hdf5::dataset_names(file, "/tables")) {
-        tables.push_back(read_table_info(file, name, budget));
-    }
+    for (const std::string& name : hdf5::dataset_names(file, "/tables")) tables.push_back(read_table_info(file, name, budget));
     return tables;
 }
 
@@ -104,9 +96,8 @@ struct RunReader::Impl {
 
     /// Rows of a killed run's channels beyond the last time are passed over.
     std::vector<double> read_channel(std::string_view name, std::size_t first, std::size_t count) const {
-        if (name != "time" && std::none_of(channels.begin(), channels.end(), [&](const ChannelInfo& each) { return each.name == name; })) {
+        if (name != "time" && std::none_of(channels.begin(), channels.end(), [&](const ChannelInfo& each) { return each.name == name; }))
             throw RecordError(path + ": no channel '" + std::string(name) + "'");
-        }
         return hdf5::guarded(path, [&] { return read_reals(file.id(), "/channels/" + std::string(name), first, count, 2); });
     }
 
@@ -125,9 +116,7 @@ struct RunReader::Impl {
     }
 
     void require_states() const {
-        if (states == 0) {
-            throw RecordError(path + ": no states recorded");
-        }
+        if (states == 0) throw RecordError(path + ": no states recorded");
     }
 };
 
@@ -189,16 +178,13 @@ RecordedState RunReader::state_nearest(double time) const {
 std::vector<std::vector<double>> RunReader::table(std::string_view name) const {
     const auto& all = impl_->tables;
     const auto info = std::find_if(all.begin(), all.end(), [&](const TableInfo& each) { return each.name == name; });
-    if (info == all.end()) {
-        throw RecordError(impl_->path + ": no table '" + std::string(name) + "'");
-    }
+    if (info == all.end()) throw RecordError(impl_->path + ": no table '" + std::string(name) + "'");
     return hdf5::guarded(impl_->path, [&] {
         const hdf5::Series series(impl_->file.id(), "/tables/" + info->name, hdf5::Cells::records);
         const std::size_t columns = info->columns.size();
         const hdf5::Handle type(H5Tcreate(H5T_COMPOUND, 8 * columns), H5Tclose, "cannot make a type");
-        for (std::size_t i = 0; i < columns; ++i) {
+        for (std::size_t i = 0; i < columns; ++i)
             hdf5::check(H5Tinsert(type.id(), info->columns[i].name.c_str(), 8 * i, H5T_NATIVE_DOUBLE), "cannot make a type");
-        }
         const std::size_t rows = series.rows();
         std::vector<double> cells(rows * columns);
         series.read(type.id(), 0, rows, cells.data(), 8 * cells.size());

@@ -1,3 +1,4 @@
+
 #include "engine/record/run/schema.hpp"
 
 #include <hdf5.h>
@@ -20,5 +21,7 @@ std::vector<Attribute> attributes_of(const Provenance& provenance) {
             {"date", provenance.date},
             {"hdf5_version", std::to_string(major) + "." + std::to_string(minor) + "." + std::to_string(release)}};
 }
+
+void disable_hdf5_atexit() noexcept { static_cast<void>(H5dont_atexit()); }  // fails only where HDF5 is at work already
 
 }  // namespace cvtflow::engine

@@ -5,8 +5,8 @@
 #include <cstring>
 
 #include "engine/base/hash.hpp"
+#include "engine/record/hdf5/file_seal.hpp"
 #include "engine/record/hdf5/hdf5_attribute.hpp"
-#include "engine/record/hdf5/hdf5_checksum.hpp"
 #include "engine/record/hdf5/hdf5_open.hpp"
 #include "engine/record/hdf5/hdf5_series.hpp"
 
@@ -52,19 +52,14 @@ void write_array(hid_t file, const char* name, hid_t type, std::size_t count, co
     const hsize_t size = count;
     const hdf5::Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose, what);
     const hdf5::Handle dataset(H5Dcreate2(file, name, type, space.id(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose, what);
-    if (count > 0) {
-        hdf5::check(H5Dwrite(dataset.id(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), what);
-    }
+    if (count > 0) hdf5::check(H5Dwrite(dataset.id(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), what);
 }
 
 void write_more(hid_t file, const std::vector<NamedArray>& arrays) {
-    if (arrays.empty()) {
-        return;
-    }
+    if (arrays.empty()) return;
     const hdf5::Handle group(H5Gcreate2(file, "more", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose, "cannot write 'more'");
-    for (const NamedArray& array : arrays) {
+    for (const NamedArray& array : arrays)
         write_array(group.id(), array.name.c_str(), H5T_NATIVE_DOUBLE, array.values.size(), array.values.data());
-    }
 }
 
 /// The bytes of the file. Made in memory: HDF5 cannot give up half-way on a full disk without trouble, write(2) can.
@@ -76,9 +71,7 @@ std::vector<std::byte> image_of(const SavedState& saved, const std::string& name
     hdf5::check(H5Pset_fapl_core(access.id(), std::size_t{1} << 16U, 0), "cannot build the file in memory");
     const hdf5::Handle file(H5Fcreate(name.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), H5Fclose, "cannot build the file in memory");
     for (const Attribute& attribute : saved.attributes) {
-        if (attribute.name.empty() || is_own(attribute)) {
-            throw hdf5::Failure("the name '" + attribute.name + "' is reserved (attribute)");
-        }
+        if (attribute.name.empty() || is_own(attribute)) throw hdf5::Failure("the name '" + attribute.name + "' is reserved (attribute)");
         hdf5::write_attribute(file.id(), attribute);
     }
     hdf5::write_attribute(file.id(), {"format", state_format});
@@ -128,15 +121,10 @@ SavedState read_contents(hid_t file) {
     saved.phases = read_bytes(file, "/phases", budget);
     saved.fingerprint = hdf5::read_text(file, "fingerprint");
     saved.attributes = hdf5::read_attributes(file);
-    for (const Attribute& attribute : saved.attributes) {
-        if (const auto* time = std::get_if<double>(&attribute.value); time != nullptr && attribute.name == "time") {
-            saved.time = *time;
-        }
-    }
+    for (const Attribute& attribute : saved.attributes)
+        if (const auto* time = std::get_if<double>(&attribute.value); time != nullptr && attribute.name == "time") saved.time = *time;
     std::erase_if(saved.attributes, is_own);
-    if (hdf5::read_text(file, "state_hash") != hash_of(saved)) {
-        throw hdf5::Failure("damaged: the hash of the state differs");
-    }
+    if (hdf5::read_text(file, "state_hash") != hash_of(saved)) throw hdf5::Failure("damaged: the hash of the state differs");
     return saved;
 }
 

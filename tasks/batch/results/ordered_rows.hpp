@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/record/table/case_table.hpp"
+#include "engine/record/case_table.hpp"
 #include "tasks/batch/results/tally.hpp"
 
 namespace cvtflow::tasks {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "engine/record/table/case_table.hpp"
+#include "engine/record/case_table.hpp"
 #include "tasks/batch/sweep/sweep.hpp"
 
 namespace cvtflow::tasks {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/base/hash.hpp"
-#include "engine/record/table/case_table.hpp"
+#include "engine/record/case_table.hpp"
 #include "tasks/batch/case_engine.hpp"
 #include "tasks/batch/sweep/sweep.hpp"
 

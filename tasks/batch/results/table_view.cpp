@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "engine/base/spelling.hpp"
+#include "engine/base/text.hpp"
 #include "tasks/scene/accuracy.hpp"
 #include "tasks/scene/toml/units.hpp"
 

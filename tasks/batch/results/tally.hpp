@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/record/table/case_table.hpp"
+#include "engine/record/case_table.hpp"
 
 namespace cvtflow::tasks {
 

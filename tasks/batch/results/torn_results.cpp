@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "engine/base/hash.hpp"
-#include "engine/record/table/torn_table.hpp"
+#include "engine/record/case_table.hpp"
 #include "tasks/batch/case_engine.hpp"
 #include "tasks/batch/results/origin.hpp"
 #include "tasks/batch/results/results.hpp"

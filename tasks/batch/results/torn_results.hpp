@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "engine/record/table/case_table.hpp"
+#include "engine/record/case_table.hpp"
 
 namespace cvtflow::tasks {
 

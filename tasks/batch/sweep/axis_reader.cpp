@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "engine/base/spelling.hpp"
+#include "engine/base/text.hpp"
 #include "model/basis/portable_math.hpp"
 #include "tasks/batch/results/table_view.hpp"
 #include "tasks/batch/sweep/sweep_keys.hpp"

@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "engine/base/input_file.hpp"
-#include "engine/base/spelling.hpp"
+#include "engine/base/text.hpp"
 #include "tasks/batch/sweep/axis_reader.hpp"
 #include "tasks/scene/csv/csv_text.hpp"
 

@@ -8,7 +8,7 @@
 #include <limits>
 #include <sstream>
 
-#include "engine/base/spelling.hpp"
+#include "engine/base/text.hpp"
 #include "tasks/scene/toml/units.hpp"
 #include "tasks/step/method_memory.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "engine/base/spelling.hpp"
+#include "engine/base/text.hpp"
 #include "tasks/scene/scene.hpp"
 
 namespace cvtflow::tasks {

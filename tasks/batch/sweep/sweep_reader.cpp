@@ -2,8 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/base/name_rule.hpp"
-#include "engine/base/spelling.hpp"
+#include "engine/base/text.hpp"
 #include "tasks/batch/results/table_view.hpp"
 #include "tasks/batch/sweep/axis_reader.hpp"
 #include "tasks/batch/sweep/sweep.hpp"

@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "engine/base/error_text.hpp"
-#include "engine/base/number.hpp"
+#include "engine/base/text.hpp"
 #include "tasks/scene/toml/units.hpp"
 
 namespace cvtflow::tasks {

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "engine/base/spelling.hpp"
+#include "engine/base/text.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/toml/unit_hints.hpp"
 #include "tasks/scene/toml/units.hpp"

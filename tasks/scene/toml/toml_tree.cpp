@@ -9,8 +9,8 @@
 // toml++ 3.3 violates its own preconditions on some malformed texts (such as "[[[a]]]"): an abort in debug builds, undefined behaviour
 // where the compiler takes assertions as assumptions. Here a violated one is an exception, in every build type.
 
-#include "engine/base/error_text.hpp"
 #include "engine/base/input_file.hpp"
+#include "engine/base/text.hpp"
 #include "tasks/scene/scene.hpp"
 
 namespace cvtflow::tasks {

@@ -7,8 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "engine/base/number.hpp"
-#include "engine/base/spelling.hpp"
+#include "engine/base/text.hpp"
 #include "tasks/scene/toml/units.hpp"
 
 namespace cvtflow::tasks {

@@ -1,6 +1,6 @@
 #include "tasks/scene/toml/units.hpp"
 
-#include "engine/base/spelling.hpp"
+#include "engine/base/text.hpp"
 #include "model/basis/portable_math.hpp"
 #include "tasks/scene/toml/unit_hints.hpp"
 

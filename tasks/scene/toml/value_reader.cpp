@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "engine/base/spelling.hpp"
+#include "engine/base/text.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tasks/scene/toml/unit_hints.hpp"
 #include "tasks/scene/toml/units.hpp"

@@ -12,9 +12,9 @@
 #include <new>
 #include <utility>
 
+#include "engine/record/case_table.hpp"
 #include "engine/record/run/run_reader.hpp"
 #include "engine/record/run/state_file.hpp"
-#include "engine/record/table/case_table.hpp"
 #include "tests/engine/record/hdf5_mutant_fixture.hpp"
 #include "tests/engine/record/reader_limits_fixture.hpp"
 #include "tests/engine/record/record_fixture.hpp"

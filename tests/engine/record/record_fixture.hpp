@@ -7,8 +7,8 @@
 #include <functional>
 #include <string>
 
+#include "engine/record/case_table.hpp"
 #include "engine/record/run/run_file.hpp"
-#include "engine/record/table/case_table.hpp"
 
 namespace cvtflow::engine {
 

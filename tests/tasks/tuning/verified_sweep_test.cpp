@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "engine/record/table/case_table.hpp"
+#include "engine/record/case_table.hpp"
 #include "tasks/batch/batch.hpp"
 #include "tasks/batch/results/results.hpp"
 #include "tasks/scene/ready_scenes.hpp"

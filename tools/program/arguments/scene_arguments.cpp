@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <sstream>
 
-#include "engine/base/spelling.hpp"
+#include "engine/base/text.hpp"
 #include "tasks/batch/batch.hpp"
 #include "tasks/method/automatic_method.hpp"
 #include "tasks/method/method.hpp"

@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "engine/base/rainflow.hpp"
-#include "engine/base/spelling.hpp"
+#include "engine/base/text.hpp"
 #include "engine/record/run/run_reader.hpp"
 #include "tasks/scene/csv/csv_text.hpp"
 #include "tools/program/guard.hpp"

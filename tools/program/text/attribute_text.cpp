@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "engine/base/error_text.hpp"
+#include "engine/base/text.hpp"
 #include "tasks/run/saved_start.hpp"
 #include "tools/program/text/text.hpp"
 

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "engine/record/table/torn_table.hpp"
+#include "engine/record/case_table.hpp"
 #include "tasks/batch/results/results.hpp"
 #include "tasks/batch/results/torn_results.hpp"
 #include "tasks/schedule/schedule.hpp"

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "engine/base/error_text.hpp"
+#include "engine/base/text.hpp"
 
 namespace cvtflow::tools {
 

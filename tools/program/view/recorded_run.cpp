@@ -6,7 +6,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "engine/base/spelling.hpp"
+#include "engine/base/text.hpp"
 #include "tasks/run/channels.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/plot/finite.hpp"

@@ -7,8 +7,7 @@
 #include <filesystem>
 
 #include "engine/base/input_file.hpp"
-#include "engine/base/number.hpp"
-#include "engine/base/spelling.hpp"
+#include "engine/base/text.hpp"
 #include "tasks/batch/results/results.hpp"
 #include "tasks/scene/csv/csv_text.hpp"
 #include "tasks/scene/parameter_table.hpp"

@@ -6,7 +6,7 @@
 #include "bench/lab/command/command.hpp"
 #include "bench/lab/report/method/program_stability_report.hpp"
 #include "bench/lab/text/method_text.hpp"
-#include "engine/base/spelling.hpp"
+#include "engine/base/text.hpp"
 #include "engine/method/catalogue.hpp"
 #include "tasks/method/method.hpp"
 #include "tasks/scene/scene.hpp"

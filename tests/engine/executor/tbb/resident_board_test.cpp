@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <thread>
 
-#include "engine/executor/tbb/resident_board_protocol.hpp"
 #include "tests/engine/executor/board_scenario_fixture.hpp"
 #include "tests/engine/executor/executor_fixture.hpp"
 

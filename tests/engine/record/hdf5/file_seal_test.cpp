@@ -1,13 +1,15 @@
-#include "engine/record/hdf5/file_seal.hpp"
 
 #include <gmock/gmock.h>
-
+#include <gtest/gtest.h>
 #include <fstream>
+#include <string_view>
 
+#include "engine/record/hdf5/file_seal.hpp"
 #include "engine/record/run/run_reader.hpp"
 #include "tests/engine/record/record_fixture.hpp"
 
 namespace cvtflow::engine {
+
 namespace {
 
 using FileSealTest = RecordTest;
@@ -63,4 +65,19 @@ TEST_F(FileSealTest, KeepsABrokenRecordFromTheLibrary) {
 }
 
 }  // namespace
+
 }  // namespace cvtflow::engine
+
+namespace cvtflow::engine::hdf5 {
+
+namespace {
+
+TEST(Hdf5Checksum, IsJenkinsLookup3) {
+    const auto sum = [](std::string_view text) { return metadata_checksum(std::as_bytes(std::span(text))); };
+    EXPECT_EQ(sum(""), 0xdeadbeefU);  // values of its author's own self-test
+    EXPECT_EQ(sum("Four score and seven years ago"), 0x17770551U);
+}
+
+}  // namespace
+
+}  // namespace cvtflow::engine::hdf5

@@ -1,18 +1,25 @@
-#include "engine/record/run/run_file.hpp"
-
+#include <fcntl.h>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <hdf5.h>
+#include <sys/resource.h>
 #include <unistd.h>
-
+#include <algorithm>
 #include <array>
 #include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
 #include <thread>
 
+#include "engine/record/run/run_file.hpp"
 #include "engine/record/run/run_reader.hpp"
 #include "tests/engine/allocation_fixture.hpp"
 #include "tests/engine/record/record_fixture.hpp"
 
 namespace cvtflow::engine {
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -208,5 +215,187 @@ TEST_F(RunFileTest, PrintsNothingAndLeavesTheHostsErrorPrinterInPlace) {
     EXPECT_EQ(before, after);
 }
 
+using RunWriterTest = RecordTest;
+
+/// Every row and state that the reader finds is the one that was appended. Returns rows.
+std::size_t check_example(const std::string& path) {
+    const RunReader reader(path);
+    const auto times = reader.times();
+    const auto tension = reader.channel("strand_tension");
+    const auto links = reader.channel("links/tension");
+    for (std::size_t i = 0; i < reader.rows(); ++i) {
+        const double number = static_cast<double>(i);
+        EXPECT_EQ(times[i], number / 1000.0);
+        EXPECT_EQ(tension[i], number);
+        EXPECT_EQ(links[3 * i + 1], 10.0 * number + 1);
+    }
+    if (const auto state_times = reader.state_times(); !state_times.empty()) {
+        EXPECT_EQ(reader.last_state().state.front(), static_cast<double>(state_times.size() - 1) + 0.25);
+    }
+    return reader.rows();
+}
+
+TEST_F(RunWriterTest, AFileOfAKilledRunHoldsAllRowsUpToTheLastFlush) {
+    const int child = start_child([this] {
+        RunFile file(path("out.h5"), example_contents(), {.flush_seconds = 1e9, .channel_rows = 64});
+        for (int i = 0; i < 1000; ++i) {
+            append_example(file, i);
+            append_example_state(file, i);
+        }
+        file.flush();
+        for (int i = 1000; i < 1010; ++i) {
+            append_example(file, i);
+        }
+        raise(SIGKILL);
+    });
+    EXPECT_EQ(wait_for(child), 128 + SIGKILL);
+    EXPECT_EQ(check_example(path("out.h5.part")), 1000U);
+    const RunReader reader(path("out.h5.part"));
+    EXPECT_EQ(reader.status(), "running");
+    EXPECT_EQ(reader.state_times().size(), 1000U);
+    const std::string shape = python(
+        "import h5py, sys\n"
+        "f = h5py.File(sys.argv[1], \"r\", swmr=True)\n"
+        "print(f[\"channels/links/tension\"].shape, f[\"states/y\"][-1, 0])",
+        path("out.h5.part"));
+    EXPECT_EQ(shape, "(1000, 3) 999.25\n");
+}
+
+/// A child appends and flushes as fast as it can, telling in `flushed` (a pipe) how many rows it has brought to safety.
+void write_without_end(const std::string& path, int pipe_end) {
+    RunFile file({path, {.force = true}}, example_contents(), {.flush_seconds = 1e9, .channel_rows = 16});
+    for (int i = 0;; ++i) {
+        append_example(file, i);
+        append_example_state(file, i);
+        file.append_row("transitions", std::array{0.1 * i, 1.0 * i});
+        if (i % 40 == 39) {
+            file.flush();
+            const int rows = i + 1;
+            (void)!write(pipe_end, &rows, sizeof rows);
+        }
+    }
+}
+
+TEST_F(RunWriterTest, AFileOfARunKilledAtAnyInstantIsReadable) {
+    for (int trial = 0; trial < 25; ++trial) {
+        int ends[2] = {};
+        ASSERT_EQ(pipe(ends), 0);
+        const int child = start_child([&] { write_without_end(path("out.h5"), ends[1]); });
+        ::close(ends[1]);
+        int promised = 0;
+        ASSERT_EQ(read(ends[0], &promised, sizeof promised), static_cast<ssize_t>(sizeof promised));
+        std::this_thread::sleep_for(std::chrono::microseconds(1733 * trial));
+        kill(child, SIGKILL);
+        wait_for(child);
+        for (int next = 0; read(ends[0], &next, sizeof next) > 0;) {
+            promised = next;
+        }
+        ::close(ends[0]);
+        EXPECT_GE(check_example(path("out.h5.part")), static_cast<std::size_t>(promised)) << "trial " << trial;
+    }
+}
+
+TEST_F(RunWriterTest, ALiveFileCanBeReadWhileItIsWrittenAndDoesNotDisturbTheWriter) {
+    RunFile file(path("out.h5"), example_contents());
+    append_example(file, 0);
+    file.flush();
+    const RunReader early(file.part_path());
+    append_example(file, 1);
+    file.flush();
+    EXPECT_EQ(early.rows(), 1U);
+    const std::string program = "import h5py, sys\nf = h5py.File(sys.argv[1], \"r\", swmr=True); print(f[\"channels/ratio\"][:])";
+    EXPECT_EQ(python(program, file.part_path()), "[-0. -1.]\n");
+    file.close();
+    EXPECT_EQ(check_example(path("out.h5")), 2U);
+}
+
+/// Limits the size of files that this process may write, and takes the error instead of the signal.
+void limit_file_size(rlim_t bytes) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{bytes, RLIM_INFINITY};
+    setrlimit(RLIMIT_FSIZE, &limit);
+}
+
+/// Appends until an error comes, and writes its message to a file. Returns the number of rows taken.
+int append_until_error(RunFile& file, int first, const std::string& message_path) {
+    for (int i = first;; ++i) {
+        if (const std::string message = error_of([&] { append_example(file, i); }); message != "no error") {
+            limit_file_size(RLIM_INFINITY);
+            std::ofstream(message_path) << message;
+            return i;
+        }
+    }
+}
+
+/// Makes writing fail as a broken disk does, which no reservation can foresee. HDF5's descriptor is the one opened last.
+void break_last_descriptor_of(const std::string& path) {
+    int last = -1;
+    for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
+        std::error_code gone;
+        if (std::filesystem::read_symlink(entry.path(), gone) == path) {
+            last = std::max(last, std::stoi(entry.path().filename().string()));
+        }
+    }
+    if (last < 0 || dup2(open("/dev/null", O_RDONLY), last) < 0) {
+        throw std::runtime_error("no descriptor to break");
+    }
+}
+
+TEST_F(RunWriterTest, SaysPathReasonAndWhatIsSavedIfTheDiskIsFull) {
+    const int child = start_child([this] {
+        RunFile file(path("out.h5"), example_contents(), {.flush_seconds = 1e9, .channel_rows = 100});
+        limit_file_size(400'000);
+        append_until_error(file, 0, path("message"));
+    });
+    EXPECT_EQ(wait_for(child), 0);
+    const std::size_t rows = check_example(path("out.h5.part"));
+    EXPECT_GT(rows, 1000U);
+    // Room is made for 100 rows at a time; those that wait in memory are saved by the destructor, for which there is room again.
+    EXPECT_EQ(read_text_file(path("message")), fmt::format("{}: cannot write: File too large; saved: {} rows up to t = {:.9g} s",
+                                                           path("out.h5.part"), rows - 100, static_cast<double>(rows - 101) / 1000.0));
+    EXPECT_EQ(RunReader(path("out.h5.part")).status(), "interrupted");
+}
+
+TEST_F(RunWriterTest, GoesOnWithoutLossOnceThereIsRoomAgain) {
+    const int child = start_child([this] {
+        RunFile file(path("out.h5"), example_contents(), {.flush_seconds = 1e9, .channel_rows = 100});
+        limit_file_size(400'000);
+        const int failed = append_until_error(file, 0, path("message"));
+        for (int i = failed; i < 20'000; ++i) {
+            append_example(file, i);
+        }
+        file.close();
+    });
+    EXPECT_EQ(wait_for(child), 0);
+    EXPECT_EQ(check_example(path("out.h5")), 20'000U);
+}
+
+void record_on_a_breaking_disk(const std::string& path, const std::string& message_path) {
+    RunFile file(path, example_contents(), {.flush_seconds = 1e9, .channel_rows = 100});
+    for (int i = 0; i < 1000; ++i) {
+        append_example(file, i);
+    }
+    file.flush();
+    break_last_descriptor_of(file.part_path());
+    const int failed = append_until_error(file, 1000, message_path);
+    if (error_of([&] { append_example(file, failed); }) != read_text_file(message_path)) {
+        throw std::runtime_error("the error is not repeated");
+    }
+}
+
+TEST_F(RunWriterTest, SurvivesAnErrorInsideHdf5AndKeepsWhatWasSaved) {
+    const int child = start_child([this] {
+        (void)!std::freopen(path("stderr").c_str(), "w", stderr);
+        record_on_a_breaking_disk(path("out.h5"), path("message"));
+        std::exit(0);  // with HDF5's own closing at exit, which must neither hang nor abort
+    });
+    EXPECT_EQ(wait_for(child), 0);
+    EXPECT_EQ(read_text_file(path("message")),
+              path("out.h5.part") + ": cannot write: Bad file descriptor; saved: 1000 rows up to t = 0.999 s");
+    EXPECT_EQ(read_text_file(path("stderr")), "");
+    EXPECT_EQ(check_example(path("out.h5.part")), 1000U);
+}
+
 }  // namespace
+
 }  // namespace cvtflow::engine

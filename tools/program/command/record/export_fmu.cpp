@@ -11,7 +11,7 @@
 #include <memory>
 
 #include "engine/base/hash.hpp"
-#include "engine/base/name_rule.hpp"
+#include "engine/base/text.hpp"
 #include "engine/record/run/schema.hpp"
 #include "tools/program/arguments/scene_arguments.hpp"
 #include "tools/program/command/command.hpp"

@@ -7,8 +7,8 @@
 #include <map>
 #include <memory>
 
-#include "engine/base/error_text.hpp"
 #include "engine/base/hash.hpp"
+#include "engine/base/text.hpp"
 #include "engine/record/run/run_reader.hpp"
 #include "engine/record/run/state_file.hpp"
 #include "tasks/batch/results/results.hpp"

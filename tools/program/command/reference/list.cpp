@@ -6,7 +6,7 @@
 #include <memory>
 #include <set>
 
-#include "engine/base/spelling.hpp"
+#include "engine/base/text.hpp"
 #include "engine/executor/runtimes.hpp"
 #include "engine/method/analysis/order.hpp"
 #include "engine/method/catalogue.hpp"

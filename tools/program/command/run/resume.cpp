@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include "engine/base/error_text.hpp"
+#include "engine/base/text.hpp"
 #include "tasks/run/checkpoint.hpp"
 #include "tasks/run/run.hpp"
 #include "tools/program/arguments/ready_scenes.hpp"

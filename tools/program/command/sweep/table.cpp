@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "engine/base/error_text.hpp"
+#include "engine/base/text.hpp"
 #include "tasks/batch/results/results.hpp"
 #include "tasks/scene/toml/units.hpp"
 #include "tools/program/command/command.hpp"

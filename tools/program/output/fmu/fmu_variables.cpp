@@ -8,8 +8,7 @@
 #include <span>
 #include <string_view>
 
-#include "engine/base/number.hpp"
-#include "engine/base/spelling.hpp"
+#include "engine/base/text.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/toml/units.hpp"
 #include "tools/program/guard.hpp"

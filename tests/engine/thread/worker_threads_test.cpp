@@ -1,8 +1,7 @@
-#include "engine/thread/worker_grant.hpp"
+#include "engine/thread/worker_threads.hpp"
 
 #include <gtest/gtest.h>
 
-#include "engine/thread/worker_threads.hpp"
 #include "tests/engine/executor/executor_fixture.hpp"
 
 namespace cvtflow::engine {

@@ -7,7 +7,8 @@
 ///
 /// While it grows it is open as single writer with multiple readers (SWMR); every row reaches the operating system when it is added, so a
 /// killed process loses none. A file that was left open is safe to read but not to write: going on begins with a copy, which takes the
-/// file's place at once.
+/// file's place at once. Where HDF5 cannot read it any more (a power cut that lost some of its pages), whole rows are found without HDF5:
+/// they lie in the file as in memory, each with its check.
 
 #include <cstddef>
 #include <cstdint>
@@ -149,5 +150,16 @@ public:
 private:
     int descriptor_ = -1;
 };
+
+/// Whether a file was given up while it grew, and contains a text that identifies it. Also false for files that cannot be read,
+/// and for finished ones (they end with a seal), which nothing but a fault of the disk can have changed.
+[[nodiscard]] bool torn_while_growing(const std::string& path, std::string_view text);
+
+/// The rows of a file that have the check that they were written with, wherever they lie, in the order of their places.
+/// @param layout     of the rows
+/// @param plausible  is asked before a check is computed, for every place of the file; should be quick, and refuse most
+/// @throws RecordError  the file cannot be read
+[[nodiscard]] std::vector<std::byte> whole_rows(const std::string& path, const RowLayout& layout,
+                                                const std::function<bool(std::span<const std::byte> row)>& plausible);
 
 }  // namespace cvtflow::engine

@@ -1,22 +1,113 @@
-#include "engine/record/table/case_table.hpp"
+
+#include "engine/record/case_table.hpp"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <optional>
+#include <stdexcept>
 
+#include "engine/base/hash.hpp"
+#include "engine/record/hdf5/file_seal.hpp"
 #include "engine/record/hdf5/hdf5_attribute.hpp"
 #include "engine/record/hdf5/hdf5_open.hpp"
 #include "engine/record/hdf5/hdf5_series.hpp"
-#include "engine/record/run/file_lock.hpp"
 #include "engine/record/run/part_file.hpp"
 
 namespace cvtflow::engine {
+
+RowLayout::RowLayout(std::vector<CaseColumn> columns) : columns_(std::move(columns)) {
+    for (const CaseColumn& column : columns_) {
+        offsets_.push_back(bytes_);
+        bytes_ += static_cast<std::size_t>(column.width);
+    }
+    bytes_ += sizeof(std::uint64_t);  // check
+}
+
+bool RowLayout::has(std::string_view name) const noexcept {
+    return std::any_of(columns_.begin(), columns_.end(), [&](const CaseColumn& each) { return each.name == name; });
+}
+
+std::size_t RowLayout::column(std::string_view name) const {
+    const auto found = std::find_if(columns_.begin(), columns_.end(), [&](const CaseColumn& each) { return each.name == name; });
+    if (found == columns_.end()) throw std::out_of_range("no column " + std::string(name));
+    return static_cast<std::size_t>(found - columns_.begin());
+}
+
+void RowLayout::put(std::span<std::byte> row, std::size_t column, double value) const noexcept {
+    std::memcpy(row.data() + offsets_[column], &value, sizeof value);
+}
+void RowLayout::put(std::span<std::byte> row, std::size_t column, std::int64_t value) const noexcept {
+    std::memcpy(row.data() + offsets_[column], &value, sizeof value);
+}
+
+void RowLayout::put(std::span<std::byte> row, std::size_t column, std::string_view text) const noexcept {
+    const std::size_t width = static_cast<std::size_t>(columns_[column].width);
+    std::byte* begin = row.data() + offsets_[column];
+    std::memset(begin, 0, width);
+    text.copy(reinterpret_cast<char*>(begin), width);
+}
+
+double RowLayout::real(std::span<const std::byte> row, std::size_t column) const noexcept {
+    double value = 0.0;
+    std::memcpy(&value, row.data() + offsets_[column], sizeof value);
+    return value;
+}
+
+std::int64_t RowLayout::integer(std::span<const std::byte> row, std::size_t column) const noexcept {
+    std::int64_t value = 0;
+    std::memcpy(&value, row.data() + offsets_[column], sizeof value);
+    return value;
+}
+
+std::string RowLayout::text(std::span<const std::byte> row, std::size_t column) const {
+    const char* begin = reinterpret_cast<const char*>(row.data() + offsets_[column]);
+    return {begin, strnlen(begin, static_cast<std::size_t>(columns_[column].width))};
+}
+
+std::string RowLayout::cell(std::span<const std::byte> row, std::size_t column) const {
+    switch (columns_[column].type) {
+        case CaseColumnType::real: return fmt::format("{}", real(row, column));
+        case CaseColumnType::integer: return std::to_string(integer(row, column));
+        case CaseColumnType::text: return text(row, column);
+    }
+    return {};
+}
+
+std::uint64_t RowLayout::check(std::span<const std::byte> row) const noexcept {
+    return Hash().add(row.first(bytes_ - sizeof(std::uint64_t))).value();
+}
+
+void RowLayout::seal(std::span<std::byte> row) const noexcept {
+    const std::uint64_t value = check(row);
+    std::memcpy(row.data() + bytes_ - sizeof value, &value, sizeof value);
+}
+
+bool RowLayout::sound(std::span<const std::byte> row) const noexcept {
+    const std::uint64_t value = check(row);
+    return std::memcmp(row.data() + bytes_ - sizeof value, &value, sizeof value) == 0;
+}
+
+std::string CaseTable::attribute(std::string_view name) const {
+    for (const Attribute& each : attributes) {
+        if (each.name != name) continue;
+        if (const auto* text = std::get_if<std::string>(&each.value)) return *text;
+        if (const auto* integer = std::get_if<std::int64_t>(&each.value)) return std::to_string(*integer);
+        return fmt::format("{}", std::get<double>(each.value));
+    }
+    return {};
+}
+
+void CaseTable::set(Attribute attribute) {
+    std::erase_if(attributes, [&](const Attribute& each) { return each.name == attribute.name; });
+    attributes.push_back(std::move(attribute));
+}
+
 namespace {
 
 constexpr const char* cases_format = "cvtflow cases";
@@ -126,10 +217,9 @@ void CaseReader::read(std::size_t first, std::span<std::byte> rows) const {
     const std::size_t bytes = head_.layout.bytes();
     hdf5::guarded(path_, [&] {
         impl_->cases->read(impl_->type.id(), first, rows.size() / bytes, rows.data(), rows.size());
-        for (std::size_t at = 0; at < rows.size(); at += bytes) {
+        for (std::size_t at = 0; at < rows.size(); at += bytes)
             if (!head_.layout.sound(rows.subspan(at, bytes)))
                 throw hdf5::Failure("row " + std::to_string(first + at / bytes) + " is damaged: its checksum differs");
-        }
     });
 }
 
@@ -256,5 +346,58 @@ FolderLock::FolderLock(const std::string& folder) {
 }
 
 FolderLock::~FolderLock() { close(descriptor_); }
+
+namespace {
+
+constexpr std::size_t window_bytes = std::size_t{1} << 20U;
+
+/// Shows every `width` bytes of a file that lie together, from its beginning on.
+/// @param inspect  @return number of bytes to the next position; 0: end
+template <class Inspect>
+void walk(const InputFile& file, std::size_t width, const Inspect& inspect) {
+    std::vector<std::byte> window(window_bytes + width);
+    std::uint64_t from = 0;
+    for (std::size_t read = 0; (read = file.read(from, window.data(), window.size())) >= width;) {
+        std::size_t at = 0;
+        while (at + width <= read) {
+            const std::size_t further = inspect(std::span<const std::byte>(window).subspan(at, width));
+            if (further == 0) return;
+            at += further;
+        }
+        from += at;
+    }
+}
+
+}  // namespace
+
+bool torn_while_growing(const std::string& path, std::string_view text) {
+    try {
+        const InputFile file(path);
+        if (text.empty() || inspect_seal(file) != Seal::none) return false;
+        bool found = false;
+        walk(file, text.size(), [&](std::span<const std::byte> bytes) -> std::size_t {
+            found = std::memcmp(bytes.data(), text.data(), text.size()) == 0;
+            return found ? 0 : 1;
+        });
+        return found;
+    } catch (const InputError&) {
+        return false;
+    }
+}
+
+std::vector<std::byte> whole_rows(const std::string& path, const RowLayout& layout,
+                                  const std::function<bool(std::span<const std::byte> row)>& plausible) {
+    std::vector<std::byte> rows;
+    try {
+        walk(InputFile(path), layout.bytes(), [&](std::span<const std::byte> row) -> std::size_t {
+            if (!plausible(row) || !layout.sound(row)) return 1;
+            rows.insert(rows.end(), row.begin(), row.end());
+            return row.size();
+        });
+    } catch (const InputError& error) {
+        throw RecordError(path + ": " + error.what());
+    }
+    return rows;
+}
 
 }  // namespace cvtflow::engine

@@ -1,4 +1,4 @@
-#include "engine/record/hdf5/hdf5_trial.hpp"
+#include "engine/record/hdf5/hdf5_open.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

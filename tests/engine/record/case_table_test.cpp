@@ -1,4 +1,4 @@
-#include "engine/record/table/torn_table.hpp"
+#include "engine/record/case_table.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
