@@ -3,7 +3,7 @@
 #include "api/host/translate.hpp"
 #include "api/scene/scene_data.hpp"
 #include "engine/record/run/schema.hpp"
-#include "tasks/scene/toml/units.hpp"
+#include "tasks/scene/units.hpp"
 #include "tasks/tuning/tuned_scene.hpp"
 
 namespace cvtflow {

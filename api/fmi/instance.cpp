@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "engine/base/text.hpp"
-#include "tasks/scene/toml/units.hpp"
+#include "tasks/scene/units.hpp"
 
 namespace cvtflow::fmi {
 

@@ -7,7 +7,7 @@
 
 #include "api/host/translate.hpp"
 #include "tasks/scene/parameter_table.hpp"
-#include "tasks/scene/toml/units.hpp"
+#include "tasks/scene/units.hpp"
 
 namespace cvtflow {
 inline namespace v0 {

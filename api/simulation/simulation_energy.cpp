@@ -2,7 +2,7 @@
 
 #include "api/simulation/simulation_impl.hpp"
 #include "engine/thread/worker_threads.hpp"
-#include "tasks/run/unreliable_text.hpp"
+#include "tasks/run/simulation.hpp"
 
 namespace cvtflow {
 inline namespace v0 {

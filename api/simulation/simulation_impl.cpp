@@ -12,7 +12,7 @@
 #include "tasks/method/stability/step_limit.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/parameter_table.hpp"
-#include "tasks/scene/toml/units.hpp"
+#include "tasks/scene/units.hpp"
 #include "tasks/schedule/auto_schedule.hpp"
 
 namespace cvtflow {

@@ -12,7 +12,6 @@
 #include "engine/thread/guards.hpp"
 #include "model/observe/observation.hpp"
 #include "tasks/run/channels.hpp"
-#include "tasks/run/plain_slope.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/step/frozen_start.hpp"
 

@@ -12,7 +12,7 @@
 #include "tasks/method/stability/predicted_step.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/parameter_table.hpp"
-#include "tasks/scene/toml/units.hpp"
+#include "tasks/scene/units.hpp"
 
 namespace cvtflow {
 inline namespace v0 {

@@ -1,4 +1,3 @@
-
 #include "engine/base/hash.hpp"
 
 #include <algorithm>

@@ -1,4 +1,3 @@
-
 #include "engine/base/text.hpp"
 
 #include <fmt/format.h>

@@ -1,4 +1,3 @@
-
 #include "engine/record/case_table.hpp"
 
 #include <fcntl.h>

@@ -1,4 +1,3 @@
-
 #include "engine/thread/backoff.hpp"
 
 #include <sys/resource.h>

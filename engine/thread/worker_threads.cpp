@@ -1,4 +1,3 @@
-
 #include "engine/thread/worker_threads.hpp"
 
 #include <oneapi/tbb/global_control.h>

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "model/observe/observation.hpp"
-#include "tasks/scene/channel_names.hpp"
+#include "tasks/scene/scene.hpp"
 #include "tasks/step/control/step_controller.hpp"
 
 namespace cvtflow::tasks {

@@ -1,8 +1,10 @@
 #pragma once
-/// Integrals over time of the quantities whose means a summary states. Memory does not grow with the run.
+/// Integrals over time of the quantities whose means a summary states, and whether those means still move: a straight line through means
+/// of blocks of whole pin periods. Memory does not grow with the run.
 
 #include <array>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "model/observe/observation.hpp"
@@ -80,5 +82,19 @@ private:
     double per_point_ = 1.0, since_point_ = 0.0;  ///< samples [1]
     double pin_period_ = 0.0;                     ///< [s]
 };
+
+/// A quantity that moves. Shares of its mean.
+struct MeanTrend {
+    std::string_view quantity;
+    double change = 0.0;       ///< of the line from the begin to the end of the window [1]
+    double uncertainty = 0.0;  ///< of that, 95 % [1]
+
+    /// What it has changed by at least [1].
+    [[nodiscard]] double least() const noexcept;
+};
+
+/// The one that has changed most of ratio, thrust ratio, tensions, slips and losses; none: fewer than four pin periods.
+/// @param from, to of `curve` [s]
+[[nodiscard]] MeanTrend largest_trend(const MeanCurve& curve, double from, double to) noexcept;
 
 }  // namespace cvtflow::tasks

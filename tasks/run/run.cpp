@@ -7,7 +7,6 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
-#include <numbers>
 
 #include "engine/base/hash.hpp"
 #include "engine/record/run/state_file.hpp"
@@ -15,8 +14,6 @@
 #include "tasks/method/stability/predicted_step.hpp"
 #include "tasks/method/stability/step_search.hpp"
 #include "tasks/run/run_recorder.hpp"
-#include "tasks/run/simulation_couplings.hpp"
-#include "tasks/run/unreliable_text.hpp"
 
 namespace cvtflow::tasks {
 
@@ -65,7 +62,7 @@ private:
         last_ = std::chrono::steady_clock::now();
         Checkpoint checkpoint;
         checkpoint.integration = simulation_.integration_state();
-        checkpoint.history = {report.settled, report.settling, report.begin, report.wall, report.settling_wall};
+        checkpoint.history = report;
         (simulation_.needs_settling() ? checkpoint.history.settling_wall : checkpoint.history.wall) += since(started_);
         if (!options_.file.empty()) checkpoint.record = std::filesystem::absolute(options_.file.path()).string();
         checkpoint.run = recorder_.run();
@@ -87,11 +84,7 @@ private:
 void restore(const Checkpoint& from, Simulation& simulation, RunRecorder& recorder, RunReport& report) {
     simulation.restore(from.integration);
     recorder.restore(from.recorder);
-    report.settled = from.history.settled;
-    report.settling = from.history.settling;
-    report.settling_wall = from.history.settling_wall;
-    report.begin = from.history.begin;
-    report.wall = from.history.wall;
+    static_cast<RunHistory&>(report) = from.history;
 }
 
 /// Warns at the start of a run if the step exceeds the stability limit. The quick bound is at most a fifth too low: where it
@@ -196,115 +189,6 @@ double settle_scene(const Scene& scene, const engine::Permit& state_file, const 
     }
     engine::write_state(state_file, simulation.saved_state());
     return simulation.suspicion();
-}
-
-namespace {
-
-std::string periods_text(const SpanMeans& means) {
-    return means.periods > 0.0 ? fmt::format("{:.0f} pin periods", means.periods) : "less than a pin period";
-}
-
-std::string operating_point(const RunReport& r) {
-    const SpanMeans& m = r.whole;
-    std::string text;
-    const auto line = [&text]<class... Args>(fmt::format_string<Args...> format, Args&&... args) {
-        text += "  " + fmt::format(format, std::forward<Args>(args)...) + "\n";
-    };
-    constexpr double rpm = 30.0 / std::numbers::pi;
-    line("strand tension      tight {:9.1f} N      slack {:9.1f} N      difference {:8.1f} N", m.tight, m.slack, m.tight - m.slack);
-    if (!r.has_pulleys) return text;
-    line("torque              drive {:9.3f} N*m    load  {:9.3f} N*m", m.torque[0], m.torque[1]);
-    line("speed               drive {:9.2f} rpm    driven{:9.2f} rpm", rpm * m.speed[0], rpm * m.speed[1]);
-    if (m.input > 0.0)
-        line("power               in {:.5g} W      out {:.5g} W      lost {:.4g} W      stored {:.3g} W      out/in {:.2f} %", m.input,
-             m.taken, m.lost, m.stored * m.input, 100.0 * m.taken / m.input);
-    line("running radius      drive {:9.3f} mm     driven{:9.3f} mm", 1e3 * m.radius[0], 1e3 * m.radius[1]);
-    line("clamping            S_1   {:9.1f} N      S_2   {:9.1f} N      thrust ratio {:.4f}", m.clamping[0], m.clamping[1],
-         m.clamping[1] != 0.0 ? m.clamping[0] / m.clamping[1] : 0.0);
-    line("axial tip forces    1-{:9.1f}  1+{:9.1f}  2-{:9.1f}  2+{:9.1f} N", m.axial_force[0], m.axial_force[1], m.axial_force[2],
-         m.axial_force[3]);
-    line("speed ratio         {:.5f}   (first fifth {:.5f}, last fifth {:.5f})", m.ratio, r.first_fifth.ratio, r.last_fifth.ratio);
-    const auto percent = [&r](const SpanMeans& means) {
-        if (r.whole.no_load || means.no_load) return std::string("- (no load)");
-        return std::isfinite(means.efficiency) ? fmt::format("{:.2f} %", 100.0 * means.efficiency) : std::string("- (no input)");
-    };
-    line("slip                {:.3f} %      efficiency {}   (over {})", 100.0 * m.slip, percent(r.whole), periods_text(r.whole));
-    if (r.whole.loss_slip > 0.0) {
-        line("                    by friction {:.3f} %", 100.0 * r.whole.friction_slip);
-        line("creep loss          {:.3f} % of the power", 100.0 * r.whole.loss_slip);
-    }
-    line("last fifth          slip {:.3f} %      efficiency {}      tight {:.1f} N      slack {:.1f} N", 100.0 * r.last_fifth.slip,
-         percent(r.last_fifth), r.last_fifth.tight, r.last_fifth.slack);
-    text += outside_lines(r);
-    return text;
-}
-
-/// Step, and up to which one the method is stable.
-std::string step_text(const RunReport& r) {
-    const bool known = r.stable_step > 0.0 && std::isfinite(r.stable_step);
-    const std::string limit = known     ? fmt::format("stable up to about {:.3g} s", r.stable_step)
-                              : r.fault ? "no stable step is known at its end"
-                                        : "linear stability sets no limit";
-    if (r.step_setting.automatic()) return fmt::format("{:.4g} s (auto; {})", r.step, limit);
-    const bool shortened = r.step < r.step_setting * (1.0 - 1e-9) && r.step_control != StepControl::error;
-    return fmt::format("{:.4g} s ({}{})", r.step,
-                       shortened ? fmt::format("shortened from {:.4g} s to divide the time between outputs; ", r.step_setting.value) : "",
-                       limit) +
-           (r.beyond_stability() ? " BEYOND STABILITY" : "");
-}
-
-/// The energy balance, and what is odd.
-std::string trust_lines(const RunReport& r) {
-    std::string text = fmt::format("  energy balance      {} {:.2g} % of {:.3g} J lost", r.reliable() ? "closes to" : "is off by",
-                                   100.0 * r.energy.relative(), r.energy.loss);
-    if (r.settled) text += fmt::format("; settling {:.2g} %", 100.0 * r.settling_residual);
-    text += r.reliable() ? "\n" : "\n  " + unreliable_text(r) + "\n";
-    for (const Note& note : r.notes) text += fmt::format("  note                {}\n", note.text);
-    return text;
-}
-
-std::string transitions_text(const Counters& c) {
-    return fmt::format("{} detected, {} steps truncated, {} suppressed", c.detected, c.truncated, c.suppressed);
-}
-
-/// What was asked about local errors and what came out; empty if nothing was.
-std::string error_lines(const RunReport& r) {
-    if (r.step_control == StepControl::fixed || r.local_errors.steps == 0) return {};
-    std::string text = fmt::format("  local error         largest {:.2e}, mean {:.2e}", r.local_errors.largest, r.local_errors.mean());
-    if (r.step_control == StepControl::report) return text + " (reported only)\n";
-    const double mean_step = (r.end - r.begin) / static_cast<double>(std::max(1L, r.counters.steps));
-    return text + fmt::format(", tolerance {:.2e}: mean step {:.3g} s, {} steps rejected\n", r.tolerance, mean_step, r.counters.rejected);
-}
-
-}  // namespace
-
-std::string unreliable_text(const RunReport& r) { return unreliable_text(r.suspicion, r.step_setting, r.step); }
-
-std::string summary(const RunReport& r) {
-    const double simulated = r.end - r.begin;
-    std::string text =
-        fmt::format("{}\n", r.fault ? "stopped: " + r.fault.message() : fmt::format("{} at t = {:.6g} s", r.status(), r.end));
-    for (const std::string& difference : r.start_differences) text += "  start state: " + difference + "\n";
-    if (r.settled)
-        text += fmt::format("  settled             {} steps, {} evaluations, {:.2f} s of wall time\n", r.settling.steps,
-                            r.settling.evaluations, r.settling_wall);
-    if (r.outputs > 0) text += operating_point(r) + heat_text(r.heat);
-    text += fmt::format("  method              {}, step {}: {} steps, {} evaluations\n", r.method, step_text(r), r.counters.steps,
-                        r.counters.evaluations);
-    text += error_lines(r);
-    text += trust_lines(r);
-    if (!r.method_report.empty()) text += fmt::format("                      {}\n", r.method_report);
-    text += fmt::format("  schedule            {}\n", r.schedule);
-    text += fmt::format("  kernels             {}, working set {} KiB{}\n", r.kernels, (r.working_set + 1023) / 1024,
-                        r.counts_method ? "" : ", without the method's memory");
-    text += fmt::format("  transitions         {}{}\n", r.counts_transitions ? transitions_text(r.counters) : transitions_not_counted,
-                        r.settled && r.counts_transitions ? "; settling " + transitions_text(r.settling) : "");
-    if (simulated > 0.0) {
-        text += fmt::format("  wall time           {:.3f} s, {:.0f} s per simulated second ({:.2g} x real time)\n", r.wall,
-                            r.wall / simulated, r.wall > 0.0 ? simulated / r.wall : 0.0);
-    }
-    text += fmt::format("  state hash          {}\n", engine::hex(r.hash));
-    return text;
 }
 
 }  // namespace cvtflow::tasks

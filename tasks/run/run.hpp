@@ -8,8 +8,7 @@
 
 #include "engine/record/run/output_rule.hpp"
 #include "tasks/run/checkpoint.hpp"
-#include "tasks/run/run_means.hpp"
-#include "tasks/run/simulation.hpp"
+#include "tasks/run/run_report.hpp"
 
 namespace cvtflow::tasks {
 
@@ -34,68 +33,12 @@ struct RunOptions {
     bool mixed = false;                              ///< with `from`: whether the checkpoint may be of another version of the program
 };
 
-/// A coupling of a shaft at the end of a run.
-struct CouplingReport {
-    int shaft = 0;                            ///< 0, 1
-    double twist = 0.0;                       ///< far end less shaft [rad]
-    double stored = 0.0;                      ///< [J]
-    double far_work = 0.0, dissipated = 0.0;  ///< since t = 0: done at the far end (negative: taken out), lost [J]
-};
-
-/// Mean values from t = 0 on, and what the run took.
-struct RunReport {
-    Fault fault;
-    EnergyBalance energy;                      ///< of the run, without settling
-    double suspicion = 0.0;                    ///< of run and settling (EnergyLedger::suspicion); above 1 the results are unreliable [1]
-    double settling_residual = 0.0;            ///< relative residual of the energy balance of settling
-    SpanMeans whole, first_fifth, last_fifth;  ///< of the run
-    std::vector<CouplingReport> couplings;     ///< of the shafts that have one
-    model::HeatBalance heat;                   ///< as the run has left it
-    std::vector<Note> notes;                   ///< what is odd about results that are right
-    bool settled = false;                      ///< whether the run began with settling
-    std::vector<std::string> start_differences;
-    double begin = 0.0, end = 0.0;  ///< simulated time, after settling [s]
-    double step = 0.0;              ///< last one in use [s]
-    AutoNumber step_setting;        ///< run.step
-    double stable_step =
-        0.0;  ///< largest that the method is stable for: where the run began, or where an automatic step was last chosen; 0: not asked [s]
-    std::string method;
-    std::string method_report;    ///< counters of the method, one line; may be empty
-    std::string schedule;         ///< what ran it, and why if it was chosen
-    std::string kernels;          ///< instruction set that the kernels used
-    std::size_t working_set = 0;  ///< memory that the step loop touches, of workspace and method [B]
-    bool counts_method = true;    ///< false: the method does not count its part of it
-    Counters counters;            ///< after settling
-    Counters settling;
-    bool counts_transitions = true;  ///< false at rigid pins
-    StepControl step_control = StepControl::fixed;
-    double tolerance = 0.0;                  ///< [1]
-    LocalErrorStatistics local_errors;       ///< after settling
-    double wall = 0.0, settling_wall = 0.0;  ///< [s]
-    std::uint64_t hash = 0;
-    long outputs = 0;
-
-    bool has_pulleys = true;
-
-    [[nodiscard]] bool reliable() const noexcept { return suspicion <= 1.0; }
-    /// "finished", "unreliable", or the fault's name: unreliable results of a run that also ended early are called so by its summary.
-    [[nodiscard]] std::string status() const { return fault ? fault.name() : reliable() ? "finished" : "unreliable"; }
-    /// Whether run.step was given and is beyond what the method is stable for.
-    [[nodiscard]] bool beyond_stability() const noexcept { return !step_setting.automatic() && step > stable_step && stable_step > 0.0; }
-};
-
 /// Runs the scene to run.until. A fault ends the run with what was recorded so far on file and is part of the report.
 /// A run that ends early (cancelled, budget) leaves a checkpoint if it may. A finished one takes its checkpoint away, if the record
 /// contains what it stands for.
 /// @throws SimulationError (also if the run would end before its checkpoint), engine::RecordError, std::invalid_argument before the run;
 /// engine::RecordError during it (disk full)
 [[nodiscard]] RunReport run_scene(const Scene& scene, const RunOptions& options);
-
-/// One line about a balance that does not close.
-[[nodiscard]] std::string unreliable_text(const RunReport& report);
-
-/// The report as lines of text for a person.
-[[nodiscard]] std::string summary(const RunReport& report);
 
 /// Settling ended before t = 0.
 class SettlingFault : public SimulationError {

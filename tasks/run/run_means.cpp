@@ -1,10 +1,12 @@
 #include "tasks/run/run_means.hpp"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+
+#include "tasks/step/workspace.hpp"
 
 namespace cvtflow::tasks {
 
@@ -62,21 +64,19 @@ constexpr NoteKind kinds[] = {
     return after.efficiency_since(before, means.hydraulics.pump * lasted, means.hydraulics.lost() * lasted);
 }
 
+/// Means of one number each, with their places.
+constexpr std::pair<Mean, double SpanMeans::*> scalar_means[] = {
+    {Mean::ratio, &SpanMeans::ratio}, {Mean::slip, &SpanMeans::slip},     {Mean::friction_slip, &SpanMeans::friction_slip},
+    {Mean::tight, &SpanMeans::tight}, {Mean::slack, &SpanMeans::slack},   {Mean::limited, &SpanMeans::limited},
+    {Mean::loose, &SpanMeans::loose}, {Mean::beyond, &SpanMeans::beyond}, {Mean::turning, &SpanMeans::turning}};
+
 void fill_means(const MeanPoint& before, const MeanPoint& after, SpanMeans& means) {
     const auto mean = [&](Mean quantity) { return after.mean_since(before, quantity); };
     const auto each = [&](Mean quantity, auto& values) {
         for (std::size_t k = 0; k < values.size(); ++k) values[k] = after.mean_since(before, quantity, k);
     };
-    means.ratio = mean(Mean::ratio);
-    means.slip = mean(Mean::slip);
-    means.friction_slip = mean(Mean::friction_slip);
+    for (const auto& [quantity, member] : scalar_means) means.*member = mean(quantity);
     means.loss_slip = mean(Mean::brought) > 0.0 ? mean(Mean::creep) / mean(Mean::brought) : 0.0;
-    means.tight = mean(Mean::tight);
-    means.slack = mean(Mean::slack);
-    means.limited = mean(Mean::limited);
-    means.loose = mean(Mean::loose);
-    means.beyond = mean(Mean::beyond);
-    means.turning = mean(Mean::turning);
     each(Mean::speed, means.speed);
     each(Mean::torque, means.torque);
     each(Mean::chain_torque, means.chain_torque);
@@ -206,6 +206,19 @@ void RunMeans::name_notes(const EnergyBalance& balance, std::string& names) cons
     for (std::size_t k = 0; k < found.size(); ++k) {
         if (found[k]) names.append(names.empty() ? "" : " ").append(kinds[k].name);
     }
+}
+
+void RunWatch::add(const model::Observation& now, const Workspace& workspace) {
+    if (!begun_) begin_ = now.time;
+    begun_ = true;
+    end_ = now.time;
+    pin_period_ = workspace.pin_period();
+    means_.add(now, workspace.energy.sums(now.time), pin_period_);
+}
+
+RunVerdict RunWatch::verdict(const EnergyLedger& ledger, double before) const {
+    const EnergyBalance balance = ledger.balance();  // ends with the last sample, which lies elsewhere with other steps
+    return {balance.relative(), std::max(before, ledger.suspicion()), ledger.sums(end_).lost(), pin_period_, end_ - begin_, means_.all()};
 }
 
 }  // namespace cvtflow::tasks

@@ -1,7 +1,6 @@
 #include "tasks/run/simulation.hpp"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -9,6 +8,7 @@
 #include <tuple>
 
 #include "engine/base/hash.hpp"
+#include "engine/executor/cancellation.hpp"
 #include "engine/method/catalogue.hpp"
 #include "engine/record/run/state_file.hpp"
 #include "model/start/start_state.hpp"
@@ -16,6 +16,8 @@
 #include "tasks/run/saved_start.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/schedule/auto_schedule.hpp"
+#include "tasks/step/control/step_controller.hpp"
+#include "tasks/step/frozen_start.hpp"
 
 namespace cvtflow::tasks {
 
@@ -270,6 +272,30 @@ void Simulation::restore(const IntegrationState& from) {
     counters_ = from.counters;
 }
 
+/// Couplings and hydraulics take over where a run begins: at t = 0 after settling, or at a start that needs none.
+void Simulation::couple() {
+    rest_.couplings.clear();
+    Workspace& w = *workspace_;
+    if (needs_settling_ || w.layout().pulley_size == 0) return;
+    double* const tail = w.states[0] + w.layout().pulley_begin();
+    w.variator.pulleys().fill_cylinders(time_, tail);
+    w.variator.couple(time_, tail);
+    for (const model::ReferenceAngle& from : w.variator.pulleys().held().reference)
+        rest_.couplings.insert(rest_.couplings.end(), {from.since, from.angle, from.zero});
+}
+
+void Simulation::restore_couplings(std::span<const double> numbers) {
+    model::HeldInputs held = workspace_->variator.pulleys().held();
+    held.coupled = !numbers.empty();
+    for (model::ReferenceAngle& reference : held.reference) {
+        reference = {};
+        if (!held.coupled) continue;
+        reference = {numbers[0], numbers[1], numbers[2]};
+        numbers = numbers.subspan(3);
+    }
+    workspace_->variator.hold(held);
+}
+
 std::uint64_t Simulation::hash() const noexcept {
     engine::Hash hash;
     hash.add(std::span<const double>(state(), static_cast<std::size_t>(workspace_->layout().size())));
@@ -287,6 +313,48 @@ engine::SavedState Simulation::saved_state() const {
     saved.attributes = {{"scene", text}, {"method", method_name()}, {std::string(suspicion_attribute), suspicion()}};
     if (step_ > 0.0) saved.attributes.push_back({std::string(step_taken_attribute), step_});
     return saved;
+}
+
+FrozenStart frozen_start(const Simulation& simulation) {
+    const Workspace& at = simulation.workspace();
+    const std::size_t size = static_cast<std::size_t>(at.layout().size());
+    Workspace probed(at.parameters, *engine::find_method("rk4"), Partition::equal(at.layout().links, 1));
+    std::copy_n(simulation.state(), size, probed.states[0]);
+    probed.tips.phases = simulation.phases();
+    SilentObserver nobody;
+    const engine::Cancellation never;
+    StepController controller(probed, StepSettings{}, nobody, never);  // probes the start
+    return {simulation.time(), {probed.states[0], probed.states[0] + size}, probed.tips.phases, simulation.suspicion()};
+}
+
+PlainSlope::PlainSlope(const model::Variator& variator, const model::PhaseRule& rule)
+    : variator_(variator),
+      rule_(rule),
+      scratch_(variator.layout()),
+      phases_(static_cast<std::size_t>(model::tips_per_link * variator.layout().links), model::Phase::free) {}
+
+void PlainSlope::operator()(double t, const double* x, double* out) noexcept {
+    const model::ChainLayout& at = variator_.layout();
+    if (at.pulley_size != 0) {
+        variator_.pulleys().motions(x + at.pulley_begin(), scratch_.sheaves);
+        for (int link = 0; link < at.links; ++link) {
+            model::TipProbe probe;
+            model::NeighbourWindow strip;
+            variator_.chain().probe(strip.of(at, x, link), scratch_.sheaves, true, probe);
+            for (int tip = 0; tip < model::tips_per_link; ++tip) {
+                phases_[static_cast<std::size_t>(model::tips_per_link * link + tip)] =
+                    rule_.next(model::Phase::free, {probe.depth[tip], probe.slip[tip]});
+            }
+        }
+    }
+    model::right_hand_side(variator_, t, x, phases_.data(), out, scratch_);
+}
+
+std::string unreliable_text(double suspicion, const AutoNumber& setting, double step) {
+    const std::string advice = setting.automatic()
+                                   ? fmt::format("run.step = \"auto\" is too long here; use {:.2g} s, half of the last step", 0.5 * step)
+                                   : "use a shorter step, or run.step = \"auto\"";
+    return fmt::format("unreliable: the residual of the energy balance is {:.2g} times the tolerance; {}", suspicion, advice);
 }
 
 }  // namespace cvtflow::tasks

@@ -1,5 +1,6 @@
 #pragma once
-/// One simulation of one scene: its start state, its step loop, its counters. No global state; any number may live side by side.
+/// One simulation of one scene: its start state, its step loop, its counters; and its slope as solvers outside know it. No global state;
+/// any number may live side by side.
 
 #include <algorithm>
 #include <limits>
@@ -9,7 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "model/law/phase_rule.hpp"
 #include "model/start/start_state.hpp"
+#include "model/variator/variator.hpp"
 #include "tasks/method/auto_step.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tasks/schedule/integrator.hpp"
@@ -157,5 +160,30 @@ private:
 
 /// The simulation's present state, with the phases that a run would begin with.
 [[nodiscard]] FrozenStart frozen_start(const Simulation& simulation);
+
+}  // namespace cvtflow::tasks
+
+namespace cvtflow::tasks {
+
+/// The right-hand side as a function of time and unknowns alone. Serial; owns the memory of one evaluation.
+class PlainSlope {
+public:
+    /// Both must outlive this.
+    PlainSlope(const model::Variator& variator, const model::PhaseRule& rule);
+
+    /// out = dx/dt. Phases are those of the moment: a tip that penetrates touches, any other is free; no hysteresis. The contact law is
+    /// continuous at depth zero, so out is continuous in x. @param x, out [layout.size()], not the same
+    void operator()(double t, const double* x, double* out) noexcept;
+
+private:
+    const model::Variator& variator_;
+    const model::PhaseRule& rule_;
+    model::EvaluationScratch scratch_;
+    std::vector<model::Phase> phases_;  ///< [4 links]
+};
+
+/// One line on an energy balance that does not close, with what to do about it. @param suspicion EnergyLedger::suspicion(), above 1
+/// @param setting run.step   @param step the last one that was chosen [s]
+[[nodiscard]] std::string unreliable_text(double suspicion, const AutoNumber& setting, double step);
 
 }  // namespace cvtflow::tasks

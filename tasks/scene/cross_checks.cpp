@@ -1,29 +1,107 @@
 #include "tasks/scene/cross_checks.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
-
-#include <fmt/format.h>
+#include <tuple>
+#include <utility>
 
 #include "engine/base/text.hpp"
 #include "engine/executor/catalogue.hpp"
 #include "engine/thread/guards.hpp"
 #include "model/start/belt.hpp"
 #include "tasks/method/method.hpp"
-#include "tasks/scene/channel_names.hpp"
-#include "tasks/scene/toml/toml_tree.hpp"
-#include "tasks/scene/toml/units.hpp"
+#include "tasks/scene/scene.hpp"
+#include "tasks/scene/toml_tree.hpp"
+#include "tasks/scene/units.hpp"
 
 namespace cvtflow::tasks {
+
 namespace {
 
 using model::DriveMode;
 using model::PulleyDetail;
 using model::StartLayout;
 using Violation = std::optional<std::string>;
+
+/// The largest friction of a tip is known everywhere as tip.friction_coefficient: clamping by torque, safety factors, stability.
+Violation tip_law_has_its_largest(const Scene& scene) {
+    const model::Tip& tip = scene.parameters.tip;
+    const double coefficient = tip.friction.coefficient;
+    if (tip.friction_law == model::TipFriction::lubricated && tip.limiting_traction > coefficient)
+        return fmt::format("tip.limiting_traction: {} is above tip.friction_coefficient = {}", number_text(tip.limiting_traction),
+                           number_text(coefficient));
+    if (tip.friction_law != model::TipFriction::table) return {};
+    if (tip.friction_table.speed.size() < 2)
+        return "tip.friction_table: tip.friction_law = \"table\" takes its friction from at least two points [speed, coefficient]";
+    const double largest = *std::ranges::max_element(tip.friction_table.value);
+    if (std::abs(largest - coefficient) <= 1e-9 * coefficient) return {};
+    return fmt::format("tip.friction_table: its largest value is {}, but tip.friction_coefficient is {}; they must be equal",
+                       number_text(largest), number_text(coefficient));
+}
+
+Violation tip_law_has_piecewise_corner(const Scene& scene) {
+    const auto& p = scene.parameters;
+    if (p.tip.friction_law == model::TipFriction::constant || p.detail.pins != model::PinDetail::rigid) return {};
+    if (p.detail.friction == model::FrictionLaw::piecewise) return {};
+    return "tip.friction_law: detail.pins = \"rigid\" takes it with detail.friction = \"piecewise\" only";
+}
+
+Violation imperfections_have_pulleys(const Scene& scene) {
+    const auto& [detail, i] = std::tie(scene.parameters.detail, scene.parameters.imperfection);
+    const bool some = i.misalignment != 0.0 || i.runout != 0.0 || i.attachment != 1.0;
+    if (some && detail.pulleys == PulleyDetail::absent) return "imperfection.misalignment: imperfections are of pulleys, which are absent";
+    if (i.attachment == 1.0 || detail.pulleys == PulleyDetail::elastic) return {};
+    return "imperfection.attachment: an attachment yields with detail.pulleys = \"elastic\" only";
+}
+
+using model::PulleyDetail;
+using Violation = std::optional<std::string>;
+
+Violation hydraulics_have_pulleys(const Scene& scene) {
+    const auto& p = scene.parameters;
+    if (p.hydraulics.mode == model::HydraulicMode::none || p.detail.pulleys != PulleyDetail::absent) return {};
+    return "hydraulics.mode: cylinders need pulleys, but detail.pulleys is \"absent\"";
+}
+
+/// Oil as a spring against the sheave's mass, and its flow through a valve, are slow beside the steps of every method.
+Violation oil_is_slow(const Scene& scene) {
+    const auto& of = scene.parameters.hydraulics;
+    if (of.mode == model::HydraulicMode::none) return {};
+    constexpr double fastest = 1e5;  // [rad/s]: half a radian in a step of 5 us, the longest automatic one
+    const double area = std::max(of.driving.area, of.driven.area), capacity = of.oil_volume / of.oil_modulus;
+    const double frequency = area / std::sqrt(capacity * scene.parameters.pulley.sheave_mass), rate = of.valve_conductance / capacity;
+    if (frequency > fastest)
+        return fmt::format(
+            "hydraulics.oil_volume: sheave and oil would vibrate at {:.3g} kHz, above {:.3g}: a larger oil_volume or a smaller oil_modulus",
+            5e-4 * frequency / std::numbers::pi, 5e-4 * fastest / std::numbers::pi);
+    if (rate > fastest)
+        return fmt::format("hydraulics.valve_conductance: a cylinder would follow its valve within {:.3g} us, below {:.3g}: a smaller one",
+                           1e6 / rate, 1e6 / fastest);
+    return {};
+}
+
+Violation oil_is_behind_pistons(const Scene& scene) {
+    const auto& of = scene.parameters.hydraulics;
+    for (const auto& [name, cylinder] : {std::pair{"driving", &of.driving}, {"driven", &of.driven}}) {
+        const double outer = std::sqrt(cylinder->inner * cylinder->inner + cylinder->area / std::numbers::pi);
+        if (of.mode != model::HydraulicMode::none && of.feed_radius > outer)
+            return fmt::format("hydraulics.feed_radius: {:.4g} mm is beyond the outer radius of hydraulics.{}_area, {:.4g} mm",
+                               1e3 * of.feed_radius, name, 1e3 * outer);
+    }
+    return {};
+}
+
+Violation pump_turns(const Scene& scene) {
+    const auto& of = scene.parameters.hydraulics;
+    if (of.mode == model::HydraulicMode::none) return {};
+    if (of.pump_displacement == 0.0) return "hydraulics.pump_displacement: 0 feeds no cylinder";
+    if (of.pump_ratio > 0.0 || of.pump_speed.largest_magnitude() > 0.0) return {};
+    return "hydraulics.pump_ratio: 0 and hydraulics.pump_speed = 0 leave the pump at rest";
+}
 
 /// A length in mm with four digits, for messages.
 std::string mm(double length) { return fmt::format("{:.4g} mm", 1e3 * length); }
@@ -252,7 +330,9 @@ Violation description_is_text(const Scene& scene) {
     return fmt::format("scene.description: {}", wrong);
 }
 
-const std::vector<CrossCheck>& general_checks() {
+}  // namespace
+
+std::span<const CrossCheck> cross_checks() {
     static const std::vector<CrossCheck> checks{
         {{"scene.name"}, name_is_plain},
         {{"scene.description"}, description_is_text},
@@ -284,19 +364,19 @@ const std::vector<CrossCheck>& general_checks() {
         {{"run.step_control", "run.method"}, method_estimates_error},
         {{"record.channels"}, channels_exist},
         {{"run.schedule"}, executor_exists},
+        {{"tip.friction_table", "tip.limiting_traction", "tip.friction_law", "tip.friction_coefficient"}, tip_law_has_its_largest},
+        {{"tip.friction_law", "detail.pins", "detail.friction"}, tip_law_has_piecewise_corner},
+        {{"imperfection.attachment", "imperfection.runout", "imperfection.misalignment", "detail.pulleys"}, imperfections_have_pulleys},
+        {{"hydraulics.mode", "detail.pulleys"}, hydraulics_have_pulleys},
+        {{"hydraulics.oil_volume", "hydraulics.oil_modulus", "hydraulics.valve_conductance", "hydraulics.driving_area",
+          "hydraulics.driven_area", "pulley.sheave_mass"},
+         oil_is_slow},
+        {{"hydraulics.feed_radius", "hydraulics.driving_area", "hydraulics.driven_area", "hydraulics.driving_inner",
+          "hydraulics.driven_inner"},
+         oil_is_behind_pistons},
+        {{"hydraulics.pump_ratio", "hydraulics.pump_speed", "hydraulics.pump_displacement"}, pump_turns},
     };
     return checks;
-}
-
-}  // namespace
-
-std::span<const CrossCheck> cross_checks() {
-    static const std::vector<CrossCheck> all = [] {
-        std::vector<CrossCheck> rows = general_checks();
-        for (const auto more : {tip_checks(), hydraulic_checks()}) rows.insert(rows.end(), more.begin(), more.end());
-        return rows;
-    }();
-    return all;
 }
 
 }  // namespace cvtflow::tasks

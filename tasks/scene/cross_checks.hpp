@@ -18,8 +18,5 @@ struct CrossCheck {
 };
 
 [[nodiscard]] std::span<const CrossCheck> cross_checks();
-/// Those of tips' friction laws and of imperfections, and of the hydraulics; cross_checks() contains them.
-[[nodiscard]] std::span<const CrossCheck> tip_checks();
-[[nodiscard]] std::span<const CrossCheck> hydraulic_checks();
 
 }  // namespace cvtflow::tasks

@@ -8,18 +8,34 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "engine/record/run/state_file.hpp"
 #include "model/parameters/parameters.hpp"
-#include "tasks/scene/kept_state.hpp"
 #include "tasks/step/assembly/assembly_kind.hpp"
 #include "tasks/step/control/step_control.hpp"
 
 namespace cvtflow::tasks {
+
+/// A scene's state, read once: simulations made from one scene, at once or one after the other, share it. Any thread.
+class KeptState {
+public:
+    KeptState();
+
+    /// The state in a file: as it was read, until the file is another one (by its identity, size and time of change). A file that has gone
+    /// since is the one that was read.
+    /// @throws engine::RecordError, std::bad_alloc
+    [[nodiscard]] std::shared_ptr<const engine::SavedState> read(const std::string& path) const;
+
+private:
+    struct Kept;
+    std::shared_ptr<Kept> kept_;
+};
 
 /// A positive number, or "auto": the program chooses it.
 struct AutoNumber {
@@ -140,5 +156,11 @@ void apply_detail(Scene& scene, std::string_view preset);
 
 /// The scene as TOML with every key: what a run used, whatever file, presets and settings it came from. parse_scene reads it back equal.
 [[nodiscard]] std::string write_scene(const Scene& scene);
+
+/// Channels that a scene may request, in the order of their catalogue (tasks/run/channels.cpp, which defines both functions).
+[[nodiscard]] std::vector<std::string> channel_names();
+
+/// Unknown names of record.channels, in order.
+[[nodiscard]] std::vector<std::string> unknown_channels(std::span<const std::string> names);
 
 }  // namespace cvtflow::tasks

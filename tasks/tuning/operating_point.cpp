@@ -6,7 +6,7 @@
 #include <set>
 
 #include "tasks/run/saved_start.hpp"
-#include "tasks/scene/toml/units.hpp"
+#include "tasks/scene/units.hpp"
 
 namespace cvtflow::tasks {
 

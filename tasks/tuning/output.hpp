@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "tasks/batch/sweep/scalar.hpp"
-#include "tasks/run/run_watch.hpp"
+#include "tasks/run/run_means.hpp"
 
 namespace cvtflow::tasks {
 

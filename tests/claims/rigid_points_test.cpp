@@ -11,7 +11,7 @@
 #include <iterator>
 #include <map>
 
-#include "tasks/scene/csv/csv_text.hpp"
+#include "tasks/scene/csv.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
 
 namespace cvtflow::claims {

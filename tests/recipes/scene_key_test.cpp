@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "tasks/scene/toml/toml_tree.hpp"
-#include "tasks/scene/toml/value_reader.hpp"
+#include "tasks/scene/toml_tree.hpp"
+#include "tasks/scene/value_reader.hpp"
 
 namespace cvtflow::recipes {
 namespace {

@@ -3,7 +3,7 @@
 #include <unistd.h>
 
 #include "engine/base/text.hpp"
-#include "tasks/scene/csv/csv_text.hpp"
+#include "tasks/scene/csv.hpp"
 #include "tasks/tuning/tuned_scene.hpp"
 #include "tests/tools/batch_fixture.hpp"
 #include "tools/program/report/tune_report.hpp"

@@ -11,7 +11,7 @@
 #include "bench/lab/text/watch_text.hpp"
 #include "model/observe/observation.hpp"
 #include "tasks/run/simulation.hpp"
-#include "tasks/scene/toml/units.hpp"
+#include "tasks/scene/units.hpp"
 #include "tasks/tuning/detail_state.hpp"
 #include "tasks/tuning/output.hpp"
 #include "tools/program/arguments/scene_arguments.hpp"

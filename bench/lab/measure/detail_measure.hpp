@@ -11,7 +11,7 @@
 
 #include "engine/record/run/state_file.hpp"
 #include "model/parameters/parameters.hpp"
-#include "tasks/run/run_watch.hpp"
+#include "tasks/run/run_means.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/scene.hpp"
 

@@ -8,7 +8,7 @@
 #include "bench/study/profile/report.hpp"
 #include "engine/base/provenance.hpp"
 #include "engine/executor/runtimes.hpp"
-#include "tasks/scene/csv/csv_text.hpp"
+#include "tasks/scene/csv.hpp"
 #include "tools/program/text/provenance_json.hpp"
 #include "tools/program/text/text.hpp"
 

@@ -7,7 +7,7 @@
 #include <map>
 
 #include "bench/lab/text/watch_text.hpp"
-#include "tasks/scene/csv/csv_text.hpp"
+#include "tasks/scene/csv.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output/interrupt.hpp"
 #include "tools/program/plot/plot.hpp"

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "tasks/scene/csv/csv_text.hpp"
+#include "tasks/scene/csv.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::bench {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "tasks/scene/scene.hpp"
-#include "tasks/scene/toml/units.hpp"
+#include "tasks/scene/units.hpp"
 #include "tools/program/arguments/scene_arguments.hpp"
 #include "tools/program/guard.hpp"
 

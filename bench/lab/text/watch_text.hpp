@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "tasks/run/run_watch.hpp"
+#include "tasks/run/run_means.hpp"
 
 namespace cvtflow::bench {
 

@@ -6,7 +6,7 @@
 
 #include "bench/study/extremes/extreme.hpp"
 #include "tasks/scene/parameter_table.hpp"
-#include "tasks/scene/toml/units.hpp"
+#include "tasks/scene/units.hpp"
 
 namespace cvtflow::bench {
 

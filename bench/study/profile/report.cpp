@@ -10,7 +10,7 @@
 #include "engine/base/hash.hpp"
 #include "engine/base/provenance.hpp"
 #include "engine/executor/runtimes.hpp"
-#include "tasks/scene/csv/csv_text.hpp"
+#include "tasks/scene/csv.hpp"
 
 namespace cvtflow::bench {
 

@@ -14,7 +14,7 @@
 
 #include "engine/executor/cancellation.hpp"
 #include "tasks/method/stability/linear_chain.hpp"
-#include "tasks/run/run_watch.hpp"
+#include "tasks/run/run_means.hpp"
 #include "tasks/scene/scene.hpp"
 
 namespace cvtflow::bench {

@@ -9,7 +9,7 @@
 
 #include "engine/record/run/state_file.hpp"
 #include "tasks/method/implicit/newton.hpp"
-#include "tasks/run/run_watch.hpp"
+#include "tasks/run/run_means.hpp"
 #include "tasks/run/simulation.hpp"
 
 namespace cvtflow::bench {

@@ -1,4 +1,3 @@
-
 #include "engine/record/hdf5/file_seal.hpp"
 
 #include <unistd.h>

@@ -1,4 +1,3 @@
-
 #include "engine/record/hdf5/hdf5_series.hpp"
 
 #include <algorithm>

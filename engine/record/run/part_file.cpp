@@ -1,4 +1,3 @@
-
 #include "engine/record/run/part_file.hpp"
 
 #include <fcntl.h>

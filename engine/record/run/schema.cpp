@@ -1,4 +1,3 @@
-
 #include "engine/record/run/schema.hpp"
 
 #include <hdf5.h>

@@ -15,7 +15,7 @@
 #include "engine/base/provenance.hpp"
 #include "model/start/start_state.hpp"
 #include "tasks/batch/results/origin.hpp"
-#include "tasks/scene/csv/csv_text.hpp"
+#include "tasks/scene/csv.hpp"
 
 namespace cvtflow::tasks {
 

@@ -5,8 +5,7 @@
 #include <algorithm>
 
 #include "engine/base/text.hpp"
-#include "tasks/scene/accuracy.hpp"
-#include "tasks/scene/toml/units.hpp"
+#include "tasks/scene/units.hpp"
 
 namespace cvtflow::tasks {
 

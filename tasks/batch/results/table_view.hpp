@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tasks/scene/toml/toml_tree.hpp"
+#include "tasks/scene/toml_tree.hpp"
 
 namespace cvtflow::tasks {
 

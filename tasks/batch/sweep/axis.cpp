@@ -7,8 +7,8 @@
 #include <type_traits>
 
 #include "model/basis/portable_math.hpp"
-#include "tasks/scene/toml/units.hpp"
-#include "tasks/scene/toml/value_reader.hpp"
+#include "tasks/scene/units.hpp"
+#include "tasks/scene/value_reader.hpp"
 
 namespace cvtflow::tasks {
 

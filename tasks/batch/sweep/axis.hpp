@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "tasks/scene/parameter_table.hpp"
-#include "tasks/scene/toml/toml_tree.hpp"
+#include "tasks/scene/toml_tree.hpp"
 
 namespace cvtflow::tasks {
 

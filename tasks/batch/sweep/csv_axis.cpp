@@ -8,7 +8,7 @@
 #include "engine/base/input_file.hpp"
 #include "engine/base/text.hpp"
 #include "tasks/batch/sweep/axis_reader.hpp"
-#include "tasks/scene/csv/csv_text.hpp"
+#include "tasks/scene/csv.hpp"
 
 namespace cvtflow::tasks {
 

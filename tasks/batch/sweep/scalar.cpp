@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "engine/base/text.hpp"
-#include "tasks/scene/toml/units.hpp"
+#include "tasks/scene/units.hpp"
 #include "tasks/step/method_memory.hpp"
 
 namespace cvtflow::tasks {

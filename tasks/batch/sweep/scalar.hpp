@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "tasks/run/channels.hpp"
-#include "tasks/scene/toml/toml_tree.hpp"
+#include "tasks/scene/toml_tree.hpp"
 
 namespace cvtflow::tasks {
 

@@ -8,7 +8,7 @@
 #include "tasks/run/checkpoint.hpp"
 #include "tasks/run/saved_start.hpp"
 #include "tasks/scene/cross_checks.hpp"
-#include "tasks/scene/toml/units.hpp"
+#include "tasks/scene/units.hpp"
 
 namespace cvtflow::tasks {
 

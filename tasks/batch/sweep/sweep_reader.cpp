@@ -10,8 +10,8 @@
 #include "tasks/method/method.hpp"
 #include "tasks/run/saved_start.hpp"
 #include "tasks/scene/cross_checks.hpp"
-#include "tasks/scene/toml/units.hpp"
-#include "tasks/scene/toml/value_reader.hpp"
+#include "tasks/scene/units.hpp"
+#include "tasks/scene/value_reader.hpp"
 
 namespace cvtflow::tasks {
 

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tasks/scene/toml/units.hpp"
+#include "tasks/scene/units.hpp"
 
 namespace cvtflow::tasks {
 namespace {

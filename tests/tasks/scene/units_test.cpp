@@ -1,4 +1,4 @@
-#include "tasks/scene/toml/units.hpp"
+#include "tasks/scene/units.hpp"
 
 #include <cmath>
 #include <cstdlib>
@@ -9,7 +9,6 @@
 #include <gtest/gtest.h>
 
 #include "model/parameters/parameters.hpp"
-#include "tasks/scene/toml/unit_hints.hpp"
 
 namespace cvtflow::tasks {
 namespace {

@@ -1,11 +1,11 @@
-#include "tasks/scene/toml/value_reader.hpp"
+#include "tasks/scene/value_reader.hpp"
 
 #include <string>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "tasks/scene/toml/units.hpp"
+#include "tasks/scene/units.hpp"
 
 namespace cvtflow::tasks {
 namespace {

@@ -12,7 +12,7 @@
 #include "tasks/method/method.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/parameter_table.hpp"
-#include "tasks/scene/toml/units.hpp"
+#include "tasks/scene/units.hpp"
 #include "tools/program/arguments/ready_scenes.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/text/text.hpp"

@@ -5,7 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <sstream>
 
-#include "tasks/scene/accuracy.hpp"
+#include "tasks/scene/units.hpp"
 #include "tools/program/arguments/scene_arguments.hpp"
 #include "tools/program/guard.hpp"
 

@@ -8,7 +8,7 @@
 #include "engine/record/run/schema.hpp"
 #include "engine/record/run/state_file.hpp"
 #include "tasks/run/checkpoint.hpp"
-#include "tasks/scene/toml/toml_tree.hpp"
+#include "tasks/scene/toml_tree.hpp"
 
 namespace cvtflow::tools {
 

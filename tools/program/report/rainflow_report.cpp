@@ -10,7 +10,7 @@
 #include "engine/base/rainflow.hpp"
 #include "engine/base/text.hpp"
 #include "engine/record/run/run_reader.hpp"
-#include "tasks/scene/csv/csv_text.hpp"
+#include "tasks/scene/csv.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/text/provenance_json.hpp"
 #include "tools/program/text/text.hpp"

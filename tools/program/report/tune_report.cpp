@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "tasks/scene/csv/csv_text.hpp"
+#include "tasks/scene/csv.hpp"
 #include "tools/program/plot/plot.hpp"
 #include "tools/program/text/provenance_json.hpp"
 #include "tools/program/text/text.hpp"

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "tasks/scene/csv/csv_text.hpp"
+#include "tasks/scene/csv.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::tools {

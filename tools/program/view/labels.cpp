@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "tasks/scene/toml/units.hpp"
+#include "tasks/scene/units.hpp"
 
 namespace cvtflow::tools {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tasks/scene/csv/csv_text.hpp"
+#include "tasks/scene/csv.hpp"
 #include "tools/program/view/run_plots.hpp"
 
 namespace cvtflow::tools {

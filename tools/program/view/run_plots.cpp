@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "tasks/scene/csv/csv_text.hpp"
+#include "tasks/scene/csv.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/plot/finite.hpp"
 #include "tools/program/text/text.hpp"

@@ -7,7 +7,7 @@
 #include <map>
 #include <set>
 
-#include "tasks/scene/toml/unit_hints.hpp"
+#include "tasks/scene/units.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/plot/axis_scale.hpp"
 #include "tools/program/plot/field.hpp"

@@ -9,7 +9,7 @@
 #include "engine/base/input_file.hpp"
 #include "engine/base/text.hpp"
 #include "tasks/batch/results/results.hpp"
-#include "tasks/scene/csv/csv_text.hpp"
+#include "tasks/scene/csv.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tools/program/guard.hpp"
 

@@ -6,7 +6,7 @@
 
 #include "bench/lab/command/command.hpp"
 #include "bench/study/extremes/lottery.hpp"
-#include "tasks/scene/csv/csv_text.hpp"
+#include "tasks/scene/csv.hpp"
 #include "tools/program/guard.hpp"
 
 namespace cvtflow::bench {

@@ -10,7 +10,7 @@
 #include "bench/study/method_run.hpp"
 #include "engine/method/analysis/order.hpp"
 #include "tasks/method/method.hpp"
-#include "tasks/scene/toml/units.hpp"
+#include "tasks/scene/units.hpp"
 #include "tools/program/arguments/scene_arguments.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output/output_folder.hpp"

@@ -8,7 +8,7 @@
 #include "bench/study/profile/counted_work.hpp"
 #include "engine/base/provenance.hpp"
 #include "model/basis/isa.hpp"
-#include "tasks/scene/csv/csv_text.hpp"
+#include "tasks/scene/csv.hpp"
 #include "tools/program/arguments/scene_arguments.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output/output_folder.hpp"

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "engine/record/run/run_reader.hpp"
-#include "tasks/scene/csv/csv_text.hpp"
+#include "tasks/scene/csv.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tools/program/command/command.hpp"
 #include "tools/program/guard.hpp"

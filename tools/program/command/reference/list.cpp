@@ -15,7 +15,7 @@
 #include "tasks/method/method_choice.hpp"
 #include "tasks/run/channels.hpp"
 #include "tasks/scene/parameter_table.hpp"
-#include "tasks/scene/toml/units.hpp"
+#include "tasks/scene/units.hpp"
 #include "tools/program/arguments/ready_scenes.hpp"
 #include "tools/program/command/command.hpp"
 #include "tools/program/guard.hpp"

@@ -8,7 +8,7 @@
 
 #include "engine/base/text.hpp"
 #include "tasks/batch/results/results.hpp"
-#include "tasks/scene/toml/units.hpp"
+#include "tasks/scene/units.hpp"
 #include "tools/program/command/command.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/report/rainflow_report.hpp"

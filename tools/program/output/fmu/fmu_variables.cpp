@@ -10,7 +10,7 @@
 
 #include "engine/base/text.hpp"
 #include "tasks/scene/parameter_table.hpp"
-#include "tasks/scene/toml/units.hpp"
+#include "tasks/scene/units.hpp"
 #include "tools/program/guard.hpp"
 
 namespace cvtflow::tools {

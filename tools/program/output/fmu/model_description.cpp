@@ -8,7 +8,7 @@
 #include <variant>
 
 #include "engine/base/provenance.hpp"
-#include "tasks/scene/toml/units.hpp"
+#include "tasks/scene/units.hpp"
 #include "tools/program/text/markup.hpp"
 
 namespace cvtflow::tools {

@@ -1,6 +1,8 @@
 #pragma once
-/// Quantities as people write them: "8.12 mm", "2000 rpm", "5.7e7 N/m", "2.5e10 N/m^1.5". Everything is turned into SI.
+/// Quantities as people write them: "8.12 mm", "2000 rpm", "5.7e7 N/m", "2.5e10 N/m^1.5", turned into SI; corrections of units, and the
+/// shortest text of a value.
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -49,5 +51,19 @@ struct Quantity {
 
 /// Shortest decimal text that reads back as the same double: 84, 0.2, 8.12e-3, 2e5. Also valid TOML. number [any unit]
 [[nodiscard]] std::string number_text(double number);
+
+/// Corrections for a symbol that is not a unit, best first: "Nms" -> N*m*s, "RPM" -> rpm, "mm2" -> mm^2. Empty: none is near.
+[[nodiscard]] std::vector<std::string> likely_symbols(std::string_view symbol);
+
+/// Corrections for a readable quantity with the wrong dimension: "2000 1/min" for rad/s -> 2000 rpm, "12 nm" for N*m -> 12 N*m.
+/// @param text the quantity as written   @param unit the SI unit that is expected
+[[nodiscard]] std::vector<std::string> likely_quantities(std::string_view text, std::string_view unit);
+
+/// A value with its unit as people write it: "11 deg" for 0.19198621771937624 rad, "8.12 mm". The text reads back as the same double.
+/// @param value in `unit`, an SI unit
+[[nodiscard]] std::string quantity_text(double value, std::string_view unit);
+
+/// "1 %", "0.01", as a share [1]; nothing unless above 0 and at most a half.
+[[nodiscard]] std::optional<double> read_accuracy(std::string_view text);
 
 }  // namespace cvtflow::tasks

@@ -1,4 +1,4 @@
-#include "tasks/scene/toml/value_reader.hpp"
+#include "tasks/scene/value_reader.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,8 +10,7 @@
 
 #include "engine/base/text.hpp"
 #include "tasks/scene/scene.hpp"
-#include "tasks/scene/toml/unit_hints.hpp"
-#include "tasks/scene/toml/units.hpp"
+#include "tasks/scene/units.hpp"
 
 namespace cvtflow::tasks {
 namespace {

@@ -1,16 +1,158 @@
-#include "tasks/scene/csv/csv_points.hpp"
+#include "tasks/scene/csv.hpp"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <sstream>
+#include <utility>
 
 #include "engine/base/input_file.hpp"
 #include "engine/base/text.hpp"
-#include "tasks/scene/csv/csv_text.hpp"
-#include "tasks/scene/toml/value_reader.hpp"
+#include "tasks/scene/units.hpp"
+#include "tasks/scene/value_reader.hpp"
 
 namespace cvtflow::tasks {
+
+std::string trimmed(std::string_view text) {
+    const auto first = text.find_first_not_of(" \t\r");
+    return first == std::string_view::npos ? "" : std::string(text.substr(first, text.find_last_not_of(" \t\r") - first + 1));
+}
+
+namespace {
+
+/// "12,5" -> "12.5": a number with one comma and no point.
+void put_decimal_point(std::string& cell) {
+    const auto comma = cell.find(',');
+    const std::string number = trimmed(cell);
+    const bool decimal =
+        comma != std::string::npos && cell.find(',', comma + 1) == std::string::npos && cell.find('.') == std::string::npos;
+    if (decimal && number.find_first_not_of("+-0123456789,eE") == std::string::npos) cell[comma] = '.';
+}
+
+}  // namespace
+
+char csv_separator(std::string_view heading) {
+    for (const char separator : {';', ','})
+        if (heading.find(separator) != std::string_view::npos) return separator;
+    return heading.find('\t') != std::string_view::npos ? '\t' : ',';
+}
+
+namespace {
+
+/// As csv_lines, numbers as they are.
+std::vector<std::vector<std::string>> split(std::string_view text, char separator) {
+    std::vector<std::vector<std::string>> lines(1, {""});
+    bool quoted = false;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const char c = text[i];
+        if (c == '"' && quoted && i + 1 < text.size() && text[i + 1] == '"')
+            lines.back().back() += text[i++];
+        else if (c == '"')
+            quoted = !quoted;
+        else if (c == separator && !quoted)
+            lines.back().emplace_back();
+        else if (c == '\n' && !quoted)
+            lines.push_back({""});
+        else if (c != '\r')
+            lines.back().back() += c;
+    }
+    return lines;
+}
+
+}  // namespace
+
+std::vector<std::vector<std::string>> csv_lines(std::string_view text, char separator) {
+    auto lines = split(text, separator);
+    if (separator == ',') return lines;
+    for (auto& line : lines)
+        for (std::string& cell : line) put_decimal_point(cell);
+    return lines;
+}
+
+namespace {
+
+/// What a number shows about the decimal mark of its file.
+struct MarkEvidence {
+    bool comma = false, point = false;  ///< is decimal for certain
+    char doubtful = 0;                  ///< the mark that separates decimals or thousands
+};
+
+MarkEvidence evidence_of(std::string_view number) {
+    if (number.find_first_not_of("+-0123456789.,eE") != std::string_view::npos) return {};
+    if (number.starts_with('+') || number.starts_with('-')) number.remove_prefix(1);
+    const auto commas = std::count(number.begin(), number.end(), ','), points = std::count(number.begin(), number.end(), '.');
+    const auto last = number.find_last_of(",.");
+    if (commas + points == 0) return {};
+    if (commas + points > 1) {  // groups, and perhaps a decimal mark of the other kind
+        const bool groups_of_commas = commas > 1 || (commas == 1 && number[last] == '.');
+        return {.comma = !groups_of_commas, .point = groups_of_commas};
+    }
+    const bool group = last >= 1 && last <= 3 && number.front() != '0' && number.size() == last + 4 &&
+                       number.find_first_of("eE") == std::string_view::npos;
+    if (group) return {.doubtful = number[last]};
+    return {.comma = commas == 1, .point = points == 1};
+}
+
+}  // namespace
+
+std::optional<DoubtfulNumber> doubtful_number(std::string_view text) {
+    MarkEvidence file;
+    std::vector<std::pair<int, std::string>> doubtful;
+    char separator = 0;
+    int number = 0;
+    for (std::size_t at = 0; at < text.size(); ++number) {
+        const std::string line(text.substr(at, text.find('\n', at) - at));
+        at += line.size() + 1;
+        if (is_blank(line)) continue;
+        if (separator == 0) separator = csv_separator(line);
+        if (separator == ',') return std::nullopt;
+        const std::vector<std::string> cells = std::move(split(line, separator).front());
+        for (const std::string& cell : cells) {
+            const std::string word = trimmed(cell);
+            const MarkEvidence mark = evidence_of(word);
+            file.comma |= mark.comma;
+            file.point |= mark.point;
+            if (mark.doubtful != 0) doubtful.emplace_back(number + 1, word);
+        }
+    }
+    for (const auto& [line, word] : doubtful) {
+        const bool comma = word.find(',') != std::string::npos;
+        if (comma ? file.comma && !file.point : !file.comma) continue;
+        std::string whole = word, decimal = word;
+        std::erase_if(whole, [](char c) { return c == ',' || c == '.' || c == '+'; });
+        std::erase(decimal, '+');
+        put_decimal_point(decimal);
+        return DoubtfulNumber{line,
+                              fmt::format("\"{}\" can be {} or {}: write it without the {}, or with a different number of decimals", word,
+                                          number_text(engine::number_of(decimal).value_or(0.0)), whole, comma ? "comma" : "point")};
+    }
+    return std::nullopt;
+}
+
+std::string csv_cell(std::string_view text, bool is_text, bool quoted) {
+    const bool is_number = engine::number_of(text).has_value();
+    std::string cell =
+        is_text && !is_number && !text.empty() && std::string_view("=+-@\t").find(text.front()) != std::string_view::npos ? "'" : "";
+    cell += engine::visible(text);
+    if (!quoted && cell.find_first_of(",;\"\n") == std::string::npos) return cell;
+    for (std::size_t at = 0; (at = cell.find('"', at)) != std::string::npos; at += 2) cell.insert(at, "\"");
+    return '"' + cell + '"';
+}
+
+std::vector<std::string> cells_of(const std::string& line, char separator) {
+    std::vector<std::string> cells = std::move(csv_lines(line, separator).front());
+    for (std::string& cell : cells) cell = trimmed(cell);
+    return cells;
+}
+
+bool is_blank(const std::string& line) { return trimmed(line).empty() || trimmed(line).front() == '#'; }
+
+Heading heading_of(const std::string& cell) {
+    const auto bracket = cell.find('['), end = cell.find(']');
+    const bool bare = bracket == std::string::npos || end == std::string::npos;
+    return {trimmed(std::string_view(cell).substr(0, bracket)),
+            bare ? "" : trimmed(std::string_view(cell).substr(bracket + 1, end - bracket - 1))};
+}
+
 namespace {
 
 /// The number of a cell as it would be written in a scene.

@@ -1,4 +1,4 @@
-#include "tasks/scene/toml/toml_tree.hpp"
+#include "tasks/scene/toml_tree.hpp"
 
 #include <stdexcept>
 #include <utility>
