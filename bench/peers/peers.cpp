@@ -26,7 +26,7 @@
 #include "engine/executor/cancellation.hpp"
 #include "engine/executor/runtimes.hpp"
 #include "tasks/run/simulation.hpp"
-#include "tasks/tuning/relative_error.hpp"
+#include "tasks/tuning/output.hpp"
 #include "tools/program/plot/plot.hpp"
 
 namespace {

@@ -1,18 +1,17 @@
 #include "tasks/batch/batch.hpp"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "engine/executor/tbb/job_pool.hpp"
-#include "tasks/batch/continuation_error.hpp"
-#include "tasks/batch/results/origin.hpp"
+#include "tasks/batch/case_engine.hpp"
 #include "tasks/batch/results/results.hpp"
 #include "tasks/batch/results/sweep_files.hpp"
-#include "tasks/batch/results/torn_results.hpp"
 #include "tasks/schedule/schedule.hpp"
 
 namespace cvtflow::tasks {
@@ -24,6 +23,61 @@ namespace {
 constexpr std::size_t waiting_rows = 64;
 constexpr double sync_seconds = 5.0;
 const engine::Cancellation never;
+
+/// Cases to run once more: the last of so many strands, spread evenly over those of a shard, whose row is ok. Ascending.
+std::vector<long> cases_to_check(const Sweep& sweep, const std::vector<long>& cases, OrderedRows& rows) {
+    const std::size_t strand = static_cast<std::size_t>(sweep.strand());
+    const std::size_t strands = cases.size() / strand;
+    const std::size_t requested = strand > 1 ? std::min(strands, static_cast<std::size_t>(sweep.checked)) : 0;
+    std::vector<long> chosen;
+    for (std::size_t k = 0; k < requested; ++k) {
+        const long number = cases[((2 * k + 1) * strands / (2 * requested)) * strand + strand - 1];
+        const engine::RowLayout& layout = rows.head().layout;
+        const auto row = rows.of_case(number);
+        if (!row.empty() && layout.text(row, layout.column("status")) == status_name(CaseStatus::ok)) chosen.push_back(number);
+    }
+    return chosen;
+}
+
+/// What a warm start from a neighbouring case changes in the results: some cases, the last of their strands, run once more from the start
+/// that they would have had without it. Largest difference of each scalar between continued and own start.
+class ContinuationError {
+public:
+    explicit ContinuationError(const Sweep& sweep) : sweep_(sweep), largest_(sweep.scalars.size()), size_(largest_) {}
+
+    /// @param again the case from its own start, with the status ok
+    void add(OrderedRows& rows, const CaseResult& again);
+    /// "2 cases, at most: slip mean 1.2e-04 (0.8 %), ratio final 3e-07 (3e-05 %)", percentages of the value from the own start; empty
+    /// without cases
+    [[nodiscard]] std::string text() const;
+
+private:
+    const Sweep& sweep_;
+    int cases_ = 0;
+    std::vector<double> largest_, size_;  ///< [scalars of the sweep]
+};
+
+void ContinuationError::add(OrderedRows& rows, const CaseResult& again) {
+    const engine::RowLayout& layout = rows.head().layout;
+    const auto row = rows.of_case(again.number);
+    if (row.empty()) return;
+    ++cases_;
+    for (std::size_t i = 0; i < largest_.size(); ++i) {
+        const double difference = std::abs(layout.real(row, layout.column(sweep_.scalars[i].column)) - again.scalars[i]);
+        if (difference < largest_[i] || (difference == 0.0 && cases_ > 1)) continue;
+        largest_[i] = difference;
+        size_[i] = std::abs(again.scalars[i]);
+    }
+}
+
+std::string ContinuationError::text() const {
+    std::vector<std::string> parts;
+    for (std::size_t i = 0; i < largest_.size(); ++i) {
+        const std::string share = size_[i] > 0.0 ? fmt::format(" ({:.2g} %)", 100.0 * largest_[i] / size_[i]) : "";
+        parts.push_back(fmt::format("{} {:.2g}{}", sweep_.scalars[i].text, largest_[i], share));
+    }
+    return cases_ == 0 ? "" : fmt::format("{} {}, at most: {}", cases_, cases_ == 1 ? "case" : "cases", fmt::join(parts, ", "));
+}
 
 /// Cases whose rows stay: no longer to be run. @return those of them that ended well, ascending
 std::vector<long> mark_done(const engine::CaseTable& table, const std::vector<std::string>& retry, std::vector<char>& done) {

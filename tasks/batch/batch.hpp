@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "engine/executor/cancellation.hpp"
-#include "tasks/batch/results/tally.hpp"
+#include "tasks/batch/results/results.hpp"
 #include "tasks/batch/supervisor.hpp"
 #include "tasks/batch/sweep/sweep.hpp"
 

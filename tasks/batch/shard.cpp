@@ -1,12 +1,15 @@
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <numeric>
+#include <optional>
 #include <queue>
+#include <set>
 
 #include "tasks/batch/batch.hpp"
 #include "tasks/batch/case_engine.hpp"
+#include "tasks/batch/results/results.hpp"
+#include "tasks/batch/results/sweep_files.hpp"
 
 namespace cvtflow::tasks {
 
@@ -55,5 +58,108 @@ std::vector<long> shard_cases(const Sweep& sweep, const Shard& shard) {
     std::sort(cases.begin(), cases.end());
     return cases;
 }
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Number of shards, from the names of the folders. @throws SimulationError
+int shard_count(const std::string& folder) {
+    std::set<int> counts;
+    std::error_code unreadable;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder, unreadable)) {
+        int number = 0, of = 0;
+        if (std::sscanf(entry.path().filename().c_str(), "shard-%9d-of-%9d", &number, &of) == 2 && Shard{number, of}.valid())
+            counts.insert(of);
+    }
+    if (counts.empty()) throw SimulationError(folder + ": contains no shards to merge");
+    if (counts.size() > 1)
+        throw SimulationError(
+            fmt::format("{}: shards of different divisions ({}): remove the wrong ones", folder, fmt::join(counts, ", ")));
+    return *counts.begin();
+}
+
+class Merge {
+public:
+    Merge(const std::string& folder, bool mixed) : folder_(folder), mixed_(mixed) {
+        report_.file = (fs::path(folder) / "cases.h5").string();
+    }
+
+    MergeReport run(bool partial) {
+        const int shards = shard_count(folder_);
+        const engine::FolderLock lock(folder_);
+        for (int number = 1; number <= shards; ++number) add(shard_folder(folder_, {number, shards}));
+        if (!table_) throw SimulationError(folder_ + ": no shard has results");
+        find_missing();
+        const bool whole = report_.missing_cases.empty() && report_.missing_shards.empty();
+        if (whole || partial) write(whole);
+        return report_;
+    }
+
+private:
+    void add(const std::string& shard) {
+        const std::string file = (fs::path(shard) / "cases.h5").string();
+        std::error_code missing;
+        if (!fs::exists(file, missing)) return report_.missing_shards.push_back(shard);
+        const engine::CaseTable part = read_results(file);
+        if (!table_) {
+            table_ = part;
+            table_->rows.clear();
+        }
+        require_same_sweep(file, part, *table_);
+        require_same_origin(file, *table_, part, mixed_);
+        if (const std::string error = part.attribute("continuation_error"); !error.empty()) errors_.push_back(error);
+        const std::size_t number = part.layout.column("case");
+        for (std::size_t i = 0; i < part.size(); ++i) {
+            const auto row = part.row(i);
+            if (!seen_.insert(part.layout.integer(row, number)).second)
+                throw SimulationError(fmt::format("{}: case {} is in two shards", file, part.layout.integer(row, number)));
+            report_.tally.add(part.layout, row);
+            table_->rows.insert(table_->rows.end(), row.begin(), row.end());
+        }
+    }
+
+    void find_missing() {
+        report_.cases = cases_of(*table_, folder_);
+        report_.rows = static_cast<long>(table_->size());
+        for (long number = 0; number < report_.cases; ++number) {
+            if (!seen_.contains(number)) report_.missing_cases.push_back(number);
+        }
+    }
+
+    /// A table with more cases than the shards have is not of these shards.
+    void require_no_more_cases() const {
+        std::error_code absent;
+        if (!fs::exists(report_.file, absent)) return;
+        const std::size_t there = engine::CaseReader(report_.file).size();
+        if (there <= table_->size()) return;
+        throw engine::RecordError(
+            fmt::format("{}: has {} cases, the shards have {}; move it away to merge them", report_.file, there, table_->size()));
+    }
+
+    void write(bool whole) {
+        const engine::Permit permit = permit_table(report_.file, table_->attribute("definition"));
+        require_no_more_cases();
+        sort_rows(*table_);
+        report_.results_hash = results_hash(*table_);
+        table_->set({"shard", "1/1"});
+        table_->set({"continuation_error", fmt::format("{}", fmt::join(errors_, "; "))});
+        table_->set({"status", whole ? "finished" : "incomplete"});
+        table_->set({"missing_cases", fmt::format("{}", fmt::join(report_.missing_cases, " "))});
+        table_->set({"results_hash", report_.results_hash});
+        engine::write_cases(permit, *table_);
+    }
+
+    std::string folder_;
+    bool mixed_;
+    MergeReport report_;
+    std::optional<engine::CaseTable> table_;
+    std::set<std::int64_t> seen_;
+    std::vector<std::string> errors_;
+};
+
+}  // namespace
+
+MergeReport merge(const std::string& folder, bool partial, bool mixed) { return Merge(folder, mixed).run(partial); }
 
 }  // namespace cvtflow::tasks

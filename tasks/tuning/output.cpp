@@ -1,52 +1,61 @@
 #include "tasks/tuning/output.hpp"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <limits>
 
 #include "engine/base/text.hpp"
 #include "tasks/run/simulation.hpp"
-#include "tasks/tuning/relative_error.hpp"
 
 namespace cvtflow::tasks {
+
+void RelativeError::add(std::span<const double> is, std::span<const double> should) noexcept {
+    for (std::size_t i = 0; i < should.size(); ++i) {
+        difference_ += (is[i] - should[i]) * (is[i] - should[i]);
+        reference_ += should[i] * should[i];
+    }
+}
+
+void RelativeError::add(const RelativeError& other) noexcept {
+    difference_ += other.difference_;
+    reference_ += other.reference_;
+}
+
+double RelativeError::value() const noexcept {
+    if (difference_ == 0.0 && std::isfinite(reference_)) return 0.0;
+    const double value = std::sqrt(difference_ / reference_);
+    return std::isfinite(value) ? value : std::numeric_limits<double>::infinity();
+}
+
+double relative_error(std::span<const double> is, std::span<const double> should) noexcept {
+    RelativeError error;
+    error.add(is, should);
+    return error.value();
+}
+
+double relative_difference(double is, double should, double least) noexcept {
+    return std::abs(is - should) / std::max(std::abs(should), least);
+}
 
 namespace {
 
 using M = FigureMeans;
-constexpr std::array figure_rows{
-    Figure{.name = "slip",
-           .meaning = "mean slip of both pulleys together; errors are relative to at least 1e-4",
-           .least = min_slip,
-           .usual = true,
-           .needs_pulleys = true,
-           .read = [](const M& m) { return m.span.slip; }},
-    Figure{.name = "efficiency",
-           .meaning = "1 - losses/input over whole pin periods; its error counts in percentage points",
-           .least = 1.0,
-           .usual = true,
-           .needs_pulleys = true,
-           .read = [](const M& m) { return m.span.efficiency; }},
-    Figure{.name = "losses",
-           .meaning = "losses/input over whole pin periods",
-           .needs_pulleys = true,
-           .read = [](const M& m) { return 1.0 - m.span.efficiency; }},
-    Figure{.name = "tight_tension",
-           .meaning = "mean tension of the tight strand",
-           .usual = true,
-           .read = [](const M& m) { return m.span.tight; }},
-    Figure{.name = "slack_tension", .meaning = "mean tension of the slack strand", .read = [](const M& m) { return m.span.slack; }},
-    Figure{.name = "tips",
-           .meaning = "largest axial force of an end of a pin, both halves together, mean over time",
-           .usual = true,
-           .needs_pulleys = true,
-           .read = [](const M& m) { return m.tip; }},
-    Figure{.name = "ratio", .meaning = "mean speed ratio", .needs_pulleys = true, .read = [](const M& m) { return m.span.ratio; }},
-    Figure{.name = "thrust_ratio",
-           .meaning = "mean ratio of both clamping forces; under control the value that the controller finds",
-           .needs_pulleys = true,
-           .read = [](const M& m) { return m.thrust; }},
+/// Name, meaning, value, whether it needs pulleys, whether it is usual, smallest scale of an error.
+constexpr Figure figure_rows[] = {
+    {"slip", "mean slip of both pulleys together; errors are relative to at least 1e-4", [](const M& m) { return m.span.slip; }, true, true,
+     min_slip},
+    {"efficiency", "1 - losses/input over whole pin periods; its error counts in percentage points",
+     [](const M& m) { return m.span.efficiency; }, true, true, 1.0},
+    {"losses", "losses/input over whole pin periods", [](const M& m) { return 1.0 - m.span.efficiency; }, true, false},
+    {"tight_tension", "mean tension of the tight strand", [](const M& m) { return m.span.tight; }, false, true},
+    {"slack_tension", "mean tension of the slack strand", [](const M& m) { return m.span.slack; }, false, false},
+    {"tips", "largest axial force of an end of a pin, both halves together, mean over time", [](const M& m) { return m.tip; }, true, true},
+    {"ratio", "mean speed ratio", [](const M& m) { return m.span.ratio; }, true, false},
+    {"thrust_ratio", "mean ratio of both clamping forces; under control the value that the controller finds",
+     [](const M& m) { return m.thrust; }, true, false},
 };
 
 }  // namespace

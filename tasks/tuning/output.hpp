@@ -12,6 +12,31 @@
 
 namespace cvtflow::tasks {
 
+/// The one definition of a relative error: ‖is - should‖/‖should‖, Euclidean, over all numbers that are added. Whatever the documents print
+/// of a method's error is made by it.
+class RelativeError {
+public:
+    /// Numbers of one instant or quantity, in units of one's own. Of equal length.
+    void add(std::span<const double> is, std::span<const double> should) noexcept;
+    /// What another one has added.
+    void add(const RelativeError& other) noexcept;
+
+    /// 0 if both are zero; infinite where a number is not finite, or differs from a reference of zeros.
+    [[nodiscard]] double value() const noexcept;
+
+private:
+    double difference_ = 0.0, reference_ = 0.0;  ///< sums of squares
+};
+
+/// Errors of slip are relative to at least this value: creep below a ten-thousandth is treated as zero.
+inline constexpr double min_slip = 1e-4;
+
+/// |is - should| over |should|, or over `least` where that is less: the error of a single figure, such as a mean. is, should, least [the
+/// same unit]
+[[nodiscard]] double relative_difference(double is, double should, double least) noexcept;
+
+[[nodiscard]] double relative_error(std::span<const double> is, std::span<const double> should) noexcept;
+
 /// What figures are read of: means over the outputs of the part of a run that counts.
 struct FigureMeans {
     SpanMeans span;
@@ -22,11 +47,10 @@ struct FigureMeans {
 /// A row of the catalogue.
 struct Figure {
     std::string_view name, meaning;
-    double least = std::numeric_limits<double>::min();  ///< an error is |is - should| over |should|, or over this where that is less [unit
-                                                        ///< of the figure]
-    bool usual = false;                                 ///< part of the default outputs
-    bool needs_pulleys = false;
     double (*read)(const FigureMeans& means);
+    bool needs_pulleys;
+    bool usual;                                         ///< part of the default outputs
+    double least = std::numeric_limits<double>::min();  ///< an error is |is - should| over |should|, or over this where that is less
 };
 /// All there are.
 [[nodiscard]] std::span<const Figure> figures() noexcept;

@@ -9,7 +9,6 @@
 #include "engine/base/hash.hpp"
 #include "engine/base/text.hpp"
 #include "engine/record/case_table.hpp"
-#include "tasks/batch/results/ordered_rows.hpp"
 #include "tasks/batch/results/results.hpp"
 #include "tasks/batch/results/sweep_files.hpp"
 #include "tasks/run/saved_start.hpp"

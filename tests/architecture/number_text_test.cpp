@@ -20,7 +20,7 @@ const std::regex stream(R"(\b(std::)?(ifstream|istringstream|istream)\b)"), extr
 /// Who may, and why.
 const std::map<std::string, std::string> locale_exempt{
     {"tasks/scene/ready_scenes.cpp", "addresses in hexadecimal"},
-    {"tasks/batch/results/merge.cpp", "counts in a folder's name"},
+    {"tasks/batch/shard.cpp", "counts in a folder's name"},
     {"tools/program/command/run/resume.cpp", "counts in a folder's name"},
     {"tasks/batch/sweep/scalar.cpp", "words"},
     {"tasks/schedule/schedule.cpp", "words, which number_of reads"},

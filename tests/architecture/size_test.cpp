@@ -17,16 +17,13 @@ constexpr int max_file_lines = 500;
 constexpr int max_function_lines = 40;
 constexpr std::ptrdiff_t most_columns = 140;
 
-/// The only file that may be longer, since it is a table: path and what is tabulated.
+/// The only file with a longer function, which is a table: path and what is tabulated.
 const std::map<std::string, std::string> tables{
     {"tasks/scene/parameter_table.cpp", "one row per parameter"},
 };
 
 TEST(Size, FilesAreShort) {
-    for (const SourceFile& file : source_files()) {
-        if (tables.contains(file.path)) continue;
-        EXPECT_LE(line_count(file.text), max_file_lines) << file.path;
-    }
+    for (const SourceFile& file : source_files()) EXPECT_LE(line_count(file.text), max_file_lines) << file.path;
 }
 
 TEST(Size, FunctionsAreShort) {
@@ -54,7 +51,10 @@ TEST(Size, LinesAreShort) {
 TEST(Size, ExemptionsAreNeeded) {
     for (const SourceFile& file : source_files()) {
         if (!tables.contains(file.path)) continue;
-        EXPECT_GT(line_count(file.text), max_file_lines) << file.path << " is no longer long: take it off the list";
+        const auto functions = functions_of(file.text);
+        const bool needed =
+            std::any_of(functions.begin(), functions.end(), [](const FunctionBody& each) { return each.lines > max_function_lines; });
+        EXPECT_TRUE(needed) << file.path << " has no long function any more: take it off the list";
     }
 }
 

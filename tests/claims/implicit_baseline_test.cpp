@@ -5,7 +5,7 @@
 
 #include "tasks/method/implicit/catalogue.hpp"
 #include "tasks/method/implicit/linear_plan.hpp"
-#include "tasks/tuning/relative_error.hpp"
+#include "tasks/tuning/output.hpp"
 #include "tests/claims/method_trial_fixture.hpp"
 
 namespace cvtflow::claims {

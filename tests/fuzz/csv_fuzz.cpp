@@ -2,7 +2,7 @@
 
 #include <cstdlib>
 
-#include "tasks/batch/sweep/axis_reader.hpp"
+#include "tasks/batch/sweep/axis.hpp"
 #include "tests/fuzz/fuzz_fixture.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {

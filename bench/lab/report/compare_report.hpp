@@ -9,7 +9,7 @@
 
 #include "bench/study/tradeoff/confirmation.hpp"
 #include "bench/study/tradeoff/error_measure.hpp"
-#include "tasks/tuning/pareto.hpp"
+#include "tasks/tuning/tuner.hpp"
 #include "tools/program/plot/plot.hpp"
 
 namespace cvtflow::bench {

@@ -6,7 +6,7 @@
 #include "engine/method/catalogue.hpp"
 #include "engine/method/combine.hpp"
 #include "model/observe/observation.hpp"
-#include "tasks/tuning/relative_error.hpp"
+#include "tasks/tuning/output.hpp"
 
 namespace cvtflow::bench {
 

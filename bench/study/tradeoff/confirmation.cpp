@@ -11,7 +11,7 @@
 #include "bench/study/tradeoff/error_measure.hpp"
 #include "tasks/method/stability/predicted_step.hpp"
 #include "tasks/run/simulation.hpp"
-#include "tasks/tuning/relative_error.hpp"
+#include "tasks/tuning/output.hpp"
 
 namespace cvtflow::bench {
 

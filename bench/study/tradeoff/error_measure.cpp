@@ -1,5 +1,5 @@
 #include "bench/study/tradeoff/error_measure.hpp"
-#include "tasks/tuning/relative_error.hpp"
+#include "tasks/tuning/output.hpp"
 
 #include <fmt/format.h>
 

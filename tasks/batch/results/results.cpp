@@ -1,7 +1,6 @@
 #include "tasks/batch/results/results.hpp"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -13,11 +12,42 @@
 
 #include "engine/base/hash.hpp"
 #include "engine/base/provenance.hpp"
+#include "engine/record/case_table.hpp"
 #include "model/start/start_state.hpp"
-#include "tasks/batch/results/origin.hpp"
+#include "tasks/batch/case_engine.hpp"
+#include "tasks/batch/results/sweep_files.hpp"
 #include "tasks/scene/csv.hpp"
 
 namespace cvtflow::tasks {
+
+void CaseTally::add(const engine::RowLayout& layout, std::span<const std::byte> row) {
+    const std::string status = layout.text(row, layout.column("status"));
+    ++rows_;
+    ++statuses_[status];
+    if (layout.has("notes")) {
+        const std::string names = layout.text(row, layout.column("notes"));
+        for (std::size_t begin = 0; begin < names.size();) {
+            const std::size_t end = std::min(names.find(' ', begin), names.size());
+            if (end > begin) ++notes_[names.substr(begin, end - begin)];
+            begin = end + 1;
+        }
+    }
+    if (status == status_name(CaseStatus::ok) || !layout.has("error")) return;
+    const std::string error = layout.text(row, layout.column("error"));
+    const long number = layout.integer(row, layout.column("case"));
+    const auto known = std::ranges::find_if(failures_, [&](const Failure& each) { return each.status == status && each.error == error; });
+    if (known == failures_.end()) {
+        if (failures_.size() < max_failures) failures_.push_back({status, error, number, 1});
+        return;
+    }
+    ++known->cases;
+    known->first = std::min(known->first, number);
+}
+
+long CaseTally::failed() const noexcept {
+    const auto ok = statuses_.find(std::string(status_name(CaseStatus::ok)));
+    return rows_ - (ok == statuses_.end() ? 0 : ok->second);
+}
 
 namespace {
 
@@ -276,6 +306,76 @@ std::string csv_text(const engine::CaseTable& table) {
         text += "\n";
     }
     return text;
+}
+
+namespace {
+
+constexpr std::size_t window_rows = 256;  ///< rows lie nearly in the order of their cases
+
+}  // namespace
+
+OrderedRows::OrderedRows(const std::string& path) : reader_(path) {
+    const engine::RowLayout& layout = head().layout;
+    const std::size_t number = layout.column("case");
+    order_.reserve(reader_.size());
+    for (std::size_t i = 0; i < reader_.size(); ++i) {
+        order_.emplace_back(0, i);
+        const auto at = row(i);
+        order_.back().first = layout.integer(at, number);
+        tally_.add(layout, at);
+    }
+    std::sort(order_.begin(), order_.end());
+}
+
+/// A row of the file.
+std::span<const std::byte> OrderedRows::row(std::size_t place) {
+    const std::size_t bytes = head().layout.bytes();
+    if (place < first_ || place >= first_ + window_.size() / bytes) {
+        first_ = place / window_rows * window_rows;
+        window_.resize(std::min(window_rows, reader_.size() - first_) * bytes);
+        reader_.read(first_, window_);
+    }
+    return std::span<const std::byte>(window_).subspan((place - first_) * bytes, bytes);
+}
+
+std::span<const std::byte> OrderedRows::of_case(long number) {
+    const auto found = std::lower_bound(order_.begin(), order_.end(), std::pair<long, std::size_t>(number, 0));
+    return found == order_.end() || found->first != number ? std::span<const std::byte>() : row(found->second);
+}
+
+std::string OrderedRows::hash() {
+    engine::Hash hash;
+    for (const auto& [number, place] : order_) add_result(hash, head().layout, row(place));
+    return hash.hex();
+}
+
+void OrderedRows::fill(std::size_t first, std::span<std::byte> rows) {
+    const std::size_t bytes = head().layout.bytes();
+    for (std::size_t i = 0; i < rows.size() / bytes; ++i)
+        std::ranges::copy(row(order_[first + i].second), rows.begin() + static_cast<std::ptrdiff_t>(i * bytes));
+}
+
+void set_mark(engine::CaseTable& table) {
+    engine::Hash hash;
+    for (const char* name : {"definition", "shard", "start_states"}) hash.add(table.attribute(name)).add(name);
+    for (const engine::CaseColumn& column : table.layout.columns())
+        hash.add(column.name + "\n" + column.unit + "\n" + column.description + "\n" + std::to_string(static_cast<int>(column.type)) + " " +
+                 std::to_string(column.width));
+    table.set({"mark", std::string(mark_of_a_sweep) + hash.hex()});
+}
+
+std::optional<engine::CaseTable> recover_results(const std::string& path, const engine::CaseTable& begin) {
+    if (!engine::torn_while_growing(path, begin.attribute("mark"))) return std::nullopt;
+    const std::size_t number = begin.layout.column("case"), status = begin.layout.column("status");
+    const long cases = cases_of(begin, path);
+    const auto statuses = status_names();
+    engine::CaseTable table = begin;
+    table.rows = engine::whole_rows(path, table.layout, [&](std::span<const std::byte> row) {
+        const std::int64_t of_case = table.layout.integer(row, number);
+        return of_case >= 0 && of_case < cases && std::ranges::find(statuses, table.layout.text(row, status)) != statuses.end();
+    });
+    set_programs_of_rows(table);
+    return table;
 }
 
 }  // namespace cvtflow::tasks

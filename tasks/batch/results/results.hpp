@@ -1,7 +1,14 @@
 #pragma once
-/// The table of a sweep: its columns, rows made from results, and what may be joined.
+/// The table of a sweep: its columns, rows made from results, what they amount to, and what may be joined. A table that can no longer be
+/// opened is recovered: intact rows are kept, the other cases run again.
 
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "engine/base/hash.hpp"
@@ -10,6 +17,32 @@
 #include "tasks/batch/sweep/sweep.hpp"
 
 namespace cvtflow::tasks {
+
+class CaseTally {
+public:
+    /// A message with which cases failed.
+    struct Failure {
+        std::string status, error;
+        long first = 0;  ///< smallest number of its cases
+        long cases = 0;
+    };
+    static constexpr std::size_t max_failures = 3;
+
+    void add(const engine::RowLayout& layout, std::span<const std::byte> row);
+
+    [[nodiscard]] long rows() const noexcept { return rows_; }
+    /// Rows with another status than ok.
+    [[nodiscard]] long failed() const noexcept;
+    [[nodiscard]] const std::map<std::string, long>& statuses() const noexcept { return statuses_; }
+    [[nodiscard]] const std::map<std::string, long>& notes() const noexcept { return notes_; }
+    /// The first few different messages, in the order of the rows.
+    [[nodiscard]] const std::vector<Failure>& failures() const noexcept { return failures_; }
+
+private:
+    long rows_ = 0;
+    std::map<std::string, long> statuses_, notes_;
+    std::vector<Failure> failures_;
+};
 
 /// Begins the names of columns with measured errors of scalars, in sweeps with an accuracy.
 inline constexpr std::string_view error_prefix = "error_of_";
@@ -48,5 +81,42 @@ void add_result(engine::Hash& hash, const engine::RowLayout& layout, std::span<c
 
 /// Text for people and CSV of the rows in the order of their cases. @param units whether CSV headings carry them
 [[nodiscard]] std::string csv_text(const engine::CaseTable& table);
+
+/// The rows of a table on disk in the order of their cases, a few at a time: memory grows by 16 bytes per case and no more.
+class OrderedRows {
+public:
+    /// @throws engine::RecordError
+    explicit OrderedRows(const std::string& path);
+
+    [[nodiscard]] const engine::CaseTable& head() const noexcept { return reader_.head(); }
+    [[nodiscard]] std::size_t size() const noexcept { return order_.size(); }
+    [[nodiscard]] const CaseTally& tally() const noexcept { return tally_; }
+    /// Row of a case, valid until the next call; empty if it has none.
+    [[nodiscard]] std::span<const std::byte> of_case(long number);
+    /// results_hash() of all rows.
+    [[nodiscard]] std::string hash();
+    /// For engine::write_cases().
+    void fill(std::size_t first, std::span<std::byte> rows);
+
+private:
+    [[nodiscard]] std::span<const std::byte> row(std::size_t place);
+
+    engine::CaseReader reader_;
+    std::vector<std::pair<long, std::size_t>> order_;  ///< case, row in the file; ascending
+    CaseTally tally_;
+    std::vector<std::byte> window_;  ///< rows from first_ on
+    std::size_t first_ = 0;
+};
+
+/// With what every mark begins.
+inline constexpr std::string_view mark_of_a_sweep = "rows of the sweep ";
+
+/// Says in a line what a table is of, as an attribute whose text is found in the file's bytes: a hash of what the results depend on, the
+/// shard and the columns. Tables of equal marks hold rows of the same sweep.
+void set_mark(engine::CaseTable& table);
+
+/// The rows of a table that was growing when power went. @param begin  that sweep's, without rows, marked
+/// @return nothing if the file is not known to be of that sweep, or was finished
+[[nodiscard]] std::optional<engine::CaseTable> recover_results(const std::string& path, const engine::CaseTable& begin);
 
 }  // namespace cvtflow::tasks

@@ -1,9 +1,11 @@
 #pragma once
-/// The files that a sweep writes into its folder, by name: what it may replace there, and all that it removes. Internal to tasks.
+/// The files that a sweep writes into its folder, by name: what it may replace there, all that it removes, and what the rows of its table
+/// come from (the version of the program, the states that the scene names, whether there are records). Internal to tasks.
 
 #include <filesystem>
 #include <string>
 
+#include "engine/record/case_table.hpp"
 #include "engine/record/run/output_rule.hpp"
 #include "tasks/batch/sweep/sweep.hpp"
 
@@ -37,5 +39,15 @@ private:
     const Sweep& sweep_;
     std::filesystem::path path_;
 };
+
+/// Notes in a table without rows what this program would fill it from. @throws as saved_start
+void set_origin(engine::CaseTable& table, const Sweep& sweep);
+
+/// Of the rows of a table that was recovered: versions of the program in them.
+void set_programs_of_rows(engine::CaseTable& table);
+
+/// Refuses to join rows of different origin, in a line that names what differs; or, if that is `mixed` knowingly, notes both in `there`.
+/// @throws SimulationError  "out/cases.h5: program 0.2.0 (b9f2dddb) there, 0.2.0 (c0ffee00) here; …"
+void require_same_origin(const std::string& path, engine::CaseTable& there, const engine::CaseTable& here, bool mixed);
 
 }  // namespace cvtflow::tasks

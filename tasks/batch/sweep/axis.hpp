@@ -1,6 +1,7 @@
 #pragma once
-/// What varies in a sweep: keys of the scene and the values that they take together, row by row.
+/// What varies in a sweep: keys of the scene and the values that they take together, row by row; read from a table of [[axes]].
 
+#include <filesystem>
 #include <string>
 #include <variant>
 #include <vector>
@@ -44,5 +45,21 @@ void apply(const Parameter& parameter, const AxisValue& value, Scene& scene);
 [[nodiscard]] std::vector<double> random_samples(std::size_t count, std::size_t dimensions, std::uint64_t seed);
 /// Samples as above, with each of the `count` equal intervals of every dimension hit exactly once.
 [[nodiscard]] std::vector<double> latin_hypercube(std::size_t count, std::size_t dimensions, std::uint64_t seed);
+
+/// @param folder that a relative csv counts from
+/// @return an axis without keys if anything is wrong
+[[nodiscard]] Axis read_axis(const Entry& entry, const Node& node, const std::filesystem::path& folder, std::vector<Problem>& problems);
+
+/// A column of a CSV file that is taken, and the key that it gives values to.
+struct CsvColumn {
+    const Parameter* key = nullptr;
+    std::string name;
+};
+
+/// Rows of a CSV file as an axis: first line names (`load.torque` or `load.torque [N*m]`), then values as in a scene; texts need no quotes.
+/// Problems are at `position` and name line and column of the CSV.
+/// @param columns to take; none: all of them, named by keys
+[[nodiscard]] Axis read_csv_axis(const std::filesystem::path& file, const std::vector<CsvColumn>& columns, Position position,
+                                 std::vector<Problem>& problems);
 
 }  // namespace cvtflow::tasks

@@ -1,14 +1,19 @@
 #include "tasks/batch/sweep/sweep.hpp"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 
 #include "engine/base/hash.hpp"
+#include "engine/base/text.hpp"
+#include "tasks/batch/results/table_view.hpp"
+#include "tasks/batch/sweep/axis.hpp"
+#include "tasks/batch/sweep/sweep_keys.hpp"
+#include "tasks/method/method.hpp"
 #include "tasks/run/checkpoint.hpp"
 #include "tasks/run/saved_start.hpp"
 #include "tasks/scene/cross_checks.hpp"
 #include "tasks/scene/units.hpp"
+#include "tasks/scene/value_reader.hpp"
 
 namespace cvtflow::tasks {
 
@@ -84,6 +89,261 @@ Scene scene_of_case(const Sweep& sweep, long number) {
     const bool settles = sweep.start != StartMode::scene || !violations(scene).empty() || fitting_start(scene) == nullptr;
     if (settles) scene.state_file.clear();
     return scene;
+}
+
+namespace {
+
+using FindScene = std::function<std::filesystem::path(const std::string&)>;
+
+class SweepReader {
+public:
+    SweepReader(const std::filesystem::path& path, std::string text, const FindScene& find_scene) : find_scene_(find_scene) {
+        sweep_.path = path;
+        sweep_.name = engine::name_of_file(path.stem().string());
+        sweep_.text = std::move(text);
+    }
+
+    Sweep read() {
+        const auto parsed = parse_toml(sweep_.text);
+        if (const auto* wrong = std::get_if<Problem>(&parsed))
+            problems_.push_back(*wrong);
+        else
+            document(std::get<Node::Table>(std::get<Node>(parsed).value));
+        if (problems_.empty()) return std::move(sweep_);
+        throw SceneError(problems_text(std::move(problems_), [this](Position position) {
+            return fmt::format("{}:{}:{}", sweep_.path.string(), position.line, position.column);
+        }));
+    }
+
+private:
+    void document(const Node::Table& sections) {
+        const std::vector<std::string> known = sweep_sections();
+        if (const Entry* section = section_of_scene(sections, known); section != nullptr)
+            return problems_.push_back({section->position, fmt::format("{}: this is a scene, not a sweep; to run it: cvtflow run {}",
+                                                                       section->key, sweep_.path.string())});
+        for (const Entry& section : sections) {
+            if (std::find(known.begin(), known.end(), section.key) != known.end()) continue;
+            problems_.push_back(
+                {section.position,
+                 fmt::format("{}: unknown section{}", section.key,
+                             problems_.size() < max_problems ? engine::did_you_mean(engine::closest(section.key, known)) : "")});
+        }
+        head(sections);
+        for (const Entry& section : sections) {
+            if (section.key == "set") settings("", section);
+            if (section.key == "axes") axes(section);
+            if (section.key == "outputs") outputs(section);
+            if (section.key == "budget") budget(section);
+            if (section.key == "accuracy") accuracy(section);
+        }
+        for (const Entry& section : sections) {
+            if (section.key == "start") start(section);
+        }
+        consistent();
+    }
+
+    /// The first section that only scenes have, in a file without [sweep]; nullptr if there is none.
+    [[nodiscard]] static const Entry* section_of_scene(const Node::Table& sections, const std::vector<std::string>& known) {
+        if (std::ranges::find(sections, "sweep", &Entry::key) != sections.end()) return nullptr;
+        const auto found = std::ranges::find_if(sections, [&](const Entry& section) {
+            return std::ranges::find(known, section.key) == known.end() &&
+                   std::ranges::find(parameter_table(), section.key, &Parameter::section) != parameter_table().end();
+        });
+        return found == sections.end() ? nullptr : &*found;
+    }
+
+    [[nodiscard]] const Node::Table* table(const Entry& section) {
+        const auto* found = std::get_if<Node::Table>(&section.node.value);
+        if (found == nullptr) problems_.push_back({section.position, fmt::format("{0}: not a section; write [{0}]", section.key)});
+        return found;
+    }
+
+    void head(const Node::Table& sections) {
+        const auto section = std::find_if(sections.begin(), sections.end(), [](const Entry& each) { return each.key == "sweep"; });
+        if (section == sections.end()) return problems_.push_back({{}, "sweep: this section is missing; [sweep] names the scene"});
+        const Node::Table* rows = table(*section);
+        if (rows == nullptr) return;
+        const TableView view("sweep", *rows, section->position, names_in_sweep("sweep"), problems_);
+        sweep_.name = view.text("name").value_or(sweep_.name);
+        sweep_.description = view.text("description").value_or("");
+        if (const std::string wrong = engine::name_problem(sweep_.name); !wrong.empty())
+            view.problem(view.find("name")->position, fmt::format("name: {} {}", toml_text(sweep_.name.substr(0, 60)), wrong));
+        if (const std::string wrong = engine::text_problem(sweep_.description); !wrong.empty())
+            view.problem(view.find("description")->position, fmt::format("description: {}", wrong));
+        if (!view.require("scene")) return;
+        const auto name = view.text("scene");
+        if (name) scene(*name, view);
+    }
+
+    void scene(const std::string& name, const TableView& view) {
+        try {
+            const auto beside = sweep_.path.parent_path() / name;
+            std::error_code unreadable;
+            sweep_.scene = read_scene(std::filesystem::is_regular_file(beside, unreadable) ? beside : find_scene_(name));
+            if (const auto preset = view.text("detail")) apply_detail(sweep_.scene, *preset);
+        } catch (const SceneError& error) {
+            view.problem(view.find("scene")->position, fmt::format("scene: {}", error.what()));
+        }
+    }
+
+    /// Keys of the scene, also in tables of their section.
+    void settings(const std::string& section, const Entry& entry) {
+        const Node::Table* rows = table(entry);
+        if (rows == nullptr) return;
+        for (const Entry& row : *rows) {
+            const std::string key = section.empty() ? row.key : section + "." + row.key;
+            if (section.empty() && std::holds_alternative<Node::Table>(row.node.value))
+                settings(row.key, row);
+            else if (const Parameter* parameter = find_parameter(key))
+                setting(*parameter, row.node);
+            else
+                problems_.push_back(
+                    {row.position, fmt::format("set.{}: unknown key{}", key,
+                                               problems_.size() < max_problems ? engine::did_you_mean(nearest_keys(key)) : "")});
+        }
+    }
+
+    void setting(const Parameter& parameter, const Node& node) {
+        read_value(parameter, node, sweep_.scene, problems_);
+        if (parameter.key != "start.state" || sweep_.scene.state_file.empty()) return;
+        sweep_.scene.state_place = fmt::format("{}:{}:{}: ", sweep_.path.string(), node.position.line, node.position.column);
+        sweep_.scene.state_file =
+            std::filesystem::absolute(sweep_.path.parent_path() / sweep_.scene.state_file).lexically_normal().string();
+    }
+
+    void axes(const Entry& section) {
+        const auto* list = std::get_if<Node::Array>(&section.node.value);
+        if (list == nullptr) return problems_.push_back({section.position, "axes: not a list of tables; write [[axes]]"});
+        for (const Node& node : *list) {
+            Axis axis = read_axis(section, node, sweep_.path.parent_path(), problems_);
+            if (!axis.keys.empty()) sweep_.axes.push_back(std::move(axis));
+        }
+    }
+
+    void outputs(const Entry& section) {
+        const Node::Table* rows = table(section);
+        if (rows == nullptr) return;
+        const TableView view("outputs", *rows, section.position, names_in_sweep("outputs"), problems_);
+        const Node::Array* list = view.list("scalars");
+        for (const Node& node : list != nullptr ? *list : Node::Array{}) {
+            const auto* text = std::get_if<std::string>(&node.value);
+            if (text == nullptr) {
+                view.problem(node.position, "scalars: not a text such as \"slip mean\"");
+                continue;
+            }
+            sweep_.scalars.push_back(parse_scalar(*text, node.position, problems_));
+        }
+        sweep_.from = view.time("from").value_or(0.0);
+        sweep_.records = view.boolean("records").value_or(false);
+    }
+
+    void budget(const Entry& section) {
+        const Node::Table* rows = table(section);
+        if (rows == nullptr) return;
+        const TableView view("budget", *rows, section.position, names_in_sweep("budget"), problems_);
+        if (const auto steps = view.integer("steps", 1, std::int64_t{1} << 53)) sweep_.scene.run.max_steps = static_cast<long>(*steps);
+        if (const auto wall = view.time("wall")) sweep_.scene.run.max_wall = *wall;
+    }
+
+    void accuracy(const Entry& section) {
+        const Node::Table* rows = table(section);
+        if (rows == nullptr) return;
+        const TableView view("accuracy", *rows, section.position, names_in_sweep("accuracy"), problems_);
+        SweepAccuracy& accuracy = sweep_.accuracy;
+        if (view.require("target")) accuracy.target = view.share("target").value_or(0.0);
+        accuracy.verify = static_cast<int>(view.integer("verify", 0, 1'000'000).value_or(accuracy.verify));
+        accuracy.seed = static_cast<std::uint64_t>(view.integer("seed", 0, std::int64_t{1} << 53).value_or(0));
+    }
+
+    void start(const Entry& section) {
+        const Node::Table* rows = table(section);
+        if (rows == nullptr) return;
+        const TableView view("start", *rows, section.position, names_in_sweep("start"), problems_);
+        sweep_.start = static_cast<StartMode>(view.choice("mode", sweep_choices("start", "mode")).value_or(0));
+        if (const auto checked = view.integer("check", 0, 1'000'000)) sweep_.checked = static_cast<int>(*checked);
+        const auto key = view.text("continuation");
+        if (!key) return;
+        sweep_.continuation = *key;
+        const bool last = !sweep_.axes.empty() && std::any_of(sweep_.axes.back().keys.begin(), sweep_.axes.back().keys.end(),
+                                                              [&](const Parameter* p) { return p->key == *key; });
+        if (!last)
+            view.problem(view.find("continuation")->position,
+                         fmt::format("continuation: {} is not a key of the last axis", toml_text(*key)));
+    }
+
+    void consistent() {
+        if (!problems_.empty()) return;
+        if (sweep_.axes.empty()) problems_.push_back({{}, "axes: none given; nothing varies"});
+        if (sweep_.scalars.empty()) problems_.push_back({{}, "outputs.scalars: none given"});
+        std::vector<std::string_view> seen;
+        for (const Axis& axis : sweep_.axes) {
+            for (const Parameter* key : axis.keys) {
+                if (std::find(seen.begin(), seen.end(), key->key) != seen.end())
+                    problems_.push_back({{}, fmt::format("axes: {} varies on two axes", key->key)});
+                seen.push_back(key->key);
+                tunable(key->key);
+            }
+        }
+        if (sweep_.accuracy.target > 0.0 && sweep_.start == StartMode::shared)
+            problems_.push_back(
+                {{}, "accuracy: start.mode \"shared\" starts cases from a state in which none of them has settled; use \"settle\""});
+        outputs_within_run();
+        start_takes_accuracy();
+        if (!Method::find(method_of(sweep_.scene)))
+            problems_.push_back({{}, fmt::format("run.method: unknown method {}", toml_text(sweep_.scene.run.method))});
+    }
+
+    /// What lies beyond the end of a case is not a finite number, and the case is undefined.
+    void outputs_within_run() {
+        double end = sweep_.scene.run.until;
+        for (const Axis& axis : sweep_.axes) {
+            for (std::size_t key = 0; key < axis.keys.size(); ++key) {
+                for (std::size_t row = 0; axis.keys[key]->key == "run.until" && row < axis.rows(); ++row) {
+                    const auto* value = std::get_if<double>(&axis.at(row, key));
+                    if (value != nullptr) end = row == 0 ? *value : std::min(end, *value);
+                }
+            }
+        }
+        const auto beyond = [end](double time) { return time > end * (1.0 + 1e-9); };
+        const std::string text = fmt::format("is beyond run.until = {} s", number_text(end));
+        if (beyond(sweep_.from))
+            problems_.push_back({{}, fmt::format("outputs.from: {} s {}: no output would count", number_text(sweep_.from), text)});
+        for (const Scalar& scalar : sweep_.scalars) {
+            const auto late = [&](const ScalarTerm& term) { return term.reduction == Reduction::at && beyond(term.time); };
+            if (std::ranges::any_of(scalar.terms, late))
+                problems_.push_back({{}, fmt::format("outputs.scalars: \"{}\" {}", scalar.text, text)});
+        }
+    }
+
+    /// Tuning chooses the level of detail, and brings the scene's state over to it: between levels of halves, or of rigid pins, alone.
+    void start_takes_accuracy() {
+        const Scene& scene = sweep_.scene;
+        if (!(sweep_.accuracy.target > 0.0) || sweep_.start != StartMode::scene || scene.state_file.empty()) return;
+        const auto saved = saved_start(scene);
+        const auto settled = settled_layout(*saved, scene);
+        const model::ChainLayout own = model::layout_of(scene.parameters);
+        if (!settled || (settled->links == own.links && settled->rigid == own.rigid)) return;
+        problems_.push_back({{},
+                             "accuracy: start.state has the unknowns of another level of detail than the sweep's scene; leave the level to "
+                             "[accuracy] (remove sweep.detail and detail.*), or let cases settle (start.mode = \"settle\")"});
+    }
+
+    /// What is found for the accuracy cannot be an axis as well.
+    void tunable(std::string_view key) {
+        const bool found = key.starts_with("detail.") || key == "run.method" || key.starts_with("run.step");
+        if (sweep_.accuracy.target > 0.0 && found)
+            problems_.push_back({{}, fmt::format("accuracy: {} varies, but detail, method and step are chosen by [accuracy]", key)});
+    }
+
+    const FindScene& find_scene_;
+    Sweep sweep_;
+    std::vector<Problem> problems_;
+};
+
+}  // namespace
+
+Sweep read_sweep(const std::filesystem::path& path, const FindScene& find_scene) {
+    return SweepReader(path, read_toml_text(path), find_scene).read();
 }
 
 }  // namespace cvtflow::tasks

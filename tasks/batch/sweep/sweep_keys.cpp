@@ -1,111 +1,66 @@
 #include "tasks/batch/sweep/sweep_keys.hpp"
 
 #include <fmt/format.h>
-
 #include <algorithm>
+#include <nlohmann/json.hpp>
+#include <string>
 
 #include "engine/base/text.hpp"
+#include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/scene.hpp"
 
 namespace cvtflow::tasks {
 
 namespace {
 
+const std::vector<std::string_view> scale_choices{"linear", "log"}, sample_choices{"random", "latin-hypercube"},
+    mode_choices{"scene", "settle", "shared"};
 const std::vector<SweepKey> sweep_rows{
-    {"sweep", "name", SweepForm::text, false, {}, "the file's name", "Name of the sweep."},
-    {"sweep", "description", SweepForm::text, false, {}, "empty", "Purpose of the sweep, in one or two sentences."},
-    {"sweep", "scene", SweepForm::text, true, {}, "", "Ready scene, or a file relative to the sweep's."},
-    {"sweep", "detail", SweepForm::text, false, {}, "the scene's", "Level of detail (cvtflow list detail)."},
-    {"set", "*", SweepForm::scene_keys, false, {}, "the scene's", "Keys of the scene that apply to all cases, written as in a scene."},
-    {"axes", "key", SweepForm::text, false, {}, "none", "Key of the scene that varies along this axis; every axis multiplies the cases."},
-    {"axes", "values", SweepForm::values, false, {}, "none", "The values of `key`, as a list."},
-    {"axes", "from", SweepForm::value, false, {}, "none", "First value of a range of `key`; requires to and count."},
-    {"axes", "to", SweepForm::value, false, {}, "none", "Last value of a range."},
-    {"axes", "count", SweepForm::integer, false, {}, "none", "Number of values of a range, or of samples; at most a million."},
-    {"axes", "scale", SweepForm::choice, false, {"linear", "log"}, "\"linear\"", "How a range is divided."},
-    {"axes", "zip", SweepForm::tables, false, {}, "none", "Keys that vary together: tables with key and values, or key and range."},
-    {"axes",
-     "sample",
-     SweepForm::choice,
-     false,
-     {"random", "latin-hypercube"},
-     "none",
-     "Samples drawn from the box `keys`; requires count and seed."},
-    {"axes", "seed", SweepForm::integer, false, {}, "none", "Seed of a sample."},
-    {"axes", "keys", SweepForm::tables, false, {}, "none", "The box from which a sample is drawn: tables with key, from and to."},
-    {"axes",
-     "csv",
-     SweepForm::text,
-     false,
-     {},
-     "none",
+    {"sweep", "name", SweepForm::text, "the file's name", "Name of the sweep."},
+    {"sweep", "description", SweepForm::text, "empty", "Purpose of the sweep, in one or two sentences."},
+    {"sweep", "scene", SweepForm::text, "", "Ready scene, or a file relative to the sweep's."},
+    {"sweep", "detail", SweepForm::text, "the scene's", "Level of detail (cvtflow list detail)."},
+    {"set", "*", SweepForm::scene_keys, "the scene's", "Keys of the scene that apply to all cases, written as in a scene."},
+    {"axes", "key", SweepForm::text, "none", "Key of the scene that varies along this axis; every axis multiplies the cases."},
+    {"axes", "values", SweepForm::values, "none", "The values of `key`, as a list."},
+    {"axes", "from", SweepForm::value, "none", "First value of a range of `key`; requires to and count."},
+    {"axes", "to", SweepForm::value, "none", "Last value of a range."},
+    {"axes", "count", SweepForm::integer, "none", "Number of values of a range, or of samples; at most a million."},
+    {"axes", "scale", SweepForm::choice, "\"linear\"", "How a range is divided.", scale_choices},
+    {"axes", "zip", SweepForm::tables, "none", "Keys that vary together: tables with key and values, or key and range."},
+    {"axes", "sample", SweepForm::choice, "none", "Samples drawn from the box `keys`; requires count and seed.", sample_choices},
+    {"axes", "seed", SweepForm::integer, "none", "Seed of a sample."},
+    {"axes", "keys", SweepForm::tables, "none", "The box from which a sample is drawn: tables with key, from and to."},
+    {"axes", "csv", SweepForm::text, "none",
      "Rows from a file; its first line names keys, with units in brackets unless cells have units."},
-    {"axes",
-     "columns",
-     SweepForm::tables,
-     false,
-     {},
-     "all, named by keys",
+    {"axes", "columns", SweepForm::tables, "all, named by keys",
      "Columns of the file of `csv` that are used, and the keys that they set: tables with column and key. Rows are cases."},
-    {"axes.columns", "column", SweepForm::text, true, {}, "", "Name of a column in the file's first line, without its unit."},
-    {"axes.columns", "key", SweepForm::text, true, {}, "", "Key of the scene."},
-    {"axes.zip", "key", SweepForm::text, true, {}, "", "Key of the scene."},
-    {"axes.zip", "values", SweepForm::values, false, {}, "none", "Its values, as many as for the other keys."},
-    {"axes.zip", "from", SweepForm::value, false, {}, "none", "First value of a range."},
-    {"axes.zip", "to", SweepForm::value, false, {}, "none", "Last value of a range."},
-    {"axes.zip", "count", SweepForm::integer, false, {}, "none", "Number of values of a range."},
-    {"axes.zip", "scale", SweepForm::choice, false, {"linear", "log"}, "\"linear\"", "How a range is divided."},
-    {"axes.keys", "key", SweepForm::text, true, {}, "", "Key of the scene."},
-    {"axes.keys", "from", SweepForm::value, true, {}, "", "Lower end of the box."},
-    {"axes.keys", "to", SweepForm::value, true, {}, "", "Upper end of the box."},
-    {"axes.keys",
-     "scale",
-     SweepForm::choice,
-     false,
-     {"linear", "log"},
-     "\"linear\"",
-     "Whether values or their logarithms are distributed uniformly."},
-    {"outputs",
-     "scalars",
-     SweepForm::texts,
-     true,
-     {},
-     "",
-     "Results of a case: channel, element and reduction, or a quotient of two of them."},
-    {"outputs", "from", SweepForm::time, false, {}, "0", "Outputs before this time are ignored."},
-    {"outputs", "records", SweepForm::boolean, false, {}, "false", "One record per case in the folder records of the results."},
-    {"budget", "steps", SweepForm::integer, false, {}, "run.max_steps of the scene", "Largest number of steps of a case."},
-    {"budget", "wall", SweepForm::time, false, {}, "run.max_wall of the scene", "Longest wall time of a case."},
-    {"start",
-     "mode",
-     SweepForm::choice,
-     false,
-     {"scene", "settle", "shared"},
-     "\"scene\"",
-     "The scene's own start; every case settles; or settled once for all cases of one machine."},
-    {"start",
-     "continuation",
-     SweepForm::text,
-     false,
-     {},
-     "none",
-     "Key of the last axis; along it a case starts from the end of the case before."},
-    {"start",
-     "check",
-     SweepForm::integer,
-     false,
-     {},
-     "1",
+    {"axes.columns", "column", SweepForm::text, "", "Name of a column in the file's first line, without its unit."},
+    {"axes.columns", "key", SweepForm::text, "", "Key of the scene."},
+    {"axes.zip", "key", SweepForm::text, "", "Key of the scene."},
+    {"axes.zip", "values", SweepForm::values, "none", "Its values, as many as for the other keys."},
+    {"axes.zip", "from", SweepForm::value, "none", "First value of a range."},
+    {"axes.zip", "to", SweepForm::value, "none", "Last value of a range."},
+    {"axes.zip", "count", SweepForm::integer, "none", "Number of values of a range."},
+    {"axes.zip", "scale", SweepForm::choice, "\"linear\"", "How a range is divided.", scale_choices},
+    {"axes.keys", "key", SweepForm::text, "", "Key of the scene."},
+    {"axes.keys", "from", SweepForm::value, "", "Lower end of the box."},
+    {"axes.keys", "to", SweepForm::value, "", "Upper end of the box."},
+    {"axes.keys", "scale", SweepForm::choice, "\"linear\"", "Whether values or their logarithms are distributed uniformly.", scale_choices},
+    {"outputs", "scalars", SweepForm::texts, "", "Results of a case: channel, element and reduction, or a quotient of two of them."},
+    {"outputs", "from", SweepForm::time, "0", "Outputs before this time are ignored."},
+    {"outputs", "records", SweepForm::boolean, "false", "One record per case in the folder records of the results."},
+    {"budget", "steps", SweepForm::integer, "run.max_steps of the scene", "Largest number of steps of a case."},
+    {"budget", "wall", SweepForm::time, "run.max_wall of the scene", "Longest wall time of a case."},
+    {"start", "mode", SweepForm::choice, "\"scene\"",
+     "The scene's own start; every case settles; or settled once for all cases of one machine.", mode_choices},
+    {"start", "continuation", SweepForm::text, "none", "Key of the last axis; along it a case starts from the end of the case before."},
+    {"start", "check", SweepForm::integer, "1",
      "Number of continued cases that also run from a settled start; the summary reports the difference."},
-    {"accuracy",
-     "target",
-     SweepForm::share,
-     true,
-     {},
-     "",
+    {"accuracy", "target", SweepForm::share, "",
      "Target: largest error of every scalar. Detail, method and step are chosen at the corners of the axes; some cases are verified."},
-    {"accuracy", "verify", SweepForm::integer, false, {}, "10", "Number of random cases that are verified against a reference run."},
-    {"accuracy", "seed", SweepForm::integer, false, {}, "0", "Seed of that draw."},
+    {"accuracy", "verify", SweepForm::integer, "10", "Number of random cases that are verified against a reference run."},
+    {"accuracy", "seed", SweepForm::integer, "0", "Seed of that draw."},
 };
 
 std::string form_of(const SweepKey& row) {
@@ -128,7 +83,7 @@ std::string form_of(const SweepKey& row) {
 
 std::string explained(const SweepKey& row) {
     return fmt::format("{}\n  {}\n  value:    {}\n  default:  {}\n", row.key(), row.meaning, form_of(row),
-                       row.required ? "none (required)" : row.usual);
+                       row.required() ? "none (required)" : row.usual);
 }
 
 }  // namespace
@@ -171,6 +126,65 @@ std::string explain_sweep(std::string_view word) {
     if (text.empty())
         throw SceneError(fmt::format("{}: unknown key of a sweep{}", word, engine::did_you_mean(engine::closest(word, keys))));
     return text;
+}
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json table_schema(std::string_view table);
+
+Json form_schema(const SweepKey& row) {
+    const Json number_or_text{{"anyOf", {{{"type", "number"}}, {{"type", "string"}}}}};
+    switch (row.form) {
+        case SweepForm::text: return {{"type", "string"}};
+        case SweepForm::integer: return {{"type", "integer"}, {"minimum", 0}};
+        case SweepForm::boolean: return {{"type", "boolean"}};
+        case SweepForm::time:
+        case SweepForm::share:
+        case SweepForm::value: return number_or_text;
+        case SweepForm::choice: return {{"enum", row.choices}};
+        case SweepForm::values: return {{"type", "array"}, {"minItems", 1}};
+        case SweepForm::texts: return {{"type", "array"}, {"items", {{"type", "string"}}}, {"minItems", 1}};
+        case SweepForm::tables:
+            return {{"type", "array"}, {"items", table_schema(std::string(row.table) + "." + std::string(row.name))}, {"minItems", 1}};
+        case SweepForm::scene_keys: return {};
+    }
+    return {};
+}
+
+/// An object with the keys of a table and no others.
+Json table_schema(std::string_view table) {
+    Json schema{{"type", "object"}, {"additionalProperties", false}};
+    for (const SweepKey& row : sweep_keys()) {
+        if (row.table != table) continue;
+        Json& value = schema["properties"][std::string(row.name)];
+        value = form_schema(row);
+        value["description"] = row.meaning;
+        if (row.required()) schema["required"].push_back(row.name);
+    }
+    return schema;
+}
+
+/// An axis is of one of four kinds.
+Json axes_schema() {
+    Json axis = table_schema("axes");
+    for (const char* kind : {"key", "zip", "sample", "csv"}) axis["anyOf"].push_back({{"required", {kind}}});
+    return {{"type", "array"}, {"items", axis}, {"minItems", 1}};
+}
+
+}  // namespace
+
+std::string sweep_schema() {
+    Json schema{{"$schema", "https://json-schema.org/draft/2020-12/schema"}, {"title", "cvtflow sweep"}, {"type", "object"}};
+    schema["additionalProperties"] = false;
+    for (const std::string& section : sweep_sections()) schema["properties"][section] = table_schema(section);
+    schema["properties"]["axes"] = axes_schema();
+    Json& set = schema["properties"]["set"];
+    set = {{"type", "object"}, {"additionalProperties", false}};
+    set["properties"] = Json::parse(json_schema())["properties"];
+    schema["required"] = {"sweep", "axes", "outputs"};
+    return schema.dump(2) + "\n";
 }
 
 }  // namespace cvtflow::tasks

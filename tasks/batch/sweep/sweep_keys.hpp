@@ -15,11 +15,11 @@ struct SweepKey {
     std::string_view table;  ///< "sweep", "axes", "axes.zip" … as nested in the file
     std::string_view name;   ///< within its table; "*" in [set]: any key of a scene
     SweepForm form = SweepForm::text;
-    bool required = false;                  ///< in every table of its kind
-    std::vector<std::string_view> choices;  ///< of a choice, in the order of the enumerators
-    std::string_view usual;                 ///< what holds where it is absent
+    std::string_view usual;  ///< what holds where it is absent; empty: it is required in every table of its kind
     std::string_view meaning;
+    std::vector<std::string_view> choices{};  ///< of a choice, in the order of the enumerators
 
+    [[nodiscard]] bool required() const noexcept { return usual.empty(); }
     /// "sweep.scene" of [sweep], "sweep.axes.key" of the other tables.
     [[nodiscard]] std::string key() const;
 };

@@ -10,7 +10,6 @@
 
 #include "engine/record/case_table.hpp"
 #include "tasks/batch/results/results.hpp"
-#include "tasks/batch/results/torn_results.hpp"
 #include "tasks/schedule/schedule.hpp"
 #include "tasks/tuning/verified_sweep.hpp"
 #include "tools/program/arguments/ready_scenes.hpp"

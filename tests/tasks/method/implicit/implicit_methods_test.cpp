@@ -6,7 +6,7 @@
 
 #include "settled_fixture.hpp"
 #include "tasks/method/implicit/catalogue.hpp"
-#include "tasks/tuning/relative_error.hpp"
+#include "tasks/tuning/output.hpp"
 #include "tests/claims/method_trial_fixture.hpp"
 #include "tests/engine/allocation_fixture.hpp"
 #include "tests/engine/graph/race_check_fixture.hpp"
