@@ -6,7 +6,6 @@
 #include <memory>
 #include <optional>
 
-#include "tasks/batch/bench.hpp"
 #include "tasks/batch/results/results.hpp"
 #include "tasks/run/run_recorder.hpp"
 #include "tasks/schedule/schedule.hpp"
@@ -26,7 +25,7 @@ struct BatchArguments {
     std::string sweep, folder;
     std::optional<std::string> shard, grace, every;  ///< empty text is an error
     std::vector<std::string> retry;
-    int threads = 0, bench = 0;
+    int threads = 0;
     bool dry = false, pin = false, quiet = false, keep_going = false, mixed = false;
 };
 
@@ -100,30 +99,6 @@ ExitStatus dry_run(const tasks::Sweep& sweep, const tasks::Shard& shard, int thr
     return cost.measured == 0 ? ExitStatus::incomplete : ExitStatus::finished;
 }
 
-/// One line per number of threads: wall and CPU time, cases per second, parallel efficiency, overhead over the bare loop.
-ExitStatus bench(const tasks::Sweep& sweep, const std::string& folder, int threads, int rounds) {
-    std::vector<int> counts{1};
-    if (threads > 1) counts.push_back(threads);
-    const tasks::BatchBench result = tasks::bench_batch(sweep, folder, counts, rounds);
-    Table table({{"", Align::left},
-                 {"wall [s]", Align::right},
-                 {"cpu [s]", Align::right},
-                 {"cases/s", Align::right},
-                 {"cpu over bare", Align::right},
-                 {"efficiency", Align::right}});
-    for (const tasks::BatchTiming& t : result.timings) {
-        const tasks::BatchTiming &bare = result.timings[0], &one = result.timings[1];
-        table.add({t.threads == 0 ? "bare step loop" : plural(t.threads, "thread"), fmt::format("{:.3f}", t.wall),
-                   fmt::format("{:.3f}", t.cpu), fmt::format("{:.3g}", static_cast<double>(result.cases) / t.wall),
-                   t.threads == 0 ? "" : fmt::format("{:+.2f} %", 100.0 * (t.cpu / bare.cpu - 1.0)),
-                   t.threads < 2 ? "" : fmt::format("{:.3f}", one.wall / t.wall / t.threads)});
-    }
-    fmt::print("{}: {}, {} evaluations, medians of {}\n{}", sweep.name, plural(result.cases, "case"), count_text(result.evaluations),
-               plural(rounds, "round"), table.text(2));
-    fmt::print("{}{}", field("peak memory", size_text(result.peak_memory)), field("results hash", result.results_hash));
-    return ExitStatus::finished;
-}
-
 ExitStatus batch(const BatchArguments& arguments) {
     const tasks::Sweep sweep = load_sweep(arguments.sweep);
     tasks::BatchOptions options;
@@ -137,8 +112,6 @@ ExitStatus batch(const BatchArguments& arguments) {
     require_statuses("--retry", arguments.retry);
     if (arguments.grace) options.grace = seconds_of("--grace", *arguments.grace);
     if (arguments.every) options.checkpoint_every = seconds_of("--checkpoint-every", *arguments.every);
-    if (arguments.bench > 0)
-        return bench(sweep, arguments.folder.empty() ? "results/bench_batch" : options.folder, options.threads, arguments.bench);
     if (arguments.dry) return dry_run(sweep, options.shard, options.threads);
     if (arguments.folder.empty()) {
         std::error_code reported_later;
@@ -158,11 +131,6 @@ Action declare_batch(CLI::App& app) {
                    "Folder for the results (default: results/SWEEP); an unfinished sweep there is continued")
         ->type_name("DIR");
     app.add_flag("--dry-run", arguments->dry, "Print the cases and the estimated time; run nothing");
-    app.add_option("--bench", arguments->bench,
-                   "Benchmark instead: ROUNDS rounds of the bare step loop, of one thread and of all threads, in DIR/bench")
-        ->type_name("ROUNDS")
-        ->check(CLI::Range(1, 10000))
-        ->group("Laboratory");
     app.add_option("--threads", arguments->threads, "Number of cases that run in parallel (default: all processors of this process)")
         ->type_name("N")
         ->check(CLI::Range(1, 1024));

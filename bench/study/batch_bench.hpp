@@ -6,7 +6,7 @@
 
 #include "tasks/batch/sweep/sweep.hpp"
 
-namespace cvtflow::tasks {
+namespace cvtflow::bench {
 
 struct BatchTiming {
     int threads = 0;    ///< 0: the bare step loop, one thread
@@ -23,8 +23,7 @@ struct BatchBench {
 
 /// Runs the sweep by turns as a bare loop (every case begun in the same memory and integrated by a silent observer; starts are made
 /// beforehand) and as a batch on each number of threads.
-/// @param folder its sub-folder `bench` is emptied before each run and gets the results   @throws as run_batch; SimulationError if hashes
-/// differ
-[[nodiscard]] BatchBench bench_batch(const Sweep& sweep, const std::string& folder, const std::vector<int>& threads, int rounds);
+/// Results go to a folder of its own, which it removes. @throws as run_batch; SimulationError if hashes differ
+[[nodiscard]] BatchBench bench_batch(const tasks::Sweep& sweep, const std::vector<int>& threads, int rounds);
 
-}  // namespace cvtflow::tasks
+}  // namespace cvtflow::bench

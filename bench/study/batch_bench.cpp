@@ -1,15 +1,18 @@
-#include "tasks/batch/bench.hpp"
+#include "bench/study/batch_bench.hpp"
 
+#include <stdlib.h>
 #include <sys/resource.h>
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 
 #include "tasks/batch/batch.hpp"
-#include "tasks/batch/results/sweep_files.hpp"
 #include "tasks/batch/start_states.hpp"
 
-namespace cvtflow::tasks {
+namespace cvtflow::bench {
+
+using namespace tasks;
 
 namespace {
 
@@ -29,6 +32,27 @@ public:
 private:
     std::chrono::steady_clock::time_point wall_ = std::chrono::steady_clock::now();
     double cpu_ = cpu_seconds();
+};
+
+/// An empty folder that goes with this object, with all that was written there.
+class OwnFolder {
+public:
+    /// @throws SimulationError
+    OwnFolder() {
+        std::string name = (std::filesystem::temp_directory_path() / "cvtflow-batch-XXXXXX").string();
+        if (mkdtemp(name.data()) == nullptr) throw SimulationError(name + ": cannot create this folder");
+        path_ = name;
+    }
+    ~OwnFolder() {
+        std::error_code left;
+        std::filesystem::remove_all(path_, left);
+    }
+    OwnFolder(const OwnFolder&) = delete;
+    OwnFolder& operator=(const OwnFolder&) = delete;
+    [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
+
+private:
+    std::filesystem::path path_;
 };
 
 double median(std::vector<double> values) {
@@ -65,8 +89,8 @@ long bare_loop(const Sweep& sweep, StartStates& starts, double& wall, double& cp
 
 }  // namespace
 
-BatchBench bench_batch(const Sweep& sweep, const std::string& parent, const std::vector<int>& threads, int rounds) {
-    const BenchFolder folder(parent, sweep);
+BatchBench bench_batch(const Sweep& sweep, const std::vector<int>& threads, int rounds) {
+    const OwnFolder folder;
     BatchBench bench;
     bench.cases = sweep.cases();
     std::vector<std::vector<double>> walls(threads.size() + 1), cpus(threads.size() + 1);
@@ -77,7 +101,7 @@ BatchBench bench_batch(const Sweep& sweep, const std::string& parent, const std:
         walls[0].push_back(wall);
         cpus[0].push_back(cpu);
         for (std::size_t i = 0; i < threads.size(); ++i) {
-            folder.forget_table();
+            std::filesystem::remove(folder.path() / "cases.h5");
             BatchOptions options;
             options.folder = folder.path().string();
             options.threads = threads[i];
@@ -98,4 +122,4 @@ BatchBench bench_batch(const Sweep& sweep, const std::string& parent, const std:
     return bench;
 }
 
-}  // namespace cvtflow::tasks
+}  // namespace cvtflow::bench
