@@ -225,7 +225,7 @@ double quantile(const Contender& of, double Turn::*kind, double part) {
 
 void print(const std::vector<Contender>& contenders, const Settings& settings) {
     fmt::print("oneTBB {}; OpenMP {}; {} processors, {} threads{}, wait {}, {} repetitions; [µs] per cycle\n", tbb_version(),
-               openmp_version(), usable_processors(), settings.threads, settings.pin ? ", pinned" : "", settings.wait_name,
+               cvtflow::bench::openmp_version(), usable_processors(), settings.threads, settings.pin ? ", pinned" : "", settings.wait_name,
                settings.repetitions);
     fmt::print("{:<18} {:>5} {:>5} {:>8} {:>24} {:>10} {:>10}\n", "executor", "tasks", "task", "least", "typical (quartiles)", "over ideal",
                "mean");
@@ -252,7 +252,7 @@ void write_csv(const std::vector<Contender>& contenders, const Settings& setting
         for (const double part : {0.5, 0.25, 0.75, 0.0}) file.print(",{:.4f}", quantile(each, &Turn::typical, part));
         file.print(",{:.4f},{},{},{},{},\"{}\",{},\"{}\",\"{}\",{},{},{},{},{}\n", quantile(each, &Turn::mean, 0.5), settings.threads,
                    settings.pin, settings.wait_name, settings.repetitions, machine(), usable_processors(), __VERSION__, tbb_version(),
-                   openmp_version(), policy != nullptr ? policy : "", known ? fmt::format("{:.2f}", load) : "", here.commit, here.date);
+                   cvtflow::bench::openmp_version(), policy != nullptr ? policy : "", known ? fmt::format("{:.2f}", load) : "", here.commit, here.date);
     }
 }
 

@@ -8,8 +8,6 @@
 #include "api/host/translate.hpp"
 #include "engine/base/text.hpp"
 #include "engine/thread/worker_threads.hpp"
-#include "tasks/method/stability/predicted_step.hpp"
-#include "tasks/method/stability/step_limit.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/units.hpp"
@@ -141,9 +139,7 @@ std::string Simulation::Impl::advice(tasks::FaultKind kind) const {
     using tasks::FaultKind;
     if (kind != FaultKind::non_finite && kind != FaultKind::blow_up && kind != FaultKind::penetration && kind != FaultKind::left_sheave)
         return "";
-    const double stable = tasks::estimated_step_limit(simulation_.variator(), simulation_.method(), simulation_.time(), simulation_.state(),
-                                                      simulation_.phases().data())
-                              .step;
+    const double stable = simulation_.largest_step().step;
     if (!(stable > 0.0 && std::isfinite(stable))) return "";
     char digits[64];
     char* const end = std::to_chars(digits, digits + sizeof digits, stable, std::chars_format::general, 2).ptr;
@@ -252,14 +248,9 @@ void Simulation::Impl::on_output(double interval, std::function<void(Simulation&
     if (output_callback_) outputs_ = static_cast<long>(std::floor(simulation_.time() / interval + 1e-9)) + 1;
 }
 
-tasks::FrozenStart Simulation::Impl::present() const {
-    const double* state = simulation_.state();
-    return {simulation_.time(), {state, state + simulation_.variator().layout().size()}, simulation_.phases()};
-}
-
 double Simulation::Impl::largest_stable_step() {
     const Scope scope(*this, Scope::As::visitor);
-    return tasks::predicted_step_limit(simulation_.variator(), data().parameters, simulation_.method(), present()).step;
+    return simulation_.largest_step().step;
 }
 
 double Simulation::Impl::step_length() const noexcept {

@@ -13,7 +13,6 @@
 #include "model/observe/observation.hpp"
 #include "tasks/run/channels.hpp"
 #include "tasks/run/simulation.hpp"
-#include "tasks/step/frozen_start.hpp"
 
 namespace cvtflow {
 inline namespace v0 {
@@ -58,7 +57,6 @@ public:
     [[nodiscard]] std::vector<std::string> notices() const;
     [[nodiscard]] Energy energy() const noexcept;
     [[nodiscard]] double largest_stable_step();
-    [[nodiscard]] tasks::FrozenStart present() const;
 
     /// Told of outputs and transitions; nullptr: nothing is.
     [[nodiscard]] tasks::RunObserver*& recorder() noexcept { return recorder_; }

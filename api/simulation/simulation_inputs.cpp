@@ -9,7 +9,6 @@
 
 #include "api/host/translate.hpp"
 #include "engine/base/text.hpp"
-#include "tasks/method/stability/predicted_step.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/units.hpp"

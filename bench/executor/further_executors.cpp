@@ -4,7 +4,9 @@
 #include <memory>
 
 #include "bench/executor/asio/asio_pool.hpp"
+#include "bench/executor/barrier.hpp"
 #include "bench/executor/openmp/omp_fork.hpp"
+#include "bench/executor/openmp/omp_region.hpp"
 #include "bench/executor/openmp/omp_tasks.hpp"
 #include "bench/executor/std_par/std_par.hpp"
 #include "bench/executor/taskflow/taskflow_graph.hpp"
@@ -56,6 +58,17 @@ constexpr std::string_view asio = "Boost.Asio (Debian: libboost-dev)";
 constexpr std::string_view taskflow = "Taskflow's headers (-DCVTFLOW_TASKFLOW=PATH)";
 
 constexpr std::array rows{
+    ExecutorRow{.name = "omp_region",
+                .description = "one OpenMP region for the whole run, barriers inside",
+                .parallel = true,
+                .waiting = Waiting::environment,
+                .needs = openmp,
+                .make = make_if<OmpRegion, has_openmp>()},
+    ExecutorRow{.name = "barrier",
+                .description = "own threads that meet at a barrier after every level",
+                .parallel = true,
+                .waiting = Waiting::own,
+                .make = make<Barrier>},
     ExecutorRow{.name = "flow_messages",
                 .description = "oneTBB flow graph for the whole run, messages from cycle to cycle",
                 .parallel = true,
@@ -114,6 +127,14 @@ void add_further_executors() {
     static_cast<void>(once);
 }
 
+std::string openmp_version() {
+#ifdef _OPENMP
+    return std::to_string(_OPENMP);
+#else
+    return "none";
+#endif
+}
+
 std::string asio_version() {
 #if CVTFLOW_HAS_ASIO
     return version_text(BOOST_VERSION / 100000, BOOST_VERSION / 100 % 1000, BOOST_VERSION % 100);
@@ -132,6 +153,7 @@ std::string taskflow_version() {
 
 std::string runtime_versions() {
     std::string text = engine::runtime_versions();
+    if (openmp_version() != "none") text += "; OpenMP " + openmp_version();
     if (asio_version() != "none") text += "; Boost " + asio_version();
     if (taskflow_version() != "none") text += "; Taskflow " + taskflow_version();
     return text;

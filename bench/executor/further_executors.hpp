@@ -8,6 +8,8 @@ namespace cvtflow::bench {
 /// Adds them to the engine's catalogue, once per process, before anything else asks it. Some may be absent from this build.
 void add_further_executors();
 
+/// "201511" (the standard's date, as the compiler knows it), or "none".
+[[nodiscard]] std::string openmp_version();
 /// "1.74.0" of Boost, whose Asio it is; or "none".
 [[nodiscard]] std::string asio_version();
 /// "4.1.0", or "none".

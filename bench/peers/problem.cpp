@@ -8,8 +8,8 @@
 
 namespace cvtflow::bench {
 
-using model::Near;
-using model::With;
+using bench::Near;
+using bench::With;
 
 Problem::Problem(const tasks::Scene& scene, tasks::FrozenStart start, double duration, double interval)
     : variator_(scene.parameters),

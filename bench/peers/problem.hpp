@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "bench/method/jacobian/exact_jacobian.hpp"
 #include "bench/study/tradeoff/error_measure.hpp"
-#include "model/jacobian/exact_jacobian.hpp"
 #include "model/observe/observation.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tasks/step/frozen_start.hpp"
@@ -56,8 +56,8 @@ private:
     int outputs_;
     model::EvaluationScratch scratch_;
     model::Observer observer_;
-    model::ExactJacobian exact_;
-    model::AccelerationJacobian blocks_;
+    bench::ExactJacobian exact_;
+    bench::AccelerationJacobian blocks_;
     SparsePattern pattern_;
     std::vector<int> place_;  ///< [visited entry] → pattern
     long evaluations_ = 0;

@@ -17,15 +17,14 @@ namespace {
 
 constexpr double nudge = 1e-4;  ///< of saturation speeds, to first order: eigenvalues keep their order but for the closest
 
-engine::Eigenvalues edge(const model::Parameters& parameters, const FrozenStart& start, double border) {
+bench::Eigenvalues edge(const model::Parameters& parameters, const FrozenStart& start, double border) {
     const model::Variator variator(parameters);
     const int size = static_cast<int>(start.state.size());
-    return engine::extremal_eigenvalues(jacobian(variator, start.time, start.state, start.phases), size,
-                                        {.left_of = border, .progress = {}})
+    return bench::extremal_eigenvalues(jacobian(variator, start.time, start.state, start.phases), size, {.left_of = border, .progress = {}})
         .values;
 }
 
-void keep_left_of(engine::Eigenvalues& values, double border) {
+void keep_left_of(bench::Eigenvalues& values, double border) {
     std::erase_if(values, [&](const auto& value) { return value.real() >= border; });
 }
 
@@ -46,7 +45,7 @@ std::span<const ContactKind, contact_kind_count> contact_kinds() noexcept {
     return kinds;
 }
 
-Extent extent_of(const engine::Eigenvalues& values) noexcept {
+Extent extent_of(const bench::Eigenvalues& values) noexcept {
     Extent extent;
     for (const auto& value : values) {
         extent.decay = std::max(extent.decay, -value.real());
@@ -84,7 +83,7 @@ Attribution attribute(const model::Parameters& parameters, const FrozenStart& st
         model::Parameters changed = parameters;
         kinds[kind].friction(changed).saturation_speed *= 1.0 + nudge;
         tell(fmt::format("share of {}", kinds[kind].name));
-        engine::Eigenvalues moved = edge(changed, start, border * (1.0 - 2.0 * nudge));  // those at the border must not get lost
+        bench::Eigenvalues moved = edge(changed, start, border * (1.0 - 2.0 * nudge));  // those at the border must not get lost
         for (std::size_t k = 0; k < std::min(moved.size(), result.values.size()); ++k)
             result.shares[k][kind] = -std::log(std::abs(moved[k]) / std::abs(result.values[k])) / std::log1p(nudge);
     }

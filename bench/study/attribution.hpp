@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/linear/eigenvalues.hpp"
+#include "bench/method/linear/eigenvalues.hpp"
 #include "tasks/step/frozen_start.hpp"
 
 namespace cvtflow::bench {
@@ -33,16 +33,16 @@ struct Extent {
     double growth = 0.0;       ///< max(Re λ), or 0 [1/s]
 };
 
-[[nodiscard]] Extent extent_of(const engine::Eigenvalues& values) noexcept;
+[[nodiscard]] Extent extent_of(const bench::Eigenvalues& values) noexcept;
 
 /// The spectrum with the saturation speeds of some kinds of contact ten times as high.
 struct SlowedSpectrum {
-    std::string contacts;        ///< "joints", "joints, plates"; empty: as the scene has it
-    engine::Eigenvalues values;  ///< left of the border, and the pair that oscillates fastest
+    std::string contacts;       ///< "joints", "joints, plates"; empty: as the scene has it
+    bench::Eigenvalues values;  ///< left of the border, and the pair that oscillates fastest
 };
 
 struct Attribution {
-    engine::Eigenvalues values;  ///< left of the border, most negative first
+    bench::Eigenvalues values;  ///< left of the border, most negative first
     std::vector<std::array<double, contact_kind_count>>
         shares;                                            ///< of each value: -d ln λ / d ln v0 by kind; friction alone: they sum to 1
     std::vector<SlowedSpectrum> slowed;                    ///< none, each kind alone, then joints with plates, all three

@@ -1,5 +1,6 @@
 #pragma once
-/// The methods this program knows. A method is one file with one function and one row in catalogue.cpp.
+/// The tables of stages this program knows. The product's are those that scenes need; a program that compares methods adds its own, as the
+/// laboratory does (bench/method).
 
 #include <optional>
 #include <span>
@@ -9,8 +10,11 @@
 
 namespace cvtflow::engine {
 
-/// All methods, each under a name of its own.
+/// All of them that have been made, each under a name of its own.
 [[nodiscard]] std::span<const StagePlan> methods();
+
+/// The one of that name among them, or nullptr. The pointer stays valid for the program's life.
+[[nodiscard]] const StagePlan* find_method(std::string_view name);
 
 /// Methods whose names carry parameters.
 struct MethodFamily {
@@ -21,16 +25,21 @@ struct MethodFamily {
     std::optional<StagePlan> (*make)(std::string_view name);
 };
 
-/// All of them; methods() holds some examples of each.
+/// All of them; methods() holds some examples of each. The product has none.
 [[nodiscard]] std::span<const MethodFamily> method_families();
-
-/// The method of that name, or nullptr. The pointer stays valid for the program's life. Besides methods(): rkc-s2 … rkc-s400.
-[[nodiscard]] const StagePlan* find_method(std::string_view name);
-
-/// As find_method(), by value, and any name of a family, e.g. rkc-s37-e10, rock2-s24, fitted-l200-w2.
-[[nodiscard]] std::optional<StagePlan> make_method(std::string_view name);
-
 /// The family that a name belongs to by its first part, whether or not its parameters make sense; nullptr if to none.
 [[nodiscard]] const MethodFamily* family_of(std::string_view name);
+
+/// As find_method(), by value, and any name of a family, e.g. rkc-s37-e10.
+[[nodiscard]] std::optional<StagePlan> make_method(std::string_view name);
+
+/// What a program knows beyond the product. Both are asked when somebody first asks for methods(): families compute their examples.
+struct FurtherTables {
+    std::vector<StagePlan> (*tables)();    ///< of numbers, cheap to make
+    std::vector<StagePlan> (*examples)();  ///< of the families
+    std::span<const MethodFamily> families;
+};
+/// Adds them, once per process, before anything else asks the catalogue.
+void add_tables(const FurtherTables& further);
 
 }  // namespace cvtflow::engine

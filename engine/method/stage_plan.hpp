@@ -1,6 +1,6 @@
 #pragma once
-/// A one-step method as a table. A method is written as what each stage combines; everything else about it (stage times, order, stability,
-/// reuse of the last slope) is derived from the table, never declared.
+/// A one-step method as a table. A method is written as what each stage combines; stage times and the reuse of the last slope are derived
+/// from the table. Order and reach are numbers beside it, which bench/method/analysis derives and a test compares to the last digit.
 ///
 ///     stage i:   Y   = Σ states.factor Y[states.slot] + h Σ slopes.factor K[slopes.slot]
 ///                Y[keep] = Y (if keep ≥ 0),   K[slope] = f(t + c h, Y),   c derived
@@ -34,6 +34,15 @@ struct Stage {
     bool operator==(const Stage&) const = default;
 };
 
+/// How far a table is stable on y' = λ y, |R(h λ)| ≤ 1 + 1e-6, and how far it is accurate there.
+struct StageReach {
+    double oscillation;     ///< h |λ| on the ray of damping ratio 1e-3 [1]
+    double decay;           ///< -h λ on the real axis [1]
+    double accurate;        ///< h ω on the imaginary axis up to which it damps by less than 1e-4 h ω a step, at most `oscillation` [1]
+    double lightly_damped;  ///< h |λ| on the ray of damping ratio 1e-2 [1]
+    bool operator==(const StageReach&) const = default;
+};
+
 struct StagePlan {
     std::string name;         ///< as in scenes and on the command line
     std::string description;  ///< one line for users
@@ -42,7 +51,10 @@ struct StagePlan {
     int slope_slots = 1;      ///< slot 0 included
     std::vector<Stage> stages;
     Combination result;
-    std::optional<Combination> error;  ///< local error estimate y - ŷ
+    std::optional<Combination> error;      ///< local error estimate y - ŷ
+    int order = 0;                         ///< of the result
+    int embedded_order = 0;                ///< of ŷ; 0 without an error estimate
+    std::optional<StageReach> reach = {};  ///< nullopt: has yet to be derived
 };
 
 /// Rejects a plan that cannot be executed, or whose result would depend on how the state is cut into segments:

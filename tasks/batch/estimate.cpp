@@ -11,7 +11,6 @@
 #include "tasks/batch/case_engine.hpp"
 #include "tasks/method/auto_step.hpp"
 #include "tasks/method/method.hpp"
-#include "tasks/method/stability/predicted_step.hpp"
 #include "tasks/run/saved_start.hpp"
 #include "tasks/schedule/schedule.hpp"
 
@@ -97,8 +96,7 @@ void judge_step(const Scene& scene, BatchEstimate& result) {
     try {
         const Simulation simulation(scene, Schedule{});
         if (simulation.needs_settling()) return;
-        const double stable =
-            predicted_step_limit(simulation.variator(), scene.parameters, simulation.method(), frozen_start(simulation)).step;
+        const double stable = simulation.largest_step().step;
         result.stable_step = result.stable_step > 0.0 ? std::min(result.stable_step, stable) : stable;
         result.beyond = std::max(result.beyond, scene.run.step / stable);
     } catch (const std::exception&) {

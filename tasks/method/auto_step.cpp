@@ -1,15 +1,16 @@
 #include "tasks/method/auto_step.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <string>
 
-#include "engine/method/analysis/stability.hpp"
 #include "engine/thread/guards.hpp"
 #include "model/observe/pin_period.hpp"
-#include "tasks/method/program_stability.hpp"
 #include "tasks/step/method_memory.hpp"
 
 namespace cvtflow::tasks {
@@ -17,54 +18,17 @@ namespace cvtflow::tasks {
 namespace {
 
 constexpr double forever = std::numeric_limits<double>::infinity();
-/// Elastic oscillations are damped by this share of the critical damping at least.
-constexpr double min_damping = 1e-3;
-
-/// Numerical damping of an oscillation in a step, over h ω, that is taken: a hundredth of what the chain's own damping of a hundredth does.
-constexpr double max_damping = 1e-4;
-
-/// Largest h ω up to which a table damps oscillations by no more than that.
-[[nodiscard]] double accurate_oscillation(const engine::StagePlan& plan, double stable) {
-    constexpr double fine = 0.01;
-    const auto function = engine::stability_function(plan);
-    double y = fine;
-    while (y < stable && std::abs(function({0.0, y})) >= 1.0 - max_damping * y) y += fine;
-    return y;
-}
-
-[[nodiscard]] MethodReach reach_of_table(const engine::StagePlan& plan) {
-    MethodReach reach{engine::stability_reach(plan, {-min_damping, std::sqrt(1.0 - min_damping * min_damping)}, 1e-6),
-                      engine::real_stability(plan), 0.0};
-    reach.accurate = accurate_oscillation(plan, reach.oscillation);
-    return reach;
-}
-
-[[nodiscard]] MethodReach of_oscillator(const ProgramStability& stability) {
-    const double oscillation = limit_with_any_friction(stability).oscillation;
-    // Where friction is needed for stability, least friction allows nothing; it is there then.
-    return {oscillation, stability.longest_decay, forever, std::max(oscillation, reach(stability, 0.0, 0.0, 1.0, 0.0)),
-            stability.longest_damping};
-}
-
-[[nodiscard]] MethodReach found_reach(const Method& method) {
-    if (const MethodProgram* program = method.program()) {
-        if (program->stability == nullptr) return {forever, forever, forever};
-        const ProgramStability stability = program->stability();
-        if (stability.equation == TestEquation::oscillator) return of_oscillator(stability);
-        return {reach(stability, 0.0, 0.0, -min_damping, std::sqrt(1.0 - min_damping * min_damping)), reach(stability, 0.0, 0.0, -1.0, 0.0),
-                forever};
-    }
-    return reach_of_table(method.plan());
-}
-
 }  // namespace
 
 MethodReach reach_of(const Method& method) {
+    if (const MethodProgram* program = method.program()) return program->reach;
     static engine::Mutex mutex;
     static std::map<std::string, MethodReach, std::less<>> known;
     return mutex.guard([&] {
         const auto found = known.find(method.name());
-        return found != known.end() ? found->second : known.emplace(method.name(), found_reach(method)).first->second;
+        if (found != known.end()) return found->second;
+        const engine::StageReach reach = reach_of_table(method.plan());
+        return known.emplace(method.name(), MethodReach{reach.oscillation, reach.decay, reach.accurate}).first->second;
     });
 }
 
@@ -87,10 +51,8 @@ namespace {
 constexpr MethodReach rigid_reach{2.0, forever, forever, 2.0, 2.0};
 
 [[nodiscard]] MethodReach reach_with(const model::Parameters& parameters, const Method& method) {
-    const MethodProgram* program = method.program();
-    const bool leapfrog = program != nullptr && program->stability != nullptr;
-    if (leapfrog && parameters.detail.pins == model::PinDetail::rigid) return rigid_reach;
-    return reach_of(method);
+    const MethodReach reach = reach_of(method);
+    return reach.splits_friction() && parameters.detail.pins == model::PinDetail::rigid ? rigid_reach : reach;
 }
 
 /// Largest h times FallingFriction::growth(). Machine 93 of the lottery lost 3.6 % too much at 0.37 and 1.0 % at 0.25, machine 27 1.3 % at
@@ -175,9 +137,35 @@ double AutoStep::longest(double time, const double* state, const model::Phase* p
         if (falling_ != nullptr) growth_ = falling_->growth(time, state, phases);
         stable_ = std::min({within(reach_.oscillation, bound_.imaginary()), within(reach_.decay, bound_.real()), damped_});
     }
-    const double accurate = std::min(within(reach_.accurate, bound_.imaginary()), within(accurate_growth, growth_));
     const double passing = pin_period_ > 0.0 ? pin_period_ / (keeps_directions_ ? steps_per_rigid_pin : steps_per_pin_of_halves) : forever;
-    return std::min({(friction_matters_ ? margin : sharp_margin) * stable_, accurate, passing, longest_});
+    return std::min({stable_step(), passing, longest_});
+}
+
+LargestStep AutoStep::largest() const noexcept {
+    const double share = friction_matters_ ? margin : sharp_margin;
+    const LargestStep limits[] = {
+        {share * within(reach_.oscillation, bound_.imaginary()), StepLimiter::oscillation, bound_.imaginary()},
+        {share * within(reach_.decay, bound_.real()), StepLimiter::decay, bound_.real()},
+        {share * damped_, StepLimiter::damping, bound_.imaginary()},
+        {within(reach_.accurate, bound_.imaginary()), StepLimiter::accuracy, bound_.imaginary()},
+        {within(accurate_growth, growth_), StepLimiter::growth, growth_},
+    };
+    const LargestStep least = *std::ranges::min_element(limits, {}, &LargestStep::step);
+    return least.step < forever ? least : LargestStep{};
+}
+
+std::string text_of(const LargestStep& limit) {
+    const std::string step = limit.step < 1e-6 ? fmt::format("{:.3g} ns", 1e9 * limit.step) : fmt::format("{:.3g} us", 1e6 * limit.step);
+    const double kilohertz = limit.rate / (2e3 * std::numbers::pi);
+    switch (limit.by) {
+        case StepLimiter::nothing: return "linear stability sets no limit";
+        case StepLimiter::oscillation: return fmt::format("{} (oscillation of {:.3g} kHz)", step, kilohertz);
+        case StepLimiter::decay: return fmt::format("{} (decay of {:.2g} 1/s)", step, limit.rate);
+        case StepLimiter::damping: return fmt::format("{} (oscillation of {:.3g} kHz with its damping)", step, kilohertz);
+        case StepLimiter::accuracy: return fmt::format("{} (accuracy at an oscillation of {:.3g} kHz)", step, kilohertz);
+        case StepLimiter::growth: return fmt::format("{} (sliding grows by {:.2g} 1/s where friction falls)", step, limit.rate);
+    }
+    return "";
 }
 
 void AutoStep::save(std::vector<double>& memory) const {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "tasks/method/falling_friction.hpp"
@@ -14,22 +15,33 @@
 
 namespace cvtflow::tasks {
 
-/// How far a method is stable, by its own test equation.
-struct MethodReach {
-    double oscillation;  ///< largest h ω of an elastic oscillation, whatever the friction beside it [1]
-    double decay;        ///< largest h |λ| of friction and damping [1]
-    double accurate;     ///< largest h ω that it does not damp much more than the chain does itself [1]
-    /// Of methods that take friction apart, without any: h ω without damping, and h δ of a damping δ without oscillation. [1]
-    double frictionless = std::numeric_limits<double>::infinity(), damping = std::numeric_limits<double>::infinity();
-};
-
-/// Of any method of the catalogue; computed once per name. Infinite where linear stability sets no limit, or where the method
-/// sees to it by itself (methods that choose among polynomials).
+/// Of any method of the catalogue; of tables that declare none computed once per name.
 [[nodiscard]] MethodReach reach_of(const Method& method);
 
 /// The longest step that is ever chosen for a method where steps are automatic: what the error of its friction allows (decisions 75, 96)
 /// [s].
 [[nodiscard]] double longest_automatic_step(const Method& method, const model::Parameters& parameters);
+
+/// What does not let a step be longer.
+enum class StepLimiter {
+    nothing,      ///< linear stability sets no limit
+    oscillation,  ///< stability at the fastest one
+    decay,        ///< stability at the fastest one: friction, damping
+    damping,      ///< stability of an oscillation with its damping, which the method takes explicitly
+    accuracy,     ///< the method would damp the fastest oscillation much more than the chain does
+    growth,       ///< sliding grows, where friction falls with the sliding speed
+};
+
+/// The largest step of a method at a state with which small disturbances die out and are right: within its linear stability by the margin
+/// of AutoStep, for contacts as they are at rest, and within its accuracy. What a larger step computes is not to be relied on; with a
+/// smaller one the error of friction may still decide.
+struct LargestStep {
+    double step = std::numeric_limits<double>::infinity();  ///< [s]
+    StepLimiter by = StepLimiter::nothing;
+    double rate = 0.0;  ///< of what limits it [rad/s] or [1/s]
+};
+/// "1.62 us (oscillation of 120 kHz)", "linear stability sets no limit".
+[[nodiscard]] std::string text_of(const LargestStep& limit);
 
 class AutoStep final : public StepChoice {
 public:
@@ -51,8 +63,10 @@ public:
     /// Estimates the spectrum if the last estimate is too old. time [s], state [unknowns]
     [[nodiscard]] double longest(double time, const double* state, const model::Phase* phases) noexcept override;
 
-    /// Largest stable step as last estimated [s]; infinite: no limit.
-    [[nodiscard]] double stable_step() const noexcept { return stable_; }
+    /// As last estimated.
+    [[nodiscard]] LargestStep largest() const noexcept;
+    /// Its step [s]; infinite: no limit.
+    [[nodiscard]] double stable_step() const noexcept { return largest().step; }
     /// Evaluations of the right-hand side that looking has taken.
     [[nodiscard]] long evaluations() const noexcept { return evaluations_; }
     [[nodiscard]] const SpectralBound& bound() const noexcept { return bound_; }

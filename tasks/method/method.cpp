@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "engine/method/analysis/order.hpp"
 #include "engine/method/catalogue.hpp"
 #include "engine/method/compiled_plan.hpp"
 #include "tasks/step/stage_method.hpp"
@@ -14,7 +13,7 @@ namespace {
 
 /// The estimate y - ŷ falls like the step to the lower order of both, plus one.
 int error_power_of(const engine::StagePlan& plan) {
-    return plan.error ? std::min(engine::order_of(plan), engine::embedded_order_of(plan)) + 1 : 0;
+    return plan.error ? std::min(plan.order, plan.embedded_order) + 1 : 0;
 }
 
 /// A table with the slots of a program.

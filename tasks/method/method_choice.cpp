@@ -2,68 +2,54 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include "engine/base/text.hpp"
-#include "engine/method/catalogue.hpp"
 #include "tasks/method/friction/friction_methods.hpp"
-#include "tasks/method/implicit/catalogue.hpp"
 #include "tasks/method/spectral_method.hpp"
-#include "tasks/method/stability/step_map.hpp"
 
 namespace cvtflow::tasks {
 
 namespace {
 
-/// Those that choose among tables of stages by the spectrum.
-[[nodiscard]] std::vector<MethodProgram> spectral_programs() {
-    return {
-        {.name = "dumka3",
-         .description = "DUMKA3, polynomial and step by the spectrum",
-         .source = "Medovikov, BIT 38 (1998) 372-390",
-         .order = 3,
-         .state_slots = 3,
-         .slope_slots = 5,
-         .make = dumka3_by_spectrum,
-         .linear = dumka3_step,
-         .estimates_error = true},
-        {.name = "rkc",
-         .description = "Runge-Kutta-Chebyshev, stages by the spectrum",
-         .source = "Sommeijer, Shampine, Verwer, J. Comput. Appl. Math. 88 (1998) 315-326",
-         .order = 2,
-         .state_slots = 4,
-         .slope_slots = 3,
-         .make = rkc_by_spectrum,
-         .linear = rkc_step,
-         .estimates_error = true},
-        {.name = "rock2",
-         .description = "ROCK2, stages by the spectrum",
-         .source = "Abdulle, Medovikov, Numer. Math. 90 (2001) 1-18",
-         .order = 2,
-         .state_slots = 5,
-         .slope_slots = 4,
-         .make = rock2_by_spectrum,
-         .linear = rock2_step,
-         .estimates_error = true},
-        {.name = "fitted",
-         .description = "polynomial fitted to the spectrum, repeated when it changes",
-         .source = "weights by Lawson's iteration",
-         .order = 3,
-         .state_slots = FittedMethod::max_stages + 1,
-         .slope_slots = 3,
-         .make = fitted_by_spectrum,
-         .linear = fitted_step,
-         .estimates_error = true},
-    };
+FurtherMethods& further() {
+    static FurtherMethods none{{nullptr, nullptr, {}}, nullptr, nullptr};
+    return none;
+}
+
+/// Chooses among the polynomials of DUMKA3 by the spectrum.
+[[nodiscard]] MethodProgram dumka3_program() {
+    return {.name = "dumka3",
+            .description = "DUMKA3, polynomial and step by the spectrum",
+            .source = "Medovikov, BIT 38 (1998) 372-390",
+            .order = 3,
+            .state_slots = 3,
+            .slope_slots = 5,
+            .make = dumka3_by_spectrum,
+            .estimates_error = true};
 }
 
 }  // namespace
 
+void add_methods(const FurtherMethods& more) {
+    further() = more;
+    engine::add_tables(more.tables);
+}
+
 const std::vector<MethodProgram>& method_programs() {
     static const std::vector<MethodProgram> all = [] {
-        std::vector<MethodProgram> programs = spectral_programs();
-        for (const auto& family : {friction_methods(), implicit_programs()}) programs.insert(programs.end(), family.begin(), family.end());
+        std::vector<MethodProgram> programs{dumka3_program()};
+        const auto append = [&](const std::vector<MethodProgram>& more) { programs.insert(programs.end(), more.begin(), more.end()); };
+        append(friction_methods());
+        if (further().programs != nullptr) append(further().programs());
         return programs;
     }();
     return all;
+}
+
+engine::StageReach reach_of_table(const engine::StagePlan& plan) {
+    if (plan.reach) return *plan.reach;
+    if (further().reach_of_table == nullptr) throw std::logic_error("the reach of " + plan.name + " is not declared");
+    return further().reach_of_table(plan);
 }
 
 const MethodProgram* find_program(std::string_view name) {
@@ -84,9 +70,38 @@ std::vector<std::string> method_names() {
     return names;
 }
 
+namespace {
+
+/// How names of the laboratory's methods begin (bench/method; a test there compares).
+constexpr std::string_view laboratory_names[] = {"rk38",
+                                                 "dopri65",
+                                                 "dopri87",
+                                                 "euler-x",
+                                                 "gbs",
+                                                 "rkc",
+                                                 "rock2",
+                                                 "rock4",
+                                                 "serk2",
+                                                 "fitted",
+                                                 "leapfrog-rkc",
+                                                 "leapfrog-chebyshev-double",
+                                                 "leapfrog-sweep-double",
+                                                 "trapezoidal-",
+                                                 "sw2",
+                                                 "ros34pw2",
+                                                 "w-x"};
+
+}  // namespace
+
+bool belongs_to_laboratory(std::string_view method) noexcept {
+    return std::ranges::any_of(laboratory_names, [&](std::string_view beginning) { return method.starts_with(beginning); });
+}
+
 std::string no_method(std::string_view method) {
     if (const engine::MethodFamily* family = engine::family_of(method))
         return fmt::format("no method '{}': {} takes {}", method, family->form, family->limits);
+    if (belongs_to_laboratory(method) && further().programs == nullptr)
+        return fmt::format("{} belongs to the laboratory: cvtflow-lab run SCENE --method {}", method, method);
     const std::string near = engine::closest(method, method_names());
     return fmt::format("no method '{}' ({})", method, near.empty() ? "cvtflow list methods" : fmt::format("did you mean '{}'?", near));
 }
@@ -99,11 +114,6 @@ std::string MethodProgram::objection(const model::Parameters& parameters) const 
 std::string objection_to(std::string_view name, const model::Parameters& parameters) {
     const MethodProgram* program = find_program(name);
     return program == nullptr ? "" : program->objection(parameters);
-}
-
-std::string_view missing_halves(const model::Parameters& parameters) noexcept {
-    if (parameters.detail.pins != model::PinDetail::halves) return "detail.pins = \"halves\"";
-    return parameters.imperfection.runout == 0.0 ? "" : "imperfection.runout = 0";
 }
 
 }  // namespace cvtflow::tasks

@@ -2,19 +2,18 @@
 /// The list of all methods: tables of stages (engine/method), and programs with cycles of their own. method.hpp looks one up.
 
 #include <functional>
+#include <limits>
 #include <memory>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "engine/method/catalogue.hpp"
 #include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {
-
-class LinearChain;
-class StepMap;
-struct ProgramStability;
 
 /// The method cannot be used with these parameters, or does not exist.
 class MethodRefused final : public std::invalid_argument {
@@ -26,6 +25,22 @@ public:
 /// machine in twenty of `cvtflow-lab lottery`).
 inline constexpr double usual_longest_step = 1.5e-6;
 
+/// How far a method is stable and accurate, by its own test equation. Infinite where linear stability sets no limit, or where the method
+/// sees to it by itself (methods that choose among polynomials).
+struct MethodReach {
+    static constexpr double unlimited = std::numeric_limits<double>::infinity();
+
+    double oscillation = unlimited;  ///< largest h ω of an elastic oscillation, whatever the friction beside it [1]
+    double decay = unlimited;        ///< largest h |λ| of friction and damping [1]
+    double accurate = unlimited;     ///< largest h ω that it does not damp much more than the chain does itself [1]
+    /// Of methods that take friction apart, without any: h ω without damping, and h δ of a damping δ without oscillation. [1]
+    double frictionless = unlimited, damping = unlimited;
+
+    /// Whether friction is taken apart from all other forces, so that oscillation and damping have limits of their own.
+    [[nodiscard]] bool splits_friction() const noexcept { return frictionless < unlimited; }
+    bool operator==(const MethodReach&) const = default;
+};
+
 /// A method that is a program: its row in `list methods`, its slots, and its factory.
 struct MethodProgram {
     std::string name, description, source;
@@ -36,10 +51,7 @@ struct MethodProgram {
     /// @throws std::invalid_argument if the method cannot be used with the workspace's scene
     std::function<std::unique_ptr<StepMethod>(Workspace& workspace)> make = {};
     std::string solves = "none";  ///< systems solved in a step, in words
-    /// On the test equation that it is made for (tasks/method/program_stability.hpp); empty: it chooses among tables of stages.
-    std::function<ProgramStability()> stability = {};
-    /// What its step makes of small disturbances (tasks/method/stability/step_map.hpp).
-    std::function<std::unique_ptr<StepMap>(const LinearChain& chain)> linear = {};
+    MethodReach reach = {};  ///< as bench/method/stability derives it, and a test compares
     double longest_step = usual_longest_step;  ///< that is chosen where steps are automatic, with pin halves [s]
     bool estimates_error = false;              ///< of a step: StepMethod::error_power() is not 0
     int revision = 1;  ///< raised whenever a step computes otherwise, so that no checkpoint of the former method is continued
@@ -50,22 +62,30 @@ struct MethodProgram {
     [[nodiscard]] std::string objection(const model::Parameters& parameters) const;
 };
 
-/// Of methods that do not take rigid pins, whose accelerations depend on three neighbours each side: exact Jacobians and friction solved
-/// for in slips are made for halves, whose depend on one. Nor do they know that an eccentric flank moves as its shaft turns.
-[[nodiscard]] std::string_view missing_halves(const model::Parameters& parameters) noexcept;
+/// What a program knows beyond the product (bench/method).
+struct FurtherMethods {
+    engine::FurtherTables tables;
+    std::vector<MethodProgram> (*programs)();                        ///< asked when first needed
+    engine::StageReach (*reach_of_table)(const engine::StagePlan&);  ///< of tables that declare none
+};
+/// Adds them, once per process, before anything else asks for methods.
+void add_methods(const FurtherMethods& further);
 
 /// All programs, each under a name of its own.
 [[nodiscard]] const std::vector<MethodProgram>& method_programs();
+/// The reach that a table declares, or else derived. @throws std::logic_error if nobody can derive it
+[[nodiscard]] engine::StageReach reach_of_table(const engine::StagePlan& plan);
 /// nullptr if the name is unknown.
 [[nodiscard]] const MethodProgram* find_program(std::string_view name);
 
-/// Whether there is a method or a family of that name. Whether a family has the member is known when it is made, which may take a tenth of
-/// a second.
+/// Whether there is a method or a family of that name. Whether a family has the member is known when it is made.
 [[nodiscard]] bool may_be_method(std::string_view name);
 /// MethodProgram::objection() of the method of that name; empty for tables of stages and unknown names. Makes no member of a family.
 [[nodiscard]] std::string objection_to(std::string_view name, const model::Parameters& parameters);
 /// Names of all methods of both kinds, tables first.
 [[nodiscard]] std::vector<std::string> method_names();
+/// Whether a name is like those of methods that only the laboratory's program has.
+[[nodiscard]] bool belongs_to_laboratory(std::string_view method) noexcept;
 /// Why `method` is no method: what its family allows, or the name that was probably meant.
 [[nodiscard]] std::string no_method(std::string_view method);
 

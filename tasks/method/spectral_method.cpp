@@ -1,27 +1,16 @@
 #include "tasks/method/spectral_method.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <stdexcept>
-#include <string>
 
-#include "engine/method/analysis/stability.hpp"
-#include "engine/method/catalogue.hpp"
-#include "engine/method/family/fitted.hpp"
-#include "engine/method/table/dumka3_coefficients.hpp"
+#include "engine/method/dumka3.hpp"
 #include "tasks/step/method_memory.hpp"
 
 namespace cvtflow::tasks {
 
 namespace {
 
-constexpr double look_interval = 1e-4;                   // s
-constexpr double max_real = 600.0, max_imaginary = 6.0;  ///< what a free step may ask of a fit
-constexpr int review_steps = 50;
-constexpr double far_below = 0.7;
+constexpr double look_interval = 1e-4;  // s
 
 }  // namespace
 
@@ -87,96 +76,17 @@ double LadderMethod::longest(double wanted) {
     return cheaper ? within(rung - 1, free) : within(rung, free);
 }
 
-std::optional<engine::StagePlan> fitted_plan(double real, double imaginary) {
-    auto fitted = engine::fit({std::max(real, engine::min_fitted_real), imaginary, 3, 0.2, 0.01});
-    if (!fitted || fitted->plan.stages.size() > FittedMethod::max_stages + 1) return {};
-    return std::move(fitted->plan);
-}
-
-void FittedMethod::refit(double real, double imaginary) {
-    const auto fitted = fitted_plan(real, imaginary);
-    if (!fitted)
-        throw std::runtime_error(
-            fmt::format("run.step: no fitted polynomial of up to {} stages is stable for a step whose spectrum reaches -{:.3g} and {:.3g}i",
-                        max_stages, std::max(real, engine::min_fitted_real), imaginary));
-    std::vector<engine::CompiledPlan> next{engine::CompiledPlan(*fitted)};
-    use(next.front());  // brings the last slope along while the former plan is still there
-    plan_ = std::move(next);
-    fitted_real_ = real;
-    fitted_imaginary_ = imaginary;
-    steps_since_review_ = 0;
-    wanted_lately_ = 0.0;
-    ++fits_;
-}
-
-void FittedMethod::choose(double h) {
-    const double wanted = real() * h, wide = imaginary() * h;
-    if (wanted > fitted_real_ || wide > fitted_imaginary_) return refit(fit_headroom * wanted, fit_headroom * wide);
-    wanted_lately_ = std::max(wanted_lately_, wanted);
-    if (++steps_since_review_ < review_steps) return;
-    if (wanted_lately_ < far_below * fitted_real_)
-        return refit(fit_headroom * wanted_lately_, fit_headroom * wanted_lately_ * imaginary() / real());
-    steps_since_review_ = 0;
-    wanted_lately_ = 0.0;
-}
-
-void FittedMethod::restart() noexcept {
-    SpectralMethod::restart();
-    fitted_real_ = fitted_imaginary_ = wanted_lately_ = 0.0;  // the next step asks for more: a new fit
-    steps_since_review_ = 0;
-}
-
-void FittedMethod::save(std::vector<double>& memory) const {
-    SpectralMethod::save(memory);
-    memory.insert(memory.begin(), {fitted_real_, fitted_imaginary_, wanted_lately_, static_cast<double>(steps_since_review_)});
-}
-
-void FittedMethod::load(std::span<const double> memory) {
-    if (memory.empty()) return;
-    const auto fit = pop_front(memory, 3);
-    if (fit[0] > 0.0) refit(fit[0], fit[1]);  // the same polynomial again
-    wanted_lately_ = fit[2];
-    steps_since_review_ = pop_integer(memory, 0, std::numeric_limits<int>::max());
-    SpectralMethod::load(memory);
-}
-
-double FittedMethod::longest(double wanted) {
-    return std::min({wanted, max_real / (fit_headroom * real()), max_imaginary / (fit_headroom * imaginary())});
-}
-
-namespace {
-
-PolynomialRange rung(const std::string& name, double real) {
-    const engine::StagePlan plan = *engine::make_method(name);
-    return {engine::CompiledPlan(plan), real, engine::stability_reach(plan, {-0.01, std::sqrt(1.0 - 1e-4)}, 1e-6)};
-}
-
-/// Stages in a geometric ladder of a family whose real reach is `share` of their square.
-Ladder ladder(const std::string& family, double share) {
-    Ladder rungs;
-    for (const int stages : {5, 7, 9, 11, 13, 16, 19, 23, 28, 34, 41, 50, 60, 72, 86, 103})
-        rungs.push_back(rung(family + "-s" + std::to_string(stages), share * stages * stages));
-    return rungs;
-}
-
-}  // namespace
-
 Ladder dumka3_ladder() {
     Ladder rungs;
-    for (int polynomial = 0; polynomial < engine::dumka3_polynomials; ++polynomial)
-        rungs.push_back(rung("dumka3-p" + std::to_string(polynomial), engine::dumka3_coefficients(polynomial).real_length));
+    for (int polynomial = 0; polynomial < engine::dumka3_polynomials; ++polynomial) {
+        const engine::StagePlan plan = engine::dumka3(polynomial);
+        rungs.push_back({engine::CompiledPlan(plan), engine::dumka3_coefficients(polynomial).real_length, plan.reach->lightly_damped});
+    }
     return rungs;
 }
-
-Ladder rkc_ladder() { return ladder("rkc", 0.65); }
-Ladder rock2_ladder() { return ladder("rock2", 0.77); }
 
 std::unique_ptr<StepMethod> dumka3_by_spectrum(Workspace& workspace) {
     return std::make_unique<LadderMethod>(workspace, 3, dumka3_ladder());
 }
-std::unique_ptr<StepMethod> rkc_by_spectrum(Workspace& workspace) { return std::make_unique<LadderMethod>(workspace, 3, rkc_ladder()); }
-std::unique_ptr<StepMethod> rock2_by_spectrum(Workspace& workspace) { return std::make_unique<LadderMethod>(workspace, 2, rock2_ladder()); }
-
-std::unique_ptr<StepMethod> fitted_by_spectrum(Workspace& workspace) { return std::make_unique<FittedMethod>(workspace); }
 
 }  // namespace cvtflow::tasks

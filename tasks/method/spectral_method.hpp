@@ -1,8 +1,7 @@
 #pragma once
-/// Stage methods that choose their stability polynomial by the spectrum: from a ladder of plans, or fitted when needed.
+/// Stage methods that choose their stability polynomial by the spectrum, from a ladder of plans.
 
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "tasks/method/spectral_bound.hpp"
@@ -53,15 +52,8 @@ struct PolynomialRange {
 /// Ascending.
 using Ladder = std::vector<PolynomialRange>;
 [[nodiscard]] Ladder dumka3_ladder();
-[[nodiscard]] Ladder rkc_ladder();
-[[nodiscard]] Ladder rock2_ladder();
 /// The lowest rung that reaches so far along the real axis, or the last one. real [1]
 [[nodiscard]] std::size_t rung_for(const Ladder& ladder, double real) noexcept;
-
-/// The polynomial of at most max_stages stages that is stable for this extent (step times spectrum); empty if there is none.
-[[nodiscard]] std::optional<engine::StagePlan> fitted_plan(double real, double imaginary);
-/// By which a first fit asks for more than the step needs, to last [1].
-inline constexpr double fit_headroom = 1.1;
 
 /// The lowest rung that is stable on the real axis; where steps are free, also the rule of DUMKA3: one rung lower with a shorter step if
 /// that is cheaper per time. A free step is also kept within the imaginary reach, which the published rule ignores. Source of the
@@ -78,38 +70,6 @@ private:
     Ladder rungs_;
 };
 
-/// Fits its polynomial to the spectrum (engine::fit), again when the spectrum or the step outgrows it or stays far below it.
-/// A refit takes milliseconds and memory of its own: the only thing in the step loop that does.
-class FittedMethod final : public SpectralMethod {
-public:
-    static constexpr int max_stages = 64;
-
-    explicit FittedMethod(Workspace& workspace) : SpectralMethod(workspace, 3) {}
-
-    [[nodiscard]] int fits() const noexcept { return fits_; }
-    void restart() noexcept override;
-    void save(std::vector<double>& memory) const override;
-    void load(std::span<const double> memory) override;  ///< memory [what save() wrote]
-
-protected:
-    /// h [s]
-    /// @throws std::runtime_error if no polynomial of max_stages stages is stable for such a step
-    void choose(double h) override;
-    [[nodiscard]] double longest(double wanted) override;  ///< wanted [s]
-
-private:
-    void refit(double real, double imaginary);  ///< real [1], imaginary [1]
-
-    std::vector<engine::CompiledPlan> plan_;             ///< one, or none yet
-    double fitted_real_ = 0.0, fitted_imaginary_ = 0.0;  ///< [1]
-    double wanted_lately_ = 0.0;                         ///< largest real extent requested since the last review
-    int steps_since_review_ = 0;
-    int fits_ = 0;
-};
-
 [[nodiscard]] std::unique_ptr<StepMethod> dumka3_by_spectrum(Workspace& workspace);
-[[nodiscard]] std::unique_ptr<StepMethod> rkc_by_spectrum(Workspace& workspace);
-[[nodiscard]] std::unique_ptr<StepMethod> rock2_by_spectrum(Workspace& workspace);
-[[nodiscard]] std::unique_ptr<StepMethod> fitted_by_spectrum(Workspace& workspace);
 
 }  // namespace cvtflow::tasks

@@ -11,8 +11,6 @@
 #include "engine/base/hash.hpp"
 #include "engine/record/run/state_file.hpp"
 #include "model/kernels/contraction.hpp"
-#include "tasks/method/stability/predicted_step.hpp"
-#include "tasks/method/stability/step_search.hpp"
 #include "tasks/run/run_recorder.hpp"
 
 namespace cvtflow::tasks {
@@ -87,22 +85,14 @@ void restore(const Checkpoint& from, Simulation& simulation, RunRecorder& record
     static_cast<RunHistory&>(report) = from.history;
 }
 
-/// Warns at the start of a run if the step exceeds the stability limit. The quick bound is at most a fifth too low: where it
-/// is not enough, the growth of this one step decides, and its limit is searched for only where it is beyond: ten times the work.
+/// Warns at the start of a run if the step is beyond what is stable and accurate.
 void warn_if_unstable(const Scene& scene, const RunOptions& options, const Simulation& simulation, RunReport& report) {
     if (scene.run.step.automatic()) return;  // what chooses it knows the limit
-    AutoStep advice(simulation.variator(), scene.parameters, simulation.method());
-    const double automatic = advice.longest(simulation.time(), simulation.state(), simulation.phases().data());
-    report.stable_step = advice.stable_step();
+    report.stable_step = simulation.largest_step().step;
     report.step = scene.run.step;
-    if (!report.beyond_stability()) return;
-    const LinearChain chain(simulation.variator(), scene.parameters, frozen_start(simulation));
-    report.stable_step = predicted_growth(chain, simulation.method(), report.step) <= 1.0 + growth_factor_tolerance
-                             ? report.step
-                             : predicted_step_limit(chain, simulation.method()).step;
     if (!report.beyond_stability() || !options.notice) return;
-    options.notice(fmt::format("run.step = {:.3g} s exceeds the stability limit of {} here ({:.3g} s): run.step = \"auto\" takes {:.3g} s",
-                               report.step, simulation.method_name(), report.stable_step, automatic));
+    options.notice(fmt::format("run.step = {:.3g} s is beyond what {} takes here, stable and accurate ({:.3g} s): run.step = \"auto\" takes {:.3g} s",
+                               report.step, simulation.method_name(), report.stable_step, simulation.automatic_step()));
 }
 
 /// A run that ended before its checkpoint would count as finished, and nobody could go on with it. @throws SimulationError

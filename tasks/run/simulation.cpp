@@ -169,6 +169,12 @@ double Simulation::automatic_step() const {
     return AutoStep(workspace_->variator, scene_.parameters, method()).longest(time_, state(), phases().data());
 }
 
+LargestStep Simulation::largest_step() const {
+    AutoStep step(workspace_->variator, scene_.parameters, method());
+    (void)step.longest(time_, state(), phases().data());
+    return step.largest();
+}
+
 StepSettings Simulation::settings_of(const Goal& goal) const {
     const RunSettings& run = scene_.run;
     StepSettings settings{.begin = time_,

@@ -106,6 +106,8 @@ public:
     [[nodiscard]] const AutoStep* step_choice() const noexcept { return choice_.get(); }
     /// The automatic step at the present state, independent of run.step [s].
     [[nodiscard]] double automatic_step() const;
+    /// The largest step that is stable and accurate for the method at the present state. Takes a hundred evaluations.
+    [[nodiscard]] LargestStep largest_step() const;
     /// Likewise, if the scene asks for errors.
     [[nodiscard]] const LocalErrorStatistics& local_errors() const noexcept { return local_errors_; }
     /// The method of its steps: run.method, or what that is where it is "auto".

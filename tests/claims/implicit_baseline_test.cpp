@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tasks/method/implicit/catalogue.hpp"
-#include "tasks/method/implicit/linear_plan.hpp"
+#include "bench/method/implicit/catalogue.hpp"
+#include "bench/method/implicit/linear_plan.hpp"
 #include "tasks/tuning/output.hpp"
 #include "tests/claims/method_trial_fixture.hpp"
 
@@ -53,7 +53,7 @@ TEST_F(NightlyImplicit, PlainNewtonFromTheExplicitStepFailsInManySteps) {
 
 TEST_F(NightlyImplicit, EveryWayToTheMatrixEndsAtTheSameError) {
     const double exact = axial_error(end("trapezoidal-analytic"));
-    for (const tasks::NewtonVariant& variant : tasks::newton_variants()) {
+    for (const bench::NewtonVariant& variant : bench::newton_variants()) {
         if (!variant.options.backtracking) continue;
         const bench::TrialEnd trial = end(variant.name);
         ASSERT_FALSE(trial.fault) << variant.name;
@@ -65,7 +65,7 @@ TEST_F(NightlyImplicit, EveryWayToTheMatrixEndsAtTheSameError) {
 TEST_F(NightlyImplicit, LinearlyImplicitMethodsLoseOnSaturatingFriction) {
     // The same step, orders 2 to 4, exact Jacobians: a hundred times the error of the trapezoidal rule, whose friction is solved for.
     const double solved = axial_error(end("trapezoidal-analytic"));
-    for (const tasks::LinearPlan& plan : tasks::linear_plans()) {
+    for (const bench::LinearPlan& plan : bench::linear_plans()) {
         const bench::TrialEnd trial = end(plan.name);
         if (!trial.fault) {
             EXPECT_GT(axial_error(trial), 100.0 * solved) << plan.name;

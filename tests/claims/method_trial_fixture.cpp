@@ -5,7 +5,7 @@
 
 #include "bench/study/method_run.hpp"
 #include "model/observe/observation.hpp"
-#include "tasks/method/implicit/trapezoidal.hpp"
+#include "bench/method/implicit/trapezoidal.hpp"
 
 namespace cvtflow::bench {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tasks/method/implicit/newton.hpp"
+#include "bench/method/implicit/newton.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/step/frozen_start.hpp"
 
@@ -17,7 +17,7 @@ struct TrialEnd {
     tasks::Counters counters;
     double step = 0.0;                              ///< in use [s]
     double wall = 0.0;                              ///< [s]
-    std::optional<tasks::NewtonStatistics> newton;  ///< of trapezoidal methods
+    std::optional<bench::NewtonStatistics> newton;  ///< of trapezoidal methods
     std::string report;                             ///< what the method says of its work
     std::vector<double> state;                      ///< [layout.size()]
     std::vector<double> axial_force, tension;       ///< of every tip, of every link [N]

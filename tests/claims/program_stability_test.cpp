@@ -1,7 +1,8 @@
 /// Claims about the stability of methods that are programs and not tables, against theory. The same by hand: cvtflow-lab stability
 /// leapfrog-rkc leapfrog-sweep …
 
-#include "tasks/method/program_stability.hpp"
+#include "bench/method/laboratory_methods.hpp"
+#include "bench/method/stability/program_stability.hpp"
 
 #include <gtest/gtest.h>
 
@@ -15,15 +16,15 @@ namespace cvtflow::claims {
 namespace {
 
 using tasks::MethodProgram;
-using tasks::ProgramStability;
-using tasks::TestEquation;
+using bench::ProgramStability;
+using bench::TestEquation;
 
-ProgramStability stability(const std::string& name) { return tasks::find_program(name)->stability(); }
+ProgramStability stability(const std::string& name) { return bench::analysis_of(*tasks::find_program(name)).stability(); }
 
 std::vector<MethodProgram> programs_for(TestEquation equation) {
     std::vector<MethodProgram> all;
     for (const MethodProgram& program : tasks::method_programs()) {
-        if (program.stability != nullptr && program.stability().equation == equation) all.push_back(program);
+        if (bench::analysis_of(program).stability != nullptr && bench::analysis_of(program).stability().equation == equation) all.push_back(program);
     }
     return all;
 }
@@ -31,15 +32,20 @@ std::vector<MethodProgram> programs_for(TestEquation equation) {
 TEST(ProgramStability, IsKnownOfAllButThoseThatChooseAmongTables) {
     for (const MethodProgram& program : tasks::method_programs()) {
         const bool chooses = program.name == "dumka3" || program.name == "rkc" || program.name == "rock2" || program.name == "fitted";
-        EXPECT_EQ(program.stability == nullptr, chooses) << program.name;
+        EXPECT_EQ(bench::analysis_of(program).stability == nullptr, chooses) << program.name;
     }
+}
+
+/// The numbers that the catalogue declares are those that the analysis finds, to the last digit.
+TEST(ProgramStability, ReachIsWhatTheCatalogueDeclares) {
+    for (const MethodProgram& program : tasks::method_programs()) EXPECT_EQ(program.reach, bench::derived_reach(program)) << program.name;
 }
 
 /// h ω of a leapfrog: 2.
 TEST(ProgramStability, OscillationIsLimitedAsByTheExplicitPart) {
     EXPECT_EQ(programs_for(TestEquation::oscillator).size(), 6U) << "with stages by RKC and Chebyshev, with sweeps, and each in double";
     for (const MethodProgram& program : programs_for(TestEquation::oscillator))
-        EXPECT_NEAR(tasks::reach(program.stability(), 0.0, 0.0, 1.0, 0.0), 2.0, 0.04) << program.name;
+        EXPECT_NEAR(bench::reach(bench::analysis_of(program).stability(), 0.0, 0.0, 1.0, 0.0), 2.0, 0.04) << program.name;
 }
 
 /// What friction makes of that limit. A kick v⁺ = R v + B G + C ΔG of a leapfrog grows, with changing sign, from h² ω² = 2 (1 + R)/(B + 2
@@ -49,14 +55,14 @@ TEST(ProgramStability, FrictionLowersTheLimitOfSome) {
     const std::vector<std::pair<std::string, double>> known{
         {"leapfrog-rkc", std::sqrt(3.0)}, {"leapfrog-chebyshev", std::sqrt(2.0)}, {"leapfrog-sweep", 2.0}};
     for (const auto& [name, oscillation] : known)
-        EXPECT_NEAR(tasks::limit_with_any_friction(stability(name)).oscillation, oscillation, 0.01 * oscillation) << name;
+        EXPECT_NEAR(bench::limit_with_any_friction(stability(name)).oscillation, oscillation, 0.01 * oscillation) << name;
 }
 
 /// Inside the step by stages: to the reach of the longest table. Solved for: however far.
 TEST(ProgramStability, FrictionAloneIsStableAsFarAsTheStepHasTablesForIt) {
     for (const MethodProgram& program : programs_for(TestEquation::oscillator)) {
-        const ProgramStability s = program.stability();
-        const double friction = tasks::reach(s, 0.0, 0.0, 0.0, 1.0);
+        const ProgramStability s = bench::analysis_of(program).stability();
+        const double friction = bench::reach(s, 0.0, 0.0, 0.0, 1.0);
         if (std::isinf(s.longest_decay)) {
             EXPECT_TRUE(std::isinf(friction)) << program.name;
         } else {
@@ -69,8 +75,8 @@ TEST(ProgramStability, FrictionAloneIsStableAsFarAsTheStepHasTablesForIt) {
 /// |eigenvalue| = exp(-h c/2) for an oscillator, |R| = exp(h Re λ), up to the order.
 TEST(ProgramStability, StepsMultiplyAsTheExactSolutionToTheirOrder) {
     for (const MethodProgram& program : tasks::method_programs()) {
-        if (program.stability == nullptr) continue;
-        const ProgramStability s = program.stability();
+        if (bench::analysis_of(program).stability == nullptr) continue;
+        const ProgramStability s = bench::analysis_of(program).stability();
         const auto error = [&](double h) {
             const bool oscillator = s.equation == TestEquation::oscillator;
             return std::abs(oscillator ? s.radius(0.8 * h, 0.5 * h) - std::exp(-0.25 * h)
@@ -82,13 +88,13 @@ TEST(ProgramStability, StepsMultiplyAsTheExactSolutionToTheirOrder) {
 
 TEST(ProgramStability, FrictionSolvedForIsDampedAsByBackwardEuler) {
     for (const double z : {0.3, 3.0, 300.0}) EXPECT_NEAR(stability("leapfrog-sweep").stages(z).left, 1.0 / (1.0 + z), 1e-14) << z;
-    EXPECT_LT(tasks::worst_stages(stability("leapfrog-sweep")).left, 1e-5);
+    EXPECT_LT(bench::worst_stages(stability("leapfrog-sweep")).left, 1e-5);
 }
 
 /// Stages of friction neither exceed what they start from nor multiply errors by much, unlike those of long stabilised methods.
 TEST(ProgramStability, LeapfrogsDoNotMultiplyErrorsOfStages) {
     for (const char* name : {"leapfrog-rkc", "leapfrog-chebyshev", "leapfrog-sweep"}) {
-        const tasks::StageFigures worst = tasks::worst_stages(stability(name));
+        const bench::StageFigures worst = bench::worst_stages(stability(name));
         EXPECT_LT(worst.growth, 1.0 + 1e-9) << name;
         EXPECT_LT(worst.gain, 10.0) << name;
     }
@@ -97,22 +103,22 @@ TEST(ProgramStability, LeapfrogsDoNotMultiplyErrorsOfStages) {
 TEST(ProgramStability, WhatSolvesForTheWholeStateIsStableInTheLeftHalfPlane) {
     for (const MethodProgram& program : programs_for(TestEquation::linear)) {
         if (program.name == "w-x3" || program.name == "w-x4") continue;  // A(α)-stable: below
-        const ProgramStability s = program.stability();
+        const ProgramStability s = bench::analysis_of(program).stability();
         for (double y = 0.01; y < 1e5; y *= 1.1) {
             for (const double x : {0.0, -1e-3 * y, -y})
                 EXPECT_TRUE(s.stable(x, y)) << program.name << " " << x << " " << y << " " << s.radius(x, y);
         }
     }
     for (const char* name : {"w-x3", "w-x4"}) {
-        EXPECT_TRUE(std::isinf(tasks::reach(stability(name), 0.0, 0.0, -1.0, 0.0))) << name;
-        EXPECT_TRUE(std::isinf(tasks::reach(stability(name), 0.0, 0.0, -0.1, std::sqrt(0.99)))) << name;
+        EXPECT_TRUE(std::isinf(bench::reach(stability(name), 0.0, 0.0, -1.0, 0.0))) << name;
+        EXPECT_TRUE(std::isinf(bench::reach(stability(name), 0.0, 0.0, -0.1, std::sqrt(0.99)))) << name;
     }
 }
 
 TEST(ProgramStability, TrapezoidalRuleKeepsOscillationsAndWMethodsForgetWhatIsStiff) {
     for (const double y : {0.1, 2.0, 1e3}) EXPECT_NEAR(stability("trapezoidal-full").radius(0.0, y), 1.0, 1e-14);
-    EXPECT_GT(tasks::worst_stages(stability("trapezoidal-full")).left, 0.99999);
-    for (const char* name : {"sw2", "ros34pw2", "w-x2", "w-x3", "w-x4"}) EXPECT_LT(tasks::worst_stages(stability(name)).left, 1e-4) << name;
+    EXPECT_GT(bench::worst_stages(stability("trapezoidal-full")).left, 0.99999);
+    for (const char* name : {"sw2", "ros34pw2", "w-x2", "w-x3", "w-x4"}) EXPECT_LT(bench::worst_stages(stability(name)).left, 1e-4) << name;
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 #include "bench/study/attribution.hpp"
 #include "bench/study/stability/eigenvalue_step.hpp"
 #include "bench/study/stability/stable_step.hpp"
-#include "engine/linear/eigenvalues.hpp"
+#include "bench/method/linear/eigenvalues.hpp"
 #include "engine/method/catalogue.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
 
@@ -89,16 +89,16 @@ const tasks::FrozenStart& baseline_start() {
     return start;
 }
 
-engine::Eigenvalues edge_of(const model::Parameters& parameters) {
+bench::Eigenvalues edge_of(const model::Parameters& parameters) {
     const tasks::FrozenStart& start = baseline_start();
-    return engine::extremal_eigenvalues(bench::jacobian(model::Variator(parameters), start.time, start.state, start.phases),
+    return bench::extremal_eigenvalues(bench::jacobian(model::Variator(parameters), start.time, start.state, start.phases),
                                         static_cast<int>(start.state.size()), {.first_dimension = 800, .progress = {}})
         .values;
 }
 
 TEST(Spectrum, OfTheBaselinePredictsTheLongestStableStepOfRk4WithinFivePercent) {
     const tasks::Scene baseline = ready_scene("baseline");
-    const engine::Eigenvalues edge = edge_of(baseline.parameters);
+    const bench::Eigenvalues edge = edge_of(baseline.parameters);
     const bench::Extent extent = bench::extent_of(edge);
     EXPECT_GT(extent.decay, 0.5e8);
     EXPECT_LT(extent.decay, 1.0e8);

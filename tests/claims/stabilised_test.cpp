@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bench/study/tradeoff/error_measure.hpp"
-#include "engine/method/table/dumka3_coefficients.hpp"
+#include "engine/method/dumka3.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
 
 namespace cvtflow::claims {

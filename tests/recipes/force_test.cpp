@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "model/basis/dual_lanes.hpp"
+#include "bench/method/jacobian/dual_lanes.hpp"
 #include "model/force/account.hpp"
 #include "model/force/link_frame.hpp"
 

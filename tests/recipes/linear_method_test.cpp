@@ -4,17 +4,17 @@
 
 #include <cmath>
 
-#include "tasks/method/implicit/linear_plan.hpp"
+#include "bench/method/implicit/linear_plan.hpp"
 #include "tasks/method/method_choice.hpp"
 
 namespace cvtflow::recipes {
 namespace {
 
 /// The linearly implicit Euler method: (I - h J) u = h f, y⁺ = y + u.
-tasks::LinearPlan implicit_euler() { return {"w-euler", "linearly implicit Euler", "textbook", 1, {{1.0, {}, {}}}, {{0, 1.0}}}; }
+bench::LinearPlan implicit_euler() { return {"w-euler", "linearly implicit Euler", "textbook", 1, {{1.0, {}, {}}}, {{0, 1.0}}}; }
 
 TEST(LinearMethodRecipe, ItsTimesAreDerivedAndConsistent) {
-    const tasks::LinearTimes times = tasks::times_of(implicit_euler());
+    const bench::LinearTimes times = bench::times_of(implicit_euler());
     ASSERT_EQ(times.stage.size(), 1u);
     EXPECT_EQ(times.stage[0], 0.0);
     EXPECT_DOUBLE_EQ(times.result, 1.0);
@@ -22,7 +22,7 @@ TEST(LinearMethodRecipe, ItsTimesAreDerivedAndConsistent) {
 
 /// On y' = λy with z = hλ the row above means (1 - γz) u = γz y, y⁺ = y + m u, by the header's own formula.
 TEST(LinearMethodRecipe, DampsWhatIsStiffAsTheoryTells) {
-    const tasks::LinearPlan plan = implicit_euler();
+    const bench::LinearPlan plan = implicit_euler();
     const double gamma = plan.stages[0].gamma, weight = plan.result[0].factor;
     for (const double z : {-0.1, -1.0, -1e6}) {
         const double growth = 1.0 + weight * gamma * z / (1.0 - gamma * z);
@@ -31,7 +31,7 @@ TEST(LinearMethodRecipe, DampsWhatIsStiffAsTheoryTells) {
 }
 
 TEST(LinearMethodRecipe, TheCatalogueHasARowForEveryPlan) {
-    for (const tasks::LinearPlan& plan : tasks::linear_plans()) EXPECT_NE(tasks::find_program(plan.name), nullptr) << plan.name;
+    for (const bench::LinearPlan& plan : bench::linear_plans()) EXPECT_NE(tasks::find_program(plan.name), nullptr) << plan.name;
 }
 
 }  // namespace

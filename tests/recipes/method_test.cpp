@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "engine/method/analysis/order.hpp"
+#include "bench/method/analysis/order.hpp"
 #include "engine/method/stage_plan.hpp"
-#include "engine/method/table/tableau.hpp"
+#include "engine/method/tableau.hpp"
 
 namespace cvtflow::recipes {
 namespace {
@@ -21,14 +21,14 @@ engine::StagePlan ralston() {
 TEST(MethodRecipe, OrderIsDerivedFromTheTable) {
     const engine::StagePlan plan = ralston();
     EXPECT_NO_THROW(engine::validate(plan));
-    EXPECT_EQ(engine::order_of(plan), 2);
+    EXPECT_EQ(bench::order_of(plan), 2);
     EXPECT_EQ(plan.stages.size(), 2u);
 }
 
 TEST(MethodRecipe, AWrongTableIsFoundOut) {
     engine::StagePlan wrong = ralston();
     wrong.result.slopes[0].factor = 0.3;  // weights no longer sum to 1
-    EXPECT_EQ(engine::order_of(wrong), 0);
+    EXPECT_EQ(bench::order_of(wrong), 0);
 }
 
 }  // namespace

@@ -106,7 +106,7 @@ TEST_F(Errors, InValuesOfOptionsExitWithTwo) {
          2,
          "--shard 1/99999999999999999999: expected I/N with 1 <= I <= N <= 100000, e.g. 3/8"},
         {{"batch", "sweep.toml", "--threads", "-1"}, 2, "--threads: Value -1 not in range 1 to 1024 (cvtflow batch --help)"},
-        {{"batch", "sweep.toml", "--bench", "0"}, 2, "--bench: Value 0 not in range 1 to 10000 (cvtflow batch --help)"},
+        {{"batch", "sweep.toml", "--threads", "0"}, 2, "--threads: Value 0 not in range 1 to 1024 (cvtflow batch --help)"},
     };
     for (const Mistake& mistake : mistakes) expect(mistake);
     for (const Words& words : {Words{"batch", "sweep.toml", "--retry", "nonsense"}, Words{"batch", "sweep.toml", "--retry", ""}}) {

@@ -14,6 +14,9 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "engine/executor/catalogue.hpp"
+#include "tasks/method/method_choice.hpp"
+
 namespace cvtflow::tools {
 
 namespace fs = std::filesystem;
@@ -58,9 +61,15 @@ Words commands_of(const std::string& program) {
 }
 
 std::string program_of(const Words& words) {
-    static const Words lab = commands_of(CVTFLOW_LAB);
-    const bool there = !words.empty() && std::find(lab.begin(), lab.end(), words.front()) != lab.end();
-    return there ? CVTFLOW_LAB : CVTFLOW_PROGRAM;
+    static const Words product = commands_of(CVTFLOW_PROGRAM), lab = commands_of(CVTFLOW_LAB);
+    const auto has = [&](const Words& commands) {
+        return !words.empty() && std::find(commands.begin(), commands.end(), words[0]) != commands.end();
+    };
+    const bool asks_for_lab = std::any_of(words.begin(), words.end(), [](const std::string& word) {
+        const std::string value = word.substr(word.find('=') + 1);
+        return tasks::belongs_to_laboratory(value) || engine::executor_of_laboratory(value);
+    });
+    return has(lab) && (asks_for_lab || !has(product)) ? CVTFLOW_LAB : CVTFLOW_PROGRAM;
 }
 
 Child::Child(std::vector<std::string> arguments, const fs::path& folder, const std::vector<std::string>& environment, unsigned seconds)

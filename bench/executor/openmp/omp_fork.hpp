@@ -1,7 +1,7 @@
 #pragma once
 /// OpenMP as it is published for this model: forked and joined at every level.
 
-#include "engine/executor/openmp/omp_region.hpp"
+#include "bench/executor/openmp/omp_region.hpp"
 
 namespace cvtflow::bench {
 
@@ -9,9 +9,9 @@ namespace cvtflow::bench {
 /// LLVM's runtime allocates memory in every loop, GNU's does not.
 /// GNU's waits pause for milliseconds: when the system puts two threads on one processor a barrier takes 8 ms (measured), unless
 /// OMP_WAIT_POLICY=passive is set.
-class OmpFork final : public engine::OmpExecutor {
+class OmpFork final : public OmpExecutor {
 public:
-    explicit OmpFork(const engine::ExecutorOptions& options) : engine::OmpExecutor(options) {}
+    explicit OmpFork(const engine::ExecutorOptions& options) : OmpExecutor(options) {}
     [[nodiscard]] std::string_view name() const noexcept override { return "omp_fork"; }
 
 private:

@@ -2,9 +2,12 @@
 
 #include <array>
 
+#include "tools/program/command/command.hpp"
+
 namespace cvtflow::bench {
 namespace {
 
+constexpr const char* scene = "Commands about scenes, as of cvtflow, with all methods and executors";
 constexpr const char* schedule = "Commands about schedules";
 constexpr const char* method = "Commands about methods";
 constexpr const char* accuracy = "Commands about accuracy";
@@ -16,11 +19,17 @@ constexpr const char* picture = "Commands about pictures";
 std::span<const tools::Command> commands() noexcept {
     using tools::Command;
     static constexpr std::array rows{
+        Command{"run", scene, "Run a scene", tools::declare_run},
+        Command{"settle", scene, "Settle a scene and write its state", tools::declare_settle},
+        Command{"check", scene, "Check a scene and estimate what its run takes", tools::declare_check},
+        Command{"list", scene, "List methods, levels of detail, channels, scenes, sweeps, executors, keys or units", tools::declare_list},
+        Command{"explain", scene, "Explain keys of scenes", tools::declare_explain},
         Command{"profile", schedule, "Measure schedules against each other: time, stages, synchronisation, scaling", declare_profile},
         Command{"granularity", schedule, "Measure how short tasks may be: efficiency of every executor against the length of a task",
                 declare_granularity},
         Command{"executors", schedule, "List executors: those of the program and further ones to compare, and which are missing",
                 declare_executors},
+        Command{"batch", schedule, "Measure a sweep against the bare loop of its steps", declare_batch},
         Command{"work", schedule, "Count the instructions of every task: what threads would gain if nothing else took time", declare_work},
         Command{"dot", schedule, "Draw the task graph of a step in Graphviz' language", declare_dot},
         Command{"method", method, "Show a method: order, stability, growth of errors within a step, table", declare_method},

@@ -64,7 +64,7 @@ ChoiceColumn newton_column(const std::string& key, const std::string& heading, O
 }
 
 void add_newton(ChoiceColumns& columns) {
-    using Newton = tasks::NewtonStatistics;
+    using Newton = bench::NewtonStatistics;
     const auto per_step = [](long Newton::*count) {
         return [count](const Newton& n) { return static_cast<double>(n.*count) / static_cast<double>(std::max(1L, n.steps)); };
     };

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <complex>
 
-#include "engine/method/analysis/order.hpp"
-#include "engine/method/analysis/stability.hpp"
+#include "bench/method/analysis/order.hpp"
+#include "bench/method/analysis/stability.hpp"
 #include "engine/method/compiled_plan.hpp"
 #include "tools/program/text/text.hpp"
 
@@ -22,11 +22,11 @@ std::complex<double> ray(double damping_ratio) { return {-damping_ratio, std::sq
 std::string stability_lines(const engine::StagePlan& plan, double real) {
     std::string text = field("real axis", fmt::format("stable to h|lambda| = {:.4g}, {:.3g} per evaluation", real,
                                                       real / static_cast<double>(plan.stages.size())));
-    const double imaginary = engine::imaginary_stability(plan);
+    const double imaginary = bench::imaginary_stability(plan);
     text += field("imaginary axis", imaginary > 0.02 ? fmt::format("stable to {:.4g}", imaginary) : "weakly unstable");
     return text + field("damped by 1, 5, 20 %",
-                        fmt::format("stable to {:.4g}, {:.4g}, {:.4g}", engine::stability_reach(plan, ray(0.01), 1e-6),
-                                    engine::stability_reach(plan, ray(0.05), 1e-6), engine::stability_reach(plan, ray(0.2), 1e-6)));
+                        fmt::format("stable to {:.4g}, {:.4g}, {:.4g}", bench::stability_reach(plan, ray(0.01), 1e-6),
+                                    bench::stability_reach(plan, ray(0.05), 1e-6), bench::stability_reach(plan, ray(0.2), 1e-6)));
 }
 
 std::string combination(const std::vector<engine::Term>& states, const std::vector<engine::Term>& slopes) {
@@ -44,7 +44,7 @@ std::string combination(const std::vector<engine::Term>& states, const std::vect
 
 std::string method_figures(const engine::StagePlan& plan, double length) {
     const engine::CompiledPlan compiled(plan);
-    const double real = engine::real_stability(plan);
+    const double real = bench::real_stability(plan);
     const double on = length > 0.0 ? length : 0.99 * real;
     const auto stages = static_cast<long>(plan.stages.size());
     std::string text = field("source", plan.source);
@@ -52,10 +52,10 @@ std::string method_figures(const engine::StagePlan& plan, double length) {
                                                                     plural(stages, "evaluation"), stages - 1)
                                                       : fmt::format("{} a step", plural(stages, "evaluation")));
     text += field("memory", fmt::format("{} and {}", plural(plan.state_slots, "state"), plural(plan.slope_slots, "slope")));
-    text += field("order", engine::order_text(plan));
+    text += field("order", bench::order_text(plan));
     text += stability_lines(plan, real);
-    text += field("stages grow", fmt::format("to {:.4g} of y on [-{:.4g}, 0]", engine::stage_growth(plan, on), on));
-    text += field("errors of a stage", fmt::format("amplified by {:.4g} at the end of the step", engine::perturbation_gain(plan, on)));
+    text += field("stages grow", fmt::format("to {:.4g} of y on [-{:.4g}, 0]", bench::stage_growth(plan, on), on));
+    text += field("errors of a stage", fmt::format("amplified by {:.4g} at the end of the step", bench::perturbation_gain(plan, on)));
     return text + field("error estimate", plan.error ? "yes" : "none");
 }
 

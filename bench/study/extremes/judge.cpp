@@ -8,8 +8,8 @@
 #include <numeric>
 #include <set>
 
+#include "bench/method/stability/step_limit.hpp"
 #include "model/observe/observation.hpp"
-#include "tasks/method/stability/step_limit.hpp"
 
 namespace cvtflow::bench {
 

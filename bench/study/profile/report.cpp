@@ -41,7 +41,7 @@ ordered_json provenance_json() {
             {"flags", compiler_flags()},
             {"instruction_set", here.instruction_set},
             {"tbb", engine::tbb_version()},
-            {"openmp", engine::openmp_version()},
+            {"openmp", openmp_version()},
             {"runtimes", bench::runtime_versions()},
             {"cpu", here.cpu},
             {"cores", here.cores},
@@ -163,7 +163,7 @@ std::string profile_csv(const Scene& scene, const Profile& profile) {
     const engine::Provenance here = engine::current_provenance();
     const std::string provenance =
         fmt::format("{},{},{},{},{},{},{},{}", quoted(here.commit), quoted(here.compiler + " " + here.build_type), quoted(compiler_flags()),
-                    quoted(engine::tbb_version()), quoted(engine::openmp_version()), quoted(here.cpu), here.cores, quoted(here.date));
+                    quoted(engine::tbb_version()), quoted(openmp_version()), quoted(here.cpu), here.cores, quoted(here.date));
     for (const ScheduleResult& result : profile.results) {
         const RecordedPass& pass = result.recording.pass;
         const std::string alone = result.cycle.active == result.schedule.threads ? fmt::format("{:.4f}", 1e6 * result.cycle.seconds) : "";

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "engine/method/analysis/stability.hpp"
+#include "bench/method/analysis/stability.hpp"
 
 namespace cvtflow::bench {
 
@@ -16,7 +16,7 @@ using Complex = std::complex<double>;
 
 class Judge {
 public:
-    Judge(const engine::StagePlan& plan, std::span<const Complex> eigenvalues) : factor_(engine::stability_function(plan)) {
+    Judge(const engine::StagePlan& plan, std::span<const Complex> eigenvalues) : factor_(bench::stability_function(plan)) {
         for (const Complex& value : eigenvalues) {
             if (value.imag() >= 0.0 && value != 0.0) values_.push_back(value);
         }

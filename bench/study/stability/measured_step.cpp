@@ -2,11 +2,11 @@
 
 #include <cmath>
 
+#include "bench/method/stability/growth.hpp"
+#include "bench/method/stability/step_search.hpp"
 #include "bench/study/stability/real_step.hpp"
 #include "engine/method/catalogue.hpp"
 #include "tasks/method/method_choice.hpp"
-#include "tasks/method/stability/growth.hpp"
-#include "tasks/method/stability/step_search.hpp"
 
 namespace cvtflow::bench {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tasks/method/friction/friction_methods.hpp"
+#include "bench/method/laboratory_methods.hpp"
 
 namespace cvtflow::bench {
 
@@ -15,7 +15,7 @@ constexpr double disturbance = 1e-6;  ///< largest velocity of one [m/s]; satura
 constexpr double held_disturbances[] = {1e-7, 1e-6, 1e-5, 1e-8, 1e-9};  ///< [m/s]
 
 [[nodiscard]] Scene with_method(Scene scene, std::string_view method) {
-    scene.run.method = in_double_precision(method);  // a disturbance drowns in the rounding of floats
+    scene.run.method = bench::in_double_precision(method);  // a disturbance drowns in the rounding of floats
     scene.run.step_control = StepControl::fixed;
     scene.run.step = scene.run.output_interval;  // any that is not automatic; hold() says which is taken
     scene.run.schedule = "serial";

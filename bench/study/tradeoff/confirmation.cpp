@@ -8,8 +8,8 @@
 #include <limits>
 #include <utility>
 
+#include "bench/method/stability/predicted_step.hpp"
 #include "bench/study/tradeoff/error_measure.hpp"
-#include "tasks/method/stability/predicted_step.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/tuning/output.hpp"
 

@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "bench/method/stability/linear_chain.hpp"
 #include "engine/executor/cancellation.hpp"
-#include "tasks/method/stability/linear_chain.hpp"
 #include "tasks/run/run_means.hpp"
 #include "tasks/scene/scene.hpp"
 
@@ -75,7 +75,7 @@ private:
     LongRun reference_;
     std::string reference_text_;
     std::unique_ptr<model::Variator> variator_;
-    std::deque<tasks::LinearChain> ends_;   ///< linearised at both ends of the reference
+    std::deque<bench::LinearChain> ends_;   ///< linearised at both ends of the reference
     std::map<std::string, double> stable_;  ///< by method [s]
 };
 

@@ -11,8 +11,8 @@
 #include <tuple>
 #include <utility>
 
+#include "bench/method/implicit/trapezoidal.hpp"
 #include "model/observe/observation.hpp"
-#include "tasks/method/implicit/trapezoidal.hpp"
 
 namespace cvtflow::bench {
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "bench/method/implicit/newton.hpp"
 #include "engine/record/run/state_file.hpp"
-#include "tasks/method/implicit/newton.hpp"
 #include "tasks/run/run_means.hpp"
 #include "tasks/run/simulation.hpp"
 
@@ -23,7 +23,7 @@ struct Trajectory {
     std::vector<double> losses;                    ///< [outputs] power turned into heat [W]
     std::vector<tasks::TransitionRecord> transitions;
     std::vector<double> side;                       ///< [links] x of the rear halves at the start [m]
-    std::optional<tasks::NewtonStatistics> newton;  ///< of trapezoidal methods
+    std::optional<bench::NewtonStatistics> newton;  ///< of trapezoidal methods
 
     tasks::Counters counters;
     tasks::Fault fault;        ///< why it ended early, if it did

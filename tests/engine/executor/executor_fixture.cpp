@@ -5,7 +5,7 @@
 #include <iterator>
 #include <thread>
 
-#include "engine/executor/reference/serial.hpp"
+#include "engine/executor/serial.hpp"
 
 namespace cvtflow::engine::test {
 

@@ -9,6 +9,7 @@
 #include <map>
 #include <set>
 
+#include "bench/method/laboratory_methods.hpp"
 #include "tasks/method/method_choice.hpp"
 #include "tests/sample_fixture.hpp"
 #include "tests/tools/program_fixture.hpp"
@@ -59,7 +60,14 @@ std::string ended(const std::string& method) {
 
 /// A program that is no table of stages.
 bool is_program(const std::string& method) { return tasks::find_program(method) != nullptr; }
-bool chooses_tables(const std::string& method) { return is_program(method) && tasks::find_program(method)->stability == nullptr; }
+bool chooses_tables(const std::string& method) {
+    return is_program(method) && bench::analysis_of(*tasks::find_program(method)).stability == nullptr;
+}
+
+/// What only cvtflow does, which does not know the method.
+Expected refused_or(const std::string& method, int status, const Expected& otherwise) {
+    return tasks::belongs_to_laboratory(method) ? Expected{status, method + " belongs to the laboratory: cvtflow-lab run"} : otherwise;
+}
 
 /// In the order in which they can follow one another: resume needs what checkpoint left, table what batch did.
 const std::vector<Row> rows{
@@ -84,7 +92,7 @@ const std::vector<Row> rows{
      [](const std::string&) {
          return Words{"resume", "cut.checkpoint.h5", "--set", "run.max_steps=0"};
      },
-     [](const std::string& m) { return done_or_unreliable(m, ended(m)); }},
+     [](const std::string& m) { return refused_or(m, 1, done_or_unreliable(m, ended(m))); }},
     {"settle", "",
      [](const std::string& m) {
          return Words{"settle", "tiny",   "--method", m, "--step", "100ns", "--time", "2us", "--set", "start.ramp_time=1us",
@@ -101,7 +109,7 @@ const std::vector<Row> rows{
      [](const std::string&) { return done("run.svg\n"); }},
     {"export-fmu", "",
      [](const std::string& m) { return Words{"export-fmu", "tiny", "--set", "run.method=" + m, "-o", "tiny.fmu", "--force"} + state; },
-     [](const std::string&) { return done("tiny.fmu: FMI 3.0"); }},
+     [](const std::string& m) { return refused_or(m, 2, done("tiny.fmu: FMI 3.0")); }},
     {"explain", "",
      [](const std::string& m) { return Words{"explain", "run.method", "--scene", "tiny", "--set", "run.method=" + m} + state; },
      [](const std::string& m) { return done("tiny with " + m + " up to "); }},
@@ -169,19 +177,21 @@ const std::vector<Row> rows{
      [](const std::string&) {
          return Words{"batch", "sweep.toml", "--dry-run"};
      },
-     [](const std::string&) { return done("(measured on "); }},
+     [](const std::string& m) { return refused_or(m, 1, done("(measured on ")); }},
     {"batch", "",
      [](const std::string&) {
          return Words{"batch", "sweep.toml", "-o", "out"};
      },
      [](const std::string& m) {
-         return m == "euler" ? Expected{incomplete, ", 1 failed"} : done("  statuses            1 ok\n");
+         return refused_or(m, 1, m == "euler" ? Expected{incomplete, ", 1 failed"} : done("  statuses            1 ok\n"));
      }},
     {"table", "",
      [](const std::string&) {
          return Words{"table", "out"};
      },
-     [](const std::string& m) { return done(m == "euler" ? " unreliable " : " ok "); }},
+     [](const std::string& m) {
+         return tasks::belongs_to_laboratory(m) ? Expected{1, "out: "} : done(m == "euler" ? " unreliable " : " ok ");
+     }},
 };
 
 /// Scenes and methods on the command line, as the commands' own help has it.

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "bench/study/spectrum.hpp"
-#include "engine/linear/eigenvalues.hpp"
+#include "bench/method/linear/eigenvalues.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tests/tasks/brief_start_fixture.hpp"
 
@@ -26,9 +26,9 @@ std::vector<double> jacobian_of_tiny() {
 TEST(SpectrumEdge, OfTheVariatorIsThoseOfTheDenseMethod) {
     const std::vector<double> matrix = jacobian_of_tiny();
     const int size = static_cast<int>(brief_start().state.size());
-    const engine::Eigenvalues all = engine::eigenvalues(matrix, size);
+    const bench::Eigenvalues all = bench::eigenvalues(matrix, size);
     const double border = -3e5;
-    const engine::ExtremalEigenvalues edge = engine::extremal_eigenvalues(matrix, size, {.left_of = border, .progress = {}});
+    const bench::ExtremalEigenvalues edge = bench::extremal_eigenvalues(matrix, size, {.left_of = border, .progress = {}});
     const auto left = std::count_if(all.begin(), all.end(), [&](const Complex& value) { return value.real() < border; });
     const auto found = std::count_if(edge.values.begin(), edge.values.end(), [&](const Complex& value) { return value.real() < border; });
     EXPECT_GT(left, 20);
@@ -37,7 +37,7 @@ TEST(SpectrumEdge, OfTheVariatorIsThoseOfTheDenseMethod) {
         EXPECT_LT(std::abs(edge.values[static_cast<std::size_t>(k)] - all[static_cast<std::size_t>(k)]),
                   1e-5 * std::abs(all[static_cast<std::size_t>(k)]))
             << k;
-    const auto fastest = [](const engine::Eigenvalues& values) {
+    const auto fastest = [](const bench::Eigenvalues& values) {
         double frequency = 0.0;
         for (const Complex& value : values) frequency = std::max(frequency, std::abs(value.imag()));
         return frequency;

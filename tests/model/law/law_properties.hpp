@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "model/basis/dual_lanes.hpp"
+#include "bench/method/jacobian/dual_lanes.hpp"
 #include "model/law/friction.hpp"
 
 namespace cvtflow::model {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "model/basis/dual_lanes.hpp"
+#include "bench/method/jacobian/dual_lanes.hpp"
 #include "model/law/tip_factors.hpp"
 
 namespace cvtflow::model {

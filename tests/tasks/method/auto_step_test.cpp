@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "tasks/method/stability/predicted_step.hpp"
-#include "tasks/method/stability/step_search.hpp"
+#include "bench/method/stability/predicted_step.hpp"
+#include "bench/method/stability/step_search.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/ready_scenes.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
@@ -45,12 +45,12 @@ TEST_P(AutoStepOn, IsStableAndNotNeedlesslyShort) {
         const Simulation simulation(scene);
         AutoStep automatic(simulation.variator(), scene.parameters, method);
         const double step = automatic.longest(simulation.time(), simulation.state(), simulation.phases().data());
-        const LinearChain chain(simulation.variator(), scene.parameters, frozen_start(simulation));
+        const bench::LinearChain chain(simulation.variator(), scene.parameters, frozen_start(simulation));
         // These machines do not rest in the state of the ready one: what grows by itself grows alike in shorter steps.
-        const double by_itself = std::max(1.0, std::pow(predicted_growth(chain, method, step / 4.0), 4.0));
-        EXPECT_LE(predicted_growth(chain, method, step), by_itself + noticeable_growth) << method << ", " << step << " s";
+        const double by_itself = std::max(1.0, std::pow(bench::predicted_growth(chain, method, step / 4.0), 4.0));
+        EXPECT_LE(bench::predicted_growth(chain, method, step), by_itself + noticeable_growth) << method << ", " << step << " s";
         if (step == automatic.longest()) continue;
-        EXPECT_GT(predicted_growth(chain, method, given_away * step), 1.0 + growth_factor_tolerance) << method << ", " << step << " s";
+        EXPECT_GT(bench::predicted_growth(chain, method, given_away * step), 1.0 + bench::growth_factor_tolerance) << method << ", " << step << " s";
     }
 }
 

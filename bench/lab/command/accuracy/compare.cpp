@@ -8,8 +8,8 @@
 #include "bench/lab/report/pin_report.hpp"
 #include "bench/lab/text/method_choice_text.hpp"
 #include "bench/lab/text/watch_text.hpp"
-#include "tasks/method/implicit/catalogue.hpp"
-#include "tasks/method/implicit/linear_plan.hpp"
+#include "bench/method/implicit/catalogue.hpp"
+#include "bench/method/implicit/linear_plan.hpp"
 #include "tasks/run/run.hpp"
 #include "tools/program/arguments/scene_arguments.hpp"
 #include "tools/program/guard.hpp"
@@ -60,8 +60,8 @@ const std::vector<std::string> front_choices{"rk4@50ns",
 /// All variants of Newton's method and all linearly implicit methods, at 2 us.
 std::vector<std::string> implicit_choices() {
     std::vector<std::string> choices;
-    for (const tasks::NewtonVariant& variant : tasks::newton_variants()) choices.push_back(std::string(variant.name) + "@2us");
-    for (const tasks::LinearPlan& plan : tasks::linear_plans()) choices.push_back(plan.name + "@2us");
+    for (const bench::NewtonVariant& variant : bench::newton_variants()) choices.push_back(std::string(variant.name) + "@2us");
+    for (const bench::LinearPlan& plan : bench::linear_plans()) choices.push_back(plan.name + "@2us");
     return choices;
 }
 

@@ -7,8 +7,8 @@
 
 #include "bench/lab/command/command.hpp"
 #include "bench/lab/text/method_text.hpp"
+#include "bench/method/family/fitted.hpp"
 #include "bench/study/spectrum.hpp"
-#include "engine/method/family/fitted.hpp"
 #include "tasks/method/auto_step.hpp"
 #include "tasks/method/spectral_bound.hpp"
 #include "tasks/run/simulation.hpp"
@@ -55,13 +55,13 @@ FitExtent extent_by_eigenvalues(const model::Variator& variator, const tasks::Fr
     return extent;
 }
 
-std::optional<engine::FittedMethod> fitted(const FitArguments& arguments, const FitExtent& extent, double step) {
-    const engine::FitRequest request{std::max(arguments.margin * extent.real * step, engine::min_fitted_real),
-                                     arguments.margin * extent.imaginary * step, arguments.order, arguments.ripple, 0.01};
-    if (extent.eigenvalues.empty()) return engine::fit(request);
+std::optional<bench::FittedMethod> fitted(const FitArguments& arguments, const FitExtent& extent, double step) {
+    const bench::FitRequest request{std::max(arguments.margin * extent.real * step, bench::min_fitted_real),
+                                    arguments.margin * extent.imaginary * step, arguments.order, arguments.ripple, 0.01};
+    if (extent.eigenvalues.empty()) return bench::fit(request);
     std::vector<std::complex<double>> points;
     for (const auto& value : extent.eigenvalues) points.push_back(arguments.margin * step * value);
-    return engine::fit(request, points);
+    return bench::fit(request, points);
 }
 
 ExitStatus fit(const FitArguments& arguments) {
@@ -80,7 +80,7 @@ ExitStatus fit(const FitArguments& arguments) {
     const double milliseconds = 1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     if (!method)
         throw tasks::SceneError(
-            fmt::format("no polynomial of up to {} stages is stable for steps of {}", engine::max_fitted_stages, time_text(step)));
+            fmt::format("no polynomial of up to {} stages is stable for steps of {}", bench::max_fitted_stages, time_text(step)));
     const auto stages = method->plan.stages.size() - 1;
     fmt::print("{}", field("fit", fmt::format("{} stages, {} iterations, largest |R|/bound {:.4f}, {:.1f} ms", stages, method->iterations,
                                               method->largest, milliseconds)));

@@ -7,8 +7,8 @@
 #include "bench/lab/command/command.hpp"
 #include "bench/lab/measure/settled_start.hpp"
 #include "bench/lab/report/method/local_error_report.hpp"
+#include "bench/method/analysis/order.hpp"
 #include "bench/study/method_run.hpp"
-#include "engine/method/analysis/order.hpp"
 #include "tasks/method/method.hpp"
 #include "tasks/scene/units.hpp"
 #include "tools/program/arguments/scene_arguments.hpp"
@@ -62,7 +62,7 @@ std::string heading(const std::string& scene, const std::string& method, long to
         return fmt::format("{}: error of one step of {} (order {}: slope {} where the solution is smooth), {} touching at its start\n",
                            scene, method, program->order, program->order + 1, plural(touching, "tip"));
     }
-    const int order = engine::order_of(found.plan());
+    const int order = bench::order_of(found.plan());
     return fmt::format("{}: error of one step of {} (order {}: slope {} where the solution is smooth), phases held, {} touching\n", scene,
                        method, order, order + 1, plural(touching, "tip"));
 }

@@ -6,6 +6,7 @@
 #include "bench/lab/command/command.hpp"
 #include "bench/lab/report/method/program_stability_report.hpp"
 #include "bench/lab/text/method_text.hpp"
+#include "bench/method/laboratory_methods.hpp"
 #include "engine/base/text.hpp"
 #include "engine/method/catalogue.hpp"
 #include "tasks/method/method.hpp"
@@ -32,7 +33,7 @@ std::string program_text(const tasks::MethodProgram& program) {
         field("source", program.source) + field("order", fmt::format("{}", program.order)) +
         field("evaluations", program.evaluations > 0 ? fmt::format("{} per step", program.evaluations) : "depends on the step") +
         field("systems solved", program.solves);
-    if (program.stability == nullptr) return text + field("stability", "that of the chosen table of stages");
+    if (analysis_of(program).stability == nullptr) return text + field("stability", "that of the chosen table of stages");
     return text + program_figures(program_result(program));
 }
 

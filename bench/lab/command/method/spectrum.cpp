@@ -7,12 +7,12 @@
 #include "bench/lab/command/command.hpp"
 #include "bench/lab/measure/settled_start.hpp"
 #include "bench/lab/report/method/spectrum_report.hpp"
+#include "bench/method/stability/predicted_step.hpp"
 #include "bench/study/spectrum.hpp"
 #include "engine/method/catalogue.hpp"
 #include "model/observe/observation.hpp"
 #include "tasks/method/auto_step.hpp"
 #include "tasks/method/method_choice.hpp"
-#include "tasks/method/stability/predicted_step.hpp"
 #include "tools/program/arguments/scene_arguments.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output/output_folder.hpp"
@@ -50,37 +50,37 @@ void find_values(SpectrumResult& result, const model::Variator& variator, const 
     if (!extremal) {
         if (result.unknowns > 1500)
             report(fmt::format("all {} eigenvalues: one or two minutes (--extremal: seconds)", count_text(result.unknowns)));
-        result.values = engine::eigenvalues(std::move(matrix), result.unknowns);
+        result.values = bench::eigenvalues(std::move(matrix), result.unknowns);
         return;
     }
     const auto progress = [&](int dimension, int settled, int requested) {
         report(fmt::format("Krylov space of {}: {} of {} eigenvalues converged", dimension, settled, requested));
     };
-    engine::ExtremalEigenvalues edge =
-        engine::extremal_eigenvalues(std::move(matrix), result.unknowns, {.left_of = result.border, .progress = progress});
+    bench::ExtremalEigenvalues edge =
+        bench::extremal_eigenvalues(std::move(matrix), result.unknowns, {.left_of = result.border, .progress = progress});
     result.values = std::move(edge.values);
     result.dimension = edge.dimension;
     result.residual = edge.residual;
 }
 
 /// Absent for methods that are programs.
-std::optional<StepLimit> limit_of(const SpectrumResult& result, const model::Variator& variator, const tasks::FrozenStart& start,
+std::optional<PlanLimit> limit_of(const SpectrumResult& result, const model::Variator& variator, const tasks::FrozenStart& start,
                                   const ProgressReporter& report) {
     if (tasks::find_program(result.method) != nullptr) return {};
     const engine::StagePlan plan = *engine::make_method(result.method);
     report(fmt::format("largest stable step of {}", result.method));
-    StepLimit limit{result.method, largest_stable_step(plan, result.values), {}};
+    PlanLimit limit{result.method, largest_stable_step(plan, result.values), {}};
     limit.measured = measured_stable_step(variator, plan, start, limit.predicted.step, extent_of(result.values).growth);
     return limit;
 }
 
 /// Absent for tables of stages. Predicted by the linearised step, because transitions in steps of the full equations can hide or cause
 /// growth (errors up to a factor of five).
-std::optional<tasks::StepLimit> program_limit_of(const tasks::Scene& scene, const model::Variator& variator,
+std::optional<bench::StepLimit> program_limit_of(const tasks::Scene& scene, const model::Variator& variator,
                                                  const tasks::FrozenStart& start, const ProgressReporter& report) {
     if (tasks::find_program(tasks::method_of(scene)) == nullptr) return {};
     report(fmt::format("largest stable step of {}", tasks::method_of(scene)));
-    return tasks::predicted_step_limit(variator, scene.parameters, tasks::method_of(scene), start);
+    return bench::predicted_step_limit(variator, scene.parameters, tasks::method_of(scene), start);
 }
 
 ExitStatus spectrum(const SpectrumArguments& arguments) {

@@ -8,10 +8,11 @@
 #include "bench/lab/measure/settled_start.hpp"
 #include "bench/lab/report/method/program_stability_report.hpp"
 #include "bench/lab/report/method/stability_report.hpp"
+#include "bench/method/analysis/stability.hpp"
+#include "bench/method/laboratory_methods.hpp"
+#include "bench/method/stability/predicted_step.hpp"
 #include "bench/study/spectrum.hpp"
-#include "engine/method/analysis/stability.hpp"
 #include "tasks/method/method.hpp"
-#include "tasks/method/stability/predicted_step.hpp"
 #include "tools/program/arguments/scene_arguments.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output/output_folder.hpp"
@@ -46,7 +47,7 @@ Chosen chosen(const StabilityArguments& arguments) {
         const tasks::MethodProgram* program = method->program();
         if (program == nullptr) {
             all.plans.push_back(method->plan());
-        } else if (program->stability == nullptr) {
+        } else if (analysis_of(*program).stability == nullptr) {
             throw UsageError(fmt::format("{} chooses among tables of stages: name one of them (cvtflow list methods --all)", name));
         } else {
             all.programs.push_back(*program);
@@ -61,7 +62,7 @@ struct Ground {
     tasks::Scene whole;
     tasks::FrozenStart start;
     std::optional<model::Variator> variator;
-    engine::Eigenvalues values;  ///< only for tables
+    bench::Eigenvalues values;  ///< only for tables
 };
 
 Ground ground_of(const StabilityArguments& arguments, bool with_eigenvalues) {
@@ -73,24 +74,24 @@ Ground ground_of(const StabilityArguments& arguments, bool with_eigenvalues) {
     const int size = static_cast<int>(ground.start.state.size());
     if (!arguments.quiet) print_error(fmt::format("eigenvalues of {}", ground.scene));
     std::vector<double> matrix = jacobian(*ground.variator, ground.start.time, ground.start.state, ground.start.phases);
-    ground.values = arguments.all ? engine::eigenvalues(std::move(matrix), size)
-                                  : engine::extremal_eigenvalues(std::move(matrix), size, {.progress = {}}).values;
+    ground.values = arguments.all ? bench::eigenvalues(std::move(matrix), size)
+                                  : bench::extremal_eigenvalues(std::move(matrix), size, {.progress = {}}).values;
     return ground;
 }
 
 void try_on(StabilityResult& result, const Ground& ground) {
     const std::string& name = result.plan.name;
     const Extent extent = extent_of(ground.values);
-    StepLimit limit{name, largest_stable_step(result.plan, ground.values), {}};
+    PlanLimit limit{name, largest_stable_step(result.plan, ground.values), {}};
     limit.measured = measured_stable_step(*ground.variator, result.plan, ground.start, limit.predicted.step, extent.growth);
-    result.growth = engine::stage_growth(result.plan, limit.predicted.step * extent.decay);
-    result.gain = engine::perturbation_gain(result.plan, limit.predicted.step * extent.decay);
+    result.growth = bench::stage_growth(result.plan, limit.predicted.step * extent.decay);
+    result.gain = bench::perturbation_gain(result.plan, limit.predicted.step * extent.decay);
     result.limit = limit;
 }
 
 void try_on(ProgramResult& result, const Ground& ground) {
     const std::string& name = result.program.name;
-    ProgramLimit limit{name, tasks::predicted_step_limit(*ground.variator, ground.whole.parameters, name, ground.start), {}};
+    ProgramLimit limit{name, bench::predicted_step_limit(*ground.variator, ground.whole.parameters, name, ground.start), {}};
     limit.measured = measured_step_limit(ground.whole, name, ground.start, limit.predicted.step);
     result.limit = limit;
 }
@@ -105,7 +106,7 @@ std::vector<StabilityResult> look_at(const std::vector<engine::StagePlan>& plans
         const double step = arguments.step > 0.0 ? arguments.step : ground ? results.back().limit->predicted.step : 1.0;
         const std::string picture = fmt::format("stability-{}.svg", plan.name);
         if (folder.wants(picture))
-            folder.write(picture, svg(stability_map(results.back(), ground ? ground->values : engine::Eigenvalues{}, step,
+            folder.write(picture, svg(stability_map(results.back(), ground ? ground->values : bench::Eigenvalues{}, step,
                                                     ground ? ground->scene : "")));
     }
     if (!results.empty()) folder.write("stability.csv", stability_csv(results));

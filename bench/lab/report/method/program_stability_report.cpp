@@ -1,4 +1,5 @@
 #include "bench/lab/report/method/program_stability_report.hpp"
+#include "bench/method/laboratory_methods.hpp"
 
 #include <fmt/format.h>
 
@@ -61,17 +62,17 @@ std::string table_of(const std::vector<ProgramResult>& results, bool oscillator,
 }  // namespace
 
 ProgramResult program_result(const tasks::MethodProgram& program) {
-    ProgramResult r{program, program.stability(), 0.0, 0.0, {}, 0.0, 0.0, {}, {}, 0.0};
-    const tasks::ProgramStability& s = r.stability;
-    r.worst = tasks::worst_stages(s);
-    const auto ray = [&](double damping) { return tasks::reach(s, 0.0, 0.0, -damping, std::sqrt(1.0 - damping * damping)); };
+    ProgramResult r{program, analysis_of(program).stability(), 0.0, 0.0, {}, 0.0, 0.0, {}, {}, 0.0};
+    const bench::ProgramStability& s = r.stability;
+    r.worst = bench::worst_stages(s);
+    const auto ray = [&](double damping) { return bench::reach(s, 0.0, 0.0, -damping, std::sqrt(1.0 - damping * damping)); };
     if (r.oscillator()) {
-        r.first = tasks::reach(s, 0.0, 0.0, 1.0, 0.0);
-        r.second = tasks::reach(s, 0.0, 0.0, 0.0, 1.0);
-        r.any = tasks::limit_with_any_friction(s);
+        r.first = bench::reach(s, 0.0, 0.0, 1.0, 0.0);
+        r.second = bench::reach(s, 0.0, 0.0, 0.0, 1.0);
+        r.any = bench::limit_with_any_friction(s);
     } else {
-        r.first = tasks::reach(s, 0.0, 0.0, -1.0, 0.0);
-        r.second = tasks::reach(s, 0.0, 0.0, 0.0, 1.0);
+        r.first = bench::reach(s, 0.0, 0.0, -1.0, 0.0);
+        r.second = bench::reach(s, 0.0, 0.0, 0.0, 1.0);
         r.ray_1 = ray(0.01);
         r.ray_5 = ray(0.05);
     }
@@ -99,13 +100,13 @@ std::string program_table(const std::vector<ProgramResult>& results) {
 std::string limit_text(const ProgramLimit& limit) {
     if (std::isinf(limit.predicted.step)) {
         return fmt::format(
-            "{}, {}", tasks::text_of(limit.predicted),
+            "{}, {}", bench::text_of(limit.predicted),
             std::isinf(limit.measured.step) ? "and none was measured" : fmt::format("but {} measured", time_text(limit.measured.step)));
     }
     const std::string found = std::isinf(limit.measured.step) ? "none measured"
                                                               : fmt::format("{} measured ({:+.2f} %)", time_text(limit.measured.step),
                                                                             100.0 * (limit.measured.step / limit.predicted.step - 1.0));
-    return fmt::format("{} predicted, {}", tasks::text_of(limit.predicted), found);
+    return fmt::format("{} predicted, {}", bench::text_of(limit.predicted), found);
 }
 
 std::string limit_lines(const std::vector<ProgramResult>& results) {

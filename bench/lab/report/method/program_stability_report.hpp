@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "bench/method/stability/program_stability.hpp"
+#include "bench/method/stability/step_limit.hpp"
 #include "bench/study/stability/measured_step.hpp"
 #include "tasks/method/method_choice.hpp"
-#include "tasks/method/program_stability.hpp"
-#include "tasks/method/stability/step_limit.hpp"
 #include "tools/program/plot/plot.hpp"
 
 namespace cvtflow::bench {
@@ -17,24 +17,24 @@ namespace cvtflow::bench {
 /// A method's largest stable step on a scene, predicted and measured.
 struct ProgramLimit {
     std::string method;
-    tasks::StepLimit predicted;
+    bench::StepLimit predicted;
     MeasuredLimit measured;
 };
 /// "1.91 us (oscillation …) predicted, 1.91 us measured (+0.1 %)".
 [[nodiscard]] std::string limit_text(const ProgramLimit& limit);
 
-/// Reaches are infinite beyond tasks::far_away.
+/// Reaches are infinite beyond bench::far_away.
 struct ProgramResult {
     tasks::MethodProgram program;
-    tasks::ProgramStability stability;
+    bench::ProgramStability stability;
     double first = 0.0, second = 0.0;  ///< oscillator: h ω without friction, h c at rest; linear: reach along the real, the imaginary axis
-    tasks::FrictionLimit any{};        ///< oscillator only: for every friction
+    bench::FrictionLimit any{};        ///< oscillator only: for every friction
     double ray_1 = 0.0, ray_5 = 0.0;   ///< linear only: along rays of damping ratio 1 % and 5 %
-    tasks::StageFigures worst;         ///< over all decays that the method takes
+    bench::StageFigures worst;         ///< over all decays that the method takes
     std::optional<ProgramLimit> limit;  ///< on a scene
     double step = 0.0;                  ///< of the scene's point on the map; 0: the longest stable one [s]
 
-    [[nodiscard]] bool oscillator() const noexcept { return stability.equation == tasks::TestEquation::oscillator; }
+    [[nodiscard]] bool oscillator() const noexcept { return stability.equation == bench::TestEquation::oscillator; }
 };
 
 /// @param program with a stability function

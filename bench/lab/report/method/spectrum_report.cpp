@@ -20,7 +20,7 @@ std::string complex_text(std::complex<double> value) {
                                : fmt::format("{:.3g} {} {:.4g}i", value.real(), value.imag() < 0.0 ? "-" : "+", std::abs(value.imag()));
 }
 
-double largest_modulus(const engine::Eigenvalues& values) {
+double largest_modulus(const bench::Eigenvalues& values) {
     double largest = 0.0;
     for (const auto& value : values) largest = std::max(largest, std::abs(value));
     return largest;
@@ -80,7 +80,7 @@ std::string slowed_table(const Attribution& attribution) {
 
 }  // namespace
 
-std::string limit_text(const StepLimit& limit) {
+std::string limit_text(const PlanLimit& limit) {
     const std::string predicted =
         fmt::format("{} predicted (by {} 1/s)", time_text(limit.predicted.step), complex_text(limit.predicted.limiting));
     if (limit.measured.unstable == 0.0) return fmt::format("{}, more than {} measured", predicted, time_text(limit.measured.stable));
@@ -106,7 +106,7 @@ std::string spectrum_text(const SpectrumResult& result) {
     text += field("step x |largest|",
                   fmt::format("{:.3f} with {} of {}", result.step * largest_modulus(result.values), time_text(result.step), result.method));
     text += field("largest stable step", result.limit           ? limit_text(*result.limit)
-                                         : result.program_limit ? tasks::text_of(*result.program_limit) + " predicted"
+                                         : result.program_limit ? bench::text_of(*result.program_limit) + " predicted"
                                                                 : "not determined");
     if (!result.attribution) return text;
     text += fmt::format("\nEigenvalues below -1e6 1/s by the contact that causes them (share: -d ln λ / d ln v0)\n{}",
@@ -130,7 +130,7 @@ std::string spectrum_csv(const SpectrumResult& result) {
 
 namespace {
 
-ordered_json values_json(const engine::Eigenvalues& values) {
+ordered_json values_json(const bench::Eigenvalues& values) {
     ordered_json list = ordered_json::array();
     for (const auto& value : values) list.push_back({value.real(), value.imag()});
     return list;
@@ -145,7 +145,7 @@ ordered_json extent_json(const Extent& extent) {
 
 }  // namespace
 
-ordered_json limit_json(const StepLimit& limit) {
+ordered_json limit_json(const PlanLimit& limit) {
     return {{"method", limit.method},
             {"predicted", limit.predicted.step},
             {"limiting", {limit.predicted.limiting.real(), limit.predicted.limiting.imag()}},
@@ -154,7 +154,7 @@ ordered_json limit_json(const StepLimit& limit) {
             {"measured_unstable", limit.measured.unstable}};
 }
 
-ordered_json limit_json(const std::string& method, const tasks::StepLimit& limit) {  // infinite steps are null
+ordered_json limit_json(const std::string& method, const bench::StepLimit& limit) {  // infinite steps are null
     return {{"method", method}, {"predicted", limit.step}, {"oscillation", limit.oscillation}, {"friction", limit.friction}};
 }
 

@@ -14,7 +14,7 @@
 namespace cvtflow::bench {
 
 /// A method's largest stable step, predicted and measured.
-struct StepLimit {
+struct PlanLimit {
     std::string method;
     StableStep predicted;
     MeasuredStep measured;
@@ -26,14 +26,14 @@ struct SpectrumResult {
     long touching = 0;                ///< tips
     double tight = 0.0, slack = 0.0;  ///< mean tension of the strands [N]
     int unknowns = 0;
-    engine::Eigenvalues values;                     ///< all, or those at the edge
+    bench::Eigenvalues values;                      ///< all, or those at the edge
     bool complete = true;                           ///< all
     int dimension = 0;                              ///< of the Krylov space, if not complete
     double residual = 0.0;                          ///< largest relative one, if not complete
     std::string method;                             ///< of the scene
     double step = 0.0;                              ///< of the scene [s]
-    std::optional<StepLimit> limit;                 ///< absent: the method is no table of stages
-    std::optional<tasks::StepLimit> program_limit;  ///< predicted only; absent: it is one
+    std::optional<PlanLimit> limit;                 ///< absent: the method is no table of stages
+    std::optional<bench::StepLimit> program_limit;  ///< predicted only; absent: it is one
     std::optional<Attribution> attribution;
     double border = -1e6;  ///< of the attribution [1/s]
 };
@@ -50,8 +50,8 @@ struct SpectrumResult {
 /// Number of eigenvalues that decay faster than a rate, with unchanged and tenfold saturation speeds. Requires an attribution.
 [[nodiscard]] tools::Plot slowed_plot(const SpectrumResult& result);
 
-[[nodiscard]] nlohmann::ordered_json limit_json(const StepLimit& limit);
+[[nodiscard]] nlohmann::ordered_json limit_json(const PlanLimit& limit);
 /// "50.95 ns predicted (…), 50.97 ns measured (+0.04 %)".
-[[nodiscard]] std::string limit_text(const StepLimit& limit);
+[[nodiscard]] std::string limit_text(const PlanLimit& limit);
 
 }  // namespace cvtflow::bench

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "engine/method/analysis/stability.hpp"
+#include "bench/method/analysis/stability.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::bench {
@@ -16,7 +16,7 @@ using namespace tools;
 namespace {
 
 double ray(const engine::StagePlan& plan, double damping) {
-    return engine::stability_reach(plan, {-damping, std::sqrt(1.0 - damping * damping)}, 1e-6);
+    return bench::stability_reach(plan, {-damping, std::sqrt(1.0 - damping * damping)}, 1e-6);
 }
 
 std::string short_number(double value) { return value < 1e4 ? fmt::format("{:.4g}", value) : fmt::format("{:.2e}", value); }
@@ -28,7 +28,7 @@ double evaluations_per_second(const StabilityResult& result) {
 }  // namespace
 
 StabilityResult stability_of(const engine::StagePlan& plan) {
-    return {plan, engine::real_stability(plan), engine::imaginary_stability(plan), ray(plan, 0.01), ray(plan, 0.05), {}, 0.0, 0.0};
+    return {plan, bench::real_stability(plan), bench::imaginary_stability(plan), ray(plan, 0.01), ray(plan, 0.05), {}, 0.0, 0.0};
 }
 
 std::string stability_table(const std::vector<StabilityResult>& results) {
@@ -59,7 +59,7 @@ std::string stability_csv(const std::vector<StabilityResult>& results) {
         text += fmt::format("{},{},{:.9g},{:.9g},{:.9g},{:.9g}", result.plan.name, result.plan.stages.size(), result.real, result.imaginary,
                             result.ray_1, result.ray_5);
         if (result.limit) {
-            const StepLimit& limit = *result.limit;
+            const PlanLimit& limit = *result.limit;
             text += fmt::format(",{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}", result.growth, result.gain, limit.predicted.step,
                                 limit.predicted.limiting.real(), limit.predicted.limiting.imag(), limit.measured.stable,
                                 limit.measured.unstable);
@@ -82,12 +82,12 @@ nlohmann::ordered_json stability_json(const StabilityResult& result) {
     return json;
 }
 
-Plot stability_map(const StabilityResult& result, const engine::Eigenvalues& values, double step, const std::string& scene) {
+Plot stability_map(const StabilityResult& result, const bench::Eigenvalues& values, double step, const std::string& scene) {
     Plot plot;
     plot.title = fmt::format("Stability of {}", result.plan.name);
     const double reach = std::max({result.real, 1.0, step * extent_of(values).decay});
     double half = std::max({result.imaginary, result.ray_5, step * extent_of(values).oscillation, 1.0});
-    const auto factor = engine::stability_function(result.plan);
+    const auto factor = bench::stability_function(result.plan);
     const auto stable = [factor](double x, double y) { return std::abs(factor({x, y})) <= 1.0; };
     for (double x = -reach; x < -1e-3; x *= 0.9) {
         while (half < 100.0 && stable(x, 1.05 * half)) half *= 1.1;  // shows the widest part completely

@@ -15,7 +15,7 @@ struct StabilityResult {
     engine::StagePlan plan;
     double real = 0.0, imaginary = 0.0;  ///< reach along the axes
     double ray_1 = 0.0, ray_5 = 0.0;     ///< along rays of damping ratio 1 % and 5 %
-    std::optional<StepLimit> limit;      ///< only with a scene
+    std::optional<PlanLimit> limit;      ///< only with a scene
     double growth = 0.0, gain = 0.0;     ///< of stages and of their errors over the scene's decays at the limit; only with a scene
 };
 
@@ -27,7 +27,7 @@ struct StabilityResult {
 /// One method; the parts that need a scene only with one.
 [[nodiscard]] nlohmann::ordered_json stability_json(const StabilityResult& result);
 /// |R(z)| ≤ 1, and the eigenvalues times the step. @param values may be empty   @param step [s]
-[[nodiscard]] tools::Plot stability_map(const StabilityResult& result, const engine::Eigenvalues& values, double step,
+[[nodiscard]] tools::Plot stability_map(const StabilityResult& result, const bench::Eigenvalues& values, double step,
                                         const std::string& scene);
 
 }  // namespace cvtflow::bench

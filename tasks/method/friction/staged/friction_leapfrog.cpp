@@ -43,7 +43,7 @@ constexpr int first_iterations = 50, next_iterations = 4;
 }  // namespace
 
 template <class Number>
-FrictionLeapfrog<Number>::FrictionLeapfrog(Workspace& workspace, Kick kick)
+FrictionLeapfrog<Number>::FrictionLeapfrog(Workspace& workspace, const Kick& kick)
     : w_(workspace), frame_(workspace), system_(workspace), tables_(kick) {}
 
 template <class Number>

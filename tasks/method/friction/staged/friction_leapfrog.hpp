@@ -28,7 +28,7 @@ public:
     /// Factor by which the spectral radius of friction may have grown since its last estimate.
     static constexpr double margin = 1.1;  ///< [1]
 
-    FrictionLeapfrog(Workspace& workspace, Kick kick);
+    FrictionLeapfrog(Workspace& workspace, const Kick& kick);
 
     [[nodiscard]] NextCycle begin() override;
     [[nodiscard]] NextCycle next() override;

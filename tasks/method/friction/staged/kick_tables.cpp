@@ -2,16 +2,16 @@
 
 #include <stdexcept>
 
-#include "engine/method/family/chebyshev.hpp"
-#include "engine/method/family/rkc.hpp"
-#include "engine/method/table/tableau.hpp"
+#include "engine/method/chebyshev.hpp"
+#include "engine/method/tableau.hpp"
 
 namespace cvtflow::tasks {
 
 namespace {
 
-// How much damping pays was tried on the baseline: less leaves friction forces behind, more costs stages.
-constexpr double chebyshev_damping = 1.5, rkc_damping = 10.0;
+constexpr int most_stages = 400;
+/// How much damping pays was tried on the baseline: less leaves friction forces behind, more costs stages [1].
+constexpr double damping = 1.5;
 
 /// Whether rows after the second use the slope of stage 0.
 /// @throws std::logic_error if the plan is not chained
@@ -29,23 +29,22 @@ bool keeps_first_slope(const engine::CompiledPlan& plan) {
     return keeps;
 }
 
-KickTable table(Kick kind, int stages) {
-    const bool first_order = kind == Kick::chebyshev;
-    const engine::StagePlan plan =
-        first_order ? engine::chebyshev(stages, chebyshev_damping) : engine::without_last_evaluation(engine::rkc(stages, rkc_damping));
+KickTable table(const Kick& kick, int stages) {
+    const engine::StagePlan plan = kick.plan(stages);
     const engine::Tableau tableau = engine::unroll(plan);
     double centre = 0.0;
     for (std::size_t k = 0; k < tableau.weights.size(); ++k) centre += tableau.weights[k] * tableau.times[k];
     const engine::CompiledPlan compiled(plan);
-    return {compiled, tableau.weights, centre,
-            first_order ? engine::chebyshev_reach(stages, chebyshev_damping) : engine::rkc_reach(stages, rkc_damping),
-            keeps_first_slope(compiled)};
+    return {compiled, tableau.weights, centre, kick.reach(stages), keeps_first_slope(compiled)};
 }
 
 }  // namespace
 
-KickTables::KickTables(Kick kind) {
-    for (int stages = 2; stages <= engine::max_rkc_stages; stages += stages < 24 ? 1 : stages / 12) tables_.push_back(table(kind, stages));
+const Kick chebyshev_kick{[](int stages) { return engine::chebyshev(stages, damping); },
+                          [](int stages) { return engine::chebyshev_reach(stages, damping); }};
+
+KickTables::KickTables(const Kick& kick) {
+    for (int stages = 2; stages <= most_stages; stages += stages < 24 ? 1 : stages / 12) tables_.push_back(table(kick, stages));
 }
 
 const KickTable* KickTables::reaching(double z) const noexcept {

@@ -7,11 +7,14 @@
 
 namespace cvtflow::tasks {
 
-/// Which family of tables.
-enum class Kick {
-    chebyshev,  ///< order 1, strongly damped: what friction holds is at rest after one step
-    rkc,        ///< order 2, damped more than usual
+/// A family of tables. Each row of a table combines velocities that are kept, the slope of the stage before it, and maybe that of stage 0.
+struct Kick {
+    engine::StagePlan (*plan)(int stages);
+    double (*reach)(int stages);  ///< |h λ| on the real axis up to which it is stable [1]
 };
+
+/// Order 1, strongly damped: what friction holds is at rest after one step.
+extern const Kick chebyshev_kick;
 
 /// One stage with the row that follows it: a stage, or the result.
 struct KickRow {
@@ -37,10 +40,10 @@ struct KickTable {
     }
 };
 
-/// Chained tables: each row combines velocities that are kept, the slope of the stage before it, and maybe that of stage 0.
+/// From 2 to 400 stages.
 class KickTables {
 public:
-    explicit KickTables(Kick kind);
+    explicit KickTables(const Kick& kick);
 
     /// The cheapest table that reaches z = h |λ|; nullptr if none does. z [1]
     [[nodiscard]] const KickTable* reaching(double z) const noexcept;
@@ -50,7 +53,7 @@ private:
     std::vector<KickTable> tables_;  ///< ascending
 };
 
-/// State and slope slots that any plan of either family uses.
+/// State and slope slots that any plan of a family uses.
 inline constexpr int kick_state_slots = 4, kick_slope_slots = 3;
 
 }  // namespace cvtflow::tasks

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "engine/method/analysis/stability.hpp"
+#include "bench/method/analysis/stability.hpp"
 #include "engine/method/catalogue.hpp"
 
 namespace cvtflow::bench {
@@ -18,7 +18,7 @@ TEST(StableStep, IsTheReachOfTheRegionOverASingleEigenvalue) {
         const engine::StagePlan& plan = *engine::find_method(name);
         // The growth that is tolerated makes it a little longer; |R| rises by much more than 1e-4 per 0.1 %.
         const StableStep real = largest_stable_step(plan, Values{-1e7});
-        EXPECT_NEAR(real.step * 1e7 / engine::real_stability(plan), 1.0, 1e-3) << name;
+        EXPECT_NEAR(real.step * 1e7 / bench::real_stability(plan), 1.0, 1e-3) << name;
         EXPECT_EQ(real.limiting, std::complex<double>(-1e7));
     }
     const StableStep spring = largest_stable_step(*engine::find_method("rk4"), Values{{0.0, -1e6}, {0.0, 1e6}});

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "engine/method/analysis/order.hpp"
+#include "bench/method/analysis/order.hpp"
 #include "engine/method/catalogue.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tests/tasks/brief_start_fixture.hpp"
@@ -19,10 +19,10 @@ TEST(FrozenStep, ErrorsOfOneStepGrowWithOrderPlusOne) {
     const std::vector<double> steps{160e-9, 80e-9};
     for (const engine::StagePlan& plan : engine::methods()) {
         // Beyond order 4 a step of 80 ns is exact to rounding; stabilised methods are for longer steps.
-        if (plan.stages.size() > 8 || engine::order_of(plan) > 4) continue;
+        if (plan.stages.size() > 8 || bench::order_of(plan) > 4) continue;
         const std::vector<LocalError> errors = local_errors(variator, plan, brief_start(), steps);
         const double slope = std::log2(errors[0].velocities / errors[1].velocities);
-        EXPECT_NEAR(slope, engine::order_of(plan) + 1, 0.35) << plan.name;
+        EXPECT_NEAR(slope, bench::order_of(plan) + 1, 0.35) << plan.name;
     }
 }
 

@@ -1,8 +1,9 @@
 /// Predicted and measured largest stable steps. The same by hand: cvtflow-lab stability leapfrog-rkc … --scene baseline
 
+#include "bench/method/laboratory_methods.hpp"
 #include "bench/study/stability/measured_step.hpp"
-#include "tasks/method/stability/predicted_step.hpp"
-#include "tasks/method/stability/step_search.hpp"
+#include "bench/method/stability/predicted_step.hpp"
+#include "bench/method/stability/step_search.hpp"
 #include "tasks/run/simulation.hpp"
 
 #include <gtest/gtest.h>
@@ -12,7 +13,7 @@
 #include <string>
 #include <utility>
 
-#include "tasks/method/implicit/catalogue.hpp"
+#include "bench/method/implicit/catalogue.hpp"
 #include "tasks/method/method_choice.hpp"
 #include "tasks/run/run.hpp"
 #include "tests/tasks/settled_tiny_fixture.hpp"
@@ -126,7 +127,7 @@ TEST(LargestStep, OfTheTrapezoidalRuleHasNoLimit) {
         const bool fresh = variant.options.matrix == NewtonMatrix::every_iteration || variant.options.matrix == NewtonMatrix::once_per_step;
         if (method == variant.name) return !fresh || !variant.options.backtracking;
     }
-    return program->name == "fitted" || (program->stability != nullptr && program->stability().equation == TestEquation::linear);
+    return program->name == "fitted" || (analysis_of(*program).stability != nullptr && analysis_of(*program).stability().equation == TestEquation::linear);
 }
 
 void expect_all(const Place& place) {

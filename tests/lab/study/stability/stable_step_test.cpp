@@ -6,7 +6,7 @@
 
 #include "bench/study/spectrum.hpp"
 #include "bench/study/stability/eigenvalue_step.hpp"
-#include "engine/linear/eigenvalues.hpp"
+#include "bench/method/linear/eigenvalues.hpp"
 #include "engine/method/catalogue.hpp"
 #include "tests/tasks/brief_start_fixture.hpp"
 
@@ -18,7 +18,7 @@ namespace {
 TEST(MeasuredStep, IsWhatTheSpectrumPredictsWithinFivePercent) {
     const model::Variator variator(brief_scene().parameters);
     const FrozenStart& start = brief_start();
-    const engine::Eigenvalues all = spectrum(variator, start.time, start.state, start.phases);
+    const bench::Eigenvalues all = spectrum(variator, start.time, start.state, start.phases);
     double growth = 0.0;  // barely settled, something still buckles
     for (const auto& value : all) growth = std::max(growth, value.real());
     for (const char* name : {"rk4", "heun", "dumka3-p2"}) {

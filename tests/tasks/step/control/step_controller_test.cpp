@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "engine/executor/reference/serial.hpp"
+#include "engine/executor/serial.hpp"
 #include "engine/method/catalogue.hpp"
 #include "tests/claims/rig_fixture.hpp"
 #include "tests/tasks/tiny_fixture.hpp"

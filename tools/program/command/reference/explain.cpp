@@ -7,7 +7,6 @@
 
 #include "tasks/batch/sweep/sweep_keys.hpp"
 #include "tasks/method/automatic_method.hpp"
-#include "tasks/method/stability/predicted_step.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tools/program/arguments/scene_arguments.hpp"
@@ -32,12 +31,11 @@ struct ExplainArguments {
     SceneArguments scene;
 };
 
-/// Stability limit of the scene's method at the start of its runs, and the automatic step there.
+/// The largest step of the scene's method at the start of its runs, and the automatic step there.
 std::string step_lines(const tasks::Scene& scene) {
     const tasks::Simulation simulation(scene);
     if (simulation.needs_settling()) return "  stable:   unknown until the scene has settled (cvtflow settle)\n";
-    const tasks::StepLimit limit =
-        tasks::predicted_step_limit(simulation.variator(), scene.parameters, simulation.method(), tasks::frozen_start(simulation));
+    const tasks::LargestStep limit = simulation.largest_step();
     const std::string chosen = scene.run.step.automatic()
                                    ? fmt::format("  auto:     {} at the start\n", time_text(simulation.automatic_step()))
                                    : std::string(scene.run.step > limit.step ? "  warning:  run.step exceeds this limit\n" : "");
@@ -80,7 +78,7 @@ Action declare_explain(CLI::App& app) {
         ->required()
         ->type_name("");
     app.add_option("--scene", arguments->scene.scene,
-                   "Print the value in this scene too; for run.step also the stability limit of its method")
+                   "Print the value in this scene too; for run.step also the largest step of its method")
         ->type_name("SCENE");
     declare_changes(app, arguments->scene);
     return [arguments] { return explain(*arguments); };

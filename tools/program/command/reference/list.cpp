@@ -8,7 +8,6 @@
 
 #include "engine/base/text.hpp"
 #include "engine/executor/runtimes.hpp"
-#include "engine/method/analysis/order.hpp"
 #include "engine/method/catalogue.hpp"
 #include "tasks/batch/sweep/sweep.hpp"
 #include "tasks/method/automatic_method.hpp"
@@ -52,10 +51,15 @@ std::string methods() {
            "\nAll methods, with stages and order: cvtflow list methods --all.\n";
 }
 
+/// "5", or "5(4)" with an embedded solution.
+std::string order_text(const engine::StagePlan& plan) {
+    return plan.embedded_order > 0 ? fmt::format("{}({})", plan.order, plan.embedded_order) : fmt::format("{}", plan.order);
+}
+
 std::string all_methods() {
     Table table({{"method"}, {"stages", Align::right}, {"order", Align::right}, {"description"}});
     for (const engine::StagePlan& plan : engine::methods()) {
-        table.add({plan.name, fmt::format("{}", plan.stages.size()), engine::order_text(plan), plan.description});
+        table.add({plan.name, fmt::format("{}", plan.stages.size()), order_text(plan), plan.description});
     }
     for (const tasks::MethodProgram& program : tasks::method_programs()) {
         table.add({program.name, program.evaluations > 0 ? fmt::format("{}", program.evaluations) : "", fmt::format("{}", program.order),
@@ -64,9 +68,9 @@ std::string all_methods() {
     std::string families;
     for (const engine::MethodFamily& family : engine::method_families())
         families += fmt::format("\n  {}\n    {}: {}", family.form, family.description, family.limits);
-    return table.text() + "\nFamilies; any member may be named:" + families +
-           "\n\norder p(q): the embedded solution has order q. cvtflow-lab method NAME prints a method's table, stability and growth of "
-           "errors.\n";
+    return table.text() + (families.empty() ? "" : "\nFamilies; any member may be named:" + families + "\n") +
+           "\norder p(q): the embedded solution has order q. cvtflow-lab list methods --all has all methods of the laboratory, too; "
+           "cvtflow-lab method NAME prints a method's table, stability and growth of errors.\n";
 }
 
 std::string detail() {

@@ -6,7 +6,6 @@
 
 #include "tasks/batch/batch.hpp"
 #include "tasks/method/auto_step.hpp"
-#include "tasks/method/stability/predicted_step.hpp"
 #include "tasks/run/run_recorder.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tools/program/arguments/scene_arguments.hpp"
@@ -77,18 +76,11 @@ Estimate cost_lines(const tasks::Scene& scene, const tasks::Simulation& simulati
     return {text, fault ? fault.message() : wall > 0.0 ? "" : untried};
 }
 
-/// Stability limit at the start of the run; empty if the start has yet to settle.
-/// @param step as above [s]
-std::string stability_line(const tasks::Scene& scene, const tasks::Simulation& simulation, double step) {
+/// The largest step at the start of the run; empty if the start has yet to settle.
+std::string largest_step_line(const tasks::Scene& scene, const tasks::Simulation& simulation) {
     if (simulation.needs_settling()) return "";
-    const tasks::StepLimit limit =
-        tasks::predicted_step_limit(simulation.variator(), scene.parameters, simulation.method(), tasks::frozen_start(simulation));
-    std::string text = tasks::text_of(limit);
-    if (step > limit.step)
-        text += scene.run.step.automatic() ? fmt::format("; \"auto\" exceeds this limit: set run.step = \"{}\" or less",
-                                                         time_text(tasks::AutoStep::margin * limit.step))
-                                           : "; run.step exceeds this limit";
-    return field("stable to", text);
+    const tasks::LargestStep limit = simulation.largest_step();
+    return field("stable to", tasks::text_of(limit) + (scene.run.step.value_or(0.0) > limit.step ? "; run.step exceeds this limit" : ""));
 }
 
 ExitStatus check(const SceneArguments& arguments) {
@@ -104,7 +96,7 @@ ExitStatus check(const SceneArguments& arguments) {
     for (const std::string& difference : simulation.start_differences()) text += field("", difference);
     const double step = scene.run.step.value_or(simulation.automatic_step());
     const Estimate estimate = cost_lines(scene, simulation, step);
-    fmt::print("{}{}{}{}", text, machine_lines(scene), estimate.text, stability_line(scene, simulation, step));
+    fmt::print("{}{}{}{}", text, machine_lines(scene), estimate.text, largest_step_line(scene, simulation));
     if (estimate.objection.empty()) return ExitStatus::finished;
     print_error(fmt::format("{}: the run fails in its first steps: {}", scene.name, estimate.objection));
     return ExitStatus::error;

@@ -1,0 +1,116 @@
+#include "bench/method/family/families.hpp"
+
+#include <array>
+#include <cmath>
+
+#include "bench/method/analysis/order.hpp"
+#include "bench/method/family/fitted.hpp"
+#include "bench/method/family/method_name.hpp"
+#include "bench/method/family/near_optimal.hpp"
+#include "bench/method/family/rock4.hpp"
+#include "bench/method/family/rkc.hpp"
+
+namespace cvtflow::bench {
+
+StagePlan dopri65();
+StagePlan dopri87();
+StagePlan extrapolated_euler(int order);
+StagePlan gragg_bulirsch_stoer(int order);
+StagePlan rk38();
+StagePlan rock2(int stages);
+StagePlan serk2(int stages);
+
+namespace {
+
+[[nodiscard]] StagePlan with_order(StagePlan plan) {
+    plan.order = order_of(plan);
+    plan.embedded_order = embedded_order_of(plan);
+    return plan;
+}
+
+template <std::optional<StagePlan> (*make)(std::string_view name)>
+[[nodiscard]] std::optional<StagePlan> ordered(std::string_view name) {
+    std::optional<StagePlan> plan = make(name);
+    return plan ? with_order(std::move(*plan)) : plan;
+}
+
+/// The stages in <family>-s<stages>, within limits and a multiple of `divisor`; 0 otherwise.
+int stages_in(std::string_view name, std::string_view family, int fewest, int most, int divisor) {
+    const auto values = name_values(name, family, "s");
+    if (!values) return 0;
+    const double stages = values->at('s');
+    return stages >= fewest && stages <= most && std::fmod(stages, divisor) == 0.0 ? static_cast<int>(stages) : 0;
+}
+
+std::optional<StagePlan> rock2_by_name(std::string_view name) {
+    const int stages = stages_in(name, "rock2", min_near_optimal, max_near_optimal, 1);
+    if (stages == 0) return {};
+    return rock2(stages);
+}
+
+std::optional<StagePlan> rock4_by_name(std::string_view name) {
+    const int stages = stages_in(name, "rock4", min_rock4_stages, max_rock4_stages, 1);
+    if (stages == 0) return {};
+    return rock4(stages);
+}
+
+std::optional<StagePlan> serk2_by_name(std::string_view name) {
+    const int stages = stages_in(name, "serk2", 10, 250, 10);
+    if (stages == 0) return {};
+    return serk2(stages);
+}
+
+constexpr std::array rows{
+    MethodFamily{.name = "rkc",
+                 .form = "rkc-s<stages>[-e<damping>]",
+                 .limits = "2 to 400 stages, damping 0 to 100 (2/13 if absent)",
+                 .description = "Runge-Kutta-Chebyshev of order 2",
+                 .make = ordered<rkc_by_name>},
+    MethodFamily{.name = "rock2",
+                 .form = "rock2-s<stages>",
+                 .limits = "5 to 400 stages",
+                 .description = "ROCK2 of order 2, near-optimal real interval",
+                 .make = ordered<rock2_by_name>},
+    MethodFamily{.name = "rock4",
+                 .form = "rock4-s<stages>",
+                 .limits = "5 to 100 stages",
+                 .description = "ROCK4 of order 4, near-optimal real interval",
+                 .make = ordered<rock4_by_name>},
+    MethodFamily{.name = "serk2",
+                 .form = "serk2-s<stages>",
+                 .limits = "10, 20, ... 250 stages",
+                 .description = "SERK2 of order 2, near-optimal real interval",
+                 .make = ordered<serk2_by_name>},
+    MethodFamily{
+        .name = "fitted",
+        .form = "fitted-l<real>-w<imaginary>[-s<stages>][-p<order>][-r<ripple>]",
+        .limits =
+            "real 5 to 8000, imaginary up to 50, 4 to 150 stages (the fewest if absent), order 2 or 3, ripple up to 1 (0.2 if absent)",
+        .description = "fitted to h times a spectrum, on a Chebyshev recurrence",
+        .make = ordered<fitted_by_name>},
+};
+
+}  // namespace
+
+std::span<const MethodFamily> families() noexcept { return rows; }
+
+std::vector<StagePlan> further_tables() {
+    std::vector<StagePlan> list{rk38(), dopri65(), dopri87()};
+    for (const int order : {2, 3, 4}) list.push_back(extrapolated_euler(order));
+    for (const int order : {4, 6, 8}) list.push_back(gragg_bulirsch_stoer(order));
+    for (StagePlan& plan : list) plan = with_order(std::move(plan));
+    return list;
+}
+
+std::vector<StagePlan> family_examples() {
+    std::vector<StagePlan> list;
+    for (const int stages : {10, 20, 30, 50}) list.push_back(rkc(stages));
+    for (const int stages : {10, 20, 40}) list.push_back(rock2(stages));
+    for (const int stages : {10, 20, 40}) list.push_back(rock4(stages));
+    for (const int stages : {10, 20, 40}) list.push_back(serk2(stages));
+    for (const char* name : {"fitted-l100-w1", "fitted-l200-w2", "fitted-l300-w3", "fitted-l400-w4"}) list.push_back(*fitted_by_name(name));
+    for (StagePlan& plan : list) plan = with_order(std::move(plan));
+    return list;
+}
+
+}  // namespace cvtflow::bench

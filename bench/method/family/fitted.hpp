@@ -1,0 +1,58 @@
+#pragma once
+/// Explicit methods whose stability polynomial is fitted to a spectrum: sums of the stages of an RKC recurrence that is stretched over the
+/// target real interval. Their stages stay bounded there and errors made in a stage hardly grow, unlike those of factorised polynomials.
+///
+///     Y_j(z) = a_j + b_j T_j(w0 + w1 z),  y' = Σ alpha_j Y_j,  w1 = (1 + w0)/(1.03 L)
+///
+/// The weights alpha minimise max |R(z_i)|/bound_i over points of the spectrum by Lawson's iteration (least squares, weights multiplied by
+/// the residuals), among those that satisfy the order conditions of linear problems. That takes milliseconds, so a method can be made when
+/// it is needed. The other condition of order 3, b·c² = 1/3, then holds to some 1e-6 without being imposed; imposing it, which is
+/// nearly the same condition again, takes weights so large that the real interval falls from 204 to 4 (measured).
+
+#include <complex>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "bench/method/product_names.hpp"
+#include "engine/method/stage_plan.hpp"
+
+namespace cvtflow::bench {
+
+/// What a fitted method shall be stable for, in units of h λ.
+struct FitRequest {
+    double real = 200.0;          ///< L: the real interval [-L, 0]
+    double imaginary = 2.0;       ///< W: |z| up to W with at least the damping ratio below
+    int order = 3;                ///< 2 or 3
+    double ripple = 0.2;          ///< |R| allowed on [-L, -4]
+    double damping_ratio = 0.01;  ///< of oscillations, the smallest [1]
+
+    bool operator==(const FitRequest&) const = default;
+};
+
+struct FittedMethod {
+    StagePlan plan;
+    int iterations = 0;    ///< of Lawson's method
+    double largest = 0.0;  ///< max |R(z_i)|/bound_i at its end: ≤ 1 [1]
+};
+
+inline constexpr int min_fitted_stages = 4;
+inline constexpr int max_fitted_stages = 150;
+inline constexpr double min_fitted_real = 5.0;        ///< [1]
+inline constexpr double max_fitted_real = 8000.0;     ///< [1]
+inline constexpr double max_fitted_imaginary = 50.0;  ///< [1]
+
+/// The fitted method of so many stages; nothing if none meets the request.
+/// @throws std::invalid_argument if the request or the stages are outside the limits
+[[nodiscard]] std::optional<FittedMethod> fit(const FitRequest& request, int stages);
+/// The one with the fewest stages; nothing if max_fitted_stages do not do.
+[[nodiscard]] std::optional<FittedMethod> fit(const FitRequest& request);
+/// The fitted method for a given list of eigenvalues h λ instead of the region: bound 1 each, ripple beyond |z| = 4 for those on the real
+/// axis. Points with a real part above 0 are moved to the imaginary axis: no method can damp them.
+[[nodiscard]] std::optional<FittedMethod> fit(const FitRequest& request, std::span<const std::complex<double>> points);
+
+/// fitted-l<L>-w<W>[-s<stages>][-p<order>][-r<ripple>], e.g. fitted-l200-w2; nothing if it is no such name, out of the limits or cannot be
+/// met.
+[[nodiscard]] std::optional<StagePlan> fitted_by_name(std::string_view name);
+
+}  // namespace cvtflow::bench

@@ -1,0 +1,35 @@
+#pragma once
+/// Runge-Kutta-Chebyshev methods of order 2 with any number of stages.
+/// Source: Sommeijer, Shampine, Verwer, RKC: an explicit solver for parabolic PDEs, J. Comput. Appl. Math. 88 (1998) 315-326.
+
+#include <optional>
+#include <string_view>
+
+#include "bench/method/product_names.hpp"
+#include "engine/method/stage_plan.hpp"
+
+namespace cvtflow::bench {
+
+inline constexpr int min_rkc_stages = 2;
+inline constexpr int max_rkc_stages = 400;
+inline constexpr double rkc_damping = 2.0 / 13.0;  ///< [1]
+inline constexpr double max_rkc_damping = 100.0;   ///< [1]
+
+/// The plan named rkc-s<stages>, or rkc-s<stages>-e<damping> if the damping is not the usual one. Stable on the real axis up to about
+/// 0.653 stages² (damping 2/13), 0.35 stages² (10), 0.27 stages² (20); more damping widens the region along the imaginary axis.
+/// Three state slots and two slope slots take turns, whatever the number of stages.
+/// @param damping ε ≥ 0; for small ε, |R| ≤ 1 - ε/3 inside the interval
+/// damping [1]
+/// @throws std::invalid_argument outside the limits above
+[[nodiscard]] StagePlan rkc(int stages, double damping = rkc_damping);
+
+/// What a name such as "rkc-s37" or "rkc-s37-e10" asks for; nothing if it is no such name or out of the limits.
+[[nodiscard]] std::optional<StagePlan> rkc_by_name(std::string_view name);
+
+/// Length of its real interval. damping [1]
+[[nodiscard]] double rkc_reach(int stages, double damping);
+
+/// The plan without a last stage that only evaluates the result, for uses that need neither that slope nor an error estimate.
+[[nodiscard]] StagePlan without_last_evaluation(const StagePlan& plan);
+
+}  // namespace cvtflow::bench

@@ -1,0 +1,53 @@
+#pragma once
+/// Stage methods of the laboratory that choose their polynomial by the spectrum: ladders of RKC and ROCK2, and polynomials fitted when
+/// needed.
+
+#include <optional>
+
+#include "bench/method/product_names.hpp"
+#include "tasks/method/spectral_method.hpp"
+
+namespace cvtflow::bench {
+
+[[nodiscard]] Ladder rkc_ladder();
+[[nodiscard]] Ladder rock2_ladder();
+
+/// The polynomial of at most max_stages stages that is stable for this extent (step times spectrum); empty if there is none.
+[[nodiscard]] std::optional<engine::StagePlan> fitted_plan(double real, double imaginary);
+/// By which a first fit asks for more than the step needs, to last [1].
+inline constexpr double fit_headroom = 1.1;
+
+/// Fits its polynomial to the spectrum (engine::fit), again when the spectrum or the step outgrows it or stays far below it.
+/// A refit takes milliseconds and memory of its own: the only thing in the step loop that does.
+class FittedBySpectrum final : public SpectralMethod {
+public:
+    static constexpr int max_stages = 64;
+
+    explicit FittedBySpectrum(Workspace& workspace) : SpectralMethod(workspace, 3) {}
+
+    [[nodiscard]] int fits() const noexcept { return fits_; }
+    void restart() noexcept override;
+    void save(std::vector<double>& memory) const override;
+    void load(std::span<const double> memory) override;  ///< memory [what save() wrote]
+
+protected:
+    /// h [s]
+    /// @throws std::runtime_error if no polynomial of max_stages stages is stable for such a step
+    void choose(double h) override;
+    [[nodiscard]] double longest(double wanted) override;  ///< wanted [s]
+
+private:
+    void refit(double real, double imaginary);  ///< real [1], imaginary [1]
+
+    std::vector<engine::CompiledPlan> plan_;             ///< one, or none yet
+    double fitted_real_ = 0.0, fitted_imaginary_ = 0.0;  ///< [1]
+    double wanted_lately_ = 0.0;                         ///< largest real extent requested since the last review
+    int steps_since_review_ = 0;
+    int fits_ = 0;
+};
+
+[[nodiscard]] std::unique_ptr<StepMethod> rkc_by_spectrum(Workspace& workspace);
+[[nodiscard]] std::unique_ptr<StepMethod> rock2_by_spectrum(Workspace& workspace);
+[[nodiscard]] std::unique_ptr<StepMethod> fitted_by_spectrum(Workspace& workspace);
+
+}  // namespace cvtflow::bench

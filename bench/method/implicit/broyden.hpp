@@ -1,0 +1,36 @@
+#pragma once
+/// Broyden's update of an inverse in product form: B⁻¹ = (I + u_k s_kᵀ) … (I + u_0 s_0ᵀ) B_0⁻¹, where the caller provides B_0⁻¹.
+/// (C. G. Broyden 1965; product form as in Kelley, Iterative Methods, 1995.) Sums run from the first unknown to the last.
+
+#include <span>
+#include <vector>
+
+#include "bench/method/product_names.hpp"
+
+namespace cvtflow::bench {
+
+class Broyden {
+public:
+    /// @param unknowns length of the vectors   @param most updates kept
+    Broyden(int unknowns, int most);
+
+    void clear() noexcept { count_ = 0; }
+    [[nodiscard]] bool full() const noexcept { return count_ == most_; }
+    [[nodiscard]] int count() const noexcept { return count_; }
+
+    /// x ← B⁻¹ B_0 x. @param from leave out the updates before this one; x [m/s]
+    void apply(double* x, int from = 0) const noexcept;
+    /// After a step s = λ d that turned the residual r into r⁺:  u = (s - w)/(s·w), w = B⁻¹ (r⁺ - r). Ignored if s·w vanishes or no room is
+    /// left.
+    void add(const double* s, const double* w) noexcept;
+
+    /// The updates, appended to `memory` / taken back from its front. @return what is left
+    void save(std::vector<double>& memory) const;
+    [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< memory [what save() wrote]
+
+private:
+    int unknowns_, most_, count_ = 0;
+    std::vector<double> steps_, updates_;  ///< [most][unknowns]
+};
+
+}  // namespace cvtflow::bench

@@ -1,0 +1,92 @@
+#pragma once
+/// What all methods that solve with the whole state share: the Jacobian, the matrix of a stage, and the cycles that evaluate, factorise and
+/// solve in parallel.
+///
+///     jacobian    [batch] ─► corner                                     columns by differences, or exact derivatives link by link
+///     factor      eliminate[chunk] ─► join                              I - θ D - θ² K at the base point
+///     prepare     [segment]                                             right-hand side of the solve, by the method
+///     solve       forward[chunk] ─► join ─► backward[chunk]             velocities; the method then finishes the links of the chunk
+///
+/// Chunks belong to the matrix and batches to the Jacobian, not to segments or threads: results do not depend on either.
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "bench/method/implicit/coloured_jacobian.hpp"
+#include "bench/method/implicit/implicit_matrix.hpp"
+#include "bench/method/jacobian/exact_jacobian.hpp"
+#include "bench/method/product_names.hpp"
+#include "tasks/step/step_graph.hpp"
+#include "tasks/step/step_method.hpp"
+
+namespace cvtflow::bench {
+
+/// The method's own cycles.
+enum ImplicitCycle : int { prepare_cycle = method_cycles, jacobian_cycle, factor_cycle, solve_cycle, update_cycle };
+
+class ImplicitMethod : public StepMethod {
+public:
+    explicit ImplicitMethod(Workspace& workspace);
+
+    void add_tasks(engine::TaskGraph& graph) override;
+    /// Stiff accelerations make no good interpolants.
+    [[nodiscard]] bool retakes() const noexcept override { return true; }
+    [[nodiscard]] Fault fault() const noexcept override { return {FaultKind::non_finite, w_.step.time + w_.step.h, {}, 0.0, 0.0}; }
+
+    // Bodies of the cycles.
+    virtual void prepare(int first, int last) noexcept = 0;
+    virtual void finish(int first, int last) noexcept = 0;
+    virtual void update(int first, int last) noexcept { (void)first, (void)last; }
+    void prepare_segment(int segment) noexcept { prepare(w_.partition[segment].first, w_.partition[segment].last); }
+    void update_segment(int segment) noexcept { update(w_.partition[segment].first, w_.partition[segment].last); }
+    void jacobian_batch(int batch) noexcept;
+    void jacobian_corner() noexcept;
+    void eliminate(int chunk) noexcept;
+    void join() noexcept;
+    void forward(int chunk) noexcept { matrix_.forward(chunk, right_side_.data()); }
+    void join_solution() noexcept { matrix_.join_solution(right_side_.data()); }
+    void backward(int chunk) noexcept;
+
+protected:
+    /// Evaluate cycle at Σ factor states[slot], at time + c h, into slope slot `slope`; kept in state slot `keep` if ≥ 0.
+    [[nodiscard]] int evaluate(std::span<const engine::Term> states, double c, int slope, int keep = -1) noexcept;
+    /// Ends that cycle.
+    void close_evaluate() noexcept;
+    /// Jacobian cycle at a state that has just been evaluated. c [1]
+    [[nodiscard]] int take_jacobian(double c, int state_slot, int slope_slot) noexcept;
+    /// Factor cycle for I - θ D - θ² K. theta [s]
+    [[nodiscard]] int factorise(double theta) noexcept;
+    /// Jacobian, θ and contacts of the last factorisation: appended to `memory`.
+    void save_factors(std::vector<double>& memory) const;
+    /// Takes them back from the front of `memory` and factorises again: the same bits. @return what is left
+    [[nodiscard]] std::span<const double> load_factors(std::span<const double> memory);
+
+    [[nodiscard]] double* state(int slot) const noexcept { return w_.states[static_cast<std::size_t>(slot)]; }
+    [[nodiscard]] double* slope(int slot) const noexcept { return w_.slopes[static_cast<std::size_t>(slot)]; }
+    /// Link's part of a right-hand side or solution.
+    [[nodiscard]] double* velocities(std::vector<double>& of, int link) const noexcept { return of.data() + link * size_; }
+    /// 2 x kinetic energy of a link with these velocities [J].
+    [[nodiscard]] double link_energy(const double* velocities) const noexcept;
+    [[nodiscard]] double* border(std::vector<double>& of) const noexcept { return of.data() + w_.layout().links * size_; }
+
+    Workspace& w_;
+    const int size_, half_, border_size_;  ///< coordinates of a link, of the pulleys; the latter with control
+    const int q_tail_;                     ///< first pulley coordinate in the state
+    bench::AccelerationJacobian jacobian_;
+    ImplicitMatrix matrix_;
+    std::vector<std::optional<int>> shafts_;     ///< [links] ContactMap::shaft() at the last factorisation
+    std::vector<double> right_side_, solution_;  ///< [matrix_.unknowns()]
+    long jacobians_ = 0, factorisations_ = 0, solves_ = 0;
+    double theta_ = 0.0;           ///< of the matrix [s]
+    bool exact_ = false;           ///< Jacobian by the model's derivatives, not by differences
+    bool finish_in_tasks_ = true;  ///< finish() is called by the backward tasks
+
+private:
+    void add_solution(engine::TaskGraph& graph);
+    ColouredJacobian differences_;
+    bench::ExactJacobian derivatives_;
+    BasePoint base_;
+};
+
+}  // namespace cvtflow::bench

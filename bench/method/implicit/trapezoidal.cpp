@@ -1,0 +1,261 @@
+#include "bench/method/implicit/trapezoidal.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "model/start/start_state.hpp"
+#include "tasks/step/method_memory.hpp"
+
+namespace cvtflow::bench {
+
+namespace {
+
+constexpr int increment_slot = 2;
+/// Least share of a Newton step that is tried: with a matrix of this iterate, and with an older one.
+constexpr double shortest = 1.0 / 256.0, shortest_with_old = 1.0 / 8.0;
+/// A matrix is given up when the residual falls by less than this factor, once it has had some iterations to show what it can: few if it is
+/// kept over steps, many if it is of this step.
+constexpr double poor_contraction = 0.5;
+constexpr int patience_with_old = 3, patience_with_new = 10;
+constexpr int max_updates = 30;
+
+}  // namespace
+
+TrapezoidalMethod::TrapezoidalMethod(Workspace& workspace, const NewtonOptions& options)
+    : ImplicitMethod(workspace),
+      options_(options),
+      link_mass_(model::link_mass(workspace.parameters)),
+      broyden_(matrix_.unknowns(), options.matrix == NewtonMatrix::broyden ? max_updates : 0),
+      energies_(static_cast<std::size_t>(w_.layout().links)),
+      residual_(right_side_),
+      residual_before_(right_side_),
+      step_(right_side_),
+      change_(right_side_) {
+    exact_ = options.exact;
+    finish_in_tasks_ = options.matrix != NewtonMatrix::broyden;
+}
+
+void TrapezoidalMethod::restart() noexcept {
+    start_slope_ = end_slope_ = has_jacobian_ = false;
+    since_jacobian_ = 0;
+    broyden_.clear();
+}
+
+void TrapezoidalMethod::save(std::vector<double>& memory) const {
+    const bool keeps = keeps_over_steps() && has_jacobian_;
+    memory = {end_slope_ ? 1.0 : 0.0, keeps ? 1.0 : 0.0, static_cast<double>(since_jacobian_)};
+    if (end_slope_) memory.insert(memory.end(), slope(trial_slope), slope(trial_slope) + w_.layout().size());
+    if (!keeps) return;
+    broyden_.save(memory);
+    save_factors(memory);
+}
+
+void TrapezoidalMethod::load(std::span<const double> memory) {
+    if (memory.empty()) return;  // nothing has begun
+    const auto flags = pop_front(memory, 2);
+    end_slope_ = flags[0] != 0.0;
+    const bool has_jacobian = flags[1] != 0.0;
+    since_jacobian_ = pop_integer(memory, 0, std::numeric_limits<int>::max());
+    if (end_slope_) std::ranges::copy(pop_front(memory, static_cast<std::size_t>(w_.layout().size())), slope(trial_slope));
+    has_jacobian_ = has_jacobian;
+    if (has_jacobian_) static_cast<void>(load_factors(broyden_.load(memory)));
+}
+
+NextCycle TrapezoidalMethod::begin() {
+    ++statistics_.steps;
+    iterations_ = 0;
+    refreshed_ = false;
+    const bool again = start_slope_ && w_.step.time == time_of_start_;  // retaken, only shorter
+    time_of_start_ = w_.step.time;
+    if (again) return predict();
+    if (std::exchange(end_slope_, false)) {
+        std::swap(w_.slopes[trial_slope], w_.slopes[start_slope]);
+        start_slope_ = true;
+        return predict();
+    }
+    at_ = At::start_slope;
+    terms_[0] = {0, 1.0};
+    return evaluate({terms_, 1}, 0.0, start_slope);
+}
+
+NextCycle TrapezoidalMethod::next() {
+    switch (at_) {
+        case At::start_slope:
+            close_evaluate();
+            start_slope_ = true;
+            return predict();
+        case At::predict: start_tail(); return evaluate_trial(0.0);
+        case At::evaluate:
+            close_evaluate();
+            at_ = At::residual;
+            return prepare_cycle;
+        case At::residual: return judge();
+        case At::jacobian: return begin_factor();
+        case At::update: update_corner(); return begin_factor();
+        case At::factor: return matrix_.sound() ? begin_solve() : give_up();
+        case At::solve: return finish_solve();
+    }
+    return NextCycle::failed();
+}
+
+NextCycle TrapezoidalMethod::predict() noexcept {
+    end_slope_ = false;
+    first_ = true;
+    direction_ = false;
+    renew_ = false;
+    at_ = At::predict;
+    return prepare_cycle;
+}
+
+/// Trial = iterate + λ increment, into the trial's slot.
+NextCycle TrapezoidalMethod::evaluate_trial(double lambda) noexcept {
+    lambda_ = lambda;
+    at_ = At::evaluate;
+    terms_[0] = {iterate_, 1.0};
+    terms_[1] = {increment_slot, lambda};
+    const std::span<const engine::Term> terms(terms_, first_ ? 1 : 2);
+    return evaluate(terms, 1.0, trial_slope, trial_);
+}
+
+void TrapezoidalMethod::prepare(int first, int last) noexcept {
+    for (int link = first; link < last; ++link) {
+        if (at_ == At::predict) {
+            start_link(link);
+        } else {
+            residual_of_link(link);
+        }
+    }
+}
+
+/// Start of the iteration: v⁺ = v, or v + h a.
+NextCycle TrapezoidalMethod::judge() noexcept {
+    double energy = residual_of_tail();
+    for (const double part : energies_) energy += part;
+    const double norm = std::isfinite(energy) ? std::sqrt(energy / link_mass_) : HUGE_VAL;
+    const bool falls = norm <= (1.0 - 1e-4 * lambda_) * norm_ || norm <= options_.tolerance;
+    if (first_ || falls || !options_.backtracking) return accept_trial(norm);
+    ++statistics_.backtracks;
+    return lambda_ > (since_jacobian_ == 0 ? shortest : shortest_with_old) ? evaluate_trial(0.5 * lambda_) : stuck();
+}
+
+NextCycle TrapezoidalMethod::accept_trial(double norm) noexcept {
+    std::swap(iterate_, trial_);
+    if (!std::exchange(first_, false)) {
+        ++iterations_;
+        ++since_jacobian_;
+        contraction_ = norm / norm_;
+        for (std::size_t k = 0; k < change_.size(); ++k) change_[k] = lambda_ * step_[k];
+    }
+    norm_ = norm;
+    if (!std::isfinite(norm)) return give_up();
+    if (norm <= options_.tolerance) {
+        end_slope_ = true;
+        return finish_step();
+    }
+    if (iterations_ >= options_.max_iterations) return give_up();
+    return std::exchange(renew_, false) ? begin_jacobian() : iterate();
+}
+
+/// The matrix of the next iteration, by the variant's rule.
+NextCycle TrapezoidalMethod::iterate() noexcept {
+    const bool by_rule =
+        options_.matrix == NewtonMatrix::every_iteration || (options_.matrix == NewtonMatrix::once_per_step && iterations_ == 0);
+    if (by_rule || !has_jacobian_) return begin_jacobian();
+    const int patience = keeps_over_steps() ? patience_with_old : patience_with_new;
+    const bool poor = since_jacobian_ > 0 && iterations_ >= patience && contraction_ > poor_contraction;
+    refreshed_ = refreshed_ || poor;
+    if (poor || (options_.matrix == NewtonMatrix::broyden && broyden_.full())) return begin_jacobian();
+    if (options_.matrix == NewtonMatrix::schubert && direction_) return begin_update();
+    if (std::abs(theta_ - theta()) <= 1e-9 * theta()) return begin_solve();  // the grid of times rounds
+    broyden_.clear();
+    direction_ = false;
+    return begin_factor();
+}
+
+NextCycle TrapezoidalMethod::begin_jacobian() noexcept {
+    has_jacobian_ = true;
+    direction_ = false;
+    since_jacobian_ = 0;
+    broyden_.clear();
+    at_ = At::jacobian;
+    return take_jacobian(1.0, iterate_, trial_slope);
+}
+
+NextCycle TrapezoidalMethod::begin_factor() noexcept {
+    at_ = At::factor;
+    return factorise(theta());
+}
+
+NextCycle TrapezoidalMethod::begin_solve() noexcept {
+    at_ = At::solve;
+    ++solves_;
+    return solve_cycle;
+}
+
+NextCycle TrapezoidalMethod::finish_solve() noexcept {
+    if (options_.matrix == NewtonMatrix::broyden) broyden_direction();
+    direction_ = true;
+    step_ = solution_;
+    residual_before_ = residual_;
+    double* out = state(increment_slot) + q_tail_;
+    std::fill(out, out + w_.tail_size(), 0.0);
+    for (int k = 0; k < border_size_; ++k) {
+        out[half_ + k] = border(solution_)[k];
+        if (k < half_) out[k] = theta() * border(solution_)[k];
+    }
+    return evaluate_trial(1.0);
+}
+
+/// Increment of the state from that of the velocities.
+void TrapezoidalMethod::finish(int first, int last) noexcept {
+    for (int link = first; link < last; ++link) {
+        double* q = state(increment_slot) + w_.layout().link_begin(link);
+        const double* x = velocities(solution_, link);
+        for (int k = 0; k < size_; ++k) {
+            q[k] = theta() * x[k];
+            q[size_ + k] = x[k];
+        }
+    }
+}
+
+/// No share of the step makes the residual fall: a new Jacobian, if the one at hand is not of this iterate.
+NextCycle TrapezoidalMethod::stuck() noexcept {
+    if (since_jacobian_ == 0) return give_up();
+    refreshed_ = true;
+    renew_ = first_ = true;
+    return evaluate_trial(0.0);
+}
+
+NextCycle TrapezoidalMethod::give_up() noexcept {
+    if (!std::isfinite(norm_)) return NextCycle::failed();
+    ++statistics_.unconverged;
+    statistics_.worst = std::max(statistics_.worst, norm_);
+    has_jacobian_ = false;
+    return finish_step();
+}
+
+NextCycle TrapezoidalMethod::finish_step() noexcept {
+    const int ledger = w_.layout().ledger_begin();
+    for (int k = ledger; k < w_.layout().size(); ++k)
+        state(iterate_)[k] = state(0)[k] + theta() * (slope(start_slope)[k] + slope(trial_slope)[k]);
+    statistics_.iterations += iterations_;
+    statistics_.refreshed += refreshed_ ? 1 : 0;
+    statistics_.most = std::max<long>(statistics_.most, iterations_);
+    terms_[0] = {iterate_, 1.0};
+    w_.step.row = {{terms_, 1}, {}, -1, -1, 1.0};
+    return NextCycle::done();
+}
+
+std::string TrapezoidalMethod::report() const { return text(statistics()); }
+
+NewtonStatistics TrapezoidalMethod::statistics() const noexcept {
+    NewtonStatistics all = statistics_;
+    all.jacobians = jacobians_;
+    all.factorisations = factorisations_;
+    all.solves = solves_;
+    return all;
+}
+
+}  // namespace cvtflow::bench

@@ -1,0 +1,55 @@
+#include "bench/method/implicit/trapezoidal.hpp"
+#include "bench/method/product_names.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cvtflow::bench {
+
+void TrapezoidalMethod::start_link(int link) noexcept {
+    const int q = w_.layout().link_begin(link), v = q + size_;
+    const double share = options_.start == NewtonStart::euler ? w_.step.h : 0.0;
+    double* out = state(iterate_);
+    for (int k = 0; k < size_; ++k) {
+        const double before = state(0)[v + k];
+        out[v + k] = before + share * slope(start_slope)[v + k];
+        out[q + k] = state(0)[q + k] + theta() * (before + out[v + k]);
+    }
+}
+
+void TrapezoidalMethod::start_tail() noexcept {
+    double* out = state(iterate_);
+    const double share = options_.start == NewtonStart::euler ? w_.step.h : 0.0;
+    std::copy(state(0) + q_tail_, state(0) + w_.layout().size(), out + q_tail_);
+    for (int k = q_tail_; k < q_tail_ + half_; ++k) {
+        out[k + half_] += share * slope(start_slope)[k + half_];
+        out[k] += theta() * (state(0)[k + half_] + out[k + half_]);
+    }
+}
+
+/// Residual of the trial, its energy, and the right-hand side of the next solve.
+void TrapezoidalMethod::residual_of_link(int link) noexcept {
+    const int v = w_.layout().link_begin(link) + size_;
+    double* r = velocities(residual_, link);
+    double* f = velocities(right_side_, link);
+    for (int k = 0; k < size_; ++k) {
+        r[k] = state(trial_)[v + k] - state(0)[v + k] - theta() * (slope(start_slope)[v + k] + slope(trial_slope)[v + k]);
+        f[k] = -r[k];
+    }
+    energies_[static_cast<std::size_t>(link)] = link_energy(r);
+}
+
+/// The same behind the links; the integral has no energy. @return its energy
+double TrapezoidalMethod::residual_of_tail() noexcept {
+    double energy = 0.0;
+    for (int k = 0; k < border_size_; ++k) {
+        const int v = q_tail_ + half_ + k;
+        const double r = state(trial_)[v] - state(0)[v] - theta() * (slope(start_slope)[v] + slope(trial_slope)[v]);
+        border(residual_)[k] = r;
+        border(right_side_)[k] = -r;
+        if (k < half_) energy += w_.variator.pulleys().inertia(k) * r * r;
+    }
+    return energy;
+}
+
+}  // namespace cvtflow::bench

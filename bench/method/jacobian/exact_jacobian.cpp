@@ -1,0 +1,194 @@
+#include "bench/method/jacobian/exact_jacobian.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include "bench/method/jacobian/link_contacts.hpp"
+#include "bench/method/jacobian/tip_rows.hpp"
+#include "model/basis/order.hpp"
+
+namespace cvtflow::bench {
+
+namespace {
+
+[[nodiscard]] bool touches(const Phase* phases) noexcept {
+    return std::any_of(phases, phases + tips_per_link, [](Phase phase) { return phase != Phase::free; });
+}
+
+template <int P>
+[[nodiscard]] DualFrame dual_frame(const double* state) noexcept {
+    constexpr int n = at<P>.link_size(), xa = at<P>.x(End::rear, 0), ya = at<P>.y(End::rear, 0), xb = at<P>.x(End::front, 0),
+                  yb = at<P>.y(End::front, 0);
+    using T = Dual<4>;
+    T q[at<0>.link_size()], v[at<0>.link_size()];  // of a link of order 0 whose rear half is at the origin
+    q[at<0>.x(End::front, 0)] = T::variable(state[xb] - state[xa], 0);
+    q[at<0>.y(End::front, 0)] = T::variable(state[yb] - state[ya], 1);
+    v[at<0>.x(End::front, 0)] = T::variable(state[n + xb] - state[n + xa], 2);
+    v[at<0>.y(End::front, 0)] = T::variable(state[n + yb] - state[n + ya], 3);
+    return link_frame<0>(q, v);
+}
+
+/// Rows of a link, brought to the blocks of the Jacobian.
+template <int P>
+void store(const ExactJacobian& exact, LinkRows<P>& rows, int link, std::optional<int> shaft, AccelerationJacobian& out) noexcept {
+    constexpr int n = LinkRows<P>::size;
+    const int border = out.border();
+    for (const With with : {With::position, With::velocity}) {
+        for (int near = 0; near < 3; ++near) {
+            double* block = out.link(link, static_cast<Near>(near), with);
+            for (int r = 0; r < n; ++r) std::copy_n(rows.row(r) + LinkRows<P>::column(near, with, 0), n, block + r * n);
+        }
+        std::fill_n(out.columns(link, with), n * border, 0.0);
+    }
+    if (!shaft) return;
+    for (int side = 0; side < 2; ++side) {
+        const auto& map = exact.sheave(2 * *shaft + side);
+        for (int d = 0; d < sheave_directions; ++d) {
+            const int coordinate = map.coordinate[static_cast<std::size_t>(d)];
+            if (coordinate < 0) continue;
+            double* columns = out.columns(link, d < sheave_positions ? With::position : With::velocity) + coordinate;
+            for (int r = 0; r < n; ++r) columns[r * border] += rows.row(r)[LinkRows<P>::sheave_column(side, d)];
+        }
+    }
+}
+
+template <int P>
+void add_tips(const ExactJacobian& exact, const Coefficients& c, const double* state, const DualFrame& frame, const Phase* phases, int link,
+              int shaft, const SheaveMotion* sheaves, LinkRows<P>& rows, AccelerationJacobian& out, SheaveStiffness* stiffness) noexcept {
+    for (int tip = 0; tip < tips_per_link; ++tip) {
+        if (phases[tip] == Phase::free) continue;
+        const int side = tip % 2, number = 2 * shaft + side;
+        const TipRows<P> effect(c, state, frame, sheaves[number], tip < 2 ? End::rear : End::front, side, phases[tip]);
+        effect.add_to(rows);
+        effect.add_to_sheave(exact.sheave(number), link, out, stiffness[side]);
+    }
+}
+
+template <int P>
+void link_jacobian(const ExactJacobian& exact, const Variator& variator, const double* state, const Phase* phases, int link,
+                   AccelerationJacobian& out, SheaveStiffness* stiffness, const SheaveMotion* sheaves) noexcept {
+    const Coefficients& c = variator.chain().coefficients();
+    const ChainLayout& layout = variator.layout();
+    const auto of = [&](int number) { return state + layout.link_begin(number); };
+    const double *before = of(layout.previous(link)), *own = of(link), *after = of(layout.next(link));
+    const DualFrame frame_before = dual_frame<P>(before), frame = dual_frame<P>(own), frame_after = dual_frame<P>(after);
+    LinkRows<P> rows;
+    add_inner<P>(c, c.kind(link), own, rows);
+    add_plates<P>(c, c.kind(link), own, rows);
+    const JointLinks rear{before, own, frame_before, frame, 0}, front{own, after, frame, frame_after, 1};
+    JointRows<P>(c, rear, true).add_to(rear, rows);
+    JointRows<P>(c, front, false).add_to(front, rows);
+    for (const With with : {With::position, With::velocity}) std::fill_n(out.rows(link, with), LinkRows<P>::size * out.border(), 0.0);
+    stiffness[0] = stiffness[1] = {};
+    const auto shaft = touches(phases) ? std::optional(variator.chain().shaft_of(own)) : std::nullopt;
+    if (shaft) add_tips<P>(exact, c, own, frame, phases, link, *shaft, sheaves, rows, out, stiffness);
+    rows.fold_moment(frame);
+    rows.accelerate(variator.chain().inertia());
+    store<P>(exact, rows, link, shaft, out);
+}
+
+}  // namespace
+
+ExactJacobian::ExactJacobian(const Variator& variator)
+    : variator_(variator),
+      stiffness_(2 * static_cast<std::size_t>(variator.layout().links)),
+      tail_(static_cast<std::size_t>(variator.layout().size() - variator.layout().pulley_begin())),
+      above_(tail_),
+      below_(tail_) {
+    link_ = of_order(variator.layout().order, []<int P>() { return &link_jacobian<P>; });
+    if (variator.layout().pulley_size != 0) find_maps();
+}
+
+/// Both maps are linear: found by unit motions and unit loads.
+void ExactJacobian::find_maps() {
+    const int half = variator_.layout().pulley_size;
+    const PulleyModel& pulleys = variator_.pulleys();
+    std::vector<double> block(static_cast<std::size_t>(2 * half), 0.0), slope(block);
+    const auto motion = [](const SheaveMotion& s) {
+        return std::array{s.x, s.y, s.z, s.tilt_x, s.tilt_y, s.vx, s.vy, s.vz, s.spin_x, s.spin_y, s.spin_z};
+    };
+    SheaveMotion rest[4], moved[4];
+    pulleys.motions(block.data(), rest);
+    for (SheaveMap& map : sheaves_) map.coordinate.fill(-1);
+    for (int k = 0; k < 2 * half; ++k) {
+        block[static_cast<std::size_t>(k)] = 1.0;
+        pulleys.motions(block.data(), moved);
+        block[static_cast<std::size_t>(k)] = 0.0;
+        for (std::size_t s = 0; s < 4; ++s) {
+            for (std::size_t d = 0; d < sheave_directions; ++d) {
+                if (motion(moved[s])[d] != motion(rest[s])[d]) sheaves_[s].coordinate[d] = k % half;
+            }
+        }
+    }
+    for (std::size_t s = 0; s < 4; ++s) {
+        for (std::size_t load = 0; load < 6; ++load) {
+            SheaveForces unit{};
+            unit[s][load] = 1.0;
+            pulleys.slope(block.data(), Inputs{}, unit, slope.data(), nullptr);
+            for (int k = 0; k < half; ++k) {
+                if (const double factor = slope[static_cast<std::size_t>(half + k)]; factor != 0.0)
+                    sheaves_[s].effects[load].push_back({k, factor});
+            }
+        }
+    }
+}
+
+void ExactJacobian::links(const double* state, const Phase* phases, int first, int last, AccelerationJacobian& out) noexcept {
+    SheaveMotion sheaves[4]{};
+    if (variator_.layout().pulley_size != 0) variator_.pulleys().motions(state + variator_.layout().pulley_begin(), sheaves);
+    for (int link = first; link < last; ++link)
+        link_(*this, variator_, state, phases + tips_per_link * link, link, out, stiffness_.data() + 2 * link, sheaves);
+}
+
+/// Central differences of the pulleys alone: no chain force changes with them here.
+void ExactJacobian::own_corner(double t, const double* state, AccelerationJacobian& out) noexcept {
+    const ChainLayout& at = variator_.layout();
+    const int half = at.pulley_size, border = out.border();
+    const double* tail = state + at.pulley_begin();
+    const auto rates = [&](std::vector<double>& slope) {
+        const Inputs inputs = variator_.pulleys().inputs(t, tail_.data());
+        variator_.pulleys().slope(tail_.data(), inputs, SheaveForces{}, slope.data(), nullptr);
+        std::copy_n(inputs.control_rate.begin(), at.controls, slope.begin() + at.pulley_block());
+    };
+    std::copy_n(tail, tail_.size(), tail_.begin());
+    for (int k = 0; k < half + border; ++k) {
+        const With with = k < half ? With::position : With::velocity;
+        const std::size_t moved = static_cast<std::size_t>(k);
+        const double step = with == With::position ? 1e-8 : 1e-6;
+        tail_[moved] = tail[k] + step;
+        rates(above_);
+        tail_[moved] = tail[k] - step;
+        rates(below_);
+        const double taken = (tail[k] + step) - (tail[k] - step);
+        tail_[moved] = tail[k];
+        double* column = out.corner(with) + (with == With::position ? k : k - half);
+        for (int row = 0; row < border; ++row) {
+            const std::size_t r = static_cast<std::size_t>(half + row);
+            column[row * border] = (above_[r] - below_[r]) / taken;
+        }
+    }
+}
+
+void ExactJacobian::corner(double t, const double* state, const Phase* phases, AccelerationJacobian& out) noexcept {
+    const ChainLayout& at = variator_.layout();
+    if (at.pulley_size == 0) return;
+    own_corner(t, state, out);
+    for (int link = 0; link < at.links; ++link) {
+        if (!touches(phases + tips_per_link * link)) continue;
+        const int shaft = variator_.chain().shaft_of(state + at.link_begin(link));
+        for (int side = 0; side < 2; ++side) {
+            const SheaveMap& map = sheave(2 * shaft + side);
+            const SheaveStiffness& stiffness = stiffness_[static_cast<std::size_t>(2 * link + side)];
+            for (std::size_t d = 0; d < sheave_directions; ++d) {
+                if (map.coordinate[d] < 0) continue;
+                double* column = out.corner(d < sheave_positions ? With::position : With::velocity) + map.coordinate[d];
+                for (std::size_t load = 0; load < 6; ++load) {
+                    for (const auto& effect : map.effects[load])
+                        column[effect.coordinate * out.border()] += effect.factor * stiffness[load][d];
+                }
+            }
+        }
+    }
+}
+
+}  // namespace cvtflow::bench

@@ -1,0 +1,181 @@
+#include "bench/method/laboratory_methods.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <string>
+
+#include "bench/method/analysis/stability.hpp"
+#include "bench/method/family/families.hpp"
+#include "bench/method/family/rkc.hpp"
+#include "bench/method/fitted_method.hpp"
+#include "bench/method/stability/friction_stability.hpp"
+#include "bench/method/implicit/catalogue.hpp"
+#include "bench/method/implicit/linear_method.hpp"
+#include "tasks/method/friction/friction_methods.hpp"
+#include "tasks/method/friction/staged/friction_leapfrog.hpp"
+#include "tasks/method/friction/sweep/rigid_sweep.hpp"
+#include "tasks/method/friction/sweep/sweep_leapfrog.hpp"
+
+namespace cvtflow::bench {
+
+namespace {
+
+/// Those that choose among tables of stages by the spectrum.
+[[nodiscard]] std::vector<MethodProgram> spectral_programs() {
+    return {
+        {.name = "rkc",
+         .description = "Runge-Kutta-Chebyshev, stages by the spectrum",
+         .source = "Sommeijer, Shampine, Verwer, J. Comput. Appl. Math. 88 (1998) 315-326",
+         .order = 2,
+         .state_slots = 4,
+         .slope_slots = 3,
+         .make = rkc_by_spectrum,
+         .estimates_error = true},
+        {.name = "rock2",
+         .description = "ROCK2, stages by the spectrum",
+         .source = "Abdulle, Medovikov, Numer. Math. 90 (2001) 1-18",
+         .order = 2,
+         .state_slots = 5,
+         .slope_slots = 4,
+         .make = rock2_by_spectrum,
+         .estimates_error = true},
+        {.name = "fitted",
+         .description = "polynomial fitted to the spectrum, repeated when it changes",
+         .source = "weights by Lawson's iteration",
+         .order = 3,
+         .state_slots = FittedBySpectrum::max_stages + 1,
+         .slope_slots = 3,
+         .make = fitted_by_spectrum,
+         .estimates_error = true},
+    };
+}
+
+/// Ends the name of the method whose velocities inside the step are in double precision.
+constexpr const char* in_double = "-double";
+
+[[nodiscard]] MethodProgram product_row(std::string_view name) {
+    const std::vector<MethodProgram> rows = friction_methods();
+    return *std::ranges::find(rows, name, &MethodProgram::name);
+}
+
+template <class Number>
+[[nodiscard]] MethodProgram staged(MethodProgram row, const std::string& name, const char* description, const Kick& kick) {
+    row.name = name;
+    row.description = description;
+    row.make = [&kick](Workspace& workspace) -> std::unique_ptr<StepMethod> {
+        return std::make_unique<FrictionLeapfrog<Number>>(workspace, kick);
+    };
+    return row;
+}
+
+/// The product's leapfrogs with other stages, or in double precision throughout.
+[[nodiscard]] std::vector<MethodProgram> leapfrogs() {
+    const MethodProgram chebyshev = product_row("leapfrog-chebyshev");
+    MethodProgram rkc = chebyshev;
+    rkc.order = 2;
+    rkc.reach.oscillation = 1.7320653080221804;
+    rkc.reach.decay = 45116.422100472591;
+    MethodProgram sweep = product_row("leapfrog-sweep");
+    sweep.name += in_double;
+    sweep.description = "leapfrog-sweep with velocities in double precision, too";
+    sweep.make = [](Workspace& workspace) -> std::unique_ptr<StepMethod> {
+        if (workspace.layout().rigid) return std::make_unique<RigidSweep>(workspace);
+        return std::make_unique<SweepLeapfrog<double>>(workspace);
+    };
+    return {
+        staged<float>(rkc, "leapfrog-rkc", "leapfrog, friction in damped RKC stages on velocities inside the step", rkc_kick),
+        staged<double>(rkc, std::string("leapfrog-rkc") + in_double, "leapfrog-rkc with stages in double precision, too", rkc_kick),
+        staged<double>(chebyshev, std::string("leapfrog-chebyshev") + in_double,
+                       "leapfrog-chebyshev with stages in double precision, too", chebyshev_kick),
+        sweep,
+    };
+}
+
+[[nodiscard]] std::vector<MethodProgram> all_programs() {
+    std::vector<MethodProgram> all;
+    for (const auto& some : {spectral_programs(), leapfrogs(), implicit_programs()}) all.insert(all.end(), some.begin(), some.end());
+    return all;
+}
+
+using Analyses = std::map<std::string, MethodAnalysis, std::less<>>;
+
+[[nodiscard]] Analyses analyses() {
+    const auto of_kick = [](const Kick& kick) {
+        return MethodAnalysis{[&kick] { return leapfrog_stability(kick); }, [&kick](const LinearChain& chain) { return leapfrog_step(chain, kick); }};
+    };
+    Analyses all{{"dumka3", {{}, dumka3_step}}, {"rkc", {{}, rkc_step}}, {"rock2", {{}, rock2_step}}, {"fitted", {{}, fitted_step}}};
+    for (const char* end : {"", in_double}) {
+        all["leapfrog-rkc" + std::string(end)] = of_kick(rkc_kick);
+        all["leapfrog-chebyshev" + std::string(end)] = of_kick(chebyshev_kick);
+        all["leapfrog-sweep" + std::string(end)] = {backward_euler_leapfrog_stability, backward_euler_leapfrog_step};
+    }
+    for (const NewtonVariant& variant : newton_variants()) all[variant.name] = {trapezoidal_stability, trapezoidal_step};
+    for (const LinearPlan& plan : linear_plans())
+        all[plan.name] = {[&plan] { return linear_stability(plan); }, [&plan](const LinearChain& chain) { return implicit_step(chain, plan); }};
+    return all;
+}
+
+/// Elastic oscillations are damped by this share of the critical damping at least.
+constexpr double min_damping = 1e-3;
+/// Numerical damping of an oscillation in a step, over h ω, that is taken: a hundredth of what the chain's own damping of a hundredth does.
+constexpr double max_damping = 1e-4;
+
+/// |h λ| along the ray of that damping ratio.
+[[nodiscard]] double along_ray(const StagePlan& plan, double damping) {
+    return stability_reach(plan, {-damping, std::sqrt(1.0 - damping * damping)}, 1e-6);
+}
+
+/// Largest h ω up to which a table damps oscillations by no more than that.
+[[nodiscard]] double accurate_oscillation(const StagePlan& plan, double stable) {
+    constexpr double fine = 0.01;
+    const auto function = stability_function(plan);
+    double y = fine;
+    while (y < stable && std::abs(function({0.0, y})) >= 1.0 - max_damping * y) y += fine;
+    return y;
+}
+
+}  // namespace
+
+const Kick rkc_kick{[](int stages) { return without_last_evaluation(rkc(stages, rkc_kick_damping)); },
+                    [](int stages) { return rkc_reach(stages, rkc_kick_damping); }};
+
+void add_laboratory_methods() {
+    static const bool once = [] {
+        tasks::add_methods({{further_tables, family_examples, families()}, all_programs, [](const StagePlan& plan) { return derived_reach(plan); }});
+        return true;
+    }();
+    (void)once;
+}
+
+const MethodAnalysis& analysis_of(const MethodProgram& program) {
+    static const Analyses all = analyses();
+    return all.at(program.name);
+}
+
+std::string in_double_precision(std::string_view method) {
+    const std::string longer = std::string(method) + in_double;
+    return tasks::find_program(longer) != nullptr ? longer : std::string(method);
+}
+
+StageReach derived_reach(const StagePlan& plan) {
+    StageReach reach{along_ray(plan, min_damping), real_stability(plan), 0.0, along_ray(plan, 1e-2)};
+    reach.accurate = accurate_oscillation(plan, reach.oscillation);
+    return reach;
+}
+
+MethodReach derived_reach(const MethodProgram& program) {
+    const auto& stability_of = analysis_of(program).stability;
+    if (stability_of == nullptr) return {};
+    const ProgramStability stability = stability_of();
+    if (stability.equation == TestEquation::oscillator) {
+        const double oscillation = limit_with_any_friction(stability).oscillation;
+        // Where friction is needed for stability, least friction allows nothing; it is there then.
+        return {oscillation, stability.longest_decay, MethodReach::unlimited, std::max(oscillation, reach(stability, 0.0, 0.0, 1.0, 0.0)),
+                stability.longest_damping};
+    }
+    return {reach(stability, 0.0, 0.0, -min_damping, std::sqrt(1.0 - min_damping * min_damping)), reach(stability, 0.0, 0.0, -1.0, 0.0)};
+}
+
+}  // namespace cvtflow::bench

@@ -1,0 +1,35 @@
+#pragma once
+/// All methods of the laboratory, beside those of the product: named in scenes of cvtflow-lab and of the tests like any other.
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "bench/method/stability/program_stability.hpp"
+#include "bench/method/stability/step_map.hpp"
+#include "tasks/method/method_choice.hpp"
+
+namespace cvtflow::bench {
+
+/// Adds them to the product's catalogue, once per process, before anything else asks it.
+void add_laboratory_methods();
+
+/// A program as its definition says, in words of mathematics: what its code has to agree with.
+struct MethodAnalysis {
+    /// On the test equation that it is made for; empty: it chooses among tables of stages.
+    std::function<ProgramStability()> stability = {};
+    /// What its step makes of small disturbances.
+    std::function<std::unique_ptr<StepMap>(const LinearChain& chain)> linear = {};
+};
+/// Of a program of either catalogue. @throws std::out_of_range for one that nobody has analysed
+[[nodiscard]] const MethodAnalysis& analysis_of(const tasks::MethodProgram& program);
+
+/// The same method with all of its numbers in double precision: the name itself, but for those whose velocities inside the step are in single.
+[[nodiscard]] std::string in_double_precision(std::string_view method);
+
+/// The reach that the analysis finds, which the catalogue declares.
+[[nodiscard]] tasks::MethodReach derived_reach(const tasks::MethodProgram& program);
+[[nodiscard]] engine::StageReach derived_reach(const engine::StagePlan& plan);
+
+}  // namespace cvtflow::bench

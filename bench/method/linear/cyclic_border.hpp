@@ -1,0 +1,103 @@
+#pragma once
+/// LU of a cyclic block-tridiagonal matrix with a border: every block sees its two neighbours in a ring and some of the border's unknowns.
+///
+///     L_i x_{i-1} + D_i x_i + U_i x_{i+1} + C_i y = f_i     i = 0 … blocks-1, cyclic
+///     Σ_i R_i x_i + B y = g
+///
+/// The ring is cut into chunks whose last block is a separator. Chunks are eliminated independently of each other, then the separators and
+/// the border, then everything is substituted back:
+///
+///     eliminate[chunk] ─► join         forward[chunk] ─► join_solution ─► backward[chunk]
+///
+/// Chunks are a property of the matrix, not of the threads that work on them: results are bitwise equal for any number of threads. Pivots
+/// are sought within a block only, which suffices for matrices near the identity (or an inertia) plus a dissipative part.
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "bench/method/linear/block_chain.hpp"
+#include "bench/method/product_names.hpp"
+
+namespace cvtflow::bench {
+
+class CyclicBorder {
+public:
+    /// Entries of one block's rows and of the border's rows on it; row-major, all zero after clear().
+    struct Block {
+        double* lower;     ///< L_i [size × size]
+        double* diagonal;  ///< D_i [size × size]
+        double* upper;     ///< U_i [size × size], rows `upper_stride` apart; a separator's belongs to the next chunk
+        double* columns;   ///< C_i [size × border.size()], rows `columns_stride` apart
+        double* rows;      ///< R_i [border.size() × size]
+        int upper_stride, columns_stride;
+        std::span<const int> border;  ///< border unknowns of C_i and R_i
+    };
+    struct Range {
+        int first, last;  ///< blocks [first, last); last - 1 is the separator
+        [[nodiscard]] int size() const noexcept { return last - first; }
+    };
+
+    /// @param size unknowns of a block   @param border unknowns of the border, may be 0   @param chunks 1 ≤ chunks ≤ blocks
+    CyclicBorder(int blocks, int size, int border, int chunks);
+
+    [[nodiscard]] int chunks() const noexcept { return static_cast<int>(ranges_.size()); }
+    [[nodiscard]] const Range& range(int chunk) const noexcept { return ranges_[static_cast<std::size_t>(chunk)]; }
+    /// Numbers in a right-hand side or solution: blocks one after the other, then the border.
+    [[nodiscard]] int unknowns() const noexcept { return blocks_ * size_ + border_; }
+
+    /// Clears the entries of a chunk's blocks (and U of the separator before it), and sets the border unknowns that its inner blocks couple
+    /// to.
+    /// @param border at most `border` numbers
+    void clear(int chunk, std::span<const int> border) noexcept;
+    /// Where the entries of a block go, between clear() and eliminate() of its chunk. With a single block L, D and U add up.
+    [[nodiscard]] Block block(int number) noexcept;
+    /// B [border × border], row-major; to be filled anew before every join().
+    [[nodiscard]] double* corner() noexcept { return corner_.data(); }
+
+    /// Eliminates the inner blocks of a chunk. @return false if a pivot vanished
+    [[nodiscard]] bool eliminate(int chunk) noexcept;
+    /// Separators and border, after all chunks. @return false if a pivot vanished
+    [[nodiscard]] bool join() noexcept;
+
+    /// Solves with what eliminate() and join() left; right-hand side and solution have unknowns() numbers and may be the same array. f
+    /// [rows of the matrix]
+    void forward(int chunk, const double* f) noexcept;
+    void join_solution(const double* f) noexcept;  ///< f [rows of the matrix]
+    /// Writes the chunk's blocks of x; chunk 0 also the border's.
+    void backward(int chunk, double* x) const noexcept;
+
+private:
+    struct Place {
+        double* at;
+        int stride;
+    };
+
+    [[nodiscard]] int previous(int chunk) const noexcept { return chunk == 0 ? chunks() - 1 : chunk - 1; }
+    [[nodiscard]] int next(int chunk) const noexcept { return chunk + 1 == chunks() ? 0 : chunk + 1; }
+    [[nodiscard]] BlockChain& inner(int chunk) noexcept { return *inner_[static_cast<std::size_t>(chunk)]; }
+    [[nodiscard]] const BlockChain& inner(int chunk) const noexcept { return *inner_[static_cast<std::size_t>(chunk)]; }
+    [[nodiscard]] std::span<const int> active(int chunk) const noexcept;
+    [[nodiscard]] Place place(int row, int column) noexcept;
+    [[nodiscard]] Place place_in_corner(int column) noexcept;
+    void collect_given(int chunk) noexcept;
+    void collect_inner(int chunk) noexcept;
+    void collect_ring() noexcept;
+    /// Diagonal, columns and rows of a separator as given.
+    [[nodiscard]] double* separator(int chunk) noexcept { return separators_.data() + chunk * size_ * (size_ + 2 * border_); }
+    [[nodiscard]] double* known(int chunk) noexcept { return known_.data() + chunk * size_; }
+    [[nodiscard]] const double* known(int chunk) const noexcept { return known_.data() + chunk * size_; }
+
+    int blocks_, size_, border_;
+    std::vector<Range> ranges_;
+    std::vector<std::unique_ptr<BlockChain>> inner_;
+    std::vector<int> active_, active_count_, all_border_;
+    std::vector<double> separators_;       ///< [chunk] D, C, R of its separator
+    BlockChain ring_;                      ///< separators but the last
+    std::vector<double> corner_, matrix_;  ///< B; last separator and border: [size + border]²
+    std::vector<int> exchanges_;
+    std::vector<double> known_;  ///< separators and border: right-hand side, then solution [rows of the matrix]
+    std::vector<double> seen_;   ///< [chunk][border] solution of the active border unknowns
+};
+
+}  // namespace cvtflow::bench

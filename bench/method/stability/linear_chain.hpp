@@ -1,0 +1,76 @@
+#pragma once
+/// The equations of motion, linearised at a state with its phases held, in the parts that methods treat each in its own way:
+///
+///     a = K q + C v + F v        K: forces by coordinates;  C: damping by velocities;  F: friction by velocities
+///
+/// Unknowns here: q of all links, one after the other, and of the pulleys; v likewise, and behind them the control integral where there is
+/// one (its "acceleration" is its rate). Exact derivatives, in sparse matrices.
+
+#include <memory>
+#include <vector>
+
+#include "bench/method/product_names.hpp"
+#include "model/variator/variator.hpp"
+#include "tasks/step/frozen_start.hpp"
+
+namespace cvtflow::bench {
+
+/// Solves (1 - shift v-part - shift² q-part) x = right for a fixed shift.
+class LinearSolver {
+public:
+    virtual ~LinearSolver() = default;
+    virtual void solve(const double* right, double* x) const = 0;  ///< right [unknowns], x [unknowns]
+
+protected:
+    LinearSolver() = default;
+    LinearSolver(const LinearSolver&) = default;
+    LinearSolver& operator=(const LinearSolver&) = default;
+};
+
+class LinearChain {
+public:
+    /// `variator` has these parameters and must outlive this.
+    LinearChain(const model::Variator& variator, const model::Parameters& parameters, const FrozenStart& start);
+    ~LinearChain();
+
+    /// Unknowns q and v, and those v that belong to links (they come first).
+    [[nodiscard]] int coordinates() const noexcept { return coordinates_; }
+    [[nodiscard]] int velocities() const noexcept { return velocities_; }
+    [[nodiscard]] int link_velocities() const noexcept { return link_velocities_; }
+
+    // out += factor × part × x. q: [coordinates()], v and out: [velocities()].
+    void add_elastic(double factor, const double* q, double* out) const;   ///< factor [1], q [coordinates], out [accelerations]
+    void add_damping(double factor, const double* v, double* out) const;   ///< factor [1], v [velocities], out [accelerations]
+    void add_friction(double factor, const double* v, double* out) const;  ///< factor [1], v [velocities], out [accelerations]
+    /// Friction of the links by links' velocities alone: [link_velocities()].
+    void add_link_friction(double factor, const double* v, double* out) const;
+    /// The part of K that friction has, because its normal forces change. factor [1], q [coordinates], out [accelerations]
+    void add_sliding(double factor, const double* q, double* out) const;
+    /// The rest of K. factor [1], q [coordinates], out [accelerations]
+    void add_frictionless(double factor, const double* q, double* out) const;
+    /// Friction by the velocities of what is no link, given as those of all. factor [1], v [velocities], out [accelerations]
+    void add_surface_friction(double factor, const double* v, double* out) const;
+    /// Friction by links' velocities on what is no link. factor [1], v [velocities], out [accelerations]
+    void add_reaction(double factor, const double* v, double* out) const;
+
+    /// For the whole: (1 - shift (C + F) - shift² K). shift [s]
+    [[nodiscard]] std::unique_ptr<LinearSolver> whole_solver(double shift) const;
+    /// For friction of the links: (1 - shift F). shift [s]
+    [[nodiscard]] std::unique_ptr<LinearSolver> friction_solver(double shift) const;
+
+    /// Largest eigenvalue of links' friction if all contacts stuck; found when first asked for [1/s].
+    [[nodiscard]] double stiffest_friction() const;
+    [[nodiscard]] const model::Variator& variator() const noexcept { return variator_; }
+    [[nodiscard]] const FrozenStart& start() const noexcept { return start_; }
+
+private:
+    struct Parts;
+
+    const model::Variator& variator_;
+    const model::Parameters parameters_;
+    const FrozenStart start_;
+    int coordinates_, velocities_, link_velocities_;
+    std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace cvtflow::bench

@@ -1,0 +1,59 @@
+#pragma once
+/// Linear stability of methods that are programs and not tables of stages: what one step makes of the test equation that they are made for.
+
+#include <functional>
+#include <limits>
+
+#include "bench/method/product_names.hpp"
+
+namespace cvtflow::bench {
+
+enum class TestEquation {
+    oscillator,  ///< q' = v, v' = -ω² q - c v, elasticity explicit and friction c inside the step; x = h ω, y = h c
+    linear,      ///< u' = λ u with its exact Jacobian; x = Re h λ, y = Im h λ
+};
+
+/// What a step makes of a quantity that decays with h c or -h λ.
+struct StageFigures {
+    double growth = 0.0;  ///< largest value in a stage, for 1 at the start [1]
+    double gain = 0.0;    ///< largest value at the end, for an error of 1 in one stage: what a kink of the law leaves [1]
+    double left = 0.0;    ///< value at the end, for 1 at the start [1]
+};
+
+/// Largest h ω with which an oscillator is stable whatever its friction, and the friction that allows no more.
+struct FrictionLimit {
+    double oscillation, friction;  ///< h ω and h c, as far as the method is stable [1]
+};
+
+struct ProgramStability {
+    TestEquation equation;
+    /// Spectral radius of one step among equal ones, history included; infinite where the method refuses to step. x [1], y [1]
+    std::function<double(double x, double y)> radius;
+    /// @param decay h c or -h λ, > 0, where the method steps; decay [1]
+    std::function<StageFigures(double decay)> stages;
+    double longest_decay;  ///< up to which the method steps; infinite if it always does [1]
+    /// Of methods for the oscillator: largest h δ of an explicit damping δ that is no friction, where nothing oscillates [1].
+    double longest_damping = std::numeric_limits<double>::infinity();
+    /// Limit of an oscillator with any friction up to `stiffest` beside another with just that much, which decides how many stages a step
+    /// takes. Empty where the friction of others makes no difference. stiffest [1]
+    std::function<FrictionLimit(double stiffest)> beside = {};
+
+    /// Up to rounding: growth by less than 1e-6 a step. x [1], y [1]
+    [[nodiscard]] bool stable(double x, double y) const { return radius(x, y) <= 1.0 + 1e-6; }
+};
+
+/// Reaches beyond this count as infinite [1].
+inline constexpr double far_away = 1e6;
+
+/// Largest r ≤ far_away such that the step is stable from (x, y) to (x, y) + r (along_x, along_y): scan in steps of 0.01, then of 1 %, and
+/// bisection. From `enough` on the exact value does not matter: the scan ends. x, y, along_x, along_y, enough [1]
+[[nodiscard]] double reach(const ProgramStability& method, double x, double y, double along_x, double along_y,
+                           double enough = std::numeric_limits<double>::infinity());
+
+/// Of a method for the oscillator.
+[[nodiscard]] FrictionLimit limit_with_any_friction(const ProgramStability& method);
+
+/// The largest of each over decays up to the method's longest or far_away, on a logarithmic grid; `left` at its end.
+[[nodiscard]] StageFigures worst_stages(const ProgramStability& method);
+
+}  // namespace cvtflow::bench

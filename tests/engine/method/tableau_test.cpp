@@ -1,0 +1,47 @@
+#include "engine/method/tableau.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "engine/method/catalogue.hpp"
+#include "tests/engine/method/plan_fixture.hpp"
+
+namespace cvtflow::engine {
+namespace {
+
+using testing::DoubleNear;
+using testing::ElementsAre;
+using testing::Pointwise;
+
+TEST(Tableau, OfAChainedPlanIsUnrolled) {
+    const Tableau tableau = unroll(test::two_half_euler_steps());
+    EXPECT_THAT(tableau.times, ElementsAre(0.0, 0.5));
+    EXPECT_THAT(tableau.matrix, ElementsAre(0.0, 0.0, 0.5, 0.0));
+    EXPECT_THAT(tableau.weights, ElementsAre(0.5, 0.5));
+    EXPECT_TRUE(tableau.embedded.empty());
+}
+
+TEST(Tableau, StageTimesOfDumkaAreTheSumsOfItsSubsteps) {
+    const double e1 = 0.1042566436020026, e2 = 0.3892933924117778, e3 = 0.1231817161250036;
+    const double start = e1 + e2 + e3;
+    const std::vector<double> times{0.0, e1, e1 + e2, start, start - 0.4314789924333955, start + 0.4933498959876315 - 0.2911642035969445};
+    EXPECT_THAT(unroll(test::dumka3_degree_6()).times, Pointwise(DoubleNear(1e-15), times));
+}
+
+TEST(Tableau, EveryMethodOfTheCatalogueHasConsistentTimes) {
+    for (const StagePlan& plan : methods()) EXPECT_LE(time_defect(unroll(plan)), 1e-12) << plan.name;
+}
+
+TEST(Tableau, ReusableLastSlopesAreRecognised) {
+    EXPECT_TRUE(last_stage_is_result(unroll(test::dumka3_degree_3())));
+    EXPECT_FALSE(last_stage_is_result(unroll(test::dumka3_degree_6())));
+    EXPECT_FALSE(last_stage_is_result(unroll(*find_method("rk4"))));
+    EXPECT_FALSE(last_stage_is_result(unroll(*find_method("euler"))));
+}
+
+TEST(Tableau, EmbeddedWeightsAreTheResultMinusTheErrorEstimate) {
+    EXPECT_THAT(unroll(*find_method("heun")).embedded, ElementsAre(1.0, 0.0));
+}
+
+}  // namespace
+}  // namespace cvtflow::engine

@@ -1,0 +1,160 @@
+/// The methods that solve with the whole state, on the tiny scene.
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "bench/method/implicit/catalogue.hpp"
+#include "settled_fixture.hpp"
+#include "tasks/tuning/output.hpp"
+#include "tests/claims/method_trial_fixture.hpp"
+#include "tests/engine/allocation_fixture.hpp"
+#include "tests/engine/graph/race_check_fixture.hpp"
+
+namespace cvtflow::bench {
+namespace {
+
+using testing::HasSubstr;
+
+/// The tiny scene from its geometric start, settled by the method itself for so short that tips come and go.
+Scene brief(const std::string& method, const std::vector<std::string>& extra = {}) {
+    Scene scene = read_scene(CVTFLOW_SOURCE_DIR "/scenes/tiny.toml");
+    std::vector<std::string> values{"start.settling_time=8us", "start.ramp_time=4us", "run.step=1us", "run.output_interval=4us",
+                                    "run.method=" + method};
+    values.insert(values.end(), extra.begin(), extra.end());
+    set_values(scene, values);
+    return scene;
+}
+
+TEST(ImplicitMethods, AllWaysToNewtonsMatrixLeadToTheSameSolution) {
+    const Settled settled;
+    const auto end = [&](const char* method) {
+        return bench::try_method(settled.parameters(), settled.start(), method, 500e-9, 2e-6).state;
+    };
+    const std::vector<double> exact = end("trapezoidal-analytic");
+    for (const NewtonVariant& variant : newton_variants()) {
+        if (!variant.options.backtracking) continue;
+        // Residuals of 1e-7 m/s, in velocities of 3 m/s.
+        EXPECT_LT(relative_error(end(variant.name), exact), 1e-7) << variant.name;
+    }
+}
+
+TEST(ImplicitMethods, NewtonConvergesWithEveryMatrix) {
+    const Settled settled;
+    for (const NewtonVariant& variant : newton_variants()) {
+        if (!variant.options.backtracking) continue;
+        const bench::TrialEnd end = bench::try_method(settled.parameters(), settled.start(), variant.name, 1e-6, 20e-6);
+        ASSERT_FALSE(end.fault) << variant.name;
+        EXPECT_EQ(end.newton->unconverged, 0) << variant.name;
+        EXPECT_GE(end.newton->steps, 20);
+        EXPECT_LE(static_cast<double>(end.newton->iterations), 12.0 * static_cast<double>(end.newton->steps))
+            << variant.name << ": " << end.report;
+    }
+}
+
+TEST(ImplicitMethods, AreStableWhereExplicitOnesAreNot) {
+    const Settled settled;
+    for (const char* method : {"rk4", "dopri54"})
+        EXPECT_TRUE(bench::try_method(settled.parameters(), settled.start(), method, 10e-6, 200e-6).fault) << method;
+    EXPECT_FALSE(bench::try_method(settled.parameters(), settled.start(), "trapezoidal-analytic", 10e-6, 200e-6).fault);
+}
+
+class EveryImplicitMethod : public testing::TestWithParam<std::string> {
+protected:
+    static std::uint64_t hash(const Schedule& schedule) {
+        Simulation simulation(brief(GetParam()), schedule);
+        SilentObserver nobody;
+        const engine::Cancellation never;
+        EXPECT_FALSE(simulation.advance({.until = 0.0}, nobody, never)) << schedule.text();
+        return simulation.hash();
+    }
+};
+
+TEST_P(EveryImplicitMethod, HasOneResultForEverySchedule) {
+    const std::uint64_t expected = hash({});
+    for (const char* executor : {"barrier", "flow", "flow_messages"}) {
+        for (const Assembly assembly : {Assembly::fused, Assembly::staged})
+            EXPECT_EQ(hash({executor, {assembly}, 3, 2}), expected) << executor;
+    }
+    EXPECT_EQ(hash({"serial", {}, 24, 1}), expected);
+    EXPECT_EQ(hash({"tbb_loop", {}, 7, 3}), expected);
+}
+
+TEST_P(EveryImplicitMethod, DeclaresAGraphWithoutRaces) {
+    const Scene scene = brief(GetParam());
+    for (const int segments : {1, 5, 24}) {
+        for (const Assembly assembly : {Assembly::fused, Assembly::staged}) {
+            const Simulation simulation(scene, {"serial", {assembly}, segments, 1});
+            EXPECT_TRUE(engine::race_check(simulation.graph()).empty()) << segments;
+        }
+    }
+}
+
+/// Counts allocations from one output to the next.
+class Allocations final : public RunObserver {
+public:
+    void output(double, const Workspace&, const Counters&) override {
+        if (++outputs_ > 1) between += engine::test::allocation_count() - before_;
+        before_ = engine::test::allocation_count();
+    }
+    void transition(const TransitionRecord&) override {}
+    long between = 0;
+
+private:
+    long before_ = 0, outputs_ = 0;
+};
+
+TEST_P(EveryImplicitMethod, AllocatesNothingInTheStepLoop) {
+    if (engine::test::allocation_count() < 0) GTEST_SKIP() << "a sanitizer owns malloc";
+    Simulation simulation(brief(GetParam()), Schedule{});
+    Allocations counter;
+    const engine::Cancellation never;
+    ASSERT_FALSE(simulation.advance({.until = 0.0}, counter, never));
+    EXPECT_EQ(counter.between, 0);
+}
+
+std::vector<std::string> names() {
+    std::vector<std::string> all;
+    for (const MethodProgram& program : implicit_programs()) all.push_back(program.name);
+    return all;
+}
+
+INSTANTIATE_TEST_SUITE_P(ImplicitMethods, EveryImplicitMethod, testing::ValuesIn(names()), [](const auto& instance) {
+    std::string name = instance.param;
+    std::replace(name.begin(), name.end(), '-', '_');
+    return name;
+});
+
+TEST(ImplicitMethods, RunAFreeRingAndRigidPulleysToo) {
+    for (const char* method : {"trapezoidal-analytic", "trapezoidal-schubert", "ros34pw2"}) {
+        Scene ring = read_scene(CVTFLOW_SOURCE_DIR "/scenes/free_ring.toml");
+        set_values(ring, std::vector<std::string>{std::string("run.method=") + method, "run.step=1us", "run.output_interval=4us"});
+        for (const Scene& scene : {ring, brief(method, {"detail.pulleys=rigid", "detail.order=0"})}) {
+            Simulation simulation(scene, Schedule{});
+            SilentObserver nobody;
+            const engine::Cancellation never;
+            EXPECT_FALSE(simulation.advance({.until = 8e-6}, nobody, never)) << method;
+        }
+    }
+}
+
+TEST(NewtonStatistics, SayWhatHappened) {
+    EXPECT_EQ(
+        text(NewtonStatistics{.steps = 4, .iterations = 10, .most = 3, .jacobians = 5, .factorisations = 6, .solves = 10, .backtracks = 2}),
+        "2.50 iterations per step (max 3), 5 Jacobians, 6 factorisations, 2 halvings");
+    EXPECT_EQ(text(NewtonStatistics{.steps = 4,
+                                    .iterations = 10,
+                                    .most = 3,
+                                    .jacobians = 5,
+                                    .factorisations = 6,
+                                    .solves = 10,
+                                    .backtracks = 2,
+                                    .refreshed = 1,
+                                    .unconverged = 2,
+                                    .worst = 0.0123}),
+              "2.50 iterations per step (max 3), 5 Jacobians, 6 factorisations, 2 halvings; 1 of 4 steps required a new Jacobian; 2 "
+              "of 4 steps did not converge and used the best iterate (residual up to 0.012 m/s)");
+}
+
+}  // namespace
+}  // namespace cvtflow::bench

@@ -1,0 +1,38 @@
+#pragma once
+/// A small variator that runs under load, and everything an evaluation of its right-hand side leaves: base point of Jacobians.
+
+#include <string>
+#include <vector>
+
+#include "bench/method/implicit/coloured_jacobian.hpp"
+#include "tasks/scene/scene.hpp"
+#include "tasks/step/frozen_start.hpp"
+
+namespace cvtflow::bench {
+
+/// The tiny scene with `extra` settings, settled for half a millisecond.
+class Settled {
+public:
+    explicit Settled(const std::vector<std::string>& extra = {});
+
+    [[nodiscard]] const model::Parameters& parameters() const { return scene_.parameters; }
+    [[nodiscard]] const model::Variator& variator() const { return variator_; }
+    [[nodiscard]] const FrozenStart& start() const { return start_; }
+    [[nodiscard]] BasePoint base() const;
+    /// Moves every velocity by a pseudo-random amount, so that contacts slip.
+    void stir(double amount);
+    /// Differences of the whole right-hand side with the steps of ColouredJacobian, one unknown at a time, forward or backward: [size *
+    /// size], column by column.
+    [[nodiscard]] std::vector<double> dense(double sign = 1.0) const;
+
+private:
+    void evaluate();
+
+    Scene scene_;
+    model::Variator variator_;
+    FrozenStart start_;
+    std::vector<double> slope_;
+    model::EvaluationScratch scratch_;
+};
+
+}  // namespace cvtflow::bench
