@@ -1,7 +1,10 @@
 #include "tasks/batch/results/sweep_files.hpp"
 
 #include <fmt/format.h>
+#include <stdlib.h>
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <regex>
 #include <set>
 
@@ -25,6 +28,10 @@ auto states_named(const char* pattern, const Sweep& sweep) {
         if (!std::regex_match(file.filename().string(), names) || std::any_of(inputs.begin(), inputs.end(), is_input)) return false;
         return fs::file_size(file, absent) == 0 || engine::is_state_file(file.string());
     };
+}
+
+auto files_named(const char* pattern) {
+    return [names = std::regex(pattern)](const fs::path& file) { return std::regex_match(file.filename().string(), names); };
 }
 
 constexpr const char* remove_by_hand = "move it away, or name another folder";
@@ -52,6 +59,87 @@ engine::Permit permit_state(const std::string& file, const Sweep& sweep) {
 void remove_case_files(const fs::path& checkpoints, const fs::path& continuation, const Sweep& sweep) {
     engine::remove_own_files(checkpoints, states_named(R"((case|check)-\d{6,}\.h5(\.part)?)", sweep));
     engine::remove_own_files(continuation, states_named(R"(strand-\d{6,}-[01]\.h5(\.part)?)", sweep));
+}
+
+BenchFolder::BenchFolder(const std::string& parent, const Sweep& sweep) : sweep_(sweep) {
+    std::error_code reported_later;
+    fs::create_directories(parent, reported_later);
+    std::string name = (fs::path(parent) / "bench-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) throw engine::RecordError(name + ": cannot create: " + std::strerror(errno));
+    path_ = name;
+}
+
+BenchFolder::~BenchFolder() {
+    remove_case_files(path_ / "checkpoints", path_ / "continuation", sweep_);
+    engine::remove_own_files(path_ / "records", files_named(R"(case-\d{6,}\.h5(\.part|\.before)?)"));
+    engine::remove_own_files(path_ / "states", files_named(R"([0-9a-f]{16}\.h5(\.part)?)"));
+    engine::remove_own_files(path_, files_named(R"(lock|cases\.h5(\.part)?)"));
+}
+
+void BenchFolder::forget_table() const {
+    std::error_code absent;
+    fs::remove(path_ / "cases.h5", absent);
+}
+
+namespace {
+
+/// An attribute of a table, and what it is called in messages.
+struct Source {
+    const char* attribute;
+    const char* name;
+};
+constexpr Source sources[] = {{"program", "program"}, {"start_states", "content of start.state"}, {"records", "outputs.records"}};
+constexpr std::string_view mixture = "; ";
+
+/// Of the states that cases name: that of the scene, or those of an axis.
+std::string start_states_of(const Sweep& sweep) {
+    if (sweep.start != StartMode::scene) return "none";
+    std::vector<Scene> scenes;
+    for (const Axis& axis : sweep.axes) {
+        for (std::size_t key = 0; key < axis.keys.size(); ++key) {
+            for (std::size_t row = 0; axis.keys[key]->key == "start.state" && row < axis.rows(); ++row) {
+                scenes.push_back(sweep.scene);
+                apply(*axis.keys[key], axis.at(row, key), scenes.back());
+            }
+        }
+    }
+    if (scenes.empty()) scenes.push_back(sweep.scene);
+    engine::Hash hash;
+    bool any = false;
+    for (const Scene& scene : scenes) {
+        if (scene.state_file.empty()) continue;
+        hash.add(content_hash(*saved_start(scene)));
+        any = true;
+    }
+    return any ? hash.hex() : "none";
+}
+
+}  // namespace
+
+void set_origin(engine::CaseTable& table, const Sweep& sweep) {
+    table.set({"program", engine::version_text()});
+    table.set({"start_states", start_states_of(sweep)});
+    table.set({"records", sweep.records ? "true" : "false"});
+}
+
+void set_programs_of_rows(engine::CaseTable& table) {
+    const std::size_t program = table.layout.column("program");
+    std::set<std::string> programs;
+    for (std::size_t row = 0; row < table.size(); ++row) programs.insert(table.layout.text(table.row(row), program));
+    if (!programs.empty()) table.set({"program", fmt::format("{}", fmt::join(programs, mixture))});
+}
+
+void require_same_origin(const std::string& path, engine::CaseTable& there, const engine::CaseTable& here, bool mixed) {
+    std::vector<std::string> differences;
+    for (const auto& [attribute, name] : sources) {
+        const std::string was = there.attribute(attribute), is = here.attribute(attribute);
+        if (was == is) continue;
+        differences.push_back(fmt::format("{} {} there, {} here", name, was, is));
+        if (was.find(is) == std::string::npos) there.set({attribute, fmt::format("{}{}{}", was, mixture, is)});
+    }
+    if (differences.empty() || mixed) return;
+    throw SimulationError(
+        fmt::format("{}: {}; use another folder, or mix them knowingly with --mixed", path, fmt::join(differences, "; ")));
 }
 
 }  // namespace cvtflow::tasks

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 #include <algorithm>
-#include <chrono>
+#include <ctime>
 
 #include "tasks/scene/scene.hpp"
 #include "tasks/scene/toml_tree.hpp"
@@ -84,7 +84,7 @@ TEST(TomlLimits, RefuseWhatWouldOverflowTheStack) {
 }
 
 TEST(TomlLimits, RefuseKeysAndTextsThatTakeSecondsOrGigabytes) {
-    const auto begin = std::chrono::steady_clock::now();
+    const std::clock_t begin = std::clock();
     EXPECT_EQ(complaint("[chain]\n" + std::string(1 << 20, 'k') + " = 1\n"),
               "s.toml:2:257: not valid TOML: a key or number of more than 256 characters");
     EXPECT_EQ(complaint(std::string((4 << 20) + 1, '\n')), "s.toml:1:1: not valid TOML: longer than 4194304 bytes");
@@ -95,7 +95,7 @@ TEST(TomlLimits, RefuseKeysAndTextsThatTakeSecondsOrGigabytes) {
     const std::string told = complaint(many);
     EXPECT_EQ(std::count(told.begin(), told.end(), '\n'), 100);
     EXPECT_EQ(told.substr(told.rfind('\n') + 1), "… and 49900 more problems");
-    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));  // 12 s for one key before
+    EXPECT_LT(std::clock() - begin, 5 * CLOCKS_PER_SEC);  // of processor time; 12 s for one key before
 }
 
 TEST(TomlLimits, KnowWhatIsTextAndWhatIsNot) {

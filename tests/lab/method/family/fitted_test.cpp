@@ -85,7 +85,7 @@ TEST(Fitted, FollowsAListOfEigenvalues) {
     for (const auto& z : points) EXPECT_LE(std::abs(stability_function(fitted->plan, z)), 1.0 + 1e-9) << z.real() << ' ' << z.imag();
 }
 
-TEST(Fitted, TakesMilliseconds) {
+TEST(NightlyFitted, TakesMilliseconds) {
     const auto started = std::chrono::steady_clock::now();
     ASSERT_TRUE(fit(region(200.0, 2.0)));
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
