@@ -1,10 +1,7 @@
 #include "tasks/batch/results/sweep_files.hpp"
 
 #include <fmt/format.h>
-#include <stdlib.h>
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <regex>
 #include <set>
 
@@ -28,10 +25,6 @@ auto states_named(const char* pattern, const Sweep& sweep) {
         if (!std::regex_match(file.filename().string(), names) || std::any_of(inputs.begin(), inputs.end(), is_input)) return false;
         return fs::file_size(file, absent) == 0 || engine::is_state_file(file.string());
     };
-}
-
-auto files_named(const char* pattern) {
-    return [names = std::regex(pattern)](const fs::path& file) { return std::regex_match(file.filename().string(), names); };
 }
 
 constexpr const char* remove_by_hand = "move it away, or name another folder";
@@ -59,26 +52,6 @@ engine::Permit permit_state(const std::string& file, const Sweep& sweep) {
 void remove_case_files(const fs::path& checkpoints, const fs::path& continuation, const Sweep& sweep) {
     engine::remove_own_files(checkpoints, states_named(R"((case|check)-\d{6,}\.h5(\.part)?)", sweep));
     engine::remove_own_files(continuation, states_named(R"(strand-\d{6,}-[01]\.h5(\.part)?)", sweep));
-}
-
-BenchFolder::BenchFolder(const std::string& parent, const Sweep& sweep) : sweep_(sweep) {
-    std::error_code reported_later;
-    fs::create_directories(parent, reported_later);
-    std::string name = (fs::path(parent) / "bench-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw engine::RecordError(name + ": cannot create: " + std::strerror(errno));
-    path_ = name;
-}
-
-BenchFolder::~BenchFolder() {
-    remove_case_files(path_ / "checkpoints", path_ / "continuation", sweep_);
-    engine::remove_own_files(path_ / "records", files_named(R"(case-\d{6,}\.h5(\.part|\.before)?)"));
-    engine::remove_own_files(path_ / "states", files_named(R"([0-9a-f]{16}\.h5(\.part)?)"));
-    engine::remove_own_files(path_, files_named(R"(lock|cases\.h5(\.part)?)"));
-}
-
-void BenchFolder::forget_table() const {
-    std::error_code absent;
-    fs::remove(path_ / "cases.h5", absent);
 }
 
 namespace {

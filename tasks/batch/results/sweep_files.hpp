@@ -23,23 +23,6 @@ namespace cvtflow::tasks {
 /// sweep's inputs.
 void remove_case_files(const std::filesystem::path& checkpoints, const std::filesystem::path& continuation, const Sweep& sweep);
 
-/// An empty folder DIR/bench-XXXXXX that goes with this object, with all that a sweep has written there.
-class BenchFolder {
-public:
-    /// @throws engine::RecordError
-    BenchFolder(const std::string& parent, const Sweep& sweep);
-    ~BenchFolder();
-    BenchFolder(const BenchFolder&) = delete;
-    BenchFolder& operator=(const BenchFolder&) = delete;
-    [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
-    /// Takes the table of the round before away.
-    void forget_table() const;
-
-private:
-    const Sweep& sweep_;
-    std::filesystem::path path_;
-};
-
 /// Notes in a table without rows what this program would fill it from. @throws as saved_start
 void set_origin(engine::CaseTable& table, const Sweep& sweep);
 
