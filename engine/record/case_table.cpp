@@ -13,7 +13,7 @@
 
 #include "engine/base/hash.hpp"
 #include "engine/record/hdf5/file_seal.hpp"
-#include "engine/record/hdf5/hdf5_attribute.hpp"
+#include "engine/record/hdf5/hdf5_handle.hpp"
 #include "engine/record/hdf5/hdf5_open.hpp"
 #include "engine/record/hdf5/hdf5_series.hpp"
 #include "engine/record/run/part_file.hpp"

@@ -144,13 +144,12 @@ struct FieldReader {
     return hash.hex();
 }
 
-std::string text(const engine::SavedState& saved, std::string_view name) {
-    for (const engine::Attribute& attribute : saved.attributes) {
-        if (attribute.name != name) continue;
-        if (const auto* found = std::get_if<std::string>(&attribute.value)) return *found;
-    }
-    return {};
-}
+/// Texts of a checkpoint, which are attributes of its file.
+constexpr std::pair<const char*, std::string Checkpoint::*> texts[] = {
+    {"scene", &Checkpoint::scene},          {"scene_name", &Checkpoint::name},   {"scene_path", &Checkpoint::path},
+    {"scene_text", &Checkpoint::text},      {"record", &Checkpoint::record},     {"run", &Checkpoint::run},
+    {"program", &Checkpoint::program},      {"replaces", &Checkpoint::replaces}, {"method_hash", &Checkpoint::method_hash},
+    {"slope_hash", &Checkpoint::slope_hash}};
 
 }  // namespace
 
@@ -182,9 +181,7 @@ void write_checkpoint(const engine::Permit& permit, const Checkpoint& c) {
     saved.state = c.integration.state;
     for (const model::Phase phase : c.integration.phases) saved.phases.push_back(static_cast<std::uint8_t>(phase));
     saved.fingerprint = fingerprint_of(c);
-    saved.attributes = {
-        {"scene", c.scene}, {"scene_name", c.name}, {"scene_path", c.path},   {"scene_text", c.text},         {"record", c.record},
-        {"run", c.run},     {"program", c.program}, {"replaces", c.replaces}, {"method_hash", c.method_hash}, {"slope_hash", c.slope_hash}};
+    for (const auto& [name, member] : texts) saved.attributes.push_back({name, c.*member});
     FieldWriter history{saved.more}, fields{saved.more};
     visit_fields(c.history, history);
     saved.more = {{"history", std::move(history.scalars)}, {"recorder", c.recorder}};
@@ -204,16 +201,8 @@ Checkpoint unpacked(const engine::SavedState& saved, const std::string& path) {
     visit_fields(c.history, history);
     if (!history.scalars.empty()) throw std::domain_error("its history contains too many numbers");
     c.recorder = array(saved, path, "recorder", 0);
-    c.scene = text(saved, "scene");
-    c.name = text(saved, "scene_name");
-    c.path = text(saved, "scene_path");
-    c.text = text(saved, "scene_text");
-    c.record = text(saved, "record");
-    c.run = text(saved, "run");
-    c.replaces = text(saved, "replaces");
-    c.program = text(saved, "program");
-    c.method_hash = text(saved, "method_hash");
-    c.slope_hash = text(saved, "slope_hash");
+    for (const auto& [name, member] : texts)
+        if (const auto* text = engine::attribute_value<std::string>(saved.attributes, name)) c.*member = *text;
     if (saved.fingerprint != fingerprint_of(c)) throw std::domain_error("its fingerprint belongs to another scene, method or model");
     return c;
 }
@@ -230,8 +219,8 @@ Checkpoint read_checkpoint(const std::string& path) {
 }
 
 std::string run_of_record(const std::string& file) {
-    const auto run = engine::RunReader(file).attribute("run");
-    const std::string* identity = run ? std::get_if<std::string>(&run->value) : nullptr;
+    const engine::RunReader reader(file);
+    const auto* identity = engine::attribute_value<std::string>(reader.attributes(), "run");
     return identity != nullptr ? *identity : "";
 }
 

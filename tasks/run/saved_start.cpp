@@ -18,20 +18,16 @@
 namespace cvtflow::tasks {
 
 double suspicion_of(const engine::SavedState& saved) {
-    for (const engine::Attribute& attribute : saved.attributes) {
-        if (attribute.name != suspicion_attribute) continue;
-        if (const auto* value = std::get_if<double>(&attribute.value)) return *value;
-    }
-    return 0.0;
+    const double* value = engine::attribute_value<double>(saved.attributes, suspicion_attribute);
+    return value == nullptr ? 0.0 : *value;
 }
 
 namespace {
 
-const std::string* text_attribute(const engine::SavedState& saved, std::string_view name) {
-    for (const engine::Attribute& attribute : saved.attributes) {
-        if (attribute.name == name) return std::get_if<std::string>(&attribute.value);
-    }
-    return nullptr;
+/// Text of an attribute; empty if the state does not contain it.
+std::string_view text_of(const engine::SavedState& saved, std::string_view name) {
+    const std::string* text = engine::attribute_value<std::string>(saved.attributes, name);
+    return text == nullptr ? std::string_view() : std::string_view(*text);
 }
 
 /// Sections whose keys describe the machine, not the run or the operating point.
@@ -42,7 +38,7 @@ const std::string* text_attribute(const engine::SavedState& saved, std::string_v
 
 /// The scene that a state was settled with, if the state contains it.
 [[nodiscard]] std::optional<Scene> settled_scene(const engine::SavedState& saved, const std::string& place) {
-    const std::string* text = text_attribute(saved, "scene");
+    const std::string* text = engine::attribute_value<std::string>(saved.attributes, "scene");
     return text == nullptr ? std::nullopt : std::optional(parse_scene(*text, place, StartState::recorded));
 }
 
@@ -86,15 +82,9 @@ const std::string* text_attribute(const engine::SavedState& saved, std::string_v
 
 }  // namespace
 
-std::string_view settled_scene_text(const engine::SavedState& saved) {
-    const std::string* text = text_attribute(saved, "scene");
-    return text == nullptr ? std::string_view() : std::string_view(*text);
-}
+std::string_view settled_scene_text(const engine::SavedState& saved) { return text_of(saved, "scene"); }
 
-std::string_view program_of(const engine::SavedState& saved) {
-    const std::string* text = text_attribute(saved, program_attribute);
-    return text == nullptr ? std::string_view() : std::string_view(*text);
-}
+std::string_view program_of(const engine::SavedState& saved) { return text_of(saved, program_attribute); }
 
 std::uint64_t content_hash(const engine::SavedState& saved) noexcept {
     return engine::Hash()

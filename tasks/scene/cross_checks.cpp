@@ -330,9 +330,7 @@ Violation description_is_text(const Scene& scene) {
     return fmt::format("scene.description: {}", wrong);
 }
 
-}  // namespace
-
-std::span<const CrossCheck> cross_checks() {
+const std::vector<CrossCheck>& general_checks() {
     static const std::vector<CrossCheck> checks{
         {{"scene.name"}, name_is_plain},
         {{"scene.description"}, description_is_text},
@@ -364,6 +362,13 @@ std::span<const CrossCheck> cross_checks() {
         {{"run.step_control", "run.method"}, method_estimates_error},
         {{"record.channels"}, channels_exist},
         {{"run.schedule"}, executor_exists},
+    };
+    return checks;
+}
+
+/// Of tips' friction laws, imperfections and hydraulics.
+const std::vector<CrossCheck>& machine_checks() {
+    static const std::vector<CrossCheck> checks{
         {{"tip.friction_table", "tip.limiting_traction", "tip.friction_law", "tip.friction_coefficient"}, tip_law_has_its_largest},
         {{"tip.friction_law", "detail.pins", "detail.friction"}, tip_law_has_piecewise_corner},
         {{"imperfection.attachment", "imperfection.runout", "imperfection.misalignment", "detail.pulleys"}, imperfections_have_pulleys},
@@ -377,6 +382,17 @@ std::span<const CrossCheck> cross_checks() {
         {{"hydraulics.pump_ratio", "hydraulics.pump_speed", "hydraulics.pump_displacement"}, pump_turns},
     };
     return checks;
+}
+
+}  // namespace
+
+std::span<const CrossCheck> cross_checks() {
+    static const std::vector<CrossCheck> all = [] {
+        std::vector<CrossCheck> rows = general_checks();
+        rows.insert(rows.end(), machine_checks().begin(), machine_checks().end());
+        return rows;
+    }();
+    return all;
 }
 
 }  // namespace cvtflow::tasks

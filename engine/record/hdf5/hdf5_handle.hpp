@@ -1,12 +1,13 @@
 #pragma once
-/// Internal to engine/record: owned HDF5 identifiers, and HDF5's errors as exceptions. Not for public headers.
+/// Internal to engine/record: owned HDF5 identifiers, their attributes, and HDF5's errors as exceptions. Not for public headers. Texts are
+/// UTF-8 of fixed length, padded with zeros; h5py reads them as bytes.
 
 #include <hdf5.h>
-
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "engine/record/run/schema.hpp"
 
@@ -98,5 +99,24 @@ void divert_writes(hid_t file) noexcept;
 /// Access properties of all our files: format of HDF5 1.10 (which single-writer-multiple-reader needs), and none of HDF5's file locks,
 /// because with them a reader of a running simulation's file can end the simulation.
 [[nodiscard]] Handle file_access();
+
+/// Datatype of a text: UTF-8, as many bytes, at least one.
+[[nodiscard]] Handle text_type(std::size_t width);
+
+/// Creates or replaces an attribute. Throws Failure.
+void write_attribute(hid_t object, const Attribute& attribute);
+/// Same, for a list of texts. Throws Failure.
+void write_texts(hid_t object, const std::string& name, const std::vector<std::string>& texts);
+
+[[nodiscard]] bool has_attribute(hid_t object, const std::string& name);
+/// All scalar attributes that are text of fixed length, integer or real, by name; others (such as those of dimension scales) are passed
+/// over.
+[[nodiscard]] std::vector<Attribute> read_attributes(hid_t object);
+/// A scalar text, or "" if absent or of another kind.
+[[nodiscard]] std::string read_text(hid_t object, const std::string& name);
+/// A scalar number, or the fallback.
+[[nodiscard]] std::int64_t read_integer(hid_t object, const std::string& name, std::int64_t fallback);
+/// A list of texts, empty if absent or of another kind.
+[[nodiscard]] std::vector<std::string> read_texts(hid_t object, const std::string& name);
 
 }  // namespace cvtflow::engine::hdf5

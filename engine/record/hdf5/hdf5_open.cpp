@@ -18,7 +18,7 @@
 #include <string>
 
 #include "engine/base/text.hpp"
-#include "engine/record/hdf5/hdf5_attribute.hpp"
+#include "engine/record/hdf5/hdf5_handle.hpp"
 #include "engine/record/hdf5/hdf5_series.hpp"
 
 namespace cvtflow::engine::hdf5 {

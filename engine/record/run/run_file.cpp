@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/record/hdf5/hdf5_attribute.hpp"
+#include "engine/record/hdf5/hdf5_handle.hpp"
 #include "engine/record/hdf5/hdf5_series.hpp"
 #include "engine/record/run/part_file.hpp"
 #include "engine/record/run/run_layout.hpp"

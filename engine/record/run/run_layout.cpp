@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <set>
 
-#include "engine/record/hdf5/hdf5_attribute.hpp"
+#include "engine/record/hdf5/hdf5_handle.hpp"
 
 namespace cvtflow::engine::hdf5 {
 namespace {

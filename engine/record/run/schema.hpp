@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -49,6 +50,14 @@ struct Attribute {
     std::variant<std::string, double, std::int64_t> value;
     bool operator==(const Attribute&) const = default;
 };
+
+/// Value of the attribute of that name, if there is one of that type; else nullptr.
+template <class Value>
+[[nodiscard]] const Value* attribute_value(const std::vector<Attribute>& attributes, std::string_view name) noexcept {
+    for (const Attribute& each : attributes)
+        if (each.name == name) return std::get_if<Value>(&each.value);
+    return nullptr;
+}
 
 /// From now on a child process checks every file first while this process has a single thread, so that a forged file that makes HDF5
 /// crash is an error like others. For programs of our own: hosts may be in the way of a fork. (hdf5_open.cpp)

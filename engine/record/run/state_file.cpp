@@ -6,7 +6,7 @@
 
 #include "engine/base/hash.hpp"
 #include "engine/record/hdf5/file_seal.hpp"
-#include "engine/record/hdf5/hdf5_attribute.hpp"
+#include "engine/record/hdf5/hdf5_handle.hpp"
 #include "engine/record/hdf5/hdf5_open.hpp"
 #include "engine/record/hdf5/hdf5_series.hpp"
 
@@ -121,8 +121,7 @@ SavedState read_contents(hid_t file) {
     saved.phases = read_bytes(file, "/phases", budget);
     saved.fingerprint = hdf5::read_text(file, "fingerprint");
     saved.attributes = hdf5::read_attributes(file);
-    for (const Attribute& attribute : saved.attributes)
-        if (const auto* time = std::get_if<double>(&attribute.value); time != nullptr && attribute.name == "time") saved.time = *time;
+    if (const auto* time = attribute_value<double>(saved.attributes, "time")) saved.time = *time;
     std::erase_if(saved.attributes, is_own);
     if (hdf5::read_text(file, "state_hash") != hash_of(saved)) throw hdf5::Failure("damaged: the hash of the state differs");
     return saved;
