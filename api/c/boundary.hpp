@@ -7,7 +7,7 @@
 #include <cvtflow/simulation.hpp>
 #include <vector>
 
-#include "api/host/given.hpp"
+#include "api/host/entry.hpp"
 #include "engine/thread/life_count.hpp"
 
 struct cvtflow_scene {

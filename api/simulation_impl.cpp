@@ -1,11 +1,11 @@
-#include "api/simulation/simulation_impl.hpp"
+#include "api/simulation_impl.hpp"
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <utility>
 
-#include "api/host/translate.hpp"
+#include "api/host/entry.hpp"
 #include "engine/base/spelling.hpp"
 #include "engine/thread/worker_threads.hpp"
 #include "tasks/method/stability/predicted_step.hpp"
