@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "api/host/translate.hpp"
-#include "api/simulation/simulation_impl.hpp"
+#include "api/host/entry.hpp"
+#include "api/simulation_impl.hpp"
 #include "engine/base/text.hpp"
 #include "engine/record/run/run_reader.hpp"
 #include "tasks/batch/results/results.hpp"

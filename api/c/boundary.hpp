@@ -7,7 +7,7 @@
 #include <cvtflow/simulation.hpp>
 #include <vector>
 
-#include "api/host/given.hpp"
+#include "api/host/entry.hpp"
 #include "engine/thread/guards.hpp"
 
 struct cvtflow_scene {

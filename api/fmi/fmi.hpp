@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "api/fmi/instance.hpp"
-#include "api/host/given.hpp"
+#include "api/host/entry.hpp"
 
 #ifdef _WIN32
 #define CVTFLOW_FMI extern "C" __declspec(dllexport)

@@ -2,7 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <cvtflow/error.hpp>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <locale>
+#include <sstream>
 
+#include "engine/base/hash.hpp"
 #include "engine/base/text.hpp"
 #include "tasks/scene/units.hpp"
 
@@ -159,6 +167,104 @@ void Instance::restore(const Snapshot& snapshot) {
     start_ = snapshot.start;
     now_ = snapshot.now;
     ready_ = snapshot.ready;
+}
+
+std::string read_file(const std::string& path) {
+    const std::filesystem::path place(std::u8string(path.begin(), path.end()));  // FMI's paths are UTF-8, Windows' are not
+    std::ifstream file(place, std::ios::binary);
+    if (!file) throw Error(ErrorCode::argument, path + ": cannot be read");
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+Variables read_variables(const std::string& path) {
+    static const std::map<std::string, VariableKind> kinds{{"time", VariableKind::time},
+                                                           {"input", VariableKind::input},
+                                                           {"output", VariableKind::output},
+                                                           {"parameter", VariableKind::parameter}};
+    Variables variables;
+    std::istringstream lines(read_file(path));
+    for (std::string line; std::getline(lines, line);) {
+        std::istringstream words(line);
+        words.imbue(std::locale::classic());
+        std::uint32_t reference = 0;
+        std::string kind;
+        Variable variable;
+        if (!(words >> reference >> kind >> variable.width >> variable.name) || !kinds.contains(kind))
+            throw Error(ErrorCode::argument, path + ": not a variable: " + line);
+        words >> variable.element;
+        variable.kind = kinds.at(kind);
+        variables[reference] = variable;
+    }
+    return variables;
+}
+
+namespace {
+
+constexpr std::string_view magic = "CVTFMU02";
+
+class Bytes {
+public:
+    explicit Bytes(std::span<const std::byte> rest) : rest_(rest) {}
+    [[nodiscard]] std::span<const std::byte> take(std::size_t size) {
+        if (rest_.size() < size) throw Error(ErrorCode::state, "saved state of an FMU: truncated");
+        const auto taken = rest_.first(size);
+        rest_ = rest_.subspan(size);
+        return taken;
+    }
+    template <class T>
+    [[nodiscard]] T value() {
+        T value;
+        std::memcpy(&value, take(sizeof value).data(), sizeof value);
+        return value;
+    }
+    [[nodiscard]] std::span<const std::byte> rest() const noexcept { return rest_; }
+
+private:
+    std::span<const std::byte> rest_;
+};
+
+template <class T>
+void add(std::vector<std::byte>& bytes, const T& value) {
+    const auto* from = reinterpret_cast<const std::byte*>(&value);
+    bytes.insert(bytes.end(), from, from + sizeof value);
+}
+
+}  // namespace
+
+std::vector<std::byte> Snapshot::bytes() const {
+    std::vector<std::byte> bytes;
+    for (const char letter : magic) add(bytes, letter);
+    add(bytes, start);
+    add(bytes, now);
+    add(bytes, static_cast<std::uint64_t>(ready));
+    add(bytes, static_cast<std::uint64_t>(parameters.size()));
+    for (const auto& [key, value] : parameters) {
+        add(bytes, static_cast<std::uint64_t>(key.size()));
+        for (const char letter : key) add(bytes, letter);
+        add(bytes, value);
+    }
+    add(bytes, engine::Hash().add(std::span<const std::byte>(bytes)).value());  // the state has its own
+    bytes.insert(bytes.end(), state.bytes().begin(), state.bytes().end());
+    return bytes;
+}
+
+Snapshot Snapshot::from_bytes(std::span<const std::byte> bytes) {
+    Bytes rest(bytes);
+    if (std::memcmp(rest.take(magic.size()).data(), magic.data(), magic.size()) != 0)
+        throw Error(ErrorCode::state, "saved state of an FMU: malformed");
+    Snapshot made;
+    made.start = rest.value<double>();
+    made.now = rest.value<double>();
+    made.ready = rest.value<std::uint64_t>() != 0;
+    for (auto left = rest.value<std::uint64_t>(); left > 0; --left) {
+        const auto letters = rest.take(rest.value<std::uint64_t>());
+        const std::string key(reinterpret_cast<const char*>(letters.data()), letters.size());
+        made.parameters[key] = rest.value<double>();
+    }
+    const std::uint64_t header = engine::Hash().add(bytes.first(bytes.size() - rest.rest().size())).value();
+    if (rest.value<std::uint64_t>() != header) throw Error(ErrorCode::state, "saved state of an FMU: it is damaged");
+    made.state = State::from_bytes(rest.rest());
+    return made;
 }
 
 }  // namespace cvtflow::fmi

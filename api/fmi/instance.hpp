@@ -2,15 +2,39 @@
 /// One instance of an FMU, without the standard's types: what both versions of the standard ask for.
 
 #include <cstddef>
+#include <cstdint>
 #include <cvtflow/simulation.hpp>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "api/fmi/variables.hpp"
-
 namespace cvtflow::fmi {
+
+enum class VariableKind { time, input, output, parameter };
+
+struct Variable {
+    VariableKind kind = VariableKind::time;
+    std::size_t width = 1;    ///< values
+    std::size_t element = 0;  ///< the first of them in the channel
+    std::string name;
+};
+
+/// By value reference, as the FMU's description numbers them: a text file in its resources, a line each, written by `cvtflow export-fmu`.
+///
+///     0 time 1 time
+///     1 input 1 load_torque
+///     5 output 24 links/tension        value reference, kind, values, name
+///     29 output 1 links/tension 3      one element of a channel, counted from 0
+///     40 parameter 1 tip.mass
+using Variables = std::map<std::uint32_t, Variable>;
+
+/// @throws Error (argument) for malformed lines
+[[nodiscard]] Variables read_variables(const std::string& path);
+
+/// All bytes of a file. @throws Error (argument)
+[[nodiscard]] std::string read_file(const std::string& path);
 
 /// Everything that a later instance of the same FMU needs for a bitwise continuation.
 struct Snapshot {

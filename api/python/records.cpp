@@ -83,7 +83,7 @@ struct Recorder {
 
 [[nodiscard]] py::object finish(Recorder& self, bool complete) {
     self.recording.finish(complete);
-    return by_python("_records", "Record")(self.path);
+    return by_python("_results", "Record")(self.path);
 }
 
 void bind_recording(py::module_& module) {

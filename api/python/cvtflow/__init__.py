@@ -14,15 +14,12 @@ Python. Names are those of the C++ interface.
 
 from ._cvtflow import *  # noqa: F401,F403
 from ._cvtflow import Scene, Simulation, library_version
-from . import _calls, _cvtflow, _display, _pickle
-from ._records import Record
-from ._run import Rows, run
+from . import _classes, _cvtflow
+from ._results import Record, Rows, run
 from ._sweep import Results, Sweep
 
 __version__ = library_version()
 
 Scene.__module__ = Simulation.__module__ = "cvtflow"
-_pickle.install(Simulation)
-_calls.install(Simulation)
-tune = _calls.plain(_cvtflow.tune, "tune")
-_display.install()
+tune = _classes.plain(_cvtflow.tune, "tune")
+_classes.install()

@@ -5,9 +5,9 @@
 #include <limits>
 #include <optional>
 
-#include "api/host/floating_defaults.hpp"
+#include "api/host/entry.hpp"
 #include "api/host/state_bytes.hpp"
-#include "api/scene/scene_data.hpp"
+#include "api/scene_data.hpp"
 #include "engine/executor/cancellation.hpp"
 #include "engine/thread/guards.hpp"
 #include "model/observe/observation.hpp"

@@ -1,11 +1,11 @@
-#include "api/simulation/simulation_impl.hpp"
+#include "api/simulation_impl.hpp"
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <utility>
 
-#include "api/host/translate.hpp"
+#include "api/host/entry.hpp"
 #include "engine/base/text.hpp"
 #include "engine/thread/worker_threads.hpp"
 #include "tasks/run/simulation.hpp"

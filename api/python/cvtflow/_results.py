@@ -1,0 +1,203 @@
+"""Results over time, with units, frames and plots: a run as one call, and records of runs, read on demand."""
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from ._channels import Channels, Columns, split, unknown
+from ._cvtflow import RecordFile, Simulation, Threads, quantity
+
+_MILLI = 1e3
+
+
+class Series:
+    """Arrays over time by name, "time" [s] among them. Derived classes define __getitem__ and info (name -> Column)."""
+
+    def _label(self, name):
+        unit = self.info[split(name)[0]].unit
+        return name if unit == "1" else f"{name} [{unit}]"
+
+    def frame(self, channels=None):
+        """A pandas.DataFrame with the time [s] as index; channels of several numbers become columns "links/tension[0]", ...
+
+        channels  names; None: all of one number per row
+        Units by column are in frame.attrs["units"]. Raises ImportError where pandas is not installed.
+        """
+        import pandas
+
+        names = [name for name, column in self.info.items() if column.width == 1] if channels is None else channels
+        columns, units = {}, {}
+        for name in names:
+            values = self[name]
+            parts = {name: values} if values.ndim == 1 else {f"{name}[{k}]": values[:, k] for k in range(values.shape[1])}
+            columns.update(parts)
+            units.update(dict.fromkeys(parts, self.info[split(name)[0]].unit))
+        frame = pandas.DataFrame(columns, index=pandas.Index(self["time"], name="time"))
+        frame.attrs["units"] = units
+        return frame
+
+    def plot(self, *channels, ax=None, **style):
+        """Draws channels over time with Matplotlib: those of one unit in one panel, panels with a shared time axis. Returns the Axes, or
+        an array of them.
+
+        ax     Axes, or one for each unit; None: a new figure
+        style  goes to Axes.plot
+        """
+        import matplotlib.pyplot as pyplot
+
+        panels = {}
+        for name in channels:
+            panels.setdefault(self.info[split(name)[0]].unit, []).append(name)
+        if not panels:
+            raise TypeError("plot() takes the names of one channel or more")
+        if ax is None:
+            size = (6.4, max(3.6, 0.6 + 2.0 * len(panels)))
+            ax = pyplot.subplots(len(panels), sharex=True, squeeze=False, figsize=size, layout="constrained")[1][:, 0]
+        axes = np.atleast_1d(ax)
+        for axis, (unit, names) in zip(axes, panels.items()):
+            for name in names:
+                axis.plot(_MILLI * self["time"], self[name], label=name, **style)
+            axis.set_ylabel(self._label(names[0]) if len(names) == 1 else f"[{unit}]")
+            if len(names) > 1:
+                axis.legend()
+        axes[-1].set_xlabel("time [ms]")
+        return axes[0] if len(axes) == 1 else axes
+
+
+class States:
+    """The recorded states: states[3] are the unknowns of the fourth, states.unknowns those of all, states.phases the phases of the tips."""
+
+    def __init__(self, file):
+        self._file = file
+        self.time = file.state_times()
+
+    def __len__(self):
+        return len(self.time)
+
+    def __getitem__(self, number):
+        count = len(self)
+        if not -count <= number < count:
+            raise IndexError(f"state {number} of {count}")
+        return self._file.state(number % count)
+
+    @property
+    def unknowns(self):
+        """[states, unknowns], in the order of Simulation.unknowns()."""
+        return np.array([self._file.state(number) for number in range(len(self))])
+
+    @property
+    def phases(self):
+        """[states, tips]: 0 free, 1 touching, 2 sticking, 3 slipping."""
+        return np.array([self._file.phases(number) for number in range(len(self))])
+
+    def __repr__(self):
+        span = f" from {self.time[0]:.6g} to {self.time[-1]:.6g} s" if len(self) else ""
+        return f"<cvtflow.States: {len(self)}{span}>"
+
+
+class Record(Series, Mapping):
+    """The record of a run as a mapping from names of channels to arrays; "time" [s] is among them.
+
+    record = cvtflow.Record("results/tiny.h5")
+    record["links/tension"]            # all rows, [rows, links]; read now
+    record["links/tension[3]"]         # of the fourth link, [rows]
+    record.read("ratio", 100, 50)      # 50 rows from row 100 on
+    record.frame()                     # a pandas.DataFrame
+    record.plot("slip")                # with Matplotlib
+    """
+
+    def __init__(self, path):
+        self._file = RecordFile(str(path))
+        self._columns = self._file.channels()
+        self.path = str(path)
+
+    status = property(lambda self: self._file.status, doc="finished, running, unreliable, or the cause of an early end.")
+    attributes = property(lambda self: self._file.attributes(), doc="Of the whole file, by name.")
+    channels = property(lambda self: Channels(self.__getitem__, Columns(self._columns)), doc="Arrays by name; channels.info: their units.")
+    info = property(lambda self: {row.name: row for row in self._columns}, doc="Column (unit, description, width) of channels, by name.")
+    rows = property(lambda self: self._file.rows(), doc="Number of rows when the file was opened.")
+    states = property(lambda self: States(self._file), doc="The recorded states: time, unknowns, phases.")
+    transitions = property(lambda self: self._file.transitions(),
+                           doc="Changes of a tip's phase: an array with fields time, pin, tip, phase_from, phase_to.")
+
+    def read(self, channel, first=0, count=None):
+        """Rows of a channel, or of an element: [count] or [count, width]."""
+        name, element = split(channel)
+        rows = self._file.read(name, first, count)
+        if element is None:
+            return rows
+        if rows.ndim == 1 or element >= rows.shape[1]:
+            raise KeyError(f"{channel}: {name} has {1 if rows.ndim == 1 else rows.shape[1]} elements")
+        return rows[:, element]
+
+    def __getitem__(self, name):
+        if name != "time" and split(name)[0] not in self.info:
+            raise unknown(name, ["time", *self.info])
+        return self.read(name)
+
+    def __iter__(self):
+        yield "time"
+        yield from self.info
+
+    def __len__(self):
+        return 1 + len(self._columns)
+
+    def _ipython_key_completions_(self):
+        return list(self)
+
+    def __repr__(self):
+        return f"<cvtflow.Record {self.path}: {self.status}, {self.rows} rows of {len(self._columns)} channels>"
+
+
+class Rows(Series, dict):
+    """Result of run(): arrays over time by name. info contains their units; frame() and plot() as for a Record."""
+
+    def __init__(self, values, info):
+        super().__init__(values)
+        self.info = info
+
+    def __repr__(self):
+        return f"<cvtflow.Rows: {len(self['time'])} rows of {', '.join(self)}>"
+
+
+def _channel(name):
+    return split(name)[0]
+
+
+def _seconds(value):
+    return quantity(value, "s") if isinstance(value, str) else value
+
+
+def run(scene, until=None, *, channels=("ratio", "slip", "efficiency"), interval=None, inputs=None, threads=None):
+    """Runs a scene and returns a dict of arrays over time: "time" [s] and the channels, [rows] or [rows, width], in SI units.
+
+    until     end ("0.1 ms"; numbers are in s); None: run.until of the scene
+    channels  names, elements such as "links/tension[3]" among them
+    interval  time between rows; None: run.output_interval
+    inputs    called as inputs(time, simulation) before each row; returns a dict of inputs to set, or None
+    threads   cvtflow.Threads; None: the calling thread
+
+    A start that has to settle does so first. Rows are taken at the first step at or after every multiple of the interval, as in a record.
+    """
+    simulation = scene if isinstance(scene, Simulation) else Simulation(scene, threads or Threads.caller())
+    until = simulation.scene["run.until"] if until is None else _seconds(until)
+    interval = simulation.scene["run.output_interval"] if interval is None else _seconds(interval)
+    if not interval > 0.0:
+        raise ValueError("interval: must be positive")
+    now = simulation.channels
+    for name in channels:
+        now[name]  # raises what is wrong with a name before anything runs
+    info = {name: column for name, column in now.info.items() if name in map(_channel, channels)}
+    if simulation.time < 0.0:
+        simulation.advance_to(0.0)
+    first = math.ceil(simulation.time / interval * (1.0 - 1e-9))
+    rows = {"time": []} | {name: [] for name in channels}
+    for number in range(first, math.floor(until / interval * (1.0 + 1e-9)) + 1):
+        simulation.advance_to(number * interval)
+        for name, value in ((inputs(simulation.time, simulation) if inputs else None) or {}).items():
+            simulation.set_input(name, value)
+        rows["time"].append(simulation.time)
+        for name in channels:
+            rows[name].append(now[name])
+    return Rows({name: np.array(values, dtype=float) for name, values in rows.items()}, info)
