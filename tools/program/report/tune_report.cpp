@@ -6,9 +6,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "tasks/scene/csv/csv_text.hpp"
 #include "tools/program/plot/plot.hpp"
-#include "tools/program/text/provenance_json.hpp"
+#include "tools/program/text/report_columns.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::tools {
@@ -33,27 +32,51 @@ std::string step_cell(const tasks::TunedChoice& choice) {
     return choice.step > 0.0 ? time_text(choice.step) : fmt::format("auto/{:g}", 1.0 / choice.choice.share);
 }
 
+using Choice = tasks::TunedChoice;
+
+/// Columns of the terminal's table and of the CSV.
+std::vector<ReportColumn<Choice>> choice_columns(const std::vector<std::string>& outputs) {
+    constexpr int few = 6;
+    const auto text = [](const char* key, const char* heading, std::string (*of)(const Choice&), bool quoted) -> ReportColumn<Choice> {
+        return {key, heading, [of](const Choice& c) { return of(c); }, of, Align::left, usual_digits, quoted};
+    };
+    std::vector<ReportColumn<Choice>> columns{{"detail", "detail", [](const Choice& c) { return c.choice.detail; },
+                                               [](const Choice& c) { return detail_cell(c.choice); }, Align::left},
+                                              text(
+                                                  "method", "method", [](const Choice& c) { return c.choice.method; }, false),
+                                              {"share", "", [](const Choice& c) { return c.choice.share; }, {}, Align::right, few},
+                                              {"step_s", "step", [](const Choice& c) { return c.step; }, step_cell, Align::right, few},
+                                              {"seconds_per_second", "s/s", [](const Choice& c) { return c.seconds; },
+                                               [](const Choice& c) { return fmt::format("{:.3g}", c.seconds); }, Align::right, few},
+                                              {"spread", "spread %", [](const Choice& c) { return c.spread; },
+                                               [](const Choice& c) { return fmt::format("{:.0f}", 100.0 * c.spread); }, Align::right, 3},
+                                              {"work_per_second", "", [](const Choice& c) { return c.work; }, {}, Align::right, few}};
+    for (std::size_t i = 0; i < outputs.size(); ++i)
+        columns.push_back({csv_cell("error " + outputs[i], 0, true), outputs[i] + " %",
+                           [i](const Choice& c) { return c.tried ? nlohmann::ordered_json(c.errors[i]) : nlohmann::ordered_json(); },
+                           [i](const Choice& c) { return c.tried ? percent_cell(c.errors[i]) : ""; }, Align::right, few});
+    columns.push_back(text(
+        "worst", "", [](const Choice& c) { return c.worst; }, true));
+    columns.push_back(
+        {"front", "front", [](const Choice& c) { return c.front; }, [](const Choice& c) { return c.front ? "*" : ""; }, Align::left});
+    columns.push_back(text(
+        "standing", "standing", [](const Choice& c) { return c.standing; }, true));
+    return columns;
+}
+
 }  // namespace
 
 std::string tune_text(const tasks::TuneResult& result) {
-    std::vector<Table::Column> columns{{"detail"}, {"method"}, {"step", Align::right}, {"s/s", Align::right}, {"spread %", Align::right}};
-    for (const std::string& output : result.outputs) columns.push_back({output + " %", Align::right});
-    columns.push_back({"front"});
-    columns.push_back({"standing"});
-    Table table(columns);
     double spread = 0.0;
     std::size_t untried = 0;
-    for (const tasks::TunedChoice& c : result.choices) {
+    std::vector<Choice> shown;
+    for (const Choice& c : result.choices) {
         spread = std::max(spread, c.spread);
-        if (!c.tried && ++untried > shown_untried) continue;
-        std::vector<std::string> cells{detail_cell(c.choice), c.choice.method, step_cell(c), fmt::format("{:.3g}", c.seconds),
-                                       fmt::format("{:.0f}", 100.0 * c.spread)};
-        for (std::size_t i = 0; i < result.outputs.size(); ++i) cells.push_back(c.tried ? percent_cell(c.errors[i]) : "");
-        cells.insert(cells.end(), {c.front ? "*" : "", c.standing});
-        table.add(cells);
+        if (c.tried || ++untried <= shown_untried) shown.push_back(c);
     }
     std::string text = fmt::format("{}: accuracy {:g} %, at {}\n{}", result.scene, 100.0 * result.accuracy,
-                                   plural(static_cast<long>(result.points.size()), "operating point"), table.text(2));
+                                   plural(static_cast<long>(result.points.size()), "operating point"),
+                                   report_table(choice_columns(result.outputs), shown));
     if (untried > shown_untried) text += fmt::format("  … and {} untried ones (--csv, --json)\n", untried - shown_untried);
     for (std::size_t i = 0; i < result.points.size(); ++i)
         text += field(i == 0 ? "against" : "", result.points[i] + ": " + result.references[i]);
@@ -70,20 +93,7 @@ std::string tune_text(const tasks::TuneResult& result) {
     return text + field("took", clock_text(result.wall));
 }
 
-std::string tune_csv(const tasks::TuneResult& result) {
-    const auto quoted = [](const std::string& cell) { return tasks::csv_cell(cell, true, true); };
-    std::string text = "detail,method,share,step_s,seconds_per_second,spread,work_per_second";
-    for (const std::string& output : result.outputs) text += "," + quoted("error " + output);
-    text += ",worst,front,standing\n";
-    for (const tasks::TunedChoice& c : result.choices) {
-        text += fmt::format("{},{},{:g},{:.6g},{:.6g},{:.3g},{:.6g}", c.choice.detail, c.choice.method, c.choice.share, c.step, c.seconds,
-                            c.spread, c.work);
-        for (std::size_t i = 0; i < result.outputs.size(); ++i)
-            text += c.tried && std::isfinite(c.errors[i]) ? fmt::format(",{:.6g}", c.errors[i]) : ",";
-        text += fmt::format(",{},{},{}\n", quoted(c.worst), c.front ? 1 : 0, quoted(c.standing));
-    }
-    return text;
-}
+std::string tune_csv(const tasks::TuneResult& result) { return report_csv(choice_columns(result.outputs), result.choices); }
 
 std::string tune_json(const tasks::TuneResult& result, const std::vector<UnseenPoint>& unseen) {
     using nlohmann::ordered_json;

@@ -1,9 +1,11 @@
 #pragma once
-/// A mesh that moves, for ParaView and VTK: a collection (.pvd) of one XML UnstructuredGrid (.vtu) per time, raw binary data.
+/// The running variator for ParaView and VTK: pin halves, plates and sheaves as a mesh that moves, with the forces on them, in a collection
+/// (.pvd) of one XML UnstructuredGrid (.vtu) per time, raw binary data.
 ///
 /// Not VTKHDF, whose time series are newer (VTK 9.3) than the readers that distributions have, and no series inside one .vtu: VTK 9.1 adds
 /// the cells of all times up.
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <span>
@@ -11,6 +13,7 @@
 #include <vector>
 
 #include "engine/record/run/output_rule.hpp"
+#include "model/observe/observation.hpp"
 
 namespace cvtflow::tools {
 
@@ -70,6 +73,36 @@ private:
     std::string rows_;  ///< of the collection
     long count_ = 0;
     std::uintmax_t bytes_ = 0;
+};
+
+/// Kind of a cell (array "part"); "number": half = 2 link + (front), plate = (plates per link) link + number, sheave = 2 shaft + side.
+enum class Solid { half = 0, plate = 1, sheave = 2 };
+
+class ChainSolids {
+public:
+    ChainSolids(const model::Variator& variator, const model::Parameters& parameters);
+
+    [[nodiscard]] const VtkMesh& mesh() const noexcept { return mesh_; }
+    /// axial_force, bending_moment, tension, joint_force of cells; tip_force of points.
+    [[nodiscard]] static std::vector<VtkArray> arrays();
+    /// Of an instant; the frame's memory is used again.
+    void show(double time, const double* state, const model::Phase* phases, VtkFrame& frame);
+
+private:
+    void mesh_halves();
+    void mesh_plates();
+    void mesh_sheaves();
+    [[nodiscard]] std::array<float, 3> point_of(const double* link, model::End end, double position) const;
+    void show_links(const double* state, VtkFrame& frame);
+    void show_sheaves(const double* state, VtkFrame& frame);
+    void show_tips(const double* state, VtkFrame& frame);
+
+    const model::Variator& variator_;
+    model::Parameters parameters_;
+    model::Observer observer_;
+    const model::Observation* now_ = nullptr;
+    std::vector<double> halves_;  ///< links of the state at hand, as those of halves
+    VtkMesh mesh_;
 };
 
 }  // namespace cvtflow::tools

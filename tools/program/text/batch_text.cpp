@@ -1,10 +1,8 @@
 #include "tools/program/text/batch_text.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 
@@ -13,52 +11,21 @@
 #include "tasks/batch/results/torn_results.hpp"
 #include "tasks/schedule/schedule.hpp"
 #include "tasks/tuning/verified_sweep.hpp"
-#include "tools/program/arguments/ready_scenes.hpp"
+#include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
-#include "tools/program/output/interrupt.hpp"
+#include "tools/program/progress.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::tools {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-/// A line on stderr: redrawn on a terminal, one every ten seconds elsewhere.
-class BatchDisplay {
-public:
-    explicit BatchDisplay(bool quiet) : quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0) {}
-    ~BatchDisplay() {
-        if (drawn_) to_stderr("\r\x1b[K");
-    }
-    BatchDisplay(const BatchDisplay&) = delete;
-    BatchDisplay& operator=(const BatchDisplay&) = delete;
-
-    void show(const tasks::BatchProgress& p) {
-        const double since = std::chrono::duration<double>(Clock::now() - last_).count();
-        if (quiet_ || since < (terminal_ ? 0.1 : 10.0)) return;
-        last_ = Clock::now();
-        const double rate = static_cast<double>(p.done) / std::max(p.wall, 1e-9);
-        const double left = p.left();
-        const std::string line = fmt::format("{} of {} cases, {:.3g} a second{}{}", p.before + p.done, p.cases, rate,
-                                             std::isnan(left) ? "" : fmt::format(", {} left", clock_text(left)),
-                                             p.failed > 0 ? fmt::format(", {} failed", p.failed) : "");
-        to_stderr(fmt::format("{}{}{}", terminal_ ? "\r" : "", line, terminal_ ? "\x1b[K" : "\n"));
-        drawn_ = terminal_;
-    }
-
-    /// A line that stays.
-    void tell(const std::string& what) {
-        if (quiet_) return;
-        if (drawn_) to_stderr("\r\x1b[K");
-        drawn_ = false;
-        print_error(what);
-    }
-
-private:
-    bool quiet_, terminal_, drawn_ = false;
-    Clock::time_point last_{};
-};
+std::string progress_line(const tasks::BatchProgress& p) {
+    const double rate = static_cast<double>(p.done) / std::max(p.wall, 1e-9), left = p.left();
+    return fmt::format("{} of {} cases, {:.3g} a second{}{}", p.before + p.done, p.cases, rate,
+                       std::isnan(left) ? "" : fmt::format(", {} left", clock_text(left)),
+                       p.failed > 0 ? fmt::format(", {} failed", p.failed) : "");
+}
 
 }  // namespace
 
@@ -141,14 +108,10 @@ void print_end(const tasks::Sweep& sweep, const tasks::BatchReport& report, cons
     if (!report.continuation_error.empty()) fmt::print("{}", field("continuation error", report.continuation_error));
 }
 
-void say_unless(bool quiet, const std::string& what) {
-    if (!quiet) print_error(what);
-}
-
 /// Repeats some cases at reference accuracy, if the sweep has a target accuracy. @return whether it is met
 bool verified(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, tasks::BatchReport& report, bool quiet) {
     if (!(asked.accuracy.target > 0.0) || catch_interrupts().requested()) return true;
-    const auto say = [quiet](const std::string& what) { say_unless(quiet, what); };
+    const auto say = [quiet](const std::string& what) { tools::say(quiet, what); };
     std::vector<std::string> remarks;
     try {
         remarks = tasks::verify_sweep(asked, tuned, report.folder, catch_interrupts(), say);
@@ -168,10 +131,12 @@ ExitStatus run_part(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, t
     tasks::BatchReport report;
     const engine::Cancellation& interrupted = catch_interrupts();
     {
-        BatchDisplay display(quiet);
+        StatusLine line(quiet);
         options.cancel = &interrupted;
-        options.progress = [&display](const tasks::BatchProgress& progress) { display.show(progress); };
-        options.notice = [&display](const std::string& what) { display.tell(what); };
+        options.progress = [&line](const tasks::BatchProgress& progress) {
+            if (line.due()) line.show(progress_line(progress));
+        };
+        options.notice = [&line](const std::string& what) { line.say(what); };
         if (options.part.only) options.threads = 1;
         report = tasks::run_batch(sweep, options);
     }
@@ -203,7 +168,7 @@ namespace {
 /// In the parent: once for all children.
 tasks::TunedSweep tuned_here(const tasks::Sweep& sweep, const std::string& folder, bool quiet) {
     if (!(sweep.accuracy.target > 0.0)) return {sweep, {}, std::nullopt};
-    const auto say = [quiet](const std::string& what) { say_unless(quiet, what); };
+    const auto say = [quiet](const std::string& what) { tools::say(quiet, what); };
     tasks::TunedSweep tuned = tasks::tuned_sweep(sweep, folder, catch_interrupts(), say);
     say(fmt::format("{}: {} for {:g} % (largest error at the corners: {:.2g} %){}", sweep.name, tuned.kept.choice.text(),
                     100.0 * sweep.accuracy.target, 100.0 * tuned.kept.error,

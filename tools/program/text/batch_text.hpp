@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "tasks/batch/batch.hpp"
-#include "tools/program/exit_status.hpp"
+#include "tools/program/guard.hpp"
 
 namespace cvtflow::tools {
 

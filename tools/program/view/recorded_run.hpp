@@ -1,11 +1,13 @@
 #pragma once
-/// A record for pictures and pages: channels by name, and the scene.
+/// A record for pictures, pages and exports: channels by name, the scene, states, and differences between two records.
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "engine/record/run/run_reader.hpp"
+#include "model/parameters/chain_layout.hpp"
 #include "tasks/scene/scene.hpp"
 
 namespace cvtflow::tools {
@@ -36,6 +38,11 @@ public:
     /// Times of the rows [s].
     [[nodiscard]] const std::vector<double>& times() const noexcept { return times_; }
 
+    /// A channel by its name; nullptr if it was not recorded.
+    [[nodiscard]] const engine::ChannelInfo* channel(const std::string& name) const;
+    /// All numbers of a channel, row after row; empty if it was not recorded.
+    [[nodiscard]] std::vector<double> values(const std::string& channel) const;
+
     /// All numbers of a channel; of one with more than four, three curves: its minimum, mean and maximum. @param each all numbers as well
     [[nodiscard]] std::vector<Curve> curves(const engine::ChannelInfo& channel, bool each = false) const;
     /// Curves of a channel, a group ("shaft_1"), or one number of a channel ("links/tension[12]").
@@ -58,5 +65,38 @@ private:
     std::optional<tasks::Scene> scene_;
     std::vector<double> times_;
 };
+
+/// One state of a record. Its size and phases are compared with the machine, because the file may be forged.
+/// @throws engine::RecordError for another number of unknowns or phases, and for invalid phases
+[[nodiscard]] engine::RecordedState machine_state(const std::string& path, const engine::RunReader& run, std::size_t number,
+                                                  const model::ChainLayout& at);
+
+/// Whether all unknowns are finite.
+[[nodiscard]] bool finite(const engine::RecordedState& recorded);
+
+/// A mean of both, and their difference.
+struct MeanDifference {
+    double a = 0.0, b = 0.0;  ///< in the unit of the channel
+    [[nodiscard]] double absolute() const noexcept { return b - a; }
+    /// Of the magnitude of a; not a number where a is 0 [1].
+    [[nodiscard]] double relative() const noexcept;
+};
+
+/// A channel of the overview that both records have.
+struct ChannelDifference {
+    Curve curve;                ///< its values: B - A
+    MeanDifference all, last;   ///< over all common rows, over the last fifth of them
+    double largest = 0.0;       ///< largest |B - A|, in the unit of the channel
+    double largest_time = 0.0;  ///< when [s]
+};
+
+struct RunDifference {
+    std::vector<double> times;                ///< rows of A within the time that both have [s]
+    std::vector<ChannelDifference> channels;  ///< in the order of A; B is interpolated linearly to the times of A
+    std::vector<std::string> only_a, only_b;  ///< channels of the overview of one alone
+};
+
+/// Without a common row there are no channels.
+[[nodiscard]] RunDifference difference(const RecordedRun& a, const RecordedRun& b);
 
 }  // namespace cvtflow::tools

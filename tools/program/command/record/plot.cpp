@@ -5,12 +5,12 @@
 #include <memory>
 #include <string>
 
+#include "tools/program/arguments.hpp"
 #include "tools/program/command/command.hpp"
 #include "tools/program/guard.hpp"
-#include "tools/program/output/outputs.hpp"
-#include "tools/program/output/png_file.hpp"
+#include "tools/program/output.hpp"
 #include "tools/program/view/run_plots.hpp"
-#include "tools/program/view/sweep_plots.hpp"
+#include "tools/program/view/sweep_view.hpp"
 #include "tools/program/view/wear_plots.hpp"
 
 namespace cvtflow::tools {
@@ -73,17 +73,9 @@ std::vector<Plot> plots_of_sweeps(const PlotArguments& arguments, const PlotWord
     return plots;
 }
 
-/// Beside the input, unless the user names a file.
-std::string picture_path(const PlotArguments& arguments, const std::string& file) {
-    if (!arguments.output.empty()) return arguments.output;
-    const std::filesystem::path path(file);
-    if (std::filesystem::is_directory(path)) return (path / "plot.svg").string();
-    return beside(file, ".svg");
-}
-
 ExitStatus plot(const PlotArguments& arguments) {
     const PlotWords words = sorted_words(arguments.words);
-    const std::string path = picture_path(arguments, words.files.front());
+    const std::string path = picture_path(arguments.output, words.files.front(), "plot.svg");
     const std::string kind = std::filesystem::path(path).extension().string();
     if (kind != ".svg" && kind != ".png" && kind != ".csv")
         throw UsageError(fmt::format("-o {}: expected FILE.svg, FILE.png or FILE.csv", path));
@@ -122,11 +114,7 @@ Action declare_plot(CLI::App& app) {
     app.add_option("--x", arguments->x, "Sweeps: column along the horizontal axis")->type_name("COLUMN");
     app.add_option("--y", arguments->y, "Sweeps: column along the vertical axis")->type_name("COLUMN");
     app.add_option("--colour", arguments->colour, "Sweeps: column drawn as a map with contours")->type_name("COLUMN");
-    app.add_option("--where", arguments->where, "Sweeps: only cases with that value; may be repeated")
-        ->type_name("COLUMN=VALUE")
-        ->expected(1)
-        ->allow_extra_args(false)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    declare_repeated(app, "--where", arguments->where, "Sweeps: only cases with that value; may be repeated", "COLUMN=VALUE");
     app.add_flag("--force", arguments->force, force_meaning);
     app.footer(
         "cvtflow plot run.h5 slip efficiency          cvtflow plot a.h5 b.h5 shaft_1/speed   (both in one picture)\n"

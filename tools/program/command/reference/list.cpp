@@ -16,11 +16,10 @@
 #include "tasks/run/channels/channels.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/toml/units.hpp"
-#include "tools/program/arguments/ready_scenes.hpp"
+#include "tools/program/arguments.hpp"
 #include "tools/program/command/command.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/html/page.hpp"
-#include "tools/program/text/executor_text.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::tools {

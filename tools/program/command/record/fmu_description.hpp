@@ -1,5 +1,6 @@
 #pragma once
-/// Variables of an FMU: the catalogues of inputs, channels and parameters, numbered.
+/// Description of an FMU: its variables, from the catalogues of inputs, channels and parameters, and modelDescription.xml for both versions
+/// of the standard.
 
 #include <cstdint>
 #include <cvtflow/cvtflow.hpp>
@@ -34,7 +35,29 @@ struct FmuChoice {
 /// @param arrays whether variables may be arrays (FMI 3), else each element is a variable. @throws UsageError for unknown names
 [[nodiscard]] std::vector<FmuVariable> fmu_variables(Simulation& simulation, const FmuChoice& choice, bool arrays);
 
-/// The resource that an FMU reads them from (api/fmi/variables.hpp).
+/// The resource that an FMU reads them from (api/fmi/instance.hpp).
 [[nodiscard]] std::string variables_text(const std::vector<FmuVariable>& variables);
+
+struct FmuFacts {
+    std::string name;         ///< of the scene
+    std::string identifier;   ///< of the library inside: a name in C
+    std::string token;        ///< that tells this FMU from others
+    std::string description;  ///< one line
+    std::string author;       ///< empty: not stated
+    std::string date;         ///< of generation, UTC, ISO 8601; empty: unknown
+    double until = 0.0;       ///< of the default experiment [s]
+};
+
+[[nodiscard]] std::string model_description_2(const FmuFacts& facts, const std::vector<FmuVariable>& variables);
+[[nodiscard]] std::string model_description_3(const FmuFacts& facts, const std::vector<FmuVariable>& variables);
+
+/// terminalsAndIcons/terminalsAndIcons.xml: a bus for each shaft, with its inputs and with the outputs whose names begin with it. Empty if
+/// no variable belongs to a shaft.
+[[nodiscard]] std::string terminals_text(const std::vector<FmuVariable>& variables);
+
+/// SOURCE_DATE_EPOCH [s since 1970], else the date of the commit that this program was built from: UTC, ISO 8601. Empty if neither is
+/// known.
+/// @throws UsageError for a SOURCE_DATE_EPOCH that is no number of seconds
+[[nodiscard]] std::string generation_date();
 
 }  // namespace cvtflow::tools

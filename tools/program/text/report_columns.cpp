@@ -1,8 +1,23 @@
-#include "tools/program/text/provenance_json.hpp"
+#include "tools/program/text/report_columns.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
 
 #include "engine/base/provenance.hpp"
+#include "tasks/scene/csv/csv_text.hpp"
 
 namespace cvtflow::tools {
+
+std::string csv_cell(const nlohmann::ordered_json& value, int digits, bool quoted) {
+    if (value.is_boolean()) return value.get<bool>() ? "1" : "0";
+    if (value.is_null()) return "";
+    if (value.is_string()) return tasks::csv_cell(value.get<std::string>(), true, quoted);
+    if (!value.is_number_float()) return value.dump();
+    const double number = value.get<double>();
+    if (!std::isfinite(number)) return "";
+    return digits == all_digits ? fmt::format("{}", number) : fmt::format("{:.{}g}", number, digits);
+}
 
 nlohmann::ordered_json provenance_json() {
     const engine::Provenance here = engine::current_provenance();

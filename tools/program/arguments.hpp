@@ -1,18 +1,26 @@
 #pragma once
-/// Arguments that name a scene and change it, shared by all commands that take a scene.
+/// Arguments that several commands share: a scene and its changes, and the target of tuning.
 
 #include <deque>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "tasks/scene/ready_scenes.hpp"
 #include "tasks/scene/scene.hpp"
+#include "tasks/tuning/tuner.hpp"
 
 namespace CLI {
 class App;
 }
 
 namespace cvtflow::tools {
+
+using tasks::find_scene;
+using tasks::ready_scenes;
+using tasks::ready_sweeps;
+using tasks::ReadyScene;
+using tasks::scene_folders;
 
 /// An option that abbreviates a setting: `--until "1 ms"` for `--set run.until="1 ms"`.
 struct Shortcut {
@@ -47,9 +55,25 @@ struct LoadedScene {
 /// @throws tasks::SceneError
 [[nodiscard]] LoadedScene load_scene(const SceneArguments& arguments);
 
+/// An option that may be repeated, with one value each time. @param type of the value, in the help
+void declare_repeated(CLI::App& app, const char* option, std::vector<std::string>& values, const std::string& meaning, const char* type);
+
 /// @throws tasks::SceneError  `no method 'rk5' (did you mean 'rk4'?)`
 void require_method(const std::string& method);
 /// Wall time [s] from text with a unit. @throws tasks::SceneError that names the option
 [[nodiscard]] double seconds_of(const std::string& option, const std::string& text);
+
+struct TuningArguments {
+    std::optional<std::string> accuracy;
+    std::string outputs;  ///< separated by commas; empty: the usual figures
+    std::string methods;  ///< separated by commas; empty: the default method and the cheapest
+    std::optional<std::string> budget, settle, average;
+};
+
+/// Declares --accuracy, --outputs, --methods, --budget, --settling and --average.
+void declare_tuning(CLI::App& app, TuningArguments& arguments);
+
+/// @throws UsageError for an accuracy outside (0, 50 %] or an invalid time   @throws tasks::SceneError for an unknown method
+[[nodiscard]] tasks::TuneSettings tune_settings(const TuningArguments& arguments, bool quiet);
 
 }  // namespace cvtflow::tools

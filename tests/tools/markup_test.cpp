@@ -1,4 +1,4 @@
-#include "tools/program/html/sha256.hpp"
+#include "tools/program/text/markup.hpp"
 
 #include <gtest/gtest.h>
 

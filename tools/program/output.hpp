@@ -1,5 +1,5 @@
 #pragma once
-/// What commands write, as far as engine/record/run/output_rule.hpp must know it to decide about existing files.
+/// What commands write: which existing files it may replace, marks in pages and pictures, folders of results, PNG.
 
 #include <filesystem>
 #include <string>
@@ -9,6 +9,10 @@
 #include "engine/record/run/output_rule.hpp"
 #include "tasks/scene/scene.hpp"
 
+namespace CLI {
+class App;
+}
+
 namespace cvtflow::tools {
 
 inline constexpr const char* force_meaning = "Replace existing output files";
@@ -16,6 +20,10 @@ inline constexpr const char* force_meaning = "Replace existing output files";
 /// The name of a file beside a record or sweep: its own, without .h5, .part, .csv or .toml, and another ending. "run_0.1" gives
 /// "run_0.1.html".
 [[nodiscard]] std::string beside(const std::string& file, std::string_view ending);
+
+/// Where a picture or page of some input is written: the file that the user names, else `inside` a folder, or beside a file.
+/// @param inside "plot.svg"
+[[nodiscard]] std::string picture_path(const std::string& named, const std::string& input, const char* inside);
 
 /// The inputs that a command line names: files, and the tables of folders.
 [[nodiscard]] std::vector<std::filesystem::path> read_files(const std::vector<std::string>& files);
@@ -42,5 +50,35 @@ void require_checkpoint_place(const std::string& path, const std::string& record
 void keep_checkpoint(const std::string& file);
 /// Removes such a checkpoint, whose record will be replaced, unless it is an input.
 void forget_checkpoint(const std::string& file, const std::vector<std::filesystem::path>& inputs);
+
+/// -o DIR, --csv, --json, --svg.
+struct OutputArguments {
+    std::string folder;                           ///< empty: no files, or "results" if a kind is requested
+    bool csv = false, json = false, svg = false;  ///< requested kinds; none: all
+
+    [[nodiscard]] bool any() const noexcept { return !folder.empty() || csv || json || svg; }
+};
+
+void declare_output(CLI::App& app, OutputArguments& arguments);
+
+/// Writes files of the requested kinds; creates the folder.
+class OutputFolder {
+public:
+    explicit OutputFolder(const OutputArguments& arguments) : arguments_(arguments) {}
+    /// Does nothing if its kind (by the name's ending: .csv, .json, .svg) is not requested.
+    /// @throws std::runtime_error "DIR/NAME: cannot write"
+    void write(const std::string& name, const std::string& text);
+    [[nodiscard]] bool wants(const std::string& name) const;
+    /// "  written             DIR/NAME, …\n", and requested kinds that this command does not have; empty if no file was requested.
+    [[nodiscard]] std::string written() const;
+
+private:
+    OutputArguments arguments_;
+    std::vector<std::string> names_;
+};
+
+/// A picture as PNG, by rsvg-convert, with a text chunk that contains `mark`. @param path in messages
+/// @throws std::runtime_error if rsvg-convert is missing (names the package) or fails
+[[nodiscard]] std::string png_of(const std::string& path, const std::string& svg, const std::string& mark);
 
 }  // namespace cvtflow::tools

@@ -1,4 +1,4 @@
-#include "tools/program/arguments/scene_arguments.hpp"
+#include "tools/program/arguments.hpp"
 
 #include <fmt/format.h>
 
@@ -11,9 +11,9 @@
 #include "tasks/method/automatic_method.hpp"
 #include "tasks/method/method.hpp"
 #include "tasks/run/simulation.hpp"
+#include "tasks/scene/accuracy.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/toml/units.hpp"
-#include "tools/program/arguments/ready_scenes.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/text/text.hpp"
 
@@ -112,17 +112,18 @@ void require_member(const tasks::Scene& scene, const std::string& own_method, co
 
 }  // namespace
 
+void declare_repeated(CLI::App& app, const char* option, std::vector<std::string>& values, const std::string& meaning, const char* type) {
+    CLI::Option* made = app.add_option(option, values, meaning)->type_name(type);
+    made->expected(1)->allow_extra_args(false)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
 void declare_scene(CLI::App& app, SceneArguments& arguments) {
     app.add_option("SCENE", arguments.scene, "Scene file, or name of a ready scene (cvtflow list scenes)")->required()->type_name("");
     declare_changes(app, arguments);
 }
 
 void declare_changes(CLI::App& app, SceneArguments& arguments) {
-    app.add_option("--set", arguments.settings, "Change a key of the scene; may be repeated (cvtflow list keys)")
-        ->type_name("KEY=VALUE")
-        ->expected(1)
-        ->allow_extra_args(false)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    declare_repeated(app, "--set", arguments.settings, "Change a key of the scene; may be repeated (cvtflow list keys)", "KEY=VALUE");
     app.add_option("--detail", arguments.detail, "Level of detail (cvtflow list detail)")->type_name("PRESET");
 }
 
@@ -205,6 +206,61 @@ LoadedScene load_scene(const SceneArguments& arguments) {
     if (const std::string notice = bare_until(scene, arguments); !notice.empty())
         loaded.notice += (loaded.notice.empty() ? "" : "\n") + notice;
     return loaded;
+}
+
+namespace {
+
+/// "a, b" as {"a", "b"}.
+std::vector<std::string> names_of(const std::string& list) {
+    std::vector<std::string> names;
+    std::istringstream rest(list);
+    for (std::string name; std::getline(rest, name, ',');) {
+        const auto first = name.find_first_not_of(' ');
+        if (first != std::string::npos) names.push_back(name.substr(first, name.find_last_not_of(' ') - first + 1));
+    }
+    return names;
+}
+
+}  // namespace
+
+void declare_tuning(CLI::App& app, TuningArguments& arguments) {
+    std::vector<std::string> names;
+    for (const tasks::Figure& figure : tasks::figures()) names.emplace_back(figure.name);
+    app.add_option("--accuracy", arguments.accuracy, "Target: largest error of the outputs, e.g. \"1 %\"")->type_name("SHARE");
+    app.add_option("--outputs", arguments.outputs,
+                   fmt::format("Outputs whose error counts, separated by commas: {}, or as in a sweep, \"slip median\" (default: slip, "
+                               "efficiency, tight_tension, tips)",
+                               fmt::join(names, ", ")))
+        ->type_name("LIST");
+    app.add_option("--methods", arguments.methods,
+                   "Methods to choose from, separated by commas (default: the default method and the cheapest of the catalogue)")
+        ->type_name("LIST");
+    app.add_option("--budget", arguments.budget, "Wall time of the search, references included, e.g. \"2 min\"")->type_name("TIME");
+    const tasks::PointTimes usual;
+    app.add_option("--settling", arguments.settle,
+                   fmt::format("Simulated time before the averages begin (default: {:g} ms)", 1e3 * usual.settle))
+        ->type_name("TIME");
+    app.add_option("--average", arguments.average,
+                   fmt::format("Simulated time that the averages cover (default: {:g} ms)", 1e3 * usual.average))
+        ->type_name("TIME");
+}
+
+tasks::TuneSettings tune_settings(const TuningArguments& arguments, bool quiet) {
+    tasks::TuneSettings settings;
+    if (arguments.accuracy) {
+        const auto accuracy = tasks::read_accuracy(*arguments.accuracy);
+        if (!accuracy)
+            throw UsageError(fmt::format("--accuracy {}: expected a share above 0 and up to 50 %, such as \"1 %\"", *arguments.accuracy));
+        settings.accuracy = *accuracy;
+    }
+    settings.outputs = names_of(arguments.outputs);
+    settings.methods = names_of(arguments.methods);
+    for (const std::string& method : settings.methods) require_method(method);
+    if (arguments.budget) settings.budget = seconds_of("--budget", *arguments.budget);
+    if (arguments.settle) settings.times.settle = seconds_of("--settling", *arguments.settle);
+    if (arguments.average) settings.times.average = seconds_of("--average", *arguments.average);
+    if (!quiet) settings.progress = [](const std::string& what) { print_error(what); };
+    return settings;
 }
 
 }  // namespace cvtflow::tools
