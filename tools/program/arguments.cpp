@@ -92,15 +92,6 @@ void apply_preset(tasks::Scene& scene, const std::string& preset) {
     }
 }
 
-}  // namespace
-
-void require_method(const std::string& method) {
-    if (method == tasks::automatic_method || tasks::Method::find(method)) return;
-    throw UsageError(tasks::no_method(method));
-}
-
-namespace {
-
 /// A family of methods reports an unknown member when the method is made.
 void require_member(const tasks::Scene& scene, const std::string& own_method, const SceneArguments& arguments) {
     const std::string method = tasks::method_of(scene);
@@ -109,46 +100,6 @@ void require_member(const tasks::Scene& scene, const std::string& own_method, co
     if (scene.run.method == own_method) throw tasks::SceneError(problem);
     throw UsageError(in_words_given(problem, arguments));
 }
-
-}  // namespace
-
-void declare_repeated(CLI::App& app, const char* option, std::vector<std::string>& values, const std::string& meaning, const char* type) {
-    CLI::Option* made = app.add_option(option, values, meaning)->type_name(type);
-    made->expected(1)->allow_extra_args(false)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-}
-
-void declare_scene(CLI::App& app, SceneArguments& arguments) {
-    app.add_option("SCENE", arguments.scene, "Scene file, or name of a ready scene (cvtflow list scenes)")->required()->type_name("");
-    declare_changes(app, arguments);
-}
-
-void declare_changes(CLI::App& app, SceneArguments& arguments) {
-    declare_repeated(app, "--set", arguments.settings, "Change a key of the scene; may be repeated (cvtflow list keys)", "KEY=VALUE");
-    app.add_option("--detail", arguments.detail, "Level of detail (cvtflow list detail)")->type_name("PRESET");
-}
-
-void declare_fresh_start(CLI::App& app, SceneArguments& arguments) {
-    app.add_flag("--settle", arguments.settle, "Start from the geometric start and settle it, even if the scene names a state file");
-}
-
-void declare_shortcut(CLI::App& app, SceneArguments& arguments, std::string option, std::string key, const std::string& type) {
-    Shortcut& shortcut = arguments.shortcuts.emplace_back(Shortcut{std::move(option), std::move(key), {}});
-    const std::string meaning(tasks::find_parameter(shortcut.key)->meaning);
-    app.add_option(shortcut.option, shortcut.value, fmt::format("{} ({})", meaning, shortcut.key))
-        ->type_name(type)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-}
-
-double seconds_of(const std::string& option, const std::string& text) {
-    const auto parsed = tasks::parse_quantity(text);
-    const auto* quantity = std::get_if<tasks::Quantity>(&parsed);
-    const bool time = quantity != nullptr && quantity->has_unit && quantity->dimension == tasks::dimension_of("s");
-    if (!time || !(quantity->value > 0.0))
-        throw UsageError(fmt::format("{} {}: expected a time such as \"30 s\" or \"10 min\"", option, text));
-    return quantity->value;
-}
-
-namespace {
 
 /// The scene begins with a geometric start, since `changed` made its state useless. @throws UsageError if the chain does not close
 void without_state(tasks::Scene& scene, const std::string& changed) {
@@ -187,7 +138,59 @@ std::string bare_until(const tasks::Scene& scene, const SceneArguments& argument
     return fmt::format("{}: a number without a unit is in seconds{}; \"{} ms\" are milliseconds", given, cost_text(scene), value);
 }
 
+/// "a, b" as {"a", "b"}.
+std::vector<std::string> names_of(const std::string& list) {
+    std::vector<std::string> names;
+    std::istringstream rest(list);
+    for (std::string name; std::getline(rest, name, ',');) {
+        const auto first = name.find_first_not_of(' ');
+        if (first != std::string::npos) names.push_back(name.substr(first, name.find_last_not_of(' ') - first + 1));
+    }
+    return names;
+}
+
 }  // namespace
+
+void require_method(const std::string& method) {
+    if (method == tasks::automatic_method || tasks::Method::find(method)) return;
+    throw UsageError(tasks::no_method(method));
+}
+
+void declare_repeated(CLI::App& app, const char* option, std::vector<std::string>& values, const std::string& meaning, const char* type) {
+    CLI::Option* made = app.add_option(option, values, meaning)->type_name(type);
+    made->expected(1)->allow_extra_args(false)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
+void declare_scene(CLI::App& app, SceneArguments& arguments) {
+    app.add_option("SCENE", arguments.scene, "Scene file, or name of a ready scene (cvtflow list scenes)")->required()->type_name("");
+    declare_changes(app, arguments);
+}
+
+void declare_changes(CLI::App& app, SceneArguments& arguments) {
+    declare_repeated(app, "--set", arguments.settings, "Change a key of the scene; may be repeated (cvtflow list keys)", "KEY=VALUE");
+    app.add_option("--detail", arguments.detail, "Level of detail (cvtflow list detail)")->type_name("PRESET");
+}
+
+void declare_fresh_start(CLI::App& app, SceneArguments& arguments) {
+    app.add_flag("--settle", arguments.settle, "Start from the geometric start and settle it, even if the scene names a state file");
+}
+
+void declare_shortcut(CLI::App& app, SceneArguments& arguments, std::string option, std::string key, const std::string& type) {
+    Shortcut& shortcut = arguments.shortcuts.emplace_back(Shortcut{std::move(option), std::move(key), {}});
+    const std::string meaning(tasks::find_parameter(shortcut.key)->meaning);
+    app.add_option(shortcut.option, shortcut.value, fmt::format("{} ({})", meaning, shortcut.key))
+        ->type_name(type)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+}
+
+double seconds_of(const std::string& option, const std::string& text) {
+    const auto parsed = tasks::parse_quantity(text);
+    const auto* quantity = std::get_if<tasks::Quantity>(&parsed);
+    const bool time = quantity != nullptr && quantity->has_unit && quantity->dimension == tasks::dimension_of("s");
+    if (!time || !(quantity->value > 0.0))
+        throw UsageError(fmt::format("{} {}: expected a time such as \"30 s\" or \"10 min\"", option, text));
+    return quantity->value;
+}
 
 LoadedScene load_scene(const SceneArguments& arguments) {
     const auto start = arguments.settle ? tasks::StartState::ignored : tasks::StartState::required;
@@ -207,21 +210,6 @@ LoadedScene load_scene(const SceneArguments& arguments) {
         loaded.notice += (loaded.notice.empty() ? "" : "\n") + notice;
     return loaded;
 }
-
-namespace {
-
-/// "a, b" as {"a", "b"}.
-std::vector<std::string> names_of(const std::string& list) {
-    std::vector<std::string> names;
-    std::istringstream rest(list);
-    for (std::string name; std::getline(rest, name, ',');) {
-        const auto first = name.find_first_not_of(' ');
-        if (first != std::string::npos) names.push_back(name.substr(first, name.find_last_not_of(' ') - first + 1));
-    }
-    return names;
-}
-
-}  // namespace
 
 void declare_tuning(CLI::App& app, TuningArguments& arguments) {
     std::vector<std::string> names;

@@ -21,6 +21,32 @@
 
 namespace cvtflow::tools {
 
+namespace {
+
+std::string_view name_in_messages = "cvtflow";
+
+// A signal handler can reach nothing but a global.
+engine::Cancellation interrupted;
+double asked = 0.0;  // [s]
+
+constexpr double insisting = 0.5;  ///< one wish may come several times: to the process, to its group, from its parent [s]
+
+extern "C" void on_interrupt(int signal) {
+    timespec time{};
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    const double now = static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+    if (!interrupted.requested()) {
+        asked = now;
+        return interrupted.request();
+    }
+    const bool repeats = signal == SIGXCPU || signal == SIGPIPE;  // repeated by the system every second, or with every line
+    if (repeats || now < asked + insisting) return;
+    std::signal(signal, SIG_DFL);
+    std::raise(signal);  // delivered when the handler returns
+}
+
+}  // namespace
+
 ExitStatus exit_status(tasks::FaultKind kind) noexcept {
     using tasks::FaultKind;
     switch (kind) {
@@ -42,12 +68,6 @@ ExitStatus exit_status(tasks::FaultKind kind) noexcept {
 ExitStatus exit_status(const tasks::RunReport& report) noexcept {
     return report.fault || report.reliable() ? exit_status(report.fault.kind) : ExitStatus::unreliable;
 }
-
-namespace {
-
-std::string_view name_in_messages = "cvtflow";
-
-}  // namespace
 
 void name_program(std::string_view name) noexcept { name_in_messages = name; }
 std::string_view program_name() noexcept { return name_in_messages; }
@@ -122,30 +142,6 @@ int finish_output(int status) noexcept {
     }
     return status != 0 ? status : static_cast<int>(ExitStatus::error);
 }
-
-namespace {
-
-// A signal handler can reach nothing but a global.
-engine::Cancellation interrupted;
-double asked = 0.0;  // [s]
-
-constexpr double insisting = 0.5;  ///< one wish may come several times: to the process, to its group, from its parent [s]
-
-extern "C" void on_interrupt(int signal) {
-    timespec time{};
-    clock_gettime(CLOCK_MONOTONIC, &time);
-    const double now = static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-    if (!interrupted.requested()) {
-        asked = now;
-        return interrupted.request();
-    }
-    const bool repeats = signal == SIGXCPU || signal == SIGPIPE;  // repeated by the system every second, or with every line
-    if (repeats || now < asked + insisting) return;
-    std::signal(signal, SIG_DFL);
-    std::raise(signal);  // delivered when the handler returns
-}
-
-}  // namespace
 
 const engine::Cancellation& catch_interrupts() {
     struct sigaction action {};

@@ -1,5 +1,5 @@
 #pragma once
-/// What commands write: which existing files it may replace, marks in pages and pictures, folders of results, PNG.
+/// What commands write: which existing files it may replace, marks in pages and pictures, folders of results.
 
 #include <filesystem>
 #include <string>
@@ -76,9 +76,5 @@ private:
     OutputArguments arguments_;
     std::vector<std::string> names_;
 };
-
-/// A picture as PNG, by rsvg-convert, with a text chunk that contains `mark`. @param path in messages
-/// @throws std::runtime_error if rsvg-convert is missing (names the package) or fails
-[[nodiscard]] std::string png_of(const std::string& path, const std::string& svg, const std::string& mark);
 
 }  // namespace cvtflow::tools

@@ -1,5 +1,5 @@
 #pragma once
-/// Pieces of a page, and the page around them: one document that needs nothing else.
+/// Pages, each one document that needs nothing else: those of records and of sweeps, and the pieces that they are made of.
 
 #include <initializer_list>
 #include <nlohmann/json.hpp>
@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "engine/record/run/schema.hpp"
+#include "tools/program/view/recorded_run.hpp"
+#include "tools/program/view/sweep_view.hpp"
 
 namespace cvtflow::tools {
 
@@ -52,5 +54,12 @@ struct Page {
 [[nodiscard]] std::string attribute_table(const std::vector<engine::Attribute>& attributes);
 /// Rows of two cells. @param rows heading and HTML
 [[nodiscard]] std::string definition_table(const std::vector<std::pair<std::string, std::string>>& rows);
+
+/// One document; the chain runs in that of the first record. @throws std::runtime_error see text_of(Page)
+[[nodiscard]] std::string run_page(const std::vector<RecordedRun>& runs);
+
+/// One document: how its cases ended, a picture of any columns over any others, all cases as a table that can be sorted.
+/// @throws std::runtime_error see text_of(Page)
+[[nodiscard]] std::string sweep_page(const SweepView& sweep);
 
 }  // namespace cvtflow::tools

@@ -1,4 +1,4 @@
-#include "tools/program/html/run_page.hpp"
+#include "tools/program/html/page.hpp"
 
 #include <fmt/format.h>
 
@@ -11,8 +11,6 @@
 
 #include "tasks/run/run_means.hpp"
 #include "tasks/scene/parameter_table.hpp"
-#include "tools/program/html/page.hpp"
-#include "tools/program/plot/finite.hpp"
 #include "tools/program/text/markup.hpp"
 #include "tools/program/text/scene_text.hpp"
 #include "tools/program/text/text.hpp"
@@ -188,8 +186,28 @@ struct Stretches {
 
     [[nodiscard]] std::size_t begin(std::size_t number) const noexcept { return number * rows / count; }
     /// Times that values() belong to.
-    [[nodiscard]] std::vector<double> times(const std::vector<double>& all) const;
-    [[nodiscard]] std::vector<float> values(const std::vector<double>& all) const;
+    [[nodiscard]] std::vector<double> times(const std::vector<double>& all) const {
+        if (count == 0) return all;
+        std::vector<double> kept;
+        for (std::size_t k = 0; k < count; ++k) {
+            kept.push_back(all[begin(k)]);
+            kept.push_back(all[(begin(k) + begin(k + 1)) / 2]);
+        }
+        return kept;
+    }
+    [[nodiscard]] std::vector<float> values(const std::vector<double>& all) const {
+        if (count == 0) return {all.begin(), all.end()};
+        std::vector<float> kept;
+        for (std::size_t k = 0; k < count; ++k) {
+            const auto from = all.begin() + static_cast<std::ptrdiff_t>(begin(k)),
+                       to = all.begin() + static_cast<std::ptrdiff_t>(begin(k + 1));
+            auto [first, second] = finite_extremes(from, to, [](double value) { return value; });
+            if (second < first) std::swap(first, second);
+            kept.push_back(static_cast<float>(*first));
+            kept.push_back(static_cast<float>(*second));
+        }
+        return kept;
+    }
 };
 
 bool constant(const Curve& curve) {
@@ -208,29 +226,6 @@ std::vector<Curve> all_curves(const RecordedRun& run) {
         }
     }
     return curves;
-}
-
-std::vector<double> Stretches::times(const std::vector<double>& all) const {
-    if (count == 0) return all;
-    std::vector<double> kept;
-    for (std::size_t k = 0; k < count; ++k) {
-        kept.push_back(all[begin(k)]);
-        kept.push_back(all[(begin(k) + begin(k + 1)) / 2]);
-    }
-    return kept;
-}
-
-std::vector<float> Stretches::values(const std::vector<double>& all) const {
-    if (count == 0) return {all.begin(), all.end()};
-    std::vector<float> kept;
-    for (std::size_t k = 0; k < count; ++k) {
-        const auto from = all.begin() + static_cast<std::ptrdiff_t>(begin(k)), to = all.begin() + static_cast<std::ptrdiff_t>(begin(k + 1));
-        auto [first, second] = finite_extremes(from, to, [](double value) { return value; });
-        if (second < first) std::swap(first, second);
-        kept.push_back(static_cast<float>(*first));
-        kept.push_back(static_cast<float>(*second));
-    }
-    return kept;
 }
 
 /// All curves of a record, in at most about `max_bytes` bytes of text. {"label", "rows", "shown", "t", "curves": [{"n", "u", "d", "v" or

@@ -1,4 +1,4 @@
-#include "tools/program/html/run_page.hpp"
+#include "tools/program/html/page.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,6 @@
 #include <set>
 
 #include "tools/program/guard.hpp"
-#include "tools/program/html/page.hpp"
 #include "tools/program/text/markup.hpp"
 #include "tools/program/text/scene_text.hpp"
 #include "tools/program/text/text.hpp"

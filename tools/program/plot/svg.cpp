@@ -107,12 +107,29 @@ std::vector<LegendEntry> legend_of(const Plot& plot) {
 /// Where the entries are: in one column at the right of the frame, or in columns below it.
 class Legend {
 public:
-    explicit Legend(const Plot& plot);
-    [[nodiscard]] bool below() const noexcept { return below_; }
+    explicit Legend(const Plot& plot) : entries_(legend_of(plot)) {
+        if (entries_.empty()) return;
+        double names = 0.0;
+        for (const LegendEntry& entry : entries_) names = std::max(names, letters(entry.name));
+        width_ = 56.0 + letter * names;
+        below_ = width_ > plot.width / 3.0 && plot.fields.empty();
+        column_ = 44.0 + letter * names;
+        columns_ = std::max<std::size_t>(1, static_cast<std::size_t>((plot.width - 40.0) / column_));
+        rows_ = (entries_.size() + columns_ - 1) / columns_;
+    }
     [[nodiscard]] double width() const noexcept { return below_ ? 20.0 : width_; }                                   ///< at the right [px]
     [[nodiscard]] double height() const noexcept { return below_ ? 20.0 * static_cast<double>(rows_) + 8.0 : 0.0; }  ///< below [px]
     /// @param left, right, top of the frame   @param end of the picture without the legend [px]
-    [[nodiscard]] std::string text(double left, double right, double top, double end) const;
+    [[nodiscard]] std::string text(double left, double right, double top, double end) const {
+        std::string made;
+        for (std::size_t k = 0; k < entries_.size(); ++k) {
+            const double x = below_ ? left + 12.0 + column_ * static_cast<double>(k / rows_) : right + 26.0;
+            const double y = below_ ? end + 10.0 + 20.0 * static_cast<double>(k % rows_) : top + 10.0 + 20.0 * static_cast<double>(k);
+            made += fmt::format("<g transform=\"translate({} {})\">{}{}</g>\n", px(x), px(y), entries_[k].drawing,
+                                fmt::format("<text x=\"18\" y=\"4\" class=\"legend\">{}</text>", escaped(entries_[k].name)));
+        }
+        return made;
+    }
 
 private:
     std::vector<LegendEntry> entries_;
@@ -120,28 +137,6 @@ private:
     std::size_t rows_ = 0, columns_ = 1;
     double width_ = 20.0, column_ = 0.0;
 };
-
-Legend::Legend(const Plot& plot) : entries_(legend_of(plot)) {
-    if (entries_.empty()) return;
-    double names = 0.0;
-    for (const LegendEntry& entry : entries_) names = std::max(names, letters(entry.name));
-    width_ = 56.0 + letter * names;
-    below_ = width_ > plot.width / 3.0 && plot.fields.empty();
-    column_ = 44.0 + letter * names;
-    columns_ = std::max<std::size_t>(1, static_cast<std::size_t>((plot.width - 40.0) / column_));
-    rows_ = (entries_.size() + columns_ - 1) / columns_;
-}
-
-std::string Legend::text(double left, double right, double top, double end) const {
-    std::string made;
-    for (std::size_t k = 0; k < entries_.size(); ++k) {
-        const double x = below_ ? left + 12.0 + column_ * static_cast<double>(k / rows_) : right + 26.0;
-        const double y = below_ ? end + 10.0 + 20.0 * static_cast<double>(k % rows_) : top + 10.0 + 20.0 * static_cast<double>(k);
-        made += fmt::format("<g transform=\"translate({} {})\">{}{}</g>\n", px(x), px(y), entries_[k].drawing,
-                            fmt::format("<text x=\"18\" y=\"4\" class=\"legend\">{}</text>", escaped(entries_[k].name)));
-    }
-    return made;
-}
 
 /// Size of a picture: its height with the legend, and the width beside its frame [px].
 struct PictureSize {

@@ -32,6 +32,46 @@ std::string_view preset_name(const model::Detail& detail) {
     return {};
 }
 
+/// Its value, if there is an attribute of that name and type.
+template <class Value>
+const Value* value_of(const std::vector<engine::Attribute>& attributes, std::string_view name) {
+    const auto found = std::ranges::find(attributes, name, &engine::Attribute::name);
+    return found == attributes.end() ? nullptr : std::get_if<Value>(&found->value);
+}
+
+double number_of(const std::vector<engine::Attribute>& attributes, std::string_view name) {
+    const auto* number = value_of<double>(attributes, name);
+    return number == nullptr ? 0.0 : *number;
+}
+
+/// The instant of a run at which tables of clamping force and load leave the smallest safety factor.
+struct LeastSafety {
+    double limit = 0.0, load = 0.0;  ///< [N*m]
+    double factor = INFINITY;        ///< [1]
+};
+
+/// 2 mu S_2 r_2/cos(beta), friction of all contacts along the circumference, over the load. @param radius of the driven pulley [m]
+LeastSafety least_safety(const tasks::Scene& scene, double radius) {
+    constexpr int instants = 200;
+    const model::Parameters& p = scene.parameters;
+    LeastSafety least;
+    for (int k = 0; k <= instants; ++k) {
+        const double time = scene.run.until * k / instants;
+        const double limit = 2.0 * p.tip.friction.coefficient * p.clamping.driven.at(time) * radius / std::cos(p.tip.angle);
+        const double load = std::abs(p.load.torque.at(time));
+        if (load > 0.0 && limit / load < least.factor) least = {limit, load, limit / load};
+    }
+    return least;
+}
+
+/// Whether load and clamping force of the driven pulley are those of their tables.
+[[nodiscard]] bool tables_act(const model::Parameters& p) {
+    const bool driven_controlled =
+        p.control.enabled && (p.control.quantity != model::ControlledQuantity::ratio || p.control.driven != model::DrivenControl::none);
+    return p.load.mode == model::LoadMode::torque && p.clamping.safety == 0.0 && !driven_controlled &&
+           p.hydraulics.mode == model::HydraulicMode::none;
+}
+
 }  // namespace
 
 std::string detail_text(const tasks::Scene& scene) {
@@ -47,22 +87,6 @@ std::string detail_text(const tasks::Scene& scene) {
     const std::string friction = choice(scene, "detail.friction") + " friction" + (detail.stick_slip ? " with stick and slip" : "");
     return name.empty() ? fmt::format("{}{}; {}", dials, slowed, friction) : fmt::format("{} ({}{}); {}", name, dials, slowed, friction);
 }
-
-namespace {
-
-/// Its value, if there is an attribute of that name and type.
-template <class Value>
-const Value* value_of(const std::vector<engine::Attribute>& attributes, std::string_view name) {
-    const auto found = std::ranges::find(attributes, name, &engine::Attribute::name);
-    return found == attributes.end() ? nullptr : std::get_if<Value>(&found->value);
-}
-
-double number_of(const std::vector<engine::Attribute>& attributes, std::string_view name) {
-    const auto* number = value_of<double>(attributes, name);
-    return number == nullptr ? 0.0 : *number;
-}
-
-}  // namespace
 
 std::string value_text(const engine::Attribute& attribute) {
     if (const auto* text = std::get_if<std::string>(&attribute.value)) return *text;
@@ -94,38 +118,6 @@ std::optional<tasks::Scene> scene_in(const std::vector<engine::Attribute>& attri
         return {};
     }
 }
-
-namespace {
-
-/// The instant of a run at which tables of clamping force and load leave the smallest safety factor.
-struct LeastSafety {
-    double limit = 0.0, load = 0.0;  ///< [N*m]
-    double factor = INFINITY;        ///< [1]
-};
-
-/// 2 mu S_2 r_2/cos(beta), friction of all contacts along the circumference, over the load. @param radius of the driven pulley [m]
-LeastSafety least_safety(const tasks::Scene& scene, double radius) {
-    constexpr int instants = 200;
-    const model::Parameters& p = scene.parameters;
-    LeastSafety least;
-    for (int k = 0; k <= instants; ++k) {
-        const double time = scene.run.until * k / instants;
-        const double limit = 2.0 * p.tip.friction.coefficient * p.clamping.driven.at(time) * radius / std::cos(p.tip.angle);
-        const double load = std::abs(p.load.torque.at(time));
-        if (load > 0.0 && limit / load < least.factor) least = {limit, load, limit / load};
-    }
-    return least;
-}
-
-/// Whether load and clamping force of the driven pulley are those of their tables.
-[[nodiscard]] bool tables_act(const model::Parameters& p) {
-    const bool driven_controlled =
-        p.control.enabled && (p.control.quantity != model::ControlledQuantity::ratio || p.control.driven != model::DrivenControl::none);
-    return p.load.mode == model::LoadMode::torque && p.clamping.safety == 0.0 && !driven_controlled &&
-           p.hydraulics.mode == model::HydraulicMode::none;
-}
-
-}  // namespace
 
 std::string machine_lines(const tasks::Scene& scene) {
     const model::Parameters& p = scene.parameters;

@@ -20,6 +20,30 @@ std::string on_one_line(const std::string& text) {
     return shown;
 }
 
+/// Quantities that are shown in per cent.
+bool in_percent(const std::string& name, const std::string& unit) {
+    if (!unit.empty() && unit != "1") return false;
+    const std::string last = name.substr(name.rfind('/') + 1);
+    return last.find("slip") != std::string::npos || last.starts_with("efficiency") || last == "creep";
+}
+
+/// "N*m" -> "N·m".
+std::string with_dots(std::string unit) {
+    for (auto at = unit.find('*'); at != std::string::npos; at = unit.find('*')) unit.replace(at, 1, "·");
+    return unit;
+}
+
+/// "slip_mean" -> "mean slip", "tight_tension" -> "tight tension".
+std::string words_of(std::string name) {
+    static constexpr std::array reductions{"mean", "median", "max", "min", "final", "rms"};
+    for (const char* reduction : reductions) {
+        const std::string end = std::string("_") + reduction;
+        if (name.ends_with(end)) name = fmt::format("{} {}", reduction, name.substr(0, name.size() - end.size()));
+    }
+    std::replace(name.begin(), name.end(), '_', ' ');
+    return name;
+}
+
 }  // namespace
 
 std::string time_text(double seconds) {
@@ -108,34 +132,6 @@ std::string absent_executor_text() {
         absent += fmt::format("  {:<12}{}\n  {:<12}requires {}\n", row.name, row.description, "", row.needs);
     return absent.empty() ? "" : "\nNot in this program:\n" + absent;
 }
-
-namespace {
-
-/// Quantities that are shown in per cent.
-bool in_percent(const std::string& name, const std::string& unit) {
-    if (!unit.empty() && unit != "1") return false;
-    const std::string last = name.substr(name.rfind('/') + 1);
-    return last.find("slip") != std::string::npos || last.starts_with("efficiency") || last == "creep";
-}
-
-/// "N*m" -> "N·m".
-std::string with_dots(std::string unit) {
-    for (auto at = unit.find('*'); at != std::string::npos; at = unit.find('*')) unit.replace(at, 1, "·");
-    return unit;
-}
-
-/// "slip_mean" -> "mean slip", "tight_tension" -> "tight tension".
-std::string words_of(std::string name) {
-    static constexpr std::array reductions{"mean", "median", "max", "min", "final", "rms"};
-    for (const char* reduction : reductions) {
-        const std::string end = std::string("_") + reduction;
-        if (name.ends_with(end)) name = fmt::format("{} {}", reduction, name.substr(0, name.size() - end.size()));
-    }
-    std::replace(name.begin(), name.end(), '_', ' ');
-    return name;
-}
-
-}  // namespace
 
 Shown shown(const std::string& name, const std::string& unit) {
     if (in_percent(name, unit)) return {words_of(name) + " [%]", 100.0, "%"};

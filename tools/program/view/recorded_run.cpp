@@ -10,7 +10,6 @@
 #include "engine/base/spelling.hpp"
 #include "tasks/run/channels/channels.hpp"
 #include "tools/program/guard.hpp"
-#include "tools/program/plot/finite.hpp"
 #include "tools/program/text/scene_text.hpp"
 #include "tools/program/text/text.hpp"
 
@@ -55,6 +54,30 @@ std::pair<std::string, int> taken_apart(const std::string& word) {
     if (const auto [last, error] = std::from_chars(begin, end, number); error != std::errc() || last != end || number < 0)
         throw UsageError(fmt::format("{}: the element number is not valid", word));
     return {word.substr(0, bracket), number};
+}
+
+/// The value at `time` of a line through points, ascending; `time` lies within them.
+double on_line(const std::vector<double>& times, const std::vector<double>& values, double time) {
+    const auto after = std::lower_bound(times.begin(), times.end(), time);
+    const auto k = static_cast<std::size_t>(after - times.begin());
+    if (k == 0 || times[k] == time) return values[k];
+    const double share = (time - times[k - 1]) / (times[k] - times[k - 1]);
+    return values[k - 1] + share * (values[k] - values[k - 1]);
+}
+
+double mean_from(const std::vector<double>& values, std::size_t first) { return FiniteFigures(std::span(values).subspan(first)).mean; }
+
+ChannelDifference of_channel(const Curve& curve, std::vector<double> a, const std::vector<double>& b, const std::vector<double>& times) {
+    ChannelDifference d{curve, {}, {}, 0.0, times.front()};
+    const std::size_t fifth = 4 * a.size() / 5;
+    d.all = {mean_from(a, 0), mean_from(b, 0)};
+    d.last = {mean_from(a, fifth), mean_from(b, fifth)};
+    for (std::size_t k = 0; k < a.size(); ++k) {
+        a[k] = b[k] - a[k];
+        if (std::abs(a[k]) > d.largest) d.largest = std::abs(a[k]), d.largest_time = times[k];
+    }
+    d.curve.values = std::move(a);
+    return d;
 }
 
 }  // namespace
@@ -173,34 +196,6 @@ bool finite(const engine::RecordedState& recorded) {
     return std::isfinite(recorded.time) &&
            std::all_of(recorded.state.begin(), recorded.state.end(), [](double value) { return std::isfinite(value); });
 }
-
-namespace {
-
-/// The value at `time` of a line through points, ascending; `time` lies within them.
-double on_line(const std::vector<double>& times, const std::vector<double>& values, double time) {
-    const auto after = std::lower_bound(times.begin(), times.end(), time);
-    const auto k = static_cast<std::size_t>(after - times.begin());
-    if (k == 0 || times[k] == time) return values[k];
-    const double share = (time - times[k - 1]) / (times[k] - times[k - 1]);
-    return values[k - 1] + share * (values[k] - values[k - 1]);
-}
-
-double mean_from(const std::vector<double>& values, std::size_t first) { return FiniteFigures(std::span(values).subspan(first)).mean; }
-
-ChannelDifference of_channel(const Curve& curve, std::vector<double> a, const std::vector<double>& b, const std::vector<double>& times) {
-    ChannelDifference d{curve, {}, {}, 0.0, times.front()};
-    const std::size_t fifth = 4 * a.size() / 5;
-    d.all = {mean_from(a, 0), mean_from(b, 0)};
-    d.last = {mean_from(a, fifth), mean_from(b, fifth)};
-    for (std::size_t k = 0; k < a.size(); ++k) {
-        a[k] = b[k] - a[k];
-        if (std::abs(a[k]) > d.largest) d.largest = std::abs(a[k]), d.largest_time = times[k];
-    }
-    d.curve.values = std::move(a);
-    return d;
-}
-
-}  // namespace
 
 double MeanDifference::relative() const noexcept { return a != 0.0 ? (b - a) / std::abs(a) : std::numeric_limits<double>::quiet_NaN(); }
 

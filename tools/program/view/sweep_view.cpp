@@ -77,82 +77,6 @@ SweepView from_table(const std::string& path) {
     return view;
 }
 
-}  // namespace
-
-std::size_t SweepView::column(const std::string& word) const {
-    std::vector<std::string> names;
-    for (std::size_t c = 0; c < columns.size(); ++c) {
-        if (columns[c].name == in_table(word)) return c;
-        names.push_back(columns[c].name);
-    }
-    throw UsageError(
-        fmt::format("{}: the table {} has no such column{}", word, path, engine::did_you_mean(engine::closest(in_table(word), names))));
-}
-
-double SweepView::number(std::size_t row, std::size_t column) const { return as_number(cells[row][column]); }
-
-void SweepView::keep(const std::string& condition) {
-    const auto equals = condition.find('=');
-    if (equals == std::string::npos) throw UsageError(fmt::format("--where {}: expected COLUMN=VALUE", condition));
-    const std::size_t c = column(condition.substr(0, equals));
-    const std::string value_text = condition.substr(equals + 1);
-    const double value = as_number(value_text);
-    std::erase_if(cells, [&](const auto& row) { return row[c] != value_text && as_number(row[c]) != value; });
-    if (cells.empty()) throw UsageError(fmt::format("--where {}: no case of {} is left", condition, path));
-}
-
-void SweepView::keep_good() {
-    const auto status = std::find_if(columns.begin(), columns.end(), [](const SweepColumn& column) { return column.name == "status"; });
-    if (status == columns.end()) return;
-    const auto c = static_cast<std::size_t>(status - columns.begin());
-    std::erase_if(cells, [&](const auto& row) { return row[c] != "ok"; });
-}
-
-bool is_sweep(const std::string& path) {
-    const std::filesystem::path file(path);
-    if (std::filesystem::is_directory(file) || file.extension() == ".csv") return true;
-    if (file.filename() == "cases.h5") return true;
-    try {
-        static_cast<void>(engine::CaseReader(path));
-        return true;
-    } catch (const engine::RecordError&) {
-        return false;
-    }
-}
-
-std::string table_path(const std::string& path) {
-    constexpr std::size_t shown = 3;
-    std::error_code unreadable;
-    if (!std::filesystem::is_directory(path, unreadable)) return path;
-    const std::string table = path + "/cases.h5";
-    if (std::filesystem::exists(table, unreadable) || std::filesystem::is_symlink(table, unreadable)) return table;
-    std::vector<std::string> files;
-    for (const auto& entry : std::filesystem::directory_iterator(path, unreadable))
-        if (entry.path().extension() == ".h5") files.push_back(entry.path().string());
-    std::sort(files.begin(), files.end());
-    const std::size_t count = files.size();
-    files.resize(std::min(count, shown));
-    throw engine::RecordError(fmt::format(
-        "{}: a folder without the table of a sweep (cases.h5){}", path,
-        count == 0 ? "" : fmt::format("; it contains {}{}: name one of these files", fmt::join(files, ", "), count > shown ? ", …" : "")));
-}
-
-SweepView read_sweep(const std::string& path) {
-    const bool csv = std::filesystem::path(path).extension() == ".csv";
-    SweepView view = csv ? from_csv(path) : from_table(table_path(path));
-    for (std::size_t c = 0; c < view.columns.size(); ++c) {
-        SweepColumn& column = view.columns[c];
-        const tasks::Parameter* key = key_of(column.name);
-        column.axis = key != nullptr;
-        if (key != nullptr && column.unit.empty()) column.unit = key->unit;
-        column.number = false;
-        for (std::size_t row = 0; row < view.cells.size() && !column.number; ++row) column.number = std::isfinite(view.number(row, c));
-    }
-    return view;
-}
-
-namespace {
-
 std::size_t numbers_of(const SweepView& sweep, const std::string& word) {
     const std::size_t column = sweep.column(word);
     if (!sweep.columns[column].number) throw UsageError(fmt::format("{}: the cells of this column are not numbers", word));
@@ -280,6 +204,78 @@ std::map<std::pair<double, double>, double> by_place(const SweepView& sweep, std
 }
 
 }  // namespace
+
+std::size_t SweepView::column(const std::string& word) const {
+    std::vector<std::string> names;
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+        if (columns[c].name == in_table(word)) return c;
+        names.push_back(columns[c].name);
+    }
+    throw UsageError(
+        fmt::format("{}: the table {} has no such column{}", word, path, engine::did_you_mean(engine::closest(in_table(word), names))));
+}
+
+double SweepView::number(std::size_t row, std::size_t column) const { return as_number(cells[row][column]); }
+
+void SweepView::keep(const std::string& condition) {
+    const auto equals = condition.find('=');
+    if (equals == std::string::npos) throw UsageError(fmt::format("--where {}: expected COLUMN=VALUE", condition));
+    const std::size_t c = column(condition.substr(0, equals));
+    const std::string value_text = condition.substr(equals + 1);
+    const double value = as_number(value_text);
+    std::erase_if(cells, [&](const auto& row) { return row[c] != value_text && as_number(row[c]) != value; });
+    if (cells.empty()) throw UsageError(fmt::format("--where {}: no case of {} is left", condition, path));
+}
+
+void SweepView::keep_good() {
+    const auto status = std::find_if(columns.begin(), columns.end(), [](const SweepColumn& column) { return column.name == "status"; });
+    if (status == columns.end()) return;
+    const auto c = static_cast<std::size_t>(status - columns.begin());
+    std::erase_if(cells, [&](const auto& row) { return row[c] != "ok"; });
+}
+
+bool is_sweep(const std::string& path) {
+    const std::filesystem::path file(path);
+    if (std::filesystem::is_directory(file) || file.extension() == ".csv") return true;
+    if (file.filename() == "cases.h5") return true;
+    try {
+        static_cast<void>(engine::CaseReader(path));
+        return true;
+    } catch (const engine::RecordError&) {
+        return false;
+    }
+}
+
+std::string table_path(const std::string& path) {
+    constexpr std::size_t shown = 3;
+    std::error_code unreadable;
+    if (!std::filesystem::is_directory(path, unreadable)) return path;
+    const std::string table = path + "/cases.h5";
+    if (std::filesystem::exists(table, unreadable) || std::filesystem::is_symlink(table, unreadable)) return table;
+    std::vector<std::string> files;
+    for (const auto& entry : std::filesystem::directory_iterator(path, unreadable))
+        if (entry.path().extension() == ".h5") files.push_back(entry.path().string());
+    std::sort(files.begin(), files.end());
+    const std::size_t count = files.size();
+    files.resize(std::min(count, shown));
+    throw engine::RecordError(fmt::format(
+        "{}: a folder without the table of a sweep (cases.h5){}", path,
+        count == 0 ? "" : fmt::format("; it contains {}{}: name one of these files", fmt::join(files, ", "), count > shown ? ", …" : "")));
+}
+
+SweepView read_sweep(const std::string& path) {
+    const bool csv = std::filesystem::path(path).extension() == ".csv";
+    SweepView view = csv ? from_csv(path) : from_table(table_path(path));
+    for (std::size_t c = 0; c < view.columns.size(); ++c) {
+        SweepColumn& column = view.columns[c];
+        const tasks::Parameter* key = key_of(column.name);
+        column.axis = key != nullptr;
+        if (key != nullptr && column.unit.empty()) column.unit = key->unit;
+        column.number = false;
+        for (std::size_t row = 0; row < view.cells.size() && !column.number; ++row) column.number = std::isfinite(view.number(row, c));
+    }
+    return view;
+}
 
 Plot sweep_curves(const SweepView& sweep, const std::string& x, const std::string& y) {
     const std::size_t xc = numbers_of(sweep, x), yc = numbers_of(sweep, y);

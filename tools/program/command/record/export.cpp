@@ -10,9 +10,9 @@
 #include "tools/program/command/command.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output.hpp"
-#include "tools/program/report/vtk_series.hpp"
 #include "tools/program/text/report_columns.hpp"
 #include "tools/program/view/recorded_run.hpp"
+#include "tools/program/view/vtk_series.hpp"
 
 namespace cvtflow::tools {
 

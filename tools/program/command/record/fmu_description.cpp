@@ -171,26 +171,6 @@ std::vector<FmuVariable> parameters(const Scene& scene, const Names& wanted) {
     return rows;
 }
 
-}  // namespace
-
-std::vector<FmuVariable> fmu_variables(Simulation& simulation, const FmuChoice& choice, bool arrays) {
-    std::vector<FmuVariable> all{{0, "time", "time", "s", "simulated time", 1, 0.0, "time"}};
-    for (auto& rows : {inputs(simulation, choice.inputs), outputs(simulation, choice.outputs, arrays),
-                       parameters(simulation.scene(), choice.parameters)})
-        all.insert(all.end(), rows.begin(), rows.end());
-    for (std::size_t number = 0; number < all.size(); ++number) all[number].reference = static_cast<std::uint32_t>(number);
-    return all;
-}
-
-std::string variables_text(const std::vector<FmuVariable>& variables) {
-    std::string text;
-    for (const FmuVariable& row : variables)
-        text += fmt::format("{} {} {} {} {}\n", row.reference, row.kind, row.width, row.source, row.element);
-    return text;
-}
-
-namespace {
-
 std::string number(double value) { return fmt::format("{}", value); }  // reads back as the same double
 
 /// ` name="value"`; nothing for an empty one.
@@ -263,7 +243,48 @@ std::string start_attribute(const FmuVariable& row) {
     return row.kind == "input" || row.kind == "parameter" ? fmt::format(" start=\"{}\"", number(row.start)) : "";
 }
 
+struct ShaftOfInput {
+    std::string_view input, shaft;
+};
+/// Outputs say it in their names. The ratio belongs to both shafts, so to none.
+constexpr ShaftOfInput shaft_of_inputs[] = {{"clamping_driving", "shaft_1"}, {"drive_torque", "shaft_1"}, {"drive_speed", "shaft_1"},
+                                            {"clamping_driven", "shaft_2"},  {"drive_angle", "shaft_1"},  {"load_torque", "shaft_2"},
+                                            {"load_speed", "shaft_2"},       {"load_angle", "shaft_2"},   {"pressure_driving", "shaft_1"},
+                                            {"pressure_driven", "shaft_2"}};
+
+struct Terminal {
+    std::string_view name, description;
+};
+constexpr Terminal terminals[] = {{"shaft_1", "The driving shaft."}, {"shaft_2", "The driven shaft."}};
+
+/// Its name within the terminal; empty for one that belongs elsewhere.
+std::string member_name(const FmuVariable& variable, std::string_view terminal) {
+    if (variable.kind == "input") {
+        const auto* found = std::find_if(std::begin(shaft_of_inputs), std::end(shaft_of_inputs),
+                                         [&](const ShaftOfInput& row) { return row.input == variable.source; });
+        return found != std::end(shaft_of_inputs) && found->shaft == terminal ? variable.name : "";
+    }
+    const std::string group = std::string(terminal) + ".";
+    return variable.kind == "output" && variable.name.starts_with(group) ? variable.name.substr(group.size()) : "";
+}
+
 }  // namespace
+
+std::vector<FmuVariable> fmu_variables(Simulation& simulation, const FmuChoice& choice, bool arrays) {
+    std::vector<FmuVariable> all{{0, "time", "time", "s", "simulated time", 1, 0.0, "time"}};
+    for (auto& rows : {inputs(simulation, choice.inputs), outputs(simulation, choice.outputs, arrays),
+                       parameters(simulation.scene(), choice.parameters)})
+        all.insert(all.end(), rows.begin(), rows.end());
+    for (std::size_t number = 0; number < all.size(); ++number) all[number].reference = static_cast<std::uint32_t>(number);
+    return all;
+}
+
+std::string variables_text(const std::vector<FmuVariable>& variables) {
+    std::string text;
+    for (const FmuVariable& row : variables)
+        text += fmt::format("{} {} {} {} {}\n", row.reference, row.kind, row.width, row.source, row.element);
+    return text;
+}
 
 std::string model_description_2(const FmuFacts& facts, const std::vector<FmuVariable>& variables) {
     std::string text = head(facts, "2.0", "guid");
@@ -303,35 +324,6 @@ std::string model_description_3(const FmuFacts& facts, const std::vector<FmuVari
     }
     return text + "  </ModelVariables>\n  <ModelStructure>\n" + outputs + initial + "  </ModelStructure>\n</fmiModelDescription>\n";
 }
-
-namespace {
-
-struct ShaftOfInput {
-    std::string_view input, shaft;
-};
-/// Outputs say it in their names. The ratio belongs to both shafts, so to none.
-constexpr ShaftOfInput shaft_of_inputs[] = {{"clamping_driving", "shaft_1"}, {"drive_torque", "shaft_1"}, {"drive_speed", "shaft_1"},
-                                            {"clamping_driven", "shaft_2"},  {"drive_angle", "shaft_1"},  {"load_torque", "shaft_2"},
-                                            {"load_speed", "shaft_2"},       {"load_angle", "shaft_2"},   {"pressure_driving", "shaft_1"},
-                                            {"pressure_driven", "shaft_2"}};
-
-struct Terminal {
-    std::string_view name, description;
-};
-constexpr Terminal terminals[] = {{"shaft_1", "The driving shaft."}, {"shaft_2", "The driven shaft."}};
-
-/// Its name within the terminal; empty for one that belongs elsewhere.
-std::string member_name(const FmuVariable& variable, std::string_view terminal) {
-    if (variable.kind == "input") {
-        const auto* found = std::find_if(std::begin(shaft_of_inputs), std::end(shaft_of_inputs),
-                                         [&](const ShaftOfInput& row) { return row.input == variable.source; });
-        return found != std::end(shaft_of_inputs) && found->shaft == terminal ? variable.name : "";
-    }
-    const std::string group = std::string(terminal) + ".";
-    return variable.kind == "output" && variable.name.starts_with(group) ? variable.name.substr(group.size()) : "";
-}
-
-}  // namespace
 
 std::string terminals_text(const std::vector<FmuVariable>& variables) {
     std::string text;

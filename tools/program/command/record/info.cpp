@@ -13,10 +13,10 @@
 #include "engine/record/run/state_file.hpp"
 #include "tasks/batch/results/results.hpp"
 #include "tools/program/command/command.hpp"
-#include "tools/program/plot/finite.hpp"
-#include "tools/program/text/batch_text.hpp"
+#include "tools/program/command/sweep/batch.hpp"
 #include "tools/program/text/scene_text.hpp"
 #include "tools/program/text/text.hpp"
+#include "tools/program/view/recorded_run.hpp"
 #include "tools/program/view/sweep_view.hpp"
 
 namespace cvtflow::tools {

@@ -6,7 +6,7 @@
 
 #include "tools/program/command/command.hpp"
 #include "tools/program/guard.hpp"
-#include "tools/program/html/run_page.hpp"
+#include "tools/program/html/page.hpp"
 #include "tools/program/output.hpp"
 #include "tools/program/text/text.hpp"
 

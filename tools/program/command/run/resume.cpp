@@ -10,10 +10,10 @@
 #include "tasks/run/run.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/command/command.hpp"
+#include "tools/program/command/sweep/batch.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output.hpp"
 #include "tools/program/progress.hpp"
-#include "tools/program/text/batch_text.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::tools {

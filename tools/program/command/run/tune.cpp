@@ -9,8 +9,8 @@
 #include "tools/program/command/command.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output.hpp"
-#include "tools/program/report/tune_report.hpp"
 #include "tools/program/text/text.hpp"
+#include "tools/program/text/tune_report.hpp"
 
 namespace cvtflow::tools {
 

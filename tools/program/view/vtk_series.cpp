@@ -1,4 +1,4 @@
-#include "tools/program/report/vtk_series.hpp"
+#include "tools/program/view/vtk_series.hpp"
 
 #include <fmt/format.h>
 
@@ -45,6 +45,18 @@ void append(std::string& file, const std::vector<Number>& numbers) {
 }
 
 std::string element(const std::string& name, const std::string& inside) { return fmt::format("<{0}>\n{1}</{0}>\n", name, inside); }
+
+using model::End;
+
+constexpr std::array along_half{-1.0, -0.5, 0.0, 0.5, 1.0};  ///< ξ of the points of a half
+constexpr std::int64_t points_of_half = along_half.size();
+constexpr int sectors = 72;  ///< of a sheave
+
+enum ArrayNumber { axial_force, bending_moment, tension, joint_force, tip_force };
+
+[[nodiscard]] std::size_t place(std::int64_t number) noexcept { return static_cast<std::size_t>(number); }
+
+void put(std::vector<float>& points, const std::array<float, 3>& point) { points.insert(points.end(), point.begin(), point.end()); }
 
 }  // namespace
 
@@ -137,22 +149,6 @@ std::uintmax_t VtkSeries::finish() {
     engine::remove_own_files(folder_, [this](const std::filesystem::path& there) { return number_of(there) >= count_; });
     return bytes_ + text.size();
 }
-
-namespace {
-
-using model::End;
-
-constexpr std::array along_half{-1.0, -0.5, 0.0, 0.5, 1.0};  ///< ξ of the points of a half
-constexpr std::int64_t points_of_half = along_half.size();
-constexpr int sectors = 72;  ///< of a sheave
-
-enum ArrayNumber { axial_force, bending_moment, tension, joint_force, tip_force };
-
-[[nodiscard]] std::size_t place(std::int64_t number) noexcept { return static_cast<std::size_t>(number); }
-
-void put(std::vector<float>& points, const std::array<float, 3>& point) { points.insert(points.end(), point.begin(), point.end()); }
-
-}  // namespace
 
 ChainSolids::ChainSolids(const model::Variator& variator, const model::Parameters& parameters)
     : variator_(variator), parameters_(parameters), observer_(variator) {

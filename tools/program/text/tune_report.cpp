@@ -1,4 +1,4 @@
-#include "tools/program/report/tune_report.hpp"
+#include "tools/program/text/tune_report.hpp"
 
 #include <fmt/format.h>
 
