@@ -1,5 +1,5 @@
 #pragma once
-/// Calls of hosts: in the default floating-point environment, with enough stack, with public exceptions and checked pointers. Internal to api.
+/// Calls of hosts: default floating-point environment, enough stack, public exceptions, checked pointers. Internal to api.
 
 #include <cfenv>
 #include <cstddef>

@@ -1,4 +1,4 @@
-/// Looking into the table of parameters: rows by key, kinds by member, the keys that were probably meant.
+/// Searches in the table of parameters: rows by key, kinds by member, the keys that were probably meant, keys in which scenes differ.
 
 #include <algorithm>
 #include <array>
@@ -108,6 +108,17 @@ std::vector<std::string> section_names() {
     for (const Parameter& parameter : parameter_table())
         if (names.empty() || names.back() != parameter.section()) names.emplace_back(parameter.section());
     return names;
+}
+
+std::vector<KeyDifference> differing_keys(const Scene& a, const Scene& b, const std::function<bool(const Parameter&)>& counts,
+                                          std::string (*text)(const Parameter&, const Scene&)) {
+    std::vector<KeyDifference> keys;
+    for (const Parameter& key : parameter_table()) {
+        if (!counts(key)) continue;
+        KeyDifference each{&key, text(key, a), text(key, b)};
+        if (each.a != each.b) keys.push_back(std::move(each));
+    }
+    return keys;
 }
 
 }  // namespace cvtflow::tasks

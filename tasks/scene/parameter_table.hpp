@@ -1,6 +1,7 @@
 #pragma once
 /// The table of all keys of a scene. Parser, --set, explain, JSON schema, writer and tests loop over it; no other list of keys exists.
 
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -60,6 +61,16 @@ struct Parameter {
 
 /// The same for people: numbers with their unit, in the usual one where that is shorter ("11 deg").
 [[nodiscard]] std::string readable_value(const Parameter& parameter, const Scene& scene);
+
+/// A key in which two scenes differ, with the values of both as text.
+struct KeyDifference {
+    const Parameter* key;
+    std::string a, b;
+};
+
+/// Keys of two scenes that differ, in the order of the table. @param counts whether a key is compared   @param text its value in a scene
+[[nodiscard]] std::vector<KeyDifference> differing_keys(const Scene& a, const Scene& b, const std::function<bool(const Parameter&)>& counts,
+                                                        std::string (*text)(const Parameter&, const Scene&) = value_text);
 
 /// What `cvtflow explain key` prints: meaning, unit, range, default and source.
 /// @throws SceneError  unknown key, with the key that was probably meant

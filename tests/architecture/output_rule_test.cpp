@@ -33,7 +33,7 @@ const std::map<std::string, std::map<std::string, std::string>> exempt{
       {"tasks/batch/results/sweep_files.cpp", "a new folder for a benchmark"},
       {"tasks/tuning/detail_state.cpp", "a new folder for a temporary state"},
       {"tools/program/guard.cpp", "/dev/null"},
-      {"tools/program/output/png_file.cpp", "temporary files without a name"}}},
+      {"tools/program/command/record/plot.cpp", "temporary files without a name"}}},
     {"remove",
      {{"engine/record/run/part_file.cpp", "its .part; the former record of a run that goes on"},
       {"engine/record/run/output_rule.cpp", "the rule itself: files of a writer, by name"},
@@ -43,7 +43,7 @@ const std::map<std::string, std::map<std::string, std::string>> exempt{
       {"tasks/batch/case_checkpoint.cpp", "the former record of a case that begins anew"},
       {"tasks/batch/results/sweep_files.cpp", "the table in a benchmark's own folder"},
       {"tasks/tuning/detail_state.cpp", "its temporary state and folder"},
-      {"tools/program/report/vtk_series.cpp", "what it has just written"}}},
+      {"tools/program/view/vtk_series.cpp", "what it has just written"}}},
 };
 
 /// Parts whose files are users' files. The laboratory and tests are not.
@@ -79,7 +79,7 @@ TEST(OutputRule, APartFileAsksForAPermit) {
 
 /// Only --force, and what looks at the files itself, may say so.
 TEST(OutputRule, NobodyForcesWithoutBeingTold) {
-    const std::set<std::string> may{"tools/program/output/outputs.cpp", "tools/program/command/run/resume.cpp"};
+    const std::set<std::string> may{"tools/program/output.cpp", "tools/program/command/run/resume.cpp"};
     for (const SourceFile& file : source_files()) {
         if (!concerned(file) || file.text.find(".force = true") == std::string::npos) continue;
         EXPECT_TRUE(may.contains(file.path)) << file.path;

@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "tests/docs/page_fixture.hpp"
-#include "tools/program/exit_status.hpp"
+#include "tools/program/guard.hpp"
 
 namespace cvtflow::docs {
 namespace {

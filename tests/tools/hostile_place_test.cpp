@@ -6,8 +6,8 @@
 #include "tasks/scene/csv.hpp"
 #include "tasks/tuning/tuned_scene.hpp"
 #include "tests/tools/batch_fixture.hpp"
-#include "tools/program/report/tune_report.hpp"
 #include "tools/program/text/report_columns.hpp"
+#include "tools/program/text/tune_report.hpp"
 
 namespace cvtflow::tools {
 namespace {

@@ -1,8 +1,7 @@
 #include "tools/program/guard.hpp"
 
-#include <fmt/format.h>
-
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -10,19 +9,65 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <ctime>
 #include <exception>
 #include <system_error>
+#include <vector>
 
 #include "engine/base/text.hpp"
+#include "engine/thread/child_process.hpp"
 #include "engine/thread/worker_threads.hpp"
 #include "tasks/run/run.hpp"
 
 namespace cvtflow::tools {
+
 namespace {
 
 std::string_view name_in_messages = "cvtflow";
 
+// A signal handler can reach nothing but a global.
+engine::Cancellation interrupted;
+double asked = 0.0;  // [s]
+
+constexpr double insisting = 0.5;  ///< one wish may come several times: to the process, to its group, from its parent [s]
+
+extern "C" void on_interrupt(int signal) {
+    timespec time{};
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    const double now = static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+    if (!interrupted.requested()) {
+        asked = now;
+        return interrupted.request();
+    }
+    const bool repeats = signal == SIGXCPU || signal == SIGPIPE;  // repeated by the system every second, or with every line
+    if (repeats || now < asked + insisting) return;
+    std::signal(signal, SIG_DFL);
+    std::raise(signal);  // delivered when the handler returns
+}
+
 }  // namespace
+
+ExitStatus exit_status(tasks::FaultKind kind) noexcept {
+    using tasks::FaultKind;
+    switch (kind) {
+        case FaultKind::none: return ExitStatus::finished;
+        case FaultKind::non_finite:
+        case FaultKind::penetration:
+        case FaultKind::left_sheave:
+        case FaultKind::step_size:
+        case FaultKind::too_stiff:
+        case FaultKind::blow_up:
+        case FaultKind::step_too_short: return ExitStatus::fault;
+        case FaultKind::max_steps:
+        case FaultKind::max_wall: return ExitStatus::budget;
+        case FaultKind::cancelled: return ExitStatus::cancelled;
+    }
+    return ExitStatus::error;
+}
+
+ExitStatus exit_status(const tasks::RunReport& report) noexcept {
+    return report.fault || report.reliable() ? exit_status(report.fault.kind) : ExitStatus::unreliable;
+}
 
 void name_program(std::string_view name) noexcept { name_in_messages = name; }
 std::string_view program_name() noexcept { return name_in_messages; }
@@ -40,6 +85,10 @@ void print_error(std::string_view message) {
                               engine::visible(message.substr(begin, end - begin))));
         begin = end + 1;
     }
+}
+
+void say(bool quiet, std::string_view message) {
+    if (!quiet && !message.empty()) print_error(message);
 }
 
 void print_notices() {
@@ -92,6 +141,17 @@ int finish_output(int status) noexcept {
         // no memory for a message; the exit status reports the failure
     }
     return status != 0 ? status : static_cast<int>(ExitStatus::error);
+}
+
+const engine::Cancellation& catch_interrupts() {
+    struct sigaction action {};
+    action.sa_handler = on_interrupt;
+    sigemptyset(&action.sa_mask);
+    const std::vector<int> signals = engine::ending_signals();
+    for (const int signal : signals) sigaddset(&action.sa_mask, signal);
+    action.sa_flags = SA_RESTART;
+    for (const int signal : signals) sigaction(signal, &action, nullptr);
+    return interrupted;
 }
 
 }  // namespace cvtflow::tools

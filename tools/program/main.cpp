@@ -1,10 +1,42 @@
-/// cvtflow: the command line.
+/// cvtflow: the command line. Its commands, in the order of the help text.
+
+#include <array>
 
 #include "tools/program/command/command.hpp"
 
+namespace cvtflow::tools {
+namespace {
+
+constexpr const char* run = "Commands that run a scene";
+constexpr const char* sweep = "Commands for sweeps";
+constexpr const char* record = "Commands for records and other programs";
+constexpr const char* reference = "Commands for reference";
+
+constexpr std::array commands{
+    Command{"run", run, "Simulate a scene and record it", declare_run},
+    Command{"resume", run, "Resume a run from its checkpoint, or an unfinished sweep, bit for bit", declare_resume},
+    Command{"settle", run, "Settle a scene's geometric start and save the state for start.state", declare_settle},
+    Command{"check", run, "Check a scene without running it; print its size and estimated cost", declare_check},
+    Command{"tune", run, "Find the cheapest detail, method and step for a target accuracy, by measuring", declare_tune},
+    Command{"batch", sweep, "Run a sweep: many variants of a scene, one row of results each", declare_batch},
+    Command{"table", sweep, "Show the results of a sweep as text or CSV, or count the cycles of a recorded load", declare_table},
+    Command{"merge", sweep, "Join the results of all shards of a sweep", declare_merge},
+    Command{"info", record, "Show the contents of a record, a state file or a sweep's table", declare_info},
+    Command{"plot", record, "Draw records or a sweep: curves, orders, losses, maps; SVG, PNG or CSV", declare_plot},
+    Command{"report", record, "Write a self-contained HTML page of records or a sweep: curves, the running chain, tables", declare_report},
+    Command{"export", record, "Write a record for other programs: channels as CSV, pins and plates for ParaView", declare_export},
+    Command{"export-fmu", record, "Write a scene as an FMU for other simulators (FMI 2.0 or 3.0)", declare_export_fmu},
+    Command{"list", reference, "List methods, levels of detail, channels, scenes, sweeps, executors, keys or units", declare_list},
+    Command{"explain", reference, "Explain keys of scenes and sweeps: meaning, unit, range, default, source", declare_explain},
+    Command{"schema", reference, "Print the JSON schema of scenes or sweeps, for editors", declare_schema},
+};
+
+}  // namespace
+}  // namespace cvtflow::tools
+
 int main(int argc, char** argv) {
     using namespace cvtflow::tools;
-    return run_program({"cvtflow", "Dynamics of chain-driven continuously variable transmissions", commands(),
+    return run_program({"cvtflow", "Dynamics of chain-driven continuously variable transmissions", commands,
                         "  cvtflow list scenes\n"
                         "  cvtflow run baseline\n"
                         "  cvtflow info results/baseline.h5",

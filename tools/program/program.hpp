@@ -5,7 +5,7 @@
 #include <span>
 #include <string_view>
 
-#include "tools/program/exit_status.hpp"
+#include "tools/program/guard.hpp"
 
 namespace CLI {
 class App;

@@ -7,7 +7,7 @@
 #include <ctime>
 
 #include "tasks/scene/parameter_table.hpp"
-#include "tools/program/output/interrupt.hpp"
+#include "tools/program/guard.hpp"
 
 namespace cvtflow::bench {
 

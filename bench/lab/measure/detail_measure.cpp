@@ -14,9 +14,8 @@
 #include "tasks/scene/units.hpp"
 #include "tasks/tuning/detail_state.hpp"
 #include "tasks/tuning/output.hpp"
-#include "tools/program/arguments/scene_arguments.hpp"
+#include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
-#include "tools/program/output/interrupt.hpp"
 
 namespace cvtflow::bench {
 

@@ -6,7 +6,7 @@
 
 #include "tasks/run/run.hpp"
 #include "tasks/run/simulation.hpp"
-#include "tools/program/output/interrupt.hpp"
+#include "tools/program/guard.hpp"
 
 namespace cvtflow::bench {
 

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "bench/lab/text/watch_text.hpp"
-#include "tools/program/text/provenance_json.hpp"
 #include "tools/program/text/report_columns.hpp"
 
 namespace cvtflow::bench {

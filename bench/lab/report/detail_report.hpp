@@ -2,8 +2,8 @@
 /// Cost and errors of each key of detail, as a table: `cvtflow-lab detail`.
 
 #include "bench/lab/measure/detail_measure.hpp"
-#include "tools/program/exit_status.hpp"
-#include "tools/program/output/output_folder.hpp"
+#include "tools/program/guard.hpp"
+#include "tools/program/output.hpp"
 
 namespace cvtflow::bench {
 

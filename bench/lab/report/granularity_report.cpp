@@ -9,7 +9,7 @@
 #include "engine/base/provenance.hpp"
 #include "engine/executor/runtimes.hpp"
 #include "tasks/scene/csv.hpp"
-#include "tools/program/text/provenance_json.hpp"
+#include "tools/program/text/report_columns.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::bench {

@@ -9,9 +9,8 @@
 #include "bench/lab/text/watch_text.hpp"
 #include "tasks/scene/csv.hpp"
 #include "tools/program/guard.hpp"
-#include "tools/program/output/interrupt.hpp"
 #include "tools/program/plot/plot.hpp"
-#include "tools/program/text/provenance_json.hpp"
+#include "tools/program/text/report_columns.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::bench {

@@ -4,7 +4,7 @@
 
 #include "tasks/scene/scene.hpp"
 #include "tasks/scene/units.hpp"
-#include "tools/program/arguments/scene_arguments.hpp"
+#include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
 
 namespace cvtflow::bench {

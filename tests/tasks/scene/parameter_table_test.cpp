@@ -100,6 +100,26 @@ TEST(ParameterTable, SaturationSpeedsAreStrictlyPositiveAndSpanSevenDecades) {
 
 TEST(ParameterTable, UnknownKeyIsNotFound) { EXPECT_EQ(find_parameter("chain.colour"), nullptr); }
 
+TEST(ParameterTable, KeysInWhichScenesDifferAreInTheOrderOfTheTableWithBothValues) {
+    Scene a, b;
+    b.name = "another";
+    set_values(b, {"run.output_interval=2 us", "half.mass=3 g"});
+    const auto all = [](const Parameter&) { return true; };
+    EXPECT_TRUE(differing_keys(a, a, all).empty());
+    std::vector<std::string_view> keys;
+    for (const KeyDifference& each : differing_keys(a, b, all)) {
+        keys.push_back(each.key->key);
+        EXPECT_EQ(each.a, value_text(*each.key, a));
+        EXPECT_EQ(each.b, value_text(*each.key, b));
+    }
+    EXPECT_EQ(keys, (std::vector<std::string_view>{"scene.name", "half.mass", "run.output_interval"}));
+    const auto of_runs = [](const Parameter& key) { return key.section() == "run"; };
+    const std::vector<KeyDifference> run = differing_keys(a, b, of_runs, readable_value);
+    ASSERT_EQ(run.size(), 1u);
+    EXPECT_EQ(run[0].key->key, "run.output_interval");
+    EXPECT_EQ(run[0].b, "2 us");
+}
+
 TEST(ParameterTable, NearestKeysAreByEndingOrSectionOrSpelling) {
     using Keys = std::vector<std::string>;
     EXPECT_EQ(nearest_keys("chain.pich"), Keys{"chain.pitch"});

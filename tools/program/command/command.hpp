@@ -1,12 +1,9 @@
 #pragma once
-/// The subcommands of cvtflow: a file in a folder of tools/program/command and a row in commands.cpp each.
+/// The subcommands of cvtflow, each with a row in tools/program/main.cpp.
 
 #include "tools/program/program.hpp"
 
 namespace cvtflow::tools {
-
-/// In the order of the help text.
-[[nodiscard]] std::span<const Command> commands() noexcept;
 
 Action declare_run(CLI::App& app);
 Action declare_resume(CLI::App& app);

@@ -7,8 +7,9 @@
 #include <cstdint>
 #include <stdexcept>
 
-#include "tools/program/html/sha256.hpp"
+#include "tasks/run/saved_start.hpp"
 #include "tools/program/text/markup.hpp"
+#include "tools/program/text/scene_text.hpp"
 
 namespace cvtflow::tools {
 
@@ -96,6 +97,29 @@ nlohmann::json quantised(std::span<const float> values) {
 std::string number_cell(double number, const char* format) {
     if (!std::isfinite(number)) return "<td class=\"number\">–</td>";
     return fmt::format("<td class=\"number\" data-value=\"{:.9g}\">{}</td>", number, fmt::format(fmt::runtime(format), number));
+}
+
+std::string table(std::string_view kind, std::string_view caption, std::initializer_list<std::string_view> headings,
+                  std::string_view rows) {
+    std::string text = kind.empty() ? "<table>" : fmt::format("<table class=\"{}\">", kind);
+    if (!caption.empty()) text += fmt::format("<caption>{}</caption>", caption);
+    text += "<thead><tr>";
+    for (const std::string_view heading : headings) text += fmt::format("<th>{}</th>", heading);
+    return text + fmt::format("</tr></thead><tbody>\n{}</tbody></table>\n", rows);
+}
+
+std::string attribute_table(const std::vector<engine::Attribute>& attributes) {
+    std::vector<std::pair<std::string, std::string>> rows;
+    std::string texts;
+    for (const engine::Attribute& each : attributes) {
+        if (each.name == tasks::step_taken_attribute) continue;  // beside "step"
+        const std::string value = each.name == "step" ? step_text(attributes) : value_text(each);
+        if (value.find('\n') == std::string::npos)
+            rows.emplace_back(each.name, html(value));
+        else
+            texts += fmt::format("<details><summary>{}</summary><pre>{}</pre></details>\n", html(each.name), html(value));
+    }
+    return definition_table(rows) + texts;
 }
 
 std::string definition_table(const std::vector<std::pair<std::string, std::string>>& rows) {

@@ -1,11 +1,16 @@
 #pragma once
-/// Pieces of a page, and the page around them: one document that needs nothing else.
+/// Pages, each one document that needs nothing else: those of records and of sweeps, and the pieces that they are made of.
 
+#include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "engine/record/run/schema.hpp"
+#include "tools/program/view/recorded_run.hpp"
+#include "tools/program/view/sweep_view.hpp"
 
 namespace cvtflow::tools {
 
@@ -42,7 +47,19 @@ struct Page {
 
 /// A cell of a table that can be sorted by the number; a dash if it is not finite. @param format of the number, for fmt
 [[nodiscard]] std::string number_cell(double number, const char* format);
+/// A table with a heading. @param kind its class, e.g. "sortable"; empty: none   @param caption HTML; empty: none   @param rows HTML
+[[nodiscard]] std::string table(std::string_view kind, std::string_view caption, std::initializer_list<std::string_view> headings,
+                                std::string_view rows);
+/// Attributes of a record or sweep: short ones as a table, texts of several lines folded.
+[[nodiscard]] std::string attribute_table(const std::vector<engine::Attribute>& attributes);
 /// Rows of two cells. @param rows heading and HTML
 [[nodiscard]] std::string definition_table(const std::vector<std::pair<std::string, std::string>>& rows);
+
+/// One document; the chain runs in that of the first record. @throws std::runtime_error see text_of(Page)
+[[nodiscard]] std::string run_page(const std::vector<RecordedRun>& runs);
+
+/// One document: how its cases ended, a picture of any columns over any others, all cases as a table that can be sorted.
+/// @throws std::runtime_error see text_of(Page)
+[[nodiscard]] std::string sweep_page(const SweepView& sweep);
 
 }  // namespace cvtflow::tools

@@ -1,23 +1,21 @@
-#include "tools/program/html/run_page.hpp"
+#include "tools/program/html/page.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <numeric>
+#include <string>
+#include <vector>
 
 #include "tasks/run/run_means.hpp"
-#include "tasks/run/saved_start.hpp"
 #include "tasks/scene/parameter_table.hpp"
-#include "tools/program/html/curve_data.hpp"
-#include "tools/program/html/difference_body.hpp"
-#include "tools/program/html/page.hpp"
-#include "tools/program/plot/finite.hpp"
-#include "tools/program/text/attribute_text.hpp"
 #include "tools/program/text/markup.hpp"
 #include "tools/program/text/scene_text.hpp"
 #include "tools/program/text/text.hpp"
-#include "tools/program/view/labels.hpp"
+#include "tools/program/view/chain_motion.hpp"
+#include "tools/program/view/recorded_run.hpp"
 #include "tools/program/view/run_plots.hpp"
 #include "tools/program/view/wear_plots.hpp"
 
@@ -61,32 +59,29 @@ std::string brief(const std::string& value) {
     return fmt::format("{}], … ({} points)", value.substr(0, end), std::count(value.begin(), value.end(), '[') - 1);
 }
 
+/// Name and description of the scene are no difference.
+std::vector<tasks::KeyDifference> differing_keys(const tasks::Scene& a, const tasks::Scene& b) {
+    const auto counts = [](const tasks::Parameter& key) { return key.section() != "scene"; };
+    return tasks::differing_keys(a, b, counts, tasks::readable_value);
+}
+
 /// Keys whose values are not the defaults.
 std::string differences(const tasks::Scene& scene) {
-    const tasks::Scene defaults;
+    const std::vector<tasks::KeyDifference> keys = differing_keys(scene, {});
     std::string rows;
-    long count = 0;
-    for (const tasks::Parameter& parameter : tasks::parameter_table()) {
-        const std::string value = tasks::readable_value(parameter, scene), usual = tasks::readable_value(parameter, defaults);
-        if (value == usual || parameter.section() == "scene") continue;
-        ++count;
-        rows += fmt::format("<tr><td><code>{}</code></td><td>{}</td><td>{}</td><td>{}</td></tr>\n", parameter.key, html(brief(value)),
-                            html(usual), html(parameter.meaning));
-    }
+    for (const tasks::KeyDifference& each : keys)
+        rows += fmt::format("<tr><td><code>{}</code></td><td>{}</td><td>{}</td><td>{}</td></tr>\n", each.key->key, html(brief(each.a)),
+                            html(each.b), html(each.key->meaning));
     if (rows.empty()) return "<p>Every key of the scene has its default.</p>\n";
-    return fmt::format(
-        "<details><summary>{} from defaults</summary><table><thead><tr><th>key</th><th>here</th><th>default</th><th>meaning</th></tr>"
-        "</thead><tbody>\n{}</tbody></table></details>\n",
-        plural(count, "difference"), rows);
+    std::string shown = table("", "", {"key", "here", "default", "meaning"}, rows);
+    shown.insert(shown.size() - 1, "</details>");
+    return fmt::format("<details><summary>{} from defaults</summary>{}", plural(static_cast<long>(keys.size()), "difference"), shown);
 }
 
 /// Mean power that flows into a shaft from outside [W]; NaN if the record does not contain it.
 double power_into(const RecordedRun& run, int shaft) {
-    std::vector<double> torque, speed;
-    for (const engine::ChannelInfo& channel : run.reader().channels()) {
-        if (channel.name == fmt::format("shaft_{}/torque", shaft)) torque = run.reader().channel(channel.name);
-        if (channel.name == fmt::format("shaft_{}/speed", shaft)) speed = run.reader().channel(channel.name);
-    }
+    const std::vector<double> torque = run.values(fmt::format("shaft_{}/torque", shaft));
+    const std::vector<double> speed = run.values(fmt::format("shaft_{}/speed", shaft));
     if (torque.empty() || torque.size() != speed.size()) return NAN;
     return std::inner_product(torque.begin(), torque.end(), speed.begin(), 0.0) / static_cast<double>(torque.size());
 }
@@ -124,10 +119,7 @@ std::string figures(const RecordedRun& run) {
         for (const double number : {all.mean, last.mean, all.least, all.largest}) rows += number_cell(how.factor * number, "{:.6g}");
         rows += "</tr>\n";
     }
-    return fmt::format(
-        "<table class=\"sortable\"><caption>{}</caption><thead><tr><th>channel</th><th>unit</th><th>mean</th><th>mean of the last "
-        "fifth</th><th>least</th><th>largest</th></tr></thead><tbody>\n{}</tbody></table>\n",
-        html(run.path()), rows);
+    return table("sortable", html(run.path()), {"channel", "unit", "mean", "mean of the last fifth", "least", "largest"}, rows);
 }
 
 /// What a channel of energies so far gained over the record, by kind. Empty if the record has none.
@@ -142,28 +134,12 @@ std::string energies(const RecordedRun& run) {
         }
     }
     if (rows.empty()) return "";
-    return "<table class=\"sortable\"><caption>Energies over the record</caption><thead><tr><th>channel</th><th>meaning</th><th>J</th></tr>"
-           "</thead><tbody>\n" +
-           rows + "</tbody></table>\n";
+    return table("sortable", "Energies over the record", {"channel", "meaning", "J"}, rows);
 }
 
 std::string picture(Plot plot) {
     for (Series& series : plot.series) series.points = thinned(series.points, columns_of_picture);
     return "<figure>" + svg(plot) + "</figure>\n";
-}
-
-std::string provenance(const RecordedRun& run) {
-    std::vector<std::pair<std::string, std::string>> rows;
-    std::string texts;
-    for (const engine::Attribute& each : run.reader().attributes()) {
-        if (each.name == tasks::step_taken_attribute) continue;  // beside "step"
-        const std::string value = each.name == "step" ? step_text(run.reader().attributes()) : value_text(each);
-        if (value.find('\n') == std::string::npos)
-            rows.emplace_back(each.name, html(value));
-        else
-            texts += fmt::format("<details><summary>{}</summary><pre>{}</pre></details>\n", html(each.name), html(value));
-    }
-    return fmt::format("<h3>{}</h3>\n", html(run.path())) + definition_table(rows) + texts;
 }
 
 std::string wear(const RecordedRun& run) {
@@ -201,6 +177,174 @@ std::string spectra(const std::vector<RecordedRun>& runs) {
     for (const std::string& word : words) {
         for (Plot plot : order_plots(runs, {word})) plot.height = 320.0, text += picture(std::move(plot));
     }
+    return text;
+}
+
+/// Rows in groups; of each group the minimum and the maximum are kept, in their order.
+struct Stretches {
+    std::size_t rows, count;  ///< count: 0: every row is kept
+
+    [[nodiscard]] std::size_t begin(std::size_t number) const noexcept { return number * rows / count; }
+    /// Times that values() belong to.
+    [[nodiscard]] std::vector<double> times(const std::vector<double>& all) const {
+        if (count == 0) return all;
+        std::vector<double> kept;
+        for (std::size_t k = 0; k < count; ++k) {
+            kept.push_back(all[begin(k)]);
+            kept.push_back(all[(begin(k) + begin(k + 1)) / 2]);
+        }
+        return kept;
+    }
+    [[nodiscard]] std::vector<float> values(const std::vector<double>& all) const {
+        if (count == 0) return {all.begin(), all.end()};
+        std::vector<float> kept;
+        for (std::size_t k = 0; k < count; ++k) {
+            const auto from = all.begin() + static_cast<std::ptrdiff_t>(begin(k)),
+                       to = all.begin() + static_cast<std::ptrdiff_t>(begin(k + 1));
+            auto [first, second] = finite_extremes(from, to, [](double value) { return value; });
+            if (second < first) std::swap(first, second);
+            kept.push_back(static_cast<float>(*first));
+            kept.push_back(static_cast<float>(*second));
+        }
+        return kept;
+    }
+};
+
+bool constant(const Curve& curve) {
+    return std::all_of(curve.values.begin(), curve.values.end(), [&](double value) { return value == curve.values.front(); });
+}
+
+/// In the units that people read.
+std::vector<Curve> all_curves(const RecordedRun& run) {
+    std::vector<Curve> curves;
+    for (const engine::ChannelInfo& channel : run.reader().channels()) {
+        const Shown how = shown(channel.name, channel.unit);
+        for (Curve& curve : run.curves(channel)) {
+            for (double& value : curve.values) value *= how.factor;
+            curve.unit = how.unit;
+            curves.push_back(std::move(curve));
+        }
+    }
+    return curves;
+}
+
+/// All curves of a record, in at most about `max_bytes` bytes of text. {"label", "rows", "shown", "t", "curves": [{"n", "u", "d", "v" or
+/// "c"}]}
+nlohmann::json curve_data(const RecordedRun& run, std::size_t max_bytes) {
+    const std::vector<Curve> curves = all_curves(run);
+    const auto moving = static_cast<std::size_t>(std::count_if(curves.begin(), curves.end(), [](const Curve& c) { return !constant(c); }));
+    const std::size_t points = max_bytes / (6 * (moving + 2));  // a float takes 5.3 bytes of base64
+    const std::size_t rows = run.times().size();
+    const Stretches stretches{rows, rows <= points ? 0 : std::max<std::size_t>(1, points / 2)};
+    const std::vector<double> times = stretches.times(run.times());
+    nlohmann::json list = nlohmann::json::array();
+    for (const Curve& curve : curves) {
+        nlohmann::json entry{{"n", curve.name}, {"u", curve.unit}, {"d", curve.description}};
+        if (constant(curve))
+            entry["c"] = curve.values.front();
+        else
+            entry["v"] = packed(stretches.values(curve.values));
+        list.push_back(std::move(entry));
+    }
+    return {{"label", run.path()}, {"rows", rows}, {"shown", times.size()}, {"t", packed(times)}, {"curves", std::move(list)}};
+}
+
+nlohmann::json motion_data(const ChainMotion& motion) {
+    nlohmann::json data{
+        {"pins", motion.pins},       {"recorded", motion.recorded}, {"t", packed(motion.times)},          {"x", quantised(motion.x)},
+        {"y", quantised(motion.y)},  {"z", quantised(motion.z)},    {"distance", motion.centre_distance}, {"length", motion.pin_length},
+        {"width", motion.pin_width}, {"flank", motion.flank},       {"innermost", motion.innermost},      {"outermost", motion.outermost},
+        {"span", motion.plate_span}, {"plates", motion.plates},     {"pulleys", motion.pulleys}};
+    data["colours"] = nlohmann::json::array();
+    const auto add = [&](const char* name, const char* unit, const std::vector<float>& values) {
+        if (!values.empty()) data["colours"].push_back({{"n", name}, {"u", unit}, {"v", quantised(values)}});
+    };
+    add("tip force", "N", motion.force);
+    add("tension", "N", motion.tension);
+    if (motion.pulleys) {
+        const Shown how = shown("slip", "1");
+        std::vector<float> slip = motion.slip;
+        for (float& value : slip) value *= static_cast<float>(how.factor);
+        add("slip", how.unit.c_str(), slip);
+    }
+    for (const std::size_t shaft : {0U, 1U})
+        data["shafts"].push_back({{"angle", packed(motion.angle[shaft])}, {"radius", packed(motion.radius[shaft])}});
+    return data;
+}
+
+constexpr std::size_t columns_drawn_of_difference = 450;
+
+std::string keys_that_differ(const RecordedRun& a, const RecordedRun& b) {
+    if (!a.scene() || !b.scene()) return "<p>This program cannot read the scenes of both records.</p>\n";
+    std::string rows;
+    for (const tasks::KeyDifference& each : differing_keys(*a.scene(), *b.scene()))
+        rows += fmt::format("<tr data-key=\"{0}\"><td><code>{0}</code></td><td>{1}</td><td>{2}</td><td>{3}</td></tr>\n", each.key->key,
+                            html(each.a), html(each.b), html(each.key->meaning));
+    if (rows.empty()) return "<p>Every key of both scenes has the same value.</p>\n";
+    return table("", "Keys of the scenes that differ", {"key", "A", "B", "meaning"}, rows);
+}
+
+std::string mean_cells(const MeanDifference& mean, double factor) {
+    return number_cell(factor * mean.a, "{:.6g}") + number_cell(factor * mean.b, "{:.6g}") +
+           number_cell(factor * mean.absolute(), "{:+.4g}") + number_cell(100.0 * mean.relative(), "{:+.3g} %");
+}
+
+std::string side_by_side(const RunDifference& d) {
+    std::string rows;
+    for (const ChannelDifference& each : d.channels) {
+        const Shown how = shown(each.curve.name, each.curve.unit);
+        rows += fmt::format("<tr data-difference=\"{0}\"><td title=\"{1}\">{0}</td><td>{2}</td>", html(each.curve.name),
+                            html(each.curve.description), html(how.unit)) +
+                mean_cells(each.all, how.factor) + mean_cells(each.last, how.factor) + number_cell(how.factor * each.largest, "{:.4g}") +
+                fmt::format("<td class=\"number\" data-value=\"{:.9g}\">{}</td></tr>\n", each.largest_time, time_text(each.largest_time));
+    }
+    return table("sortable", "Key figures side by side: means of all common rows, of the last fifth of them, and the largest difference",
+                 {"channel", "unit", "A", "B", "B - A", "of A", "A, last fifth", "B", "B - A", "of A", "largest |B - A|", "at"}, rows);
+}
+
+/// Those that differ at all.
+std::string curves_of_differences(const RunDifference& d) {
+    std::string text, same;
+    for (const ChannelDifference& each : d.channels) {
+        if (each.largest == 0.0) {
+            same += (same.empty() ? "" : ", ") + each.curve.name;
+            continue;
+        }
+        const Shown how = shown(each.curve.name, each.curve.unit);
+        std::vector<Point> points;
+        for (std::size_t k = 0; k < d.times.size(); ++k) points.push_back({1e3 * d.times[k], how.factor * each.curve.values[k]});
+        Plot plot;
+        plot.title = each.curve.name + ": B - A";
+        plot.x.label = "time [ms]";
+        plot.y.label = how.unit.empty() ? "B - A" : fmt::format("B - A [{}]", how.unit);
+        plot.height = 300.0;
+        const bool dots = points.size() == 1;
+        plot.series.push_back({"", thinned(points, columns_drawn_of_difference), dots ? Mark::dot : Mark::none, Line::solid, "", 1.4});
+        text += "<figure>" + svg(plot) + "</figure>\n";
+    }
+    if (!same.empty()) text += fmt::format("<p>The same in every common row: {}.</p>\n", html(same));
+    return text;
+}
+
+std::string channels_of_one(const char* which, const std::vector<std::string>& names) {
+    if (names.empty()) return "";
+    return fmt::format("<p>Only {} has {}.</p>\n", which, html(fmt::format("{}", fmt::join(names, ", "))));
+}
+
+std::string against(const RecordedRun& a, const RecordedRun& b) {
+    std::string text = fmt::format("<h3>A: {}, B: {}</h3>\n", html(a.path()), html(b.path())) + keys_that_differ(a, b);
+    const RunDifference d = difference(a, b);
+    if (d.times.empty()) return text + "<p>The records have no common time, so their rows cannot be compared.</p>\n";
+    if (a.times() != b.times())
+        text += fmt::format("<p>Compared from {} to {}, at the {} times of A; B is interpolated to these times.</p>\n",
+                            time_text(d.times.front()), time_text(d.times.back()), d.times.size());
+    return text + side_by_side(d) + channels_of_one("A", d.only_a) + channels_of_one("B", d.only_b) + curves_of_differences(d);
+}
+
+/// Every further record against the first: keys of the scenes that differ, key figures side by side, curves of the differences. HTML.
+std::string difference_body(const std::vector<RecordedRun>& runs) {
+    std::string text;
+    for (std::size_t k = 1; k < runs.size(); ++k) text += against(runs.front(), runs[k]);
     return text;
 }
 
@@ -269,7 +413,8 @@ std::string run_page(const std::vector<RecordedRun>& runs) {
             {"losses", "Losses", of_all(runs, [](const RecordedRun& run) { return picture(loss_plot(run, false)) + energies(run); })});
     if (std::all_of(runs.begin(), runs.end(), has_wear)) page.sections.push_back({"wear", "Wear", of_all(runs, wear)});
     std::string origins;
-    for (const RecordedRun& run : runs) origins += provenance(run);
+    for (const RecordedRun& run : runs)
+        origins += fmt::format("<h3>{}</h3>\n", html(run.path())) + attribute_table(run.reader().attributes());
     page.sections.push_back({"provenance", "Provenance", origins});
     return text_of(page);
 }

@@ -1,4 +1,4 @@
-#include "tools/program/html/run_page.hpp"
+#include "tools/program/html/page.hpp"
 
 #include <fmt/format.h>
 
@@ -7,11 +7,10 @@
 #include <set>
 
 #include "tools/program/guard.hpp"
-#include "tools/program/html/page.hpp"
-#include "tools/program/text/attribute_text.hpp"
 #include "tools/program/text/markup.hpp"
-#include "tools/program/view/labels.hpp"
-#include "tools/program/view/sweep_plots.hpp"
+#include "tools/program/text/scene_text.hpp"
+#include "tools/program/text/text.hpp"
+#include "tools/program/view/sweep_view.hpp"
 
 namespace cvtflow::tools {
 
@@ -103,16 +102,7 @@ std::string maps(const SweepView& sweep) {
 
 std::string origin(const SweepView& sweep) {
     if (sweep.attributes.empty()) return "<p>A CSV file contains no provenance. The report of the sweep's folder shows it.</p>\n";
-    std::vector<std::pair<std::string, std::string>> rows;
-    std::string texts;
-    for (const engine::Attribute& each : sweep.attributes) {
-        const std::string value = value_text(each);
-        if (value.find('\n') == std::string::npos)
-            rows.emplace_back(each.name, html(value));
-        else
-            texts += fmt::format("<details><summary>{}</summary><pre>{}</pre></details>\n", html(each.name), html(value));
-    }
-    return definition_table(rows) + texts;
+    return attribute_table(sweep.attributes);
 }
 
 }  // namespace

@@ -71,12 +71,6 @@ struct Plot {
 /// Pictures below one another as one SVG document; those with the same horizontal axis have it at the same place.
 [[nodiscard]] std::string svg(const std::vector<Plot>& plots);
 
-/// Size of a picture: its height with the legend, and the width beside its frame [px].
-struct PictureSize {
-    double height, left, right;
-};
-[[nodiscard]] PictureSize picture_size(const Plot& plot);
-
 /// The colour that the series of that number gets if it names none: eight, distinguishable by colour-blind readers. Where colours repeat,
 /// lines differ: solid, dashed, dotted.
 [[nodiscard]] std::string palette(std::size_t number);

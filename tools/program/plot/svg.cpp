@@ -4,16 +4,144 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <map>
+#include <utility>
 
 #include "engine/base/hash.hpp"
 #include "tools/program/plot/axis_scale.hpp"
 #include "tools/program/plot/field.hpp"
 #include "tools/program/plot/plot.hpp"
-#include "tools/program/plot/svg_parts.hpp"
+#include "tools/program/text/markup.hpp"
 
 namespace cvtflow::tools {
 
 namespace {
+
+constexpr double letter = 6.9;  ///< mean width of a character at 12 px, to leave room [px]
+
+/// A text, escaped for the picture.
+std::string escaped(std::string text) {
+    std::erase_if(text, [](char c) { return static_cast<unsigned char>(c) < 0x20; });  // XML knows no control characters
+    return html(text);
+}
+
+/// Characters of a text in UTF-8.
+double letters(const std::string& text) {
+    return static_cast<double>(
+        std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
+}
+
+/// A tenth of a pixel is enough.
+std::string px(double value) {
+    std::string text = fmt::format("{:.1f}", value);
+    if (text.ends_with(".0")) text.erase(text.size() - 2);
+    return text == "-0" ? "0" : text;
+}
+
+std::string mark_path(Mark mark, double x, double y) {
+    switch (mark) {
+        case Mark::none: return "";
+        case Mark::dot:
+        case Mark::small_dot: return fmt::format("M{} {}h0", px(x), px(y));  // a round cap draws it
+        case Mark::ring: return fmt::format("M{} {}a3.5 3.5 0 1 0 7 0a3.5 3.5 0 1 0 -7 0", px(x - 3.5), px(y));
+        case Mark::square: return fmt::format("M{} {}h6v6h-6z", px(x - 3.0), px(y - 3.0));
+        case Mark::diamond: return fmt::format("M{} {}l4 4l-4 4l-4 -4z", px(x), px(y - 4.0));
+        case Mark::triangle: return fmt::format("M{} {}l4 7h-8z", px(x), px(y - 4.5));
+        case Mark::cross: return fmt::format("M{} {}l6 6m0 -6l-6 6", px(x - 3.0), px(y - 3.0));
+    }
+    return "";
+}
+
+std::string mark_style(Mark mark, const std::string& colour) {
+    if (mark == Mark::dot || mark == Mark::small_dot)
+        return fmt::format("fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linecap=\"round\"", colour, mark == Mark::dot ? 6 : 3.5);
+    const bool open = mark == Mark::ring || mark == Mark::cross;
+    return fmt::format("fill=\"{}\" stroke=\"{}\" stroke-width=\"1.4\"", open ? "none" : colour, colour);
+}
+
+std::string line_style(const Series& series, const std::string& colour) {
+    return fmt::format("fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\"{}", colour, px(series.width),
+                       series.line == Line::dashed   ? " stroke-dasharray=\"6 4\""
+                       : series.line == Line::dotted ? " stroke-dasharray=\"2 3\""
+                                                     : "");
+}
+
+/// The series with the colour and the line that its number gives it, where it has none of its own.
+Series styled(const Series& series, std::size_t number) {
+    Series with = series;
+    if (!with.colour.empty()) return with;
+    with.colour = palette(number);
+    if (with.line == Line::solid) with.line = palette_line(number);
+    return with;
+}
+
+/// Series, regions and fields that have names. `drawing` is around the origin, 24 px wide.
+struct LegendEntry {
+    std::string name, drawing;
+};
+std::vector<LegendEntry> legend_of(const Plot& plot) {
+    std::vector<LegendEntry> entries;
+    for (std::size_t k = 0; k < plot.series.size(); ++k) {
+        const Series series = styled(plot.series[k], k);
+        if (series.name.empty()) continue;
+        std::string drawing;
+        if (series.line != Line::none) drawing += fmt::format("<path d=\"M-12 0h24\" {}/>", line_style(series, escaped(series.colour)));
+        if (series.mark != Mark::none)
+            drawing +=
+                fmt::format("<path d=\"{}\" {}/>", mark_path(series.mark, 0.0, 0.0), mark_style(series.mark, escaped(series.colour)));
+        entries.push_back({series.name, drawing});
+    }
+    for (const Region& region : plot.regions) {
+        if (!region.name.empty())
+            entries.push_back(
+                {region.name, fmt::format("<rect x=\"-12\" y=\"-6\" width=\"24\" height=\"12\" fill=\"{}\"/>", escaped(region.colour))});
+    }
+    for (const Field& field : plot.fields) {
+        entries.push_back({field.label, ""});
+        for (const auto& [name, colour] : field_legend(field))
+            entries.push_back({name, fmt::format("<rect x=\"-12\" y=\"-10\" width=\"24\" height=\"20\" fill=\"{}\"/>", colour)});
+    }
+    return entries;
+}
+
+/// Where the entries are: in one column at the right of the frame, or in columns below it.
+class Legend {
+public:
+    explicit Legend(const Plot& plot) : entries_(legend_of(plot)) {
+        if (entries_.empty()) return;
+        double names = 0.0;
+        for (const LegendEntry& entry : entries_) names = std::max(names, letters(entry.name));
+        width_ = 56.0 + letter * names;
+        below_ = width_ > plot.width / 3.0 && plot.fields.empty();
+        column_ = 44.0 + letter * names;
+        columns_ = std::max<std::size_t>(1, static_cast<std::size_t>((plot.width - 40.0) / column_));
+        rows_ = (entries_.size() + columns_ - 1) / columns_;
+    }
+    [[nodiscard]] double width() const noexcept { return below_ ? 20.0 : width_; }                                   ///< at the right [px]
+    [[nodiscard]] double height() const noexcept { return below_ ? 20.0 * static_cast<double>(rows_) + 8.0 : 0.0; }  ///< below [px]
+    /// @param left, right, top of the frame   @param end of the picture without the legend [px]
+    [[nodiscard]] std::string text(double left, double right, double top, double end) const {
+        std::string made;
+        for (std::size_t k = 0; k < entries_.size(); ++k) {
+            const double x = below_ ? left + 12.0 + column_ * static_cast<double>(k / rows_) : right + 26.0;
+            const double y = below_ ? end + 10.0 + 20.0 * static_cast<double>(k % rows_) : top + 10.0 + 20.0 * static_cast<double>(k);
+            made += fmt::format("<g transform=\"translate({} {})\">{}{}</g>\n", px(x), px(y), entries_[k].drawing,
+                                fmt::format("<text x=\"18\" y=\"4\" class=\"legend\">{}</text>", escaped(entries_[k].name)));
+        }
+        return made;
+    }
+
+private:
+    std::vector<LegendEntry> entries_;
+    bool below_ = false;
+    std::size_t rows_ = 0, columns_ = 1;
+    double width_ = 20.0, column_ = 0.0;
+};
+
+/// Size of a picture: its height with the legend, and the width beside its frame [px].
+struct PictureSize {
+    double height, left, right;
+};
 
 std::string text_at(double x, double y, const std::string& text, const std::string& more) {
     return fmt::format("<text x=\"{}\" y=\"{}\" {}>{}</text>\n", px(x), px(y), more, escaped(text));
@@ -176,10 +304,50 @@ private:
     double left_ = 0.0, right_ = 0.0, top_ = 0.0, bottom_ = 0.0;  ///< of the frame [px]
 };
 
+/// Room beside the axes of plots that share a horizontal axis and a width.
+struct Room {
+    double left = 0.0, right = 0.0;  ///< [px]
+};
+
 }  // namespace
+
+std::string palette(std::size_t number) {
+    static constexpr std::array colours{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#444444", "#8c6d1f"};
+    return colours[number % colours.size()];
+}
+
+Line palette_line(std::size_t number) {
+    static constexpr std::array lines{Line::solid, Line::dashed, Line::dotted};
+    return lines[number / 8 % lines.size()];
+}
 
 std::string svg(const Plot& plot) { return Drawing(plot).text(); }
 
-PictureSize picture_size(const Plot& plot) { return Drawing(plot).size(); }
+std::string svg(const std::vector<Plot>& plots) {
+    if (plots.size() == 1) return svg(plots.front());
+    std::map<std::pair<std::string, double>, Room> rooms;
+    for (const Plot& plot : plots) {
+        const PictureSize size = Drawing(plot).size();
+        Room& room = rooms[{plot.x.label, plot.width}];
+        room = {std::max(room.left, size.left), std::max(room.right, size.right)};
+    }
+    double width = 0.0, height = 0.0;
+    std::string parts;
+    for (const Plot& plot : plots) {
+        Plot aligned = plot;
+        const Room& room = rooms.at({plot.x.label, plot.width});
+        aligned.left_room = std::max(aligned.left_room, room.left);
+        aligned.right_room = std::max(aligned.right_room, room.right);
+        std::string part = svg(aligned);
+        part.insert(part.find("<svg") + 4, fmt::format(" y=\"{:g}\"", height));
+        parts += part;
+        width = std::max(width, plot.width);
+        height += Drawing(aligned).size().height;
+    }
+    return fmt::format(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:g}\" height=\"{1:g}\" viewBox=\"0 0 {0:g} {1:g}\" role=\"img\">\n"
+        "<rect width=\"{0:g}\" height=\"{1:g}\" fill=\"#ffffff\"/>\n{2}</svg>\n",
+        width, height, parts);
+}
 
 }  // namespace cvtflow::tools

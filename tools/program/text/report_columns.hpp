@@ -1,9 +1,6 @@
 #pragma once
-/// Columns of a report, each stated once: as a table on the terminal, as CSV and as JSON.
+/// Reports: columns, each stated once, as a table on the terminal, as CSV and as JSON; JSON files with provenance.
 
-#include <fmt/format.h>
-
-#include <cmath>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -14,6 +11,8 @@
 
 namespace cvtflow::tools {
 
+inline constexpr int usual_digits = 9, all_digits = 0;  ///< all: as many as it takes to read the same number back
+
 template <class Row>
 struct ReportColumn {
     std::string key;                                               ///< in CSV and JSON; empty: on the terminal only
@@ -21,16 +20,12 @@ struct ReportColumn {
     std::function<nlohmann::ordered_json(const Row&)> value = {};  ///< number, text or truth value; null: unknown
     std::function<std::string(const Row&)> cell = {};              ///< on the terminal
     Align align = Align::right;
+    int digits = usual_digits;  ///< of real numbers in CSV
+    bool quoted = false;        ///< texts in CSV always, not only where they must be
 };
 
-/// "" for null and numbers that are not finite, 1 or 0 for truth values, nine digits; texts as tasks::csv_cell writes them.
-[[nodiscard]] inline std::string csv_cell(const nlohmann::ordered_json& value) {
-    if (value.is_boolean()) return value.get<bool>() ? "1" : "0";
-    if (value.is_number_float()) return std::isfinite(value.get<double>()) ? fmt::format("{:.9g}", value.get<double>()) : "";
-    if (value.is_null()) return "";
-    if (!value.is_string()) return value.dump();
-    return tasks::csv_cell(value.get<std::string>(), true);
-}
+/// "" for null and numbers that are not finite, 1 or 0 for truth values; texts as tasks::csv_cell writes them.
+[[nodiscard]] std::string csv_cell(const nlohmann::ordered_json& value, int digits = usual_digits, bool quoted = false);
 
 template <class Row>
 [[nodiscard]] std::string report_table(const std::vector<ReportColumn<Row>>& columns, const std::vector<Row>& rows, int indent = 2) {
@@ -62,7 +57,8 @@ template <class Row>
         text += "\n";
     };
     line([](const ReportColumn<Row>& column) { return column.key; });
-    for (const Row& row : rows) line([&](const ReportColumn<Row>& column) { return csv_cell(column.value(row)); });
+    for (const Row& row : rows)
+        line([&](const ReportColumn<Row>& column) { return csv_cell(column.value(row), column.digits, column.quoted); });
     return text;
 }
 
@@ -77,5 +73,9 @@ template <class Row>
     }
     return json;
 }
+
+[[nodiscard]] nlohmann::ordered_json provenance_json();
+/// As a file: indented; numbers that are not finite are null.
+[[nodiscard]] std::string json_text(const nlohmann::ordered_json& json);
 
 }  // namespace cvtflow::tools

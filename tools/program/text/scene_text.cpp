@@ -2,7 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "engine/base/error_text.hpp"
+#include "model/start/belt.hpp"
+#include "tasks/run/saved_start.hpp"
 #include "tasks/scene/parameter_table.hpp"
+#include "tools/program/text/text.hpp"
 
 namespace cvtflow::tools {
 
@@ -24,6 +32,46 @@ std::string_view preset_name(const model::Detail& detail) {
     return {};
 }
 
+/// Its value, if there is an attribute of that name and type.
+template <class Value>
+const Value* value_of(const std::vector<engine::Attribute>& attributes, std::string_view name) {
+    const auto found = std::ranges::find(attributes, name, &engine::Attribute::name);
+    return found == attributes.end() ? nullptr : std::get_if<Value>(&found->value);
+}
+
+double number_of(const std::vector<engine::Attribute>& attributes, std::string_view name) {
+    const auto* number = value_of<double>(attributes, name);
+    return number == nullptr ? 0.0 : *number;
+}
+
+/// The instant of a run at which tables of clamping force and load leave the smallest safety factor.
+struct LeastSafety {
+    double limit = 0.0, load = 0.0;  ///< [N*m]
+    double factor = INFINITY;        ///< [1]
+};
+
+/// 2 mu S_2 r_2/cos(beta), friction of all contacts along the circumference, over the load. @param radius of the driven pulley [m]
+LeastSafety least_safety(const tasks::Scene& scene, double radius) {
+    constexpr int instants = 200;
+    const model::Parameters& p = scene.parameters;
+    LeastSafety least;
+    for (int k = 0; k <= instants; ++k) {
+        const double time = scene.run.until * k / instants;
+        const double limit = 2.0 * p.tip.friction.coefficient * p.clamping.driven.at(time) * radius / std::cos(p.tip.angle);
+        const double load = std::abs(p.load.torque.at(time));
+        if (load > 0.0 && limit / load < least.factor) least = {limit, load, limit / load};
+    }
+    return least;
+}
+
+/// Whether load and clamping force of the driven pulley are those of their tables.
+[[nodiscard]] bool tables_act(const model::Parameters& p) {
+    const bool driven_controlled =
+        p.control.enabled && (p.control.quantity != model::ControlledQuantity::ratio || p.control.driven != model::DrivenControl::none);
+    return p.load.mode == model::LoadMode::torque && p.clamping.safety == 0.0 && !driven_controlled &&
+           p.hydraulics.mode == model::HydraulicMode::none;
+}
+
 }  // namespace
 
 std::string detail_text(const tasks::Scene& scene) {
@@ -38,6 +86,61 @@ std::string detail_text(const tasks::Scene& scene) {
     const std::string slowed = detail.mass_scaling == 1.0 ? "" : fmt::format(", mass scaling {}", choice(scene, "detail.mass_scaling"));
     const std::string friction = choice(scene, "detail.friction") + " friction" + (detail.stick_slip ? " with stick and slip" : "");
     return name.empty() ? fmt::format("{}{}; {}", dials, slowed, friction) : fmt::format("{} ({}{}); {}", name, dials, slowed, friction);
+}
+
+std::string value_text(const engine::Attribute& attribute) {
+    if (const auto* text = std::get_if<std::string>(&attribute.value)) return *text;
+    if (const auto* number = std::get_if<double>(&attribute.value)) return fmt::format("{:.6g}", *number);
+    return fmt::format("{}", std::get<std::int64_t>(attribute.value));
+}
+
+std::string text_of(const std::vector<engine::Attribute>& attributes, std::string_view name, const std::string& otherwise) {
+    const auto found = std::ranges::find(attributes, name, &engine::Attribute::name);
+    return found == attributes.end() ? otherwise : engine::visible(value_text(*found));
+}
+
+std::string step_text(const std::vector<engine::Attribute>& attributes, double setting) {
+    const double taken = number_of(attributes, tasks::step_taken_attribute);
+    const std::string set = setting > 0.0 ? time_text(setting) : "auto", used = taken > 0.0 ? time_text(taken) : "";
+    if (used.empty() || used == set) return set;
+    return setting > 0.0 ? fmt::format("{} ({} taken)", set, used) : fmt::format("auto ({})", used);
+}
+
+std::string step_text(const std::vector<engine::Attribute>& attributes) { return step_text(attributes, number_of(attributes, "step")); }
+
+std::optional<tasks::Scene> scene_in(const std::vector<engine::Attribute>& attributes, std::string_view name) {
+    constexpr std::size_t longest = std::size_t{1} << 20U;  // a parser takes a multiple of it [byte]
+    const auto* text = value_of<std::string>(attributes, name);
+    if (text == nullptr || text->empty() || text->size() > longest) return {};
+    try {
+        return tasks::parse_scene(*text, "scene", tasks::StartState::recorded);
+    } catch (const tasks::SceneError&) {
+        return {};
+    }
+}
+
+std::string machine_lines(const tasks::Scene& scene) {
+    const model::Parameters& p = scene.parameters;
+    if (p.detail.pulleys == model::PulleyDetail::absent || p.start.layout != model::StartLayout::belt) return "";
+    const double length = model::chain_length(p.chain), distance = p.pulley.centre_distance;
+    const auto radii = model::belt_radii(length, p.start.ratio, distance);
+    if (!radii) return "";
+    const double incline = std::asin((radii->driven - radii->driving) / distance), degree = 180.0 / std::numbers::pi;
+    const double arcs[] = {std::numbers::pi - 2.0 * incline, std::numbers::pi + 2.0 * incline};
+    std::string text =
+        field("radii", fmt::format("{:.2f} mm driving, {:.2f} mm driven; arcs {:.0f} deg, {:.0f} deg at ratio {:.4g}", 1e3 * radii->driving,
+                                   1e3 * radii->driven, degree * arcs[0], degree * arcs[1], p.start.ratio));
+    if (p.drive.mode != model::DriveMode::torque)
+        text += field("pins pass",
+                      fmt::format("{:.4g} Hz at the start", std::abs(p.drive.speed.at(0.0)) * radii->driving * p.chain.pins / length));
+    if (!tables_act(p)) return text;
+    const LeastSafety least = least_safety(scene, radii->driven);
+    if (!std::isfinite(least.factor)) return text;
+    text +=
+        field("torque limit", fmt::format("{:.4g} N*m on the driven pulley (2 mu S_2 r_2/cos(beta)); load {:.4g} N*m: safety factor {:.3g}",
+                                          least.limit, least.load, least.factor));
+    if (least.factor < 1.0) text += field("", "the load exceeds the limit: the chain slips; raise clamping.driven or lower load.torque");
+    return text;
 }
 
 }  // namespace cvtflow::tools

@@ -1,13 +1,34 @@
 #pragma once
-/// A scene as readable text.
+/// A scene as readable text: its detail, its machine in figures of the design, and what files made from it contain about it.
 
+#include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
+#include "engine/record/run/schema.hpp"
 #include "tasks/scene/scene.hpp"
 
 namespace cvtflow::tools {
 
 /// `fine (order 3, each plate, 3 joint points, elastic pulleys), piecewise friction`; without a name if no preset matches.
 [[nodiscard]] std::string detail_text(const tasks::Scene& scene);
+
+/// Texts unchanged, reals with 6 digits.
+[[nodiscard]] std::string value_text(const engine::Attribute& attribute);
+/// An attribute's text, or a placeholder.
+[[nodiscard]] std::string text_of(const std::vector<engine::Attribute>& attributes, std::string_view name,
+                                  const std::string& otherwise = "unknown");
+/// Step of a record or state: "2 us", "auto (2 us)", "2.1 us (2 us taken)"; of files without the step that was taken "auto".
+/// @param setting run.step; 0: automatic [s]
+[[nodiscard]] std::string step_text(const std::vector<engine::Attribute>& attributes, double setting);
+/// The same of a record, which contains run.step.
+[[nodiscard]] std::string step_text(const std::vector<engine::Attribute>& attributes);
+/// The scene that a file was made from, its start state not read; none if this program cannot read it.
+[[nodiscard]] std::optional<tasks::Scene> scene_in(const std::vector<engine::Attribute>& attributes, std::string_view name);
+
+/// Lines of `check`: running radii, arcs, frequency of passing pins, torque limit of the driven pulley and safety factor, with a warning
+/// where the load exceeds the limit. Empty without pulleys.
+[[nodiscard]] std::string machine_lines(const tasks::Scene& scene);
 
 }  // namespace cvtflow::tools

@@ -7,6 +7,8 @@
 #include <cmath>
 
 #include "engine/base/text.hpp"
+#include "engine/executor/catalogue.hpp"
+#include "tasks/scene/toml/units.hpp"
 
 namespace cvtflow::tools {
 
@@ -16,6 +18,30 @@ std::string on_one_line(const std::string& text) {
     std::string shown = engine::visible(text);
     std::replace(shown.begin(), shown.end(), '\n', ' ');
     return shown;
+}
+
+/// Quantities that are shown in per cent.
+bool in_percent(const std::string& name, const std::string& unit) {
+    if (!unit.empty() && unit != "1") return false;
+    const std::string last = name.substr(name.rfind('/') + 1);
+    return last.find("slip") != std::string::npos || last.starts_with("efficiency") || last == "creep";
+}
+
+/// "N*m" -> "N·m".
+std::string with_dots(std::string unit) {
+    for (auto at = unit.find('*'); at != std::string::npos; at = unit.find('*')) unit.replace(at, 1, "·");
+    return unit;
+}
+
+/// "slip_mean" -> "mean slip", "tight_tension" -> "tight tension".
+std::string words_of(std::string name) {
+    static constexpr std::array reductions{"mean", "median", "max", "min", "final", "rms"};
+    for (const char* reduction : reductions) {
+        const std::string end = std::string("_") + reduction;
+        if (name.ends_with(end)) name = fmt::format("{} {}", reduction, name.substr(0, name.size() - end.size()));
+    }
+    std::replace(name.begin(), name.end(), '_', ' ');
+    return name;
 }
 
 }  // namespace
@@ -91,6 +117,34 @@ std::string Table::text(int indent) const {
 
 std::string field(const std::string& label, const std::string& value) {
     return fmt::format("  {:<19} {}\n", label, engine::visible(value));
+}
+
+std::string executor_table() {
+    Table table({{"executor"}, {"threads"}, {"description"}});
+    for (const engine::ExecutorRow& row : engine::executors())
+        table.add({std::string(row.name), row.parallel ? "many" : "one", std::string(row.description)});
+    return table.text();
+}
+
+std::string absent_executor_text() {
+    std::string absent;
+    for (const engine::ExecutorRow& row : engine::absent_executors())
+        absent += fmt::format("  {:<12}{}\n  {:<12}requires {}\n", row.name, row.description, "", row.needs);
+    return absent.empty() ? "" : "\nNot in this program:\n" + absent;
+}
+
+Shown shown(const std::string& name, const std::string& unit) {
+    if (in_percent(name, unit)) return {words_of(name) + " [%]", 100.0, "%"};
+    if (unit.empty() || unit == "1") return {words_of(name), 1.0, ""};
+    return {fmt::format("{} [{}]", words_of(name), with_dots(unit)), 1.0, unit};
+}
+
+std::string label_of_unit(const std::string& unit) {
+    const auto parsed = tasks::parse_quantity("1 " + unit);
+    const auto* quantity = std::get_if<tasks::Quantity>(&parsed);
+    std::string name(quantity == nullptr ? "" : tasks::dimension_name(quantity->dimension));
+    if (const auto article = name.find(' '); article != std::string::npos) name = name.substr(article + 1);
+    return fmt::format("{}[{}]", name.empty() ? "" : name + " ", with_dots(unit));
 }
 
 }  // namespace cvtflow::tools

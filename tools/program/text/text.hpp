@@ -1,5 +1,6 @@
 #pragma once
-/// Numbers and tables for people.
+/// Numbers, units and tables for people. Pictures and pages show names without underscores, slip and efficiency in per cent, and units
+/// beside them; files of numbers (records, tables, CSV) contain SI units, and so shares of 1.
 
 #include <string>
 #include <vector>
@@ -41,5 +42,23 @@ private:
 
 /// "  label               value\n", as in the summary of a run.
 [[nodiscard]] std::string field(const std::string& label, const std::string& value);
+
+/// A row per executor of this program.
+[[nodiscard]] std::string executor_table();
+/// Executors that this build lacks, and their requirements; empty if none is missing.
+[[nodiscard]] std::string absent_executor_text();
+
+/// How a quantity is shown.
+struct Shown {
+    std::string label;    ///< "slip [%]", "tight tension [N]"
+    double factor = 1.0;  ///< from the unit of the record to that of the label
+    std::string unit;     ///< of the label: "%", "N"; empty: none
+};
+
+/// A channel or a column of a sweep. @param unit SI unit; "1" or empty: none
+[[nodiscard]] Shown shown(const std::string& name, const std::string& unit);
+
+/// The common label of several quantities of one unit: "force [N]".
+[[nodiscard]] std::string label_of_unit(const std::string& unit);
 
 }  // namespace cvtflow::tools

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "model/parameters/chain_layout.hpp"
-#include "tools/program/view/machine_state.hpp"
+#include "tools/program/view/recorded_run.hpp"
 
 namespace cvtflow::tools {
 

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 
 #include "engine/base/text.hpp"
 #include "tasks/run/channels.hpp"
 #include "tools/program/guard.hpp"
-#include "tools/program/plot/finite.hpp"
-#include "tools/program/text/attribute_text.hpp"
+#include "tools/program/text/scene_text.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::tools {
@@ -56,6 +56,30 @@ std::pair<std::string, int> taken_apart(const std::string& word) {
     return {word.substr(0, bracket), number};
 }
 
+/// The value at `time` of a line through points, ascending; `time` lies within them.
+double on_line(const std::vector<double>& times, const std::vector<double>& values, double time) {
+    const auto after = std::lower_bound(times.begin(), times.end(), time);
+    const auto k = static_cast<std::size_t>(after - times.begin());
+    if (k == 0 || times[k] == time) return values[k];
+    const double share = (time - times[k - 1]) / (times[k] - times[k - 1]);
+    return values[k - 1] + share * (values[k] - values[k - 1]);
+}
+
+double mean_from(const std::vector<double>& values, std::size_t first) { return FiniteFigures(std::span(values).subspan(first)).mean; }
+
+ChannelDifference of_channel(const Curve& curve, std::vector<double> a, const std::vector<double>& b, const std::vector<double>& times) {
+    ChannelDifference d{curve, {}, {}, 0.0, times.front()};
+    const std::size_t fifth = 4 * a.size() / 5;
+    d.all = {mean_from(a, 0), mean_from(b, 0)};
+    d.last = {mean_from(a, fifth), mean_from(b, fifth)};
+    for (std::size_t k = 0; k < a.size(); ++k) {
+        a[k] = b[k] - a[k];
+        if (std::abs(a[k]) > d.largest) d.largest = std::abs(a[k]), d.largest_time = times[k];
+    }
+    d.curve.values = std::move(a);
+    return d;
+}
+
 }  // namespace
 
 std::string how_to_record(const std::string& name) {
@@ -85,6 +109,16 @@ std::string RecordedRun::name() const {
 std::string RecordedRun::conditions() const {
     const auto& all = reader_.attributes();
     return fmt::format("{}, {}, step {}", text_of(all, "scene"), text_of(all, "method"), step_text(all));
+}
+
+const engine::ChannelInfo* RecordedRun::channel(const std::string& name) const {
+    const auto& channels = reader_.channels();
+    const auto found = std::find_if(channels.begin(), channels.end(), [&](const engine::ChannelInfo& c) { return c.name == name; });
+    return found == channels.end() ? nullptr : &*found;
+}
+
+std::vector<double> RecordedRun::values(const std::string& channel) const {
+    return this->channel(channel) == nullptr ? std::vector<double>() : reader_.channel(channel);
 }
 
 std::vector<Curve> RecordedRun::curves(const engine::ChannelInfo& channel, bool each) const {
@@ -142,14 +176,55 @@ std::string RecordedRun::unresolved() const {
 
 std::optional<double> RecordedRun::pin_frequency() const {
     if (!scene_) return {};
-    for (const engine::ChannelInfo& channel : reader_.channels()) {
-        if (channel.name != "chain_speed") continue;
-        const std::vector<double> speed = reader_.channel(channel.name);
-        const double mean = FiniteFigures(speed).mean;
-        const model::Chain& chain = scene_->parameters.chain;
-        if (mean > 0.0) return mean * chain.pins / model::chain_length(chain);
+    const double mean = FiniteFigures(values("chain_speed")).mean;
+    const model::Chain& chain = scene_->parameters.chain;
+    return mean > 0.0 ? std::optional(mean * chain.pins / model::chain_length(chain)) : std::nullopt;
+}
+
+engine::RecordedState machine_state(const std::string& path, const engine::RunReader& run, std::size_t number,
+                                    const model::ChainLayout& at) {
+    engine::RecordedState recorded = run.state(number);
+    const bool fits = recorded.state.size() == static_cast<std::size_t>(at.size()) &&
+                      recorded.phases.size() == static_cast<std::size_t>(model::tips_per_link * at.links);
+    const bool phases = std::all_of(recorded.phases.begin(), recorded.phases.end(),
+                                    [](std::uint8_t phase) { return phase <= static_cast<std::uint8_t>(model::Phase::slip); });
+    if (!fits || !phases) throw engine::RecordError(fmt::format("{}: state {} does not match its machine", path, number));
+    return recorded;
+}
+
+bool finite(const engine::RecordedState& recorded) {
+    return std::isfinite(recorded.time) &&
+           std::all_of(recorded.state.begin(), recorded.state.end(), [](double value) { return std::isfinite(value); });
+}
+
+double MeanDifference::relative() const noexcept { return a != 0.0 ? (b - a) / std::abs(a) : std::numeric_limits<double>::quiet_NaN(); }
+
+RunDifference difference(const RecordedRun& a, const RecordedRun& b) {
+    RunDifference result;
+    const std::vector<double>&ours = a.times(), &theirs = b.times();
+    const auto first = std::lower_bound(ours.begin(), ours.end(), theirs.front());
+    const auto last = std::upper_bound(first, ours.end(), theirs.back());
+    const auto begin = first - ours.begin(), end = last - ours.begin();
+    result.times.assign(first, last);
+    const std::vector<Curve> of_a = a.overview(), of_b = b.overview();
+    const auto named = [](const std::vector<Curve>& curves, const std::string& name) {
+        return std::find_if(curves.begin(), curves.end(), [&](const Curve& curve) { return curve.name == name; });
+    };
+    for (const Curve& curve : of_b) {
+        if (named(of_a, curve.name) == of_a.end()) result.only_b.push_back(curve.name);
     }
-    return {};
+    for (const Curve& curve : of_a) {
+        const auto other = named(of_b, curve.name);
+        if (other == of_b.end()) {
+            result.only_a.push_back(curve.name);
+        } else if (!result.times.empty()) {
+            std::vector<double> there;
+            for (const double time : result.times) there.push_back(on_line(theirs, other->values, time));
+            result.channels.push_back(of_channel({curve.name, curve.unit, curve.description, {}},
+                                                 {curve.values.begin() + begin, curve.values.begin() + end}, there, result.times));
+        }
+    }
+    return result;
 }
 
 }  // namespace cvtflow::tools

@@ -1,11 +1,18 @@
 #pragma once
-/// A record for pictures and pages: channels by name, and the scene.
+/// A record for pictures, pages and exports: channels by name, the scene, states, and differences between two records.
+/// A channel may be undefined (NaN) at some outputs: only finite numbers count.
 
+#include <cmath>
+#include <cstddef>
+#include <limits>
 #include <optional>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine/record/run/run_reader.hpp"
+#include "model/parameters/chain_layout.hpp"
 #include "tasks/scene/scene.hpp"
 
 namespace cvtflow::tools {
@@ -36,6 +43,11 @@ public:
     /// Times of the rows [s].
     [[nodiscard]] const std::vector<double>& times() const noexcept { return times_; }
 
+    /// A channel by its name; nullptr if it was not recorded.
+    [[nodiscard]] const engine::ChannelInfo* channel(const std::string& name) const;
+    /// All numbers of a channel, row after row; empty if it was not recorded.
+    [[nodiscard]] std::vector<double> values(const std::string& channel) const;
+
     /// All numbers of a channel; of one with more than four, three curves: its minimum, mean and maximum. @param each all numbers as well
     [[nodiscard]] std::vector<Curve> curves(const engine::ChannelInfo& channel, bool each = false) const;
     /// Curves of a channel, a group ("shaft_1"), or one number of a channel ("links/tension[12]").
@@ -57,6 +69,69 @@ private:
     engine::RunReader reader_;
     std::optional<tasks::Scene> scene_;
     std::vector<double> times_;
+};
+
+/// One state of a record. Its size and phases are compared with the machine, because the file may be forged.
+/// @throws engine::RecordError for another number of unknowns or phases, and for invalid phases
+[[nodiscard]] engine::RecordedState machine_state(const std::string& path, const engine::RunReader& run, std::size_t number,
+                                                  const model::ChainLayout& at);
+
+/// Whether all unknowns are finite.
+[[nodiscard]] bool finite(const engine::RecordedState& recorded);
+
+/// A mean of both, and their difference.
+struct MeanDifference {
+    double a = 0.0, b = 0.0;  ///< in the unit of the channel
+    [[nodiscard]] double absolute() const noexcept { return b - a; }
+    /// Of the magnitude of a; not a number where a is 0 [1].
+    [[nodiscard]] double relative() const noexcept;
+};
+
+/// A channel of the overview that both records have.
+struct ChannelDifference {
+    Curve curve;                ///< its values: B - A
+    MeanDifference all, last;   ///< over all common rows, over the last fifth of them
+    double largest = 0.0;       ///< largest |B - A|, in the unit of the channel
+    double largest_time = 0.0;  ///< when [s]
+};
+
+struct RunDifference {
+    std::vector<double> times;                ///< rows of A within the time that both have [s]
+    std::vector<ChannelDifference> channels;  ///< in the order of A; B is interpolated linearly to the times of A
+    std::vector<std::string> only_a, only_b;  ///< channels of the overview of one alone
+};
+
+/// Without a common row there are no channels.
+[[nodiscard]] RunDifference difference(const RecordedRun& a, const RecordedRun& b);
+
+/// Positions of the least and of the largest finite value of a range; both its first position where none is finite.
+/// @param value of an element
+template <class Iterator, class Value>
+[[nodiscard]] std::pair<Iterator, Iterator> finite_extremes(Iterator first, Iterator last, const Value& value) {
+    std::pair<Iterator, Iterator> found{first, first};
+    for (Iterator at = first; at != last; ++at) {
+        if (!std::isfinite(value(*at))) continue;
+        if (!(value(*found.first) <= value(*at)) || !std::isfinite(value(*found.first))) found.first = at;
+        if (!(value(*found.second) > value(*at)) || !std::isfinite(value(*found.second))) found.second = at;
+    }
+    return found;
+}
+
+/// NaN where no number is finite.
+struct FiniteFigures {
+    double mean = std::numeric_limits<double>::quiet_NaN(), least = mean, largest = mean;  ///< [unit of the numbers]
+
+    /// numbers [any unit]
+    explicit FiniteFigures(std::span<const double> numbers) {
+        double sum = 0.0;
+        long count = 0;
+        for (const double number : numbers) {
+            if (std::isfinite(number)) sum += number, ++count;
+        }
+        if (count == 0) return;
+        const auto [low, high] = finite_extremes(numbers.begin(), numbers.end(), [](double number) { return number; });
+        mean = sum / static_cast<double>(count), least = *low, largest = *high;
+    }
 };
 
 }  // namespace cvtflow::tools

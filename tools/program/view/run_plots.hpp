@@ -1,14 +1,45 @@
 #pragma once
-/// Pictures of records.
+/// Pictures of records, and their spectra over orders: passing pins, the pattern of the pitches, rounds of the chain, turns of the shafts.
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tools/program/plot/plot.hpp"
 #include "tools/program/view/recorded_run.hpp"
 
 namespace cvtflow::tools {
+
+struct AmplitudeSpectrum {
+    std::vector<double> frequency;  ///< [Hz], from 0 to half of the sampling rate
+    std::vector<double> amplitude;  ///< a sine of amplitude a at a frequency of the grid has a peak of a
+};
+
+/// Spectrum of equidistant values: mean removed, Hann window, padded with zeros to a power of two of at least twice the length.
+/// Empty for fewer than 8 values. A trailing value at another distance (a run that ended between outputs) is left out.
+[[nodiscard]] AmplitudeSpectrum amplitude_spectrum(const std::vector<double>& times, std::vector<double> values);
+
+/// Something that repeats while a chain runs.
+struct Repetition {
+    std::string name;        ///< "pins", "pitch pattern", "round of the chain", "shaft 1", "shaft 2"
+    double frequency = 0.0;  ///< mean over the run [Hz]
+    bool multiples = false;  ///< whether multiples are marked as well
+    std::string colour;      ///< of its lines; empty: it has none
+};
+
+/// Links after which the pitches repeat; 1: all are equal. @param pitch [m], repeated cyclically over `links`
+[[nodiscard]] int pattern_length(const std::vector<double>& pitch, int links);
+
+/// What the record and its scene contain; pins first. Empty if the record does not contain the chain's speed.
+[[nodiscard]] std::vector<Repetition> repetitions(const RecordedRun& run);
+
+/// Vertical lines at the orders of the repetitions, as series for the legend, up to the order `end`.
+/// @param range lower and upper end of the lines
+[[nodiscard]] std::vector<Series> order_lines(const std::vector<Repetition>& all, double end, std::pair<double, double> range);
+
+/// "order 1 = 1404 Hz; pitch pattern 0.5, round of the chain 0.0119, shaft 1 0.0237, shaft 2 0.0236".
+[[nodiscard]] std::string orders_text(const std::vector<Repetition>& all);
 
 /// Curves over time, a plot per unit; several runs in each. Of runs that are longer than 60 pin periods, means over these.
 /// @param words channels and groups; none: the overview   @param every_output also of long runs

@@ -1,10 +1,11 @@
 #pragma once
-/// The results of a sweep, from its table or from a CSV of it.
+/// The results of a sweep, from its table or from a CSV of it, and their pictures.
 
 #include <string>
 #include <vector>
 
 #include "engine/record/run/schema.hpp"
+#include "tools/program/plot/plot.hpp"
 
 namespace cvtflow::tools {
 
@@ -41,5 +42,13 @@ struct SweepView {
 /// @param path folder of a sweep, its cases.h5, or what `cvtflow table --csv` printed
 /// @throws engine::RecordError
 [[nodiscard]] SweepView read_sweep(const std::string& path);
+
+/// y over x; a curve for each combination of the other axes. Cases that did not end well are left out and counted.
+/// @throws UsageError for columns that are not there or hold no numbers
+[[nodiscard]] Plot sweep_curves(const SweepView& sweep, const std::string& x, const std::string& y);
+
+/// `colour` over x and y: with contours where the cases form a grid, as coloured points where they do not.
+/// @throws UsageError as above, and where several cases fall on one point, with the axes in which they differ
+[[nodiscard]] Plot sweep_map(const SweepView& sweep, const std::string& x, const std::string& y, const std::string& colour);
 
 }  // namespace cvtflow::tools

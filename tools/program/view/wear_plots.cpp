@@ -24,18 +24,11 @@ struct Rows {
     std::size_t width;
 };
 
-/// Null if it was not recorded.
-const engine::ChannelInfo* channel_of(const RecordedRun& run, const std::string& name) {
-    const auto& channels = run.reader().channels();
-    const auto found = std::find_if(channels.begin(), channels.end(), [&](const engine::ChannelInfo& c) { return c.name == name; });
-    return found == channels.end() ? nullptr : &*found;
-}
-
 Rows rows_of(const RecordedRun& run, const std::string& name) {
-    const engine::ChannelInfo* channel = channel_of(run, name);
+    const engine::ChannelInfo* channel = run.channel(name);
     if (channel == nullptr)
         throw UsageError(fmt::format("{}: the record has no channel {}; record it with --set record.channels=wear/*", run.path(), name));
-    return {run.reader().channel(name), static_cast<std::size_t>(channel->width)};
+    return {run.values(name), static_cast<std::size_t>(channel->width)};
 }
 
 /// ∫ dt of every number.
@@ -52,8 +45,8 @@ std::vector<double> integrals(const RecordedRun& run, const Rows& rows) {
 /// How well the outputs sample the wear: their sum beside the energy that the run has accounted for in every step.
 std::string sampled_text(const RecordedRun& run, double sampled) {
     constexpr const char* counted = "dissipated/tip_friction";
-    if (channel_of(run, counted) == nullptr) return "";
-    const std::vector<double> so_far = run.reader().channel(counted);
+    const std::vector<double> so_far = run.values(counted);
+    if (so_far.empty()) return "";
     return fmt::format("; {} outputs sum to {:.4g} J of the {:.4g} J that friction of tips dissipated", run.times().size(), sampled,
                        so_far.back() - so_far.front());
 }
@@ -115,7 +108,7 @@ Plot over_tips(const RecordedRun& run, const model::Parameters& p) {
 
 bool has_wear(const RecordedRun& run) {
     const auto names = {"wear/friction_power", "wear/force_speed", "wear/pressure_speed", "wear/tip_force_speed", "wear/tip_pressure"};
-    return run.scene() && std::all_of(names.begin(), names.end(), [&](const char* name) { return channel_of(run, name) != nullptr; });
+    return run.scene() && std::all_of(names.begin(), names.end(), [&](const char* name) { return run.channel(name) != nullptr; });
 }
 
 std::vector<Plot> wear_plots(const RecordedRun& run) {

@@ -7,9 +7,9 @@
 
 #include "bench/lab/command/command.hpp"
 #include "bench/study/belt/belt_drive.hpp"
-#include "tools/program/arguments/scene_arguments.hpp"
+#include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
-#include "tools/program/output/output_folder.hpp"
+#include "tools/program/output.hpp"
 
 namespace cvtflow::bench {
 

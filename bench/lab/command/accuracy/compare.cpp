@@ -11,10 +11,9 @@
 #include "bench/method/implicit/catalogue.hpp"
 #include "bench/method/implicit/linear_plan.hpp"
 #include "tasks/run/run.hpp"
-#include "tools/program/arguments/scene_arguments.hpp"
+#include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
-#include "tools/program/output/interrupt.hpp"
-#include "tools/program/output/output_folder.hpp"
+#include "tools/program/output.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::bench {

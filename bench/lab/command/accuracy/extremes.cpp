@@ -5,7 +5,7 @@
 
 #include "bench/lab/command/command.hpp"
 #include "bench/study/extremes/judge.hpp"
-#include "tools/program/arguments/ready_scenes.hpp"
+#include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
 
 namespace cvtflow::bench {

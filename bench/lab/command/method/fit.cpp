@@ -13,7 +13,7 @@
 #include "tasks/method/spectral_bound.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/step/frozen_start.hpp"
-#include "tools/program/arguments/scene_arguments.hpp"
+#include "tools/program/arguments.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::bench {

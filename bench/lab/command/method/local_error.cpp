@@ -11,9 +11,9 @@
 #include "bench/study/method_run.hpp"
 #include "tasks/method/method.hpp"
 #include "tasks/scene/units.hpp"
-#include "tools/program/arguments/scene_arguments.hpp"
+#include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
-#include "tools/program/output/output_folder.hpp"
+#include "tools/program/output.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::bench {

@@ -13,9 +13,9 @@
 #include "model/observe/observation.hpp"
 #include "tasks/method/auto_step.hpp"
 #include "tasks/method/method_choice.hpp"
-#include "tools/program/arguments/scene_arguments.hpp"
+#include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
-#include "tools/program/output/output_folder.hpp"
+#include "tools/program/output.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::bench {

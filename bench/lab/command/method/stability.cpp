@@ -13,10 +13,10 @@
 #include "bench/method/stability/predicted_step.hpp"
 #include "bench/study/spectrum.hpp"
 #include "tasks/method/method.hpp"
-#include "tools/program/arguments/scene_arguments.hpp"
+#include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
-#include "tools/program/output/output_folder.hpp"
-#include "tools/program/text/provenance_json.hpp"
+#include "tools/program/output.hpp"
+#include "tools/program/text/report_columns.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::bench {

@@ -9,11 +9,10 @@
 #include "bench/lab/command/command.hpp"
 #include "bench/lab/command/noise/noise_report.hpp"
 #include "engine/executor/tbb/job_pool.hpp"
-#include "tools/program/arguments/scene_arguments.hpp"
+#include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
-#include "tools/program/output/interrupt.hpp"
-#include "tools/program/output/output_folder.hpp"
-#include "tools/program/text/provenance_json.hpp"
+#include "tools/program/output.hpp"
+#include "tools/program/text/report_columns.hpp"
 #include "tools/program/view/run_plots.hpp"
 
 namespace cvtflow::bench {

@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-#include "tools/program/text/provenance_json.hpp"
+#include "tools/program/text/report_columns.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::bench {

@@ -9,7 +9,7 @@
 #include "bench/lab/text/dot_text.hpp"
 #include "tasks/method/method.hpp"
 #include "tasks/step/step_graph.hpp"
-#include "tools/program/arguments/scene_arguments.hpp"
+#include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
 
 namespace cvtflow::bench {

@@ -4,7 +4,7 @@
 
 #include "bench/executor/further_executors.hpp"
 #include "bench/lab/command/command.hpp"
-#include "tools/program/text/executor_text.hpp"
+#include "tools/program/text/text.hpp"
 
 namespace cvtflow::bench {
 

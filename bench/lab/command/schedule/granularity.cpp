@@ -11,7 +11,7 @@
 #include "engine/base/provenance.hpp"
 #include "engine/executor/runtimes.hpp"
 #include "tools/program/guard.hpp"
-#include "tools/program/output/output_folder.hpp"
+#include "tools/program/output.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::bench {

@@ -16,10 +16,9 @@
 #include "bench/study/profile/report.hpp"
 #include "engine/base/provenance.hpp"
 #include "engine/executor/runtimes.hpp"
-#include "tools/program/arguments/scene_arguments.hpp"
+#include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
-#include "tools/program/output/output_folder.hpp"
-#include "tools/program/output/outputs.hpp"
+#include "tools/program/output.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::bench {

@@ -9,9 +9,9 @@
 #include "engine/base/provenance.hpp"
 #include "model/basis/isa.hpp"
 #include "tasks/scene/csv.hpp"
-#include "tools/program/arguments/scene_arguments.hpp"
+#include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
-#include "tools/program/output/output_folder.hpp"
+#include "tools/program/output.hpp"
 #include "tools/program/plot/plot.hpp"
 #include "tools/program/text/text.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "tools/program/text/provenance_json.hpp"
+#include "tools/program/text/report_columns.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::bench {

@@ -1,20 +1,19 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <cmath>
 #include <filesystem>
 #include <memory>
+#include <numeric>
 
 #include "engine/record/run/run_reader.hpp"
 #include "tasks/scene/csv.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tools/program/command/command.hpp"
 #include "tools/program/guard.hpp"
-#include "tools/program/output/outputs.hpp"
-#include "tools/program/report/chain_solids.hpp"
-#include "tools/program/text/text.hpp"
-#include "tools/program/view/machine_state.hpp"
+#include "tools/program/output.hpp"
+#include "tools/program/text/report_columns.hpp"
 #include "tools/program/view/recorded_run.hpp"
+#include "tools/program/view/vtk_series.hpp"
 
 namespace cvtflow::tools {
 
@@ -52,24 +51,24 @@ std::vector<Curve> columns_of(const RecordedRun& run, const std::vector<std::str
 }
 
 /// A row per output, a column per number, units in the heading.
+std::string csv_of(const std::vector<double>& times, const std::vector<Curve>& curves) {
+    std::vector<ReportColumn<std::size_t>> columns;
+    const auto add = [&](const std::string& name, const std::vector<double>& values) {
+        columns.push_back({csv_cell(name), "", [&values](std::size_t row) { return values[row]; }, {}, Align::right, all_digits});
+    };
+    add("time [s]", times);
+    for (const Curve& curve : curves) add(fmt::format("{} [{}]", curve.name, curve.unit.empty() ? "1" : curve.unit), curve.values);
+    std::vector<std::size_t> rows(times.size());
+    std::iota(rows.begin(), rows.end(), std::size_t{0});
+    return report_csv(columns, rows);
+}
+
 ExitStatus export_csv(const ExportArguments& arguments) {
     const RecordedRun run(arguments.record);
     const std::vector<Curve> columns = columns_of(run, arguments.channels);
     const engine::Permit permit(arguments.csv, {.inputs = {arguments.record}, .force = arguments.force, .named = true, .devices = true});
-    std::string text = "time [s]";
-    for (const Curve& column : columns)
-        text += ',' + tasks::csv_cell(fmt::format("{} [{}]", column.name, column.unit.empty() ? "1" : column.unit), true, false);
-    text += '\n';
-    for (std::size_t row = 0; row < run.times().size(); ++row) {
-        text += fmt::format("{}", run.times()[row]);
-        for (const Curve& column : columns) {
-            text += ',';
-            if (std::isfinite(column.values[row])) text += fmt::format("{}", column.values[row]);
-        }
-        text += '\n';
-    }
-    engine::write_whole(permit, text);
-    if (!permit.notice().empty()) print_error(permit.notice());
+    engine::write_whole(permit, csv_of(run.times(), columns));
+    say(false, permit.notice());
     fmt::print("{}", field("written", fmt::format("{}, {} of {}", arguments.csv, plural(static_cast<long>(run.times().size()), "row"),
                                                   plural(static_cast<long>(columns.size() + 1), "column"))));
     return ExitStatus::finished;
@@ -98,7 +97,7 @@ ExitStatus export_record(const ExportArguments& arguments) {
         series.add(recorded.time, frame);
     }
     const std::uintmax_t bytes = series.finish();
-    if (!permit.notice().empty()) print_error(permit.notice());
+    say(false, permit.notice());
     fmt::print("{}", field("written", fmt::format("{}, {} of {} cells, {}", arguments.vtk, plural(shown, "state"), solids.mesh().cells(),
                                                   size_text(static_cast<double>(bytes)))));
     return ExitStatus::finished;

@@ -13,11 +13,10 @@
 #include "engine/record/run/state_file.hpp"
 #include "tasks/batch/results/results.hpp"
 #include "tools/program/command/command.hpp"
-#include "tools/program/plot/finite.hpp"
-#include "tools/program/text/attribute_text.hpp"
-#include "tools/program/text/batch_text.hpp"
+#include "tools/program/command/sweep/batch.hpp"
 #include "tools/program/text/scene_text.hpp"
 #include "tools/program/text/text.hpp"
+#include "tools/program/view/recorded_run.hpp"
 #include "tools/program/view/sweep_view.hpp"
 
 namespace cvtflow::tools {
@@ -55,7 +54,8 @@ std::string span_text(const std::vector<double>& times) {
     return times.empty() ? count : fmt::format("{}, t = {} to {}", count, time_text(times.front()), time_text(times.back()));
 }
 
-std::string run_text(const std::string& path, const engine::RunReader& run) {
+std::string run_text(const std::string& path) {
+    const engine::RunReader run(path);
     const std::vector<engine::Attribute>& all = run.attributes();
     const auto of = [&](std::string_view name) { return text_of(all, name); };
     const bool running = run.status() == "running";
@@ -75,7 +75,8 @@ std::string run_text(const std::string& path, const engine::RunReader& run) {
     return text + channels_text(run) + tables_text(run);
 }
 
-std::string state_text(const std::string& path, const engine::SavedState& saved) {
+std::string state_text(const std::string& path) {
+    const engine::SavedState saved = engine::read_state(path);
     const std::string hash =
         engine::Hash().add(std::span<const double>(saved.state)).add(std::span<const std::uint8_t>(saved.phases)).hex();
     const auto touching = std::count_if(saved.phases.begin(), saved.phases.end(), [](std::uint8_t phase) { return phase != 0; });
@@ -112,32 +113,17 @@ std::string sweep_text(const std::string& path) {
     return text + columns.text(2);
 }
 
-[[nodiscard]] bool other_kind(const engine::RecordError& error) {
-    return std::string_view(error.what()).find("an HDF5 file, but not a ") != std::string_view::npos;
-}
-
-ExitStatus info(const std::string& path) {
-    if (std::filesystem::is_directory(path)) {
-        fmt::print("{}", sweep_text(path));
-        return ExitStatus::finished;
-    }
-    try {
-        fmt::print("{}", run_text(path, engine::RunReader(path)));
-        return ExitStatus::finished;
-    } catch (const engine::RecordError& error) {
-        if (!other_kind(error)) throw;
-    }
-    try {
-        fmt::print("{}", state_text(path, engine::read_state(path)));
-        return ExitStatus::finished;
-    } catch (const engine::RecordError& error) {
-        if (!other_kind(error)) throw;
-    }
-    try {
-        fmt::print("{}", sweep_text(path));
-        return ExitStatus::finished;
-    } catch (const engine::RecordError& error) {
-        if (!other_kind(error)) throw;
+/// Of the kind of file that it is.
+std::string info_text(const std::string& path) {
+    if (std::filesystem::is_directory(path)) return sweep_text(path);
+    constexpr std::string (*kinds[])(const std::string&) = {run_text, state_text, sweep_text};
+    for (const auto kind : kinds) {
+        try {
+            return kind(path);
+        } catch (const engine::RecordError& error) {
+            const bool other_kind = std::string_view(error.what()).find("an HDF5 file, but not a ") != std::string_view::npos;
+            if (!other_kind) throw;
+        }
     }
     throw engine::RecordError(path + ": an HDF5 file, but neither a record, a state nor a sweep's table of cvtflow");
 }
@@ -149,7 +135,10 @@ Action declare_info(CLI::App& app) {
     app.add_option("FILE", *path, "Record (also FILE.part of a running or killed run), state file, or a sweep's folder or cases.h5")
         ->required()
         ->type_name("");
-    return [path] { return info(*path); };
+    return [path] {
+        fmt::print("{}", info_text(*path));
+        return ExitStatus::finished;
+    };
 }
 
 }  // namespace cvtflow::tools

@@ -1,17 +1,28 @@
 #include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <zlib.h>
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <memory>
+#include <stdexcept>
 #include <string>
 
+#include "tools/program/arguments.hpp"
 #include "tools/program/command/command.hpp"
 #include "tools/program/guard.hpp"
-#include "tools/program/output/outputs.hpp"
-#include "tools/program/output/png_file.hpp"
+#include "tools/program/output.hpp"
 #include "tools/program/view/run_plots.hpp"
-#include "tools/program/view/sweep_plots.hpp"
+#include "tools/program/view/sweep_view.hpp"
 #include "tools/program/view/wear_plots.hpp"
+
+extern char** environ;
 
 namespace cvtflow::tools {
 
@@ -73,17 +84,69 @@ std::vector<Plot> plots_of_sweeps(const PlotArguments& arguments, const PlotWord
     return plots;
 }
 
-/// Beside the input, unless the user names a file.
-std::string picture_path(const PlotArguments& arguments, const std::string& file) {
-    if (!arguments.output.empty()) return arguments.output;
-    const std::filesystem::path path(file);
-    if (std::filesystem::is_directory(path)) return (path / "plot.svg").string();
-    return beside(file, ".svg");
+using TemporaryFile = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
+
+/// An anonymous temporary file that contains the text, positioned at its beginning.
+TemporaryFile file_with(const std::string& text) {
+    TemporaryFile file(std::tmpfile(), std::fclose);
+    if (!file || std::fwrite(text.data(), 1, text.size(), file.get()) != text.size() || std::fflush(file.get()) != 0)
+        throw std::runtime_error(fmt::format("cannot write a temporary file: {}", std::strerror(errno)));
+    std::rewind(file.get());
+    return file;
+}
+
+std::string contents_of(std::FILE* file) {
+    std::rewind(file);
+    std::string bytes;
+    char block[65536];
+    for (std::size_t count = 0; (count = std::fread(block, 1, sizeof block, file)) > 0;) bytes.append(block, count);
+    return bytes;
+}
+
+std::string big_endian(std::uint32_t number) {
+    std::string bytes;
+    for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(number >> shift & 0xFFU);
+    return bytes;
+}
+
+/// A text behind the first chunk, which the format fixes at 33 bytes.
+std::string with_text(std::string png, const std::string& text) {
+    constexpr std::size_t behind_header = 33;
+    if (png.size() < behind_header) return png;
+    const std::string chunk = "tEXtSoftware" + std::string(1, '\0') + text;
+    const auto sum = crc32(0, reinterpret_cast<const Bytef*>(chunk.data()), static_cast<uInt>(chunk.size()));
+    png.insert(behind_header,
+               big_endian(static_cast<std::uint32_t>(chunk.size() - 4)) + chunk + big_endian(static_cast<std::uint32_t>(sum)));
+    return png;
+}
+
+/// A picture as PNG, by rsvg-convert, with a text chunk that contains `mark`. @param path in messages
+/// @throws std::runtime_error if rsvg-convert is missing (names the package) or fails
+std::string png_of(const std::string& path, const std::string& svg, const std::string& mark) {
+    const TemporaryFile input = file_with(svg), output = file_with("");
+    std::string program = "rsvg-convert", format = "--format=png", zoom = "--zoom=2";
+    char* words[] = {program.data(), format.data(), zoom.data(), nullptr};
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, fileno(input.get()), STDIN_FILENO);
+    posix_spawn_file_actions_adddup2(&actions, fileno(output.get()), STDOUT_FILENO);
+    pid_t child = -1;
+    const int failed = posix_spawnp(&child, words[0], &actions, nullptr, words, environ);
+    posix_spawn_file_actions_destroy(&actions);
+    if (failed == ENOENT)
+        throw std::runtime_error(path +
+                                 ": PNG requires the program rsvg-convert (Debian: apt-get install librsvg2-bin); SVG and CSV do not");
+    if (failed != 0) throw std::runtime_error(fmt::format("{}: cannot run rsvg-convert: {}", path, std::strerror(failed)));
+    int status = 0;
+    while (waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
+    std::string png = contents_of(output.get());
+    if (status != 0 || png.empty()) throw std::runtime_error(path + ": rsvg-convert could not make it");
+    return with_text(std::move(png), mark);
 }
 
 ExitStatus plot(const PlotArguments& arguments) {
     const PlotWords words = sorted_words(arguments.words);
-    const std::string path = picture_path(arguments, words.files.front());
+    const std::string path = picture_path(arguments.output, words.files.front(), "plot.svg");
     const std::string kind = std::filesystem::path(path).extension().string();
     if (kind != ".svg" && kind != ".png" && kind != ".csv")
         throw UsageError(fmt::format("-o {}: expected FILE.svg, FILE.png or FILE.csv", path));
@@ -122,11 +185,7 @@ Action declare_plot(CLI::App& app) {
     app.add_option("--x", arguments->x, "Sweeps: column along the horizontal axis")->type_name("COLUMN");
     app.add_option("--y", arguments->y, "Sweeps: column along the vertical axis")->type_name("COLUMN");
     app.add_option("--colour", arguments->colour, "Sweeps: column drawn as a map with contours")->type_name("COLUMN");
-    app.add_option("--where", arguments->where, "Sweeps: only cases with that value; may be repeated")
-        ->type_name("COLUMN=VALUE")
-        ->expected(1)
-        ->allow_extra_args(false)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    declare_repeated(app, "--where", arguments->where, "Sweeps: only cases with that value; may be repeated", "COLUMN=VALUE");
     app.add_flag("--force", arguments->force, force_meaning);
     app.footer(
         "cvtflow plot run.h5 slip efficiency          cvtflow plot a.h5 b.h5 shaft_1/speed   (both in one picture)\n"

@@ -6,8 +6,8 @@
 
 #include "tools/program/command/command.hpp"
 #include "tools/program/guard.hpp"
-#include "tools/program/html/run_page.hpp"
-#include "tools/program/output/outputs.hpp"
+#include "tools/program/html/page.hpp"
+#include "tools/program/output.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::tools {
@@ -51,16 +51,8 @@ MadePage page_of(const std::vector<std::string>& files) {
     return {run_page(runs), runs.front().name()};
 }
 
-/// Beside the input, unless the user names a file.
-std::string report_path(const ReportArguments& arguments) {
-    if (!arguments.output.empty()) return arguments.output;
-    const std::filesystem::path path(arguments.files.front());
-    if (std::filesystem::is_directory(path)) return (path / "report.html").string();
-    return beside(path.string(), ".html");
-}
-
 ExitStatus report(const ReportArguments& arguments) {
-    const std::string path = report_path(arguments);
+    const std::string path = picture_path(arguments.output, arguments.files.front(), "report.html");
     const std::vector<std::filesystem::path> inputs = read_files(arguments.files);
     engine::require_no_input(path, inputs);
     const MadePage page = page_of(arguments.files);

@@ -9,7 +9,7 @@
 #include "tasks/method/automatic_method.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/parameter_table.hpp"
-#include "tools/program/arguments/scene_arguments.hpp"
+#include "tools/program/arguments.hpp"
 #include "tools/program/command/command.hpp"
 #include "tools/program/text/text.hpp"
 

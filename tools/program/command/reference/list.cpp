@@ -15,11 +15,10 @@
 #include "tasks/run/channels.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/units.hpp"
-#include "tools/program/arguments/ready_scenes.hpp"
+#include "tools/program/arguments.hpp"
 #include "tools/program/command/command.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/html/page.hpp"
-#include "tools/program/text/executor_text.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::tools {

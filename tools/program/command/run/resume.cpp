@@ -8,14 +8,12 @@
 #include "engine/base/text.hpp"
 #include "tasks/run/checkpoint.hpp"
 #include "tasks/run/run.hpp"
-#include "tools/program/arguments/ready_scenes.hpp"
-#include "tools/program/arguments/scene_arguments.hpp"
+#include "tools/program/arguments.hpp"
 #include "tools/program/command/command.hpp"
+#include "tools/program/command/sweep/batch.hpp"
 #include "tools/program/guard.hpp"
-#include "tools/program/output/interrupt.hpp"
-#include "tools/program/output/outputs.hpp"
-#include "tools/program/output/progress.hpp"
-#include "tools/program/text/batch_text.hpp"
+#include "tools/program/output.hpp"
+#include "tools/program/progress.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::tools {
@@ -110,20 +108,17 @@ ExitStatus go_on(const ResumeArguments& arguments) {
     if (std::filesystem::is_directory(arguments.what)) return go_on_sweep(arguments);
     const tasks::Checkpoint checkpoint = tasks::read_checkpoint(arguments.what);
     const tasks::Scene scene = scene_to_go_on(arguments, checkpoint);
-    ProgressDisplay display(progress_style(arguments.quiet), scene.run.until);
-    tasks::RunOptions options;
+    ProgressDisplay display(arguments.quiet, scene.run.until);
+    tasks::RunOptions options = display.options();
     options.file = record_permit(arguments, checkpoint, scene);
     options.replace = arguments.force;
     options.replaces = checkpoint.replaces;
-    options.cancel = &catch_interrupts();
     if (!keeps_record_waiting(options, checkpoint)) options.checkpoint = arguments.what;
     options.checkpoint_every = seconds_of("--checkpoint-every", arguments.every.value_or("60 s"));
     options.from = &checkpoint;
     options.mixed = arguments.mixed;
-    if (!arguments.quiet) options.progress = [&display](const tasks::Progress& progress) { display.show(progress); };
-    const std::string replaced = options.file.empty() ? "" : replacing_another(options.file.path(), checkpoint);
-    if (!replaced.empty() && !arguments.quiet) print_error(replaced);
-    if (!arguments.quiet) print_error(fmt::format("{} resumes at t = {}", scene.name, time_text(checkpoint.integration.time)));
+    say(arguments.quiet, options.file.empty() ? "" : replacing_another(options.file.path(), checkpoint));
+    say(arguments.quiet, fmt::format("{} resumes at t = {}", scene.name, time_text(checkpoint.integration.time)));
     const tasks::RunReport report = tasks::run_scene(scene, options);
     if (!arguments.quiet) {
         fmt::print("{}: {}{}", engine::visible(scene.name), tasks::summary(report),
@@ -141,11 +136,8 @@ Action declare_resume(CLI::App& app) {
     app.add_option("FILE", arguments->what, "Checkpoint of a run, or folder of a sweep")->required()->type_name("");
     app.add_option("SCENE", arguments->scene, "Scene that the checkpoint must belong to (default: the one it contains)")->type_name("");
     app.add_option("--until", arguments->until, "New end of the run (default: unchanged)")->type_name("TIME");
-    app.add_option("--set", arguments->settings, "Change a key that does not affect results: run.threads, run.max_wall, …")
-        ->type_name("KEY=VALUE")
-        ->expected(1)
-        ->allow_extra_args(false)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    declare_repeated(app, "--set", arguments->settings, "Change a key that does not affect results: run.threads, run.max_wall, …",
+                     "KEY=VALUE");
     app.add_option("-o,--output", arguments->output, "Record to continue (default: NAME.h5 beside NAME.checkpoint.h5); none: no record")
         ->type_name("FILE");
     app.add_flag("--force", arguments->force, force_meaning);

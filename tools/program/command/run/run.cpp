@@ -8,13 +8,11 @@
 #include "engine/base/provenance.hpp"
 #include "tasks/run/run.hpp"
 #include "tasks/tuning/tuned_scene.hpp"
-#include "tools/program/arguments/scene_arguments.hpp"
-#include "tools/program/arguments/tuning_arguments.hpp"
+#include "tools/program/arguments.hpp"
 #include "tools/program/command/command.hpp"
 #include "tools/program/guard.hpp"
-#include "tools/program/output/interrupt.hpp"
-#include "tools/program/output/outputs.hpp"
-#include "tools/program/output/progress.hpp"
+#include "tools/program/output.hpp"
+#include "tools/program/progress.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::tools {
@@ -55,7 +53,7 @@ engine::Permit require_places(const RunArguments& arguments, const tasks::Scene&
     engine::Permit permit(file, record_rule(scene, !arguments.output.empty(), arguments.force));
     if (arguments.checkpoint_every) require_checkpoint_place(checkpoint, file, input_files(scene));
     if (kept && arguments.force) forget_checkpoint(checkpoint, input_files(scene));
-    if (!permit.notice().empty() && !arguments.quiet) print_error(permit.notice());
+    say(arguments.quiet, permit.notice());
     return permit;
 }
 
@@ -84,17 +82,15 @@ std::string machine_text() {
 }
 
 tasks::RunReport simulate(const RunArguments& arguments, const tasks::Scene& scene, const engine::Permit& file) {
-    ProgressDisplay display(progress_style(arguments.quiet), scene.run.until);
-    tasks::RunOptions options;
+    ProgressDisplay display(arguments.quiet, scene.run.until);
+    tasks::RunOptions options = display.options();
     options.file = file;
     options.replaces = run_replaced(file);
-    options.cancel = &catch_interrupts();
     if (arguments.checkpoint_every) {
         options.checkpoint_every = seconds_of("--checkpoint-every", *arguments.checkpoint_every);
         options.checkpoint = checkpoint_path(arguments, scene, file.path());
     }
     options.notice = [](const std::string& text) { print_error(text); };
-    if (!arguments.quiet) options.progress = [&display](const tasks::Progress& progress) { display.show(progress); };
     return tasks::run_scene(scene, options);
 }
 
@@ -103,15 +99,14 @@ tasks::Scene tuned(const RunArguments& arguments, const tasks::Scene& scene) {
     const tasks::TuneSettings settings = tune_settings(arguments.tuning, arguments.quiet);
     const std::filesystem::path folder = arguments.cache ? std::filesystem::path(*arguments.cache) : tasks::usual_tuning_folder();
     const tasks::TunedScene made = tasks::tuned_scene(scene, settings, folder, catch_interrupts());
-    if (!arguments.quiet)
-        print_error(fmt::format("{}: {} for {} (largest error measured: {:.2g} %){}", scene.name, made.kept.choice.text(),
-                                *arguments.tuning.accuracy, 100.0 * made.kept.error,
-                                made.result ? fmt::format(", found in {}", clock_text(made.result->wall)) : ", from the cache"));
+    say(arguments.quiet, fmt::format("{}: {} for {} (largest error measured: {:.2g} %){}", scene.name, made.kept.choice.text(),
+                                     *arguments.tuning.accuracy, 100.0 * made.kept.error,
+                                     made.result ? fmt::format(", found in {}", clock_text(made.result->wall)) : ", from the cache"));
     return made.scene;
 }
 
 ExitStatus run_loaded(const RunArguments& arguments, LoadedScene loaded) {
-    if (!loaded.notice.empty() && !arguments.quiet) print_error(loaded.notice);
+    say(arguments.quiet, loaded.notice);
     const std::string file = record_path(arguments, loaded.scene);
     const engine::Permit permit = require_places(arguments, loaded.scene, file);
     if (arguments.tuning.accuracy) loaded.scene = tuned(arguments, loaded.scene);
@@ -134,6 +129,37 @@ ExitStatus run(const RunArguments& arguments) try {
 } catch (const tasks::SimulationError&) {
     if (arguments.tuning.accuracy && catch_interrupts().requested()) return ExitStatus::cancelled;
     throw;
+}
+
+struct SettleArguments {
+    SceneArguments scene;
+    std::string output;
+    bool force = false, quiet = false;
+};
+
+ExitStatus settle(SettleArguments& arguments) {
+    arguments.scene.settle = true;
+    const tasks::Scene scene = load_scene(arguments.scene).scene;
+    const std::string file = arguments.output.empty() ? scene.path.stem().string() + "_state.h5" : arguments.output;
+    const model::Start& start = scene.parameters.start;
+    if (start.layout != model::StartLayout::belt || start.settling_time <= 0.0) {
+        throw tasks::SceneError(fmt::format("{}: nothing to settle: start.layout is \"ring\" or start.settling_time is 0", scene.name));
+    }
+    const engine::Permit permit(file, state_rule(scene, !arguments.output.empty(), arguments.force));  // before settling, not after it
+    say(arguments.quiet, permit.notice());
+    const double suspicion = tasks::settle_scene(scene, permit, ProgressDisplay(arguments.quiet, 0.0).options());
+    const ExitStatus status = suspicion <= 1.0 ? ExitStatus::finished : ExitStatus::unreliable;
+    if (status == ExitStatus::unreliable) {
+        print_error(
+            fmt::format("{}: unreliable: the residual of the energy balance is {:.2g} times the tolerance; runs from this state "
+                        "will be reported as unreliable",
+                        scene.name, suspicion));
+    }
+    if (arguments.quiet) return status;
+    fmt::print("{}: settled for {}\n{}", scene.name, time_text(start.settling_time), field("state file", file));
+    fmt::print("{}", field("usage", fmt::format("state = \"{}\" in [start] of the scene, or --set start.state={}",
+                                                std::filesystem::path(file).filename().string(), file)));
+    return status;
 }
 
 }  // namespace
@@ -175,6 +201,24 @@ Action declare_run(CLI::App& app) {
         "The record of a running simulation is FILE.part, which is readable at any time (cvtflow info FILE.part).\n\n" +
         std::string(exit_status_help));
     return [arguments] { return run(*arguments); };
+}
+
+Action declare_settle(CLI::App& app) {
+    const auto arguments = std::make_shared<SettleArguments>();
+    declare_scene(app, arguments->scene);
+    app.add_option("-o,--output", arguments->output,
+                   "State file to write; must not exist (default: SCENE_state.h5, replaced with a notice)")
+        ->type_name("STATE.h5");
+    app.add_flag("--force", arguments->force, force_meaning);
+    declare_shortcut(app, arguments->scene, "--time", "start.settling_time", "TIME");
+    declare_shortcut(app, arguments->scene, "--method", "run.method", "NAME");
+    declare_shortcut(app, arguments->scene, "--step", "run.step", "TIME");
+    declare_shortcut(app, arguments->scene, "--threads", "run.threads", "N");
+    app.add_flag("-q,--quiet", arguments->quiet, "Print errors only");
+    app.footer(
+        "A path in start.state is relative to the folder of the scene file; with --set start.state to the working directory.\n"
+        "Exit status as for run.");
+    return [arguments] { return settle(*arguments); };
 }
 
 }  // namespace cvtflow::tools

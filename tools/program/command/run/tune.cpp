@@ -5,15 +5,12 @@
 #include <memory>
 
 #include "tasks/tuning/tuned_scene.hpp"
-#include "tools/program/arguments/scene_arguments.hpp"
-#include "tools/program/arguments/tuning_arguments.hpp"
+#include "tools/program/arguments.hpp"
 #include "tools/program/command/command.hpp"
 #include "tools/program/guard.hpp"
-#include "tools/program/output/interrupt.hpp"
-#include "tools/program/output/output_folder.hpp"
-#include "tools/program/output/outputs.hpp"
-#include "tools/program/report/tune_report.hpp"
+#include "tools/program/output.hpp"
 #include "tools/program/text/text.hpp"
+#include "tools/program/text/tune_report.hpp"
 
 namespace cvtflow::tools {
 
@@ -72,7 +69,7 @@ TunedFiles permit_files(const TuneArguments& arguments, const tasks::Scene& scen
     picture_rule.devices = false;
     TunedFiles files{{file, scene_rule}, {picture, picture_rule}, {}};
     if (scene.parameters.start.layout == model::StartLayout::belt) files.state = {state, state_rule(scene, false, force)};
-    if (!files.scene.notice().empty() && !arguments.quiet) print_error(files.scene.notice());
+    say(arguments.quiet, files.scene.notice());
     return files;
 }
 
@@ -93,7 +90,7 @@ ExitStatus tune(TuneArguments& arguments) try {
     tasks::TuneSettings settings = tune_settings(arguments.tuning, arguments.quiet);
     const LoadedScene loaded = load_scene(arguments.scene);
     const tasks::Scene& scene = loaded.scene;
-    if (!loaded.notice.empty() && !arguments.quiet) print_error(loaded.notice);
+    say(arguments.quiet, loaded.notice);
     const bool named = !arguments.file.empty();
     if (!named) arguments.file = scene.path.stem().string() + ".tuned.toml";
     const TunedFiles files = permit_files(arguments, scene, named);

@@ -1,20 +1,26 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <vector>
 
+#include "engine/base/rainflow.hpp"
+#include "engine/base/spelling.hpp"
 #include "engine/base/text.hpp"
 #include "tasks/batch/results/results.hpp"
 #include "tasks/scene/units.hpp"
+#include "tools/program/arguments.hpp"
 #include "tools/program/command/command.hpp"
+#include "tools/program/command/sweep/batch.hpp"
 #include "tools/program/guard.hpp"
-#include "tools/program/report/rainflow_report.hpp"
-#include "tools/program/text/batch_text.hpp"
-#include "tools/program/text/text.hpp"
-#include "tools/program/view/labels.hpp"
+#include "tools/program/text/report_columns.hpp"
+#include "tools/program/view/recorded_run.hpp"
 #include "tools/program/view/sweep_view.hpp"
 
 namespace cvtflow::tools {
@@ -115,17 +121,203 @@ double instant_of(const std::string& option, const std::string& text) {
     return time->value;
 }
 
+/// A load over time: one element of a channel.
+struct Load {
+    std::string name, unit;
+    std::vector<double> time, history;
+    std::vector<engine::RainflowCycle> cycles;
+};
+
+/// Length of the record in rounds of the chain, and duration of a round; zero if the record does not contain them.
+struct Rounds {
+    double time = 0.0;  ///< of one [s]
+    [[nodiscard]] double in(const Load& load) const {
+        return time > 0.0 && !load.time.empty() ? (load.time.back() - load.time.front()) / time : 0.0;
+    }
+};
+
+Rounds rounds_of(const RecordedRun& run) {
+    const auto pins = run.pin_frequency();
+    return {pins ? run.scene()->parameters.chain.pins / *pins : 0.0};
+}
+
+/// Damage-equivalent range: one cycle of it per round of the chain does the same damage by Miner's rule (one cycle per record, if shorter
+/// than a round): (sum n_i range_i^m / rounds)^(1/m).
+double equivalent_range(const Load& load, double exponent, double rounds) {
+    double largest = 0.0, sum = 0.0;
+    for (const engine::RainflowCycle& cycle : load.cycles) largest = std::max(largest, cycle.range);
+    for (const engine::RainflowCycle& cycle : load.cycles) sum += cycle.count * std::pow(cycle.range / largest, exponent);
+    return load.cycles.empty() ? 0.0 : largest * std::pow(sum / std::max(1.0, rounds), 1.0 / exponent);
+}
+
+/// The elements that a request names. @throws UsageError
+std::vector<int> elements_of(const engine::ChannelInfo& channel, const std::string& request) {
+    const auto bracket = request.find('[');
+    if (bracket == std::string::npos) {
+        if (channel.width == 1) return {0};
+        throw UsageError(fmt::format("--rainflow {0}: it has {1} numbers; write {0}[0] ... {0}[{2}], or {0}[*]", channel.name,
+                                     channel.width, channel.width - 1));
+    }
+    const std::string_view index = std::string_view(request).substr(bracket);
+    if (index == "[*]") {
+        std::vector<int> all(static_cast<std::size_t>(channel.width));
+        for (std::size_t k = 0; k < all.size(); ++k) all[k] = static_cast<int>(k);
+        return all;
+    }
+    int element = -1;
+    const auto [stop, error] = std::from_chars(index.data() + 1, index.data() + index.size(), element);
+    const bool good = error == std::errc() && std::string_view(stop, index.data() + index.size()) == "]";
+    if (!good || element < 0 || element >= channel.width)
+        throw UsageError(fmt::format("--rainflow {}: elements are numbered 0 to {}", request, channel.width - 1));
+    return {element};
+}
+
+const engine::ChannelInfo& channel_of(const RecordedRun& run, const std::string& request) {
+    const std::string name = request.substr(0, request.find('['));
+    if (const engine::ChannelInfo* channel = run.channel(name)) return *channel;
+    if (const std::string how = how_to_record(name); !how.empty())
+        throw UsageError(fmt::format("--rainflow {}: the run was recorded without this channel ({})", name, how));
+    std::vector<std::string> names;
+    for (const engine::ChannelInfo& channel : run.reader().channels()) names.push_back(channel.name);
+    throw UsageError(fmt::format("--rainflow {}: the record has no such channel{} (cvtflow info shows them)", name,
+                                 engine::did_you_mean(engine::closest(name, names))));
+}
+
+std::vector<Load> loads_of(const RecordedRun& run, const TableArguments& arguments) {
+    const double from = arguments.from.empty() ? 0.0 : instant_of("--from", arguments.from);
+    const double until = arguments.until.empty() ? INFINITY : instant_of("--until", arguments.until);
+    const std::vector<double>& times = run.times();
+    std::vector<Load> loads;
+    for (const std::string& requested : arguments.rainflow) {
+        const engine::ChannelInfo& channel = channel_of(run, requested);
+        const std::vector<double> values = run.values(channel.name);
+        const std::size_t width = static_cast<std::size_t>(channel.width);
+        for (const int element : elements_of(channel, requested)) {
+            Load load{width == 1 ? channel.name : fmt::format("{}[{}]", channel.name, element), channel.unit, {}, {}, {}};
+            for (std::size_t row = 0; row < times.size(); ++row) {
+                const double value = values[row * width + static_cast<std::size_t>(element)];
+                if (times[row] < from || times[row] > until || !std::isfinite(value)) continue;
+                load.time.push_back(times[row]);
+                load.history.push_back(value);
+            }
+            load.cycles = engine::rainflow(load.history);
+            loads.push_back(std::move(load));
+        }
+    }
+    return loads;
+}
+
+std::string span_text(const Load& load) {
+    if (load.time.empty()) return "no outputs";
+    return fmt::format("{} outputs from {} to {}", load.time.size(), time_text(load.time.front()), time_text(load.time.back()));
+}
+
+/// The equivalent load, and a note for a short record.
+std::string damage_text(const Load& load, double exponent, const Rounds& round) {
+    const double rounds = round.in(load);
+    const std::string each =
+        rounds >= 1.0 ? fmt::format("one cycle per round of the chain ({:.3g} rounds)", rounds) : "one cycle in the record";
+    std::string text = fmt::format("  damage-equivalent range {:.6g} {} (exponent {:g}, {})\n", equivalent_range(load, exponent, rounds),
+                                   load.unit, exponent, each);
+    if (rounds > 0.0 && rounds < 1.0)
+        text += fmt::format("  note: the record covers {:.2g} of a round of the chain ({}); no link has seen all of its loads\n", rounds,
+                            time_text(round.time));
+    return text;
+}
+
+/// Classes of ranges: the table of the text, and a part of the JSON.
+std::vector<ReportColumn<engine::RainflowClass>> class_columns(const Load& load) {
+    using Class = engine::RainflowClass;
+    const auto column = [](const char* key, const std::string& heading, double Class::*number) -> ReportColumn<Class> {
+        return {key, heading, [number](const Class& each) { return each.*number; },
+                [number](const Class& each) { return fmt::format("{:.6g}", each.*number); }};
+    };
+    const std::string unit = fmt::format(" [{}]", load.unit);
+    return {column("from", "range from" + unit, &Class::from), column("to", "to" + unit, &Class::to),
+            column("count", "cycles", &Class::count), column("mean", "mean" + unit, &Class::mean),
+            column("largest", "largest range" + unit, &Class::largest)};
+}
+
+/// A cycle, and the load that it was counted in.
+struct CycleOfLoad {
+    const Load* load;
+    const engine::RainflowCycle* cycle;
+};
+
+/// @param count name of the column of counts
+std::vector<ReportColumn<CycleOfLoad>> cycle_columns(const char* count) {
+    const auto column = [](const char* key, auto number) -> ReportColumn<CycleOfLoad> {
+        return {key, "", [number](const CycleOfLoad& each) { return number(*each.load, *each.cycle); }, {}, Align::right, all_digits};
+    };
+    using Cycle = engine::RainflowCycle;
+    return {column("range", [](const Load&, const Cycle& cycle) { return cycle.range; }),
+            column("mean", [](const Load&, const Cycle& cycle) { return cycle.mean; }),
+            column(count, [](const Load&, const Cycle& cycle) { return cycle.count; }),
+            column("from_time", [](const Load& load, const Cycle& cycle) { return load.time[cycle.first]; }),
+            column("to_time", [](const Load& load, const Cycle& cycle) { return load.time[cycle.second]; })};
+}
+
+std::vector<CycleOfLoad> cycles_of(const Load& load) {
+    std::vector<CycleOfLoad> cycles;
+    for (const engine::RainflowCycle& cycle : load.cycles) cycles.push_back({&load, &cycle});
+    return cycles;
+}
+
+std::string rainflow_text(const Load& load, int classes) {
+    std::vector<engine::RainflowClass> counted = engine::rainflow_classes(load.cycles, classes);
+    std::erase_if(counted, [](const engine::RainflowClass& each) { return !(each.count > 0.0); });
+    return fmt::format("{}: rainflow counts (ASTM E1049) of {}\n", load.name, span_text(load)) +
+           (load.cycles.empty() ? "  no cycles\n" : report_table(class_columns(load), counted));
+}
+
+std::string rainflow_csv(const std::vector<Load>& loads) {
+    std::vector<ReportColumn<CycleOfLoad>> columns = cycle_columns("cycles");
+    columns.insert(columns.begin(), {{"load", "", [](const CycleOfLoad& each) { return each.load->name; }},
+                                     {"unit", "", [](const CycleOfLoad& each) { return each.load->unit; }}});
+    std::vector<CycleOfLoad> rows;
+    for (const Load& load : loads) {
+        for (const CycleOfLoad& cycle : cycles_of(load)) rows.push_back(cycle);
+    }
+    return report_csv(columns, rows);
+}
+
+nlohmann::ordered_json rainflow_json(const Load& load, const TableArguments& arguments, const Rounds& round) {
+    const double rounds = round.in(load);
+    const nlohmann::ordered_json damage{{"exponent", arguments.exponent},
+                                        {"range", equivalent_range(load, arguments.exponent, rounds)},
+                                        {"reference_cycles", std::max(1.0, rounds)},
+                                        {"rounds", rounds}};
+    return {{"load", load.name},
+            {"unit", load.unit},
+            {"outputs", load.time.size()},
+            {"damage_equivalent", damage},
+            {"classes", report_json(class_columns(load), engine::rainflow_classes(load.cycles, arguments.classes))},
+            {"cycles", report_json(cycle_columns("count"), cycles_of(load))}};
+}
+
+/// Text: cycles by classes of range. CSV: every cycle. JSON: both, with provenance.
+std::string rainflow_report(const TableArguments& arguments) {
+    const RecordedRun run(arguments.folder);
+    const std::vector<Load> loads = loads_of(run, arguments);
+    const Rounds round = rounds_of(run);
+    if (arguments.csv) return rainflow_csv(loads);
+    std::string text;
+    auto all = nlohmann::ordered_json::array();
+    for (const Load& load : loads) {
+        if (arguments.json)
+            all.push_back(rainflow_json(load, arguments, round));
+        else
+            text += (text.empty() ? "" : "\n") + rainflow_text(load, arguments.classes) + damage_text(load, arguments.exponent, round);
+    }
+    if (!arguments.json) return text;
+    return json_text({{"record", arguments.folder}, {"method", "ASTM E1049 rainflow"}, {"loads", all}, {"provenance", provenance_json()}});
+}
+
 ExitStatus show_rainflow(const TableArguments& arguments) {
     if (!arguments.columns.empty() || !arguments.status.empty())
         throw UsageError("--column and --status apply to sweeps, --rainflow to a record");
     if (arguments.csv && arguments.json) throw UsageError("--csv or --json, not both");
-    RainflowRequest request{arguments.folder, arguments.rainflow};
-    request.classes = arguments.classes;
-    request.exponent = arguments.exponent;
-    if (!arguments.from.empty()) request.from = instant_of("--from", arguments.from);
-    if (!arguments.until.empty()) request.until = instant_of("--until", arguments.until);
-    request.form = arguments.csv ? RainflowForm::csv : arguments.json ? RainflowForm::json : RainflowForm::text;
-    fmt::print("{}", rainflow_report(request));
+    fmt::print("{}", rainflow_report(arguments));
     return ExitStatus::finished;
 }
 
@@ -136,13 +328,11 @@ void require_no_record(const TableArguments& arguments) {
 }
 
 void declare_rainflow(CLI::App& app, TableArguments& arguments) {
-    app.add_option("--rainflow", arguments.rainflow,
-                   "Count the load cycles (ASTM E1049) of a channel, or of its elements NAME[3], NAME[*]; DIR is the record of a run; may "
-                   "be repeated")
-        ->type_name("CHANNEL")
-        ->expected(1)
-        ->allow_extra_args(false)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    declare_repeated(
+        app, "--rainflow", arguments.rainflow,
+        "Count the load cycles (ASTM E1049) of a channel, or of its elements NAME[3], NAME[*]; DIR is the record of a run; may "
+        "be repeated",
+        "CHANNEL");
     app.add_option("--classes", arguments.classes, "Number of classes of ranges")
         ->check(CLI::Range(1, 10000))
         ->type_name("COUNT")
@@ -165,11 +355,7 @@ Action declare_table(CLI::App& app) {
         ->required()
         ->type_name("");
     app.add_flag("--csv", arguments->csv, "Print all columns as CSV, numbers with all digits");
-    app.add_option("--column", arguments->columns, "Show this column; may be repeated")
-        ->type_name("NAME")
-        ->expected(1)
-        ->allow_extra_args(false)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    declare_repeated(app, "--column", arguments->columns, "Show this column; may be repeated", "NAME");
     declare_rainflow(app, *arguments);
     app.add_option("--status", arguments->status, "Show only cases with this status")->type_name("STATUS");
     app.footer("In Python: h5py.File(\"DIR/cases.h5\")[\"cases\"][:] is a NumPy table; pandas.DataFrame takes it.");

@@ -1,0 +1,363 @@
+#include "tools/program/command/record/fmu_description.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+#include <iterator>
+#include <map>
+#include <span>
+#include <string_view>
+#include <variant>
+
+#include "engine/base/number.hpp"
+#include "engine/base/provenance.hpp"
+#include "engine/base/spelling.hpp"
+#include "tasks/scene/parameter_table.hpp"
+#include "tasks/scene/toml/units.hpp"
+#include "tools/program/guard.hpp"
+#include "tools/program/text/markup.hpp"
+
+namespace cvtflow::tools {
+
+namespace {
+
+using Names = std::vector<std::string>;
+
+/// What an importer gets unless others are named; of them those that the scene has.
+constexpr std::string_view usual_outputs[] = {
+    "shaft_1/speed",    "shaft_2/speed", "shaft_1/torque", "shaft_1/chain_torque", "shaft_2/chain_torque", "shaft_1/clamping",
+    "shaft_2/clamping", "ratio",         "slip",           "efficiency",           "loss/total",           "balance/suspicion"};
+constexpr std::string_view usual_parameters[] = {"drive.inertia",
+                                                 "drive.governor_frequency",
+                                                 "load.inertia",
+                                                 "load.linear",
+                                                 "load.quadratic",
+                                                 "plate.friction_coefficient",
+                                                 "joint.friction_coefficient",
+                                                 "tip.friction_coefficient",
+                                                 "pulley.cylinder_damping",
+                                                 "clamping.safety",
+                                                 "control.proportional",
+                                                 "control.integral"};
+
+[[nodiscard]] bool is_in(const Names& names, std::string_view name) { return std::find(names.begin(), names.end(), name) != names.end(); }
+
+/// The wanted names; `all` if that is the only one; the usual ones that are there if none is wanted. @param known  all that may be wanted
+Names chosen(const char* option, const Names& wanted, const Names& known, const Names& all, std::span<const std::string_view> usual) {
+    if (wanted == Names{"all"}) return all;
+    for (const std::string& name : wanted) {
+        if (is_in(known, name)) continue;
+        throw UsageError(fmt::format("{}: the scene has no '{}'{}", option, name, engine::did_you_mean(engine::closest(name, known))));
+    }
+    if (!wanted.empty()) return wanted;
+    Names kept;
+    for (const std::string_view name : usual) {
+        if (is_in(known, name)) kept.emplace_back(name);
+    }
+    return kept.empty() ? all : kept;
+}
+
+/// A channel's name in the standard's structured convention.
+std::string structured(std::string name) {
+    std::replace(name.begin(), name.end(), '/', '.');
+    return name;
+}
+
+/// 10^n nearest below the magnitude; 0 for 0.
+double magnitude(double value) {
+    const double size = std::abs(value);
+    return size > 0.0 && std::isfinite(size) ? std::pow(10.0, std::floor(std::log10(size))) : 0.0;
+}
+
+/// What people read a quantity in; empty where that is the SI unit, has an offset (K), or scenes do not know the unit (J, W).
+std::string display_unit(const std::string& unit) {
+    if (unit == "N*m" || unit == "J" || unit == "W" || unit == "K") return "";
+    const auto usual = tasks::usual_units(unit);
+    return usual.empty() ? "" : std::string(usual.front());
+}
+
+void add_range(FmuVariable& row, const tasks::Parameter& key) {
+    row.min = key.min;
+    row.max = key.max;
+    row.nominal = magnitude(row.start);
+    row.display_unit = display_unit(row.unit);
+}
+
+/// hydraulics.driving_pressure of pressure_driving.
+bool is_pressure_of(std::string_view key, std::string_view input) {
+    constexpr std::string_view group = "pressure_", section = "hydraulics_", quantity = "_pressure";
+    return input.starts_with(group) && key.starts_with(section) && key.ends_with(quantity) &&
+           key.substr(section.size(), key.size() - section.size() - quantity.size()) == input.substr(group.size());
+}
+
+/// The key whose table an input replaces: load.torque of load_torque, control.ratio of ratio.
+const tasks::Parameter* key_of_input(std::string_view name) {
+    for (const tasks::Parameter& row : tasks::parameter_table()) {
+        std::string flat(row.key);
+        std::replace(flat.begin(), flat.end(), '.', '_');
+        if (row.kind() == tasks::Kind::time_table && (flat == name || flat == "control_" + std::string(name) || is_pressure_of(flat, name)))
+            return &row;
+    }
+    return nullptr;
+}
+
+std::vector<FmuVariable> inputs(const Simulation& simulation, const Names& wanted) {
+    std::vector<FmuVariable> rows;
+    Names names;
+    for (int number = 0; number <= static_cast<int>(Input::pressure_driven); ++number) {
+        const auto input = static_cast<Input>(number);
+        const InputInfo info = input_info(input);
+        try {
+            rows.push_back({0, "input", std::string(info.name), std::string(info.unit), std::string(info.description), 1,
+                            simulation.input(input), std::string(info.name)});
+            names.emplace_back(info.name);
+        } catch (const Error&) {  // not in this scene
+            continue;
+        }
+        if (info.name == "ratio") rows.back().name = "ratio_target";  // an output has its name
+        if (const tasks::Parameter* key = key_of_input(info.name)) add_range(rows.back(), *key);
+    }
+    std::vector<std::string_view> usual;  // an importer that sets every input would hold an angle at its start value
+    std::copy_if(names.begin(), names.end(), std::back_inserter(usual), [](const std::string& name) { return !name.ends_with("_angle"); });
+    const Names kept = chosen("--inputs", wanted, names, names, usual);
+    std::erase_if(rows, [&](const FmuVariable& row) { return !is_in(kept, row.source); });
+    return rows;
+}
+
+std::vector<FmuVariable> outputs(Simulation& simulation, const Names& wanted, bool arrays) {
+    Names names, scalars;
+    for (std::size_t index = 0; index < simulation.channels(); ++index) {
+        const ChannelInfo info = simulation.channel_info(index);
+        names.emplace_back(info.name);
+        if (info.width == 1) scalars.emplace_back(info.name);
+    }
+    std::vector<FmuVariable> rows;
+    for (const std::string& channel : chosen("--outputs", wanted, names, scalars, usual_outputs)) {
+        const ChannelInfo info = simulation.channel_info(simulation.find_channel(channel));
+        const std::span<const double> now = simulation.channel(channel);
+        const double largest =
+            std::abs(*std::max_element(now.begin(), now.end(), [](double a, double b) { return std::abs(a) < std::abs(b); }));
+        const std::string name = structured(channel);
+        const bool whole = arrays || info.width == 1;
+        for (std::size_t element = 0; element < (whole ? 1 : info.width); ++element) {
+            rows.push_back({0, "output", whole ? name : fmt::format("{}[{}]", name, element), std::string(info.unit),
+                            std::string(info.description), whole ? info.width : 1, 0.0, channel, element});
+            rows.back().nominal = magnitude(largest);
+            rows.back().display_unit = display_unit(rows.back().unit);
+        }
+    }
+    return rows;
+}
+
+/// Numbers of the machine. Keys that determine the size of the state, the method or the run remain as exported.
+std::vector<FmuVariable> parameters(const Scene& scene, const Names& wanted) {
+    Names keys;
+    for (const tasks::Parameter& row : tasks::parameter_table()) {
+        if (row.kind() == tasks::Kind::number && row.section() != "run" && row.section() != "start") keys.emplace_back(row.key);
+    }
+    std::vector<FmuVariable> rows;
+    for (const std::string& key : chosen("--parameters", wanted, keys, keys, usual_parameters)) {
+        const tasks::Parameter& row = *tasks::find_parameter(key);
+        rows.push_back(
+            {0, "parameter", key, std::string(row.unit), std::string(row.meaning), 1, engine::number_of(scene.value(key)).value(), key});
+        add_range(rows.back(), row);
+    }
+    return rows;
+}
+
+std::string number(double value) { return fmt::format("{}", value); }  // reads back as the same double
+
+/// ` name="value"`; nothing for an empty one.
+std::string attribute(const char* name, const std::string& value) {
+    return value.empty() ? "" : fmt::format(" {}=\"{}\"", name, html(value));
+}
+
+/// Unit, the one to display, range and order of magnitude; nothing for what a variable does not have. Pure numbers have no unit.
+std::string type_attributes(const FmuVariable& row) {
+    std::string text = attribute("unit", row.unit == "1" ? "" : row.unit) + attribute("displayUnit", row.display_unit);
+    if (row.min) text += attribute("min", number(*row.min)) + attribute("max", number(*row.max));
+    return text + (row.nominal > 0.0 ? attribute("nominal", number(row.nominal)) : "");
+}
+
+/// Of units of channels, too, which scenes do not know.
+tasks::Dimension dimension_of(const std::string& unit) {
+    if (unit == "J") return tasks::dimension_of("N*m");
+    if (unit == "W") return tasks::dimension_of("N*m/s");
+    return tasks::dimension_of(unit);
+}
+
+/// Units in use with their exponents of kg, m, s, rad, and what people use; those with halves go without exponents.
+std::string unit_definitions(const std::vector<FmuVariable>& variables) {
+    std::map<std::string, std::string> display_units;
+    for (const FmuVariable& row : variables) {
+        if (row.unit != "1") display_units[row.unit] = row.display_unit;
+    }
+    std::string text = "  <UnitDefinitions>\n";
+    for (const auto& [name, display] : display_units) {
+        const tasks::Dimension d = dimension_of(name);
+        text += fmt::format("    <Unit name=\"{}\">", html(name));
+        if ((d.mass | d.length | d.time | d.angle) % 2 == 0)
+            text += fmt::format("<BaseUnit kg=\"{}\" m=\"{}\" s=\"{}\" rad=\"{}\"/>", d.mass / 2, d.length / 2, d.time / 2, d.angle / 2);
+        if (!display.empty()) {
+            const double size = std::get<tasks::Quantity>(tasks::parse_quantity("1 " + display)).value;
+            text += fmt::format("<DisplayUnit name=\"{}\" factor=\"{}\"/>", html(display), number(1.0 / size));
+        }
+        text += "</Unit>\n";
+    }
+    return text + "  </UnitDefinitions>\n";
+}
+
+std::string head(const FmuFacts& facts, const char* version, const char* token) {
+    return fmt::format(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription fmiVersion=\"{}\" modelName=\"{}\" {}=\"{}\" description=\"{}\" "
+        "generationTool=\"cvtflow {}\"{}{} variableNamingConvention=\"structured\">\n",
+        version, html(facts.name), token, facts.token, html(facts.description), engine::current_provenance().version,
+        attribute("author", facts.author), attribute("generationDateAndTime", facts.date));
+}
+
+/// Of the default experiment, which importers take unasked: long enough for a call to cost little beside the steps that it takes. [s]
+double communication_step(double until) { return until >= 0.05 ? 1e-3 : std::min(1e-4, until); }
+
+std::string middle(const FmuFacts& facts, const std::vector<FmuVariable>& variables) {
+    std::string text = unit_definitions(variables) + "  <LogCategories>\n";
+    for (const char* category : {"logStatusError", "logStatusWarning"}) text += fmt::format("    <Category name=\"{}\"/>\n", category);
+    return text + fmt::format("  </LogCategories>\n  <DefaultExperiment startTime=\"0\" stopTime=\"{}\" stepSize=\"{}\"/>\n",
+                              number(facts.until), number(communication_step(facts.until)));
+}
+
+/// Attributes that both versions give a variable.
+std::string causality(const FmuVariable& row) {
+    const bool parameter = row.kind == "parameter";
+    return fmt::format("name=\"{}\" valueReference=\"{}\" causality=\"{}\" variability=\"{}\" description=\"{}\"", html(row.name),
+                       row.reference, row.kind == "time" ? "independent" : row.kind, parameter ? "fixed" : "continuous",
+                       html(row.description));
+}
+
+std::string start_attribute(const FmuVariable& row) {
+    return row.kind == "input" || row.kind == "parameter" ? fmt::format(" start=\"{}\"", number(row.start)) : "";
+}
+
+struct ShaftOfInput {
+    std::string_view input, shaft;
+};
+/// Outputs say it in their names. The ratio belongs to both shafts, so to none.
+constexpr ShaftOfInput shaft_of_inputs[] = {{"clamping_driving", "shaft_1"}, {"drive_torque", "shaft_1"}, {"drive_speed", "shaft_1"},
+                                            {"clamping_driven", "shaft_2"},  {"drive_angle", "shaft_1"},  {"load_torque", "shaft_2"},
+                                            {"load_speed", "shaft_2"},       {"load_angle", "shaft_2"},   {"pressure_driving", "shaft_1"},
+                                            {"pressure_driven", "shaft_2"}};
+
+struct Terminal {
+    std::string_view name, description;
+};
+constexpr Terminal terminals[] = {{"shaft_1", "The driving shaft."}, {"shaft_2", "The driven shaft."}};
+
+/// Its name within the terminal; empty for one that belongs elsewhere.
+std::string member_name(const FmuVariable& variable, std::string_view terminal) {
+    if (variable.kind == "input") {
+        const auto* found = std::find_if(std::begin(shaft_of_inputs), std::end(shaft_of_inputs),
+                                         [&](const ShaftOfInput& row) { return row.input == variable.source; });
+        return found != std::end(shaft_of_inputs) && found->shaft == terminal ? variable.name : "";
+    }
+    const std::string group = std::string(terminal) + ".";
+    return variable.kind == "output" && variable.name.starts_with(group) ? variable.name.substr(group.size()) : "";
+}
+
+}  // namespace
+
+std::vector<FmuVariable> fmu_variables(Simulation& simulation, const FmuChoice& choice, bool arrays) {
+    std::vector<FmuVariable> all{{0, "time", "time", "s", "simulated time", 1, 0.0, "time"}};
+    for (auto& rows : {inputs(simulation, choice.inputs), outputs(simulation, choice.outputs, arrays),
+                       parameters(simulation.scene(), choice.parameters)})
+        all.insert(all.end(), rows.begin(), rows.end());
+    for (std::size_t number = 0; number < all.size(); ++number) all[number].reference = static_cast<std::uint32_t>(number);
+    return all;
+}
+
+std::string variables_text(const std::vector<FmuVariable>& variables) {
+    std::string text;
+    for (const FmuVariable& row : variables)
+        text += fmt::format("{} {} {} {} {}\n", row.reference, row.kind, row.width, row.source, row.element);
+    return text;
+}
+
+std::string model_description_2(const FmuFacts& facts, const std::vector<FmuVariable>& variables) {
+    std::string text = head(facts, "2.0", "guid");
+    text += fmt::format(
+        "  <CoSimulation modelIdentifier=\"{}\" canHandleVariableCommunicationStepSize=\"true\" canGetAndSetFMUstate=\"true\" "
+        "canSerializeFMUstate=\"true\"/>\n",
+        facts.identifier);
+    text += middle(facts, variables) + "  <ModelVariables>\n";
+    std::string unknowns;
+    for (std::size_t index = 0; index < variables.size(); ++index) {
+        const FmuVariable& row = variables[index];
+        text += fmt::format("    <ScalarVariable {}><Real{}{}/></ScalarVariable>\n", causality(row), start_attribute(row),
+                            type_attributes(row));
+        if (row.kind == "output") unknowns += fmt::format("      <Unknown index=\"{}\"/>\n", index + 1);
+    }
+    return text + fmt::format(
+                      "  </ModelVariables>\n  <ModelStructure>\n    <Outputs>\n{0}    </Outputs>\n    <InitialUnknowns>\n{0}    "
+                      "</InitialUnknowns>\n  </ModelStructure>\n</fmiModelDescription>\n",
+                      unknowns);
+}
+
+std::string model_description_3(const FmuFacts& facts, const std::vector<FmuVariable>& variables) {
+    std::string text = head(facts, "3.0", "instantiationToken");
+    text += fmt::format(
+        "  <CoSimulation modelIdentifier=\"{}\" canHandleVariableCommunicationStepSize=\"true\" canGetAndSetFMUState=\"true\" "
+        "canSerializeFMUState=\"true\" providesIntermediateUpdate=\"true\" mightReturnEarlyFromDoStep=\"true\" "
+        "canReturnEarlyAfterIntermediateUpdate=\"true\"/>\n",
+        facts.identifier);
+    text += middle(facts, variables) + "  <ModelVariables>\n";
+    std::string outputs, initial;
+    for (const FmuVariable& row : variables) {
+        const std::string dimension = row.width > 1 ? fmt::format("<Dimension start=\"{}\"/>", row.width) : "";
+        text += fmt::format("    <Float64 {}{}{}>{}</Float64>\n", causality(row), start_attribute(row), type_attributes(row), dimension);
+        if (row.kind != "output") continue;
+        outputs += fmt::format("    <Output valueReference=\"{}\"/>\n", row.reference);
+        initial += fmt::format("    <InitialUnknown valueReference=\"{}\"/>\n", row.reference);
+    }
+    return text + "  </ModelVariables>\n  <ModelStructure>\n" + outputs + initial + "  </ModelStructure>\n</fmiModelDescription>\n";
+}
+
+std::string terminals_text(const std::vector<FmuVariable>& variables) {
+    std::string text;
+    for (const Terminal& terminal : terminals) {
+        std::string members;
+        for (const FmuVariable& variable : variables) {
+            const std::string member = member_name(variable, terminal.name);
+            if (!member.empty())
+                members += fmt::format("      <TerminalMemberVariable variableName=\"{}\" memberName=\"{}\" variableKind=\"signal\"/>\n",
+                                       html(variable.name), html(member));
+        }
+        if (!members.empty())
+            text += fmt::format("    <Terminal name=\"{}\" matchingRule=\"bus\" description=\"{}\">\n{}    </Terminal>\n", terminal.name,
+                                terminal.description, members);
+    }
+    if (text.empty()) return "";
+    return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiTerminalsAndIcons fmiVersion=\"3.0\">\n  <Terminals>\n" + text +
+           "  </Terminals>\n</fmiTerminalsAndIcons>\n";
+}
+
+std::string generation_date() {
+    const char* epoch = std::getenv("SOURCE_DATE_EPOCH");
+    if (epoch == nullptr || *epoch == '\0') return CVTFLOW_COMMIT_DATE;
+    std::int64_t seconds = 0;
+    const char* end = epoch + std::strlen(epoch);
+    constexpr std::int64_t year_9999 = 253402300799;
+    if (std::from_chars(epoch, end, seconds).ptr != end || seconds < 0 || seconds > year_9999)
+        throw UsageError(fmt::format("SOURCE_DATE_EPOCH: '{}' is no number of seconds since 1970", epoch));
+    const std::time_t time = seconds;
+    std::tm parts{};
+    gmtime_r(&time, &parts);
+    char text[32] = {};
+    std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
+    return text;
+}
+
+}  // namespace cvtflow::tools

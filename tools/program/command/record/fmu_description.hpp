@@ -1,0 +1,63 @@
+#pragma once
+/// Description of an FMU: its variables, from the catalogues of inputs, channels and parameters, and modelDescription.xml for both versions
+/// of the standard.
+
+#include <cstdint>
+#include <cvtflow/cvtflow.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace cvtflow::tools {
+
+struct FmuVariable {
+    std::uint32_t reference = 0;
+    std::string kind;  ///< "time", "input", "output", "parameter"
+    std::string name;  ///< as importers see it, structured: shaft_1.speed; elements are links.tension[0], …
+    std::string unit;
+    std::string description;
+    std::size_t width = 1;
+    double start = 0.0;
+    std::string source;                        ///< name inside: shaft_1/speed
+    std::size_t element = 0;                   ///< of the source
+    std::optional<double> min = {}, max = {};  ///< range that is allowed [unit]
+    double nominal = 0.0;                      ///< order of magnitude, a power of ten; 0: unknown [unit]
+    std::string display_unit{};                ///< that people use; empty: the unit itself
+};
+
+/// Names; "all" alone: every one that has one number.
+struct FmuChoice {
+    std::vector<std::string> inputs;      ///< empty: all that the scene has
+    std::vector<std::string> outputs;     ///< channels; empty: a dozen
+    std::vector<std::string> parameters;  ///< keys; empty: a dozen
+};
+
+/// @param arrays whether variables may be arrays (FMI 3), else each element is a variable. @throws UsageError for unknown names
+[[nodiscard]] std::vector<FmuVariable> fmu_variables(Simulation& simulation, const FmuChoice& choice, bool arrays);
+
+/// The resource that an FMU reads them from (api/fmi/instance.hpp).
+[[nodiscard]] std::string variables_text(const std::vector<FmuVariable>& variables);
+
+struct FmuFacts {
+    std::string name;         ///< of the scene
+    std::string identifier;   ///< of the library inside: a name in C
+    std::string token;        ///< that tells this FMU from others
+    std::string description;  ///< one line
+    std::string author;       ///< empty: not stated
+    std::string date;         ///< of generation, UTC, ISO 8601; empty: unknown
+    double until = 0.0;       ///< of the default experiment [s]
+};
+
+[[nodiscard]] std::string model_description_2(const FmuFacts& facts, const std::vector<FmuVariable>& variables);
+[[nodiscard]] std::string model_description_3(const FmuFacts& facts, const std::vector<FmuVariable>& variables);
+
+/// terminalsAndIcons/terminalsAndIcons.xml: a bus for each shaft, with its inputs and with the outputs whose names begin with it. Empty if
+/// no variable belongs to a shaft.
+[[nodiscard]] std::string terminals_text(const std::vector<FmuVariable>& variables);
+
+/// SOURCE_DATE_EPOCH [s since 1970], else the date of the commit that this program was built from: UTC, ISO 8601. Empty if neither is
+/// known.
+/// @throws UsageError for a SOURCE_DATE_EPOCH that is no number of seconds
+[[nodiscard]] std::string generation_date();
+
+}  // namespace cvtflow::tools

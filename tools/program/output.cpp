@@ -1,0 +1,186 @@
+#include "tools/program/output.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+
+#include "engine/base/hash.hpp"
+#include "engine/record/run/schema.hpp"
+#include "engine/record/run/state_file.hpp"
+#include "tasks/run/checkpoint.hpp"
+#include "tasks/scene/toml_tree.hpp"
+#include "tools/program/text/text.hpp"
+
+namespace cvtflow::tools {
+
+namespace {
+
+/// Whether a file is a state of the scene of that name, and no checkpoint; or the .part of a state that a kill cut short.
+bool is_state_of(const std::string& name, const std::string& file) {
+    if (!engine::is_state_file(file)) return false;
+    engine::SavedState saved;
+    try {
+        saved = engine::read_state(file);
+    } catch (const engine::RecordError&) {
+        return file.ends_with(".part");
+    }
+    const std::string line = fmt::format("\nname = {}\n", tasks::toml_text(name));
+    const auto text = [&saved](std::string_view wanted) -> const std::string* {
+        for (const engine::Attribute& attribute : saved.attributes) {
+            if (attribute.name == wanted) return std::get_if<std::string>(&attribute.value);
+        }
+        return nullptr;
+    };
+    return text("scene_name") == nullptr && text("scene") != nullptr && text("scene")->find(line) != std::string::npos;
+}
+
+}  // namespace
+
+std::string beside(const std::string& file, std::string_view ending) {
+    std::string name = file;
+    const auto strip = [&name](std::string_view own) {
+        const bool more = name.ends_with(own) && std::filesystem::path(name).filename().string().size() > own.size();
+        if (more) name.resize(name.size() - own.size());
+        return more;
+    };
+    static_cast<void>(strip(".part"));
+    static_cast<void>(strip(".h5") || strip(".csv") || strip(".toml"));
+    return name + std::string(ending);
+}
+
+std::string picture_path(const std::string& named, const std::string& input, const char* inside) {
+    if (!named.empty()) return named;
+    const std::filesystem::path path(input), name(inside);
+    return std::filesystem::is_directory(path) ? (path / name).string() : beside(input, name.extension().string());
+}
+
+std::vector<std::filesystem::path> read_files(const std::vector<std::string>& files) {
+    std::vector<std::filesystem::path> read;
+    for (const std::string& file : files) {
+        read.emplace_back(file);
+        read.push_back(std::filesystem::path(file) / "cases.h5");
+    }
+    return read;
+}
+
+std::string mark_of(std::string_view kind, std::string_view of) { return fmt::format("cvtflow {} {}", kind, engine::Hash().add(of).hex()); }
+
+std::string marked(std::string text, const std::string& mark) {
+    const std::size_t tag = text.find('>');
+    if (tag != std::string::npos) text.insert(tag + 1, fmt::format("\n<!-- {} -->", mark));
+    return text;
+}
+
+engine::OutputRule marked_rule(std::string_view kind, const std::string& of) {
+    return {.what = fmt::format("{} that cvtflow made of '{}'", kind, of), .own = engine::text_with({mark_of(kind, of)}), .devices = true};
+}
+
+engine::OutputRule text_rule(std::string_view text) {
+    constexpr std::size_t longest = 1024;
+    std::size_t end = text.find('\n');
+    if (text.starts_with("{\n") || text.starts_with("[\n")) end = text.find('\n', 2);
+    return {.what = "file with the same heading",
+            .own = engine::text_with({std::string(text.substr(0, std::min(end, longest)))}),
+            .devices = true};
+}
+
+engine::OutputRule record_rule(const tasks::Scene& scene, bool named, bool force) {
+    return {.what = fmt::format("record of the scene '{}'", scene.name),
+            .own = engine::record_with("scene", scene.name),
+            .inputs = input_files(scene),
+            .force = force,
+            .named = named};
+}
+
+engine::OutputRule state_rule(const tasks::Scene& scene, bool named, bool force) {
+    return {.what = fmt::format("state of the scene '{}'", scene.name),
+            .own = [name = scene.name](const std::string& file) { return is_state_of(name, file); },
+            .inputs = input_files(scene),
+            .force = force,
+            .named = named};
+}
+
+bool is_checkpoint(const std::string& file) {
+    std::error_code absent;
+    if (!std::filesystem::is_regular_file(std::filesystem::symlink_status(file, absent))) return false;
+    try {
+        static_cast<void>(tasks::read_checkpoint(file));
+        return true;
+    } catch (const engine::RecordError&) {
+        return false;
+    }
+}
+
+void require_checkpoint_place(const std::string& path, const std::string& record, const std::vector<std::filesystem::path>& inputs) {
+    const engine::Permit permit(path, {.inputs = inputs, .force = true});  // what is there is looked at below
+    const auto place = [](const std::string& name) { return std::filesystem::absolute(name).lexically_normal(); };
+    for (const char* suffix : {"", ".part", ".before"}) {
+        if (!record.empty() && (place(path) == place(record + suffix) || place(path + suffix) == place(record))) {
+            throw engine::RecordError("--checkpoint " + path + ": the run needs that name for its record " + record);
+        }
+    }
+    std::error_code absent;
+    if (std::filesystem::exists(path, absent)) {
+        try {
+            static_cast<void>(tasks::read_checkpoint(path));
+        } catch (const engine::RecordError& error) {
+            throw engine::RecordError(std::string("--checkpoint: the file exists and is not a checkpoint: ") + error.what());
+        }
+    }
+    const engine::Permit part(path, {.what = "checkpoint", .own = engine::is_state_file});
+}
+
+void keep_checkpoint(const std::string& file) {
+    if (!is_checkpoint(file)) return;
+    throw engine::RecordError(
+        fmt::format("{0}: the checkpoint of an unfinished run; cvtflow resume {0} continues it, --force starts again", file));
+}
+
+void forget_checkpoint(const std::string& file, const std::vector<std::filesystem::path>& inputs) {
+    const auto is_it = [&file](const std::filesystem::path& input) {
+        std::error_code absent;
+        return !input.empty() && std::filesystem::equivalent(file, input, absent) && !absent;
+    };
+    if (is_checkpoint(file) && std::none_of(inputs.begin(), inputs.end(), is_it)) tasks::remove_checkpoint(file);
+}
+
+void declare_output(CLI::App& app, OutputArguments& arguments) {
+    app.add_option("-o,--output", arguments.folder, "Folder for tables and pictures (default: none; results with --csv, --json or --svg)")
+        ->type_name("DIR");
+    app.add_flag("--csv", arguments.csv, "Write tables");
+    app.add_flag("--json", arguments.json, "Write all results as JSON, with provenance");
+    app.add_flag("--svg", arguments.svg, "Write pictures (default with -o: --csv, --json and --svg)");
+}
+
+bool OutputFolder::wants(const std::string& name) const {
+    if (!arguments_.any()) return false;
+    if (!arguments_.csv && !arguments_.json && !arguments_.svg) return true;
+    return (name.ends_with(".csv") && arguments_.csv) || (name.ends_with(".json") && arguments_.json) ||
+           (name.ends_with(".svg") && arguments_.svg);
+}
+
+void OutputFolder::write(const std::string& name, const std::string& text) {
+    if (!wants(name)) return;
+    const std::filesystem::path path = std::filesystem::path(arguments_.folder.empty() ? "results" : arguments_.folder) / name;
+    std::error_code ignored;  // writing the file then fails with a message
+    std::filesystem::create_directories(path.parent_path(), ignored);
+    const bool picture = name.ends_with(".svg");
+    engine::OutputRule rule = picture ? marked_rule("picture", name) : text_rule(text);
+    rule.advice = "remove it, or name another folder";
+    engine::write_whole({path.string(), rule}, picture ? marked(text, mark_of("picture", name)) : text);
+    names_.push_back(path.string());
+}
+
+std::string OutputFolder::written() const {
+    std::string text = names_.empty() ? "" : field("written", fmt::format("{}", fmt::join(names_, ", ")));
+    for (const auto& [asked, ending] : {std::pair{arguments_.csv, "csv"}, {arguments_.json, "json"}, {arguments_.svg, "svg"}}) {
+        const auto ends = [kind = std::string(".") + ending](const std::string& name) { return name.ends_with(kind); };
+        if (asked && std::none_of(names_.begin(), names_.end(), ends))
+            text += field("not written", fmt::format("--{}: this command has no such file", ending));
+    }
+    return text;
+}
+
+}  // namespace cvtflow::tools

@@ -1,0 +1,80 @@
+#pragma once
+/// What commands write: which existing files it may replace, marks in pages and pictures, folders of results.
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/record/run/output_rule.hpp"
+#include "tasks/scene/scene.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace cvtflow::tools {
+
+inline constexpr const char* force_meaning = "Replace existing output files";
+
+/// The name of a file beside a record or sweep: its own, without .h5, .part, .csv or .toml, and another ending. "run_0.1" gives
+/// "run_0.1.html".
+[[nodiscard]] std::string beside(const std::string& file, std::string_view ending);
+
+/// Where a picture or page of some input is written: the file that the user names, else `inside` a folder, or beside a file.
+/// @param inside "plot.svg"
+[[nodiscard]] std::string picture_path(const std::string& named, const std::string& input, const char* inside);
+
+/// The inputs that a command line names: files, and the tables of folders.
+[[nodiscard]] std::vector<std::filesystem::path> read_files(const std::vector<std::string>& files);
+
+/// Text that a page or picture carries in its head: it tells what made it, of which scene or sweep. @param kind "page", "picture"
+[[nodiscard]] std::string mark_of(std::string_view kind, std::string_view of);
+/// A page or picture (HTML, SVG, XML) with its mark as a comment behind its first tag.
+[[nodiscard]] std::string marked(std::string text, const std::string& mark);
+
+/// A page or picture that carries its mark. A name that the user chose is treated like a default one.
+[[nodiscard]] engine::OutputRule marked_rule(std::string_view kind, const std::string& of);
+/// A table or list as text: of the same heading, which are its first lines.
+[[nodiscard]] engine::OutputRule text_rule(std::string_view text);
+/// The record, state or FMU of a scene. @param named the user chose the name
+[[nodiscard]] engine::OutputRule record_rule(const tasks::Scene& scene, bool named, bool force);
+[[nodiscard]] engine::OutputRule state_rule(const tasks::Scene& scene, bool named, bool force);
+
+/// Whether a file is a checkpoint that can be resumed.
+[[nodiscard]] bool is_checkpoint(const std::string& file);
+/// Checks the path of a checkpoint: it must differ from the record's, and an existing file must be a checkpoint, because it is removed at
+/// the end of the run. @throws engine::RecordError
+void require_checkpoint_place(const std::string& path, const std::string& record, const std::vector<std::filesystem::path>& inputs);
+/// Refuses to start a run whose checkpoint exists: that run is unfinished. @throws engine::RecordError
+void keep_checkpoint(const std::string& file);
+/// Removes such a checkpoint, whose record will be replaced, unless it is an input.
+void forget_checkpoint(const std::string& file, const std::vector<std::filesystem::path>& inputs);
+
+/// -o DIR, --csv, --json, --svg.
+struct OutputArguments {
+    std::string folder;                           ///< empty: no files, or "results" if a kind is requested
+    bool csv = false, json = false, svg = false;  ///< requested kinds; none: all
+
+    [[nodiscard]] bool any() const noexcept { return !folder.empty() || csv || json || svg; }
+};
+
+void declare_output(CLI::App& app, OutputArguments& arguments);
+
+/// Writes files of the requested kinds; creates the folder.
+class OutputFolder {
+public:
+    explicit OutputFolder(const OutputArguments& arguments) : arguments_(arguments) {}
+    /// Does nothing if its kind (by the name's ending: .csv, .json, .svg) is not requested.
+    /// @throws std::runtime_error "DIR/NAME: cannot write"
+    void write(const std::string& name, const std::string& text);
+    [[nodiscard]] bool wants(const std::string& name) const;
+    /// "  written             DIR/NAME, …\n", and requested kinds that this command does not have; empty if no file was requested.
+    [[nodiscard]] std::string written() const;
+
+private:
+    OutputArguments arguments_;
+    std::vector<std::string> names_;
+};
+
+}  // namespace cvtflow::tools

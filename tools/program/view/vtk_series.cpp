@@ -1,0 +1,280 @@
+#include "tools/program/view/vtk_series.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <numbers>
+#include <numeric>
+
+#include "engine/record/run/schema.hpp"
+#include "model/basis/legendre.hpp"
+#include "model/observe/pin_halves.hpp"
+
+namespace cvtflow::tools {
+
+namespace {
+
+/// Places of blocks behind the head: 8 bytes of length, then the numbers.
+class Offsets {
+public:
+    std::size_t next(std::size_t bytes) noexcept {
+        const std::size_t here = end_;
+        end_ += sizeof(std::uint64_t) + bytes;
+        return here;
+    }
+
+private:
+    std::size_t end_ = 0;
+};
+
+std::string array_text(std::string_view type, std::string_view name, int components, std::size_t offset) {
+    return fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"/>\n", type, name,
+                       components, offset);
+}
+
+/// A block: its length, then the numbers.
+template <class Number>
+void append(std::string& file, const std::vector<Number>& numbers) {
+    const std::uint64_t bytes = numbers.size() * sizeof(Number);
+    file.append(reinterpret_cast<const char*>(&bytes), sizeof bytes);
+    file.append(reinterpret_cast<const char*>(numbers.data()), bytes);
+}
+
+std::string element(const std::string& name, const std::string& inside) { return fmt::format("<{0}>\n{1}</{0}>\n", name, inside); }
+
+using model::End;
+
+constexpr std::array along_half{-1.0, -0.5, 0.0, 0.5, 1.0};  ///< ξ of the points of a half
+constexpr std::int64_t points_of_half = along_half.size();
+constexpr int sectors = 72;  ///< of a sheave
+
+enum ArrayNumber { axial_force, bending_moment, tension, joint_force, tip_force };
+
+[[nodiscard]] std::size_t place(std::int64_t number) noexcept { return static_cast<std::size_t>(number); }
+
+void put(std::vector<float>& points, const std::array<float, 3>& point) { points.insert(points.end(), point.begin(), point.end()); }
+
+}  // namespace
+
+void VtkMesh::add(VtkCell type, std::span<const std::int64_t> corners, std::int32_t which, std::int32_t count) {
+    connectivity.insert(connectivity.end(), corners.begin(), corners.end());
+    offsets.push_back(static_cast<std::int64_t>(connectivity.size()));
+    types.push_back(static_cast<std::uint8_t>(type));
+    part.push_back(which);
+    number.push_back(count);
+}
+
+VtkSeries::VtkSeries(const engine::Permit& collection, const VtkMesh& mesh, std::vector<VtkArray> arrays, bool replace)
+    : collection_(collection), folder_(collection.path()), replace_(replace), mesh_(mesh), arrays_(std::move(arrays)) {
+    folder_.replace_extension();
+    std::error_code failed;
+    std::filesystem::create_directory(folder_, failed);
+    if (failed) throw engine::RecordError(fmt::format("{}: cannot be created: {}", folder_.string(), failed.message()));
+    for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
+        if (number_of(entry.path()) >= 0 && !replace)
+            throw engine::RecordError(fmt::format("{}: already exists; --force replaces the series there", entry.path().string()));
+    }
+}
+
+VtkSeries::~VtkSeries() {
+    if (finished_) return;
+    std::error_code ignored;
+    for (long number = 0; number < count_; ++number) std::filesystem::remove(file(number), ignored);
+    std::filesystem::remove(folder_, ignored);  // only if it is empty
+}
+
+std::filesystem::path VtkSeries::file(long number) const {
+    return folder_ / fmt::format("{}_{:06}.vtu", folder_.filename().string(), number);
+}
+
+long VtkSeries::number_of(const std::filesystem::path& file) const {
+    const std::string name = file.filename().string(), begin = folder_.filename().string() + "_", end = ".vtu";
+    if (!name.starts_with(begin) || !name.ends_with(end) || name.size() < begin.size() + 6 + end.size()) return -1;
+    const char *first = name.data() + begin.size(), *last = name.data() + name.size() - end.size();
+    long number = -1;
+    const auto [stop, error] = std::from_chars(first, last, number);
+    return error == std::errc() && stop == last && number >= 0 ? number : -1;
+}
+
+std::size_t VtkSeries::length(const VtkArray& array) const noexcept {
+    return sizeof(float) * static_cast<std::size_t>(array.components) * (array.of_points ? mesh_.points : mesh_.cells());
+}
+
+/// The order of offsets is that in which blocks are written.
+std::string VtkSeries::head() const {
+    Offsets offsets;
+    const std::size_t count = mesh_.cells();
+    std::string cells = array_text("Int64", "connectivity", 1, offsets.next(sizeof(std::int64_t) * mesh_.connectivity.size()));
+    cells += array_text("Int64", "offsets", 1, offsets.next(sizeof(std::int64_t) * count));
+    cells += array_text("UInt8", "types", 1, offsets.next(count));
+    std::string of_cells = array_text("Int32", "part", 1, offsets.next(sizeof(std::int32_t) * count));
+    of_cells += array_text("Int32", "number", 1, offsets.next(sizeof(std::int32_t) * count));
+    const std::string points = array_text("Float32", "Points", 3, offsets.next(3 * sizeof(float) * mesh_.points));
+    std::string of_points;
+    for (const VtkArray& array : arrays_)
+        (array.of_points ? of_points : of_cells) += array_text("Float32", array.name, array.components, offsets.next(length(array)));
+    std::string text = "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" ";
+    text += "header_type=\"UInt64\">\n<UnstructuredGrid>\n";
+    text += fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", mesh_.points, count);
+    text += element("Points", points) + element("Cells", cells) + element("PointData", of_points) + element("CellData", of_cells);
+    return text + "</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_";
+}
+
+void VtkSeries::add(double time, const VtkFrame& frame) {
+    std::string file = head();
+    append(file, mesh_.connectivity);
+    append(file, mesh_.offsets);
+    append(file, mesh_.types);
+    append(file, mesh_.part);
+    append(file, mesh_.number);
+    append(file, frame.points);
+    for (const auto& values : frame.values) append(file, values);
+    file += "\n</AppendedData>\n</VTKFile>\n";
+    const std::filesystem::path name = this->file(count_);
+    engine::write_whole({name.string(), {.force = replace_}}, file);
+    ++count_;
+    bytes_ += file.size();
+    rows_ += fmt::format("<DataSet timestep=\"{}\" file=\"{}/{}\"/>\n", time, folder_.filename().string(), name.filename().string());
+}
+
+std::uintmax_t VtkSeries::finish() {
+    const std::string text = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n" +
+                             element("Collection", rows_) + "</VTKFile>\n";
+    engine::write_whole(collection_, text);
+    finished_ = true;
+    engine::remove_own_files(folder_, [this](const std::filesystem::path& there) { return number_of(there) >= count_; });
+    return bytes_ + text.size();
+}
+
+ChainSolids::ChainSolids(const model::Variator& variator, const model::Parameters& parameters)
+    : variator_(variator), parameters_(parameters), observer_(variator) {
+    mesh_halves();
+    mesh_plates();
+    if (variator.layout().pulley_size != 0) mesh_sheaves();
+}
+
+std::vector<VtkArray> ChainSolids::arrays() {
+    return {{"axial_force"}, {"bending_moment"}, {"tension"}, {"joint_force"}, {"tip_force", 3, true}};
+}
+
+void ChainSolids::mesh_halves() {
+    for (int half = 0; half < 2 * variator_.layout().links; ++half) {
+        std::array<std::int64_t, points_of_half> corners{};
+        std::iota(corners.begin(), corners.end(), static_cast<std::int64_t>(mesh_.points));
+        mesh_.points += corners.size();
+        mesh_.add(VtkCell::poly_line, corners, static_cast<std::int32_t>(Solid::half), half);
+    }
+}
+
+void ChainSolids::mesh_plates() {
+    const int plates = model::plates_per_link(variator_.chain()) * variator_.layout().links;
+    for (int plate = 0; plate < plates; ++plate) {
+        const std::int64_t first = static_cast<std::int64_t>(mesh_.points);
+        mesh_.points += 2;
+        mesh_.add(VtkCell::line, std::array{first, first + 1}, static_cast<std::int32_t>(Solid::plate), plate);
+    }
+}
+
+/// Rings of quads between the innermost and the outermost radius.
+void ChainSolids::mesh_sheaves() {
+    for (int sheave = 0; sheave < 4; ++sheave) {
+        const std::int64_t first = static_cast<std::int64_t>(mesh_.points);
+        mesh_.points += 2 * sectors;
+        for (std::int64_t sector = 0; sector < sectors; ++sector) {
+            const std::int64_t here = first + 2 * sector, next = first + 2 * ((sector + 1) % sectors);
+            mesh_.add(VtkCell::quad, std::array{here, here + 1, next + 1, next}, static_cast<std::int32_t>(Solid::sheave), sheave);
+        }
+    }
+}
+
+std::array<float, 3> ChainSolids::point_of(const double* link, End end, double position) const {
+    const model::ChainLayout at = model::halves_layout(variator_.layout());
+    double x = 0.0, y = 0.0;
+    for (int m = 0; m <= at.order; ++m) {
+        x += link[at.x(end, m)] * model::legendre(m, position);
+        y += link[at.y(end, m)] * model::legendre(m, position);
+    }
+    const double z = link[at.z(end)] + position * (variator_.chain().coefficients().half_length + link[at.e(end)]);
+    return {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)};
+}
+
+void ChainSolids::show(double time, const double* state, const model::Phase* phases, VtkFrame& frame) {
+    now_ = &observer_.observe(time, state, phases);
+    frame.points.clear();
+    frame.values.resize(arrays().size());
+    for (std::size_t k = 0; k < frame.values.size(); ++k) {
+        const VtkArray array = arrays()[k];
+        frame.values[k].assign(static_cast<std::size_t>(array.components) * (array.of_points ? mesh_.points : mesh_.cells()), 0.0F);
+    }
+    show_links(state, frame);
+    if (variator_.layout().pulley_size == 0) return;
+    show_sheaves(state, frame);
+    show_tips(state, frame);
+}
+
+void ChainSolids::show_links(const double* state, VtkFrame& frame) {
+    const model::ChainForces& forces = observer_.forces().chain;
+    model::halves_of(variator_.chain().coefficients(), state, halves_);
+    const model::ChainLayout at = model::halves_layout(variator_.layout());
+    const double* links = halves_.data();
+    for (int half = 0; half < 2 * at.links; ++half) {
+        const End end = half % 2 == 0 ? End::rear : End::front;
+        for (const double position : along_half) put(frame.points, point_of(links + at.link_begin(half / 2), end, position));
+        const std::size_t cell = place(half), pin = place(end == End::rear ? half / 2 : at.next(half / 2));
+        frame.values[axial_force][cell] = static_cast<float>(forces.half_axial[cell]);
+        frame.values[bending_moment][cell] = static_cast<float>(std::hypot(forces.bending_travel[cell], forces.bending_height[cell]));
+        frame.values[joint_force][cell] = static_cast<float>(forces.joint_normal[pin]);
+    }
+    const auto& positions = variator_.chain().coefficients().plates.position;
+    for (std::size_t plate = 0; plate < forces.plate_tension.size(); ++plate) {
+        const int link = static_cast<int>(plate) / forces.plates_per_link;
+        const double position = positions[plate % place(forces.plates_per_link)];
+        for (const End end : {End::rear, End::front}) put(frame.points, point_of(links + at.link_begin(link), end, position));
+        frame.values[tension][place(2 * at.links) + plate] = static_cast<float>(forces.plate_tension[plate]);
+    }
+}
+
+void ChainSolids::show_sheaves(const double* state, VtkFrame& frame) {
+    const model::ChainLayout& at = variator_.layout();
+    model::SheaveMotion sheaves[4];
+    variator_.pulleys().motions(state + at.pulley_begin(), sheaves);
+    std::size_t cell = mesh_.cells() - 4 * sectors;
+    for (std::size_t number = 0; number < 4; ++number) {
+        const model::SheaveMotion& s = sheaves[number];
+        const double side = number % 2 == 0 ? -1.0 : 1.0;
+        for (int sector = 0; sector < sectors; ++sector, ++cell) {
+            const double angle = now_->angle[number / 2] + 2.0 * std::numbers::pi * sector / sectors;
+            for (const double radius : {parameters_.pulley.innermost, parameters_.pulley.outermost}) {
+                const double x = radius * std::cos(angle), y = radius * std::sin(angle);
+                const double z = side * (radius - parameters_.pulley.arc_position) * std::tan(parameters_.tip.angle);
+                put(frame.points, {static_cast<float>(s.x + x + s.tilt_y * z), static_cast<float>(s.y + y - s.tilt_x * z),
+                                   static_cast<float>(s.z + z + s.tilt_x * y - s.tilt_y * x)});
+            }
+            frame.values[axial_force][cell] = static_cast<float>(now_->axial_force[number]);
+        }
+    }
+}
+
+/// Force of every tip on its sheave, at the end of its half.
+void ChainSolids::show_tips(const double* state, VtkFrame& frame) {
+    const model::ChainForces& forces = observer_.forces().chain;
+    const model::ChainLayout& at = variator_.layout();
+    for (int tip = 0; tip < model::tips_per_link * at.links; ++tip) {
+        const std::size_t n = place(tip);
+        const std::int64_t point = points_of_half * (tip / 2) + (tip % 2 == 0 ? 0 : points_of_half - 1);
+        const double* link = state + at.link_begin(tip / model::tips_per_link);
+        const double x =
+            frame.points[place(3 * point)] - variator_.chain().shaft_of(link) * variator_.chain().coefficients().centre_distance;
+        const double y = frame.points[place(3 * point + 1)], radius = std::hypot(x, y);
+        float* out = &frame.values[tip_force][place(3 * point)];
+        out[0] = static_cast<float>((forces.tip_radial[n] * x - forces.tip_tangential[n] * y) / radius);
+        out[1] = static_cast<float>((forces.tip_radial[n] * y + forces.tip_tangential[n] * x) / radius);
+        out[2] = static_cast<float>(now_->tip_axial[n]);
+    }
+}
+
+}  // namespace cvtflow::tools
