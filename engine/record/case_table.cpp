@@ -128,16 +128,6 @@ hdf5::Handle row_type(const RowLayout& layout) {
     return type;
 }
 
-/// Adds rows at the end of the dataset.
-void append_rows(hid_t dataset, hid_t type, std::size_t before, std::size_t count, const void* rows) {
-    const hsize_t total = before + count, first = before, many = count;
-    hdf5::check(H5Dset_extent(dataset, &total), "cannot write");
-    const hdf5::Handle file_rows(H5Dget_space(dataset), H5Sclose, "cannot write");
-    hdf5::check(H5Sselect_hyperslab(file_rows.id(), H5S_SELECT_SET, &first, nullptr, &many, nullptr), "cannot write");
-    const hdf5::Handle memory(H5Screate_simple(1, &many, nullptr), H5Sclose, "cannot write");
-    hdf5::check(H5Dwrite(dataset, type, memory.id(), file_rows.id(), H5P_DEFAULT, rows), "cannot write");
-}
-
 using FillRows = std::function<void(std::size_t first, std::span<std::byte> rows)>;
 
 void create_table(const std::string& path, const CaseTable& table, std::size_t rows, const FillRows& fill) {
@@ -161,7 +151,7 @@ void create_table(const std::string& path, const CaseTable& table, std::size_t r
         const std::size_t count = std::min(rows_per_write, rows - first);
         some.resize(count * table.layout.bytes());
         fill(first, some);
-        append_rows(dataset.id(), type.id(), first, count, some.data());
+        hdf5::append_rows(dataset.id(), type.id(), 0, first, count, some.data());
     }
     hdf5::check(H5Fflush(created.id(), H5F_SCOPE_GLOBAL), "cannot write");
 }
@@ -290,7 +280,7 @@ struct CaseWriter::Impl {
         hdf5::check(H5Fget_filesize(file.id(), &size), "cannot get the file's size");
         if (const int reason = part.reserve(size + rows_per_chunk * row_bytes + spare_bytes); reason != 0) fail(std::strerror(reason));
         try {
-            append_rows(dataset.id(), type.id(), rows, 1, row.data());
+            hdf5::append_rows(dataset.id(), type.id(), 0, rows, 1, row.data());
             hdf5::check(H5Fflush(file.id(), H5F_SCOPE_GLOBAL), "cannot write");
         } catch (const hdf5::Failure& failure) {
             fail(failure.what());

@@ -91,6 +91,16 @@ Handle open_series(hid_t file, const std::string& path) {
     return {H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose, "cannot open '" + path + "'"};
 }
 
+void append_rows(hid_t dataset, hid_t type, std::size_t width, std::size_t before, std::size_t rows, const void* data) {
+    constexpr std::string_view what = "cannot write";
+    const std::array<hsize_t, 2> extent{before + rows, width}, first{before, 0}, count{rows, width};
+    check(H5Dset_extent(dataset, extent.data()), what);
+    const Handle file_rows(H5Dget_space(dataset), H5Sclose, what);
+    check(H5Sselect_hyperslab(file_rows.id(), H5S_SELECT_SET, first.data(), nullptr, count.data(), nullptr), what);
+    const Handle memory_rows(H5Screate_simple(width == 0 ? 1 : 2, count.data(), nullptr), H5Sclose, what);
+    check(H5Dwrite(dataset, type, memory_rows.id(), file_rows.id(), H5P_DEFAULT, data), what);
+}
+
 Series::Series(hid_t file, std::string path, Cells cells, int max_rank) : path_(std::move(path)) {
     if (!has_object(file, path_)) fail("it does not exist");
     {
@@ -231,17 +241,8 @@ void RowBlock::write() {
 }
 
 void RowBlock::write_member(const Member& member) const {
-    constexpr std::string_view what = "cannot write";
-    const int rank = member.flat ? 1 : 2;
-    const std::array<hsize_t, 2> extent{written_ + buffered_, member.width};
-    const std::array<hsize_t, 2> first{written_, 0};
-    const std::array<hsize_t, 2> count{buffered_, member.width};
-    check(H5Dset_extent(member.dataset.id(), extent.data()), what);
-    const Handle file_rows(H5Dget_space(member.dataset.id()), H5Sclose, what);
-    check(H5Sselect_hyperslab(file_rows.id(), H5S_SELECT_SET, first.data(), nullptr, count.data(), nullptr), what);
-    const Handle memory_rows(H5Screate_simple(rank, count.data(), nullptr), H5Sclose, what);
-    check(H5Dwrite(member.dataset.id(), member.type, memory_rows.id(), file_rows.id(), H5P_DEFAULT, member.rows.data()), what);
-    check(H5Dflush(member.dataset.id()), what);
+    append_rows(member.dataset.id(), member.type, member.flat ? 0 : member.width, written_, buffered_, member.rows.data());
+    check(H5Dflush(member.dataset.id()), "cannot write");
 }
 
 std::size_t RowBlock::growth() const noexcept {

@@ -26,6 +26,10 @@ struct SeriesShape {
 /// Opens a dataset without checks, to append to it. Throws Failure("cannot open '<path>': reason").
 [[nodiscard]] Handle open_series(hid_t file, const std::string& path);
 
+/// Adds rows at the end of a dataset. @param width  elements per row of [rows, width]; 0: [rows]   @param before  rows so far. Throws
+/// Failure.
+void append_rows(hid_t dataset, hid_t type, std::size_t width, std::size_t before, std::size_t rows, const void* data);
+
 /// What an element must be.
 enum class Cells { reals, bytes, records };  ///< float64; 8-bit integers; compounds of 8-byte numbers and texts
 

@@ -101,30 +101,18 @@ RunLayout run_layout(const RunContents& contents, const RunFileOptions& options)
     const std::size_t chunk = std::min(rows, most_channel_rows);
     layout.channels.rows = rows;
     for (const ChannelInfo& channel : contents.channels) {
-        layout.channels.series.push_back({.path = "/channels/" + channel.name,
-                                          .type = H5T_NATIVE_DOUBLE,
-                                          .width = static_cast<std::size_t>(channel.width),
-                                          .flat = channel.width == 1,
-                                          .chunk = chunk});
+        const auto width = static_cast<std::size_t>(channel.width);
+        layout.channels.series.push_back({"/channels/" + channel.name, H5T_NATIVE_DOUBLE, width, width == 1, 0, chunk});
     }
     layout.channels.series.push_back({.path = "/channels/time", .type = H5T_NATIVE_DOUBLE, .chunk = chunk});
     if (contents.state_size > 0) {
         const std::size_t few = state_rows(contents.state_size);
         layout.states.rows = few;
-        layout.states.series.push_back({.path = "/states/y",
-                                        .type = H5T_NATIVE_DOUBLE,
-                                        .width = contents.state_size,
-                                        .flat = false,
-                                        .deflate = options.deflate_states,
-                                        .chunk = few});
-        if (contents.phase_count > 0) {
-            layout.states.series.push_back({.path = "/states/phases",
-                                            .type = H5T_NATIVE_UINT8,
-                                            .width = contents.phase_count,
-                                            .flat = false,
-                                            .deflate = options.deflate_states,
-                                            .chunk = few});
-        }
+        const auto add = [&](const char* path, hid_t type, std::size_t width) {
+            layout.states.series.push_back({path, type, width, false, options.deflate_states, few});
+        };
+        add("/states/y", H5T_NATIVE_DOUBLE, contents.state_size);
+        if (contents.phase_count > 0) add("/states/phases", H5T_NATIVE_UINT8, contents.phase_count);
         layout.states.series.push_back({.path = "/states/time", .type = H5T_NATIVE_DOUBLE, .chunk = few});
     }
     for (const TableInfo& table : contents.tables) {
