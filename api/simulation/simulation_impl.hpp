@@ -14,7 +14,7 @@
 #include "tasks/run/channels/channels.hpp"
 #include "tasks/run/plain_slope.hpp"
 #include "tasks/run/simulation.hpp"
-#include "tasks/step/frozen_start.hpp"
+#include "tasks/step/integration_state.hpp"
 
 namespace cvtflow {
 inline namespace v0 {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "engine/linear/eigenvalues.hpp"
-#include "tasks/step/frozen_start.hpp"
+#include "tasks/step/integration_state.hpp"
 
 namespace cvtflow::bench {
 

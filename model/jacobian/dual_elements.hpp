@@ -5,7 +5,7 @@
 #include "model/basis/dual_lanes.hpp"
 #include "model/force/joint.hpp"
 #include "model/force/plates.hpp"
-#include "model/force/tip/tips.hpp"
+#include "model/force/tips.hpp"
 
 namespace cvtflow::model {
 namespace {

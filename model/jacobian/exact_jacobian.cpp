@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "model/basis/order.hpp"
+#include "model/basis/isa.hpp"
 #include "model/jacobian/link_contacts.hpp"
 #include "model/jacobian/tip_rows.hpp"
 

@@ -8,9 +8,9 @@
 
 #include "engine/method/analysis/stability.hpp"
 #include "engine/thread/mutex.hpp"
-#include "model/observe/pin_period.hpp"
+#include "model/parameters/chain_layout.hpp"
 #include "tasks/method/program_stability.hpp"
-#include "tasks/step/method_memory.hpp"
+#include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {
 

@@ -6,7 +6,7 @@
 #include "engine/method/analysis/order.hpp"
 #include "engine/method/catalogue.hpp"
 #include "engine/method/compiled_plan.hpp"
-#include "tasks/step/stage_method.hpp"
+#include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {
 

@@ -12,7 +12,7 @@
 #include "engine/method/catalogue.hpp"
 #include "engine/method/family/fitted.hpp"
 #include "engine/method/table/dumka3_coefficients.hpp"
-#include "tasks/step/method_memory.hpp"
+#include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {
 

@@ -1,4 +1,4 @@
-#include "tasks/step/frozen_start.hpp"
+#include "tasks/step/integration_state.hpp"
 
 #include <algorithm>
 

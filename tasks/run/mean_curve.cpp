@@ -6,7 +6,7 @@
 #include <cstring>
 #include <type_traits>
 
-#include "tasks/step/method_memory.hpp"
+#include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {
 

@@ -11,7 +11,7 @@
 
 #include "engine/base/hash.hpp"
 #include "engine/record/run/state_file.hpp"
-#include "model/kernels/contraction.hpp"
+#include "model/basis/isa.hpp"
 #include "tasks/method/stability/predicted_step.hpp"
 #include "tasks/method/stability/step_search.hpp"
 #include "tasks/run/run_recorder.hpp"

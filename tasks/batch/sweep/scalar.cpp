@@ -10,7 +10,7 @@
 
 #include "engine/base/spelling.hpp"
 #include "tasks/scene/toml/units.hpp"
-#include "tasks/step/method_memory.hpp"
+#include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {
 

@@ -6,7 +6,6 @@
 #include <limits>
 #include <memory>
 
-#include "tasks/method/friction/index.hpp"
 #include "tasks/method/friction/staged/friction_leapfrog.hpp"
 
 namespace cvtflow::tasks {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <type_traits>
 
-#include "tasks/method/friction/index.hpp"
 #include "tasks/step/assembly/segment_tasks.hpp"
 
 namespace cvtflow::tasks {

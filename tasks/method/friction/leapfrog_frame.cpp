@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "tasks/step/method_memory.hpp"
 #include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {

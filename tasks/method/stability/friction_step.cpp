@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "tasks/method/friction/index.hpp"
 #include "tasks/method/friction/staged/friction_leapfrog.hpp"
 #include "tasks/method/stability/step_map.hpp"
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "model/variator/variator.hpp"
-#include "tasks/step/frozen_start.hpp"
+#include "tasks/step/integration_state.hpp"
 
 namespace cvtflow::tasks {
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "engine/method/combine.hpp"
-#include "tasks/method/friction/index.hpp"
 #include "tasks/method/stability/step_map.hpp"
 
 namespace cvtflow::tasks {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "model/law/tip_law.hpp"
+#include "model/law/friction.hpp"
 #include "tasks/run/channels/channels.hpp"
 
 namespace cvtflow::tasks {

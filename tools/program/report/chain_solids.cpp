@@ -6,7 +6,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "model/basis/legendre.hpp"
+#include "model/basis/portable_math.hpp"
 #include "model/observe/pin_halves.hpp"
 
 namespace cvtflow::tools {

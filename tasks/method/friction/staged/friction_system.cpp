@@ -4,9 +4,8 @@
 #include <cmath>
 
 #include "model/basis/portable_math.hpp"
-#include "tasks/method/friction/index.hpp"
 #include "tasks/method/friction/kick_record.hpp"
-#include "tasks/step/method_memory.hpp"
+#include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {
 

@@ -6,9 +6,8 @@
 #include <string>
 
 #include "tasks/method/friction/kick_record.hpp"
-#include "tasks/step/assembly/link_accesses.hpp"
-#include "tasks/step/method_memory.hpp"
 #include "tasks/step/step_graph.hpp"
+#include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {
 

@@ -1,8 +1,7 @@
 #include "tasks/method/friction/sweep/sweep_system.hpp"
 
-#include "tasks/method/friction/index.hpp"
 #include "tasks/method/friction/kick_record.hpp"
-#include "tasks/step/method_memory.hpp"
+#include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {
 

@@ -6,7 +6,7 @@
 
 #include "tasks/method/implicit/coloured_jacobian.hpp"
 #include "tasks/scene/scene.hpp"
-#include "tasks/step/frozen_start.hpp"
+#include "tasks/step/integration_state.hpp"
 
 namespace cvtflow::tasks {
 

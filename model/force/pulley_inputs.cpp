@@ -1,4 +1,4 @@
-/// What the outside does to shafts and sheaves: drive, load, clamping and control. (model/EQUATIONS.md section 8)
+/// Inputs of the pulleys: drive, load, clamping and control. (model/EQUATIONS.md section 8)
 
 #include <algorithm>
 #include <cmath>

@@ -8,8 +8,8 @@
 #include "model/basis/single_lanes.hpp"
 #include "model/contact/contact_field.hpp"
 #include "model/force/joint.hpp"
-#include "model/force/tip/tips.hpp"
-#include "model/kernels/lanes/link_lanes.hpp"
+#include "model/force/tips.hpp"
+#include "model/kernels/link_lanes.hpp"
 #include "model/variator/chain_model.hpp"
 
 namespace cvtflow::model {

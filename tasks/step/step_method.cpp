@@ -1,12 +1,27 @@
-#include "tasks/step/stage_method.hpp"
+#include "tasks/step/step_method.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <stdexcept>
 #include <utility>
 
-#include "tasks/step/method_memory.hpp"
 #include "tasks/step/step_graph.hpp"
 
 namespace cvtflow::tasks {
+
+std::span<const double> pop_front(std::span<const double>& memory, std::size_t count) {
+    if (memory.size() < count) throw std::invalid_argument("the memory of the method is incomplete");
+    const std::span<const double> numbers = memory.first(count);
+    memory = memory.subspan(count);
+    return numbers;
+}
+
+int pop_integer(std::span<const double>& memory, int first, int last) {
+    const double number = pop_front(memory, 1)[0];
+    if (!(number >= first && number <= last) || number != std::floor(number))
+        throw std::invalid_argument("the memory of the method contains an invalid count");
+    return static_cast<int>(number);
+}
 
 void close_evaluation(Workspace& w, double time, const double* tail, const model::SheaveForces& chain, double* slope) noexcept {
     ++w.step.evaluations;

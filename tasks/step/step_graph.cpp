@@ -1,6 +1,5 @@
 #include <string>
 
-#include "tasks/step/assembly/link_accesses.hpp"
 #include "tasks/step/assembly/segment_tasks.hpp"
 #include "tasks/step/step_graph.hpp"
 #include "tasks/step/step_method.hpp"

@@ -1,14 +1,126 @@
 #pragma once
-/// What the halves and the ends of pins side by side give to the place and the motion of their tips. Places are taken in doubles once for
-/// each half and each end; what is left for a tip is small against them. (model/EQUATIONS.md section 11)
+/// What the halves and the ends of pins side by side give to the place and the motion of their tips, in blocks of pins. Places are taken in
+/// doubles once for each half and each end; what is left for a tip is small against them. (model/EQUATIONS.md section 11)
+
+#include <algorithm>
+#include <array>
+#include <type_traits>
 
 #include "model/force/sheave_motion.hpp"
+#include "model/variator/rigid/rigid_coefficients.hpp"
 #include "model/variator/rigid/rigid_links.hpp"
-#include "model/variator/rigid/tips/pin_blocks.hpp"
-#include "model/variator/rigid/tips/tip_numbers.hpp"
+#include "model/variator/rigid/rigid_vectors.hpp"
 
 namespace cvtflow::model {
 namespace {
+
+/// Pins side by side, of which the first `count` are meant: the others, if any, are copies or are in another block as well.
+struct PinBlock {
+    int first, count;
+
+    /// 1 for pins that are meant.
+    [[nodiscard, gnu::always_inline]] PinLanes present() const noexcept { return first_lanes(count); }
+};
+
+/// Block of the pins from i = 0, 8, 16 … on.
+[[nodiscard]] inline PinBlock aligned_block(const RigidColumns& columns, int i) noexcept {
+    return {i, std::min(rigid_lanes, columns.pins() - i)};
+}
+
+/// Columns of pins side by side, in blocks of eight.
+/// @tparam W width of what is computed from them
+template <int W>
+class PinBlocks {
+public:
+    using D = DoublesOf<W>;
+    using PlaneD = DoublePlaneOf<W>;
+    static constexpr int lanes = lane_count<W>, blocks = lanes / rigid_lanes;
+    using Blocks = std::array<PinBlock, blocks>;
+
+    PinBlocks(RigidColumns& columns, const Blocks& own) noexcept : columns_(columns), view_(columns), own_(own) {}
+
+protected:
+    /// Entries of a column for all pins, or for those so many before or behind them.
+    [[nodiscard, gnu::always_inline]] D read_pins(Column c, int offset = 0) const noexcept {
+        if constexpr (blocks == 1) {
+            return read(view_, c, own_[0].first + offset);
+        } else {
+            return {read(view_, c, own_[0].first + offset), read(view_, c, own_[1].first + offset)};
+        }
+    }
+    [[nodiscard, gnu::always_inline]] PlaneD read_plane_of(Column c, int offset = 0) const noexcept {
+        return {read_pins(c, offset), read_pins(c + 1, offset)};
+    }
+    [[gnu::always_inline]] void write_pins(Column c, const D& values) noexcept {
+        over_blocks([&](auto block) { write(view_, c, own_[static_cast<std::size_t>(block)].first, piece(values, block)); });
+    }
+    /// Numbers of the pins of one block.
+    [[nodiscard, gnu::always_inline]] static PinLanes piece(const D& values, int block) noexcept {
+        if constexpr (blocks == 1) {
+            return values;
+        } else {
+            return half<lanes>(values, block);
+        }
+    }
+    /// Calls visit(block) for each of them, its number known when this is compiled.
+    template <class Visit>
+    [[gnu::always_inline]] static void over_blocks(const Visit& visit) noexcept {
+        visit(std::integral_constant<int, 0>{});
+        if constexpr (blocks == 2) visit(std::integral_constant<int, 1>{});
+    }
+    /// 1 for pins that are meant.
+    [[nodiscard, gnu::always_inline]] Lanes<W> present() const noexcept {
+        if constexpr (blocks == 1) {
+            return own_[0].present();
+        } else {
+            return as<W>(D{own_[0].present(), own_[1].present()});
+        }
+    }
+
+    RigidColumns& columns_;
+    const RigidView view_;
+    Blocks own_;
+};
+
+
+/// Numbers of all tips, as wide as what is computed with them: derived once per pass and not for each tip.
+template <int W>
+struct TipNumbers {
+    TipNumbers(const RigidCoefficients& c, const RigidKick& kick) noexcept
+        : radius(c.radius),
+          inverse_reach(c.inverse_reach),
+          softness(c.softness),
+          hertz(c.hertz),
+          damping(c.damping),
+          per_cosine(1.0 / c.cosine),
+          lever(c.lever),
+          outward(c.outward),
+          inward(c.radius * c.cosine),
+          stiffness(c.cosine * c.hertz / c.softness),
+          outward_per_half(c.outward / c.half_length),
+          per_half(1.0 / c.half_length),
+          bend_lever(c.bend_lever),
+          bent_outward_per_half(c.bend_slope * c.outward / c.half_length),
+          bent_per_half(c.bend_slope / c.half_length),
+          per_mass(kick.step / c.mass),
+          per_half_mass(2.0 * kick.step / c.mass),
+          per_tilt(kick.step / c.tilt_mass),
+          per_bend(kick.step / c.bend_mass),
+          response(1.1 * kick.step * (1.0 / c.mass + 1.0 / c.tilt_mass + 1.0 / c.bend_mass)),
+          further_steps(c.further_steps + (kick.implicit() ? 0 : 1)) {}
+
+    Lanes<W> radius, inverse_reach, softness, hertz, damping, per_cosine, lever, outward;  ///< as of RigidCoefficients
+    Lanes<W> inward;                                                                       ///< R_p cos β [m]
+    Lanes<W> stiffness;                                                                    ///< of a tip against depth, per η [N/m]
+    Lanes<W> outward_per_half;                                                             ///< R_p sin β/(ℓ_p/2)
+    Lanes<W> per_half;                                                                     ///< 1/(ℓ_p/2) [1/m]
+    Lanes<W> bend_lever;                                                                   ///< as of RigidCoefficients
+    Lanes<W> bent_outward_per_half, bent_per_half;                                         ///< the same for bending
+    Lanes<W> per_mass, per_half_mass, per_tilt, per_bend;                                  ///< velocity per force over the step [m/s/N]
+    Lanes<W> response;  ///< of the sliding velocity to friction, with some room for neighbours [m/s/N]
+    int further_steps;  ///< of Newton's method
+};
+
 
 /// Half and end of tip 0 … 3: 0 and 1 are the front half's at -z and +z, 2 and 3 the rear half's. Tips are gone through by loops, in steps
 /// of the same length: written out one by one, they would be more than the processor keeps of decoded instructions.

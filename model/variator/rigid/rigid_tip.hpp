@@ -1,10 +1,10 @@
 #pragma once
-/// One tip of rigid pins side by side: where it is on its sheave, its normal force, its sliding velocity and what it does to both.
-/// (model/EQUATIONS.md section 11)
+/// One tip of rigid pins side by side: where it is on its sheave, its normal force, its sliding velocity, what it does to both, and how its
+/// force along z changes as its half moves. (model/EQUATIONS.md section 11)
 
 #include <algorithm>
 
-#include "model/variator/rigid/tips/tip_motion.hpp"
+#include "model/variator/rigid/tip_motion.hpp"
 
 namespace cvtflow::model {
 namespace {
@@ -206,6 +206,22 @@ template <int W>
     to[4] += f.push_z + f.friction_z;
     to[5] += cross(tip.point, f.friction);
 }
+
+
+/// Of both tips of a half, over the stiffness of a tip per η.
+template <int W>
+struct AxialResponse {
+    Lanes<W> stiffness{0.0};  ///< against moving along z
+    Lanes<W> loading{0.0};    ///< rate of change of the force [m/s]
+
+    /// @param rate δ_0' [m/s]
+    [[gnu::always_inline]] void add(const TipPlace<W>& tip, const NormalForce<W>& n, const Lanes<W>& rate) noexcept {
+        stiffness += n.shortening * (tip.in * tip.in);
+        loading += n.shortening * (rate * tip.normal_z);
+    }
+    /// Rate of change if the half stood still along z. @param speed of the half along z [m/s]
+    [[nodiscard, gnu::always_inline]] Lanes<W> loading_at_rest(const Lanes<W>& speed) const noexcept { return loading + stiffness * speed; }
+};
 
 }  // namespace
 }  // namespace cvtflow::model
