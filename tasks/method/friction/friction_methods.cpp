@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <string>
 
-#include "tasks/method/friction/staged/friction_leapfrog.hpp"
-#include "tasks/method/friction/sweep/rigid_sweep.hpp"
-#include "tasks/method/friction/sweep/sweep_leapfrog.hpp"
+#include "tasks/method/friction/friction_leapfrog.hpp"
+#include "tasks/method/friction/rigid_sweep.hpp"
+#include "tasks/method/friction/sweep_leapfrog.hpp"
 #include "tasks/method/stability/step_map.hpp"
 
 namespace cvtflow::tasks {

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tasks/method/friction/staged/kick_tables.hpp"
+#include "tasks/method/friction/kick_tables.hpp"
 #include "tasks/method/method_choice.hpp"
 #include "tasks/method/program_stability.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "tasks/method/friction/staged/friction_leapfrog.hpp"
+#include "tasks/method/friction/friction_leapfrog.hpp"
 #include "tasks/method/stability/step_map.hpp"
 
 namespace cvtflow::tasks {

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "engine/method/compiled_plan.hpp"
-#include "tasks/method/friction/staged/kick_tables.hpp"
+#include "tasks/method/friction/kick_tables.hpp"
 #include "tasks/method/implicit/linear_plan.hpp"
 #include "tasks/method/stability/linear_chain.hpp"
 

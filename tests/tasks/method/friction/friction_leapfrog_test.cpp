@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tasks/method/friction/staged/kick_tables.hpp"
+#include "tasks/method/friction/kick_tables.hpp"
 #include "tasks/method/method.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tests/claims/operating_point_fixture.hpp"

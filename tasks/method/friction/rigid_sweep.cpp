@@ -1,4 +1,4 @@
-#include "tasks/method/friction/sweep/rigid_sweep.hpp"
+#include "tasks/method/friction/rigid_sweep.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "tasks/method/friction/staged/kick_tables.hpp"
+#include "tasks/method/friction/kick_tables.hpp"
 
 #include <stdexcept>
 

@@ -11,13 +11,50 @@
 /// µs), and G(t) = G + (t/h - 1/2) ΔG, with ΔG its change since the step before, which leaves the impulse of G and so the leapfrog alone.
 
 #include <array>
+#include <span>
+#include <vector>
 
+#include "tasks/method/friction/kick_system.hpp"
+#include "tasks/method/friction/kick_tables.hpp"
 #include "tasks/method/friction/leapfrog_frame.hpp"
-#include "tasks/method/friction/staged/friction_system.hpp"
-#include "tasks/method/friction/staged/kick_tables.hpp"
 #include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {
+
+/// The friction of a step: velocities of all links under friction and constant accelerations, everything else frozen, as a small system of
+/// ordinary differential equations that a table of stages integrates inside the step, by segments. What the stages add to a link's
+/// velocities in single precision is rounded to 6e-8 of itself.
+template <class Number>
+class FrictionSystem : public KickSystem<Number> {
+public:
+    explicit FrictionSystem(const Workspace& workspace);
+
+    /// Power iterations begin anew.
+    void restart() noexcept;
+
+    // Bodies of tasks: each touches the columns of one segment only, and reads what its neighbours have handed over.
+
+    /// Contacts and all other forces of a segment's links; their velocities at the step's start in slot 0.
+    void record(Workspace& workspace, const model::ContactDrift& drift, int segment) noexcept;
+    /// One row of a chained table: evaluates at the velocities of its slot, with extrapolation times the difference between base and that
+    /// of the step before added to base; adds weight times the tips' forces to impulses; combines the velocities of the row that follows.
+    void stage(const Workspace& workspace, const KickRow& row, double h, double extrapolation, int segment) noexcept;
+
+    /// Largest eigenvalue of friction about rest, from a few power iterations on; everything must be at rest [1/s].
+    [[nodiscard]] double spectral_radius(const Workspace& workspace, int iterations) noexcept;
+
+    /// Memory between steps: forces of the last step, and the vectors of power iterations.
+    void save(std::vector<double>& memory) const;
+    void load(std::span<const double> memory);  ///< memory [what save() wrote]
+
+private:
+    using Base = KickSystem<Number>;
+    using Base::columns_, Base::contact_edges_, Base::edges_, Base::fields, Base::for_links, Base::friction_, Base::now_;
+    using typename Base::Fields;
+    /// Fields: velocities by slot; accelerations by everything but friction, of this step and of the one before (see now_); ….
+    enum Own : std::size_t { state = Base::start, base = state + kick_state_slots, first_slope = base + 2, mode, image };
+    static constexpr std::size_t mode_edges = kick_state_slots;  ///< those before are of states
+};
 
 /// @tparam Number in which velocities inside the step are computed: double or float
 template <class Number>
@@ -49,7 +86,6 @@ public:
     void finish(int segment) noexcept;
 
 private:
-    static constexpr int max_stages_together = 8;
     struct Stage {
         KickRow row{};
         double extrapolation = 0.0;  ///< of G, in units of the difference between the last two [1]
@@ -58,7 +94,6 @@ private:
 
     NextCycle start_kick();
     NextCycle start_stages();
-    void add_kick(engine::TaskGraph& graph, int cycle, int stages);
 
     Workspace& w_;
     LeapfrogFrame frame_;
@@ -66,8 +101,8 @@ private:
     const KickTables tables_;
     const KickTable* table_ = nullptr;  ///< of the step at hand
     State state_ = State::evaluating;
-    int stage_ = 0;                                      ///< the first that is in no cycle yet
-    std::array<Stage, max_stages_together> together_{};  ///< of the cycle at hand
+    int stage_ = 0;                                    ///< the first that is in no cycle yet
+    std::array<Stage, RoundCycles::most> together_{};  ///< of the cycle at hand
     long steps_ = 0;
     double radius_ = 0.0;  ///< spectral radius of friction [1/s]
     Fault fault_;
