@@ -8,7 +8,7 @@
 #include "engine/base/text.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/ready_scenes.hpp"
-#include "tasks/scene/toml/units.hpp"
+#include "tasks/scene/units.hpp"
 
 namespace cvtflow {
 inline namespace v0 {

@@ -13,6 +13,7 @@
 #include "model/observe/observation.hpp"
 #include "tasks/run/channels.hpp"
 #include "tasks/run/simulation.hpp"
+#include "tasks/step/integration_state.hpp"
 
 namespace cvtflow {
 inline namespace v0 {

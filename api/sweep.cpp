@@ -7,7 +7,7 @@
 #include "tasks/batch/batch.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/ready_scenes.hpp"
-#include "tasks/scene/toml/units.hpp"
+#include "tasks/scene/units.hpp"
 #include "tasks/tuning/tuned_scene.hpp"
 #include "tasks/tuning/verified_sweep.hpp"
 

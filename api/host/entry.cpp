@@ -3,7 +3,7 @@
 #include <cvtflow/error.hpp>
 #include <string>
 
-#include "engine/base/error_text.hpp"
+#include "engine/base/text.hpp"
 #include "engine/thread/stack_left.hpp"
 
 namespace cvtflow::api {

@@ -11,7 +11,7 @@
 #include "bench/method/analysis/stability.hpp"
 #include "bench/method/family/fitted.hpp"
 #include "engine/method/catalogue.hpp"
-#include "tasks/step/method_memory.hpp"
+#include "tasks/step/step_method.hpp"
 
 namespace cvtflow::bench {
 

@@ -10,13 +10,13 @@
 #include "bench/method/family/families.hpp"
 #include "bench/method/family/rkc.hpp"
 #include "bench/method/fitted_method.hpp"
-#include "bench/method/stability/friction_stability.hpp"
 #include "bench/method/implicit/catalogue.hpp"
 #include "bench/method/implicit/linear_method.hpp"
+#include "bench/method/stability/friction_stability.hpp"
+#include "tasks/method/friction/friction_leapfrog.hpp"
 #include "tasks/method/friction/friction_methods.hpp"
-#include "tasks/method/friction/staged/friction_leapfrog.hpp"
-#include "tasks/method/friction/sweep/rigid_sweep.hpp"
-#include "tasks/method/friction/sweep/sweep_leapfrog.hpp"
+#include "tasks/method/friction/rigid_sweep.hpp"
+#include "tasks/method/friction/sweep_leapfrog.hpp"
 
 namespace cvtflow::bench {
 
@@ -87,8 +87,8 @@ template <class Number>
     return {
         staged<float>(rkc, "leapfrog-rkc", "leapfrog, friction in damped RKC stages on velocities inside the step", rkc_kick),
         staged<double>(rkc, std::string("leapfrog-rkc") + in_double, "leapfrog-rkc with stages in double precision, too", rkc_kick),
-        staged<double>(chebyshev, std::string("leapfrog-chebyshev") + in_double,
-                       "leapfrog-chebyshev with stages in double precision, too", chebyshev_kick),
+        staged<double>(chebyshev, std::string("leapfrog-chebyshev") + in_double, "leapfrog-chebyshev with stages in double precision, too",
+                       chebyshev_kick),
         sweep,
     };
 }
@@ -103,7 +103,8 @@ using Analyses = std::map<std::string, MethodAnalysis, std::less<>>;
 
 [[nodiscard]] Analyses analyses() {
     const auto of_kick = [](const Kick& kick) {
-        return MethodAnalysis{[&kick] { return leapfrog_stability(kick); }, [&kick](const LinearChain& chain) { return leapfrog_step(chain, kick); }};
+        return MethodAnalysis{[&kick] { return leapfrog_stability(kick); },
+                              [&kick](const LinearChain& chain) { return leapfrog_step(chain, kick); }};
     };
     Analyses all{{"dumka3", {{}, dumka3_step}}, {"rkc", {{}, rkc_step}}, {"rock2", {{}, rock2_step}}, {"fitted", {{}, fitted_step}}};
     for (const char* end : {"", in_double}) {
@@ -113,7 +114,8 @@ using Analyses = std::map<std::string, MethodAnalysis, std::less<>>;
     }
     for (const NewtonVariant& variant : newton_variants()) all[variant.name] = {trapezoidal_stability, trapezoidal_step};
     for (const LinearPlan& plan : linear_plans())
-        all[plan.name] = {[&plan] { return linear_stability(plan); }, [&plan](const LinearChain& chain) { return implicit_step(chain, plan); }};
+        all[plan.name] = {[&plan] { return linear_stability(plan); },
+                          [&plan](const LinearChain& chain) { return implicit_step(chain, plan); }};
     return all;
 }
 
@@ -143,7 +145,8 @@ const Kick rkc_kick{[](int stages) { return without_last_evaluation(rkc(stages, 
 
 void add_laboratory_methods() {
     static const bool once = [] {
-        tasks::add_methods({{further_tables, family_examples, families()}, all_programs, [](const StagePlan& plan) { return derived_reach(plan); }});
+        tasks::add_methods(
+            {{further_tables, family_examples, families()}, all_programs, [](const StagePlan& plan) { return derived_reach(plan); }});
         return true;
     }();
     (void)once;

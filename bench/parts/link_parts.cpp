@@ -1,6 +1,6 @@
 #include "bench/parts/link_parts.hpp"
 
-#include "model/kernels/lanes/lane_pass.hpp"
+#include "model/kernels/lane_pass.hpp"
 
 namespace cvtflow::bench {
 

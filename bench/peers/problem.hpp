@@ -8,7 +8,7 @@
 #include "bench/study/tradeoff/error_measure.hpp"
 #include "model/observe/observation.hpp"
 #include "tasks/scene/scene.hpp"
-#include "tasks/step/frozen_start.hpp"
+#include "tasks/step/integration_state.hpp"
 
 namespace cvtflow::bench {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bench/method/linear/eigenvalues.hpp"
-#include "tasks/step/frozen_start.hpp"
+#include "tasks/step/integration_state.hpp"
 
 namespace cvtflow::bench {
 

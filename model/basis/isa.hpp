@@ -1,5 +1,6 @@
 #pragma once
-/// Instruction sets that the kernels are compiled for, and which of them runs. Results are bitwise the same for all.
+/// What the kernels are compiled for: instruction sets, of which one runs, and polynomial orders of a pin's bending. Results are bitwise the
+/// same for all instruction sets.
 
 #include <string_view>
 #include <vector>
@@ -21,5 +22,24 @@ enum class Isa { baseline, avx2, avx512 };
 /// The one named, "auto" for chosen_isa().
 /// @throws std::invalid_argument
 [[nodiscard]] Isa isa_named(std::string_view name);
+
+inline constexpr int max_order = 3;
+
+/// What make.operator()<P>() gives for P = order.
+/// @param order 0 … max_order [1]
+template <class Make>
+constexpr auto of_order(int order, Make make) noexcept {
+    static_assert(max_order == 3);
+    switch (order) {
+        case 0: return make.template operator()<0>();
+        case 1: return make.template operator()<1>();
+        case 2: return make.template operator()<2>();
+        default: return make.template operator()<3>();
+    }
+}
+
+/// True: a product and a sum are rounded once, so that results depend on the instruction set and on the assembly. They still do not depend
+/// on threads, segments or executors.
+[[nodiscard]] bool fuses_multiply_add() noexcept;
 
 }  // namespace cvtflow::model

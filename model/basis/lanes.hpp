@@ -1,6 +1,6 @@
 #pragma once
 /// Vector lanes: the plates of one link, the points of one of its joints, its tips; or links side by side
-/// (model/kernels/lanes/link_lanes.hpp). A lane count is a compile-time constant, padding lanes carry weight zero, and sums are taken in
+/// (model/kernels/link_lanes.hpp). A lane count is a compile-time constant, padding lanes carry weight zero, and sums are taken in
 /// one fixed tree: results do not depend on the instruction set.
 ///
 /// Everything here and in the headers of kernels lies in unnamed namespaces: each translation unit has a copy of its own, compiled for its

@@ -11,7 +11,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "model/contact/columns.hpp"
+#include "model/basis/columns.hpp"
 #include "model/variator/chain_model.hpp"
 
 namespace cvtflow::model {

@@ -2,12 +2,35 @@
 /// Friction of all contacts as a function of velocities, lanes over links. (model/EQUATIONS.md sections 4 to 7)
 /// Every lane does the same operations in the same order whatever its neighbours are, so results do not depend on how links are grouped.
 
+#include "model/basis/lanes.hpp"
+#include "model/contact/contact_field.hpp"
 #include "model/contact/friction_tips.hpp"
-#include "model/contact/mirrored.hpp"
 #include "model/force/link_frame.hpp"
 
 namespace cvtflow::model {
 namespace {
+
+/// product = inverse force: `size` modes of the rear pin, then those of the front pin.
+template <int size, class Number, class V>
+inline void multiply_ends(const MirroredInverseOf<Number>& inverse, const V* force, V* product) noexcept {
+    V both[size], apart[size];
+    for (int m = 0; m < size; ++m) {
+        both[m] = force[m] + force[size + m];
+        apart[m] = force[m] - force[size + m];
+    }
+    for (int m = 0; m < size; ++m) {
+        const Number* sum = inverse.sum.data() + m * max_lateral;
+        const Number* difference = inverse.difference.data() + m * max_lateral;
+        V together = sum[m % 2] * both[m % 2], opposed = difference[m % 2] * apart[m % 2];
+        for (int k = m % 2 + 2; k < size; k += 2) {
+            together += sum[k] * both[k];
+            opposed += difference[k] * apart[k];
+        }
+        product[m] = together + opposed;
+        product[size + m] = together - opposed;
+    }
+}
+
 
 /// W links side by side, in single precision if W says so: velocities then count from those at which contacts were recorded. Column numbers
 /// count from the first link of the range.

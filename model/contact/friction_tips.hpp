@@ -1,16 +1,121 @@
 #pragma once
-/// Friction of the two tips of an axis as a function of velocities, lanes over links or pins. (model/EQUATIONS.md section 6)
+/// Friction of the two tips of an axis as a function of velocities, lanes over links or pins: the columns that it reads, the force, and the
+/// slope or table that it writes. (model/EQUATIONS.md section 6)
 /// Every lane does the same operations in the same order whatever its neighbours are, so results do not depend on how they are grouped.
 
+#include <algorithm>
+#include <array>
+#include <type_traits>
 #include <utility>
 
-#include "model/contact/friction_columns.hpp"
-#include "model/contact/friction_sinks.hpp"
-#include "model/force/tip/tips.hpp"
-#include "model/law/sliding.hpp"
+#include "model/basis/single_lanes.hpp"
+#include "model/contact/contact_field.hpp"
+#include "model/force/tips.hpp"
+#include "model/law/friction_laws.hpp"
 
 namespace cvtflow::model {
 namespace {
+
+/// @tparam W number of lanes, of which `lanes` represent links
+template <int W>
+struct SlopeSink {
+    NumberOf<W>* slope;  ///< [m/s², rad/s²]
+    std::ptrdiff_t stride;
+    int lanes;
+
+    void put(int row, const Lanes<W>& value) const noexcept { store_first<W>(value, slope + row * stride, lanes); }
+};
+
+/// @tparam Terms of the row; fewer are filled up with the last one, weight 0
+template <int W, std::size_t Terms>
+class RowSink {
+public:
+    using Number = NumberOf<W>;
+
+    /// @param lanes that represent links
+    RowSink(const FrictionStageOf<Number>& stage, const VelocityRowOf<Number>& next, int column, int lanes) noexcept
+        : now_(stage.base->now->at(0, column)),
+          before_(stage.base->before->at(0, column)),
+          extrapolation_(static_cast<Number>(stage.base->extrapolation)),
+          slope_weight_(static_cast<Number>(next.slope_weight)),
+          slope_(stage.slope != nullptr ? stage.slope->at(0, column) : nullptr),
+          to_(next.to->at(0, column)),
+          stride_(next.to->stride()),
+          lanes_(lanes) {
+        for (std::size_t k = 0; k < Terms; ++k) {
+            from_[k] = next.from[std::min(k, next.terms - 1)]->at(0, column);
+            weight_[k] = static_cast<Number>(k < next.terms ? next.weight[k] : 0.0);
+        }
+    }
+
+    [[gnu::always_inline]] void put(int row, Lanes<W> value) const noexcept {
+        const std::ptrdiff_t at_row = row * stride_;
+        const Lanes<W> base = load<W>(now_ + at_row);
+        value += base + extrapolation_ * (base - load<W>(before_ + at_row));
+        if (slope_ != nullptr) store_first<W>(value, slope_ + at_row, lanes_);
+        Lanes<W> sum = weight_[0] * load<W>(from_[0] + at_row);
+        for (std::size_t k = 1; k < Terms; ++k) sum += weight_[k] * load<W>(from_[k] + at_row);
+        store_first<W>(sum + slope_weight_ * value, to_ + at_row, lanes_);
+    }
+
+private:
+    const Number *now_, *before_;          ///< forces of the base [m/s², rad/s²]
+    Number extrapolation_, slope_weight_;  ///< [1], [s]
+    Number *slope_, *to_;                  ///< accelerations and velocities [m/s², m/s]
+    std::ptrdiff_t stride_;
+    int lanes_;
+    std::array<const Number*, Terms> from_;
+    std::array<Number, Terms> weight_;  ///< [1]
+};
+
+
+template <int W>
+class FrictionColumns {
+protected:
+    using V = Lanes<W>;
+    using Number = NumberOf<W>;
+
+    FrictionColumns(const ContactFieldOf<Number>& field, const FrictionRangeOf<Number>& range) noexcept
+        : field_(field), range_(range), scratch_stride_(FrictionOperator::joint_stride<Number>(range.last - range.first)) {}
+
+    [[nodiscard]] int column(int own) const noexcept { return range_.first + own + range_.shift; }
+    [[nodiscard]] V velocity(int row, int own) const noexcept { return load<W>(range_.velocity + row * range_.stride + own + 1); }
+    [[nodiscard]] V contact(int row, int own) const noexcept { return load<W>(field_.columns.at(row, column(own))); }
+    /// A row of scratch. @param place of the first lane, from 0 on
+    [[nodiscard]] V kept(int row, int place) const noexcept { return load<W>(range_.scratch + row * scratch_stride_ + place); }
+    void keep(int row, int place, const V& lanes) const noexcept { lanes.copy_to(range_.scratch + row * scratch_stride_ + place); }
+
+    /// Lanes that represent links of the range.
+    [[nodiscard]] int links_at(int own) const noexcept { return std::min(lane_count<W>, range_.last - range_.first - own); }
+
+    /// Adds to a row of the range's links; columns beside them are others'.
+    void add(int own, const V& lanes, ColumnsOf<Number>& columns, int row) const noexcept {
+        Number* to = columns.at(row, column(own));
+        if (links_at(own) == lane_count<W>) return (load<W>(to) + lanes).copy_to(to);
+        Number sum[static_cast<std::size_t>(lane_count<W>)] = {};
+        std::copy_n(to, links_at(own), sum);
+        store_first<W>(load<W>(sum) + lanes, to, links_at(own));
+    }
+
+    const ContactFieldOf<Number>& field_;
+    const FrictionRangeOf<Number>& range_;
+
+private:
+    std::ptrdiff_t scratch_stride_;
+};
+
+/// Calls body<W>(first) for groups of W that cover [first, last): two vectors side by side as long as there is something for more than one;
+/// the last group's lanes reach beyond the range.
+template <class Number, class Body>
+inline void over_groups(int first, int last, const Body& body) noexcept {
+    constexpr bool single = std::is_same_v<Number, float>;
+    constexpr int native = single ? native_floats : native_lanes, most = std::min(ColumnsOf<Number>::line, 2 * native);
+    constexpr int narrow = single ? singles<native> : native, wide = single ? singles<most> : most;
+    int own = first;
+    for (; last - own > native; own += most) body.template operator()<wide>(own);
+    if (own < last) body.template operator()<narrow>(own);
+}
+
 
 /// Of one tip: velocity along its sheave's surface, or force.
 template <class V>

@@ -4,11 +4,11 @@
 
 #include <cmath>
 
-#include "model/basis/ten_ninths.hpp"
+#include "model/basis/portable_math.hpp"
 #include "model/basis/zero.hpp"
 #include "model/force/account.hpp"
 #include "model/force/difference.hpp"
-#include "model/law/friction.hpp"
+#include "model/law/friction_laws.hpp"
 
 namespace cvtflow::model {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "model/force/account.hpp"
 #include "model/force/difference.hpp"
-#include "model/law/friction.hpp"
+#include "model/law/friction_laws.hpp"
 
 namespace cvtflow::model {
 namespace {

@@ -1,15 +1,16 @@
 #pragma once
-/// What one link, one joint and the tips of one link contribute: the same pieces whether a segment computes them in one pass (fused) or
-/// stage by stage (staged), and therefore the same bits.
+/// What one link, one joint and the tips of one link contribute, and the accelerations of a link: the same pieces whether a segment
+/// computes them in one pass (fused) or stage by stage (staged), and therefore the same bits.
 
 #include <cmath>
 #include <cstring>
 
+#include "model/basis/lanes.hpp"
 #include "model/force/inner.hpp"
 #include "model/force/joint.hpp"
 #include "model/force/plates.hpp"
-#include "model/force/tip/tips.hpp"
-#include "model/machine/link_solve.hpp"
+#include "model/force/tips.hpp"
+#include "model/machine/link_inertia.hpp"
 #include "model/variator/chain_model.hpp"
 
 namespace cvtflow::model {
@@ -67,6 +68,33 @@ inline void joint_part(const Coefficients& c, const LinkFrame& before, const Lin
     with_lanes(c.joint_points.width, [&]<int W>() {
         joint<P, W, Observe>(c, before, after, state_before, state_before + size, state_after, state_after + size, out, account);
     });
+}
+
+/// Replaces `blocks` vectors of N numbers, N apart, by their products with the inverse: its columns times the vector's numbers, summed in
+/// their order. Each column is loaded once for all blocks.
+template <int N, int blocks>
+inline void multiply(const SmallInverse& inverse, double* f) noexcept {
+    constexpr int width = padded(N);
+    std::array<Lanes<width>, blocks> total;
+    for (int k = 0; k < N; ++k) {
+        const auto column = load<width>(inverse.column.data() + k * width);
+        for (std::size_t block = 0; block < blocks; ++block) {
+            const auto term = f[static_cast<int>(block) * N + k] * column;
+            total[block] = k == 0 ? term : total[block] + term;
+        }
+    }
+    for (std::size_t block = 0; block < blocks; ++block) {
+        alignas(64) double buffer[width];
+        total[block].copy_to(buffer);
+        std::memcpy(f + block * N, buffer, N * sizeof(double));
+    }
+}
+
+/// Accelerations of a link from its generalized forces, in place. f [in: N, N·m; out: m/s², rad/s²]
+template <int P>
+inline void accelerate(const LinkInertia& inertia, double* f) noexcept {
+    multiply<2 * (P + 1), 2>(inertia.lateral, f);
+    multiply<4, 1>(inertia.axial, f + 4 * (P + 1));
 }
 
 /// Forces of the tips of one link, kept apart until they are added.

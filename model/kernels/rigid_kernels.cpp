@@ -1,9 +1,8 @@
 #include "model/variator/rigid/rigid_kernels.hpp"
 
 #include "model/variator/rigid/rigid_links.hpp"
-#include "model/variator/rigid/rigid_motion.hpp"
 #include "model/variator/rigid/rigid_plates.hpp"
-#include "model/variator/rigid/tips/rigid_tips.hpp"
+#include "model/variator/rigid/rigid_tips.hpp"
 
 namespace cvtflow::model {
 

@@ -1,10 +1,10 @@
 /// Friction in single precision, compiled once per instruction set.
 
-#include "model/basis/order.hpp"
+#include "model/basis/isa.hpp"
 #include "model/contact/friction_lanes.hpp"
 #include "model/contact/sweep_lanes.hpp"
 #include "model/kernels/kernels.hpp"
-#include "model/kernels/lanes/lane_pass.hpp"
+#include "model/kernels/lane_pass.hpp"
 
 namespace cvtflow::model {
 

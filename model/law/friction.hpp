@@ -1,51 +1,79 @@
 #pragma once
-/// The friction of a curve, whichever its law is, over lanes. (model/EQUATIONS.md section 7)
-/// @tparam Laws among which a curve's law is
+/// Numbers of friction. Regularised Coulomb friction: a contact with normal force N, coefficient μ and slip velocity v gives the force
+/// -μ N g(|v|) v, g(v) = s(v/v0)/v, where s rises from 0 to 1 around the saturation speed v0. On tips μ may depend on the sliding speed (a table,
+/// or a lubricated contact) and on the contact pressure. (model/EQUATIONS.md section 7)
 
-#include "model/law/friction_laws.hpp"
+#include <array>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "model/parameters/parameters.hpp"
 
 namespace cvtflow::model {
-namespace {
 
-/// The speed that the slope divides by, > 0: for some laws v itself, but at least the speed below which s is proportional to v. [m/s]
-template <int W, class Laws = FrictionLaws>
-[[nodiscard]] inline Lanes<W> regular_speed(const FrictionCurve& curve, const Lanes<W>& speed) noexcept {
-    return Laws::visit(curve.law, [&](auto law) { return law.template divisor<W>(curve, speed); });
-}
+/// One friction law with its numbers, ready for kernels. The laws themselves are in friction_laws.hpp.
+struct FrictionCurve {
+    double coefficient = 0.0;       ///< μ [1]
+    double saturation_speed = 1.0;  ///< v0 > 0 [m/s]
+    FrictionLaw law = FrictionLaw::piecewise;
 
-/// The secant g(v) = s/v [s/m]. Continuous.
-/// @param regular regular_speed(v)   @param inverse 1/regular, which the caller may have from a shared division
-template <int W, class Laws = FrictionLaws>
-[[nodiscard]] inline Lanes<W> slip_factor(const FrictionCurve& curve, const Lanes<W>& regular, const Lanes<W>& inverse) noexcept {
-    return Laws::visit(curve.law, [&](auto law) { return law.template secant<W>(curve, regular, inverse); });
-}
+    double inverse_saturation_speed = 1.0;  ///< 1/v0, also g(0), the largest that g is [s/m]
+    double proportional_speed = 1.0;        ///< ≥ 0, up to which s = v/v0; a hair above 0 where that is nowhere [m/s]
+    double full_speed = 1.0;                ///< from which s = 1; may be infinite [m/s]
+    double shape = 0.0;                     ///< one more number, whatever the law needs [s²/m²]
+    double linear_speed_squared = 0.0;      ///< a v² whose root is below the proportional speed however it is rounded [m²/s²]
 
-/// g(v) for speeds v ≥ 0 [m/s].
-template <int W, class Laws = FrictionLaws>
-[[nodiscard]] inline Lanes<W> slip_factor(const FrictionCurve& curve, const Lanes<W>& speed) noexcept {
-    const Lanes<W> regular = regular_speed<W, Laws>(curve, speed);
-    return slip_factor<W, Laws>(curve, regular, 1.0 / regular);
-}
+    FrictionCurve() = default;
+    FrictionCurve(const Friction& friction, const Detail& detail) noexcept;
 
-/// g(v) from v² [m²/s²]. Where no lane slips beyond the proportional speed, nothing is divided and no root taken: the factor is known, to
-/// the bit.
-template <int W, class Laws = FrictionLaws>
-[[nodiscard]] inline Lanes<W> slip_factor_of_square(const FrictionCurve& curve, const Lanes<W>& square) noexcept {
-    if (all_at_most<W>(square, curve.linear_speed_squared)) return Lanes<W>(curve.inverse_saturation_speed);
-    return slip_factor<W, Laws>(curve, sqrt(square));
-}
+    /// With the same coefficient and saturation speed, without a smoothed corner.
+    [[nodiscard]] FrictionCurve piecewise() const noexcept;
+};
 
-/// The tangent ds/dv [s/m] for speeds v ≥ 0 [m/s].
-template <int W, class Laws = FrictionLaws>
-[[nodiscard]] inline Lanes<W> slip_tangent(const FrictionCurve& curve, const Lanes<W>& speed) noexcept {
-    return Laws::visit(curve.law, [&](auto law) { return law.template tangent<W>(curve, speed); });
-}
+/// Monotone C¹ interpolation with a fixed number of knots: constant below the first and above the last, in between cubics that keep the
+/// order of the values (F. N. Fritsch and R. E. Carlson, SIAM J. Numer. Anal. 17 (1980) 238-246).
+struct SpeedProfile {
+    static constexpr std::size_t max_knots = 16;
 
-/// s of a velocity along one axis [m/s], with its sign [1].
-template <int W, class Laws = FrictionLaws>
-[[nodiscard]] inline Lanes<W> friction_share(const FrictionCurve& curve, const Lanes<W>& velocity) noexcept {
-    return Laws::visit(curve.law, [&](auto law) { return law.template share<W>(curve, velocity); });
-}
+    int intervals = 0;
+    double first = 1.0;                       ///< value up to the first knot
+    std::array<double, max_knots> begin{};    ///< of each interval [m/s]
+    std::array<double, max_knots> inverse{};  ///< 1/width [s/m]
+    std::array<double, max_knots> linear{};   ///< value gained within the interval: linear t + square t² + cube t³, t = 0…1
+    std::array<double, max_knots> square{}, cube{};
 
-}  // namespace
+    /// @param speed ascending, at most max_knots [m/s]
+    [[nodiscard]] static SpeedProfile through(std::span<const double> speed, std::span<const double> value) noexcept;
+    /// speed [m/s]
+    [[nodiscard]] double at(double speed) const noexcept;
+};
+
+/// Factors on the friction that `tip.friction_coefficient` alone would give.
+struct TipLaw {
+    SpeedProfile by_speed;          ///< of the sliding speed, at most 1
+    double without_pressure = 1.0;  ///< factor by pressure where there is none
+    double per_root_depth = 0.0;    ///< and what it gains per √δ of Hertz' depth, as pressure is proportional to √δ [1/√m]
+};
+
+/// The law of a scene; nullptr for one coefficient at all speeds and pressures.
+/// @param temperature of the oil, for the lubricated law [K]
+[[nodiscard]] std::shared_ptr<TipLaw> tip_law(const Parameters& parameters, double temperature);
+/// The same law at another temperature of the oil; allocates nothing. temperature [K]
+void warm(TipLaw& law, const Parameters& parameters, double temperature) noexcept;
+
+/// Dynamic viscosity by Vogel's equation through both given points [Pa·s]. temperature [K]
+[[nodiscard]] double oil_viscosity(const Oil& oil, double temperature) noexcept;
+/// Central film thickness over the roughness of a tip that slides with this speed (Hamrock and Dowson) [1]. speed [m/s]
+[[nodiscard]] double film_ratio(const Parameters& parameters, double speed, double temperature) noexcept;
+/// Coefficient of friction of the lubricated law (Olver and Spikes) [1]. speed [m/s], temperature [K]
+[[nodiscard]] double lubricated_coefficient(const Parameters& parameters, double speed, double temperature) noexcept;
+
+/// E* of tip and sheave of steel, from `chain.young_modulus` [Pa].
+[[nodiscard]] double contact_modulus(const Parameters& parameters) noexcept;
+/// Radius R of the equivalent sphere on a plane, from K = (4/3) E* √R [m].
+[[nodiscard]] double contact_radius(const Parameters& parameters) noexcept;
+/// Largest Hertz pressure per √δ [Pa/√m].
+[[nodiscard]] double pressure_per_root_depth(const Parameters& parameters) noexcept;
+
 }  // namespace cvtflow::model

@@ -1,11 +1,14 @@
 #pragma once
 /// The friction laws: how friction rises with speed, as the share s of its full strength, its secant s/v and its tangent ds/dv, over lanes
-/// and so for numbers with derivatives, too. All start with the slope 1/v0 and are concave. (model/EQUATIONS.md section 7)
+/// and so for numbers with derivatives, too. All start with the slope 1/v0 and are concave. The factors of a tip's law by speed and by pressure
+/// are at the end. The bits are the same for every number of lanes. (model/EQUATIONS.md section 7)
 ///
-/// A law is a struct with these functions; `FrictionLaws` at the end lists them. What a curve holds of a law comes from the first three.
+/// A law is a struct with these functions; `FrictionLaws` lists them. What a curve holds of a law comes from the first three.
+
+#include <utility>
 
 #include "model/basis/lanes.hpp"
-#include "model/law/friction_curve.hpp"
+#include "model/law/friction.hpp"
 
 namespace cvtflow::model {
 namespace {
@@ -94,6 +97,132 @@ struct LawList {
 
 /// All laws of `detail.friction`.
 using FrictionLaws = LawList<PiecewiseLaw, SmoothedLaw>;
+
+
+/// The speed that the slope divides by, > 0: for some laws v itself, but at least the speed below which s is proportional to v. [m/s]
+template <int W, class Laws = FrictionLaws>
+[[nodiscard]] inline Lanes<W> regular_speed(const FrictionCurve& curve, const Lanes<W>& speed) noexcept {
+    return Laws::visit(curve.law, [&](auto law) { return law.template divisor<W>(curve, speed); });
+}
+
+/// The secant g(v) = s/v [s/m]. Continuous.
+/// @param regular regular_speed(v)   @param inverse 1/regular, which the caller may have from a shared division
+template <int W, class Laws = FrictionLaws>
+[[nodiscard]] inline Lanes<W> slip_factor(const FrictionCurve& curve, const Lanes<W>& regular, const Lanes<W>& inverse) noexcept {
+    return Laws::visit(curve.law, [&](auto law) { return law.template secant<W>(curve, regular, inverse); });
+}
+
+/// g(v) for speeds v ≥ 0 [m/s].
+template <int W, class Laws = FrictionLaws>
+[[nodiscard]] inline Lanes<W> slip_factor(const FrictionCurve& curve, const Lanes<W>& speed) noexcept {
+    const Lanes<W> regular = regular_speed<W, Laws>(curve, speed);
+    return slip_factor<W, Laws>(curve, regular, 1.0 / regular);
+}
+
+/// g(v) from v² [m²/s²]. Where no lane slips beyond the proportional speed, nothing is divided and no root taken: the factor is known, to
+/// the bit.
+template <int W, class Laws = FrictionLaws>
+[[nodiscard]] inline Lanes<W> slip_factor_of_square(const FrictionCurve& curve, const Lanes<W>& square) noexcept {
+    if (all_at_most<W>(square, curve.linear_speed_squared)) return Lanes<W>(curve.inverse_saturation_speed);
+    return slip_factor<W, Laws>(curve, sqrt(square));
+}
+
+/// The tangent ds/dv [s/m] for speeds v ≥ 0 [m/s].
+template <int W, class Laws = FrictionLaws>
+[[nodiscard]] inline Lanes<W> slip_tangent(const FrictionCurve& curve, const Lanes<W>& speed) noexcept {
+    return Laws::visit(curve.law, [&](auto law) { return law.template tangent<W>(curve, speed); });
+}
+
+/// s of a velocity along one axis [m/s], with its sign [1].
+template <int W, class Laws = FrictionLaws>
+[[nodiscard]] inline Lanes<W> friction_share(const FrictionCurve& curve, const Lanes<W>& velocity) noexcept {
+    return Laws::visit(curve.law, [&](auto law) { return law.template share<W>(curve, velocity); });
+}
+
+
+/// s(v)/v for the square of a speed [s/m].
+template <int W, bool Steepest>
+[[nodiscard]] inline Lanes<W> sliding_factor(const FrictionCurve& curve, const Lanes<W>& square) noexcept {
+    if constexpr (Steepest) return Lanes<W>(curve.inverse_saturation_speed);
+    return slip_factor_of_square<W>(curve, square);
+}
+
+/// Two of them for one division. Sticking lanes get the factor at rest whether or not their neighbours need the division.
+template <int W, bool Steepest>
+[[nodiscard]] inline std::pair<Lanes<W>, Lanes<W>> sliding_factors(const FrictionCurve& curve, const Lanes<W>& first,
+                                                                   const Lanes<W>& second) noexcept {
+    if constexpr (Steepest) return {Lanes<W>(curve.inverse_saturation_speed), Lanes<W>(curve.inverse_saturation_speed)};
+    const Lanes<W> at_rest(curve.inverse_saturation_speed);
+    if (all_at_most<W>(larger<W>(first, second), curve.linear_speed_squared)) return {at_rest, at_rest};
+    const Lanes<W> a = regular_speed<W>(curve, sqrt(first)), b = regular_speed<W>(curve, sqrt(second));
+    const Reciprocals<W> inverse(a, b);
+    const auto chosen = [&](const Lanes<W>& square, const Lanes<W>& sliding) {
+        return select_greater<W>(square, Lanes<W>(curve.linear_speed_squared), sliding, at_rest);
+    };
+    return {chosen(first, slip_factor<W>(curve, a, inverse.first)), chosen(second, slip_factor<W>(curve, b, inverse.second))};
+}
+
+/// s of a velocity along one axis, with its sign [1]. velocity [m/s]
+template <int W, bool Steepest>
+[[nodiscard]] inline Lanes<W> sliding_share(const FrictionCurve& curve, const Lanes<W>& velocity) noexcept {
+    if constexpr (Steepest) return curve.inverse_saturation_speed * velocity;
+    return friction_share<W>(curve, velocity);
+}
+
+
+/// Factor by sliding speed ≥ 0 [m/s]. Every interval adds what it gains below the speed, so no lane has to find its interval.
+template <int W>
+[[nodiscard]] inline Lanes<W> speed_factor(const TipLaw& law, const Lanes<W>& speed) noexcept {
+    const SpeedProfile& p = law.by_speed;
+    Lanes<W> sum(p.first);
+    for (std::size_t k = 0; k < static_cast<std::size_t>(p.intervals); ++k) {
+        const Lanes<W> along = (speed - Lanes<W>(p.begin[k])) * Lanes<W>(p.inverse[k]);
+        const Lanes<W> t = larger<W>(smaller<W>(along, Lanes<W>(1.0)), Lanes<W>(0.0));
+        sum += t * (Lanes<W>(p.linear[k]) + t * (Lanes<W>(p.square[k]) + t * Lanes<W>(p.cube[k])));
+    }
+    return sum;
+}
+
+/// d factor/d speed [s/m].
+template <int W>
+[[nodiscard]] inline Lanes<W> speed_factor_slope(const TipLaw& law, const Lanes<W>& speed) noexcept {
+    const SpeedProfile& p = law.by_speed;
+    const Lanes<W> none(0.0), one(1.0);
+    Lanes<W> sum(0.0);
+    for (std::size_t k = 0; k < static_cast<std::size_t>(p.intervals); ++k) {
+        const Lanes<W> inverse(p.inverse[k]), t = (speed - Lanes<W>(p.begin[k])) * inverse;
+        const Lanes<W> slope = (Lanes<W>(p.linear[k]) + t * (Lanes<W>(2.0 * p.square[k]) + t * Lanes<W>(3.0 * p.cube[k]))) * inverse;
+        sum += select_greater<W>(t, none, select_greater<W>(one, t, slope, none), none);
+    }
+    return sum;
+}
+
+/// The same from v² [m²/s²]; constant below a µm/s, where a root has no slope.
+template <int W>
+[[nodiscard]] inline Lanes<W> speed_factor_of_square(const TipLaw& law, const Lanes<W>& square) noexcept {
+    return speed_factor<W>(law, sqrt(larger<W>(square, Lanes<W>(1e-12))));
+}
+
+/// Factor by pressure ≥ 0, from √δ of Hertz' depth [√m].
+template <int W>
+[[nodiscard]] inline Lanes<W> pressure_factor(const TipLaw& law, const Lanes<W>& root_depth) noexcept {
+    return positive_part<W>(Lanes<W>(law.without_pressure) + Lanes<W>(law.per_root_depth) * root_depth);
+}
+
+/// Sliding speed v ≥ slowest that solves v + b m(v) = w, with the law's factor m: two steps of Newton's method from the smallest solution
+/// that is possible. Where friction falls so fast that there are several, steps are bounded and the first branch is kept.
+/// @param braking b: by how much friction of its full strength slows the contact [m/s]   @param speed w, without friction [m/s]
+template <int W>
+[[nodiscard]] inline Lanes<W> braked_speed(const TipLaw& law, const Lanes<W>& braking, const Lanes<W>& speed,
+                                           const Lanes<W>& slowest) noexcept {
+    Lanes<W> v = larger<W>(speed - braking, slowest);
+    for (int step = 0; step < 2; ++step) {
+        const Lanes<W> excess = v + braking * speed_factor<W>(law, v) - speed;
+        const Lanes<W> slope = larger<W>(Lanes<W>(1.0) + braking * speed_factor_slope<W>(law, v), Lanes<W>(0.25));
+        v = larger<W>(v - excess / slope, slowest);
+    }
+    return v;
+}
 
 }  // namespace
 }  // namespace cvtflow::model

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "model/basis/legendre.hpp"
 #include "model/basis/portable_math.hpp"
 
 namespace cvtflow::model {

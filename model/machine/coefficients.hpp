@@ -5,9 +5,8 @@
 #include <memory>
 #include <vector>
 
-#include "model/basis/order.hpp"
-#include "model/law/friction_curve.hpp"
-#include "model/law/tip_law.hpp"
+#include "model/basis/isa.hpp"
+#include "model/law/friction.hpp"
 #include "model/parameters/chain_layout.hpp"
 #include "model/parameters/parameters.hpp"
 

@@ -3,7 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
-#include "model/basis/legendre.hpp"
+#include "model/basis/portable_math.hpp"
 
 namespace cvtflow::model {
 

@@ -4,12 +4,11 @@
 #include <array>
 #include <cmath>
 
-#include "model/basis/order.hpp"
+#include "model/basis/isa.hpp"
 #include "model/kernels/chain_parts.hpp"
-#include "model/observe/rigid_forces.hpp"
+#include "model/variator/rigid/rigid_chain.hpp"
 
 namespace cvtflow::model {
-
 namespace {
 
 [[nodiscard]] std::size_t place(int number) noexcept { return static_cast<std::size_t>(number); }
@@ -116,6 +115,63 @@ void read_forces(const ForceReading& from) {
     }
 }
 
+[[nodiscard]] std::size_t at_entry(int number) noexcept { return static_cast<std::size_t>(number); }
+
+struct PlaneVector {
+    double x, y;
+};
+
+[[nodiscard]] PlaneVector plane(const RigidColumns& columns, Column first, int entry) noexcept {
+    return {columns[first][entry], columns[first + 1][entry]};
+}
+
+void show_tips(const RigidChain& chain, int link, ChainForces& forces) {
+    for (int tip = 0; tip < tips_per_link; ++tip) {
+        const std::size_t n = at_entry(tips_per_link * link + tip);
+        forces.tip_normal[n] = chain.of_tip(Column::normal, link, tip);
+        forces.tip_tangential[n] = -chain.of_tip(Column::round, link, tip);
+        forces.tip_radial[n] = chain.of_tip(Column::outward, link, tip);
+        const double round = chain.of_tip(Column::round, link, tip), flank = chain.of_tip(Column::flank, link, tip);
+        forces.tip_sliding[n] = chain.of_tip(Column::sliding, link, tip);
+        forces.tip_power[n] = std::sqrt(round * round + flank * flank) * forces.tip_sliding[n];
+        forces.tip_radius[n] = chain.of_tip(Column::reach, link, tip);
+    }
+    for (int end = 0; end < 2; ++end) {  // both tips press on a half, whose middle carries the mean
+        const double minus = chain.of_tip(Column::axial, link, 2 * end), plus = chain.of_tip(Column::axial, link, 2 * end + 1);
+        forces.half_axial[at_entry(2 * link + end)] = -0.5 * (std::abs(minus) + std::abs(plus));
+    }
+}
+
+/// The pack's tension and yaw moment, shared by its two lumped plates.
+void show_plates(const RigidChain& chain, int link, ChainForces& forces) {
+    const RigidColumns& columns = chain.columns();
+    const PlaneVector twist = plane(columns, Column::twist_x, link), t = plane(columns, Column::line_x, link);
+    const double tension = columns[Column::tension][link], yaw = -(twist.x * t.x + twist.y * t.y);
+    const double lever = std::sqrt(chain.model().coefficients().plate_square), difference = lever > 0.0 ? yaw / lever : 0.0;
+    forces.plate_tension[at_entry(2 * link)] = 0.5 * (tension - difference);
+    forces.plate_tension[at_entry(2 * link + 1)] = 0.5 * (tension + difference);
+}
+
+/// What the links press the halves of a pin together by, across and along the bisector of their pitch lines.
+void show_joint(const RigidChain& chain, int pin, ChainForces& forces) {
+    const RigidColumns& columns = chain.columns();
+    const PlaneVector before = plane(columns, Column::pull_x, pin - 1), after = plane(columns, Column::pull_x, pin);
+    const PlaneVector bisector = plane(columns, Column::bisector_x, pin), half{0.5 * (before.x + after.x), 0.5 * (before.y + after.y)};
+    forces.joint_normal[at_entry(pin)] = std::max(0.0, -(half.x * bisector.x + half.y * bisector.y));
+    forces.joint_friction[at_entry(pin)] = -(bisector.x * half.y - bisector.y * half.x);
+}
+
+/// Bending moments, and friction between the halves of a pin along its length, do not exist there and stay as they are.
+void observe_rigid_forces(const RigidChain& chain, const double* state, const SheaveMotion* sheaves, ChainForces& forces) noexcept {
+    const ChainLayout& at = chain.model().layout();
+    chain.evaluate(state, sheaves);
+    for (int link = 0; link < at.links; ++link) {
+        if (at.pulley_size != 0) show_tips(chain, link, forces);
+        show_plates(chain, link, forces);
+        show_joint(chain, link, forces);
+    }
+}
+
 }  // namespace
 
 int plates_per_link(const ChainModel& chain) noexcept { return chain.coefficients().plates.count; }
@@ -132,6 +188,53 @@ void observe_forces(const ChainModel& chain, const double* state, const SheaveMo
     if (chain.rigid() != nullptr) return observe_rigid_forces(*chain.rigid(), state, sheaves, forces);
     const ForceReading reading{chain, state, sheaves, phases, forces};
     of_order(chain.layout().order, [&]<int P>() { read_forces<P>(reading); });
+}
+
+namespace {
+
+/// Adds the tips of a link to the sums of their pulley.
+template <int P>
+void add_link(const ChainModel& chain, const double* q, const SheaveMotion* sheaves, const Phase* phases, Creep& sums) noexcept {
+    const Coefficients& c = chain.coefficients();
+    const double* v = q + at<P>.link_size();
+    const auto shaft = static_cast<std::size_t>(chain.shaft_of(q));
+    const FourTips four;
+    const LinkFrame frame = link_frame<P>(q, v);
+    const auto sheave = sheaves_at(four, sheaves + 2 * shaft);
+    const auto geometry = tip_geometry<P>(c, four, frame, q, sheave);
+    const auto motion = tip_motion<P>(c, four, frame, v, sheave, geometry);
+    const PhaseLanes of_tips = phases_of_link(phases);
+    const TipLanes normal = tip_forces<false, tips_per_link>(c.tip, geometry, motion, touching_lanes(phases), of_tips, nullptr).normal;
+    const auto slip = tangential(motion.material, geometry.normal);
+    const TipLanes hold = grip<tips_per_link>(c.tip, normal, sqrt(positive_part<tips_per_link>(geometry.depth)), dot(slip, slip), of_tips);
+    const auto& r = motion.sheave_arm;
+    const TipLanes square = r.x * r.x + r.y * r.y, around = r.x * slip.y - r.y * slip.x;
+    sums.hold[shaft] += sum<tips_per_link>(hold * square);
+    sums.drag[shaft] += sum<tips_per_link>(hold * around);
+    sums.power += sum<tips_per_link>(hold * around * around / square);
+}
+
+template <int P>
+void add_chain(const ChainModel& chain, const double* state, const SheaveMotion* sheaves, const Phase* phases, Creep& sums) noexcept {
+    const ChainLayout& layout = chain.layout();
+    for (int link = 0; link < layout.links; ++link) {
+        const Phase* own = phases + tips_per_link * link;
+        if (any_touching(own)) add_link<P>(chain, state + layout.link_begin(link), sheaves, own, sums);
+    }
+}
+
+}  // namespace
+
+Creep observe_creep(const ChainModel& chain, const double* state, const SheaveMotion* sheaves, const Phase* phases) noexcept {
+    Creep sums;
+    const ChainLayout& layout = chain.layout();
+    if (layout.pulley_size == 0) return sums;
+    if (chain.rigid() != nullptr) {
+        const RigidReaction& found = chain.rigid()->forces().reaction;
+        return {found.hold, found.drag, found.creep_power};
+    }
+    of_order(layout.order, [&]<int P>() { add_chain<P>(chain, state, sheaves, phases, sums); });
+    return sums;
 }
 
 }  // namespace cvtflow::model

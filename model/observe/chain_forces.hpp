@@ -1,6 +1,8 @@
 #pragma once
-/// Forces inside the chain at one instant: what each tip, plate, joint and pin half carries. (model/EQUATIONS.md section 9)
+/// Forces inside the chain at one instant: what each tip, plate, joint and pin half carries, and how the friction of the tips couples the pins
+/// to the rotation of their pulleys. (model/EQUATIONS.md section 9)
 
+#include <array>
 #include <vector>
 
 #include "model/variator/chain_model.hpp"
@@ -31,5 +33,16 @@ struct ChainForces {
 /// Evaluates all of them. Serial, about the work of an evaluation of the chain.
 /// @param sheaves [4], unused without pulleys   @param forces memory of the last call is used again
 void observe_forces(const ChainModel& chain, const double* state, const SheaveMotion* sheaves, const Phase* phases, ChainForces& forces);
+
+/// Sums over the tips of each pulley. Sliding along the circumference at speed v_θ, on radius r, against a sheave.
+struct Creep {
+    std::array<double, 2> hold{};  ///< Σ μ N g r²: moment of friction on the shaft per speed of the shaft [N·m·s]
+    std::array<double, 2> drag{};  ///< Σ μ N g r v_θ: moment of friction on the shaft [N·m]
+    double power = 0.0;            ///< Σ μ N g v_θ², of both pulleys: lost by sliding along the circumference, ≥ 0 [W]
+};
+
+/// Of rigid pins: what the chain's last evaluation has found, which must have been of this state.
+/// Serial, about a third of an evaluation of the chain; sums are in the order of the links. state [unknowns], sheaves [4], phases [4 links]
+[[nodiscard]] Creep observe_creep(const ChainModel& chain, const double* state, const SheaveMotion* sheaves, const Phase* phases) noexcept;
 
 }  // namespace cvtflow::model

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "model/basis/portable_math.hpp"
-#include "model/observe/creep.hpp"
+#include "model/observe/chain_forces.hpp"
 #include "model/variator/rigid/rigid_chain.hpp"
 
 namespace cvtflow::model {

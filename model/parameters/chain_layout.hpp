@@ -96,4 +96,8 @@ inline constexpr int max_link_block = 2 * ChainLayout{3}.link_size();
 enum class Phase : unsigned char { free = 0, touching = 1, stick = 2, slip = 3 };
 inline constexpr int tips_per_link = 4;
 
+/// Time in which a pin takes the place of the next one: mean pitch over the mean speed of the rear pins; 0 of a chain at rest [s].
+/// state [unknowns]
+[[nodiscard]] double pin_period(const Chain& chain, const ChainLayout& at, const double* state) noexcept;
+
 }  // namespace cvtflow::model

@@ -6,12 +6,71 @@
 #include <array>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
-#include "model/parameters/hydraulics.hpp"
-#include "model/parameters/table.hpp"
-
 namespace cvtflow::model {
+
+/// A quantity over time: linear between points, constant outside them. One point is a constant. Times ascend strictly.
+struct TimeTable {
+    std::vector<double> time{0.0};   ///< [s]
+    std::vector<double> value{0.0};  ///< unit of the quantity [unit of the quantity]
+
+    TimeTable() = default;
+    /// constant [unit of the quantity]
+    explicit TimeTable(double constant) : value{constant} {}
+    TimeTable(std::vector<double> times, std::vector<double> values) : time(std::move(times)), value(std::move(values)) {}
+
+    [[nodiscard]] double at(double t) const noexcept;  ///< t [s]
+    /// ∫ from 0 to t. For t < 0: value(0) t (settling runs before zero). t [s]
+    [[nodiscard]] double integral(double t) const noexcept;
+    [[nodiscard]] double largest_magnitude() const noexcept;
+    bool operator==(const TimeTable&) const = default;
+};
+
+/// A number over a speed, between whose points a law interpolates. Speeds ascend strictly; one point is a constant.
+struct SpeedTable {
+    std::vector<double> speed{0.0};   ///< [m/s]
+    std::vector<double> value{0.09};  ///< unit of the quantity [unit of the quantity]
+    bool operator==(const SpeedTable&) const = default;
+};
+
+/// What makes the clamping forces: nothing in between; cylinders, from forces or from pressures that are requested.
+enum class HydraulicMode { none, force, pressure };
+
+/// Cylinder of a movable sheave: a ring-shaped piston that turns with its shaft.
+struct Cylinder {
+    double area = 0.01;         ///< A [m²]
+    double inner = 20e-3;       ///< inner radius of the piston r_i [m]
+    double compensation = 0.0;  ///< area of a chamber on the other side, whose oil only turns; from r_i on [m²]
+    double spring = 0.0;        ///< force of a spring toward the chain where the flank's r_m is the running radius [N]
+    double spring_rate = 0.0;   ///< by which it falls as the sheave moves toward the chain [N/m]
+    TimeTable pressure{2e6};    ///< target, mode pressure [Pa]
+    bool operator==(const Cylinder&) const = default;
+};
+
+/// Cylinders, their valves and the pump that feeds them. From t = 0 on; before, clamping forces act as they are requested.
+struct Hydraulics {
+    HydraulicMode mode = HydraulicMode::none;
+    Cylinder driving{.area = 0.02, .pressure = TimeTable(1.3e6)}, driven;
+    double feed_radius = 10e-3;        ///< r_0, where rotating oil has the pressure of its valve [m]
+    double oil_density = 850.0;        ///< ρ [kg/m³]
+    double oil_modulus = 1e9;          ///< K, bulk modulus with air and lines [Pa]
+    double oil_volume = 3e-4;          ///< V of a cylinder with its line [m³]
+    double leakage = 3e-12;            ///< L of a cylinder [m³/(s·Pa)]
+    double valve_conductance = 1e-9;   ///< G of a valve fully open [m³/(s·Pa)]
+    double valve_lag = 0.01;           ///< time constant [s]
+    double valve_rate = 1e8;           ///< largest change of a set pressure [Pa/s]
+    double pump_displacement = 12e-6;  ///< per turn [m³]
+    double pump_ratio = 1.0;           ///< turns of the pump per turn of shaft 1
+    TimeTable pump_speed{0.0};         ///< of the pump's own motor, added [rad/s]
+    double pump_volumetric = 0.9;      ///< volumetric efficiency
+    double pump_mechanical = 0.85;     ///< mechanical efficiency
+    double line_margin = 3e5;          ///< line pressure above the higher set pressure [Pa]
+    double line_minimum = 5e5;         ///< lowest line pressure [Pa]
+    double relief_pressure = 6e6;      ///< highest line pressure [Pa]
+    bool operator==(const Hydraulics&) const = default;
+};
 
 enum class PinDetail { halves, rigid };
 inline constexpr std::array<std::string_view, 2> pin_detail_names{"halves", "rigid"};

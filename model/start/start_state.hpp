@@ -2,9 +2,12 @@
 /// Geometric start: a closed chain with every joint just touching (or pre-tensioned against its own centrifugal pull), every plate at its
 /// free length, sheaves just touching the tips, velocities of running without slip. (model/EQUATIONS.md)
 
+#include <functional>
+#include <utility>
 #include <vector>
 
 #include "model/parameters/chain_layout.hpp"
+#include "model/parameters/parameters.hpp"
 #include "model/start/belt.hpp"
 
 namespace cvtflow::model {
@@ -21,5 +24,39 @@ struct StartState {
 
 /// Mass of one pitch of the chain [kg].
 [[nodiscard]] double link_mass(const Parameters& parameters) noexcept;
+
+using PathOf = std::function<PitchPath(double)>;  ///< path for a radius of the driving pulley (or ring)
+
+/// Positions of both halves of every pin, and where the pin is on the path.
+struct PlacedChain {
+    std::vector<Point> front, rear;  ///< L_i, R_i
+    std::vector<double> along;       ///< share of the way from the driving to the driven pulley
+    double radius;                   ///< of the driving pulley or ring [m]
+};
+
+/// Chain closed on its path: pins at chord distances, joints rolling purely (arc centres along the bisector), links at the given lengths.
+class ChainPlacer {
+public:
+    /// @param pretension which plates and joints carry [N]   @param guess radius to begin the search with [m]
+    ChainPlacer(const Parameters& parameters, double pretension, PathOf path_of, double guess);
+
+    /// Throws std::invalid_argument if the chain cannot be closed.
+    /// @param phase where pin 0 is on the path [m]   @param rise axial distance from the driving to the driven arc, climbed evenly along
+    /// the strands [m]
+    [[nodiscard]] PlacedChain place(double phase, double rise) const;
+
+private:
+    /// Radius for which the chords close, and the pins on that path. phase [m]
+    [[nodiscard]] std::pair<std::vector<Point>, PlacedChain> close(const std::vector<double>& chord, double phase) const;
+    /// Halves from pins; corrects chords and directions; returns the largest error of a link's length or direction [m].
+    double relax(const std::vector<Point>& pins, double rise, std::vector<double>& chord, std::vector<Point>& direction,
+                 PlacedChain& chain) const;
+
+    PathOf path_of_;
+    bool ring_;                   ///< no pulleys
+    double guess_;                ///< [m]
+    double arm_, diameter_;       ///< [m]
+    std::vector<double> length_;  ///< of the links [m]
+};
 
 }  // namespace cvtflow::model

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <tuple>
 
-#include "model/force/tip/tips.hpp"
+#include "model/force/tips.hpp"
 
 namespace cvtflow::model {
 

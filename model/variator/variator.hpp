@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "model/basis/aligned.hpp"
+#include "model/basis/columns.hpp"
 #include "model/force/pulley.hpp"
 #include "model/variator/chain_model.hpp"
 

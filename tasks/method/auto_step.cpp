@@ -10,8 +10,8 @@
 #include <string>
 
 #include "engine/thread/guards.hpp"
-#include "model/observe/pin_period.hpp"
-#include "tasks/step/method_memory.hpp"
+#include "model/parameters/chain_layout.hpp"
+#include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {
 

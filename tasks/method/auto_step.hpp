@@ -11,7 +11,7 @@
 #include "tasks/method/falling_friction.hpp"
 #include "tasks/method/method.hpp"
 #include "tasks/method/spectral_bound.hpp"
-#include "tasks/step/control/step_choice.hpp"
+#include "tasks/step/control/step_control.hpp"
 
 namespace cvtflow::tasks {
 

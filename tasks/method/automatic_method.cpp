@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "tasks/method/friction/sweep/sweep_leapfrog.hpp"
+#include "tasks/method/friction/sweep_leapfrog.hpp"
 
 namespace cvtflow::tasks {
 

@@ -5,7 +5,7 @@
 
 #include "engine/method/catalogue.hpp"
 #include "engine/method/compiled_plan.hpp"
-#include "tasks/step/stage_method.hpp"
+#include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {
 

@@ -5,7 +5,7 @@
 #include <cstddef>
 
 #include "model/basis/portable_math.hpp"
-#include "tasks/step/method_memory.hpp"
+#include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {
 

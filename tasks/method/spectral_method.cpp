@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-
 #include "engine/method/dumka3.hpp"
-#include "tasks/step/method_memory.hpp"
+#include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {
 

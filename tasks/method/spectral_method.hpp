@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "tasks/method/spectral_bound.hpp"
-#include "tasks/step/stage_method.hpp"
+#include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {
 

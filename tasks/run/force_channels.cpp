@@ -6,7 +6,7 @@
 #include <limits>
 #include <numeric>
 
-#include "model/law/tip_law.hpp"
+#include "model/law/friction.hpp"
 #include "tasks/run/channels.hpp"
 
 namespace cvtflow::tasks {

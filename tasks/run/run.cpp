@@ -10,7 +10,7 @@
 
 #include "engine/base/hash.hpp"
 #include "engine/record/run/state_file.hpp"
-#include "model/kernels/contraction.hpp"
+#include "model/basis/isa.hpp"
 #include "tasks/run/run_recorder.hpp"
 
 namespace cvtflow::tasks {
@@ -91,8 +91,9 @@ void warn_if_unstable(const Scene& scene, const RunOptions& options, const Simul
     report.stable_step = simulation.largest_step().step;
     report.step = scene.run.step;
     if (!report.beyond_stability() || !options.notice) return;
-    options.notice(fmt::format("run.step = {:.3g} s is beyond what {} takes here, stable and accurate ({:.3g} s): run.step = \"auto\" takes {:.3g} s",
-                               report.step, simulation.method_name(), report.stable_step, simulation.automatic_step()));
+    options.notice(
+        fmt::format("run.step = {:.3g} s is beyond what {} takes here, stable and accurate ({:.3g} s): run.step = \"auto\" takes {:.3g} s",
+                    report.step, simulation.method_name(), report.stable_step, simulation.automatic_step()));
 }
 
 /// A run that ended before its checkpoint would count as finished, and nobody could go on with it. @throws SimulationError

@@ -9,7 +9,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "tasks/step/method_memory.hpp"
+#include "tasks/step/step_method.hpp"
 #include "tasks/step/workspace.hpp"
 
 namespace cvtflow::tasks {

@@ -17,7 +17,7 @@
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/schedule/auto_schedule.hpp"
 #include "tasks/step/control/step_controller.hpp"
-#include "tasks/step/frozen_start.hpp"
+#include "tasks/step/integration_state.hpp"
 
 namespace cvtflow::tasks {
 

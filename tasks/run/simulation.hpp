@@ -17,7 +17,6 @@
 #include "tasks/scene/scene.hpp"
 #include "tasks/schedule/integrator.hpp"
 #include "tasks/step/control/step_controller.hpp"
-#include "tasks/step/frozen_start.hpp"
 #include "tasks/step/integration_state.hpp"
 
 namespace cvtflow::engine {

@@ -7,7 +7,7 @@
 
 #include "tasks/method/method.hpp"
 #include "tasks/schedule/schedule_runner.hpp"
-#include "tasks/step/frozen_start.hpp"
+#include "tasks/step/integration_state.hpp"
 #include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {

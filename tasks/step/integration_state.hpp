@@ -1,13 +1,13 @@
 #pragma once
-/// The full state of an integration between two steps: an integration that resumes from it continues bit for bit.
-///
-/// A simulation returns and accepts it (Simulation::integration_state, restore, advance); checkpoint.hpp keeps it on disk.
+/// States of an integration. The full one between two steps: an integration that resumes from it continues bit for bit. A simulation
+/// returns and accepts it (Simulation::integration_state, restore, advance); checkpoint.hpp keeps it on disk.
 
 #include <cstdint>
 #include <vector>
 
 #include "model/law/phase_rule.hpp"
 #include "model/parameters/chain_layout.hpp"
+#include "model/variator/chain_model.hpp"
 #include "tasks/step/control/step_controller.hpp"
 
 namespace cvtflow::tasks {
@@ -67,5 +67,13 @@ void visit_fields(State& state, Visitor& visitor) {
     visitor("couplings", state.couplings);
     visitor("heat", state.heat);
 }
+
+/// A state and the phases that hold from there on.
+struct FrozenStart {
+    double time = 0.0;                 ///< [s]
+    std::vector<double> state;         ///< [layout.size()]
+    std::vector<model::Phase> phases;  ///< [4 links]
+    double suspicion = 0.0;            ///< of the integration that led here (Simulation::suspicion); above 1 the state is wrong [1]
+};
 
 }  // namespace cvtflow::tasks

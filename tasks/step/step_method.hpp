@@ -1,7 +1,9 @@
 #pragma once
 /// How one step is taken. The controller decides when a step begins, whether it is accepted and where it is cut; a step method decides
-/// which cycles of the task graph lead from the start to the result.
+/// which cycles of the task graph lead from the start to the result. StageMethod is the method of tables.
 
+#include <algorithm>
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <string>
@@ -117,5 +119,53 @@ protected:
 /// @param tail state behind the links   @param slope whole slope vector; time [s], tail [unknowns behind the links], slope [unknowns, per
 /// second]
 void close_evaluation(Workspace& workspace, double time, const double* tail, const model::SheaveForces& chain, double* slope) noexcept;
+
+/// The next numbers of a memory (StepMethod::save), which comes from files and hosts and may be anything; it then begins behind
+/// them. @throws std::invalid_argument if there are fewer
+[[nodiscard]] std::span<const double> pop_front(std::span<const double>& memory, std::size_t count);
+
+/// The next number as one of first … last. @throws std::invalid_argument if it is out of range
+[[nodiscard]] int pop_integer(std::span<const double>& memory, int first, int last);
+
+/// A step by a table of stages (engine::CompiledPlan): one evaluate cycle per stage. Where the last stage is evaluated at the result, its
+/// slope is the next step's first, unless a transition or a caller has changed the state in between; where a step was rejected, its
+/// first slope still holds. Neither is evaluated again.
+class StageMethod : public StepMethod {
+public:
+    /// Uses the workspace's plan. @param error_power of its error estimate
+    explicit StageMethod(Workspace& workspace, int error_power = 0) noexcept
+        : w_(workspace), plan_(&workspace.plan), error_power_(error_power) {}
+
+    [[nodiscard]] NextCycle begin() override;
+    [[nodiscard]] NextCycle next() override;
+    void restart() noexcept override { slope_at_ = SlopeAt::nowhere; }
+    void transition() noexcept override { slope_at_ = SlopeAt::nowhere; }
+    void rejected() noexcept override { slope_at_ = SlopeAt::start; }
+    [[nodiscard]] std::optional<std::size_t> bytes() const noexcept override { return 0; }  // all stages are in the workspace
+    void save(std::vector<double>& memory) const override;
+    void load(std::span<const double> memory) override;  ///< memory [what save() wrote]
+    [[nodiscard]] std::optional<engine::PlanStep> error_row() const noexcept override;
+    [[nodiscard]] int error_power() const noexcept override { return error_power_; }
+    [[nodiscard]] long observation_stride() const noexcept override { return std::max(1L, 100L / w_.plan.stages()); }
+
+protected:
+    /// Takes the following steps with another plan, whose slots the workspace must have. The slope at hand stays good.
+    void use(const engine::CompiledPlan& plan) noexcept;
+
+    [[nodiscard]] Workspace& workspace() noexcept { return w_; }
+
+private:
+    /// Where the slope at the next step's start is to be found: slope slot 0, or the last stage's.
+    enum class SlopeAt { nowhere, start, last };
+
+    int start_stage(int stage);
+    void bring_slope() noexcept;
+
+    Workspace& w_;
+    const engine::CompiledPlan* plan_;
+    int error_power_;
+    int stage_ = 0;
+    SlopeAt slope_at_ = SlopeAt::nowhere;
+};
 
 }  // namespace cvtflow::tasks

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "model/basis/portable_math.hpp"
-#include "model/observe/pin_period.hpp"
+#include "model/parameters/chain_layout.hpp"
 
 namespace cvtflow::tasks {
 

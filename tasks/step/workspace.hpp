@@ -10,13 +10,16 @@
 #include "model/law/phase_rule.hpp"
 #include "model/machine/heat_balance.hpp"
 #include "model/variator/variator.hpp"
+#include "tasks/step/control/cycle_sequence.hpp"
 #include "tasks/step/control/energy_ledger.hpp"
-#include "tasks/step/control/frame_memory.hpp"
 #include "tasks/step/control/step_control.hpp"
 #include "tasks/step/fault.hpp"
 #include "tasks/step/partition.hpp"
 
 namespace cvtflow::tasks {
+
+/// Stages, slots, links and tips are counted in int; the standard library indexes by size_t.
+[[nodiscard]] inline std::size_t at(int index) noexcept { return static_cast<std::size_t>(index); }
 
 /// A transition of one tip within the step at hand.
 struct Transition {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "model/law/friction.hpp"
+#include "model/law/friction_laws.hpp"
 #include "model/observe/observation.hpp"
 #include "tests/claims/chain_view_fixture.hpp"
 #include "tests/claims/rig_fixture.hpp"

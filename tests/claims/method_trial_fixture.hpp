@@ -7,7 +7,7 @@
 
 #include "bench/method/implicit/newton.hpp"
 #include "tasks/run/simulation.hpp"
-#include "tasks/step/frozen_start.hpp"
+#include "tasks/step/integration_state.hpp"
 
 namespace cvtflow::bench {
 

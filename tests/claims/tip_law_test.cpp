@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "model/law/tip_law.hpp"
+#include "model/law/friction.hpp"
 #include "operating_point_fixture.hpp"
 
 namespace cvtflow::claims {

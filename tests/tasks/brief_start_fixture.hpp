@@ -2,7 +2,7 @@
 /// The smallest scene after a millisecond of settling: tips touch, everything moves.
 
 #include "tasks/scene/scene.hpp"
-#include "tasks/step/frozen_start.hpp"
+#include "tasks/step/integration_state.hpp"
 
 namespace cvtflow::tasks {
 

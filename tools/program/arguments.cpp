@@ -11,8 +11,8 @@
 #include "tasks/method/automatic_method.hpp"
 #include "tasks/method/method.hpp"
 #include "tasks/run/simulation.hpp"
-#include "tasks/scene/accuracy.hpp"
 #include "tasks/scene/parameter_table.hpp"
+#include "tasks/scene/scene.hpp"
 #include "tasks/scene/units.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/text/text.hpp"
@@ -249,6 +249,23 @@ tasks::TuneSettings tune_settings(const TuningArguments& arguments, bool quiet) 
     if (arguments.average) settings.times.average = seconds_of("--average", *arguments.average);
     if (!quiet) settings.progress = [](const std::string& what) { print_error(what); };
     return settings;
+}
+
+tasks::Sweep load_sweep(const std::string& path) {
+    std::error_code unreadable;
+    std::string file = path;
+    for (const auto& folder : scene_folders()) {  // a ready sweep by its name
+        if (path.find('/') != std::string::npos || path.ends_with(".toml") || std::filesystem::exists(file, unreadable)) break;
+        file = (folder / "sweeps" / (path + ".toml")).string();
+    }
+    if (std::filesystem::exists(file, unreadable)) return tasks::read_sweep(file, find_scene);
+    if (path.find('/') != std::string::npos || path.ends_with(".toml")) return tasks::read_sweep(path, find_scene);
+    std::vector<std::string> names;
+    for (const ReadyScene& ready : ready_sweeps()) names.push_back(ready.name);
+    const auto scenes = tasks::ready_scenes();
+    const bool scene = std::ranges::find(scenes, path, &tasks::ReadyScene::name) != scenes.end();
+    throw tasks::SceneError(fmt::format("no sweep '{}'; ready sweeps: {}{}", path, fmt::join(names, ", "),
+                                        scene ? fmt::format("; to run the scene of that name: cvtflow run {}", path) : ""));
 }
 
 }  // namespace cvtflow::tools

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tasks/batch/sweep/sweep.hpp"
 #include "tasks/scene/ready_scenes.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tasks/tuning/tuner.hpp"
@@ -75,5 +76,8 @@ void declare_tuning(CLI::App& app, TuningArguments& arguments);
 
 /// @throws UsageError for an accuracy outside (0, 50 %] or an invalid time   @throws tasks::SceneError for an unknown method
 [[nodiscard]] tasks::TuneSettings tune_settings(const TuningArguments& arguments, bool quiet);
+
+/// Reads a sweep; scenes by name come from the ready ones.
+[[nodiscard]] tasks::Sweep load_sweep(const std::string& path);
 
 }  // namespace cvtflow::tools

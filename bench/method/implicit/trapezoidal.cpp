@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "model/start/start_state.hpp"
-#include "tasks/step/method_memory.hpp"
+#include "tasks/step/step_method.hpp"
 
 namespace cvtflow::bench {
 

@@ -6,7 +6,7 @@
 #include "bench/method/product_names.hpp"
 #include "model/force/joint.hpp"
 #include "model/force/plates.hpp"
-#include "model/force/tip/tips.hpp"
+#include "model/force/tips.hpp"
 
 namespace cvtflow::bench {
 namespace {

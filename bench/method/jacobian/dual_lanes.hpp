@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "model/basis/lanes.hpp"
-#include "model/basis/ten_ninths.hpp"
+#include "model/basis/portable_math.hpp"
 
 namespace cvtflow::model {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "bench/method/jacobian/link_contacts.hpp"
 #include "bench/method/jacobian/tip_rows.hpp"
-#include "model/basis/order.hpp"
+#include "model/basis/isa.hpp"
 
 namespace cvtflow::bench {
 

@@ -7,8 +7,7 @@
 #include <limits>
 #include <memory>
 
-#include "tasks/method/friction/index.hpp"
-#include "tasks/method/friction/staged/friction_leapfrog.hpp"
+#include "tasks/method/friction/friction_leapfrog.hpp"
 
 namespace cvtflow::bench {
 

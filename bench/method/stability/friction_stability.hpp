@@ -3,7 +3,7 @@
 
 #include "bench/method/product_names.hpp"
 #include "bench/method/stability/program_stability.hpp"
-#include "tasks/method/friction/staged/kick_tables.hpp"
+#include "tasks/method/friction/kick_tables.hpp"
 
 namespace cvtflow::bench {
 

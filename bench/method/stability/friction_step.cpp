@@ -4,8 +4,7 @@
 
 #include "bench/method/product_names.hpp"
 #include "bench/method/stability/step_map.hpp"
-#include "tasks/method/friction/index.hpp"
-#include "tasks/method/friction/staged/friction_leapfrog.hpp"
+#include "tasks/method/friction/friction_leapfrog.hpp"
 
 namespace cvtflow::bench {
 

@@ -11,7 +11,7 @@
 
 #include "bench/method/product_names.hpp"
 #include "model/variator/variator.hpp"
-#include "tasks/step/frozen_start.hpp"
+#include "tasks/step/integration_state.hpp"
 
 namespace cvtflow::bench {
 

@@ -8,7 +8,7 @@
 #include "bench/method/product_names.hpp"
 #include "bench/method/stability/linear_chain.hpp"
 #include "engine/method/compiled_plan.hpp"
-#include "tasks/method/friction/staged/kick_tables.hpp"
+#include "tasks/method/friction/kick_tables.hpp"
 
 namespace cvtflow::bench {
 

@@ -5,7 +5,6 @@
 #include "bench/method/product_names.hpp"
 #include "bench/method/stability/step_map.hpp"
 #include "engine/method/combine.hpp"
-#include "tasks/method/friction/index.hpp"
 
 namespace cvtflow::bench {
 

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "model/law/tip_law.hpp"
+#include "model/law/friction.hpp"
 #include "model/parameters/parameters.hpp"
 
 namespace cvtflow::bench {

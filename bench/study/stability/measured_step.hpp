@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "tasks/scene/scene.hpp"
-#include "tasks/step/frozen_start.hpp"
+#include "tasks/step/integration_state.hpp"
 
 namespace cvtflow::bench {
 

@@ -3,7 +3,7 @@
 
 #include "engine/method/stage_plan.hpp"
 #include "model/variator/variator.hpp"
-#include "tasks/step/frozen_start.hpp"
+#include "tasks/step/integration_state.hpp"
 
 namespace cvtflow::bench {
 

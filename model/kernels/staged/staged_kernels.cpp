@@ -1,4 +1,4 @@
-#include "model/basis/order.hpp"
+#include "model/basis/isa.hpp"
 #include "model/kernels/chain_parts.hpp"
 #include "model/kernels/kernels.hpp"
 

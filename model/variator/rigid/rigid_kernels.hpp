@@ -23,7 +23,7 @@ struct RigidReaction {
     double deepest = -1e300;    ///< depth of a tip [m]
     double innermost = 1e300;   ///< radius of a pin, to 0.1 mm [m]
     double outermost = -1e300;  ///< radius of a pin that touches, to 0.1 mm [m]
-    /// Creep along the circumference, only of velocities as they are (model/observe/creep.hpp).
+    /// Creep along the circumference, only of velocities as they are (model/observe/chain_forces.hpp).
     std::array<double, 2> hold{}, drag{};
     double creep_power = 0.0;
 };

@@ -6,8 +6,7 @@
 #include <array>
 
 #include "model/basis/single_lanes.hpp"
-#include "model/law/friction.hpp"
-#include "model/law/tip_factors.hpp"
+#include "model/law/friction_laws.hpp"
 #include "model/variator/rigid/rigid_kernels.hpp"
 
 namespace cvtflow::model {

@@ -10,7 +10,7 @@
 
 #include "engine/base/text.hpp"
 #include "tasks/scene/units.hpp"
-#include "tasks/step/method_memory.hpp"
+#include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {
 

@@ -1,8 +1,8 @@
 #include "tasks/method/friction/friction_methods.hpp"
 
-#include "tasks/method/friction/staged/friction_leapfrog.hpp"
-#include "tasks/method/friction/sweep/rigid_sweep.hpp"
-#include "tasks/method/friction/sweep/sweep_leapfrog.hpp"
+#include "tasks/method/friction/friction_leapfrog.hpp"
+#include "tasks/method/friction/rigid_sweep.hpp"
+#include "tasks/method/friction/sweep_leapfrog.hpp"
 
 namespace cvtflow::tasks {
 

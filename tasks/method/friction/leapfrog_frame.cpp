@@ -1,9 +1,9 @@
 #include "tasks/method/friction/leapfrog_frame.hpp"
 
 #include <algorithm>
+#include <string>
 #include <utility>
 
-#include "tasks/step/method_memory.hpp"
 #include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {
@@ -19,6 +19,19 @@ namespace {
     change.spin_y = factor * (now.spin_y - before.spin_y);
     change.spin_z = factor * (now.spin_z - before.spin_z);
     return change;
+}
+
+/// A segment and those that hold the links beside it.
+[[nodiscard]] std::vector<int> near_segments(const Workspace& w, int segment) {
+    const model::ChainLayout& layout = w.layout();
+    const Segment& own = w.partition[segment];
+    std::vector<int> near{segment};
+    for (int s = 0; s < w.partition.size(); ++s) {
+        const Segment& other = w.partition[s];
+        const auto holds = [&](int link) { return layout.wrapped(link) >= other.first && layout.wrapped(link) < other.last; };
+        if (s != segment && (holds(own.first - 1) || holds(own.last))) near.push_back(s);
+    }
+    return near;
 }
 
 }  // namespace
@@ -95,6 +108,48 @@ std::span<const double> LeapfrogFrame::load(std::span<const double> memory) {
     }
     std::ranges::copy(pop_front(memory, static_cast<std::size_t>(w_.layout().size())), w_.end_slope);
     return memory;
+}
+
+RoundCycles::Cycle RoundCycles::longest(int left) const noexcept {
+    int k = count - 1;
+    while (rounds_[at(k)] > left) --k;
+    return {first_ + k, rounds_[at(k)]};
+}
+
+void RoundCycles::add_tasks(engine::TaskGraph& graph, const Workspace& w, const char* noun, engine::TaskCode code,
+                            const std::function<void(LinkAccesses&)>& more) const {
+    const int segments = w.partition.size();
+    for (int k = 0; k < count; ++k) {
+        const int rounds = rounds_[at(k)], first = graph.size();
+        for (int item = 0; item < rounds * segments; ++item) {
+            const int round = item / segments, s = item % segments;
+            const bool even = round % 2 == 0;
+            LinkAccesses accesses(w, s);
+            accesses.with_halo(Field::contact)
+                .with_halo(even ? Field::velocity_read : Field::velocity_kept)
+                .own(Field::phase, false)
+                .own(even ? Field::velocity_kept : Field::velocity_read, true);
+            more(accesses);
+            const std::string number = rounds == 1 ? "" : std::string(", ") + noun + " " + std::to_string(round);
+            graph.add({"friction[" + std::to_string(s) + "]" + number, first_ + k, code, item, accesses.list()});
+        }
+        for (int s = 0; s < segments; ++s) {
+            for (const int near : near_segments(w, s)) {
+                for (int round = 1; round < rounds; ++round)
+                    graph.order(first + (round - 1) * segments + near, first + round * segments + s);
+            }
+        }
+    }
+}
+
+LinkAccesses record_accesses(const Workspace& w, int s) {
+    return LinkAccesses(w, s)
+        .with_halo(Field::states_read)
+        .with_halo(Field::slopes_read)
+        .own(Field::phase, false)
+        .segment(Field::window, true)
+        .own(Field::contact, true)
+        .own(Field::force, true);
 }
 
 }  // namespace cvtflow::tasks

@@ -3,12 +3,16 @@
 ///
 ///     q ← q + h/2 v;   velocities extrapolated to the middle, where contacts and all other forces are taken;   …;   q ← q + h/2 v
 ///
-/// and what is kept from the step before: its mean acceleration, the motion of the sheaves in its middle, its length.
+/// and what is kept from the step before: its mean acceleration, the motion of the sheaves in its middle, its length; and the cycles of
+/// tasks in which friction is solved for.
 
+#include <array>
+#include <functional>
 #include <span>
 #include <vector>
 
 #include "model/contact/contact_field.hpp"
+#include "tasks/step/step_graph.hpp"
 #include "tasks/step/workspace.hpp"
 
 namespace cvtflow::tasks {
@@ -54,5 +58,32 @@ private:
     model::ContactDrift drift_;
     model::SheaveMotion sheaves_before_[4]{};
 };
+
+/// Cycles of the graph that take several rounds of friction (stages, passes) one after the other. A segment's round waits for the round
+/// before of itself and of those whose velocities it reads. What it hands over has two places in turn, so that a round writes not what its
+/// neighbours read meanwhile.
+class RoundCycles {
+public:
+    static constexpr int count = 4, most = 8;
+    struct Cycle {
+        int number, rounds;
+    };
+
+    /// @param first number of the first cycle   @param rounds of each, ascending from 1 to `most`
+    constexpr RoundCycles(int first, std::array<int, count> rounds) noexcept : first_(first), rounds_(rounds) {}
+
+    /// The longest cycle of at most `left` ≥ 1 rounds.
+    [[nodiscard]] Cycle longest(int left) const noexcept;
+    /// Adds the tasks of all cycles: item = round of the cycle × segments + segment. @param noun of a round   @param more adds accesses
+    void add_tasks(engine::TaskGraph& graph, const Workspace& workspace, const char* noun, engine::TaskCode code,
+                   const std::function<void(LinkAccesses&)>& more) const;
+
+private:
+    int first_;
+    std::array<int, count> rounds_;
+};
+
+/// Accesses of the task that records a segment's contacts and all other forces.
+[[nodiscard]] LinkAccesses record_accesses(const Workspace& workspace, int segment);
 
 }  // namespace cvtflow::tasks

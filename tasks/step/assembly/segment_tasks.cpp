@@ -4,8 +4,6 @@
 #include <cstring>
 
 #include "engine/event/interpolant.hpp"
-#include "tasks/step/assembly/near_blocks.hpp"
-#include "tasks/step/assembly/tip_states.hpp"
 #include "tasks/step/workspace.hpp"
 
 namespace cvtflow::tasks {
@@ -14,6 +12,26 @@ namespace {
 
 using model::Phase;
 using model::TipIndicator;
+
+/// Calls put(first link, links, place in a window) for a segment's links and `halo` on each side of them.
+template <class Put>
+void for_each_run(const model::ChainLayout& layout, const Segment& own, int halo, const Put& put) noexcept {
+    put(own.first, own.size(), halo);
+    for (int k = 0; k < halo; ++k) {
+        put(layout.wrapped(own.first + k - halo), 1, k);
+        put(layout.wrapped(own.last + k), 1, halo + own.size() + k);
+    }
+}
+
+/// What workspace.step.row combines for a segment's links and a halo.
+void combine_window(const Workspace& w, const Segment& own, int halo, double* window) noexcept {
+    const model::ChainLayout& layout = w.layout();
+    const int block = layout.link_block();
+    for_each_run(layout, own, halo, [&](int link, int links, int place) {
+        const int begin = layout.link_begin(link);
+        engine::combine(w.step.row, w.step.h, w.slots(), begin, begin + links * block, window + place * block);
+    });
+}
 
 [[nodiscard]] model::SheaveMotion* sheaves_at(Workspace& w, double theta, double* tail, model::SheaveMotion* sheaves) noexcept {
     const model::ChainLayout& layout = w.layout();
@@ -139,6 +157,70 @@ void truncate_segment(void* workspace, int segment) noexcept {
         TipIndicator* tips = w.tips.after.data() + model::tips_per_link * link;
         show(w.tips.probes[at(link)], tips);
         change_phases(w, link, tips, verdict);
+    }
+}
+
+void fill_window(Workspace& w, const Segment& own, double* window) noexcept { combine_window(w, own, w.layout().halo(), window); }
+
+void copy_window(const Workspace& w, const Segment& own, const double* state, double* window) noexcept {
+    const model::ChainLayout& layout = w.layout();
+    const int block = layout.link_block();
+    for_each_run(layout, own, layout.halo(), [&](int link, int links, int place) {
+        std::memcpy(window + place * block, state + layout.link_begin(link), static_cast<std::size_t>(links * block) * sizeof(double));
+    });
+}
+
+const double* window_of(Workspace& w, const double* state, int segment) noexcept {
+    double* window = w.windows[static_cast<std::size_t>(segment)].data();
+    copy_window(w, w.partition[segment], state, window);
+    return window;
+}
+
+const double* near_at(const Workspace& w, int link, double theta, NearBlocks& blocks) noexcept {
+    const model::ChainLayout& layout = w.layout();
+    for (int from = -layout.probe_halo(); from <= layout.probe_halo(); ++from) {
+        const int begin = layout.link_begin(layout.wrapped(link + from));
+        w.interpolant().evaluate(theta, begin, begin + layout.link_block(), blocks.place(layout, from));
+    }
+    return blocks.place(layout, 0);
+}
+
+const double* blocks_at(Workspace& w, int segment, double theta) noexcept {
+    const model::ChainLayout& layout = w.layout();
+    double* window = w.windows[static_cast<std::size_t>(segment)].data();
+    for_each_run(layout, w.partition[segment], layout.probe_halo(), [&](int link, int links, int place) {
+        const int begin = layout.link_begin(link);
+        w.interpolant().evaluate(theta, begin, begin + links * layout.link_block(), window + place * layout.link_block());
+    });
+    return window + layout.probe_halo() * layout.link_block();
+}
+
+const double* end_blocks(Workspace& w, int segment) noexcept {
+    const Segment& own = w.partition[segment];
+    if (w.layout().probe_halo() == 0) return w.end_state + w.layout().link_begin(own.first);
+    double* window = w.windows[static_cast<std::size_t>(segment)].data();
+    combine_window(w, own, w.layout().probe_halo(), window);
+    return window + w.layout().probe_halo() * w.layout().link_block();
+}
+
+model::Account* cleared_accounts(Workspace& w, const Segment& own) noexcept {
+    model::Account* accounts = w.links.accounts.data() + model::account_parts * own.first;
+    std::fill(accounts, accounts + model::account_parts * own.size(), model::Account{});
+    return accounts;
+}
+
+void observe_segment(void* workspace, int segment) noexcept {
+    auto& w = *static_cast<Workspace*>(workspace);
+    const model::ChainLayout& layout = w.layout();
+    const Segment& own = w.partition[segment];
+    const model::ChainRange range{own.first, own.last, window_of(w, w.states[0], segment), w.pulleys.observed_sheaves,
+                                  w.tips.phases.data()};
+    model::Account* accounts = cleared_accounts(w, own);
+    w.variator.chain().observed_slopes(range, w.cut_state + layout.link_begin(own.first), w.links.loads.data() + own.first, accounts);
+    for (int link = own.first; link < own.last; ++link) {
+        const double* velocities = w.states[0] + layout.link_begin(link) + layout.link_size();
+        accounts[model::account_parts * (link - own.first)].store(model::Energy::kinetic,
+                                                                  model::kinetic_energy(w.variator.chain().inertia(), velocities));
     }
 }
 

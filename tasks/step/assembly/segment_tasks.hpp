@@ -1,5 +1,6 @@
 #pragma once
-/// What one segment does in each cycle. Bodies of tasks: context is the workspace, item the segment.
+/// What one segment does in each cycle: bodies of tasks (context is the workspace, item the segment), and what they read of links, their
+/// neighbours and their tips.
 
 #include "tasks/step/workspace.hpp"
 
@@ -17,6 +18,49 @@ void copy_window(const Workspace& workspace, const Segment& own, const double* s
 
 /// The accounts of a segment's links, all zero.
 [[nodiscard]] model::Account* cleared_accounts(Workspace& workspace, const Segment& own) noexcept;
+
+/// A link and those of its neighbours that its tips depend on, at a time between those of states that are kept.
+struct NearBlocks {
+    static constexpr int most = 2 * model::ChainLayout{.rigid = true}.probe_halo() + 1;
+    double numbers[most * model::max_link_block];
+
+    [[nodiscard]] double* place(const model::ChainLayout& layout, int from_link) noexcept {
+        return numbers + (layout.probe_halo() + from_link) * layout.link_block();
+    }
+};
+
+/// State of one link at a share of the step, its neighbours beside it.
+[[nodiscard]] const double* near_at(const Workspace& w, int link, double theta, NearBlocks& blocks) noexcept;
+
+/// States of a segment's links at a share of the step, with as many beside them: in the segment's window.
+[[nodiscard]] const double* blocks_at(Workspace& w, int segment, double theta) noexcept;
+
+/// States of a segment's links at the step's end, with as many beside them as contact depends on: those of other segments may not be
+/// written yet, so they are combined once more.
+[[nodiscard]] const double* end_blocks(Workspace& w, int segment) noexcept;
+
+inline void show(const model::TipProbe& probe, model::TipIndicator* tips) noexcept {
+    for (int tip = 0; tip < model::tips_per_link; ++tip) tips[tip] = {probe.depth[tip], probe.slip[tip]};
+}
+
+/// The four tips of a link whose state is given.
+inline void indicate(const Workspace& w, const double* state, const model::SheaveMotion* sheaves, model::TipIndicator* tips,
+                     model::TipProbe& probe) noexcept {
+    w.variator.chain().probe(state, sheaves, w.parameters.detail.stick_slip, probe);
+    show(probe, tips);
+}
+
+/// Whether a tip may change in this step: it will have kept its phase for the dwell time. The same answer however the step is cut.
+[[nodiscard]] inline bool may_change(const Workspace& w, int tip) noexcept {
+    return w.step.search_until - w.tips.changed[at(tip)] >= w.step.dwell;
+}
+
+/// Faster than sound in steel (5.9 km/s): no chain does that, so the integration has become unstable, long before anything is infinite.
+inline constexpr double fastest_pin = 1e4;  // m/s
+/// Whether a link's block [q | v] is finite and its motion that of a chain.
+void check_motion(const Workspace& workspace, int link, const double* block, SegmentResult& verdict) noexcept;
+/// Whether a link's tips are where contact can be described.
+void check_contact(const Workspace& workspace, int link, const model::TipProbe& probe, SegmentResult& verdict) noexcept;
 
 /// Stage state of the segment and its halo, forces, slope of its links.
 void evaluate_segment(void* workspace, int segment) noexcept;

@@ -2,8 +2,8 @@
 #include <cstring>
 #include <string>
 
-#include "tasks/step/assembly/link_accesses.hpp"
 #include "tasks/step/assembly/segment_tasks.hpp"
+#include "tasks/step/step_graph.hpp"
 #include "tasks/step/workspace.hpp"
 
 namespace cvtflow::tasks {

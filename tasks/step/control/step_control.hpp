@@ -1,9 +1,12 @@
 #pragma once
-/// How long a step is: fixed, or so long that its estimated local error meets a tolerance.
+/// How long a step is: fixed, chosen by an AutoStep, or so long that its estimated local error meets a tolerance; and when a run ends.
 
 #include <array>
 #include <cstddef>
 #include <span>
+#include <vector>
+
+#include "model/parameters/chain_layout.hpp"
 
 namespace cvtflow::tasks {
 
@@ -52,6 +55,54 @@ private:
     double proposal_ = 0.0;  ///< [s]
     double previous_ = 1.0;  ///< error of the last accepted step [1]
     bool rejected_ = false;  ///< the last step was
+};
+
+/// Chooses the length of automatic steps; implemented by AutoStep.
+class StepChoice {
+public:
+    /// Longest time between two questions [s].
+    static constexpr double ask_interval = 125e-6;
+
+    virtual ~StepChoice() = default;
+    /// Longest step that is ever chosen [s]: the step grid starts from it.
+    [[nodiscard]] virtual double longest() const noexcept = 0;
+    /// Longest step at a state [s]. @param time [s] @param state [layout.size()] @param phases [4 links]
+    [[nodiscard]] virtual double longest(double time, const double* state, const model::Phase* phases) noexcept = 0;
+    /// A new integration begins.
+    virtual void restart() noexcept = 0;
+    /// For checkpoints: continues bitwise.
+    virtual void save(std::vector<double>& memory) const = 0;
+    virtual void load(std::span<const double> memory) = 0;  ///< memory [what save() wrote]
+
+protected:
+    StepChoice() = default;
+    StepChoice(const StepChoice&) = default;
+    StepChoice& operator=(const StepChoice&) = default;
+};
+
+/// What decides the length of steps and the end of a run.
+struct StepSettings {
+    double begin = 0.0;  ///< [s]
+    double until = 0.0;  ///< [s]
+    double step = 5e-8;  ///< longest step [s]; a fixed step divides the output interval. 0: automatic, and `choice` must be there
+    double output_interval = 1e-5;  ///< [s]
+    long max_steps = 0;             ///< 0: no budget
+    double max_wall = 0.0;          ///< [s], 0: no budget
+    StepControl control = StepControl::fixed;
+    double tolerance = 1.0;        ///< of local errors, in units of ErrorScale [1]
+    StepChoice* choice = nullptr;  ///< what chooses automatic steps; outlives the controller
+    const bool* pause = nullptr;   ///< if true (set by an observer), the run ends before the next step as if cancelled
+
+    [[nodiscard]] bool automatic() const noexcept { return choice != nullptr && step == 0.0; }
+};
+
+/// Local errors of accepted steps, in units of ErrorScale; only with StepControl::report and error.
+struct LocalErrorStatistics {
+    long steps = 0;
+    double largest = 0.0;  ///< [1]
+    double sum = 0.0;      ///< [1]
+
+    [[nodiscard]] double mean() const noexcept { return steps > 0 ? sum / static_cast<double>(steps) : 0.0; }
 };
 
 }  // namespace cvtflow::tasks

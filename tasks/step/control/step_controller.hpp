@@ -1,24 +1,53 @@
 #pragma once
 /// The integration as a controller: between two cycles of the task graph it closes what the segments leave open (pulleys), accepts, rejects
 /// or cuts the step, and names the next cycle. The whole run happens inside one Executor::run(). integrate() shows a step from top to
-/// bottom.
+/// bottom. ErrorControl estimates the local errors of steps and, where they decide, the length of the next step.
 
 #include <chrono>
 #include <memory>
+#include <vector>
 
 #include "engine/executor/cancellation.hpp"
 #include "engine/executor/executor.hpp"
 #include "tasks/step/control/cycle_sequence.hpp"
-#include "tasks/step/control/error_control.hpp"
 #include "tasks/step/control/run_observer.hpp"
+#include "tasks/step/control/step_control.hpp"
 #include "tasks/step/control/step_grid.hpp"
-#include "tasks/step/control/step_settings.hpp"
 #include "tasks/step/control/transition_search.hpp"
 #include "tasks/step/step_graph.hpp"
 #include "tasks/step/step_method.hpp"
 #include "tasks/step/workspace.hpp"
 
 namespace cvtflow::tasks {
+
+class ErrorControl {
+public:
+    /// @throws std::invalid_argument if errors are requested and the method estimates none
+    ErrorControl(Workspace& workspace, const StepMethod& method, const StepSettings& settings);
+
+    /// Whether the error decides the length of steps.
+    [[nodiscard]] bool decides() const noexcept { return decides_; }
+    /// Before a detect cycle: which row estimates the error.
+    void prepare(const StepMethod& method) const;
+    /// After it: whether the step is accurate enough. A step that is retaken up to a transition always is.
+    [[nodiscard]] bool accepts(bool retaken);
+    /// Proposed length of the next step [s].
+    [[nodiscard]] double proposal() const noexcept { return size_.proposal(); }
+    [[nodiscard]] const LocalErrorStatistics& statistics() const noexcept { return statistics_; }
+
+    /// Where the error decides, what is remembered goes before (comes from) the front of a method's memory.
+    void save(std::vector<double>& memory) const;
+    void load(std::span<const double>& memory);
+
+private:
+    [[nodiscard]] double step_error() const;
+
+    Workspace& w_;
+    bool estimates_, decides_;
+    double tolerance_;  ///< in units of ErrorScale
+    StepSizeControl size_;
+    LocalErrorStatistics statistics_;
+};
 
 struct IntegrationState;
 

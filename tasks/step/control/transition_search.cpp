@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tasks/step/assembly/tip_states.hpp"
+#include "tasks/step/assembly/segment_tasks.hpp"
 
 namespace cvtflow::tasks {
 

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "bench/method/jacobian/dual_lanes.hpp"
-#include "model/law/friction.hpp"
+#include "model/law/friction_laws.hpp"
 
 namespace cvtflow::model {
 namespace {

@@ -1,4 +1,4 @@
-#include "model/machine/link_solve.hpp"
+#include "model/machine/link_inertia.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "model/basis/legendre.hpp"
+#include "model/basis/portable_math.hpp"
 #include "model/start/start_state.hpp"
 
 namespace cvtflow::model {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "engine/base/provenance.hpp"
-#include "tasks/scene/csv/csv_text.hpp"
+#include "tasks/scene/csv.hpp"
 
 namespace cvtflow::tools {
 

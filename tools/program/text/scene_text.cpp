@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/base/error_text.hpp"
+#include "engine/base/text.hpp"
 #include "model/start/belt.hpp"
 #include "tasks/run/saved_start.hpp"
 #include "tasks/scene/parameter_table.hpp"

@@ -8,7 +8,7 @@
 
 #include "engine/base/text.hpp"
 #include "engine/executor/catalogue.hpp"
-#include "tasks/scene/toml/units.hpp"
+#include "tasks/scene/units.hpp"
 
 namespace cvtflow::tools {
 

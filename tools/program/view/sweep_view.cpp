@@ -13,7 +13,7 @@
 #include "tasks/batch/results/results.hpp"
 #include "tasks/scene/csv.hpp"
 #include "tasks/scene/parameter_table.hpp"
-#include "tasks/scene/toml/unit_hints.hpp"
+#include "tasks/scene/units.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/plot/axis_scale.hpp"
 #include "tools/program/plot/field.hpp"

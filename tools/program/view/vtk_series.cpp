@@ -11,7 +11,7 @@
 #include <numeric>
 
 #include "engine/record/run/schema.hpp"
-#include "model/basis/legendre.hpp"
+#include "model/basis/portable_math.hpp"
 #include "model/observe/pin_halves.hpp"
 
 namespace cvtflow::tools {

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "model/basis/portable_math.hpp"
-#include "model/law/tip_law.hpp"
+#include "model/law/friction.hpp"
 #include "tools/program/guard.hpp"
 
 namespace cvtflow::tools {

@@ -12,7 +12,7 @@
 #include "tasks/method/auto_step.hpp"
 #include "tasks/method/spectral_bound.hpp"
 #include "tasks/run/simulation.hpp"
-#include "tasks/step/frozen_start.hpp"
+#include "tasks/step/integration_state.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/text/text.hpp"
 

@@ -6,7 +6,7 @@
 #include "bench/lab/command/command.hpp"
 #include "bench/study/batch_bench.hpp"
 #include "tasks/schedule/schedule.hpp"
-#include "tools/program/text/batch_text.hpp"
+#include "tools/program/arguments.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::bench {

@@ -6,7 +6,7 @@
 
 #include "bench/method/implicit/coloured_jacobian.hpp"
 #include "tasks/scene/scene.hpp"
-#include "tasks/step/frozen_start.hpp"
+#include "tasks/step/integration_state.hpp"
 
 namespace cvtflow::bench {
 

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "tasks/step/frozen_start.hpp"
+#include "tasks/step/integration_state.hpp"
 #include "tests/tasks/settled_tiny_fixture.hpp"
 
 namespace cvtflow::bench {

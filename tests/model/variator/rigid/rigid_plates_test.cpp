@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "model/variator/rigid/rigid_model.hpp"
+#include "model/variator/rigid/rigid_chain.hpp"
 #include "tests/model/variator/rigid/plain_pins_fixture.hpp"
 
 namespace cvtflow::model {

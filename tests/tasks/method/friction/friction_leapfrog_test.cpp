@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "bench/method/stability/friction_stability.hpp"
-#include "tasks/method/friction/staged/kick_tables.hpp"
+#include "tasks/method/friction/kick_tables.hpp"
 #include "tasks/method/method.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tests/claims/operating_point_fixture.hpp"

@@ -1,4 +1,4 @@
-#include "tasks/step/control/input_points.hpp"
+#include "tasks/step/control/step_grid.hpp"
 
 #include <gtest/gtest.h>
 

@@ -15,11 +15,10 @@
 #include <string_view>
 #include <variant>
 
-#include "engine/base/number.hpp"
 #include "engine/base/provenance.hpp"
-#include "engine/base/spelling.hpp"
+#include "engine/base/text.hpp"
 #include "tasks/scene/parameter_table.hpp"
-#include "tasks/scene/toml/units.hpp"
+#include "tasks/scene/units.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/text/markup.hpp"
 

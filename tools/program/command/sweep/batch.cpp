@@ -10,9 +10,8 @@
 #include <memory>
 #include <optional>
 
-#include "engine/record/table/torn_table.hpp"
+#include "engine/record/case_table.hpp"
 #include "tasks/batch/results/results.hpp"
-#include "tasks/batch/results/torn_results.hpp"
 #include "tasks/run/run_recorder.hpp"
 #include "tasks/schedule/schedule.hpp"
 #include "tasks/tuning/verified_sweep.hpp"
@@ -236,23 +235,6 @@ ExitStatus merge(const std::string& folder, bool partial, bool mixed) {
 }
 
 }  // namespace
-
-tasks::Sweep load_sweep(const std::string& path) {
-    std::error_code unreadable;
-    std::string file = path;
-    for (const auto& folder : scene_folders()) {  // a ready sweep by its name
-        if (path.find('/') != std::string::npos || path.ends_with(".toml") || std::filesystem::exists(file, unreadable)) break;
-        file = (folder / "sweeps" / (path + ".toml")).string();
-    }
-    if (std::filesystem::exists(file, unreadable)) return tasks::read_sweep(file, find_scene);
-    if (path.find('/') != std::string::npos || path.ends_with(".toml")) return tasks::read_sweep(path, find_scene);
-    std::vector<std::string> names;
-    for (const ReadyScene& ready : ready_sweeps()) names.push_back(ready.name);
-    const auto scenes = tasks::ready_scenes();
-    const bool scene = std::ranges::find(scenes, path, &tasks::ReadyScene::name) != scenes.end();
-    throw tasks::SceneError(fmt::format("no sweep '{}'; ready sweeps: {}{}", path, fmt::join(names, ", "),
-                                        scene ? fmt::format("; to run the scene of that name: cvtflow run {}", path) : ""));
-}
 
 std::string sweep_of(const std::string& folder) {
     std::error_code unreadable;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tasks/batch/batch.hpp"
+#include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
 
 namespace cvtflow::tools {
@@ -14,9 +15,6 @@ inline constexpr const char* mixed_meaning = "Continue or join what another vers
 
 /// Of --keep-going.
 inline constexpr const char* keep_going_meaning = "Continue a sweep if its first dozen cases all fail with the same message";
-
-/// Reads a sweep; scenes by name come from the ready ones.
-[[nodiscard]] tasks::Sweep load_sweep(const std::string& path);
 
 /// The sweep whose results a folder contains. @throws SimulationError, engine::RecordError
 [[nodiscard]] std::string sweep_of(const std::string& folder);

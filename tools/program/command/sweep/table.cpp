@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "engine/base/rainflow.hpp"
-#include "engine/base/spelling.hpp"
 #include "engine/base/text.hpp"
 #include "tasks/batch/results/results.hpp"
 #include "tasks/scene/units.hpp"

@@ -1,0 +1,450 @@
+#pragma once
+/// Forces between the tips of a link and the sheaves, sphere against torus: Hertz contact with friction. The formulas are written once, for two
+/// ways to arrange tips: (model/EQUATIONS.md section 6)
+///
+///     FourTips    the tips of one link in four lanes: rear-, rear+, front-, front+ (side -z, +z)
+///     OneTip<W>   the tip at the same corner of W links
+
+#include <cstdint>
+#include <cstring>
+#include <type_traits>
+
+#include "model/basis/lanes.hpp"
+#include "model/basis/zero.hpp"
+#include "model/force/lane_accounts.hpp"
+#include "model/force/link_frame.hpp"
+#include "model/force/sheave_motion.hpp"
+#include "model/law/friction_laws.hpp"
+#include "model/machine/coefficients.hpp"
+
+namespace cvtflow::model {
+namespace {
+
+using TipLanes = Lanes<tips_per_link>;
+
+/// The four tips of one link. Reals of the link are numbers, those of tips have four lanes.
+struct FourTips {
+    using Real = double;
+    using Tips = TipLanes;
+    static constexpr int width = tips_per_link;
+
+    /// (-, +, -, +): what differs between the two sides [any unit].
+    [[nodiscard]] static Tips by_side(double minus, double plus) noexcept {
+        const Lanes<2> sides = join<1>(minus, plus);
+        return join<2>(sides, sides);
+    }
+    /// (rear, rear, front, front): what differs between the two ends of the link [any unit].
+    [[nodiscard]] static Tips by_end(double rear, double front) noexcept { return join<2>(Lanes<2>(rear), Lanes<2>(front)); }
+};
+
+/// One corner of W links, numbers of any unit [any]. @param side 0 is -z
+template <int W, End end, int side>
+struct OneTip {
+    using Real = Lanes<W>;
+    using Tips = Lanes<W>;
+    static constexpr int width = W;
+
+    [[nodiscard]] static constexpr double by_side(double minus, double plus) noexcept { return side == 0 ? minus : plus; }
+    [[nodiscard]] static const Tips& by_side(const Tips& minus, const Tips& plus) noexcept { return side == 0 ? minus : plus; }
+    [[nodiscard]] static const Tips& by_end(const Tips& rear, const Tips& front) noexcept { return end == End::rear ? rear : front; }
+};
+
+/// Coefficient m of both halves; c points at the rear half's m = 0, the front half's follow.
+template <int P, class Corner>
+[[nodiscard]] inline typename Corner::Tips coefficient(const Corner& at_tips, const typename Corner::Real* c, int m) noexcept {
+    return at_tips.by_end(c[m], c[P + 1 + m]);
+}
+
+/// Σ c_m P_m(±1) of both halves: P_m(±1) = (±1)^m.
+template <int P, class Corner>
+[[nodiscard]] inline typename Corner::Tips end_values(const Corner& at_tips, const typename Corner::Real* c) noexcept {
+    using Tips = typename Corner::Tips;
+    Tips even = coefficient<P>(at_tips, c, 0);
+    if constexpr (P == 0) {
+        return even;
+    } else {
+        Tips odd = coefficient<P>(at_tips, c, 1);
+        if constexpr (P >= 2) even += coefficient<P>(at_tips, c, 2);
+        if constexpr (P >= 3) odd += coefficient<P>(at_tips, c, 3);
+        return even + at_tips.by_side(-1.0, 1.0) * odd;
+    }
+}
+
+/// Σ c_m P_m'(±1) of both halves: P_m'(±1) = (±1)^(m+1) m (m+1)/2.
+template <int P, class Corner>
+[[nodiscard]] inline auto end_slopes(const Corner& at_tips, const typename Corner::Real* c) noexcept {
+    if constexpr (P == 0) {
+        return Zero{};
+    } else {
+        typename Corner::Tips slope = coefficient<P>(at_tips, c, 1);
+        if constexpr (P >= 3) slope += 6.0 * coefficient<P>(at_tips, c, 3);
+        if constexpr (P >= 2) slope += at_tips.by_side(-3.0, 3.0) * coefficient<P>(at_tips, c, 2);
+        return slope;
+    }
+}
+
+template <class Tips>
+struct Vector3 {
+    Tips x, y, z;
+};
+template <class Tips>
+[[nodiscard]] inline Tips dot(const Vector3<Tips>& a, const Vector3<Tips>& b) noexcept {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+/// Both sheaves of a pulley as the tips see them. @tparam Displaced Zero where pulleys are rigid: sheaves that turn and move along z alone
+template <class Tips, class Displaced = Tips>
+struct SheaveLanes {
+    struct Position {
+        Tips x;
+        Displaced y;
+        Tips z;
+    } position;  ///< O [m]
+    Displaced tilt_x, tilt_y;
+    struct Velocity {
+        Displaced x, y;
+        Tips z;
+    } velocity, spin;  ///< [m/s], [rad/s]
+};
+
+/// @param s the two sheaves; their numbers, or Lanes where links side by side have different pulleys
+template <class Corner, class Sheave>
+[[nodiscard, gnu::always_inline]] inline SheaveLanes<typename Corner::Tips> sheaves_at(const Corner& at_tips, const Sheave* s) noexcept {
+    const auto of = [&](auto number) -> typename Corner::Tips { return at_tips.by_side(s[0].*number, s[1].*number); };
+    return {{of(&Sheave::x), of(&Sheave::y), of(&Sheave::z)},
+            of(&Sheave::tilt_x),
+            of(&Sheave::tilt_y),
+            {of(&Sheave::vx), of(&Sheave::vy), of(&Sheave::vz)},
+            {of(&Sheave::spin_x), of(&Sheave::spin_y), of(&Sheave::spin_z)}};
+}
+/// A sheave's motion at the tips for rigid pulleys.
+template <class Corner, class Sheave>
+[[nodiscard, gnu::always_inline]] inline SheaveLanes<typename Corner::Tips, Zero> rigid_sheaves_at(const Corner& at_tips,
+                                                                                                   const Sheave* s) noexcept {
+    const auto of = [&](auto number) -> typename Corner::Tips { return at_tips.by_side(s[0].*number, s[1].*number); };
+    return {{of(&Sheave::x), {}, of(&Sheave::z)}, {}, {}, {{}, {}, of(&Sheave::vz)}, {{}, {}, of(&Sheave::spin_z)}};
+}
+
+/// Positions of contact: everything that depends on the coordinates alone. At order 0 pins do not tilt.
+template <int P, class Tips>
+struct TipGeometry {
+    using Slope = std::conditional_t<P == 0, Zero, Tips>;
+    Tips side;               ///< s = ±1
+    Vector3<Tips> end;       ///< E
+    Vector3<Tips> offset;    ///< S - E
+    Slope slope_x, slope_y;  ///< σ_s
+    Slope tilt;              ///< σ_s·o
+    Vector3<Tips> arm;       ///< r = S - O
+    Vector3<Tips> local;     ///< ν, in the sheave's frame
+    Vector3<Tips> normal;    ///< G, in space
+    Tips depth;              ///< δ [m], negative: gap
+};
+
+/// Sphere centre of every tip, without the sheave.
+template <int P, class Corner>
+[[gnu::always_inline]] inline void place_spheres(const Coefficients& c, const Corner& at_tips,
+                                                 const LinkFrameOf<typename Corner::Real>& frame, const typename Corner::Real* q,
+                                                 TipGeometry<P, typename Corner::Tips>& g) noexcept {
+    using Tips = typename Corner::Tips;
+    using Real = typename Corner::Real;
+    const auto& tip = c.tip;
+    const Real ox = frame.ty, oy = -frame.tx;
+    g.side = at_tips.by_side(-1.0, 1.0);
+    g.end.x = end_values<P>(at_tips, q);
+    g.end.y = end_values<P>(at_tips, q + 2 * (P + 1));
+    g.end.z = at_tips.by_end(q[at<P>.z(End::rear)], q[at<P>.z(End::front)]) +
+              g.side * (c.half_length + at_tips.by_end(q[at<P>.e(End::rear)], q[at<P>.e(End::front)]));
+    g.slope_x = c.slope_scale * end_slopes<P>(at_tips, q);
+    g.slope_y = c.slope_scale * end_slopes<P>(at_tips, q + 2 * (P + 1));
+    g.tilt = g.slope_x * ox + g.slope_y * oy;
+    const Tips sideways = (tip.radius * tip.cosine) * g.side;
+    const double outward = tip.radius * tip.sine;
+    g.offset = {outward * ox - sideways * g.slope_x, outward * oy - sideways * g.slope_y, -outward * g.tilt - sideways};
+}
+
+/// Geometry of tips against the sheaves of their pulley.
+template <int P, class Corner, class Sheaves>
+[[nodiscard, gnu::always_inline]] inline TipGeometry<P, typename Corner::Tips> tip_geometry(const Coefficients& c, const Corner& at_tips,
+                                                                                            const LinkFrameOf<typename Corner::Real>& frame,
+                                                                                            const typename Corner::Real* q,
+                                                                                            const Sheaves& o) noexcept {
+    using Tips = typename Corner::Tips;
+    TipGeometry<P, Tips> g;
+    place_spheres<P>(c, at_tips, frame, q, g);
+    g.arm = {g.end.x + g.offset.x - o.position.x, g.end.y + g.offset.y - o.position.y, g.end.z + g.offset.z - o.position.z};
+    const Vector3<Tips>& r = g.arm;
+    const Tips lx = r.x - o.tilt_y * r.z;
+    const Tips ly = r.y + o.tilt_x * r.z;
+    const Tips lz = r.z - (o.tilt_x * r.y - o.tilt_y * r.x);
+    const Tips radius = sqrt(lx * lx + ly * ly);
+    // Sphere centre from where it sits when a pin just touches at r_m: small numbers, so that the depth (µm) does not drown in the
+    // rounding of the arc's radius (m):  depth = reach - |reach u + e| = -(2 reach u·e + e·e)/(reach + |reach u + e|).
+    const Tips e1 = radius - c.tip.touching_radius;
+    const Tips e2 = lz + (c.tip.radius * c.tip.cosine) * g.side;
+    const Tips h1 = e1 + c.tip.reach * c.tip.sine;
+    const Tips h2 = e2 - (c.tip.reach * c.tip.cosine) * g.side;
+    const Tips distance = sqrt(h1 * h1 + h2 * h2);
+    const Tips overall = c.tip.reach + distance, plane = radius * distance, share = 1.0 / (plane * overall);  // one division for three
+    g.depth = -(2.0 * c.tip.reach * (c.tip.sine * e1 - c.tip.cosine * g.side * e2) + e1 * e1 + e2 * e2) * (share * plane);
+    const Tips radial = h1 * (share * overall);
+    g.local = {radial * lx, radial * ly, h2 * (share * overall * radius)};
+    g.normal = {g.local.x + o.tilt_y * g.local.z, g.local.y - o.tilt_x * g.local.z,
+                g.local.z + o.tilt_x * g.local.y - o.tilt_y * g.local.x};
+    return g;
+}
+
+
+/// Velocities at the contact of every tip.
+template <class Tips>
+struct TipMotion {
+    Tips closing;              ///< δ' [m/s]
+    Vector3<Tips> material;    ///< v of the tip's material at P relative to the sheave's [m/s]
+    Tips lever_x, lever_y;     ///< P - E [m]
+    Vector3<Tips> sheave_arm;  ///< r_P = P - O [m]
+};
+
+template <int P, class Corner, class Sheaves>
+[[nodiscard, gnu::always_inline]] inline TipMotion<typename Corner::Tips> tip_motion(
+    const Coefficients& c, const Corner& at_tips, const LinkFrameOf<typename Corner::Real>& frame, const typename Corner::Real* v,
+    const Sheaves& o, const TipGeometry<P, typename Corner::Tips>& g) noexcept {
+    using Tips = typename Corner::Tips;
+    TipMotion<Tips> m;
+    const double outward = c.tip.radius * c.tip.sine;
+    const Tips sideways = (c.tip.radius * c.tip.cosine) * g.side;
+    const auto& w = frame.turning;
+    const Tips ex = end_values<P>(at_tips, v), ey = end_values<P>(at_tips, v + 2 * (P + 1));
+    const Tips ez = at_tips.by_end(v[at<P>.z(End::rear)], v[at<P>.z(End::front)]) +
+                    g.side * at_tips.by_end(v[at<P>.e(End::rear)], v[at<P>.e(End::front)]);
+    const auto slope_x = c.slope_scale * end_slopes<P>(at_tips, v), slope_y = c.slope_scale * end_slopes<P>(at_tips, v + 2 * (P + 1));
+    const auto tilting = slope_x * frame.ty - slope_y * frame.tx + w * (g.slope_x * frame.tx + g.slope_y * frame.ty);
+    const auto& [ux, uy, uz] = o.velocity;
+    const auto& [wx, wy, wz] = o.spin;
+
+    const Vector3<Tips> sphere{ex + outward * w * frame.tx - sideways * slope_x, ey + outward * w * frame.ty - sideways * slope_y,
+                               ez - outward * tilting};
+    m.closing = -dot(g.normal, Vector3<Tips>{sphere.x - ux, sphere.y - uy, sphere.z - uz}) +
+                wx * (g.arm.y * g.local.z - g.arm.z * g.local.y) + wy * (g.arm.z * g.local.x - g.arm.x * g.local.z);
+
+    m.lever_x = g.offset.x - c.tip.radius * g.normal.x;
+    m.lever_y = g.offset.y - c.tip.radius * g.normal.y;
+    m.sheave_arm = {g.arm.x - c.tip.radius * g.normal.x, g.arm.y - c.tip.radius * g.normal.y, g.arm.z - c.tip.radius * g.normal.z};
+    const Vector3<Tips>& p = m.sheave_arm;
+    m.material = {ex - w * m.lever_y - ux - (wy * p.z - wz * p.y), ey + w * m.lever_x - uy - (wz * p.x - wx * p.z),
+                  ez - uz - (wx * p.y - wy * p.x)};
+    return m;
+}
+
+/// Velocity in the tangent plane of the contact.
+template <class Tips>
+[[nodiscard]] inline Vector3<Tips> tangential(const Vector3<Tips>& v, const Vector3<Tips>& normal) noexcept {
+    const Tips along = dot(v, normal);
+    return {v.x - along * normal.x, v.y - along * normal.y, v.z - along * normal.z};
+}
+
+/// The phases of a link's four tips, one byte each.
+[[nodiscard]] inline std::uint32_t phase_word(const Phase* phases) noexcept {
+    std::uint32_t word;
+    std::memcpy(&word, phases, sizeof word);
+    return word;
+}
+
+/// Phases of the tips in the lanes.
+struct PhaseLanes {
+    const Phase* first;  ///< of lane 0
+    int stride;          ///< from lane to lane
+    bool by_phase;       ///< whether any of them is `stick` or `slip`
+    std::size_t count;   ///< lanes that represent tips
+    [[nodiscard]] Phase operator[](std::size_t lane) const noexcept { return first[static_cast<std::size_t>(stride) * lane]; }
+};
+
+/// Those of one link.
+[[nodiscard]] inline PhaseLanes phases_of_link(const Phase* phases) noexcept {
+    constexpr std::uint32_t stick_or_slip = 0x02020202;
+    return {phases, 1, (phase_word(phases) & stick_or_slip) != 0, tips_per_link};
+}
+
+/// 1 where a tip of a link touches, else 0.
+[[nodiscard]] inline TipLanes touching_lanes(const Phase* phases) noexcept {
+    const auto touching_at = [&](int corner) { return phases[corner] == Phase::free ? 0.0 : 1.0; };
+    return join<2>(join<1>(touching_at(0), touching_at(1)), join<1>(touching_at(2), touching_at(3)));
+}
+
+/// g(|v|) from v², with the branch that the phase prescribes: frozen within a step for `stick` and `slip`.
+template <int W>
+[[nodiscard]] inline Lanes<W> phase_slip_factor(const FrictionCurve& curve, const Lanes<W>& square, const PhaseLanes& phases) noexcept {
+    Lanes<W> factor = slip_factor_of_square<W>(curve, square);
+    if (!phases.by_phase) return factor;
+    const Lanes<W> inverse = 1.0 / sqrt(square);
+    for (std::size_t tip = 0; tip < phases.count; ++tip) {
+        if (phases[tip] == Phase::stick) take<W>(Lanes<W>(curve.inverse_saturation_speed), tip, factor);
+        if (phases[tip] == Phase::slip) take<W>(inverse, tip, factor);
+    }
+    return factor;
+}
+
+/// Friction of a tip per sliding speed [N·s/m].
+/// @param root √δ   @param square of the sliding speed
+template <int W>
+[[nodiscard]] inline Lanes<W> grip(const TipCoefficients& tip, const Lanes<W>& normal, const Lanes<W>& root, const Lanes<W>& square,
+                                   const PhaseLanes& phases) noexcept {
+    const Lanes<W> plain = tip.friction.coefficient * normal * phase_slip_factor<W>(tip.friction, square, phases);
+    if (tip.law == nullptr) return plain;
+    return plain * (pressure_factor<W>(*tip.law, root) * speed_factor_of_square<W>(*tip.law, square));
+}
+
+/// Normal force and friction of tips. @tparam Friction Zero: none
+template <class Tips, class Friction = Tips>
+struct TipForces {
+    Tips normal;                 ///< N [N]
+    Vector3<Friction> friction;  ///< f on the tip [N]
+};
+
+template <int W>
+struct TipPressing {
+    Lanes<W> depth;    ///< δ of a tip that touches, else 0 [m]
+    Lanes<W> root;     ///< √δ
+    Lanes<W> elastic;  ///< [N]
+    Lanes<W> normal;   ///< N [N]
+};
+
+/// @param touching 1 or 0
+template <int W, int P>
+[[nodiscard, gnu::always_inline]] inline TipPressing<W> tip_pressing(const TipCoefficients& tip, const TipGeometry<P, Lanes<W>>& g,
+                                                                     const TipMotion<Lanes<W>>& motion, const Lanes<W>& touching) noexcept {
+    TipPressing<W> p;
+    p.depth = touching * positive_part<W>(g.depth);
+    p.root = sqrt(p.depth), p.elastic = tip.hertz * p.depth * p.root;
+    p.normal = positive_part<W>(p.elastic * (1.0 + tip.damping * motion.closing));
+    return p;
+}
+
+/// @param touching 1 or 0   @param account where observed: Account of the link whose tips the lanes are, or LaneAccounts<W>
+template <bool Observe, int W, int P, class Book>
+[[nodiscard, gnu::always_inline]] inline TipForces<Lanes<W>> tip_forces(const TipCoefficients& tip, const TipGeometry<P, Lanes<W>>& g,
+                                                                        const TipMotion<Lanes<W>>& motion, const Lanes<W>& touching,
+                                                                        const PhaseLanes& phases, [[maybe_unused]] Book account) noexcept {
+    using Tips = Lanes<W>;
+    const auto [depth, root, elastic, normal] = tip_pressing<W>(tip, g, motion, touching);
+    const Vector3<Tips> v = tangential(motion.material, g.normal);
+    const Tips friction_per_speed = -grip<W>(tip, normal, root, dot(v, v), phases);
+    const Vector3<Tips> friction{friction_per_speed * v.x, friction_per_speed * v.y, friction_per_speed * v.z};
+    if constexpr (Observe) {
+        account->store(Energy::tips, 0.4 * booked<W>(account, elastic * depth));
+        account->lose(Loss::tip_damping, booked<W>(account, (normal - elastic) * motion.closing));
+        account->lose(Loss::tip_friction, -booked<W>(account, dot(friction, motion.material)));
+    }
+    return {normal, friction};
+}
+
+/// What tips do to their links: force, tilting of the pins' ends, moment about z.
+template <class Tips>
+struct TipAction {
+    Vector3<Tips> total;
+    Tips tilt_x, tilt_y;
+    Tips moment;
+};
+
+template <int P, class Real, class Tips, class Friction>
+[[nodiscard, gnu::always_inline]] inline TipAction<Tips> tip_action(const Coefficients& c, const LinkFrameOf<Real>& frame,
+                                                                    const TipGeometry<P, Tips>& g, const TipMotion<Tips>& motion,
+                                                                    const TipForces<Tips, Friction>& t) noexcept {
+    const double outward = c.tip.radius * c.tip.sine;
+    const Tips sideways = (c.tip.radius * c.tip.cosine) * g.side;
+    const Vector3<Tips> pressing{t.normal * g.normal.x, t.normal * g.normal.y, t.normal * g.normal.z};
+    const Tips turning =
+        outward * (pressing.x * frame.tx + pressing.y * frame.ty - (g.slope_x * frame.tx + g.slope_y * frame.ty) * pressing.z);
+    return {{pressing.x + t.friction.x, pressing.y + t.friction.y, pressing.z + t.friction.z},
+            c.slope_scale * (-outward * frame.ty * pressing.z - sideways * pressing.x),
+            c.slope_scale * (outward * frame.tx * pressing.z - sideways * pressing.y),
+            turning + motion.lever_x * t.friction.y - motion.lever_y * t.friction.x};
+}
+
+/// Forces and tilting of the two tips of a half (side -, side +) brought to its lateral coordinates.
+template <int P, class Real>
+inline void spread_end(const Real& minus, const Real& plus, const Real& tilt_minus, const Real& tilt_plus, Real* f) noexcept {
+    const Real even = minus + plus, odd = plus - minus;
+    for (int m = 0; m <= P; ++m) f[m] += m % 2 == 0 ? even : odd;
+    const Real tilt_even = tilt_minus + tilt_plus, tilt_odd = tilt_plus - tilt_minus;
+    if constexpr (P >= 1) f[1] += tilt_even;
+    if constexpr (P >= 2) f[2] += 3.0 * tilt_odd;
+    if constexpr (P >= 3) f[3] += 6.0 * tilt_even;
+}
+
+/// The tips' moments on all coordinates of a half.
+template <int P, class Real>
+inline void load_end(End end, const TipAction<Real>& minus, const TipAction<Real>& plus, Real* f) noexcept {
+    spread_end<P>(minus.total.x, plus.total.x, minus.tilt_x, plus.tilt_x, f + at<P>.x(end, 0));
+    spread_end<P>(minus.total.y, plus.total.y, minus.tilt_y, plus.tilt_y, f + at<P>.y(end, 0));
+    f[at<P>.z(end)] += minus.total.z + plus.total.z;
+    f[at<P>.e(end)] += plus.total.z - minus.total.z;
+}
+
+/// Adds generalized forces of the four tips to those of their link; returns the moment about z on it. f [N, N·m]
+template <int P>
+[[nodiscard]] inline double load_link(const TipAction<TipLanes>& action, double* f) noexcept {
+    alignas(64) double number[5][4];
+    action.total.x.copy_to(number[0]);
+    action.total.y.copy_to(number[1]);
+    action.total.z.copy_to(number[2]);
+    action.tilt_x.copy_to(number[3]);
+    action.tilt_y.copy_to(number[4]);
+    const auto of = [&](int tip) {
+        return TipAction<double>{{number[0][tip], number[1][tip], number[2][tip]}, number[3][tip], number[4][tip], 0.0};
+    };
+    load_end<P>(End::rear, of(0), of(1), f);
+    load_end<P>(End::front, of(2), of(3), f);
+    return sum<tips_per_link>(action.moment);
+}
+
+/// Reaction of each tip on its sheave: force and generalized moments.
+template <class Tips>
+struct TipReaction {
+    Vector3<Tips> force, moment;
+};
+
+template <int P, class Tips, class Friction>
+[[nodiscard, gnu::always_inline]] inline TipReaction<Tips> tip_reaction(const TipGeometry<P, Tips>& g, const TipMotion<Tips>& motion,
+                                                                        const TipForces<Tips, Friction>& t) noexcept {
+    const Vector3<Tips>& p = motion.sheave_arm;
+    const Vector3<Tips>& r = g.arm;
+    return {{-(t.normal * g.normal.x + t.friction.x), -(t.normal * g.normal.y + t.friction.y), -(t.normal * g.normal.z + t.friction.z)},
+            {-t.normal * (r.y * g.local.z - r.z * g.local.y) - (p.y * t.friction.z - p.z * t.friction.y),
+             -t.normal * (r.z * g.local.x - r.x * g.local.z) - (p.z * t.friction.x - p.x * t.friction.z),
+             number<Tips>(-(p.x * t.friction.y - p.y * t.friction.x))}};
+}
+
+/// Reactions of the four tips of a link on the two sheaves.
+template <int P>
+[[nodiscard, gnu::always_inline]] inline SheaveLoad load_sheaves(const TipGeometry<P, TipLanes>& g, const TipMotion<TipLanes>& motion,
+                                                                 const TipForces<TipLanes>& t) noexcept {
+    const auto pair = [](const TipLanes& lanes, double* two) { folded<tips_per_link>(lanes).copy_to(two); };  // rear + front, by side
+    const auto [force, moment] = tip_reaction(g, motion, t);
+    SheaveLoad load;
+    pair(force.x, load.fx);
+    pair(force.y, load.fy);
+    pair(force.z, load.fz);
+    pair(moment.x, load.mx);
+    pair(moment.y, load.my);
+    pair(moment.z, load.mz);
+    return load;
+}
+
+/// All tips of a link; `sheaves` are the two of its pulley. Adds to the link's generalized forces, returns the moment about z on it.
+/// @param seen called with the tips' geometry and forces, where observed
+template <int P, bool Observe, class Seen>
+[[nodiscard]] inline double tips(const Coefficients& c, const LinkFrame& frame, const double* q, const double* v,
+                                 const SheaveMotion* sheaves, const Phase* phases, double* f, SheaveLoad& load, Account* account,
+                                 const Seen& seen) noexcept {
+    const FourTips four;
+    const auto own = sheaves_at(four, sheaves);
+    const auto geometry = tip_geometry<P>(c, four, frame, q, own);
+    const auto motion = tip_motion<P>(c, four, frame, v, own, geometry);
+    const auto forces =
+        tip_forces<Observe, tips_per_link>(c.tip, geometry, motion, touching_lanes(phases), phases_of_link(phases), account);
+    load = load_sheaves(geometry, motion, forces);
+    if constexpr (Observe) seen(geometry, forces);
+    return load_link<P>(tip_action(c, frame, geometry, motion, forces), f);
+}
+
+}  // namespace
+}  // namespace cvtflow::model

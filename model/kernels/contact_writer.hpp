@@ -1,0 +1,230 @@
+#pragma once
+/// Writes a contact field while forces are computed, links side by side in lanes: what LanePass hands over on its way.
+
+#include <algorithm>
+#include <limits>
+#include <type_traits>
+
+#include "model/basis/single_lanes.hpp"
+#include "model/contact/contact_field.hpp"
+#include "model/force/joint.hpp"
+#include "model/force/tips.hpp"
+#include "model/kernels/link_lanes.hpp"
+#include "model/variator/chain_model.hpp"
+
+namespace cvtflow::model {
+namespace {
+
+/// No observation: forces only.
+struct NoContacts {
+    static constexpr bool wanted = false, relative = false;
+    [[nodiscard]] static int rows(int, int) noexcept { return 0; }
+};
+
+/// Where the numbers of W links go in rows of columns; lanes first … last - 1 represent links.
+template <int W, class Number>
+struct GroupRows {
+    Number* to;  ///< row 0, lane 0
+    std::ptrdiff_t stride;
+    int first, last;
+
+    void put(int row, const Lanes<W>& lanes) const noexcept {
+        Number* const place = to + row * stride;
+        if (last - first == W) return store(lanes, place);
+        alignas(64) Number buffer[W];
+        store(lanes, buffer);
+        if (first < last) std::copy_n(buffer + first, last - first, place + first);
+    }
+
+private:
+    static void store(const Lanes<W>& lanes, Number* place) noexcept {
+        if constexpr (std::is_same_v<Number, float>) {
+            store_rounded<W>(lanes, place);
+        } else {
+            lanes.copy_to(place);
+        }
+    }
+};
+
+/// Groups of W links; `own` counts from the range's first, `count` of the lanes represent links. Lanes outside the range are left out.
+/// @tparam Number float: velocities count from those of the links that are passed over
+template <int P, int W, class Number = double>
+class ContactWriter {
+public:
+    using V = Lanes<W>;
+    using Joint = ContactComponents::Joint;
+    using Tip = ContactComponents::Tip;
+    using Rows = GroupRows<W, Number>;
+    static constexpr bool wanted = true, relative = std::is_same_v<Number, float>;
+
+    /// @param real coefficients with friction in them
+    ContactWriter(const Coefficients& real, const ChainRange& range, const ContactDrift& drift, bool by_phase,
+                  ContactFieldOf<Number>& field, ColumnsOf<Number>& frictionless) noexcept
+        : c_(real), range_(range), drift_(drift), by_phase_(by_phase), field_(field), frictionless_(frictionless) {}
+
+    /// Of the field, for the links own, …
+    [[nodiscard]] Rows rows(int own, int count) const noexcept { return rows_of(field_.columns, own, count); }
+
+    void frame(int own, int count, const LinkFrameOf<V>& frame) const noexcept {
+        const Rows to = rows(own, count);
+        to.put(ContactComponents::frame_x, frame.tx);
+        to.put(ContactComponents::frame_y, frame.ty);
+        to.put(ContactComponents::inverse_length, frame.inverse_length);
+    }
+
+    /// @param to rows() of the links
+    void joint(const Rows& to, int point, const JointMotion<W>& m, const V& normal) const noexcept {
+        const int row = field_.components.joint(point);
+        to.put(row + Joint::normal_x, m.nx);
+        to.put(row + Joint::normal_y, m.ny);
+        to.put(row + Joint::lever_before, m.lever_before);
+        to.put(row + Joint::lever_after, m.lever_after);
+        to.put(row + Joint::friction_limit, c_.joint.friction.coefficient * normal);
+        if constexpr (relative) to.put(field_.components.sliding(point), m.slip);
+    }
+
+    /// How fast the gap of a joint opens, and that between the pins of a link.
+    void gaps(const Rows& to, int row, const Difference<P, V>& rate) const noexcept {
+        to.put(row, rate.z);
+        to.put(row + 1, rate.e);
+    }
+    [[nodiscard]] const ContactComponents& components() const noexcept { return field_.components; }
+
+    void plate(const Rows& to, int plate, const V& tension) const noexcept {
+        to.put(field_.components.plate(plate), c_.plate_friction.coefficient * positive_part<W>(tension));
+    }
+
+    /// Links that touch nowhere.
+    void no_tips(int own, int count) const noexcept {
+        const Rows to = rows(own, count);
+        for (int corner = 0; corner < tips_per_link; ++corner) to.put(field_.components.tip(corner) + Tip::friction_limit, V(0.0));
+    }
+
+    /// @param sheave of the tip's side for every link, shaft its number
+    template <class Geometry>
+    void tip(int own, int count, int corner, const Geometry& g, const TipMotion<V>& m, const V& normal, const SheaveMotionLanes<W>& sheave,
+             const V& shaft) const noexcept {
+        const Rows to = rows(own, count);
+        const int row = field_.components.tip(corner);
+        to.put(row + Tip::normal, g.normal.x);
+        to.put(row + Tip::normal + 1, g.normal.y);
+        to.put(row + Tip::normal + 2, g.normal.z);
+        to.put(row + Tip::lever_x, m.lever_x);
+        to.put(row + Tip::lever_y, m.lever_y);
+        const V limit = c_.tip.friction.coefficient * normal;
+        to.put(row + Tip::friction_limit, c_.tip.law == nullptr ? limit : limit * pressure_factor<W>(*c_.tip.law, root_of(g.depth)));
+        surface(to, corner, m, sheave, shaft);
+        keep_arms(own, count, corner, m.sheave_arm);
+        if (by_phase_) branches(own, count, corner);
+    }
+
+    /// Accelerations of a group, rows of the coordinates.
+    void accelerations(int own, int count, const V* rows) const noexcept {
+        const Rows to = rows_of(frictionless_, own, count);
+        for (int row = 0; row < at<P>.link_size(); ++row) to.put(row, rows[row]);
+    }
+
+    /// Ghost columns, one on each side of the chain's, where the range holds the link that they repeat.
+    void repeat(int links) const noexcept {
+        if (!range_.ghosts) return;
+        const auto copy = [&](int from, int to) {
+            for (int row = 0; row < field_.components.count(); ++row) *field_.columns.at(row, to) = *field_.columns.at(row, from);
+        };
+        if (range_.first == 0) copy(1, 1 + links);
+        if (range_.last == links) copy(links, 0);
+    }
+
+protected:
+    [[nodiscard]] static V root_of(const V& depth) noexcept { return sqrt(positive_part<W>(depth)); }
+    /// Lanes of a group that represent links of the range: [first, last).
+    [[nodiscard]] static int first_lane(int own) noexcept { return std::max(0, -own); }
+    [[nodiscard]] int last_lane(int own, int count) const noexcept { return std::min({count, W, range_.last - range_.first - own}); }
+
+    [[nodiscard]] Rows rows_of(ColumnsOf<Number>& columns, int own, int count) const noexcept {
+        return {columns.at(0, range_.first + own + range_.shift), columns.stride(), first_lane(own), last_lane(own, count)};
+    }
+
+    /// Velocity of the sheave at a tip's contact, and how it changes over the step while both go round.
+    void surface(const Rows& to, int corner, const TipMotion<V>& m, const SheaveMotionLanes<W>& s, const V& shaft) const noexcept {
+        const Vector3<V>& p = m.sheave_arm;
+        const SheaveMotion& first = drift_.change[corner % 2];
+        const SheaveMotion& second = drift_.change[2 + corner % 2];
+        const auto change = [&](double SheaveMotion::*number) {
+            return select_greater<W>(shaft, V(0.5), V(second.*number), V(first.*number));
+        };
+        const V x = s.spin_y * p.z - s.spin_z * p.y, y = s.spin_z * p.x - s.spin_x * p.z, z = s.spin_x * p.y - s.spin_y * p.x;
+        const V cx = change(&SheaveMotion::spin_x), cy = change(&SheaveMotion::spin_y), cz = change(&SheaveMotion::spin_z);
+        const double h = drift_.step;
+        const int row = field_.components.tip(corner);
+        to.put(row + Tip::sheave, relative ? -m.material.x : s.vx + x);
+        to.put(row + Tip::sheave + 1, relative ? -m.material.y : s.vy + y);
+        to.put(row + Tip::sheave + 2, relative ? -m.material.z : s.vz + z);
+        to.put(row + Tip::drift, change(&SheaveMotion::vx) + cy * p.z - cz * p.y + h * (s.spin_y * z - s.spin_z * y));
+        to.put(row + Tip::drift + 1, change(&SheaveMotion::vy) + cz * p.x - cx * p.z + h * (s.spin_z * x - s.spin_x * z));
+        to.put(row + Tip::drift + 2, change(&SheaveMotion::vz) + cx * p.y - cy * p.x + h * (s.spin_x * y - s.spin_y * x));
+    }
+
+    void keep_arms(int own, int count, int corner, const Vector3<V>& p) const noexcept {
+        alignas(64) double x[W], y[W], z[W];
+        p.x.copy_to(x);
+        p.y.copy_to(y);
+        p.z.copy_to(z);
+        for (int lane = first_lane(own); lane < last_lane(own, count); ++lane) {
+            TipArms& arms = field_.arms[static_cast<std::size_t>(range_.first + own + lane)];
+            arms.x[corner] = x[lane];
+            arms.y[corner] = y[lane];
+            arms.z[corner] = z[lane];
+        }
+    }
+
+    /// Speeds between which the branch of the law of a tip's phase has its kink.
+    void branches(int own, int count, int corner) const noexcept {
+        const int row = field_.components.tip(corner);
+        const double v0 = c_.tip.friction.saturation_speed;
+        for (int lane = first_lane(own); lane < last_lane(own, count); ++lane) {
+            const int link = range_.first + own + lane;
+            const Phase phase = range_.phases[tips_per_link * link + corner];
+            constexpr double least = relative ? slowest_single : std::numeric_limits<double>::min();
+            *field_.columns.at(row + Tip::least, link + range_.shift) = static_cast<Number>(phase == Phase::slip ? least : v0);
+            *field_.columns.at(row + Tip::most, link + range_.shift) =
+                phase == Phase::stick ? static_cast<Number>(v0) : std::numeric_limits<Number>::max();
+        }
+    }
+
+    const Coefficients& c_;
+    const ChainRange& range_;
+    const ContactDrift& drift_;
+    bool by_phase_;
+    ContactFieldOf<Number>& field_;
+    ColumnsOf<Number>& frictionless_;
+};
+
+/// For friction in single precision: also velocities at the step's beginning, counted from those of the links that are passed over.
+template <int P, int W>
+class KickWriter : public ContactWriter<P, W, float> {
+    using Base = ContactWriter<P, W, float>;
+
+public:
+    KickWriter(const Coefficients& real, const ChainRange& range, const ContactDrift& drift, bool by_phase,
+               const SinglePrecisionRecord& start) noexcept
+        : Base(real, range, drift, by_phase, start.field, start.frictionless), start_(start) {}
+
+    /// @param v velocities passed over, rows of the coordinates
+    void velocities(int own, int count, const Lanes<W>* v) const noexcept {
+        constexpr int size = at<P>.link_size(), block = 2 * size;
+        constexpr int rows = (size + W - 1) / W * W;  // the last of a block: velocities, and some coordinates before them
+        std::array<const double*, W> from;
+        for (int lane = 0; lane < W; ++lane)
+            from[static_cast<std::size_t>(lane)] = start_.states + (own + std::min(lane, count - 1) + 1) * block - rows;
+        std::array<Lanes<W>, rows> begin;
+        load_rows<W, rows>(from, begin.data());
+        const auto to = Base::rows_of(start_.velocity, own, count);
+        for (int row = 0; row < size; ++row) to.put(row, begin[static_cast<std::size_t>(rows - size + row)] - v[row]);
+    }
+
+private:
+    const SinglePrecisionRecord& start_;
+};
+
+}  // namespace
+}  // namespace cvtflow::model

@@ -1,0 +1,168 @@
+#pragma once
+/// Which pins have their tips computed: those that may touch, eight side by side from wherever they begin. (model/EQUATIONS.md section 11)
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/force/sheave_motion.hpp"
+#include "model/variator/rigid/tip_motion.hpp"
+
+namespace cvtflow::model {
+namespace {
+
+/// Largest normal force of each pin's tips in the last step [N].
+[[nodiscard]] inline PinLanes last_pressing(const RigidColumns& columns, int first) noexcept {
+    PinLanes most = read(columns, Column::normal, first);
+    for (int tip = 1; tip < rigid_tips; ++tip) most = larger<rigid_lanes>(most, read(columns, Column::normal + tip, first));
+    return most;
+}
+
+/// A pulley as far as it decides which pins may touch.
+struct PulleyBounds {
+    double x, y;       ///< of the sheave at -z [m]
+    double low, high;  ///< planes of both flanks, for the middle of a pin [m]
+    double apart;      ///< at least the distance of both axes [m]
+    double tilt;       ///< at least that of both [rad]
+
+    PulleyBounds(const RigidCoefficients& c, const SheaveMotion& at_low, const SheaveMotion& at_high) noexcept
+        : x(at_low.x),
+          y(at_low.y),
+          low(at_low.z + c.half_length),
+          high(at_high.z - c.half_length),
+          apart(std::abs(at_low.x - at_high.x) + std::abs(at_low.y - at_high.y)),
+          tilt(std::max(std::abs(at_low.tilt_x) + std::abs(at_low.tilt_y), std::abs(at_high.tilt_x) + std::abs(at_high.tilt_y))) {}
+};
+
+/// Sixteen pins, and how near to a sheave their tips can be.
+class PinNearness : private PinBlocks<rigid_singles> {
+    static constexpr int W = rigid_singles;
+    using V = Lanes<W>;
+    using PlaneV = PlaneOf<W>;
+
+public:
+    using PinBlocks<W>::PinBlocks;
+
+    /// At least the depth of each pin's tips [m]: the half's sphere nearest to the axis against the flank nearest to it, as if of one tip.
+    [[nodiscard, gnu::always_inline]] DoublesOf<W> bound(const RigidCoefficients& c, const PulleyBounds (&pulleys)[2]) const noexcept {
+        const double rounding = 1e-6 * (c.middle + c.touching_radius);  // more than that of floats at these distances [m]
+        const PlaneV middle = read_rounded(Column::x), end = read_rounded(Column::p), bend = read_rounded(Column::bend_x);
+        const auto of = [&](double PulleyBounds::*number) {
+            return select_greater<W>(middle.x, V(c.middle), V(pulleys[1].*number), V(pulleys[0].*number));
+        };
+        const auto size = [](const PlaneV& v) { return abs(v.x) + abs(v.y); };
+        const PlaneV axis{of(&PulleyBounds::x), of(&PulleyBounds::y)}, apart = V(0.5) * read_rounded(Column::part_x);
+        const PlaneV arm = (middle - axis) + V(c.bend_lever) * bend;
+        const PlaneV front = arm + apart + V(c.outward) * outward(-1), rear = arm - apart + V(c.outward) * outward(0);
+        const V radius = sqrt(smaller<W>(dot(front, front), dot(rear, rear))), tilt = of(&PulleyBounds::tilt);
+        const V rise =
+            V(c.outward / c.half_length) * (size(end) + V(c.bend_slope) * size(bend)) + V(0.5) * abs(as<W>(read_pins(Column::slide)));
+        const V z = as<W>(read_pins(Column::z)), low = z - of(&PulleyBounds::low), high = of(&PulleyBounds::high) - z;
+        const V beside = V(c.lever) * size(end) + of(&PulleyBounds::apart), off = larger<W>(abs(low), abs(high)) + V(c.radius * c.cosine);
+        const V a = radius - beside - tilt * (off + rise) - V(c.touching_radius);
+        const V h = smaller<W>(low, high) - rise - tilt * (radius + beside);
+        return widened<W>(V(rounding) - (V(c.sine) * a + V(c.cosine) * h));
+    }
+
+private:
+    [[nodiscard, gnu::always_inline]] PlaneV read_rounded(Column first, int offset = 0) const noexcept {
+        return as<W>(read_plane_of(first, offset));
+    }
+    [[nodiscard, gnu::always_inline]] PlaneV outward(int line) const noexcept {
+        const PlaneV t = read_rounded(Column::line_x, line);
+        return {t.y, -t.x};
+    }
+};
+
+/// > 0 for pins that may touch: in a step for those that pressed in the last one, and for those that are not certainly free.
+inline void find_near_pins(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns) noexcept {
+    const PulleyBounds pulleys[] = {{c, sheaves[0], sheaves[1]}, {c, sheaves[2], sheaves[3]}};
+    const PinLanes one(1.0), none(0.0);
+    const auto pressed = [&](int i) {
+        return kick.implicit() ? select_greater<rigid_lanes>(last_pressing(columns, i), none, one, none) : none;
+    };
+    for (int i = 0; i < columns.padded(); i += 2 * rigid_lanes) {
+        const int next = std::min(i + rigid_lanes, columns.padded() - rigid_lanes);
+        PinLanes near[2] = {pressed(i), pressed(next)};
+        if (!all_at_most<rigid_lanes>(one - smaller<rigid_lanes>(near[0], near[1]), 0.0)) {
+            const DoublesOf<rigid_singles> bound =
+                PinNearness(columns, {PinBlock{i, rigid_lanes}, PinBlock{next, rigid_lanes}}).bound(c, pulleys);
+            near[0] = larger<rigid_lanes>(near[0], bound.low), near[1] = larger<rigid_lanes>(near[1], bound.high);
+        }
+        write(columns, Column::near, i, near[0]);
+        write(columns, Column::near, next, near[1]);
+    }
+}
+
+/// First near pin behind at least seven that are not, so that blocks that begin there and end anywhere do not meet; -1: none.
+[[nodiscard]] inline int first_near_pin(const double* near, int pins) noexcept {
+    if (pins < 2 * rigid_lanes) return -1;
+    int free = 0;
+    for (int k = 0; k < pins + rigid_lanes; ++k) {
+        const int pin = k < pins ? k : k - pins;
+        if (near[pin] > 0.0 && free >= rigid_lanes - 1) return pin;
+        free = near[pin] > 0.0 ? 0 : free + 1;
+    }
+    return -1;
+}
+
+/// Tips' numbers of pins that are no longer near become zeros; those of a block that reached beyond the last pin belong to the first ones.
+inline void finish_near_pins(RigidColumns& columns, int beyond) noexcept {
+    constexpr Column last = Column::flank + (rigid_tips - 1);
+    columns.unwrap(Column::tip_stiffness_front, Column::tip_rear, beyond);
+    columns.unwrap(Column::tip_x, last, beyond);
+    const PinLanes now(1.0), no(0.0);
+    for (int i = 0; i < columns.padded(); i += rigid_lanes) {
+        const PinLanes written = read(columns, Column::written, i), kept = select_greater<rigid_lanes>(written, now, now, no);
+        write(columns, Column::written, i, kept);
+        if (all_at_most<rigid_lanes>(smaller<rigid_lanes>(written, now) - kept, 0.0)) continue;
+        for (int pin = i; pin < std::min(i + rigid_lanes, columns.pins()); ++pin) {
+            if (columns[Column::written][pin] != 0.0) continue;
+            columns.clear(Column::tip_stiffness_front, Column::tip_rear, pin, 1);
+            columns.clear(Column::tip_x, last, pin, 1);
+        }
+    }
+}
+
+/// Tips' numbers of velocities as they are, as of pins that are far from any sheave.
+inline void clear_tips(RigidColumns& columns) noexcept {
+    const int all = columns.padded() + rigid_lanes;
+    for (int tip = 0; tip < rigid_tips; ++tip) std::fill_n(columns[Column::depth + tip], all, far_depth);
+    columns.clear(Column::tip_stiffness_front, Column::tip_rear, 0, all);
+    columns.clear(Column::tip_x, Column::reach + (rigid_tips - 1), 0, all);
+}
+/// Those of a block that reached beyond the last pin belong to the first pins.
+inline void unwrap_tips(RigidColumns& columns, int beyond) noexcept {
+    columns.unwrap(Column::depth, Column::tip_rear, beyond);
+    columns.unwrap(Column::tip_x, Column::reach + (rigid_tips - 1), beyond);
+}
+
+/// Calls press(block) for blocks that have all near pins. One that reaches beyond the last pin goes on with copies of the first ones.
+/// @return how many of those
+template <class Press>
+[[nodiscard]] inline int over_near_pins(RigidColumns& columns, const Press& press) noexcept {
+    const int pins = columns.pins(), begin = first_near_pin(columns[Column::near], pins);
+    const double* near = columns[Column::near];
+    double* written = columns[Column::written];
+    int beyond = 0;
+    for (int k = 0; begin >= 0 && k < pins;) {
+        const int pin = begin + k < pins ? begin + k : begin + k - pins;
+        const bool skip = !(near[pin] > 0.0);
+        k += skip ? 1 : rigid_lanes;
+        if (skip) continue;
+        if (pin + rigid_lanes > pins) {
+            beyond = pin + rigid_lanes - pins;
+            columns.wrap(Column::force_x, Column::force_bend_y);
+            columns.wrap(Column::normal, Column::flank + (rigid_tips - 1));
+        }
+        for (int lane = pin; lane < pin + rigid_lanes; ++lane) written[lane < pins ? lane : lane - pins] = 2.0;
+        press(PinBlock{pin, rigid_lanes});
+    }
+    for (int i = 0; begin < 0 && i < pins; i += rigid_lanes) {
+        std::fill_n(written + i, rigid_lanes, 2.0);
+        press(aligned_block(columns, i));
+    }
+    return beyond;
+}
+
+}  // namespace
+}  // namespace cvtflow::model

@@ -1,0 +1,227 @@
+#pragma once
+/// One tip of rigid pins side by side: where it is on its sheave, its normal force, its sliding velocity, what it does to both, and how its
+/// force along z changes as its half moves. (model/EQUATIONS.md section 11)
+
+#include <algorithm>
+
+#include "model/variator/rigid/tip_motion.hpp"
+
+namespace cvtflow::model {
+namespace {
+
+template <int W>
+struct TipPlace {
+    PlaneOf<W> point;  ///< P - O
+    Lanes<W> point_z;
+    Lanes<W> inverse_radius;  ///< of the sphere's centre [1/m]
+    PlaneOf<W> radial;        ///< unit vector from the axis to the sphere's centre, in the sheave's frame
+    Lanes<W> out, in;         ///< ν_r, ν_z: components of the normal, outward and towards the other sheave
+    PlaneOf<W> normal;        ///< G
+    Lanes<W> normal_z;
+    PlaneOf<W> reach;               ///< P - E
+    Lanes<W> depth;                 ///< δ_0 [m]
+    Lanes<W> tilting_x, tilting_y;  ///< (r×ν): depth per tilt of the sheave [m]
+};
+
+/// Extremes of all tips: depth, inverse radius of the spheres' centres, that of tips that touch.
+template <int W>
+struct TipBounds {
+    Lanes<W> deepest{-1e30}, nearest{0.0}, farthest{1e30};
+
+    void add(const TipPlace<W>& tip) noexcept {
+        deepest = larger<W>(tip.depth, deepest);
+        nearest = larger<W>(tip.inverse_radius, nearest);
+        const Lanes<W> touching = select_greater<W>(tip.depth, Lanes<W>(0.0), tip.inverse_radius, Lanes<W>(1e30));
+        farthest = smaller<W>(touching, farthest);
+    }
+    void store(const RigidCoefficients& c, RigidReaction& to) const noexcept {
+        const DoublesOf<W> deep = widened<W>(deepest), close = widened<W>(nearest), away = widened<W>(farthest);
+        double near = 0.0, far = 1e30;
+        for (std::size_t lane = 0; lane < static_cast<std::size_t>(lane_count<W>); ++lane) {
+            to.deepest = std::max(to.deepest, deep[lane]);
+            near = std::max(near, close[lane]);
+            far = std::min(far, away[lane]);
+        }
+        to.innermost = 1.0 / near - c.outward;
+        to.outermost = 1.0 / far - c.outward;
+    }
+};
+
+/// Place, normal and depth. A depth is a thousandth of the lengths that it is the difference of: the distances of half and end from the
+/// flank are doubles, and what the tip adds to them is small.
+template <int W>
+[[gnu::always_inline]] inline void place_tip(const RigidCoefficients& c, const TipNumbers<W>& n, const HalfMotion<W>& half,
+                                             const SideMotion<W>& sheave, TipPlace<W>& tip) noexcept {
+    const PlaneOf<W> arm = half.centre + sheave.arm;
+    const Lanes<W> sunk = half.rise + Lanes<W>(sheave.side) * half.bend_rise;
+    const Lanes<W> arm_z = sheave.z - sunk - Lanes<W>(sheave.side) * n.inward;
+    const PlaneOf<W> moved{sheave.arm.x - sheave.tilt_y * arm_z, sheave.arm.y + sheave.tilt_x * arm_z}, l = half.centre + moved;
+    const Lanes<W> distance = sqrt(dot(l, l)), sum = distance + half.distance, inverse = 1.0 / (distance * sum);
+    const Lanes<W> more_a = dot(moved, half.centre + l) * (distance * inverse);  // |l| - |centre|
+    const Lanes<W> more_h = Lanes<W>(sheave.side) * (sunk + sheave.tilt_x * arm.y - sheave.tilt_y * arm.x);
+    const Lanes<W> a = half.excess + more_a, h = sheave.height + more_h;
+    const Lanes<W> bent_a = n.inverse_reach * a, bent_h = n.inverse_reach * h;
+    tip.depth =
+        Lanes<W>(-0.5) * (bent_a * a + bent_h * h) - (c.sine * more_a + c.cosine * more_h) - as<W>(half.clearance + sheave.clearance);
+    tip.inverse_radius = sum * inverse;
+    tip.radial = tip.inverse_radius * l;
+    tip.out = c.sine + bent_a;
+    tip.in = c.cosine + bent_h;
+    const PlaneOf<W> local = tip.out * tip.radial;
+    const Lanes<W> local_z = Lanes<W>(-sheave.side) * tip.in;
+    tip.normal = {local.x + sheave.tilt_y * local_z, local.y - sheave.tilt_x * local_z};
+    tip.normal_z = local_z + sheave.tilt_x * local.y - sheave.tilt_y * local.x;
+    tip.tilting_x = arm.y * local_z - arm_z * local.y;
+    tip.tilting_y = arm_z * local.x - arm.x * local_z;
+    const PlaneOf<W> inwards = n.radius * tip.normal;
+    tip.point = arm - inwards;
+    tip.point_z = arm_z - n.radius * tip.normal_z;
+    tip.reach = half.sphere + sheave.sphere - inwards;
+}
+
+/// δ_0' [m/s]. @param lead time by which velocities are ahead of coordinates: until then the normal turns with the pin [s]
+template <int W>
+[[nodiscard, gnu::always_inline]] inline Lanes<W> depth_rate(const HalfMotion<W>& half, const SideMotion<W>& sheave, const TipPlace<W>& tip,
+                                                             const Lanes<W>& lead) noexcept {
+    const PlaneOf<W> moved = half.velocity + sheave.sphere_velocity;
+    const Lanes<W> moved_z = sheave.velocity_z - half.rise_rate - Lanes<W>(sheave.side) * half.bend_rise_rate;
+    const Lanes<W> around = cross(tip.radial, moved);
+    const Lanes<W> turning = lead * tip.out * (around * around) * tip.inverse_radius;
+    return sheave.spin_x * tip.tilting_x + sheave.spin_y * tip.tilting_y - dot(tip.normal, moved) - tip.normal_z * moved_z - turning;
+}
+
+/// Hertz's contact in series with the axial compliance of half a pin.
+template <int W>
+struct NormalForce {
+    Lanes<W> elastic, force;  ///< N_e, N [N]
+    Lanes<W> energy;          ///< [J]
+    Lanes<W> shortening;      ///< η: of the half pin per depth
+    Lanes<W> root_depth;      ///< √δ of Hertz' part of the depth [√m]
+};
+
+/// y = √δ_0 φ with φ² (1 + u φ) = 1, u = b √δ_0: a rational start p/q, to 1e-4 for u ≤ `well_started_softness`, and Newton's method. The
+/// division of its first step is that of η as well, which is therefore known as well as the start.
+/// @param depth δ_0 [m], ≤ 0: no contact   @param rate δ_0' [m/s]
+template <int W>
+[[nodiscard, gnu::always_inline]] inline NormalForce<W> normal_force(const TipNumbers<W>& c, const Lanes<W>& depth,
+                                                                     const Lanes<W>& rate) noexcept {
+    const Lanes<W> root = sqrt(positive_part<W>(depth)), u = c.softness * root;
+    const Lanes<W> p = 1.0 + u * (1.33761 + 0.1541 * u), q = 1.0 + u * (1.83676 + 0.46388 * u);
+    const Lanes<W> up = u * p, pq = p * q, inverse = 1.0 / (pq * (2.0 * q + 3.0 * up));
+    Lanes<W> phi = (p * p * (q + 2.0 * up) + q * q * q) * inverse, yielding = 3.0 * up * pq * inverse;
+    for (int step = 0; step < c.further_steps; ++step) {
+        const Lanes<W> by = u * phi, slope = 2.0 + 3.0 * by;
+        phi = (phi * phi * (1.0 + 2.0 * by) + 1.0) / (phi * slope);
+        yielding = 3.0 * by / slope;
+    }
+    const Lanes<W> y = root * phi, square = y * y;
+    NormalForce<W> n;
+    n.root_depth = y;
+    n.elastic = c.hertz * square * y;
+    n.force = n.elastic * positive_part<W>(1.0 + c.damping * rate);
+    n.energy = n.elastic * square * (0.4 + 0.5 * (u * phi));
+    n.shortening = c.per_cosine * yielding;
+    return n;
+}
+
+/// Sliding velocity along the circumference and along the flank.
+template <int W>
+struct Slip {
+    Lanes<W> round, flank;
+    friend Slip operator+(const Slip& a, const Slip& b) noexcept { return {a.round + b.round, a.flank + b.flank}; }
+    friend Slip operator-(const Slip& a, const Slip& b) noexcept { return {a.round - b.round, a.flank - b.flank}; }
+    friend Slip operator*(const Lanes<W>& f, const Slip& a) noexcept { return {f * a.round, f * a.flank}; }
+};
+
+/// Sliding velocity that a velocity of the pin against the sheave is.
+template <int W>
+[[nodiscard, gnu::always_inline]] inline Slip<W> slip_of(double side, const TipPlace<W>& tip, const PlaneOf<W>& v,
+                                                         const Lanes<W>& v_z) noexcept {
+    return {cross(tip.radial, v), tip.in * dot(tip.radial, v) + Lanes<W>(side) * (tip.out * v_z)};
+}
+
+/// The sphere's centre moves almost as the sheave does there: that difference is taken in doubles.
+/// @param shortening_rate of the half pin [m/s]
+template <int W>
+[[nodiscard, gnu::always_inline]] inline Slip<W> tip_slip(const TipNumbers<W>& c, const HalfMotion<W>& half, const SideMotion<W>& sheave,
+                                                          const TipPlace<W>& tip, const Lanes<W>& shortening_rate) noexcept {
+    const PlaneOf<W> centre = half.drift + sheave.velocity - sheave.faster * turned(half.centre);
+    const PlaneOf<W> spinning = turned(half.turn * sheave.sphere + (c.radius * (half.lag + sheave.faster)) * tip.normal);
+    const PlaneOf<W> v = centre + spinning - PlaneOf<W>{sheave.spin_y * tip.point_z, -(sheave.spin_x * tip.point_z)};
+    const Lanes<W> surface_z = sheave.spin_x * tip.point.y - sheave.spin_y * tip.point.x;
+    return slip_of<W>(sheave.side, tip, v, sheave.velocity_z + half.ahead - Lanes<W>(sheave.side) * shortening_rate - surface_z);
+}
+
+/// A tip's force on its pin: normal force, which the friction's share of the half pin's shortening adds to, and friction.
+template <int W>
+struct TipForce {
+    Lanes<W> normal;
+    PlaneOf<W> push, friction;
+    Lanes<W> push_z, friction_z;
+};
+
+/// @param pull what plates lengthen the pin with, of one tip [N]
+template <int W>
+[[nodiscard, gnu::always_inline]] inline TipForce<W> tip_force(double side, const TipPlace<W>& tip, const NormalForce<W>& n,
+                                                               const Lanes<W>& pull, const Slip<W>& friction) noexcept {
+    TipForce<W> f;
+    f.friction = friction.round * turned(tip.radial) + (friction.flank * tip.in) * tip.radial;
+    f.friction_z = Lanes<W>(side) * (friction.flank * tip.out);
+    f.normal = n.force + n.shortening * (friction.flank * tip.out + pull);
+    f.push = f.normal * tip.normal;
+    f.push_z = f.normal * tip.normal_z;
+    return f;
+}
+
+/// Generalised forces of tips on pins, and on the pitch lines of their halves.
+template <int W>
+struct TipForces {
+    PlaneOf<W> half[2] = {{0.0, 0.0}, {0.0, 0.0}};
+    PlaneOf<W> end{0.0, 0.0}, bend{0.0, 0.0};
+    Lanes<W> z[2] = {0.0, 0.0}, moment[2] = {0.0, 0.0};
+
+    /// Virtual work of a tip's force on the coordinates of its pin and on the direction of its half.
+    [[gnu::always_inline]] void add(const TipNumbers<W>& c, double side, const HalfMotion<W>& on, std::size_t which,
+                                    const TipForce<W>& f) noexcept {
+        half[which] = half[which] + (f.push + f.friction);
+        z[which] += f.push_z + f.friction_z;
+        const PlaneOf<W> at_end = c.lever * f.push + f.friction, at_bend = c.bend_lever * f.push + f.friction;
+        end = end + Lanes<W>(side) * at_end - (c.outward_per_half * f.push_z) * on.outward;
+        bend = bend + at_bend - (Lanes<W>(side) * c.bent_outward_per_half * f.push_z) * on.outward;
+    }
+    [[gnu::always_inline]] void add_moment(const TipNumbers<W>& c, double side, const HalfMotion<W>& on, std::size_t which,
+                                           const TipPlace<W>& tip, const TipForce<W>& f) noexcept {
+        const Lanes<W> slope = on.slope_along + Lanes<W>(side) * on.bend_along;
+        moment[which] += c.outward * (dot(f.push, on.line) - slope * f.push_z) + cross(tip.reach, f.friction);
+    }
+};
+
+/// Adds the opposite of the generalised forces on the sheave: (F_x, F_y, M_τx, M_τy, F_z, M_φ).
+template <int W>
+[[gnu::always_inline]] inline void add_on_sheave(const TipPlace<W>& tip, const TipForce<W>& f, std::array<Lanes<W>, 6>& to) noexcept {
+    to[0] += f.push.x + f.friction.x;
+    to[1] += f.push.y + f.friction.y;
+    to[2] += f.normal * tip.tilting_x + tip.point.y * f.friction_z - tip.point_z * f.friction.y;
+    to[3] += f.normal * tip.tilting_y + tip.point_z * f.friction.x - tip.point.x * f.friction_z;
+    to[4] += f.push_z + f.friction_z;
+    to[5] += cross(tip.point, f.friction);
+}
+
+
+/// Of both tips of a half, over the stiffness of a tip per η.
+template <int W>
+struct AxialResponse {
+    Lanes<W> stiffness{0.0};  ///< against moving along z
+    Lanes<W> loading{0.0};    ///< rate of change of the force [m/s]
+
+    /// @param rate δ_0' [m/s]
+    [[gnu::always_inline]] void add(const TipPlace<W>& tip, const NormalForce<W>& n, const Lanes<W>& rate) noexcept {
+        stiffness += n.shortening * (tip.in * tip.in);
+        loading += n.shortening * (rate * tip.normal_z);
+    }
+    /// Rate of change if the half stood still along z. @param speed of the half along z [m/s]
+    [[nodiscard, gnu::always_inline]] Lanes<W> loading_at_rest(const Lanes<W>& speed) const noexcept { return loading + stiffness * speed; }
+};
+
+}  // namespace
+}  // namespace cvtflow::model

@@ -1,0 +1,315 @@
+#pragma once
+/// What the halves and the ends of pins side by side give to the place and the motion of their tips, in blocks of pins. Places are taken in
+/// doubles once for each half and each end; what is left for a tip is small against them. (model/EQUATIONS.md section 11)
+
+#include <algorithm>
+#include <array>
+#include <type_traits>
+
+#include "model/force/sheave_motion.hpp"
+#include "model/variator/rigid/rigid_coefficients.hpp"
+#include "model/variator/rigid/rigid_links.hpp"
+#include "model/variator/rigid/rigid_vectors.hpp"
+
+namespace cvtflow::model {
+namespace {
+
+/// Pins side by side, of which the first `count` are meant: the others, if any, are copies or are in another block as well.
+struct PinBlock {
+    int first, count;
+
+    /// 1 for pins that are meant.
+    [[nodiscard, gnu::always_inline]] PinLanes present() const noexcept { return first_lanes(count); }
+};
+
+/// Block of the pins from i = 0, 8, 16 … on.
+[[nodiscard]] inline PinBlock aligned_block(const RigidColumns& columns, int i) noexcept {
+    return {i, std::min(rigid_lanes, columns.pins() - i)};
+}
+
+/// Columns of pins side by side, in blocks of eight.
+/// @tparam W width of what is computed from them
+template <int W>
+class PinBlocks {
+public:
+    using D = DoublesOf<W>;
+    using PlaneD = DoublePlaneOf<W>;
+    static constexpr int lanes = lane_count<W>, blocks = lanes / rigid_lanes;
+    using Blocks = std::array<PinBlock, blocks>;
+
+    PinBlocks(RigidColumns& columns, const Blocks& own) noexcept : columns_(columns), view_(columns), own_(own) {}
+
+protected:
+    /// Entries of a column for all pins, or for those so many before or behind them.
+    [[nodiscard, gnu::always_inline]] D read_pins(Column c, int offset = 0) const noexcept {
+        if constexpr (blocks == 1) {
+            return read(view_, c, own_[0].first + offset);
+        } else {
+            return {read(view_, c, own_[0].first + offset), read(view_, c, own_[1].first + offset)};
+        }
+    }
+    [[nodiscard, gnu::always_inline]] PlaneD read_plane_of(Column c, int offset = 0) const noexcept {
+        return {read_pins(c, offset), read_pins(c + 1, offset)};
+    }
+    [[gnu::always_inline]] void write_pins(Column c, const D& values) noexcept {
+        over_blocks([&](auto block) { write(view_, c, own_[static_cast<std::size_t>(block)].first, piece(values, block)); });
+    }
+    /// Numbers of the pins of one block.
+    [[nodiscard, gnu::always_inline]] static PinLanes piece(const D& values, int block) noexcept {
+        if constexpr (blocks == 1) {
+            return values;
+        } else {
+            return half<lanes>(values, block);
+        }
+    }
+    /// Calls visit(block) for each of them, its number known when this is compiled.
+    template <class Visit>
+    [[gnu::always_inline]] static void over_blocks(const Visit& visit) noexcept {
+        visit(std::integral_constant<int, 0>{});
+        if constexpr (blocks == 2) visit(std::integral_constant<int, 1>{});
+    }
+    /// 1 for pins that are meant.
+    [[nodiscard, gnu::always_inline]] Lanes<W> present() const noexcept {
+        if constexpr (blocks == 1) {
+            return own_[0].present();
+        } else {
+            return as<W>(D{own_[0].present(), own_[1].present()});
+        }
+    }
+
+    RigidColumns& columns_;
+    const RigidView view_;
+    Blocks own_;
+};
+
+
+/// Numbers of all tips, as wide as what is computed with them: derived once per pass and not for each tip.
+template <int W>
+struct TipNumbers {
+    TipNumbers(const RigidCoefficients& c, const RigidKick& kick) noexcept
+        : radius(c.radius),
+          inverse_reach(c.inverse_reach),
+          softness(c.softness),
+          hertz(c.hertz),
+          damping(c.damping),
+          per_cosine(1.0 / c.cosine),
+          lever(c.lever),
+          outward(c.outward),
+          inward(c.radius * c.cosine),
+          stiffness(c.cosine * c.hertz / c.softness),
+          outward_per_half(c.outward / c.half_length),
+          per_half(1.0 / c.half_length),
+          bend_lever(c.bend_lever),
+          bent_outward_per_half(c.bend_slope * c.outward / c.half_length),
+          bent_per_half(c.bend_slope / c.half_length),
+          per_mass(kick.step / c.mass),
+          per_half_mass(2.0 * kick.step / c.mass),
+          per_tilt(kick.step / c.tilt_mass),
+          per_bend(kick.step / c.bend_mass),
+          response(1.1 * kick.step * (1.0 / c.mass + 1.0 / c.tilt_mass + 1.0 / c.bend_mass)),
+          further_steps(c.further_steps + (kick.implicit() ? 0 : 1)) {}
+
+    Lanes<W> radius, inverse_reach, softness, hertz, damping, per_cosine, lever, outward;  ///< as of RigidCoefficients
+    Lanes<W> inward;                                                                       ///< R_p cos β [m]
+    Lanes<W> stiffness;                                                                    ///< of a tip against depth, per η [N/m]
+    Lanes<W> outward_per_half;                                                             ///< R_p sin β/(ℓ_p/2)
+    Lanes<W> per_half;                                                                     ///< 1/(ℓ_p/2) [1/m]
+    Lanes<W> bend_lever;                                                                   ///< as of RigidCoefficients
+    Lanes<W> bent_outward_per_half, bent_per_half;                                         ///< the same for bending
+    Lanes<W> per_mass, per_half_mass, per_tilt, per_bend;                                  ///< velocity per force over the step [m/s/N]
+    Lanes<W> response;  ///< of the sliding velocity to friction, with some room for neighbours [m/s/N]
+    int further_steps;  ///< of Newton's method
+};
+
+
+/// Half and end of tip 0 … 3: 0 and 1 are the front half's at -z and +z, 2 and 3 the rear half's. Tips are gone through by loops, in steps
+/// of the same length: written out one by one, they would be more than the processor keeps of decoded instructions.
+[[nodiscard]] constexpr std::size_t half_of_tip(std::size_t tip) noexcept { return tip / 2; }
+[[nodiscard]] constexpr std::size_t end_of_tip(std::size_t tip) noexcept { return tip % 2; }
+/// Number of a half's pitch line against the pin's, and its share of the halves' offset from each other.
+[[nodiscard]] constexpr int line_of(std::size_t half) noexcept { return half == 0 ? -1 : 0; }
+[[nodiscard]] constexpr double share_of(std::size_t half) noexcept { return half == 0 ? 0.5 : -0.5; }
+
+/// A pin half, and what it gives to the motion of its tips.
+template <int W>
+struct HalfMotion {
+    PlaneOf<W> line, outward;            ///< t and o of its pitch line
+    PlaneOf<W> sphere;                   ///< R_p sin β o
+    DoublePlaneOf<W> place;              ///< of its spheres at the middle of the pin, from the origin of the sheave at -z
+    PlaneOf<W> centre;                   ///< the same
+    Lanes<W> distance, excess;           ///< |centre|, and less its length where a tip's sphere touches the flank's middle [m]
+    DoublesOf<W> clearance;              ///< what excess adds to the distance from the flank [m]
+    Lanes<W> rise;                       ///< of the pin's middle above the half's sphere: R_p sin β σ·o ∓ ζ/2 [m]
+    Lanes<W> bend_rise;                  ///< the same by bending, at +z [m]
+    Lanes<W> turn, lag;                  ///< θ', and what the sheave at -z turns faster [rad/s]
+    Lanes<W> slope_along, bend_along;    ///< σ·t by tilting, by bending at +z [rad]
+    PlaneOf<W> velocity, drift;          ///< of the half's middle, with that of R_p sin β o; against the sheave at -z, without its tilting
+    Lanes<W> ahead;                      ///< velocity along z against the pin's middle, ±ζ'/2 [m/s]
+    Lanes<W> rise_rate, bend_rise_rate;  ///< without the change of σ·t [m/s]
+};
+
+/// The sheaves of one side as pins side by side see them, and what that end of the pins gives to the motion of its tips.
+template <int W>
+struct SideMotion {
+    double side;                 ///< ±1: -z or +z
+    PlaneOf<W> arm;              ///< of a sphere's centre against that of its half, from where this sheave is against that at -z
+    PlaneOf<W> sphere;           ///< of it against the pin's end
+    Lanes<W> z, height;          ///< from where the undisplaced flank plane is; the same inwards [m]
+    DoublesOf<W> clearance;      ///< what height adds to the distance from the flank [m]
+    Lanes<W> tilt_x, tilt_y;     ///< [rad]
+    PlaneOf<W> velocity;         ///< of the pin's end against the sheave, without what the half gives
+    PlaneOf<W> sphere_velocity;  ///< of a sphere's centre against the sheave's origin, likewise
+    Lanes<W> velocity_z;         ///< [m/s]
+    PlaneOf<W> moved_on;         ///< by which the pin's velocity turns against the sheave in the step [m/s]
+    Lanes<W> turned_by;          ///< half of the angle [rad]
+    Lanes<W> spin_x, spin_y;     ///< [rad/s]
+    Lanes<W> faster;             ///< φ' against the sheave at -z [rad/s]
+};
+
+/// Coordinates or velocities of pins.
+template <int W>
+struct PinMotion {
+    DoublePlaneOf<W> middle;
+    DoublesOf<W> z;
+    PlaneOf<W> end, bend;
+    Lanes<W> slide;
+};
+
+/// 1/√v. For floats from a root and a division of theirs and one step of Newton's method, which leaves 1e-13.
+template <int W>
+[[nodiscard, gnu::always_inline]] inline DoublesOf<W> inverse_root(const DoublesOf<W>& v) noexcept {
+    const Lanes<W> start = 1.0 / sqrt(as<W>(v));
+    if constexpr (is_single<W>) {
+        const DoublesOf<W> wide = widened<W>(start);
+        return wide * (1.5 - 0.5 * v * (wide * wide));
+    } else {
+        return start;
+    }
+}
+
+/// What the tips of pins side by side begin with, read from the columns.
+template <int W>
+class TipMotion : protected PinBlocks<W> {
+protected:
+    using V = Lanes<W>;
+    using D = DoublesOf<W>;
+    using PlaneV = PlaneOf<W>;
+    using PlaneD = DoublePlaneOf<W>;
+    using Base = PinBlocks<W>;
+    using Base::read_pins, Base::read_plane_of;
+
+public:
+    using typename Base::Blocks;
+
+    [[gnu::always_inline]] TipMotion(const RigidCoefficients& c, const TipNumbers<W>& numbers, const SheaveMotion* sheaves,
+                                     const RigidKick& kick, RigidColumns& columns, const Blocks& own) noexcept
+        : Base(columns, own), c_(c), n_(numbers), kick_(kick) {
+        at_ = read_motion(Column::x);
+        second_ = select_greater<Base::lanes>(at_.middle.x, D(c.middle), D(1.0), D(0.0));
+        driven_ = as<W>(second_);
+        const PlaneD middle = at_.middle - PlaneD{in_doubles(&SheaveMotion::x, sheaves), in_doubles(&SheaveMotion::y, sheaves)};
+        for (std::size_t k = 0; k < 2; ++k) {
+            read_half(middle, half_[k], k);
+            read_side(sheaves, k, side_[k]);
+        }
+    }
+
+protected:
+    [[gnu::always_inline]] void read_rates(const SheaveMotion* sheaves) noexcept {
+        rate_ = read_motion(Column::vx);
+        const D spin = in_doubles(&SheaveMotion::spin_z, sheaves);
+        for (std::size_t k = 0; k < 2; ++k) {
+            read_half_rates(spin, half_[k], k);
+            read_side_rates(sheaves, k, side_[k]);
+        }
+    }
+    [[nodiscard]] double side_of(std::size_t tip) const noexcept { return side_[end_of_tip(tip)].side; }
+
+private:
+    [[nodiscard, gnu::always_inline]] PinMotion<W> read_motion(Column first) const noexcept {
+        return {read_plane_of(first), read_pins(first + 2), as<W>(read_plane_of(first + 3)), as<W>(read_plane_of(first + 6)),
+                as<W>(read_pins(first + 5))};
+    }
+    /// A number of the sheave at -z, for each pin that of its shaft. @param sheaves [4]
+    [[nodiscard, gnu::always_inline]] D in_doubles(double SheaveMotion::*number, const SheaveMotion* sheaves) const noexcept {
+        return select_greater<Base::lanes>(second_, D(0.5), D(sheaves[2].*number), D(sheaves[0].*number));
+    }
+    [[nodiscard, gnu::always_inline]] V of_shaft(double driving, double driven) const noexcept {
+        return select_greater<W>(driven_, V(0.5), V(driven), V(driving));
+    }
+
+    [[gnu::always_inline]] void read_half(const PlaneD& middle, HalfMotion<W>& half, std::size_t which) noexcept {
+        const PlaneD t = read_plane_of(Column::line_x, line_of(which)), sphere = D(c_.outward) * PlaneD{t.y, -t.x};
+        half.line = as<W>(t);
+        half.outward = {half.line.y, -half.line.x};
+        half.sphere = n_.outward * half.outward;
+        half.place = middle + D(share_of(which)) * read_plane_of(Column::part_x) + sphere;
+        half.centre = as<W>(half.place);
+        const D square = dot(half.place, half.place), distance = square * inverse_root<W>(square), excess = distance - c_.touching_radius;
+        half.distance = as<W>(distance);
+        half.excess = as<W>(excess);
+        half.clearance = c_.sine * excess;
+        half.rise = n_.outward_per_half * dot(at_.end, half.outward) - V(share_of(which)) * at_.slide;
+        half.bend_rise = n_.bent_outward_per_half * dot(at_.bend, half.outward);
+    }
+    [[gnu::always_inline]] void read_half_rates(const D& spin, HalfMotion<W>& half, std::size_t which) noexcept {
+        const D turn = read_pins(Column::line_turn, line_of(which));
+        half.turn = as<W>(turn);
+        half.lag = as<W>(spin - turn);
+        half.slope_along = n_.per_half * dot(at_.end, half.line);
+        const PlaneD velocity = rate_.middle + D(share_of(which)) * read_plane_of(Column::part_vx) +
+                                (c_.outward * turn) * read_plane_of(Column::line_x, line_of(which));
+        half.velocity = as<W>(velocity);
+        half.drift = as<W>(velocity - spin * turned(half.place));
+        half.bend_along = n_.bent_per_half * dot(at_.bend, half.line);
+        half.bend_rise_rate = n_.bent_outward_per_half * dot(rate_.bend, half.outward) + n_.outward * (half.turn * half.bend_along);
+        half.ahead = V(share_of(which)) * rate_.slide;
+        half.rise_rate = n_.outward_per_half * dot(rate_.end, half.outward) + n_.outward * (half.turn * half.slope_along) - half.ahead;
+    }
+
+    [[gnu::always_inline]] void read_side(const SheaveMotion* sheaves, std::size_t end, SideMotion<W>& s) noexcept {
+        const double side = s.side = end == 0 ? -1.0 : 1.0;
+        const SheaveMotion &driving = sheaves[end], &driven = sheaves[2 + end];
+        const PlaneV moved{of_shaft(driving.x - sheaves[0].x, driven.x - sheaves[2].x),
+                           of_shaft(driving.y - sheaves[0].y, driven.y - sheaves[2].y)};
+        s.sphere = V(side * (c_.lever - 1.0)) * at_.end + V(c_.bend_lever - 1.0) * at_.bend;
+        s.arm = (V(side) * n_.lever) * at_.end + n_.bend_lever * at_.bend - moved;
+        const D plane(
+            select_greater<Base::lanes>(second_, D(0.5), D(driven.z - side * c_.half_length), D(driving.z - side * c_.half_length)));
+        const D z = at_.z - plane, height = D(-side) * z;
+        s.z = as<W>(z);
+        s.height = V(-side) * s.z;
+        s.clearance = c_.cosine * height;
+        s.tilt_x = of_shaft(driving.tilt_x, driven.tilt_x);
+        s.tilt_y = of_shaft(driving.tilt_y, driven.tilt_y);
+    }
+    /// Velocities lead by half a step, in which the pins move on above the spinning sheave; those of the beginning trail by as much.
+    [[gnu::always_inline]] void read_side_rates(const SheaveMotion* sheaves, std::size_t end, SideMotion<W>& s) noexcept {
+        const SheaveMotion &driving = sheaves[end], &driven = sheaves[2 + end];
+        const V spin = of_shaft(driving.spin_z, driven.spin_z);
+        s.spin_x = of_shaft(driving.spin_x, driven.spin_x);
+        s.spin_y = of_shaft(driving.spin_y, driven.spin_y);
+        s.faster = of_shaft(driving.spin_z - sheaves[0].spin_z, driven.spin_z - sheaves[2].spin_z);
+        s.turned_by = V(0.5 * kick_.step) * spin;
+        const PlaneV onward = s.turned_by * turned(as<W>(rate_.middle)),
+                     velocity{of_shaft(driving.vx, driven.vx), of_shaft(driving.vy, driven.vy)};
+        s.moved_on = V(2.0) * onward;
+        s.velocity = V(s.side) * rate_.end + rate_.bend - velocity + onward - spin * turned(s.arm);
+        s.sphere_velocity = (V(s.side) * n_.lever) * rate_.end + n_.bend_lever * rate_.bend - velocity;
+        const D along = select_greater<Base::lanes>(second_, D(0.5), D(driven.vz), D(driving.vz));
+        s.velocity_z = as<W>(rate_.z - along);
+    }
+
+protected:
+    const RigidCoefficients& c_;
+    const TipNumbers<W>& n_;
+    const RigidKick& kick_;
+    PinMotion<W> at_, rate_;
+    HalfMotion<W> half_[2];
+    SideMotion<W> side_[2];
+    D second_;  ///< 1 for pins of the driven shaft, else 0
+    V driven_;  ///< the same
+};
+
+}  // namespace
+}  // namespace cvtflow::model

@@ -1,0 +1,262 @@
+#include "tasks/method/friction/friction_leapfrog.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "model/basis/portable_math.hpp"
+#include "tasks/step/step_graph.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+/// In the order in which a step runs them, which is also the order of the report.
+enum FrictionCycle : int { record_kick_cycle = method_cycles, first_kick_cycle, finish_kick_cycle = first_kick_cycle + RoundCycles::count };
+
+/// Cycles of stages; a kick of eleven stages is cycles of eight, two and one.
+constexpr RoundCycles kick_cycles(first_kick_cycle, {1, 2, 4, 8});
+
+/// The spectrum changes with the tension: steps between two estimates.
+constexpr long steps_between_estimates = 64;
+constexpr int first_iterations = 50, next_iterations = 4;
+
+[[nodiscard]] double square(double x) noexcept { return x * x; }
+
+/// Rows of all fields: velocities, impulses, velocities by slot, two bases, slope, mode, image.
+[[nodiscard]] std::vector<int> rows_of_fields(int size) {
+    std::vector<int> rows(2 + kick_state_slots + 5, size);
+    rows[1] = 3 * model::tips_per_link;
+    return rows;
+}
+
+/// The first link with an unknown that is not finite, if there is one.
+[[nodiscard]] std::optional<int> first_not_finite(const Workspace& w) noexcept {
+    const model::ChainLayout& at = w.layout();
+    for (int link = 0; link < at.links; ++link) {
+        const double* begin = w.states[0] + at.link_begin(link);
+        if (!std::all_of(begin, begin + 2 * at.link_size(), [](double x) { return std::isfinite(x); })) return link;
+    }
+    return {};
+}
+
+}  // namespace
+
+template <class Number>
+FrictionSystem<Number>::FrictionSystem(const Workspace& w)
+    : Base(w, rows_of_fields(w.layout().link_size()), {base, mode, base + 1}, std::vector(kick_state_slots + 1, w.layout().link_size())) {
+    restart();
+}
+
+template <class Number>
+void FrictionSystem<Number>::restart() noexcept {
+    for (int row = 0; row < friction_.chain().layout().link_size(); ++row) {  // a mode without symmetry, to begin with
+        for_links(static_cast<Base&>(*this), [&](Fields& f, int link, int column) {
+            *f.of[mode].at(row, column) = static_cast<Number>(model::portable_sin(1.0 + 0.7 * row + 2.399 * link));
+        });
+    }
+}
+
+template <class Number>
+void FrictionSystem<Number>::record(Workspace& w, const model::ContactDrift& drift, int segment) noexcept {
+    Base::record(w, drift, base + now_, segment);
+    edges_[0].give(columns_, fields(segment).of[state], segment);
+}
+
+template <class Number>
+void FrictionSystem<Number>::stage(const Workspace& w, const KickRow& row, double h, double extrapolation, int segment) noexcept {
+    Fields& f = fields(segment);
+    const auto slot = [&](int number) { return &f.of[state + at(number)]; };
+    const model::FrictionBaseOf<Number> accelerations{&f.of[base + now_], &f.of[base + 1 - now_], extrapolation};
+    model::VelocityRowOf<Number> next;
+    for (const engine::Term& term : row.next.states) next.add(*slot(term.slot), term.factor);
+    for (const engine::Term& term : row.next.slopes) {
+        if (term.slot == row.here.slope) {
+            next.slope_weight = h * term.factor;
+        } else {
+            next.add(f.of[first_slope], h * term.factor);
+        }
+    }
+    next.to = row.next.keep >= 0 ? slot(row.next.keep) : &f.of[Base::result];
+    const bool first = row.here.keep < 0;
+    const int here = first ? 0 : row.here.keep;
+    edges_[at(here)].take(columns_, *slot(here), segment);
+    if (first) contact_edges_.take(columns_, f.contacts.columns, segment);
+    friction_.slopes(f.contacts, Base::range_of(w, row.here.time - 0.5, *slot(here), segment),
+                     {&accelerations, row.keeps_slope ? &f.of[first_slope] : nullptr, &next, row.weight,
+                      row.weight != 0.0 ? &f.of[Base::impulses] : nullptr});
+    if (row.next.keep >= 0) edges_[at(row.next.keep)].give(columns_, *next.to, segment);
+}
+
+template <class Number>
+double FrictionSystem<Number>::spectral_radius(const Workspace& w, int iterations) noexcept {
+    const int rows = w.layout().link_size(), segments = columns_.segments();
+    for (int s = 0; s < segments; ++s) contact_edges_.take(columns_, fields(s).contacts.columns, s);
+    double radius = 0.0;
+    for (int k = 0; k < iterations; ++k) {
+        double before = 0.0, after = 0.0;
+        for (int s = 0; s < segments; ++s) edges_[mode_edges].give(columns_, fields(s).of[mode], s);
+        for (int s = 0; s < segments; ++s) {
+            Fields& f = fields(s);
+            edges_[mode_edges].take(columns_, f.of[mode], s);
+            friction_.all_sticking(f.contacts, Base::range_of(w, 0.0, f.of[mode], s), f.of[image]);
+        }
+        for (int row = 0; row < rows; ++row) {
+            for_links(static_cast<Base&>(*this), [&](const Fields& f, int, int column) {
+                before += square(*f.of[mode].at(row, column));
+                after += square(*f.of[image].at(row, column));
+            });
+        }
+        radius = std::sqrt(after / before);
+        if (radius == 0.0) return 0.0;
+        const double scale = 1.0 / std::sqrt(after);
+        for (int row = 0; row < rows; ++row) {
+            for_links(static_cast<Base&>(*this), [&](Fields& f, int, int column) {
+                *f.of[mode].at(row, column) = static_cast<Number>(scale * *f.of[image].at(row, column));
+            });
+        }
+    }
+    return radius;
+}
+
+template <class Number>
+void FrictionSystem<Number>::save(std::vector<double>& memory) const {
+    for (const std::size_t field : {base + now_, std::size_t(mode)}) Base::save(field, memory);
+}
+
+template <class Number>
+void FrictionSystem<Number>::load(std::span<const double> memory) {
+    for (const std::size_t field : {base + now_, std::size_t(mode)}) Base::load(field, memory);
+}
+
+template class FrictionSystem<double>;
+template class FrictionSystem<float>;
+
+template <class Number>
+FrictionLeapfrog<Number>::FrictionLeapfrog(Workspace& workspace, const Kick& kick)
+    : w_(workspace), frame_(workspace), system_(workspace), tables_(kick) {}
+
+template <class Number>
+void FrictionLeapfrog<Number>::add_tasks(engine::TaskGraph& graph) {
+    const auto name = [](const char* stage, int segment) { return stage + ("[" + std::to_string(segment) + "]"); };
+    for (int s = 0; s < w_.partition.size(); ++s)
+        graph.add({name("record", s), record_kick_cycle, engine::code_of<&FrictionLeapfrog::record>(*this), s,
+                   record_accesses(w_, s).own(Field::velocity_read, true).list()});
+    kick_cycles.add_tasks(graph, w_, "stage", engine::code_of<&FrictionLeapfrog::stage>(*this), [](LinkAccesses& accesses) {
+        accesses.own(Field::force, false).own(Field::velocity_slope, true).own(Field::impulse, true);
+    });
+    for (int s = 0; s < w_.partition.size(); ++s)
+        graph.add({name("finish", s), finish_kick_cycle, engine::code_of<&FrictionLeapfrog::finish>(*this), s,
+                   LinkAccesses(w_, s)
+                       .own(Field::velocity_read, false)
+                       .own(Field::impulse, false)
+                       .own(Field::contact, false)
+                       .own(Field::phase, false)
+                       .own(Field::states_read, false)
+                       .segment(Field::window, false)
+                       .own(Field::state_kept, true)
+                       .own(Field::end_state, true)
+                       .own(Field::load, true)
+                       .list()});
+}
+
+template <class Number>
+void FrictionLeapfrog<Number>::restart() noexcept {
+    frame_.restart();
+    steps_ = 0;
+    system_.restart();
+}
+
+template <class Number>
+NextCycle FrictionLeapfrog<Number>::begin() {
+    if (frame_.is_new()) {
+        frame_.turn_over();
+        system_.turn_over();
+    }
+    frame_.begin();
+    w_.step.end_state_ready = true;
+    if (!w_.layout().ledger) {
+        state_ = State::recording;
+        return record_kick_cycle;
+    }
+    state_ = State::evaluating;  // accounts need the forces with friction
+    return evaluate_cycle;
+}
+
+template <class Number>
+NextCycle FrictionLeapfrog<Number>::next() {
+    switch (state_) {
+        case State::evaluating: state_ = State::recording; return record_kick_cycle;
+        case State::recording: return start_kick();
+        case State::finishing: frame_.end(w_.sheave_forces()); return NextCycle::done();
+        case State::stages: break;
+    }
+    if (stage_ < table_->plan.stages()) return start_stages();
+    state_ = State::finishing;
+    return finish_kick_cycle;
+}
+
+template <class Number>
+NextCycle FrictionLeapfrog<Number>::start_kick() {
+    if (steps_ % steps_between_estimates == 0) radius_ = system_.spectral_radius(w_, steps_ == 0 ? first_iterations : next_iterations);
+    ++steps_;
+    table_ = tables_.reaching(margin * radius_ * w_.step.h);
+    if (table_ == nullptr) {
+        fault_ = std::isfinite(radius_)
+                     ? Fault{FaultKind::too_stiff, w_.step.time, {}, radius_ * w_.step.h, tables_.longest_reach() / margin}
+                     : Fault{FaultKind::non_finite, w_.step.time, first_not_finite(w_), 0.0, 0.0};
+        return NextCycle::failed();
+    }
+    state_ = State::stages;
+    stage_ = 0;
+    return start_stages();
+}
+
+/// As many of the stages that are left as a cycle has.
+template <class Number>
+NextCycle FrictionLeapfrog<Number>::start_stages() {
+    const RoundCycles::Cycle cycle = kick_cycles.longest(table_->plan.stages() - stage_);
+    for (int k = 0; k < cycle.rounds; ++k, ++stage_) {
+        const KickRow row = table_->row(stage_);
+        together_[at(k)] = {row, table_->extrapolation(row.here.time, frame_.rise())};
+    }
+    return cycle.number;
+}
+
+template <class Number>
+void FrictionLeapfrog<Number>::save(std::vector<double>& memory) const {
+    memory.assign({radius_, static_cast<double>(steps_)});
+    frame_.save(memory);
+    system_.save(memory);
+}
+
+template <class Number>
+void FrictionLeapfrog<Number>::load(std::span<const double> memory) {
+    if (memory.empty()) return;
+    radius_ = pop_front(memory, 1)[0];
+    steps_ = pop_integer(memory, 0, std::numeric_limits<int>::max());
+    system_.load(frame_.load(memory));
+}
+
+template <class Number>
+void FrictionLeapfrog<Number>::record(int segment) noexcept {
+    system_.record(w_, frame_.drift(), segment);
+}
+
+template <class Number>
+void FrictionLeapfrog<Number>::stage(int item) noexcept {
+    const int segments = w_.partition.size();
+    const Stage& stage = together_[static_cast<std::size_t>(item / segments)];
+    system_.stage(w_, stage.row, w_.step.h, stage.extrapolation, item % segments);
+}
+
+template <class Number>
+void FrictionLeapfrog<Number>::finish(int segment) noexcept {
+    system_.finish(w_, segment);
+}
+
+template class FrictionLeapfrog<double>;
+template class FrictionLeapfrog<float>;
+
+}  // namespace cvtflow::tasks

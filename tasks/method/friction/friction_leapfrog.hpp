@@ -1,0 +1,111 @@
+#pragma once
+/// Leapfrog with friction integrated inside the step. Elasticity limits the step (ω h < 2), friction does not:
+///
+///     q ← q + h/2 v
+///     G, contacts: everything but friction's velocities, at q and at velocities extrapolated over the half step
+///     v ← friction and G over h, by a table of stages
+///     q ← q + h/2 v
+///
+/// Friction is stiff, so velocities follow whatever it is tied to, and what is held constant over the step makes them late by half a step.
+/// Two things are therefore let go on within it: the sheaves' surface under a tip turns with the tip (a tenth of the saturation speed in 1
+/// µs), and G(t) = G + (t/h - 1/2) ΔG, with ΔG its change since the step before, which leaves the impulse of G and so the leapfrog alone.
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "tasks/method/friction/kick_system.hpp"
+#include "tasks/method/friction/kick_tables.hpp"
+#include "tasks/method/friction/leapfrog_frame.hpp"
+#include "tasks/step/step_method.hpp"
+
+namespace cvtflow::tasks {
+
+/// The friction of a step: velocities of all links under friction and constant accelerations, everything else frozen, as a small system of
+/// ordinary differential equations that a table of stages integrates inside the step, by segments. What the stages add to a link's
+/// velocities in single precision is rounded to 6e-8 of itself.
+template <class Number>
+class FrictionSystem : public KickSystem<Number> {
+public:
+    explicit FrictionSystem(const Workspace& workspace);
+
+    /// Power iterations begin anew.
+    void restart() noexcept;
+
+    // Bodies of tasks: each touches the columns of one segment only, and reads what its neighbours have handed over.
+
+    /// Contacts and all other forces of a segment's links; their velocities at the step's start in slot 0.
+    void record(Workspace& workspace, const model::ContactDrift& drift, int segment) noexcept;
+    /// One row of a chained table: evaluates at the velocities of its slot, with extrapolation times the difference between base and that
+    /// of the step before added to base; adds weight times the tips' forces to impulses; combines the velocities of the row that follows.
+    void stage(const Workspace& workspace, const KickRow& row, double h, double extrapolation, int segment) noexcept;
+
+    /// Largest eigenvalue of friction about rest, from a few power iterations on; everything must be at rest [1/s].
+    [[nodiscard]] double spectral_radius(const Workspace& workspace, int iterations) noexcept;
+
+    /// Memory between steps: forces of the last step, and the vectors of power iterations.
+    void save(std::vector<double>& memory) const;
+    void load(std::span<const double> memory);  ///< memory [what save() wrote]
+
+private:
+    using Base = KickSystem<Number>;
+    using Base::columns_, Base::contact_edges_, Base::edges_, Base::fields, Base::for_links, Base::friction_, Base::now_;
+    using typename Base::Fields;
+    /// Fields: velocities by slot; accelerations by everything but friction, of this step and of the one before (see now_); ….
+    enum Own : std::size_t { state = Base::start, base = state + kick_state_slots, first_slope = base + 2, mode, image };
+    static constexpr std::size_t mode_edges = kick_state_slots;  ///< those before are of states
+};
+
+/// @tparam Number in which velocities inside the step are computed: double or float
+template <class Number>
+class FrictionLeapfrog final : public StepMethod {
+public:
+    /// Slots of the workspace that the method uses.
+    static constexpr int state_slots = LeapfrogFrame::state_slots, slope_slots = LeapfrogFrame::slope_slots;
+    /// Factor by which the spectral radius of friction may have grown since its last estimate.
+    static constexpr double margin = 1.1;  ///< [1]
+
+    FrictionLeapfrog(Workspace& workspace, const Kick& kick);
+
+    [[nodiscard]] NextCycle begin() override;
+    [[nodiscard]] NextCycle next() override;
+    void add_tasks(engine::TaskGraph& graph) override;
+    void repartitioned() override { system_.repartition(w_.partition); }
+    [[nodiscard]] bool retakes() const noexcept override { return true; }
+    void restart() noexcept override;
+    void transition() noexcept override {}  // history stays good: nothing jumps
+    void save(std::vector<double>& memory) const override;
+    void load(std::span<const double> memory) override;  ///< memory [what save() wrote]
+    [[nodiscard]] Fault fault() const noexcept override { return fault_; }
+
+    [[nodiscard]] std::optional<std::size_t> bytes() const noexcept override { return system_.bytes(); }
+
+    // Bodies of tasks.
+    void record(int segment) noexcept;
+    void stage(int item) noexcept;  ///< item = stage of the cycle × segments + segment
+    void finish(int segment) noexcept;
+
+private:
+    struct Stage {
+        KickRow row{};
+        double extrapolation = 0.0;  ///< of G, in units of the difference between the last two [1]
+    };
+    enum class State { evaluating, recording, stages, finishing };
+
+    NextCycle start_kick();
+    NextCycle start_stages();
+
+    Workspace& w_;
+    LeapfrogFrame frame_;
+    FrictionSystem<Number> system_;
+    const KickTables tables_;
+    const KickTable* table_ = nullptr;  ///< of the step at hand
+    State state_ = State::evaluating;
+    int stage_ = 0;                                    ///< the first that is in no cycle yet
+    std::array<Stage, RoundCycles::most> together_{};  ///< of the cycle at hand
+    long steps_ = 0;
+    double radius_ = 0.0;  ///< spectral radius of friction [1/s]
+    Fault fault_;
+};
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,164 @@
+#include "tasks/method/friction/kick_system.hpp"
+
+#include <algorithm>
+#include <type_traits>
+#include <utility>
+
+#include "tasks/step/assembly/segment_tasks.hpp"
+#include "tasks/step/step_method.hpp"
+
+namespace cvtflow::tasks {
+
+template <class Number>
+KickSystem<Number>::KickSystem(const Workspace& w, std::vector<int> rows, std::vector<std::size_t> outlasting,
+                               const std::vector<int>& edges)
+    : friction_(w.variator.chain(), w.parameters.detail.stick_slip),
+      contact_edges_(model::ContactFieldOf<Number>(w.variator.chain()).components.count()),
+      edges_(edges.begin(), edges.end()),
+      rows_(std::move(rows)),
+      outlasting_(std::move(outlasting)) {
+    const int links = w.layout().links;
+    moving_.resize(outlasting_.size() * at(rows_[outlasting_.front()] * links));
+    normal_loads_.resize(at(links));
+    columns_.lay_out(w.partition);
+    make_room();
+}
+
+template <class Number>
+typename KickSystem<Number>::Fields KickSystem<Number>::make_fields(int width) const {
+    Fields fields{width, model::ContactFieldOf<Number>(friction_.chain()), {}, {}};
+    fields.contacts.make_columns(width);
+    for (const int rows : rows_) fields.of.emplace_back(rows, width);
+    fields.scratch.resize(at(friction_.template scratch_size<Number>(width)), Number(0));
+    return fields;
+}
+
+/// Fields and edges for all segments. Those of whole lines serve when borders move a little.
+template <class Number>
+void KickSystem<Number>::make_room() {
+    constexpr int line = Columns::line;
+    const int segments = columns_.segments();
+    for (int s = 0; s < segments; ++s) {
+        const int width = (columns_.count(s) + line - 1) / line * line;
+        if (at(s) == fields_.size()) {
+            fields_.push_back(make_fields(width));
+        } else if (fields(s).width < width) {
+            fields(s) = make_fields(width);
+        }
+    }
+    contact_edges_.make_room(segments);
+    for (SegmentEdges<Number>& edges : edges_) edges.make_room(segments);
+}
+
+/// All that outlasts a step: one that has been cut is yet to be taken again.
+template <class Number>
+void KickSystem<Number>::repartition(const Partition& partition) {
+    Number* room = moving_.data();
+    for (const std::size_t field : outlasting_) for_numbers(*this, field, [&](Number& number) { *room++ = number; });
+    columns_.lay_out(partition);
+    make_room();
+    room = moving_.data();
+    for (const std::size_t field : outlasting_) for_numbers(*this, field, [&](Number& number) { number = *room++; });
+}
+
+template <class Number>
+std::size_t KickSystem<Number>::bytes() const noexcept {
+    std::size_t bytes = sizeof(*this) + normal_loads_.size() * sizeof(model::LinkLoad) + contact_edges_.bytes();
+    for (const SegmentEdges<Number>& each : edges_) bytes += each.bytes();
+    for (const Fields& f : fields_) {
+        bytes += f.contacts.bytes() + f.scratch.size() * sizeof(Number);
+        for (const Columns& each : f.of) bytes += each.bytes();
+    }
+    return bytes;
+}
+
+template <class Number>
+void KickSystem<Number>::record(Workspace& w, const model::ContactDrift& drift, std::size_t frictionless, int segment) noexcept {
+    Fields& f = fields(segment);
+    const Segment& own = w.partition[segment];
+    double* window = w.windows[at(segment)].data();
+    fill_window(w, own, window);
+    const int shift = columns_.shift(segment), begin = w.layout().link_begin(own.first), size = w.layout().link_size();
+    const model::ChainRange range{own.first, own.last, window, w.pulleys.sheaves, w.tips.phases.data(), shift, false};
+    model::LinkLoad* loads = normal_loads_.data() + own.first;
+    const double* state = w.states[0] + begin;
+    if constexpr (std::is_same_v<Number, float>) {
+        friction_.record(range, drift, {state, f.contacts, f.of[frictionless], f.of[start]}, loads);
+    } else {
+        friction_.record(range, drift, f.contacts, f.of[frictionless], loads);
+        Columns& velocities = f.of[start];
+        for (int link = own.first; link < own.last; ++link, state += w.layout().link_block())
+            for (int row = 0; row < size; ++row) *velocities.at(row, link + shift) = state[size + row];
+    }
+    for (int row = 0; row < rows_[impulses]; ++row) std::fill_n(f.of[impulses].at(row, SegmentColumns::first), own.size(), Number(0));
+    contact_edges_.give(columns_, f.contacts.columns, segment);
+}
+
+template <class Number>
+model::FrictionRangeOf<Number> KickSystem<Number>::range_of(const Workspace& w, double time, const Columns& velocity,
+                                                            int segment) noexcept {
+    const Segment& own = w.partition[segment];
+    return {own.first,
+            own.last,
+            velocity.at(0, SegmentColumns::first - 1),
+            velocity.stride(),
+            fields(segment).scratch.data(),
+            w.tips.phases.data(),
+            time,
+            columns_.shift(segment)};
+}
+
+template <class Number>
+void KickSystem<Number>::finish(Workspace& w, int segment) const noexcept {
+    const Fields& f = fields(segment);
+    const Segment& own = w.partition[segment];
+    const Columns &velocities = f.of[result], &forces = f.of[impulses];
+    const int shift = columns_.shift(segment);
+    for (int link = own.first; link < own.last; ++link) {
+        w.links.loads[at(link)] = normal_loads_[at(link)];
+        model::SheaveLoad& load = w.links.loads[at(link)].load;
+        const model::TipArms& p = f.contacts.arms[at(link)];
+        for (int corner = 0; corner < model::tips_per_link; ++corner) {
+            if (w.tips.phases[at(model::tips_per_link * link + corner)] == model::Phase::free) continue;
+            const auto force = [&](int axis) -> double { return *forces.at(3 * corner + axis, link + shift); };
+            load.add(corner % 2, -force(0), -force(1), -force(2), p.x[corner], p.y[corner], p.z[corner]);
+        }
+    }
+    if (w.layout().pulley_size != 0) w.add_up(own);
+
+    const model::ChainLayout& layout = w.layout();
+    const int size = layout.link_size();
+    const double half = 0.5 * w.step.h;
+    // Velocities that others count from: still in the window that record() has filled.
+    const double* counted_from = w.windows[at(segment)].data() + layout.halo() * layout.link_block() + size;
+    for (int link = own.first; link < own.last; ++link, counted_from += layout.link_block()) {
+        const double* __restrict from = w.states[0] + layout.link_begin(link);
+        double* __restrict to = w.end_state + layout.link_begin(link);
+        for (int row = 0; row < size; ++row) {
+            to[size + row] = *velocities.at(row, link + shift);
+            if constexpr (std::is_same_v<Number, float>) to[size + row] += counted_from[row];
+        }
+        for (int k = 0; k < size; ++k) to[k] = from[k] + half * (from[size + k] + to[size + k]);
+    }
+}
+
+template <class Number>
+void KickSystem<Number>::clear(std::size_t field) noexcept {
+    for_numbers(*this, field, [](Number& number) { number = Number(0); });
+}
+
+template <class Number>
+void KickSystem<Number>::save(std::size_t field, std::vector<double>& memory) const {
+    for_numbers(*this, field, [&](const Number& number) { memory.push_back(number); });
+}
+
+template <class Number>
+void KickSystem<Number>::load(std::size_t field, std::span<const double>& memory) {
+    const double* from = pop_front(memory, at(rows_[field] * friction_.chain().layout().links)).data();
+    for_numbers(*this, field, [&](Number& number) { number = static_cast<Number>(*from++); });
+}
+
+template class KickSystem<double>;
+template class KickSystem<float>;
+
+}  // namespace cvtflow::tasks

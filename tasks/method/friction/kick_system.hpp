@@ -1,0 +1,95 @@
+#pragma once
+/// What leapfrogs do by segments before and after friction has acted inside a step, whatever solves for it: contacts and all other forces
+/// are recorded in the middle of the step; loads, velocities and coordinates are given back at its end. Columns of fields that outlast a
+/// step move with the borders of segments.
+
+#include <span>
+#include <vector>
+
+#include "model/contact/contact_field.hpp"
+#include "tasks/method/friction/segment_columns.hpp"
+#include "tasks/step/workspace.hpp"
+
+namespace cvtflow::tasks {
+
+/// @tparam Number of velocities inside the step: double or float. In single precision they count from those of the record
+template <class Number>
+class KickSystem {
+public:
+    /// Memory of segments, after every change of the partition.
+    void repartition(const Partition& partition);
+    /// What outlasts a step becomes that of the step before.
+    void turn_over() noexcept { now_ = 1 - now_; }
+    /// Memory that a step touches [B]: no room for what borders move through, nothing that is computed on demand.
+    [[nodiscard]] std::size_t bytes() const noexcept;
+
+    /// Body of a task: loads of a segment's links since record(), of the normal forces and the mean reaction of the tips' friction; their
+    /// state at the step's end by the resulting velocities.
+    void finish(Workspace& workspace, int segment) const noexcept;
+
+protected:
+    using Columns = model::ColumnsOf<Number>;
+    /// Fields of every system: velocities at the step's end, mean forces of the tips' friction, velocities at the step's start.
+    enum Common : std::size_t { result, impulses, start, first_own };
+
+    /// What a segment's tasks write and read. Column = link + shift of the segment.
+    struct Fields {
+        int width;  ///< columns
+        model::ContactFieldOf<Number> contacts;
+        std::vector<Columns> of;  ///< [field]
+        model::LineVector<Number> scratch;
+    };
+
+    /// @param rows of each field, of those in Common first   @param outlasting fields that outlast a step, with equally many rows
+    /// @param edges rows of what segments hand over beside contacts
+    KickSystem(const Workspace& workspace, std::vector<int> rows, std::vector<std::size_t> outlasting, const std::vector<int>& edges);
+
+    [[nodiscard]] Fields& fields(int segment) noexcept { return fields_[at(segment)]; }
+    [[nodiscard]] const Fields& fields(int segment) const noexcept { return fields_[at(segment)]; }
+    /// Contacts of a segment's links at the stage state of workspace.step.row, all other forces there as accelerations in the field
+    /// `frictionless`, and velocities at the step's start; hands over the contacts. No impulses so far.
+    void record(Workspace& workspace, const model::ContactDrift& drift, std::size_t frictionless, int segment) noexcept;
+    /// A segment's links with velocities of columns like its fields'. time [s]
+    [[nodiscard]] model::FrictionRangeOf<Number> range_of(const Workspace& workspace, double time, const Columns& velocity,
+                                                          int segment) noexcept;
+
+    /// The numbers of a field become zero, of all links.
+    void clear(std::size_t field) noexcept;
+    /// The numbers of a field, rows of all links one after the other, at the end of a memory.
+    void save(std::size_t field, std::vector<double>& memory) const;
+    /// @throws std::invalid_argument if the memory is too short
+    void load(std::size_t field, std::span<const double>& memory);
+
+    /// Calls visit(fields, link, column) for all links of a system, in order.
+    template <class System, class Visit>
+    static void for_links(System& system, const Visit& visit) {
+        for (int s = 0; s < system.columns_.segments(); ++s) {
+            const Segment& own = system.columns_.segment(s);
+            for (int link = own.first; link < own.last; ++link) visit(system.fields(s), link, link + system.columns_.shift(s));
+        }
+    }
+
+    model::FrictionOperator friction_;
+    SegmentColumns columns_;
+    std::size_t now_ = 0;  ///< which of two fields that outlast a step is this step's
+    SegmentEdges<Number> contact_edges_;
+    std::vector<SegmentEdges<Number>> edges_;
+
+private:
+    [[nodiscard]] Fields make_fields(int width) const;
+    void make_room();
+    /// Calls visit(number) for all numbers of a field, rows of all links one after the other.
+    template <class System, class Visit>
+    static void for_numbers(System& system, std::size_t field, const Visit& visit) {
+        for (int row = 0; row < system.rows_[field]; ++row)
+            for_links(system, [&](auto& fields, int, int column) { visit(*fields.of[field].at(row, column)); });
+    }
+
+    std::vector<int> rows_;                      ///< [field]
+    std::vector<std::size_t> outlasting_;        ///< fields
+    std::vector<Fields> fields_;                 ///< [segment], or more
+    std::vector<Number> moving_;                 ///< [outlasting][rows][links] room for what borders move through
+    std::vector<model::LinkLoad> normal_loads_;  ///< [links]
+};
+
+}  // namespace cvtflow::tasks

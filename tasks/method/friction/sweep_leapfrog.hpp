@@ -1,0 +1,133 @@
+#pragma once
+/// Leapfrog with friction solved for where it acts: by a few implicit sweeps over the contacts of each joint and link, which begin with the
+/// forces of the step before. It is backward Euler on velocities alone, nearly converged.
+///
+///     opening    joints and links with the forces of the step before, then plates and tips of each link
+///     middle     joints, plates and tips once more, as often as the plan states
+///     closing    joints; velocities and coordinates at the end
+///
+/// Forces that outlast a step belong to the state of the integration: they are saved, and a step that is cut takes up those that the whole
+/// step has begun with. A first step has none: it takes `first_sweeps`.
+
+#include <array>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "model/contact/sweep_step.hpp"
+#include "tasks/method/friction/kick_system.hpp"
+#include "tasks/method/friction/leapfrog_frame.hpp"
+#include "tasks/step/step_method.hpp"
+
+namespace cvtflow::tasks {
+
+/// What sweeps need that parameters do not have, as a setting: pin halves, and a friction law without a rounded corner. Empty: nothing.
+[[nodiscard]] std::string_view missing_for_sweeps(const model::Parameters& parameters) noexcept;
+/// Whether sweeps are the automatic choice: parameters have what they need, tips have no phases stick and slip (whose losses were not
+/// compared), and friction does not saturate at so low a speed that more sweeps would be needed than a step has.
+[[nodiscard]] bool sweeps_suit(const model::Parameters& parameters);
+
+/// The friction of a step as forces that implicit sweeps find (model/contact/sweep_step.hpp), by segments. Both neighbours of a border
+/// compute its joint, from what they have handed over; so the same bits come out for all segments.
+template <class Number>
+class SweepSystem : public KickSystem<Number> {
+public:
+    explicit SweepSystem(const Workspace& workspace);
+
+    /// Memory of segments, after every change of the partition.
+    void repartition(const Partition& partition);
+    /// There was no step before: no contact has a force.
+    void restart() noexcept;
+    /// What follows is one step. @param nominal its length if nothing had cut it short [s]
+    void begin(double step, double nominal) noexcept;
+    /// It has been taken.
+    void end() noexcept { losses_ = Losses::to_be_found; }
+
+    // Bodies of tasks: each touches the columns of one segment only, and reads what its neighbours have handed over.
+
+    /// Contacts of a segment's links at the stage state of workspace.step.row, and all other forces there.
+    void record(Workspace& workspace, const model::ContactDrift& drift, int segment) noexcept;
+    /// Pass `number` of the step, from 0 on. @param ahead FrictionSweepOf::ahead
+    void sweep(const Workspace& workspace, model::SweepPart part, double ahead, int number, int segment) noexcept;
+
+    /// Losses by friction in the accounts of an observe cycle become what the forces of the last step have done; while all is at rest.
+    void book(Workspace& workspace) noexcept;
+
+    /// What outlasts a step: its forces, and their losses.
+    void save(std::vector<double>& memory) const;
+    void load(std::span<const double> memory);  ///< memory [what save() wrote]
+
+private:
+    using Base = KickSystem<Number>;
+    using Base::columns_, Base::contact_edges_, Base::edges_, Base::fields, Base::friction_, Base::now_;
+    using typename Base::Columns, typename Base::Fields;
+    enum class Losses { none, to_be_found, known };
+    /// Fields: accelerations by everything but friction; velocities; forces of this step and of the one before (see now_).
+    enum Own : std::size_t { base = Base::first_own, velocity, kept };
+    /// Of forces, and of velocities after passes of even and of odd number.
+    enum Edges : std::size_t { kept_edges, velocity_edges };
+
+    [[nodiscard]] static std::vector<int> rows_of_fields(const Workspace& workspace);
+    void make_means();
+    void find_losses() const noexcept;
+
+    model::SweepResponses<Number> responses_;
+    // Computed on demand: for an observation, a checkpoint, or borders that move.
+    mutable Losses losses_ = Losses::none;
+    mutable std::vector<Columns> means_;  ///< [segment], or more: velocities of the step, when its losses are found
+    mutable SegmentEdges<Number> mean_edges_;
+    mutable std::vector<model::FrictionPowers> powers_;  ///< [links] of the last step
+};
+
+/// @tparam Number of velocities inside the step: double or float
+template <class Number>
+class SweepLeapfrog final : public StepMethod {
+public:
+    /// Slots of the workspace that the method uses.
+    static constexpr int state_slots = LeapfrogFrame::state_slots, slope_slots = LeapfrogFrame::slope_slots;
+    /// Sweeps of a step without a step before.
+    static constexpr int first_sweeps = 30;
+
+    /// For parameters with nothing missing_for_sweeps().
+    explicit SweepLeapfrog(Workspace& workspace);
+
+    [[nodiscard]] NextCycle begin() override;
+    [[nodiscard]] NextCycle next() override;
+    void add_tasks(engine::TaskGraph& graph) override;
+    void repartitioned() override { system_.repartition(w_.partition); }
+    [[nodiscard]] bool retakes() const noexcept override { return true; }
+    /// Contact begins with no force at all; only with stick and slip the phase decides a force.
+    [[nodiscard]] bool keeps_steps() const noexcept override { return !w_.parameters.detail.stick_slip; }
+    [[nodiscard]] long observation_stride() const noexcept override { return 12; }
+    void restart() noexcept override;
+    void transition() noexcept override {}  // forces stay good: that of a tip that has just landed is zero
+    void save(std::vector<double>& memory) const override;
+    void load(std::span<const double> memory) override;  ///< memory [what save() wrote]
+
+    [[nodiscard]] std::optional<std::size_t> bytes() const noexcept override { return system_.bytes(); }
+
+    // Bodies of tasks.
+    void record(int segment) noexcept;
+    void sweep(int item) noexcept;  ///< item = pass of the cycle × segments + segment
+    void book(int item) noexcept;   ///< losses by friction in an observe cycle, after all else; item 0
+
+private:
+    enum class State { evaluating, recording, sweeping };
+
+    NextCycle next_passes();
+    void add_booking(engine::TaskGraph& graph);
+
+    Workspace& w_;
+    LeapfrogFrame frame_;
+    SweepSystem<Number> system_;
+    const int sweeps_;  ///< of a step
+    State state_ = State::evaluating;
+    int pass_ = 0;               ///< the first that is in no cycle yet
+    int passes_ = 0;             ///< of the step at hand
+    int begun_ = 0;              ///< the first pass of the cycle at hand
+    double begun_length_ = 0.0;  ///< of the step before, as it was begun [s]
+    double nominal_ = 0.0;       ///< of steps that nothing cuts short: the longest, or the last that was as long as the one before [s]
+    bool cold_ = true;           ///< the step at hand has none before it
+};
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,51 @@
+#include <string>
+
+#include "tasks/step/assembly/segment_tasks.hpp"
+#include "tasks/step/step_graph.hpp"
+#include "tasks/step/step_method.hpp"
+
+namespace cvtflow::tasks {
+
+engine::TaskGraph step_graph(const Workspace& w, const AssemblyOptions& options, StepMethod* method) {
+    engine::TaskGraph graph = options.kind == Assembly::fused ? fused_graph(w) : staged_graph(w, options);
+    if (method != nullptr) method->add_tasks(graph);
+    graph.freeze();
+    return graph;
+}
+
+void add_transition_tasks(engine::TaskGraph& graph, const Workspace& w, int s) {
+    const std::string number = "[" + std::to_string(s) + "]";
+    graph.add({"detect" + number, detect_cycle, detect_segment, s, detect_accesses(w, s), transition_stage});
+    graph.add({"locate" + number, locate_cycle, locate_segment, s, locate_accesses(w, s), transition_stage});
+    graph.add({"truncate" + number, truncate_cycle, truncate_segment, s, truncate_accesses(w, s), transition_stage});
+}
+
+void add_observe_task(engine::TaskGraph& graph, const Workspace& w, int s) {
+    graph.add({"observe[" + std::to_string(s) + "]", observe_cycle, observe_segment, s, observe_accesses(w, s)});
+}
+
+engine::TaskGraph fused_graph(const Workspace& w) {
+    engine::TaskGraph graph;
+    for (int s = 0; s < w.partition.size(); ++s) {
+        const std::string number = "[" + std::to_string(s) + "]";
+        // Slots that a stage reads are never the ones it writes: validate(StagePlan) sees to that.
+        graph.add({"force" + number, evaluate_cycle, evaluate_segment, s,
+                   LinkAccesses(w, s)
+                       .with_halo(Field::states_read)
+                       .with_halo(Field::slopes_read)
+                       .with_halo(Field::end_state)
+                       .own(Field::slope_written, true)
+                       .own(Field::state_kept, true)
+                       .own(Field::load, true)
+                       .own(Field::account, true)
+                       .own(Field::phase, false)
+                       .segment(Field::window, true)
+                       .list(),
+                   "all forces (fused)"});
+        add_transition_tasks(graph, w, s);
+        add_observe_task(graph, w, s);
+    }
+    return graph;
+}
+
+}  // namespace cvtflow::tasks
