@@ -289,8 +289,7 @@ private:
                 {{}, "accuracy: start.mode \"shared\" starts cases from a state in which none of them has settled; use \"settle\""});
         outputs_within_run();
         start_takes_accuracy();
-        if (!Method::find(method_of(sweep_.scene)))
-            problems_.push_back({{}, fmt::format("run.method: unknown method {}", toml_text(sweep_.scene.run.method))});
+        if (!Method::find(method_of(sweep_.scene))) problems_.push_back({{}, "run.method: " + no_method(sweep_.scene.run.method)});
     }
 
     /// What lies beyond the end of a case is not a finite number, and the case is undefined.
