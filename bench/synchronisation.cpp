@@ -252,7 +252,8 @@ void write_csv(const std::vector<Contender>& contenders, const Settings& setting
         for (const double part : {0.5, 0.25, 0.75, 0.0}) file.print(",{:.4f}", quantile(each, &Turn::typical, part));
         file.print(",{:.4f},{},{},{},{},\"{}\",{},\"{}\",\"{}\",{},{},{},{},{}\n", quantile(each, &Turn::mean, 0.5), settings.threads,
                    settings.pin, settings.wait_name, settings.repetitions, machine(), usable_processors(), __VERSION__, tbb_version(),
-                   cvtflow::bench::openmp_version(), policy != nullptr ? policy : "", known ? fmt::format("{:.2f}", load) : "", here.commit, here.date);
+                   cvtflow::bench::openmp_version(), policy != nullptr ? policy : "", known ? fmt::format("{:.2f}", load) : "", here.commit,
+                   here.date);
     }
 }
 

@@ -25,7 +25,8 @@ struct MethodAnalysis {
 /// Of a program of either catalogue. @throws std::out_of_range for one that nobody has analysed
 [[nodiscard]] const MethodAnalysis& analysis_of(const tasks::MethodProgram& program);
 
-/// The same method with all of its numbers in double precision: the name itself, but for those whose velocities inside the step are in single.
+/// The same method with all of its numbers in double precision: the name itself, but for those whose velocities inside the step are in
+/// single.
 [[nodiscard]] std::string in_double_precision(std::string_view method);
 
 /// The reach that the analysis finds, which the catalogue declares.

@@ -63,9 +63,7 @@ std::span<const StagePlan> methods() {
     return all;
 }
 
-const StagePlan* find_method(std::string_view name) {
-    return family_of(name) == nullptr ? named(tables(), name) : named(methods(), name);
-}
+const StagePlan* find_method(std::string_view name) { return family_of(name) == nullptr ? named(tables(), name) : named(methods(), name); }
 
 std::optional<StagePlan> make_method(std::string_view name) {
     if (const MethodFamily* family = family_of(name)) return family->make(name);

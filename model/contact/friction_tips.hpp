@@ -68,7 +68,6 @@ private:
     std::array<Number, Terms> weight_;  ///< [1]
 };
 
-
 template <int W>
 class FrictionColumns {
 protected:
@@ -115,7 +114,6 @@ inline void over_groups(int first, int last, const Body& body) noexcept {
     for (; last - own > native; own += most) body.template operator()<wide>(own);
     if (own < last) body.template operator()<narrow>(own);
 }
-
 
 /// Of one tip: velocity along its sheave's surface, or force.
 template <class V>

@@ -157,7 +157,6 @@ private:
     const Contacts& contacts_;
 };
 
-
 /// `own` counts links from the range's first, and the pins behind them.
 /// @tparam Contacts NoContacts, or ContactWriter: then accelerations go there instead of slopes
 template <int P, int W, class Contacts = NoContacts>

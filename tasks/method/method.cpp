@@ -12,9 +12,7 @@ namespace cvtflow::tasks {
 namespace {
 
 /// The estimate y - ŷ falls like the step to the lower order of both, plus one.
-int error_power_of(const engine::StagePlan& plan) {
-    return plan.error ? std::min(plan.order, plan.embedded_order) + 1 : 0;
-}
+int error_power_of(const engine::StagePlan& plan) { return plan.error ? std::min(plan.order, plan.embedded_order) + 1 : 0; }
 
 /// A table with the slots of a program.
 engine::StagePlan plan_of(const MethodProgram& program) {

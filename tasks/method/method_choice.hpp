@@ -50,8 +50,8 @@ struct MethodProgram {
     int slope_slots = 1;  ///< slot 0 included
     /// @throws std::invalid_argument if the method cannot be used with the workspace's scene
     std::function<std::unique_ptr<StepMethod>(Workspace& workspace)> make = {};
-    std::string solves = "none";  ///< systems solved in a step, in words
-    MethodReach reach = {};  ///< as bench/method/stability derives it, and a test compares
+    std::string solves = "none";               ///< systems solved in a step, in words
+    MethodReach reach = {};                    ///< as bench/method/stability derives it, and a test compares
     double longest_step = usual_longest_step;  ///< that is chosen where steps are automatic, with pin halves [s]
     bool estimates_error = false;              ///< of a step: StepMethod::error_power() is not 0
     int revision = 1;  ///< raised whenever a step computes otherwise, so that no checkpoint of the former method is continued

@@ -3,9 +3,9 @@
 #include <chrono>
 #include <cmath>
 
+#include "bench/method/implicit/trapezoidal.hpp"
 #include "bench/study/method_run.hpp"
 #include "model/observe/observation.hpp"
-#include "bench/method/implicit/trapezoidal.hpp"
 
 namespace cvtflow::bench {
 

@@ -1,8 +1,8 @@
 /// Claims about the stability of methods that are programs and not tables, against theory. The same by hand: cvtflow-lab stability
 /// leapfrog-rkc leapfrog-sweep …
 
-#include "bench/method/laboratory_methods.hpp"
 #include "bench/method/stability/program_stability.hpp"
+#include "bench/method/laboratory_methods.hpp"
 
 #include <gtest/gtest.h>
 
@@ -15,16 +15,17 @@
 namespace cvtflow::claims {
 namespace {
 
-using tasks::MethodProgram;
 using bench::ProgramStability;
 using bench::TestEquation;
+using tasks::MethodProgram;
 
 ProgramStability stability(const std::string& name) { return bench::analysis_of(*tasks::find_program(name)).stability(); }
 
 std::vector<MethodProgram> programs_for(TestEquation equation) {
     std::vector<MethodProgram> all;
     for (const MethodProgram& program : tasks::method_programs()) {
-        if (bench::analysis_of(program).stability != nullptr && bench::analysis_of(program).stability().equation == equation) all.push_back(program);
+        if (bench::analysis_of(program).stability != nullptr && bench::analysis_of(program).stability().equation == equation)
+            all.push_back(program);
     }
     return all;
 }

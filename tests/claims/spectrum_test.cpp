@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bench/method/linear/eigenvalues.hpp"
 #include "bench/study/attribution.hpp"
 #include "bench/study/stability/eigenvalue_step.hpp"
 #include "bench/study/stability/stable_step.hpp"
-#include "bench/method/linear/eigenvalues.hpp"
 #include "engine/method/catalogue.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
 
@@ -92,7 +92,7 @@ const tasks::FrozenStart& baseline_start() {
 bench::Eigenvalues edge_of(const model::Parameters& parameters) {
     const tasks::FrozenStart& start = baseline_start();
     return bench::extremal_eigenvalues(bench::jacobian(model::Variator(parameters), start.time, start.state, start.phases),
-                                        static_cast<int>(start.state.size()), {.first_dimension = 800, .progress = {}})
+                                       static_cast<int>(start.state.size()), {.first_dimension = 800, .progress = {}})
         .values;
 }
 

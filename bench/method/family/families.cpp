@@ -7,8 +7,8 @@
 #include "bench/method/family/fitted.hpp"
 #include "bench/method/family/method_name.hpp"
 #include "bench/method/family/near_optimal.hpp"
-#include "bench/method/family/rock4.hpp"
 #include "bench/method/family/rkc.hpp"
+#include "bench/method/family/rock4.hpp"
 
 namespace cvtflow::bench {
 

@@ -207,7 +207,6 @@ template <int W>
     to[5] += cross(tip.point, f.friction);
 }
 
-
 /// Of both tips of a half, over the stiffness of a tip per η.
 template <int W>
 struct AxialResponse {

@@ -82,7 +82,6 @@ protected:
     Blocks own_;
 };
 
-
 /// Numbers of all tips, as wide as what is computed with them: derived once per pass and not for each tip.
 template <int W>
 struct TipNumbers {
@@ -120,7 +119,6 @@ struct TipNumbers {
     Lanes<W> response;  ///< of the sliding velocity to friction, with some room for neighbours [m/s/N]
     int further_steps;  ///< of Newton's method
 };
-
 
 /// Half and end of tip 0 … 3: 0 and 1 are the front half's at -z and +z, 2 and 3 the rear half's. Tips are gone through by loops, in steps
 /// of the same length: written out one by one, they would be more than the processor keeps of decoded instructions.

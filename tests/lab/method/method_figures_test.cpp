@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "bench/method/laboratory_methods.hpp"
 #include "bench/method/analysis/order.hpp"
 #include "bench/method/analysis/stability.hpp"
+#include "bench/method/laboratory_methods.hpp"
 #include "engine/method/catalogue.hpp"
 #include "engine/method/dumka3.hpp"
 

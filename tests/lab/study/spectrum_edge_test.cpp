@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/study/spectrum.hpp"
 #include "bench/method/linear/eigenvalues.hpp"
+#include "bench/study/spectrum.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tests/tasks/brief_start_fixture.hpp"
 

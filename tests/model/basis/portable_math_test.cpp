@@ -61,7 +61,6 @@ TEST(TenNinths, HaveTheirEnds) {
         EXPECT_NEAR(ten_ninths(x) / static_cast<double>(std::pow(static_cast<long double>(x), 10.0L / 9.0L)), 1.0, 5e-16) << x;
 }
 
-
 TEST(Legendre, IsTheWrittenOutPolynomial) {
     for (double x = -1.0; x <= 1.0; x += 0.0625) {
         EXPECT_EQ(legendre(0, x), 1.0);

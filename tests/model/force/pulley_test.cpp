@@ -193,7 +193,6 @@ TEST(Pulleys, RigidOnesTurnAndCloseOnly) {
     EXPECT_EQ(sheaves[3].spin_z, 20.0);
 }
 
-
 /// Pulleys that turn at 200 and 180 rad/s; behind them integrals of two controllers.
 std::vector<double> turning(const PulleyModel& pulleys, double first = 0.0, double second = 0.0) {
     std::vector<double> block(static_cast<std::size_t>(2 * pulleys.size()));

@@ -34,7 +34,6 @@ TEST(FrictionLaws, ACurveWithoutItsCornerIsThePiecewiseOne) {
     for (const double u : law_speeds) EXPECT_NEAR(share_at<FrictionLaws>(plain, u * 0.01), std::min(u, 1.0), 1e-15) << u;
 }
 
-
 constexpr double v0 = 0.01;
 
 FrictionCurve piecewise() { return FrictionCurve({0.09, v0}, {}); }

@@ -247,7 +247,6 @@ TEST(ChainForces, AreOfTheInstantThatWasObservedLast) {
     EXPECT_EQ(observer.forces().chain.joint_normal[0], first);
 }
 
-
 /// Halves of every order on rigid pulleys, which do not tilt: normal forces put no torque on them.
 std::vector<oracle::Case> machines() {
     std::vector<oracle::Case> cases;

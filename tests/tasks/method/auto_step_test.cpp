@@ -50,7 +50,8 @@ TEST_P(AutoStepOn, IsStableAndNotNeedlesslyShort) {
         const double by_itself = std::max(1.0, std::pow(bench::predicted_growth(chain, method, step / 4.0), 4.0));
         EXPECT_LE(bench::predicted_growth(chain, method, step), by_itself + noticeable_growth) << method << ", " << step << " s";
         if (step == automatic.longest()) continue;
-        EXPECT_GT(bench::predicted_growth(chain, method, given_away * step), 1.0 + bench::growth_factor_tolerance) << method << ", " << step << " s";
+        EXPECT_GT(bench::predicted_growth(chain, method, given_away * step), 1.0 + bench::growth_factor_tolerance)
+            << method << ", " << step << " s";
     }
 }
 

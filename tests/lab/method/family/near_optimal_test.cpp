@@ -8,8 +8,8 @@
 
 #include "bench/method/analysis/order.hpp"
 #include "bench/method/analysis/stability.hpp"
-#include "engine/method/catalogue.hpp"
 #include "bench/method/family/rock4.hpp"
+#include "engine/method/catalogue.hpp"
 
 namespace cvtflow::bench {
 namespace {

@@ -1,9 +1,9 @@
 /// Predicted and measured largest stable steps. The same by hand: cvtflow-lab stability leapfrog-rkc … --scene baseline
 
 #include "bench/method/laboratory_methods.hpp"
-#include "bench/study/stability/measured_step.hpp"
 #include "bench/method/stability/predicted_step.hpp"
 #include "bench/method/stability/step_search.hpp"
+#include "bench/study/stability/measured_step.hpp"
 #include "tasks/run/simulation.hpp"
 
 #include <gtest/gtest.h>
@@ -127,7 +127,8 @@ TEST(LargestStep, OfTheTrapezoidalRuleHasNoLimit) {
         const bool fresh = variant.options.matrix == NewtonMatrix::every_iteration || variant.options.matrix == NewtonMatrix::once_per_step;
         if (method == variant.name) return !fresh || !variant.options.backtracking;
     }
-    return program->name == "fitted" || (analysis_of(*program).stability != nullptr && analysis_of(*program).stability().equation == TestEquation::linear);
+    return program->name == "fitted" ||
+           (analysis_of(*program).stability != nullptr && analysis_of(*program).stability().equation == TestEquation::linear);
 }
 
 void expect_all(const Place& place) {

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
+#include "bench/method/linear/eigenvalues.hpp"
 #include "bench/study/spectrum.hpp"
 #include "bench/study/stability/eigenvalue_step.hpp"
-#include "bench/method/linear/eigenvalues.hpp"
 #include "engine/method/catalogue.hpp"
 #include "tests/tasks/brief_start_fixture.hpp"
 

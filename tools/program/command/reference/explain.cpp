@@ -77,8 +77,7 @@ Action declare_explain(CLI::App& app) {
                    "Key such as tip.radius, or a section such as tip for all its keys; for sweep files sweep.axes.key, sweep.axes, sweep")
         ->required()
         ->type_name("");
-    app.add_option("--scene", arguments->scene.scene,
-                   "Print the value in this scene too; for run.step also the largest step of its method")
+    app.add_option("--scene", arguments->scene.scene, "Print the value in this scene too; for run.step also the largest step of its method")
         ->type_name("SCENE");
     declare_changes(app, arguments->scene);
     return [arguments] { return explain(*arguments); };
