@@ -65,6 +65,7 @@ std::string program_of(const Words& words) {
     const auto has = [&](const Words& commands) {
         return !words.empty() && std::find(commands.begin(), commands.end(), words[0]) != commands.end();
     };
+    if (!words.empty() && words[0] == laboratory) return CVTFLOW_LAB;
     const bool asks_for_lab = std::any_of(words.begin(), words.end(), [](const std::string& word) {
         const std::string value = word.substr(word.find('=') + 1);
         return tasks::belongs_to_laboratory(value) || engine::executor_of_laboratory(value);
@@ -72,9 +73,21 @@ std::string program_of(const Words& words) {
     return has(lab) && (asks_for_lab || !has(product)) ? CVTFLOW_LAB : CVTFLOW_PROGRAM;
 }
 
+namespace {
+
+/// The program, and its arguments without the name that may have stood before them.
+Words command_line(Words words) {
+    const std::string program = program_of(words);
+    if (!words.empty() && words[0] == laboratory) words.erase(words.begin());
+    words.insert(words.begin(), program);
+    return words;
+}
+
+}  // namespace
+
 Child::Child(std::vector<std::string> arguments, const fs::path& folder, const std::vector<std::string>& environment, unsigned seconds)
     : out_(fs::temp_directory_path() / unique_name("out")), err_(fs::temp_directory_path() / unique_name("err")) {
-    arguments.insert(arguments.begin(), program_of(arguments));
+    arguments = command_line(std::move(arguments));
     std::vector<char*> words;
     for (std::string& argument : arguments) words.push_back(argument.data());
     words.push_back(nullptr);
@@ -135,8 +148,7 @@ Outcome Program::run_briefly(const std::vector<std::string>& more) const {
 }
 
 std::string Program::draw(const std::vector<std::string>& arguments, int columns) const {
-    std::vector<std::string> all = arguments;
-    all.insert(all.begin(), program_of(all));
+    std::vector<std::string> all = command_line(arguments);
     std::vector<char*> words;
     for (std::string& argument : all) words.push_back(argument.data());
     words.push_back(nullptr);

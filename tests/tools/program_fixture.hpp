@@ -29,8 +29,10 @@ using Words = std::vector<std::string>;  ///< of a command line
 /// Every command of a program, as its help lists them.
 [[nodiscard]] Words commands_of(const std::string& program);
 
-/// The program that has the command with which these words begin: cvtflow-lab, else cvtflow.
+/// The program for these words: cvtflow, or cvtflow-lab where that alone has the command, or a method or executor that they name.
 [[nodiscard]] std::string program_of(const Words& words);
+/// As the first word: the command is the laboratory's program's, which has some of the other one's commands.
+inline constexpr const char* laboratory = "cvtflow-lab";
 
 /// A child process; killed when it goes out of scope.
 class Child {

@@ -26,7 +26,7 @@ TEST_F(LabCommands, HaveAHelpEach) {
     const Words names = commands_of(CVTFLOW_LAB);
     EXPECT_GE(names.size(), 10u);
     for (const std::string& name : names) {
-        const Outcome own = run({name, "--help"});
+        const Outcome own = run({laboratory, name, "--help"});
         EXPECT_EQ(own.status, 0) << name;
         EXPECT_THAT(own.out, HasSubstr("Usage: cvtflow-lab " + name)) << name;
     }

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "engine/method/catalogue.hpp"
+#include "tasks/method/method_choice.hpp"
 #include "tests/tools/program_fixture.hpp"
 
 namespace cvtflow::bench {
@@ -55,12 +56,13 @@ TEST_F(MethodCommands, UnknownNamesAreExplained) {
         EXPECT_EQ(outcome.status, 2) << name;
         EXPECT_EQ(outcome.err, message);
         const std::string reason = std::string(message).substr(std::string("cvtflow-lab: ").size());
-        EXPECT_EQ(run({"run", "tiny", "--method", name}).err, "cvtflow: --method " + std::string(name) + ": " + reason);
+        const char* program = tasks::belongs_to_laboratory(name) ? "cvtflow-lab" : "cvtflow";
+        EXPECT_EQ(run({"run", "tiny", "--method", name}).err, program + (": --method " + name) + ": " + reason);
     }
 }
 
 TEST_F(MethodCommands, ListShowsFamiliesAndMethodsThatFollowTheSpectrum) {
-    const std::string list = run({"list", "methods", "--all"}).out;
+    const std::string list = run({laboratory, "list", "methods", "--all"}).out;
     for (const engine::MethodFamily& family : engine::method_families()) EXPECT_THAT(list, HasSubstr(std::string(family.form)));
     for (const char* name : {"\ndumka3 ", "\nrkc ", "\nrock2 ", "\nfitted "}) EXPECT_THAT(list, HasSubstr(name));
 }

@@ -48,7 +48,7 @@ ExitStatus batch(const std::string& file, int threads, int rounds) {
 
 }  // namespace
 
-Action declare_batch(CLI::App& app) {
+Action declare_sweep_cost(CLI::App& app) {
     const auto arguments = std::make_shared<BatchArguments>();
     app.add_option("SWEEP", arguments->sweep, "Sweep file (SWEEP.toml), or name of a ready sweep in scenes/sweeps")
         ->required()
