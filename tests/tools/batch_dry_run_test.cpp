@@ -27,7 +27,7 @@ TEST_F(BatchDryRun, MeasuresNoStepBeyondACasesEnd) {
 TEST_F(BatchDryRun, SaysWhyNoCaseCouldBeTried) {
     write_sweep("\"12 N*m\"", "40 us", "");
     std::string sweep = read("sweep.toml");
-    sweep.replace(sweep.find("run.until"), 0, "run.method = \"trapezoidal-frozen\"\ndetail.pulleys = \"absent\"\n");
+    sweep.replace(sweep.find("run.until"), 0, "run.method = \"leapfrog-chebyshev\"\ndetail.pins = \"rigid\"\n");
     write("sweep.toml", sweep);
     const Outcome dry = batch({"--dry-run"});
     EXPECT_THAT(dry.out, HasSubstr("estimate            none: every case has inconsistent parameters"));
