@@ -1,7 +1,5 @@
 #include "model/contact/contact_field.hpp"
 
-#include <Eigen/Core>
-#include <Eigen/LU>
 #include <algorithm>
 
 #include "model/kernels/kernels.hpp"
@@ -33,11 +31,9 @@ Coefficients without_friction(Coefficients c) {
     return c;
 }
 
-/// In long double, which has no vectors: the same bits whatever processor this is compiled for.
 /// @param rows of the matrix, `size` modes of either end
 MirroredInverse inverse_of(const double* rows, int size) {
-    using Wide = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
-    const Wide inverse = Wide(Eigen::Map<const Eigen::MatrixXd>(rows, 2 * size, 2 * size).cast<long double>()).inverse();
+    const WideInverse inverse(rows, 2 * size);
     MirroredInverse mirrored;
     for (int m = 0; m < size; ++m) {
         for (int k = m % 2; k < size; k += 2) {

@@ -1,92 +1,154 @@
 #include "model/machine/link_inertia.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <vector>
 
 #include "model/basis/portable_math.hpp"
 
 namespace cvtflow::model {
-
 namespace {
 
-/// Adds one plate, a consistent two-node bar of `mass` at basis values phi, to the matrix of both halves.
-void add_plate(Eigen::MatrixXd& matrix, const Eigen::VectorXd& phi, double mass) {
-    const auto n = phi.size();
-    const Eigen::MatrixXd product = phi * phi.transpose();
-    matrix.topLeftCorner(n, n) += mass / 3.0 * product;
-    matrix.bottomRightCorner(n, n) += mass / 3.0 * product;
-    matrix.topRightCorner(n, n) += mass / 6.0 * product;
-    matrix.bottomLeftCorner(n, n) += mass / 6.0 * product;
-}
-
-/// In long double, so that the products with it are as exact as a solve.
-SmallInverse invert(const Eigen::MatrixXd& matrix) {
-    using Wide = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
-    const Wide inverse = matrix.cast<long double>().llt().solve(Wide::Identity(matrix.rows(), matrix.cols()));
-    SmallInverse small;
-    small.size = static_cast<int>(matrix.rows());
-    for (int column = 0; column < small.size; ++column) {
-        for (int row = 0; row < small.size; ++row) {
-            small.column[static_cast<std::size_t>(column * padded(small.size) + row)] = static_cast<double>(inverse(row, column));
+/// L of a symmetric positive definite matrix A = L L' of at most max_lateral_block rows. Systems are solved four rows at a time: the order
+/// of all sums is that of the results that have been published.
+template <class Real>
+class Cholesky {
+public:
+    /// Of the lower triangle. @param rows of the matrix
+    Cholesky(const double* rows, int size) noexcept : size_(size) {
+        for (int column = 0; column < size; ++column) {
+            for (int row = column; row < size; ++row) {
+                const Real rest =
+                    static_cast<Real>(rows[row * size + column]) - sum(0, column, [&](int k) { return l(row, k) * l(column, k); });
+                l(row, column) = row == column ? std::sqrt(rest) : rest / l(column, column);
+            }
         }
+    }
+
+    /// v becomes A⁻¹ v.
+    void solve(Real* v) const noexcept {
+        for (int begin = 0; begin < size_; begin += together) {
+            const int end = std::min(begin + together, size_);
+            for (int k = begin; k < end; ++k) {
+                v[k] *= Real(1) / l(k, k);
+                for (int row = k + 1; row < end; ++row) v[row] -= v[k] * l(row, k);
+            }
+            for (int row = end; row < size_; ++row) v[row] -= sum(begin, end, [&](int k) { return l(row, k) * v[k]; });
+        }
+        for (int end = size_; end > 0; end -= together) {
+            const int begin = std::max(end - together, 0);
+            const auto behind = [&](int row, int first) { return sum(first, end, [&](int k) { return l(k, row) * v[k]; }); };
+            for (int row = end - 1; row >= begin; --row) v[row] = (v[row] - behind(row, row + 1)) * (Real(1) / l(row, row));
+            for (int row = 0; row < begin; ++row) v[row] -= behind(row, begin);
+        }
+    }
+
+private:
+    static constexpr int together = 4;
+
+    template <class Term>
+    [[nodiscard]] static Real sum(int first, int last, const Term& term) noexcept {
+        Real total = 0;
+        for (int k = first; k < last; ++k) total += term(k);
+        return total;
+    }
+    [[nodiscard]] Real& l(int row, int column) noexcept { return l_[static_cast<std::size_t>(row * max_lateral_block + column)]; }
+    [[nodiscard]] Real l(int row, int column) const noexcept { return l_[static_cast<std::size_t>(row * max_lateral_block + column)]; }
+
+    int size_;
+    std::array<Real, max_lateral_block * max_lateral_block> l_{};
+};
+
+/// A small symmetric matrix, row by row.
+struct Matrix {
+    int size;
+    std::vector<double> rows = std::vector<double>(static_cast<std::size_t>(size * size));
+
+    [[nodiscard]] double& operator()(int row, int column) noexcept { return rows[static_cast<std::size_t>(row * size + column)]; }
+};
+
+[[nodiscard]] SmallInverse invert(const Matrix& matrix) {
+    const WideInverse inverse(matrix.rows.data(), matrix.size);
+    SmallInverse small;
+    small.size = matrix.size;
+    for (int column = 0; column < small.size; ++column) {
+        for (int row = 0; row < small.size; ++row)
+            small.column[static_cast<std::size_t>(column * padded(small.size) + row)] = static_cast<double>(inverse(row, column));
     }
     return small;
 }
 
-template <std::size_t Size>
-void keep(const Eigen::MatrixXd& matrix, std::array<double, Size>& rows) {
-    for (Eigen::Index row = 0; row < matrix.rows(); ++row) {
-        for (Eigen::Index column = 0; column < matrix.cols(); ++column)
-            rows[static_cast<std::size_t>(row * matrix.cols() + column)] = matrix(row, column);
+/// Adds one plate of `mass` at basis values phi: to both halves as a consistent two-node bar, or to a rigid pin, where it is half of those
+/// behind and half of those before it.
+void add_plate(Matrix& matrix, const std::vector<double>& phi, double mass) {
+    const int n = static_cast<int>(phi.size());
+    for (int row = 0; row < matrix.size; ++row) {
+        for (int column = 0; column < matrix.size; ++column) {
+            const double first = phi[static_cast<std::size_t>(row % n)], second = phi[static_cast<std::size_t>(column % n)];
+            const bool same_half = row / n == column / n;
+            matrix(row, column) += matrix.size == n ? mass * first * second : mass / (same_half ? 3.0 : 6.0) * (first * second);
+        }
     }
-}
-
-}  // namespace
-
-namespace {
-
-/// Basis values at ξ: of a half's or pin's axis, and of (z, e).
-struct AxisBasis {
-    Eigen::VectorXd lateral, axial;
-};
-
-[[nodiscard]] AxisBasis basis_at(int lateral, double xi) {
-    AxisBasis basis{Eigen::VectorXd(lateral), Eigen::Vector2d(1.0, xi)};
-    for (int m = 0; m < lateral; ++m) basis.lateral(m) = legendre(m, xi);
-    return basis;
 }
 
 /// Gives motion relative to the translations of `bodies` bodies `factor` times its inertia: the first basis value of each body moves it as
 /// a whole. Rows of translations stay, and with them momentum. (model/EQUATIONS.md section 2)
-void scale_relative(Eigen::MatrixXd& matrix, int bodies, double factor) {
+void scale_relative(Matrix& matrix, int bodies, double factor) {
     if (factor == 1.0) return;
-    const auto size = static_cast<int>(matrix.rows()), each = size / bodies;
-    std::vector<int> whole, relative;
-    for (int k = 0; k < size; ++k) (k % each == 0 ? whole : relative).push_back(k);
-    if (relative.empty()) return;
-    const Eigen::MatrixXd coupling = matrix(whole, relative);
-    const Eigen::MatrixXd carried = coupling.transpose() * Eigen::MatrixXd(matrix(whole, whole)).llt().solve(coupling);
-    const Eigen::MatrixXd own = Eigen::MatrixXd(matrix(relative, relative)) - carried;
-    matrix(relative, relative) += 0.5 * (factor - 1.0) * (own + own.transpose());
+    const int each = matrix.size / bodies;
+    std::vector<double> whole;
+    for (int row = 0; row < bodies; ++row)
+        for (int column = 0; column < bodies; ++column) whole.push_back(matrix(each * row, each * column));
+    const Cholesky<double> translations(whole.data(), bodies);
+    Matrix own = matrix;  // without what relative motion carries along, in the rows and columns of relative motions
+    for (int column = 0; column < matrix.size; ++column) {
+        std::array<double, 2> moved{};
+        for (int body = 0; body < bodies; ++body) moved[static_cast<std::size_t>(body)] = matrix(each * body, column);
+        translations.solve(moved.data());
+        for (int row = 0; row < matrix.size; ++row) {
+            double carried = 0.0;
+            for (int body = 0; body < bodies; ++body) carried += matrix(each * body, row) * moved[static_cast<std::size_t>(body)];
+            own(row, column) -= carried;
+        }
+    }
+    for (int row = 0; row < matrix.size; ++row) {
+        for (int column = 0; column < matrix.size; ++column)
+            if (row % each != 0 && column % each != 0) matrix(row, column) += 0.5 * (factor - 1.0) * (own(row, column) + own(column, row));
+    }
 }
 
-[[nodiscard]] LinkInertia inertia_of(const Eigen::MatrixXd& b, const Eigen::MatrixXd& c) {
+/// Of a link or a rigid pin. @param b, c blocks B and C
+[[nodiscard]] LinkInertia inertia_of(const Matrix& b, const Matrix& c) {
     LinkInertia inertia;
     inertia.lateral = invert(b);
     inertia.axial = invert(c);
-    keep(b, inertia.lateral_matrix);
-    keep(c, inertia.axial_matrix);
+    std::ranges::copy(b.rows, inertia.lateral_matrix.begin());
+    std::ranges::copy(c.rows, inertia.axial_matrix.begin());
     return inertia;
 }
 
+[[nodiscard]] Matrix diagonal(const std::vector<double>& numbers) {
+    Matrix matrix{static_cast<int>(numbers.size())};
+    for (int k = 0; k < matrix.size; ++k) matrix(k, k) = numbers[static_cast<std::size_t>(k)];
+    return matrix;
+}
+
 }  // namespace
+
+WideInverse::WideInverse(const double* rows, int size) noexcept : size_(size) {
+    const Cholesky<long double> cholesky(rows, size);
+    for (int column = 0; column < size; ++column) {
+        long double* v = columns_.data() + column * size;
+        v[column] = 1.0L;
+        cholesky.solve(v);
+    }
+}
 
 LinkInertia link_inertia(const Parameters& p) {
     const ChainLayout layout = layout_of(p);
     const int lateral = layout.lateral(), bodies = layout.bodies();
     const double body = 2.0 / bodies * p.half.mass;
-    Eigen::MatrixXd b = Eigen::MatrixXd::Zero(bodies * lateral, bodies * lateral);
-    Eigen::MatrixXd c = Eigen::MatrixXd::Zero(2 * bodies, 2 * bodies);
+    Matrix b{bodies * lateral}, c{2 * bodies};
     for (int end = 0; end < bodies; ++end) {
         for (int m = 0; m < lateral; ++m) b(end * lateral + m, end * lateral + m) = body / (2 * m + 1);
         c(2 * end, 2 * end) = body;
@@ -95,19 +157,15 @@ LinkInertia link_inertia(const Parameters& p) {
     const std::vector<double> positions = plate_positions(p);
     const double mass = p.plate.count * p.plate.mass / static_cast<double>(positions.size());
     for (const double xi : positions) {
-        const AxisBasis basis = basis_at(lateral, xi);
-        if (bodies == 2) {
-            add_plate(b, basis.lateral, mass);
-            add_plate(c, basis.axial, mass);
-        } else {  // half of those behind and half of those before the pin
-            b += mass * basis.lateral * basis.lateral.transpose();
-            c += mass * basis.axial * basis.axial.transpose();
-        }
+        std::vector<double> basis;  // of the axis of a half or pin; of (z, e) it is 1, ξ
+        for (int m = 0; m < lateral; ++m) basis.push_back(legendre(m, xi));
+        add_plate(b, basis, mass);
+        add_plate(c, {1.0, xi}, mass);
     }
-    for (Eigen::MatrixXd* matrix : {&b, &c}) scale_relative(*matrix, bodies, p.detail.mass_scaling);
+    for (Matrix* matrix : {&b, &c}) scale_relative(*matrix, bodies, p.detail.mass_scaling);
     if (layout.rigid) {  // plates move with x_0; each half has half of the mass
-        b = Eigen::Vector3d(b(0, 0), b(1, 1), rigid_bending_inertia * p.detail.mass_scaling * body / 5.0).asDiagonal();
-        c = Eigen::Vector2d(c(0, 0), 0.25 * c(0, 0)).asDiagonal();
+        b = diagonal({b(0, 0), b(1, 1), rigid_bending_inertia * p.detail.mass_scaling * body / 5.0});
+        c = diagonal({c(0, 0), 0.25 * c(0, 0)});
     }
     return inertia_of(b, c);
 }

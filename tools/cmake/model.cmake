@@ -35,7 +35,7 @@ configure_file(model/kernels/compiled_kernels.cpp.in ${PROJECT_BINARY_DIR}/compi
 file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/model/*.cpp)
 list(FILTER sources EXCLUDE REGEX "/model/kernels/([a-z]+/)?[a-z]+_kernels\\.cpp$")
 add_library(cvtflow_model STATIC ${sources})
-target_link_libraries(cvtflow_model PUBLIC cvtflow_flags cvtflow_arch PRIVATE Eigen3::Eigen)
+target_link_libraries(cvtflow_model PUBLIC cvtflow_flags cvtflow_arch)
 cvtflow_in_groups(cvtflow_model)
 target_sources(cvtflow_model PRIVATE ${PROJECT_BINARY_DIR}/compiled_kernels.cpp)
 foreach(part ${kernel_parts})   # whoever wants the model's objects names these as well: a static library's are those of its own sources
