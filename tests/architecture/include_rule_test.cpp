@@ -1,7 +1,7 @@
 /// Who may include whom, and where threads and third parties may be spoken of.
 ///
 ///     model  → std                                              bench, tests → everything; tools → all but bench and tests
-///     engine → std, POSIX, fmt and Eigen (.cpp), HDF5 in engine/record (.cpp), oneTBB and OpenMP in engine/executor and engine/thread
+///     engine → std, POSIX, fmt (.cpp), HDF5 in engine/record (.cpp), oneTBB and OpenMP in engine/executor and engine/thread
 ///     (.cpp) tasks  → model, engine, std, any third party (.cpp) api    → model, engine, tasks, std; its public headers (api/include) →
 ///     std and one another only threads, locks and atomics: engine/executor and engine/thread only
 ///
@@ -52,9 +52,9 @@ Names permitted(const SourceFile& file) {
     if (file.part() == "tasks") return {"*"};
     if (file.path.starts_with("api/python/")) return {"pybind11"};
     if (file.part() == "model" || file.part() == "api") return {};
-    if (file.path.starts_with("engine/record/")) return {"Eigen", "fmt", "HDF5"};
-    if (file.path.starts_with("engine/executor/") || file.path.starts_with("engine/thread/")) return {"Eigen", "fmt", "oneTBB", "OpenMP"};
-    return {"Eigen", "fmt"};
+    if (file.path.starts_with("engine/record/")) return {"fmt", "HDF5"};
+    if (file.path.starts_with("engine/executor/") || file.path.starts_with("engine/thread/")) return {"fmt", "oneTBB"};
+    return {"fmt"};
 }
 
 std::string where(const SourceFile& file, const Include& include) {

@@ -1,5 +1,5 @@
 # The libraries of headers that the core library includes, by their folders: those of this machine's system have no files for another one.
-foreach(row Eigen3::Eigen=eigen3/Eigen fmt::fmt=fmt nlohmann_json::nlohmann_json=nlohmann toml=toml++)
+foreach(row fmt::fmt=fmt nlohmann_json::nlohmann_json=nlohmann toml=toml++)
   string(REPLACE "=" ";" row ${row})
   list(GET row 0 target)
   list(GET row 1 folder)
