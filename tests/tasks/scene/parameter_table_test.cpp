@@ -103,7 +103,7 @@ TEST(ParameterTable, UnknownKeyIsNotFound) { EXPECT_EQ(find_parameter("chain.col
 TEST(ParameterTable, KeysInWhichScenesDifferAreInTheOrderOfTheTableWithBothValues) {
     Scene a, b;
     b.name = "another";
-    set_values(b, {"run.output_interval=2 us", "half.mass=3 g"});
+    set_values(b, std::vector<std::string>{"run.output_interval=2 us", "half.mass=3 g"});
     const auto all = [](const Parameter&) { return true; };
     EXPECT_TRUE(differing_keys(a, a, all).empty());
     std::vector<std::string_view> keys;
