@@ -252,6 +252,7 @@ std::vector<std::string> one_of_each_family(bool programs) {
 const std::map<std::string, std::string> finds_methods{{"tune", "tries every method by itself, whatever the scene names (Tuner.*)"},
                                                        {"work", "counts instructions of a step, one by one (WorkCommand.*)"},
                                                        {"belt", "solves a theory of belts, without a method (BeltCommand.*)"},
+                                                       {"sweep-cost", "runs sweeps, whose scenes name the method (SweepCostCommand.*)"},
                                                        {"noise", "takes the automatic method of two levels of detail (NoiseCommand.*)"}};
 
 TEST_F(MatrixOfMethods, HoldsEveryCommandThatTakesAMethod) {
