@@ -14,10 +14,10 @@ enum class Isa { baseline, avx2, avx512 };
 [[nodiscard]] constexpr int lanes_of(Isa isa) noexcept { return isa == Isa::avx512 ? 8 : isa == Isa::avx2 ? 4 : 2; }
 /// "baseline", "avx2", "avx512".
 [[nodiscard]] std::string_view name_of(Isa isa) noexcept;
-/// Those that this program contains and this processor runs, ascending; never empty.
+/// Those that this program contains and this processor runs, ascending; none if it was built for another one.
 [[nodiscard]] std::vector<Isa> usable_isas();
 /// What the environment's CVTFLOW_ISA names, else the last usable one.
-/// @throws std::invalid_argument if CVTFLOW_ISA names none, or one that is not usable
+/// @throws std::invalid_argument if CVTFLOW_ISA names none, or one that is not usable, or if none is
 [[nodiscard]] Isa chosen_isa();
 /// The one named, "auto" for chosen_isa().
 /// @throws std::invalid_argument

@@ -58,7 +58,11 @@ Isa isa_named(std::string_view name) {
 
 Isa chosen_isa() {
     const char* asked = std::getenv("CVTFLOW_ISA");
-    if (asked == nullptr || *asked == '\0' || std::string_view(asked) == "auto") return usable_isas().back();
+    if (asked == nullptr || *asked == '\0' || std::string_view(asked) == "auto") {
+        const std::vector<Isa> usable = usable_isas();
+        if (!usable.empty()) return usable.back();
+        throw std::invalid_argument("this program was built for processors with " + std::string(name_of(compiled_kernels().front().isa)));
+    }
     return isa_named(asked);
 }
 
