@@ -1,6 +1,6 @@
 #pragma once
-/// What the kernels are compiled for: instruction sets, of which one runs, and polynomial orders of a pin's bending. Results are bitwise the
-/// same for all instruction sets.
+/// What the kernels are compiled for: instruction sets, of which one runs, and polynomial orders of a pin's bending. Results are bitwise
+/// the same for all instruction sets.
 
 #include <string_view>
 #include <vector>
