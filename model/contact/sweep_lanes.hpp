@@ -1,6 +1,6 @@
 #pragma once
-/// One pass of an implicit sweep (model/contact/sweep_step.hpp), and what the forces dissipate that sweeps have found, lanes over links. Every
-/// lane does the same operations in the same order whatever its neighbours are, so results do not depend on how links are grouped.
+/// One pass of an implicit sweep (model/contact/sweep_step.hpp), and what the forces dissipate that sweeps have found, lanes over links.
+/// Every lane does the same operations in the same order whatever its neighbours are, so results do not depend on how links are grouped.
 
 #include "model/contact/friction_lanes.hpp"
 #include "model/contact/sweep_step.hpp"
@@ -100,7 +100,6 @@ void sweep_powers(const FrictionOperator& friction, const ContactFieldOf<Number>
     over_groups<Number>(0, range.last - range.first,
                         [&]<int W>(int own) { SweepForces<P, W>(friction, field, range, kept).powers(own, powers); });
 }
-
 
 /// W links side by side; column numbers count from the first link of the range.
 template <int P, int W>

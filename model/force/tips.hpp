@@ -1,6 +1,6 @@
 #pragma once
-/// Forces between the tips of a link and the sheaves, sphere against torus: Hertz contact with friction. The formulas are written once, for two
-/// ways to arrange tips: (model/EQUATIONS.md section 6)
+/// Forces between the tips of a link and the sheaves, sphere against torus: Hertz contact with friction. The formulas are written once, for
+/// two ways to arrange tips: (model/EQUATIONS.md section 6)
 ///
 ///     FourTips    the tips of one link in four lanes: rear-, rear+, front-, front+ (side -z, +z)
 ///     OneTip<W>   the tip at the same corner of W links
@@ -192,7 +192,6 @@ template <int P, class Corner, class Sheaves>
                 g.local.z + o.tilt_x * g.local.y - o.tilt_y * g.local.x};
     return g;
 }
-
 
 /// Velocities at the contact of every tip.
 template <class Tips>

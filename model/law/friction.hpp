@@ -1,7 +1,7 @@
 #pragma once
 /// Numbers of friction. Regularised Coulomb friction: a contact with normal force N, coefficient μ and slip velocity v gives the force
-/// -μ N g(|v|) v, g(v) = s(v/v0)/v, where s rises from 0 to 1 around the saturation speed v0. On tips μ may depend on the sliding speed (a table,
-/// or a lubricated contact) and on the contact pressure. (model/EQUATIONS.md section 7)
+/// -μ N g(|v|) v, g(v) = s(v/v0)/v, where s rises from 0 to 1 around the saturation speed v0. On tips μ may depend on the sliding speed (a
+/// table, or a lubricated contact) and on the contact pressure. (model/EQUATIONS.md section 7)
 
 #include <array>
 #include <memory>

@@ -1,7 +1,7 @@
 #pragma once
 /// The friction laws: how friction rises with speed, as the share s of its full strength, its secant s/v and its tangent ds/dv, over lanes
-/// and so for numbers with derivatives, too. All start with the slope 1/v0 and are concave. The factors of a tip's law by speed and by pressure
-/// are at the end. The bits are the same for every number of lanes. (model/EQUATIONS.md section 7)
+/// and so for numbers with derivatives, too. All start with the slope 1/v0 and are concave. The factors of a tip's law by speed and by
+/// pressure are at the end. The bits are the same for every number of lanes. (model/EQUATIONS.md section 7)
 ///
 /// A law is a struct with these functions; `FrictionLaws` lists them. What a curve holds of a law comes from the first three.
 
@@ -98,7 +98,6 @@ struct LawList {
 /// All laws of `detail.friction`.
 using FrictionLaws = LawList<PiecewiseLaw, SmoothedLaw>;
 
-
 /// The speed that the slope divides by, > 0: for some laws v itself, but at least the speed below which s is proportional to v. [m/s]
 template <int W, class Laws = FrictionLaws>
 [[nodiscard]] inline Lanes<W> regular_speed(const FrictionCurve& curve, const Lanes<W>& speed) noexcept {
@@ -139,7 +138,6 @@ template <int W, class Laws = FrictionLaws>
     return Laws::visit(curve.law, [&](auto law) { return law.template share<W>(curve, velocity); });
 }
 
-
 /// s(v)/v for the square of a speed [s/m].
 template <int W, bool Steepest>
 [[nodiscard]] inline Lanes<W> sliding_factor(const FrictionCurve& curve, const Lanes<W>& square) noexcept {
@@ -168,7 +166,6 @@ template <int W, bool Steepest>
     if constexpr (Steepest) return curve.inverse_saturation_speed * velocity;
     return friction_share<W>(curve, velocity);
 }
-
 
 /// Factor by sliding speed ≥ 0 [m/s]. Every interval adds what it gains below the speed, so no lane has to find its interval.
 template <int W>

@@ -1,6 +1,6 @@
 #pragma once
-/// Forces inside the chain at one instant: what each tip, plate, joint and pin half carries, and how the friction of the tips couples the pins
-/// to the rotation of their pulleys. (model/EQUATIONS.md section 9)
+/// Forces inside the chain at one instant: what each tip, plate, joint and pin half carries, and how the friction of the tips couples the
+/// pins to the rotation of their pulleys. (model/EQUATIONS.md section 9)
 
 #include <array>
 #include <vector>

@@ -1,6 +1,6 @@
 #pragma once
-/// Friction between the plates of neighbouring links along the pin that they share, of the whole chain at once; and from the sum of all forces
-/// on a pin to its motion. (model/EQUATIONS.md section 11)
+/// Friction between the plates of neighbouring links along the pin that they share, of the whole chain at once; and from the sum of all
+/// forces on a pin to its motion. (model/EQUATIONS.md section 11)
 
 #include <algorithm>
 
@@ -241,7 +241,6 @@ inline void rub_plates(const RigidCoefficients& c, const RigidKick& kick, RigidC
     all.wrap(Column::rub, Column::rub_spread);
     rub_joints(c, kick, all);
 }
-
 
 /// What this step's tips change in the moment on pitch line i, as a force on pin i+1.
 [[nodiscard, gnu::always_inline]] inline Plane moment_thrust(const RigidView& columns, int i) noexcept {

@@ -1,6 +1,6 @@
 #pragma once
-/// The four tips of pins side by side: where they are, normal forces, friction, and their sums on pins and sheaves; of all pins of the chain
-/// that may touch. (model/EQUATIONS.md section 11)
+/// The four tips of pins side by side: where they are, normal forces, friction, and their sums on pins and sheaves; of all pins of the
+/// chain that may touch. (model/EQUATIONS.md section 11)
 
 #include <algorithm>
 
@@ -228,7 +228,6 @@ private:
     V pull_;                     ///< a fourth of what plates lengthen the pin with [N]
     Slip<W> begin_[rigid_tips];  ///< sliding velocities at the beginning of the step
 };
-
 
 /// What the tips of a whole chain add up to.
 template <int W>
