@@ -6,27 +6,32 @@
 /// Everything here and in the headers of kernels lies in unnamed namespaces: each translation unit has a copy of its own, compiled for its
 /// own instruction set, and no linker can put the AVX-512 copy of a function where the baseline's is meant.
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstring>
 #include <utility>
 
-#include "model/basis/native_lanes.hpp"
+#include "model/basis/native_vectors.hpp"
 
 namespace cvtflow::model {
 namespace {
 
-/// W numbers of one unit [any], W a power of two. Wider than the processor's vectors: two halves.
+/// Numbers of one unit [any] by their width tag (model/basis/native_vectors.hpp): doubles, or floats for what only has to be good enough to
+/// converge with. Wider than the processor's vectors: two halves.
 template <int W>
 struct Lanes {
-    Lanes<W / 2> low, high;
+    using Half = Lanes<half_width<W>>;
+    static constexpr std::size_t half = lane_count<W> / 2;
+    Half low, high;
 
     Lanes() = default;
-    Lanes(double value) noexcept : low(value), high(value) {}
-    Lanes(const Lanes<W / 2>& first, const Lanes<W / 2>& second) noexcept : low(first), high(second) {}
+    Lanes(double value) noexcept : low(value), high(value) {}  // constants are written as doubles in formulas
+    Lanes(const Half& first, const Half& second) noexcept : low(first), high(second) {}
 
-    [[nodiscard]] double operator[](std::size_t lane) const noexcept { return lane < W / 2 ? low[lane] : high[lane - W / 2]; }
-    void set(std::size_t lane, double value) noexcept { lane < W / 2 ? low.set(lane, value) : high.set(lane - W / 2, value); }
-    void copy_to(double* to) const noexcept { low.copy_to(to), high.copy_to(to + W / 2); }
+    [[nodiscard]] NumberOf<W> operator[](std::size_t lane) const noexcept { return lane < half ? low[lane] : high[lane - half]; }
+    void set(std::size_t lane, NumberOf<W> value) noexcept { lane < half ? low.set(lane, value) : high.set(lane - half, value); }
+    void copy_to(NumberOf<W>* to) const noexcept { low.copy_to(to), high.copy_to(to + half); }
 
     friend Lanes operator+(const Lanes& a, const Lanes& b) noexcept { return {a.low + b.low, a.high + b.high}; }
     friend Lanes operator-(const Lanes& a, const Lanes& b) noexcept { return {a.low - b.low, a.high - b.high}; }
@@ -41,29 +46,17 @@ struct Lanes {
 
 /// One vector of the processor [any unit].
 template <int W>
-requires(W > 0 && W <= native_lanes) struct Lanes<W> {
-    using Vector = typename NativeVector<W>::Type;
+requires(is_native<W>) struct Lanes<W> {
+    using Vector = Native<W>;
     Vector v;
 
     Lanes() = default;
-    Lanes(double value) noexcept : v(value - Vector{}) {}
+    Lanes(double value) noexcept : v(static_cast<NumberOf<W>>(value) - Vector{}) {}
     Lanes(Vector vector) noexcept requires(W > 1) : v(vector) {}
 
-    [[nodiscard]] double operator[](std::size_t lane) const noexcept {
-        if constexpr (W == 1) {
-            return v;
-        } else {
-            return v[lane];
-        }
-    }
-    void set(std::size_t lane, double value) noexcept {
-        if constexpr (W == 1) {
-            v = value;
-        } else {
-            v[lane] = value;
-        }
-    }
-    void copy_to(double* to) const noexcept { __builtin_memcpy(to, &v, sizeof v); }
+    [[nodiscard]] NumberOf<W> operator[](std::size_t lane) const noexcept { return lane_of<W>(v, lane); }
+    void set(std::size_t lane, NumberOf<W> value) noexcept { set_lane<W>(v, lane, value); }
+    void copy_to(NumberOf<W>* to) const noexcept { __builtin_memcpy(to, &v, sizeof v); }
 
     friend Lanes operator+(const Lanes& a, const Lanes& b) noexcept { return a.v + b.v; }
     friend Lanes operator-(const Lanes& a, const Lanes& b) noexcept { return a.v - b.v; }
@@ -76,16 +69,25 @@ requires(W > 0 && W <= native_lanes) struct Lanes<W> {
     friend Lanes abs(const Lanes& a) noexcept { return native_abs<W>(a.v); }
 };
 
-/// from [W]
+/// from [lane_count<W>]
 template <int W>
-[[nodiscard]] inline Lanes<W> load(const double* from) noexcept {
-    if constexpr (W <= native_lanes) {
+[[nodiscard]] inline Lanes<W> load(const NumberOf<W>* from) noexcept {
+    if constexpr (is_native<W>) {
         Lanes<W> lanes;
         __builtin_memcpy(&lanes.v, from, sizeof lanes.v);
         return lanes;
     } else {
-        return {load<W / 2>(from), load<W / 2>(from + W / 2)};
+        return {load<half_width<W>>(from), load<half_width<W>>(from + lane_count<W> / 2)};
     }
+}
+
+/// The first `count` lanes.
+template <int W>
+inline void store_first(const Lanes<W>& lanes, NumberOf<W>* to, int count) noexcept {
+    if (count >= lane_count<W>) return lanes.copy_to(to);
+    alignas(64) NumberOf<W> all[static_cast<std::size_t>(lane_count<W>)];
+    lanes.copy_to(all);
+    std::copy_n(all, std::max(count, 0), to);
 }
 
 /// The lanes of both, those of `low` first.
@@ -140,11 +142,11 @@ requires(W <= native_lanes) inline void transpose(Lanes<W>* rows) noexcept {
 template <int W>
 [[nodiscard]] inline Lanes<W> select_greater(const Lanes<W>& a, const Lanes<W>& b, const Lanes<W>& chosen,
                                              const Lanes<W>& otherwise) noexcept {
-    if constexpr (W <= native_lanes) {
+    if constexpr (is_native<W>) {
         return a.v > b.v ? chosen.v : otherwise.v;
     } else {
-        return {select_greater<W / 2>(a.low, b.low, chosen.low, otherwise.low),
-                select_greater<W / 2>(a.high, b.high, chosen.high, otherwise.high)};
+        return {select_greater<half_width<W>>(a.low, b.low, chosen.low, otherwise.low),
+                select_greater<half_width<W>>(a.high, b.high, chosen.high, otherwise.high)};
     }
 }
 
@@ -157,20 +159,20 @@ inline void take(const Lanes<W>& from, std::size_t lane, Lanes<W>& to) noexcept 
 /// The larger of both; b if a is NaN.
 template <int W>
 [[nodiscard]] inline Lanes<W> larger(const Lanes<W>& a, const Lanes<W>& b) noexcept {
-    if constexpr (W <= native_lanes) {
+    if constexpr (is_native<W>) {
         return native_larger<W>(a.v, b.v);
     } else {
-        return {larger<W / 2>(a.low, b.low), larger<W / 2>(a.high, b.high)};
+        return {larger<half_width<W>>(a.low, b.low), larger<half_width<W>>(a.high, b.high)};
     }
 }
 
 /// The smaller of both; b if a is NaN.
 template <int W>
 [[nodiscard]] inline Lanes<W> smaller(const Lanes<W>& a, const Lanes<W>& b) noexcept {
-    if constexpr (W <= native_lanes) {
+    if constexpr (is_native<W>) {
         return native_smaller<W>(a.v, b.v);
     } else {
-        return {smaller<W / 2>(a.low, b.low), smaller<W / 2>(a.high, b.high)};
+        return {smaller<half_width<W>>(a.low, b.low), smaller<half_width<W>>(a.high, b.high)};
     }
 }
 
@@ -182,10 +184,10 @@ template <int W>
 /// Whether no lane exceeds a limit; false for NaN. limit [unit of the lanes]
 template <int W>
 [[nodiscard]] inline bool all_at_most(const Lanes<W>& lanes, double limit) noexcept {
-    if constexpr (W <= native_lanes) {
-        return native_all_at_most<W>(lanes.v, limit);
+    if constexpr (is_native<W>) {
+        return native_all_at_most<W>(lanes.v, static_cast<NumberOf<W>>(limit));
     } else {
-        return all_at_most<W / 2>(lanes.low, limit) && all_at_most<W / 2>(lanes.high, limit);
+        return all_at_most<half_width<W>>(lanes.low, limit) && all_at_most<half_width<W>>(lanes.high, limit);
     }
 }
 
@@ -222,7 +224,7 @@ inline void sums(const std::array<Lanes<W>, count>& terms, double* totals) noexc
         for (std::size_t k = 0; k < count; ++k) halves[k] = folded<W>(terms[k]);
         sums<W / 2, count>(halves, totals);
     } else {
-        std::array<typename NativeVector<W>::Type, W> block;
+        std::array<Native<W>, W> block;
         for (std::size_t k = 0; k < W; ++k) block[k] = terms[k].v;
         Lanes<W>(native_transposed_sum<W, W>(block)).copy_to(totals);
         if constexpr (count > W) {
@@ -230,6 +232,38 @@ inline void sums(const std::array<Lanes<W>, count>& terms, double* totals) noexc
             for (std::size_t k = W; k < count; ++k) rest[k - W] = terms[k];
             sums<W, count - W>(rest, totals + W);
         }
+    }
+}
+
+/// Doubles rounded to the nearest floats.
+template <int N>
+[[nodiscard]] inline Lanes<singles<N>> narrow(const Lanes<N>& lanes) noexcept {
+    if constexpr (N == native_floats) {
+        return native_narrow<N>(lanes.low.v, lanes.high.v);
+    } else {
+        return {narrow<N / 2>(lanes.low), narrow<N / 2>(lanes.high)};
+    }
+}
+
+template <int N>
+[[nodiscard]] inline Lanes<N> widen(const Lanes<singles<N>>& floats) noexcept {
+    if constexpr (N == native_floats) {
+        return {native_widen<N, false>(floats.v), native_widen<N, true>(floats.v)};
+    } else {
+        return {widen<N / 2>(floats.low), widen<N / 2>(floats.high)};
+    }
+}
+
+/// Doubles rounded to floats. to [W]
+template <int W>
+inline void store_rounded(const Lanes<W>& lanes, float* to) noexcept {
+    if constexpr (W > native_lanes) {
+        store_rounded<W / 2>(lanes.low, to);
+        store_rounded<W / 2>(lanes.high, to + W / 2);
+    } else {
+        typedef float Rounded __attribute__((vector_size(W * sizeof(float))));
+        const Rounded rounded = __builtin_convertvector(lanes.v, Rounded);
+        std::memcpy(to, &rounded, sizeof rounded);
     }
 }
 

@@ -8,7 +8,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "model/basis/single_lanes.hpp"
+#include "model/basis/lanes.hpp"
 #include "model/contact/contact_field.hpp"
 #include "model/force/tips.hpp"
 #include "model/law/friction_laws.hpp"

@@ -7,7 +7,7 @@
 #include "model/basis/portable_math.hpp"
 #include "model/basis/zero.hpp"
 #include "model/force/account.hpp"
-#include "model/force/difference.hpp"
+#include "model/force/link_frame.hpp"
 #include "model/law/friction_laws.hpp"
 
 namespace cvtflow::model {

@@ -3,7 +3,7 @@
 /// (model/EQUATIONS.md section 4)
 
 #include "model/force/account.hpp"
-#include "model/force/difference.hpp"
+#include "model/force/link_frame.hpp"
 #include "model/law/friction_laws.hpp"
 
 namespace cvtflow::model {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <type_traits>
 
-#include "model/basis/single_lanes.hpp"
+#include "model/basis/lanes.hpp"
 #include "model/contact/contact_field.hpp"
 #include "model/force/joint.hpp"
 #include "model/force/tips.hpp"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "model/basis/single_lanes.hpp"
+#include "model/basis/lanes.hpp"
 #include "model/law/friction_laws.hpp"
 #include "model/variator/rigid/rigid_kernels.hpp"
 
@@ -56,7 +56,7 @@ template <int W>
 template <int W>
 [[nodiscard, gnu::always_inline]] inline DoublesOf<W> widened(const Lanes<W>& v) noexcept {
     if constexpr (is_single<W>) {
-        return widen<lane_count<W>>(v.floats);
+        return widen<lane_count<W>>(v);
     } else {
         return v;
     }
