@@ -98,7 +98,6 @@ TEST(Lanes, TwoReciprocalsComeFromOneDivision) {
     EXPECT_DOUBLE_EQ(both.second[3], 1.0 / 7.0);
 }
 
-
 template <int N>
 std::vector<float> lanes_of_width(const Lanes<singles<N>>& lanes) {
     std::vector<float> to(N);
