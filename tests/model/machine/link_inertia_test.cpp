@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "model/basis/portable_math.hpp"
+#include "model/kernels/chain_parts.hpp"
 #include "model/start/start_state.hpp"
 
 namespace cvtflow::model {
