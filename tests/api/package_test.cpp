@@ -1,8 +1,10 @@
 /// The installed package as strangers use it: a fresh CMake project, pkg-config, another prefix, and sources inside a host's project.
 
 #include <gmock/gmock.h>
+
 #include <gtest/gtest.h>
 #include <unistd.h>
+#include <cvtflow/version.hpp>
 
 #include <array>
 #include <cstdio>
@@ -109,7 +111,9 @@ TEST_F(Package, OfALibraryAloneNamesWhatWasNotBuilt) {
     const std::string output = install_of("libcvtflow.so*");
     for (const char* target : {"cvtflow", "cvtflow_manual"})
         EXPECT_THAT(output, testing::HasSubstr("/b --target " + std::string(target) + ")"));
-    run("mkdir c && printf 'cmake_minimum_required(VERSION 3.25)\nproject(c C CXX)\nfind_package(cvtflow 0.2 REQUIRED COMPONENTS cpp c)\n"
+    run(std::string("mkdir c && printf 'cmake_minimum_required(VERSION 3.25)\nproject(c C CXX)\nfind_package(cvtflow ") +
+        std::to_string(CVTFLOW_VERSION_MAJOR) + "." + std::to_string(CVTFLOW_VERSION_MINOR) +
+        " REQUIRED COMPONENTS cpp c)\n"
         "add_executable(c " +
         here + "/consumer/main.c)\ntarget_link_libraries(c cvtflow::c)\n' > c/CMakeLists.txt");
     run("cmake -S c -B c/b -G Ninja -DCMAKE_PREFIX_PATH=$PWD/p -DCMAKE_C_COMPILER=" CVTFLOW_CC " && cmake --build c/b");
