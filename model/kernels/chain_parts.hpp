@@ -1,6 +1,6 @@
 #pragma once
 /// What one link, one joint and the tips of one link contribute, and the accelerations of a link: the same pieces whether a segment
-/// computes them in one pass (fused) or stage by stage (staged), and therefore the same bits.
+/// computes them in one pass (fused) or stage by stage (bench/staged), and therefore the same bits.
 
 #include <cmath>
 #include <cstring>

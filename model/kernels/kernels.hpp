@@ -5,7 +5,7 @@
 
 #include "model/basis/isa.hpp"
 #include "model/contact/contact_field.hpp"
-#include "model/kernels/staged/staged_chain.hpp"
+#include "model/variator/chain_model.hpp"
 
 namespace cvtflow::model {
 
@@ -18,16 +18,6 @@ template <>
 ChainKernels chain_kernels<Isa::avx2>(int order) noexcept;
 template <>
 ChainKernels chain_kernels<Isa::avx512>(int order) noexcept;
-
-/// Defined in staged_kernels.cpp, likewise.
-template <Isa isa>
-StagedFunctions staged_kernels(int order, bool observe) noexcept;
-template <>
-StagedFunctions staged_kernels<Isa::baseline>(int order, bool observe) noexcept;
-template <>
-StagedFunctions staged_kernels<Isa::avx2>(int order, bool observe) noexcept;
-template <>
-StagedFunctions staged_kernels<Isa::avx512>(int order, bool observe) noexcept;
 
 /// Defined in friction_kernels.cpp, likewise.
 template <Isa isa>
@@ -52,7 +42,6 @@ SingleFrictionKernels single_kernels<Isa::avx512>(int order) noexcept;
 struct CompiledKernels {
     Isa isa;
     ChainKernels (*chain)(int order) noexcept;
-    StagedFunctions (*staged)(int order, bool observe) noexcept;
     FrictionKernels (*friction)(int order) noexcept;
     SingleFrictionKernels (*single)(int order) noexcept;
 };

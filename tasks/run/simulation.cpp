@@ -265,7 +265,7 @@ void Simulation::restore(const IntegrationState& from) {
     w.tips.phases = from.phases;
     w.tips.changed = from.changed;
     w.tips.before = from.before;
-    w.list_touching();
+    w.phases_changed();
     integrator_->method().restart();
     w.energy.load(from.energy, integrator_->method().observation_stride());
     restore_couplings(from.couplings);

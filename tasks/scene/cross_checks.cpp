@@ -17,6 +17,7 @@
 #include "tasks/scene/scene.hpp"
 #include "tasks/scene/toml_tree.hpp"
 #include "tasks/scene/units.hpp"
+#include "tasks/step/step_graph.hpp"
 
 namespace cvtflow::tasks {
 
@@ -270,6 +271,11 @@ Violation method_takes_machine(const Scene& scene) {
     return objection.empty() ? Violation{} : "run.method: " + objection;
 }
 
+Violation assembly_exists(const Scene& scene) {
+    if (has_assembly(scene.run.assembly)) return {};
+    return "run.assembly: \"staged\" belongs to the laboratory: cvtflow-lab run";
+}
+
 Violation assembly_takes_pins(const Scene& scene) {
     if (scene.run.assembly == Assembly::fused || scene.parameters.detail.pins == model::PinDetail::halves) return {};
     return "run.assembly: \"staged\" requires detail.pins = \"halves\": rigid pins have no separate joints";
@@ -356,6 +362,7 @@ const std::vector<CrossCheck>& general_checks() {
         {{"run.segments", "chain.pins"}, segments_have_links},
         {{"run.method"}, method_exists},
         {{"run.method", "detail.pins", "detail.friction", "tip.friction_law", "imperfection.runout"}, method_takes_machine},
+        {{"run.assembly"}, assembly_exists},
         {{"run.assembly", "detail.pins"}, assembly_takes_pins},
         {{"detail.pins", "detail.order", "detail.plates", "detail.stick_slip", "joint.law"}, rigid_pins_are_simple},
         {{"detail.pins", "run.schedule", "run.segments"}, rigid_pins_are_serial},

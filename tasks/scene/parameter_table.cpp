@@ -422,7 +422,7 @@ const std::vector<Parameter>& rows() {
      "the fastest by trials during the run; does not change results.",
      "model choice", [](Scene& s) -> Slot { return &s.run.schedule; }},
     {"run.assembly", "", 0, 0, {"fused", "staged"},
-     "Tasks of a step: one per segment, or one per stage and segment as published; does not change results.",
+     "Tasks of a step: one per segment, or one per stage and segment as published (cvtflow-lab); does not change results.",
      "model choice", [](Scene& s) -> Slot { return &s.run.assembly; }},
     {"run.partition", "", 0, 0, {"equal", "balanced"},
      "Segments of equal numbers of links, or of about equal cost; does not change results.",

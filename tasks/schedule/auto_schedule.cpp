@@ -40,7 +40,7 @@ std::vector<Schedule> schedules_for(const Scene& scene) {
     add_once(list, other);
     other = flow;
     other.assembly = {Assembly::staged};
-    if (scene.parameters.detail.pins == model::PinDetail::halves) add_once(list, other);
+    if (has_assembly(Assembly::staged) && scene.parameters.detail.pins == model::PinDetail::halves) add_once(list, other);
     if (flow.threads < 4 || scene.run.threads > 0) return list;
     other = flow;
     other.threads = flow.threads / 2;

@@ -88,7 +88,7 @@ ScheduleRunner::ScheduleRunner(Workspace& workspace, StepMethod& method, std::ve
     Slot& first = slots_.front();
     first.executor = make_executor(first.schedule, recorder_);  // complaints come now
     cut_at(first.cuts);
-    w_.staged.states_apart = first.schedule.assembly.kind == Assembly::staged;
+    w_.sums_missing = first.schedule.assembly.kind == Assembly::staged;
     first.graph = step_graph(w_, first.schedule.assembly, method_);
 }
 
@@ -134,7 +134,7 @@ void ScheduleRunner::take_up() {
         stale = true;
     }
     if (stale || !is_cut_at(w_.partition, slot.cuts)) cut_at(slot.cuts);
-    w_.staged.states_apart = slot.schedule.assembly.kind == Assembly::staged;
+    w_.sums_missing = slot.schedule.assembly.kind == Assembly::staged;
     if (stale) slot.graph = step_graph(w_, slot.schedule.assembly, method_);
 }
 

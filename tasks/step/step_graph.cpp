@@ -1,3 +1,4 @@
+#include <stdexcept>
 #include <string>
 
 #include "tasks/step/assembly/segment_tasks.hpp"
@@ -6,8 +7,24 @@
 
 namespace cvtflow::tasks {
 
+namespace {
+
+FurtherAssembly& further() {
+    static FurtherAssembly none{nullptr, nullptr};
+    return none;
+}
+
+}  // namespace
+
+void add_assembly(const FurtherAssembly& staged) { further() = staged; }
+
+bool has_assembly(Assembly kind) noexcept { return kind == Assembly::fused || further().graph != nullptr; }
+
+std::unique_ptr<AssemblyMemory> further_memory(Workspace& w) { return further().memory == nullptr ? nullptr : further().memory(w); }
+
 engine::TaskGraph step_graph(const Workspace& w, const AssemblyOptions& options, StepMethod* method) {
-    engine::TaskGraph graph = options.kind == Assembly::fused ? fused_graph(w) : staged_graph(w, options);
+    if (!has_assembly(options.kind)) throw std::invalid_argument("assembly \"staged\" belongs to the laboratory: cvtflow-lab");
+    engine::TaskGraph graph = options.kind == Assembly::fused ? fused_graph(w) : further().graph(w, options);
     if (method != nullptr) method->add_tasks(graph);
     graph.freeze();
     return graph;

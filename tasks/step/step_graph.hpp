@@ -2,6 +2,7 @@
 /// The step as a task graph over segments (ARCHITECTURE.md draws it), and the accesses that its tasks declare for the race check.
 
 #include <algorithm>
+#include <memory>
 #include <vector>
 
 #include "engine/graph/task_graph.hpp"
@@ -37,19 +38,13 @@ enum class Field {
     verdict,
     secant,  // slopes that a detect cycle makes from the states at both ends: their methods combine results from states alone
     link_error,
-    stage_state,
-    moment,
-    joint,
-    tips,
-    joint_account,
-    link_account,
-    tip_account,
     contact,
     velocity_read,
     velocity_kept,
     velocity_slope,
     force,
-    impulse  // of friction inside a step
+    impulse,          // of friction inside a step
+    further_assembly  // first number of its own fields
 };
 
 struct AssemblyOptions {
@@ -66,25 +61,13 @@ class LinkAccesses {
 public:
     LinkAccesses(const Workspace& w, int segment) : layout_(w.layout()), own_(w.partition[segment]), segment_(segment) {}
 
-    LinkAccesses& own(Field field, bool write) {
-        add(field, own_.first, own_.last, write);
-        return *this;
-    }
+    LinkAccesses& own(Field field, bool write) { return range(field, own_.first, own_.last, write); }
     LinkAccesses& with_halo(Field field) { return with_halo(field, layout_.halo()); }
     /// With as many neighbours as contact of its tips depends on.
     LinkAccesses& with_near(Field field) { return with_halo(field, layout_.probe_halo()); }
-    /// Pins strictly inside the segment, numbered as the link behind them.
-    LinkAccesses& inner_pins(Field field, bool write) {
-        if (own_.size() > 1) add(field, own_.first + 1, own_.last, write);
-        return *this;
-    }
-    /// The pin between this segment and the one before.
-    LinkAccesses& first_pin(Field field, bool write) {
-        add(field, own_.first, own_.first + 1, write);
-        return *this;
-    }
-    LinkAccesses& segment(Field field, bool write) {
-        add(field, segment_, segment_ + 1, write);
+    LinkAccesses& segment(Field field, bool write) { return range(field, segment_, segment_ + 1, write); }
+    LinkAccesses& range(Field field, int begin, int end, bool write) {
+        if (begin < end) list_.push_back({static_cast<int>(field), begin, end, write});
         return *this;
     }
     [[nodiscard]] std::vector<engine::Access> list() const { return list_; }
@@ -98,8 +81,7 @@ private:
         }
         return *this;
     }
-    void neighbour(Field field, int link) { add(field, link, link + 1, false); }
-    void add(Field field, int begin, int end, bool write) { list_.push_back({static_cast<int>(field), begin, end, write}); }
+    void neighbour(Field field, int link) { range(field, link, link + 1, false); }
 
     const model::ChainLayout& layout_;
     Segment own_;
@@ -165,15 +147,25 @@ inline constexpr const char* transition_stage = "transition";
 /// Detection, location and truncation of one segment: the same in every assembly.
 void add_transition_tasks(engine::TaskGraph& graph, const Workspace& workspace, int segment);
 
+/// An assembly that a program knows beyond the product's (bench/staged).
+struct FurtherAssembly {
+    /// Not frozen. The context of its tasks is the workspace.
+    engine::TaskGraph (*graph)(const Workspace& workspace, const AssemblyOptions& options);
+    std::unique_ptr<AssemblyMemory> (*memory)(Workspace& workspace);
+};
+/// Adds Assembly::staged, once per process, before any workspace is made.
+void add_assembly(const FurtherAssembly& staged);
+/// Whether this program has it.
+[[nodiscard]] bool has_assembly(Assembly kind) noexcept;
+/// nullptr if there is no further assembly.
+[[nodiscard]] std::unique_ptr<AssemblyMemory> further_memory(Workspace& workspace);
+
 /// Graph of a step, with the cycles of `method` if it has any. Frozen. The context of its run is the workspace; `method` must outlive it.
+/// @throws std::invalid_argument for an assembly that this program does not have
 [[nodiscard]] engine::TaskGraph step_graph(const Workspace& workspace, const AssemblyOptions& options, StepMethod* method = nullptr);
 
 /// Graph of the fused assembly: one task per segment and cycle, joints at segment borders computed by both neighbours,
 /// a single synchronisation per evaluation. Not frozen. The context of its tasks is the workspace.
 [[nodiscard]] engine::TaskGraph fused_graph(const Workspace& workspace);
-
-/// Graph of the staged assembly. Evaluate: combine the stage state by segments; contact forces in uniform batches of touching links beside
-/// chain forces by segments; the boundary pins; forward pass; reverse pass. Not frozen.
-[[nodiscard]] engine::TaskGraph staged_graph(const Workspace& workspace, const AssemblyOptions& options);
 
 }  // namespace cvtflow::tasks

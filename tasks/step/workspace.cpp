@@ -5,6 +5,7 @@
 
 #include "model/basis/portable_math.hpp"
 #include "model/parameters/chain_layout.hpp"
+#include "tasks/step/step_graph.hpp"
 
 namespace cvtflow::tasks {
 
@@ -20,15 +21,10 @@ model::PhaseRule rule_of(const model::Parameters& p) {
 }  // namespace
 
 Workspace::Workspace(const model::Parameters& p, const engine::StagePlan& stage_plan, Partition parts)
-    : parameters(p),
-      variator(p),
-      plan(stage_plan),
-      rule(rule_of(p)),
-      stages(model::staged_functions(variator.chain(), p.ledger)),
-      staged{false, nullptr, model::StagedBuffers(variator.layout())} {
+    : parameters(p), variator(p), plan(stage_plan), rule(rule_of(p)) {
     const std::size_t size = static_cast<std::size_t>(layout().size());
     const std::size_t stride = (size + 7) / 8 * 8;  // every slot begins on a cache line of its own
-    const std::size_t arrays = static_cast<std::size_t>(plan.state_slots() + plan.slope_slots()) + 4;
+    const std::size_t arrays = static_cast<std::size_t>(plan.state_slots() + plan.slope_slots()) + 3;
     memory_.assign(arrays * stride, 0.0);
     double* next = memory_.data();
     const auto take = [&] { return std::exchange(next, next + stride); };
@@ -37,10 +33,8 @@ Workspace::Workspace(const model::Parameters& p, const engine::StagePlan& stage_
     end_state = take();
     end_slope = take();
     cut_state = take();
-    staged.state = take();
 
     const std::size_t count = static_cast<std::size_t>(layout().links);
-    tips.touching.resize(count);
     links.loads.resize(count);
     links.sums.resize(static_cast<std::size_t>(variator.sums()));
     links.split_sums.reserve(links.sums.size());
@@ -55,6 +49,7 @@ Workspace::Workspace(const model::Parameters& p, const engine::StagePlan& stage_
     tips.changed.assign(tips.phases.size(), -1e300);
     repartition(std::move(parts));
     pulleys.tail.resize(static_cast<std::size_t>(tail_size()));
+    further = further_memory(*this);
 }
 
 void Workspace::adopt(const model::Parameters& other) {
@@ -97,7 +92,7 @@ void Workspace::add_up(const Segment& own) noexcept {
 
 model::SheaveForces Workspace::sheave_forces() noexcept {
     if (layout().pulley_size == 0) return {};
-    if (staged.states_apart) return variator.sheave_forces(tips.phases.data(), links.loads.data());
+    if (sums_missing) return variator.sheave_forces(tips.phases.data(), links.loads.data());
     for (const int group : links.split_sums)
         variator.add_up(group, tips.phases.data(), links.loads.data(), links.sums[static_cast<std::size_t>(group)]);
     return variator.sheave_forces(links.sums.data());
@@ -131,27 +126,7 @@ std::size_t Workspace::bytes() const noexcept {
     std::size_t bytes = sizeof(*this);
     for (const auto& window : windows) bytes += of(window);
     return bytes + of(memory_, pulleys.tail, links.loads, links.sums, links.accounts, links.errors, tips.phases, tips.phases_before,
-                      tips.before, tips.after, tips.probes, tips.changed, tips.touching, segment_results);
-}
-
-void Workspace::list_touching() noexcept {
-    tips.touching_count = 0;
-    for (int link = 0; link < layout().links; ++link) {
-        const model::Phase* own = tips.phases.data() + model::tips_per_link * link;
-        const bool any =
-            own[0] != model::Phase::free || own[1] != model::Phase::free || own[2] != model::Phase::free || own[3] != model::Phase::free;
-        if (any) tips.touching[static_cast<std::size_t>(tips.touching_count++)] = link;
-    }
-}
-
-model::StagedChain Workspace::staged_chain() noexcept {
-    return {staged.state,
-            pulleys.sheaves,
-            tips.phases.data(),
-            step.slope_out,
-            links.loads.data(),
-            &staged.buffers,
-            layout().ledger ? links.accounts.data() : nullptr};
+                      tips.before, tips.after, tips.probes, tips.changed, segment_results);
 }
 
 }  // namespace cvtflow::tasks

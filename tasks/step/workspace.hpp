@@ -1,12 +1,12 @@
 #pragma once
 /// All memory of the step loop, taken once. Every number has one writer per cycle: the segment that owns the link, or the controller.
 
+#include <memory>
 #include <vector>
 
 #include "engine/event/interpolant.hpp"
 #include "engine/method/combine.hpp"
 #include "engine/method/compiled_plan.hpp"
-#include "model/kernels/staged/staged_chain.hpp"
 #include "model/law/phase_rule.hpp"
 #include "model/machine/heat_balance.hpp"
 #include "model/variator/variator.hpp"
@@ -76,15 +76,14 @@ struct TipState {
     std::vector<model::TipIndicator> after;   ///< [4 links] at its end
     std::vector<model::TipProbe> probes;      ///< [links] the same with the links' radii
     std::vector<double> changed;              ///< [4 links] time of the last change of phase [s]
-    std::vector<int> touching;                ///< links with a touching tip, ascending: [0, touching_count)
-    int touching_count = 0;
 };
 
-/// Staged assembly only; empty otherwise. (Field::stage_state, moment, joint, tips)
-struct StagedFields {
-    bool states_apart = false;  ///< evaluate cycles leave the stage state in `state` instead of in windows
-    double* state = nullptr;    ///< [layout.size()] stage state of all links, where later stages read it
-    model::StagedBuffers buffers;
+/// What an assembly of the laboratory keeps in a workspace (FurtherAssembly).
+class AssemblyMemory {
+public:
+    virtual ~AssemblyMemory() = default;
+    /// After every change of the tips' phases.
+    virtual void phases_changed() noexcept = 0;
 };
 
 /// What is behind the links, written by the controller.
@@ -105,7 +104,6 @@ public:
     model::Variator variator;      ///< also constant but for inputs that are held
     const engine::CompiledPlan plan;
     model::PhaseRule rule;
-    const model::StagedFunctions stages;
 
     Partition partition;  ///< changed by repartition() only
 
@@ -120,7 +118,6 @@ public:
 
     LinkFields links;
     TipState tips;
-    StagedFields staged;
     PulleyFields pulleys;
 
     std::vector<model::LineVector<double>> windows;  ///< [segments] stage states of the segment's links and of the layout's halo
@@ -128,6 +125,8 @@ public:
     FrameMemory frame;                               ///< of the controller's coroutine
     EnergyLedger energy;                             ///< works, losses and balance so far, written by the controller
     model::HeatBalance heat;                         ///< temperatures, changed at outputs by the controller
+    std::unique_ptr<AssemblyMemory> further;         ///< of the assembly that the laboratory adds; nullptr in the product
+    bool sums_missing = false;                       ///< evaluate cycles of the assembly at hand do not fill links.sums
 
     [[nodiscard]] const model::ChainLayout& layout() const noexcept { return variator.layout(); }
     /// Another variator of the same layout, at rest before its start; between runs only.
@@ -138,8 +137,10 @@ public:
     void warm() noexcept { variator.warm(parameters, heat.film()); }
     /// Sets other segments; while no executor runs, and between two steps. Then call StepMethod::repartitioned.
     void repartition(Partition parts);
-    /// Brings the list of touching links up to date; after every change of phases.
-    void list_touching() noexcept;
+    /// After every change of phases.
+    void phases_changed() noexcept {
+        if (further) further->phases_changed();
+    }
     /// Adds up the reactions of a segment's links, for sums that contain no link of another segment.
     void add_up(const Segment& own) noexcept;
     /// Forces of the chain on the sheaves after an evaluate cycle; called by the controller.
@@ -151,8 +152,6 @@ public:
     [[nodiscard]] double pin_period() const noexcept;
     /// Angular momentum of both shafts with their sheaves; zero without pulleys [N·m·s].
     [[nodiscard]] std::array<double, 2> shaft_momentum() const noexcept;
-    /// The staged evaluation's view of this workspace.
-    [[nodiscard]] model::StagedChain staged_chain() noexcept;
     [[nodiscard]] int tail_size() const noexcept { return layout().size() - layout().pulley_begin(); }
     [[nodiscard]] engine::SlotView slots() const noexcept { return {states.data(), slopes.data()}; }
     [[nodiscard]] engine::Interpolant interpolant() const noexcept { return {states[0], slopes[0], end_state, end_slope, step.h}; }

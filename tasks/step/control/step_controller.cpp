@@ -81,7 +81,7 @@ StepController::StepController(Workspace& workspace, StepMethod& method, const S
     std::span<const double> memory(from.method);
     errors_.load(memory);
     method_.load(memory);
-    w_.list_touching();
+    w_.phases_changed();
 }
 
 void StepController::save(IntegrationState& state) const {
@@ -302,7 +302,7 @@ void StepController::probe_start() {
             w_.tips.phases[tip] = w_.rule.next(w_.tips.phases[tip], w_.tips.before[tip]);
         }
     }
-    w_.list_touching();
+    w_.phases_changed();
 }
 
 ErrorControl::ErrorControl(Workspace& workspace, const StepMethod& method, const StepSettings& settings)

@@ -105,7 +105,7 @@ void TransitionSearch::change_at_end(RunObserver& observer, Counters& counters) 
 
 void TransitionSearch::report_changes(RunObserver& observer, Counters& counters) {
     method_.transition();
-    w_.list_touching();
+    w_.phases_changed();
     for (std::size_t tip = 0; tip < w_.tips.phases.size(); ++tip) {
         if (w_.tips.phases[tip] == w_.tips.phases_before[tip]) continue;
         const int number = static_cast<int>(tip);

@@ -1,16 +1,19 @@
 #pragma once
 /// The chain evaluated stage by stage, as the published parallelisation does: contact forces, chain forces, boundary pins, forward pass,
-/// reverse pass. Gives bit for bit what ChainModel::slopes gives, since both are made of the same parts (chain_parts.hpp).
+/// reverse pass. Gives bit for bit what ChainModel::slopes gives, since both are made of the same parts (model/kernels/chain_parts.hpp).
 
 #include <vector>
 
+#include "model/basis/isa.hpp"
 #include "model/variator/chain_model.hpp"
 
-namespace cvtflow::model {
+namespace cvtflow::bench {
+
+using model::ChainModel;
 
 /// Results of stages that later stages read. Strides in doubles depend on the order.
 struct StagedBuffers {
-    explicit StagedBuffers(const ChainLayout& layout);
+    explicit StagedBuffers(const model::ChainLayout& layout);
     std::vector<double> joints;   ///< [links][joint_stride]: force of the joint of pin i
     std::vector<double> tips;     ///< [links][tip_stride]: forces of a link's tips
     std::vector<double> moments;  ///< [links] moment of elasticity and plates about z
@@ -20,12 +23,12 @@ struct StagedBuffers {
 /// What all stages read and write. Links are whole numbers 0 … N-1 here; there is no window.
 struct StagedChain {
     const double* states;  ///< stage state of the whole chain [unknowns]
-    const SheaveMotion* sheaves;
-    const Phase* phases;
-    double* slope;    ///< of the whole chain [unknowns, per second]
-    LinkLoad* loads;  ///< [links]
+    const model::SheaveMotion* sheaves;
+    const model::Phase* phases;
+    double* slope;           ///< of the whole chain [unknowns, per second]
+    model::LinkLoad* loads;  ///< [links]
     StagedBuffers* buffers;
-    Account* accounts;  ///< [links * account_parts], only for observing evaluations, else nullptr
+    model::Account* accounts;  ///< [links * account_parts], only for observing evaluations, else nullptr
 };
 
 /// Functions of one order and of observing or not, chosen once.
@@ -44,4 +47,21 @@ struct StagedFunctions {
 /// Those of the model's order and instruction set.
 [[nodiscard]] StagedFunctions staged_functions(const ChainModel& model, bool observe);
 
-}  // namespace cvtflow::model
+/// Defined in staged_kernels.cpp, which is compiled once per instruction set. @param order p, 0 … 3
+template <model::Isa isa>
+StagedFunctions staged_kernels(int order, bool observe) noexcept;
+template <>
+StagedFunctions staged_kernels<model::Isa::baseline>(int order, bool observe) noexcept;
+template <>
+StagedFunctions staged_kernels<model::Isa::avx2>(int order, bool observe) noexcept;
+template <>
+StagedFunctions staged_kernels<model::Isa::avx512>(int order, bool observe) noexcept;
+
+struct CompiledStages {
+    model::Isa isa;
+    StagedFunctions (*functions)(int order, bool observe) noexcept;
+};
+/// For the instruction sets of the model's kernels. The build writes this list (compiled_staged.cpp.in).
+[[nodiscard]] std::vector<CompiledStages> compiled_stages();
+
+}  // namespace cvtflow::bench

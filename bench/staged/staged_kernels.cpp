@@ -1,10 +1,12 @@
+#include "bench/staged/staged_chain.hpp"
 #include "model/basis/isa.hpp"
 #include "model/kernels/chain_parts.hpp"
-#include "model/kernels/kernels.hpp"
 
-namespace cvtflow::model {
+namespace cvtflow::bench {
 
 namespace {
+
+using namespace cvtflow::model;
 
 template <int P>
 [[nodiscard]] const double* state_of(const StagedChain& chain, int link) noexcept {
@@ -101,4 +103,4 @@ StagedFunctions staged_kernels<compiled_isa>(int order, bool observe) noexcept {
     return of_order(order, [=]<int P>() { return functions_of<P>(observe); });
 }
 
-}  // namespace cvtflow::model
+}  // namespace cvtflow::bench

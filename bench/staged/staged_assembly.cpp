@@ -1,18 +1,71 @@
+#include "bench/staged/staged_assembly.hpp"
+
 #include <algorithm>
 #include <cstring>
+#include <memory>
 #include <string>
+#include <vector>
 
+#include "bench/staged/staged_chain.hpp"
 #include "tasks/step/assembly/segment_tasks.hpp"
 #include "tasks/step/step_graph.hpp"
 #include "tasks/step/workspace.hpp"
 
-namespace cvtflow::tasks {
+namespace cvtflow::bench {
 
 namespace {
 
+using namespace tasks;
 using engine::Access;
 
+/// What stages keep for later ones in a workspace, beside its own fields.
+class StagedMemory final : public AssemblyMemory {
+public:
+    explicit StagedMemory(Workspace& workspace)
+        : functions(staged_functions(workspace.variator.chain(), workspace.layout().ledger)),
+          state_(static_cast<std::size_t>(workspace.layout().size())),
+          buffers_(workspace.layout()),
+          w_(workspace) {
+        touching_.reserve(static_cast<std::size_t>(workspace.layout().links));
+    }
+
+    const StagedFunctions functions;
+
+    [[nodiscard]] double* state() noexcept { return state_.data(); }
+    /// Links with a touching tip, ascending.
+    [[nodiscard]] const std::vector<int>& touching() const noexcept { return touching_; }
+    [[nodiscard]] StagedChain chain() noexcept {
+        return {state_.data(),
+                w_.pulleys.sheaves,
+                w_.tips.phases.data(),
+                w_.step.slope_out,
+                w_.links.loads.data(),
+                &buffers_,
+                w_.layout().ledger ? w_.links.accounts.data() : nullptr};
+    }
+    void phases_changed() noexcept override {
+        touching_.clear();
+        for (int link = 0; link < w_.layout().links; ++link) {
+            const model::Phase* own = w_.tips.phases.data() + model::tips_per_link * link;
+            if (std::any_of(own, own + model::tips_per_link, [](model::Phase phase) { return phase != model::Phase::free; }))
+                touching_.push_back(link);  // within what was reserved
+        }
+    }
+
+private:
+    model::LineVector<double> state_;  // of the stage, all links
+    StagedBuffers buffers_;
+    std::vector<int> touching_;
+    Workspace& w_;
+};
+
+// Its fields, for the race check.
+constexpr Field own_field(int number) { return static_cast<Field>(static_cast<int>(Field::further_assembly) + number); }
+constexpr Field stage_state = own_field(0), moment = own_field(1), joint = own_field(2), tip_forces = own_field(3);
+constexpr Field joint_account = own_field(4), link_account = own_field(5), tip_account = own_field(6);
+
 [[nodiscard]] Workspace& of(void* workspace) noexcept { return *static_cast<Workspace*>(workspace); }
+[[nodiscard]] StagedMemory& memory_of(Workspace& w) noexcept { return static_cast<StagedMemory&>(*w.further); }
 
 /// Stage state of one segment's links.
 void combine_segment(void* workspace, int segment) noexcept {
@@ -21,12 +74,13 @@ void combine_segment(void* workspace, int segment) noexcept {
     const model::ChainLayout& layout = w.layout();
     const int begin = layout.link_begin(own.first);
     const int end = begin + own.size() * layout.link_block();
+    double* state = memory_of(w).state() + begin;
     const std::size_t bytes = static_cast<std::size_t>(end - begin) * sizeof(double);
     if (w.step.evaluate_end) {
-        std::memcpy(w.staged.state + begin, w.end_state + begin, bytes);
+        std::memcpy(state, w.end_state + begin, bytes);
     } else {
-        engine::combine(w.step.row, w.step.h, w.slots(), begin, end, w.staged.state + begin);
-        if (w.step.row.keep >= 0) std::memcpy(w.states[static_cast<std::size_t>(w.step.row.keep)] + begin, w.staged.state + begin, bytes);
+        engine::combine(w.step.row, w.step.h, w.slots(), begin, end, state);
+        if (w.step.row.keep >= 0) std::memcpy(w.states[static_cast<std::size_t>(w.step.row.keep)] + begin, state, bytes);
     }
     if (!layout.ledger) return;
     std::fill_n(w.links.accounts.begin() + model::account_parts * own.first, model::account_parts * own.size(), model::Account{});
@@ -35,32 +89,34 @@ void combine_segment(void* workspace, int segment) noexcept {
 /// Contact forces of one batch of touching links; as many batches as segments, of equal size whatever the segments hold.
 void contact_batch(void* workspace, int batch) noexcept {
     Workspace& w = of(workspace);
-    const auto cut = [&](int k) { return static_cast<int>(static_cast<long>(w.tips.touching_count) * k / w.partition.size()); };
-    const model::StagedChain chain = w.staged_chain();
-    for (int k = cut(batch); k < cut(batch + 1); ++k)
-        w.stages.contact(w.variator.chain(), chain, w.tips.touching[static_cast<std::size_t>(k)]);
+    StagedMemory& memory = memory_of(w);
+    const auto cut = [&](int k) {
+        return memory.touching().size() * static_cast<std::size_t>(k) / static_cast<std::size_t>(w.partition.size());
+    };
+    const StagedChain chain = memory.chain();
+    for (std::size_t k = cut(batch); k < cut(batch + 1); ++k) memory.functions.contact(w.variator.chain(), chain, memory.touching()[k]);
 }
 
 /// Elasticity and plates of one segment's links, joints of the pins strictly between them.
 void chain_segment(void* workspace, int segment) noexcept {
     Workspace& w = of(workspace);
-    w.stages.chain_forces(w.variator.chain(), w.staged_chain(), w.partition[segment].first, w.partition[segment].last);
+    memory_of(w).functions.chain_forces(w.variator.chain(), memory_of(w).chain(), w.partition[segment].first, w.partition[segment].last);
 }
 
 /// Joint of the pin between a segment and the one before it.
 void boundary_pin(void* workspace, int segment) noexcept {
     Workspace& w = of(workspace);
-    w.stages.joint(w.variator.chain(), w.staged_chain(), w.partition[segment].first);
+    memory_of(w).functions.joint(w.variator.chain(), memory_of(w).chain(), w.partition[segment].first);
 }
 
 void forward_segment(void* workspace, int segment) noexcept {
     Workspace& w = of(workspace);
-    w.stages.forward(w.variator.chain(), w.staged_chain(), w.partition[segment].first, w.partition[segment].last);
+    memory_of(w).functions.forward(w.variator.chain(), memory_of(w).chain(), w.partition[segment].first, w.partition[segment].last);
 }
 
 void reverse_segment(void* workspace, int segment) noexcept {
     Workspace& w = of(workspace);
-    w.stages.reverse(w.variator.chain(), w.staged_chain(), w.partition[segment].first, w.partition[segment].last);
+    memory_of(w).functions.reverse(w.variator.chain(), memory_of(w).chain(), w.partition[segment].first, w.partition[segment].last);
 }
 
 /// All segments in one task.
@@ -86,6 +142,7 @@ struct StageTasks {
 void add_force_stages(engine::TaskGraph& graph, const Workspace& w, StageTasks& tasks) {
     for (int s = 0; s < w.partition.size(); ++s) {
         const std::string number = "[" + std::to_string(s) + "]";
+        const Segment segment = w.partition[s];  // whose pins have the number of the link behind them
         const auto own = [&] { return LinkAccesses(w, s); };
         tasks.combine.push_back(graph.add({"combine" + number, evaluate_cycle, combine_segment, s,
                                            own()
@@ -93,10 +150,10 @@ void add_force_stages(engine::TaskGraph& graph, const Workspace& w, StageTasks& 
                                                .own(Field::slopes_read, false)
                                                .own(Field::end_state, false)
                                                .own(Field::state_kept, true)
-                                               .own(Field::stage_state, true)
-                                               .own(Field::joint_account, true)
-                                               .own(Field::link_account, true)
-                                               .own(Field::tip_account, true)
+                                               .own(stage_state, true)
+                                               .own(joint_account, true)
+                                               .own(link_account, true)
+                                               .own(tip_account, true)
                                                .list()}));
         // Which links a batch holds depends on the phases: what it writes are the tips of those, which no other batch holds.
         tasks.contact.push_back(
@@ -104,23 +161,26 @@ void add_force_stages(engine::TaskGraph& graph, const Workspace& w, StageTasks& 
                        evaluate_cycle,
                        contact_batch,
                        s,
-                       {whole(w, Field::stage_state, false), whole(w, Field::phase, false), own().segment(Field::tips, true).list()[0],
-                        own().segment(Field::load, true).list()[0], own().segment(Field::tip_account, true).list()[0]},
+                       {whole(w, stage_state, false), whole(w, Field::phase, false), own().segment(tip_forces, true).list()[0],
+                        own().segment(Field::load, true).list()[0], own().segment(tip_account, true).list()[0]},
                        "contact forces"}));
         tasks.chain.push_back(graph.add({"chain" + number, evaluate_cycle, chain_segment, s,
                                          own()
-                                             .own(Field::stage_state, false)
+                                             .own(stage_state, false)
                                              .own(Field::slope_written, true)
-                                             .own(Field::moment, true)
-                                             .inner_pins(Field::joint, true)
-                                             .inner_pins(Field::joint_account, true)
-                                             .own(Field::link_account, true)
+                                             .own(moment, true)
+                                             .range(joint, segment.first + 1, segment.last, true)
+                                             .range(joint_account, segment.first + 1, segment.last, true)
+                                             .own(link_account, true)
                                              .list(),
                                          "chain forces"}));
-        tasks.boundary.push_back(
-            graph.add({"boundary" + number, evaluate_cycle, boundary_pin, s,
-                       own().with_halo(Field::stage_state).first_pin(Field::joint, true).first_pin(Field::joint_account, true).list(),
-                       "boundary pins"}));
+        tasks.boundary.push_back(graph.add({"boundary" + number, evaluate_cycle, boundary_pin, s,
+                                            own()
+                                                .with_halo(stage_state)
+                                                .range(joint, segment.first, segment.first + 1, true)
+                                                .range(joint_account, segment.first, segment.first + 1, true)
+                                                .list(),
+                                            "boundary pins"}));
     }
 }
 
@@ -128,25 +188,20 @@ void add_solve_stages(engine::TaskGraph& graph, const Workspace& w, bool by_segm
     const std::string cholesky = "Cholesky";
     if (!by_segments) {
         const auto all = [&](Field field, bool write) { return whole(w, field, write); };
-        tasks.forward.push_back(graph.add({"forward",
-                                           evaluate_cycle,
-                                           forward_all,
-                                           0,
-                                           {all(Field::slope_written, true), all(Field::moment, false), all(Field::joint, false),
-                                            all(Field::tips, false), all(Field::stage_state, false)},
-                                           cholesky}));
+        tasks.forward.push_back(graph.add(
+            {"forward",
+             evaluate_cycle,
+             forward_all,
+             0,
+             {all(Field::slope_written, true), all(moment, false), all(joint, false), all(tip_forces, false), all(stage_state, false)},
+             cholesky}));
         tasks.reverse.push_back(graph.add({"reverse", evaluate_cycle, reverse_all, 0, {all(Field::slope_written, true)}, cholesky}));
         return;
     }
     for (int s = 0; s < w.partition.size(); ++s) {
         const std::string number = "[" + std::to_string(s) + "]";
-        auto reads = LinkAccesses(w, s)
-                         .own(Field::slope_written, true)
-                         .own(Field::moment, false)
-                         .with_halo(Field::joint)
-                         .own(Field::stage_state, false)
-                         .list();
-        reads.push_back(whole(w, Field::tips, false));
+        auto reads = LinkAccesses(w, s).own(Field::slope_written, true).own(moment, false).with_halo(joint).own(stage_state, false).list();
+        reads.push_back(whole(w, tip_forces, false));
         tasks.forward.push_back(graph.add({"forward" + number, evaluate_cycle, forward_segment, s, reads, cholesky}));
         tasks.reverse.push_back(graph.add(
             {"reverse" + number, evaluate_cycle, reverse_segment, s, LinkAccesses(w, s).own(Field::slope_written, true).list(), cholesky}));
@@ -160,9 +215,7 @@ void barrier(engine::TaskGraph& graph, const std::vector<int>& before, const std
     }
 }
 
-}  // namespace
-
-engine::TaskGraph staged_graph(const Workspace& w, const AssemblyOptions& options) {
+[[nodiscard]] engine::TaskGraph staged_graph(const Workspace& w, const AssemblyOptions& options) {
     engine::TaskGraph graph;
     StageTasks tasks;
     add_force_stages(graph, w, tasks);
@@ -187,4 +240,10 @@ engine::TaskGraph staged_graph(const Workspace& w, const AssemblyOptions& option
     return graph;
 }
 
-}  // namespace cvtflow::tasks
+[[nodiscard]] std::unique_ptr<AssemblyMemory> staged_memory(Workspace& w) { return std::make_unique<StagedMemory>(w); }
+
+}  // namespace
+
+void add_staged_assembly() { add_assembly({staged_graph, staged_memory}); }
+
+}  // namespace cvtflow::bench
