@@ -6,7 +6,7 @@
 namespace cvtflow::test {
 namespace {
 
-[[maybe_unused]] const bool added = (bench::add_laboratory_methods(), bench::add_staged_assembly(), true);
+[[maybe_unused]] const bool assembly_added = (bench::add_laboratory_methods(), bench::add_staged_assembly(), true);
 
 }  // namespace
 }  // namespace cvtflow::test
