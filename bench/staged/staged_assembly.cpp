@@ -142,7 +142,6 @@ struct StageTasks {
 void add_force_stages(engine::TaskGraph& graph, const Workspace& w, StageTasks& tasks) {
     for (int s = 0; s < w.partition.size(); ++s) {
         const std::string number = "[" + std::to_string(s) + "]";
-        const Segment segment = w.partition[s];  // whose pins have the number of the link behind them
         const auto own = [&] { return LinkAccesses(w, s); };
         tasks.combine.push_back(graph.add({"combine" + number, evaluate_cycle, combine_segment, s,
                                            own()
@@ -164,6 +163,14 @@ void add_force_stages(engine::TaskGraph& graph, const Workspace& w, StageTasks& 
                        {whole(w, stage_state, false), whole(w, Field::phase, false), own().segment(tip_forces, true).list()[0],
                         own().segment(Field::load, true).list()[0], own().segment(tip_account, true).list()[0]},
                        "contact forces"}));
+    }
+}
+
+void add_chain_stages(engine::TaskGraph& graph, const Workspace& w, StageTasks& tasks) {
+    for (int s = 0; s < w.partition.size(); ++s) {
+        const std::string number = "[" + std::to_string(s) + "]";
+        const Segment segment = w.partition[s];  // whose pins have the number of the link behind them
+        const auto own = [&] { return LinkAccesses(w, s); };
         tasks.chain.push_back(graph.add({"chain" + number, evaluate_cycle, chain_segment, s,
                                          own()
                                              .own(stage_state, false)
@@ -219,6 +226,7 @@ void barrier(engine::TaskGraph& graph, const std::vector<int>& before, const std
     engine::TaskGraph graph;
     StageTasks tasks;
     add_force_stages(graph, w, tasks);
+    add_chain_stages(graph, w, tasks);
     add_solve_stages(graph, w, options.parallel_cholesky, tasks);
     barrier(graph, tasks.combine, tasks.contact);
     barrier(graph, tasks.combine, tasks.chain);

@@ -193,6 +193,12 @@ TEST_F(Errors, InSettingsNameTheOptionThatWasGiven) {
         {{"settle", "tiny", "--step", "1"}, 2, "--step 1: 1 s is outside [1e-12, 1e-2] s (did you mean \"1 us\"?)"},
         {{"settle", "tiny", "--threads=-1"}, 2, "--threads -1: -1 is outside [0, 1024]"},
         {{"settle", "tiny", "--time", "3ms"}, 2, "--time 3ms: start.ramp_time: 5e-3 s is longer than start.settling_time = 3e-3 s"},
+    };
+    for (const Mistake& mistake : mistakes) expect(mistake);
+}
+
+TEST_F(Errors, InSettingsOfTheLaboratoryNameTheOption) {
+    const std::vector<Mistake> mistakes{
         {{"spectrum", "tiny", "--state", "gone.h5"}, 2, "--state gone.h5: no file \"gone.h5\""},
         {{"spectrum", "tiny", "--method", "rk5"}, 2, "--method rk5: no method 'rk5' (did you mean 'rk4'?)"},
         {{"dot", "tiny", "--cycle", "x"}, 2, "--cycle x: a step of rk4 has evaluate, detect, locate, truncate"},
