@@ -172,10 +172,20 @@ bool is_state_file(const std::string& file) {
     return !format || *format == "cvtflow state";
 }
 
+namespace {
+
+/// What a power cut leaves of a table before its first rows: some of its pages, in any order. HDF5 can read none of it, nor has it a seal,
+/// and no page says that it is a record.
+bool is_torn_beginning(const std::string& part) {
+    return part.ends_with(".part") && !torn_while_growing(part, "cvtflow run") && torn_while_growing(part, "HDF");
+}
+
+}  // namespace
+
 IsOwn table_with(std::string attribute, std::string text) {
     return [attribute = std::move(attribute), text = std::move(text)](const std::string& file) {
         if (hdf5_version(file) != 3) return false;
-        if (!format_of(file)) return !holds_rows(file) || torn_while_growing(file, "cvtflow cases");
+        if (!format_of(file)) return !holds_rows(file) || torn_while_growing(file, "cvtflow cases") || is_torn_beginning(file);
         return CaseReader(file).head().attribute(attribute) == text;
     };
 }
