@@ -41,7 +41,7 @@ std::vector<double> one_step(MethodRun& method, const FrozenStart& start, double
     const engine::Cancellation never;
     const Fault fault = method.run(start, h, h / static_cast<double>(steps), h, nobody, never);
     if (fault || method.counters().detected > 0) return {};
-    const double* state = method.workspace().states[0];
+    const double* state = method.workspace().state();
     return {state, state + start.state.size()};
 }
 

@@ -220,7 +220,7 @@ bool CaseEngine::samples(double time) const noexcept { return means_.due(time) |
 void CaseEngine::sample(double time, const Workspace& workspace) {
     if (recorder_ && recorder_->samples(time)) recorder_->sample(time, workspace);
     if (!means_.due(time)) return;
-    const model::Observation& now = eye_->observe(time, workspace.states[0], workspace.tips.phases.data());
+    const model::Observation& now = eye_->observe(time, workspace.state(), workspace.tips.phases.data());
     means_.add(now, workspace.energy.sums(time), workspace.pin_period());
 }
 
@@ -229,7 +229,7 @@ void CaseEngine::transition(const TransitionRecord& record) {
 }
 
 void CaseEngine::reduce(double time, const Workspace& workspace, const Counters& counters) {
-    const Instant instant{eye_->observe(time, workspace.states[0], workspace.tips.phases.data()), workspace, counters,
+    const Instant instant{eye_->observe(time, workspace.state(), workspace.tips.phases.data()), workspace, counters,
                           scene_.run.followed_pin, *eye_};
     means_.add(instant.observation, workspace.energy.sums(time), workspace.pin_period());
     for (std::size_t i = 0; i < reducers_.size(); ++i) {

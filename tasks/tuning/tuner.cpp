@@ -375,9 +375,10 @@ void Tuner::find_methods() {
 std::vector<std::pair<TunedChoice, double>> Tuner::find_bases() {
     std::vector<std::pair<TunedChoice, double>> bases;
     std::vector<std::pair<std::string, std::string>> objections;
-    std::map<std::pair<std::string, std::uint64_t>, std::string> steps;  // method by level and end of its trial
+    std::vector<std::string> methods = methods_;
+    if (settings_.methods.empty()) methods.emplace_back(automatic_method);  // which another level may take differently
     for (const std::string& level : levels_for(scene_)) {
-        for (const std::string& method : methods_) {
+        for (const std::string& method : methods) {
             require_going_on();
             TunedChoice base;
             base.choice = {level, method};
@@ -386,8 +387,6 @@ std::vector<std::pair<TunedChoice, double>> Tuner::find_bases() {
             if (std::any_of(bases.begin(), bases.end(), same)) continue;
             try {
                 const PointRun run = points_.front().trial(base.choice, cost_trial);
-                const auto [first, differs] = steps.try_emplace({level, run.hash}, method);
-                if (!differs && run.objection.empty()) throw SimulationError("takes the steps of " + first->second);
                 base.work = run.work;
                 bases.emplace_back(base, run.seconds);
             } catch (const std::exception& error) {  // a method that the scene's detail takes need not take every level: rigid pins

@@ -22,7 +22,7 @@ struct Promise {
 /// Of pin halves (README).
 const Promise halves{{"run.method=leapfrog-chebyshev-double", "run.step=714.2857 ns"}, 2e-3, 5e-5, 1e-3};
 /// Of rigid pins, against half of their step of first order: 5 us add up to 2.2 % to slip, half of that is left between the two.
-const Promise rigid{{"run.method=leapfrog-sweep", "run.step=2.5 us"}, 1.1e-2, 2e-4, 1e-3};
+const Promise rigid{{"run.method=leapfrog-rigid", "run.step=2.5 us"}, 1.1e-2, 2e-4, 1e-3};
 
 RunReport run_with(const std::string& scene, std::vector<std::string> settings, const std::vector<std::string>& more) {
     settings.insert(settings.end(), {"run.until=20 ms", "run.output_interval=25 us", "run.schedule=serial"});

@@ -24,9 +24,9 @@ TrialEnd try_method(const model::Parameters& parameters, const FrozenStart& star
     end.report = run.method().report();
     if (const auto* trapezoidal = dynamic_cast<const TrapezoidalMethod*>(&run.method())) end.newton = trapezoidal->statistics();
     const Workspace& workspace = run.workspace();
-    end.state.assign(workspace.states[0], workspace.states[0] + workspace.layout().size());
+    end.state.assign(workspace.state(), workspace.state() + workspace.layout().size());
     model::Observer observer(workspace.variator);
-    const model::Observation& seen = observer.observe(run.time(), workspace.states[0], workspace.tips.phases.data());
+    const model::Observation& seen = observer.observe(run.time(), workspace.state(), workspace.tips.phases.data());
     end.axial_force = seen.tip_axial;
     end.tension = seen.tension;
     return end;

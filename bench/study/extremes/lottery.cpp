@@ -204,7 +204,7 @@ public:
     void output(double time, const Workspace& w, const Counters&) override { sample(time, w); }
     [[nodiscard]] bool samples(double time) const noexcept override { return means.due(time); }
     void sample(double time, const Workspace& w) override {
-        means.add(eye_.observe(time, w.states[0], w.tips.phases.data()), w.energy.sums(time), w.pin_period());
+        means.add(eye_.observe(time, w.state(), w.tips.phases.data()), w.energy.sums(time), w.pin_period());
     }
     void transition(const TransitionRecord&) override {}
     RunMeans means;

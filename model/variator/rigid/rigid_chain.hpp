@@ -30,6 +30,12 @@ public:
     /// The same with friction of the velocities as they are, which no step before has left anything of.
     void accelerate(const SheaveMotion* sheaves, RigidColumns& columns, RigidForces& forces) const noexcept;
 
+    // Parts of accelerate(), one after the other.
+    void link_forces(const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
+    void plate_friction(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
+    void tip_forces(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
+    void sum_forces(const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
+
     /// Of a coordinate or velocity in the columns, per one of a state.
     [[nodiscard]] double scale(int k) const noexcept { return k < 6 ? 1.0 : coefficients_.bend_share; }
     /// Columns of coordinates and velocities from and to blocks of a state. @param blocks [pins * layout().link_block()]

@@ -17,7 +17,7 @@ std::vector<double> after(MethodRun& run, double duration) {
     SilentObserver nobody;
     const engine::Cancellation never;
     EXPECT_FALSE(run.run(brief_start(), duration, 50e-9, 10e-6, nobody, never));
-    const double* state = run.workspace().states[0];
+    const double* state = run.workspace().state();
     return {state, state + brief_start().state.size()};
 }
 
@@ -34,7 +34,7 @@ void expect_same(const std::string& method, const std::string& step, double seco
     MethodRun run(scene.parameters, method);
     for (int again = 0; again < 2; ++again) {
         ASSERT_FALSE(run.run(start, 400e-6, seconds, 10e-6, nobody, never));
-        EXPECT_TRUE(std::equal(whole.state(), whole.state() + start.state.size(), run.workspace().states[0])) << method;
+        EXPECT_TRUE(std::equal(whole.state(), whole.state() + start.state.size(), run.workspace().state())) << method;
         EXPECT_EQ(run.counters().steps, whole.counters().steps) << method;
         EXPECT_EQ(run.step(), whole.step()) << method;
     }

@@ -118,26 +118,10 @@ TEST(Tuner, LeavesOutMethodsWhereALevelOfDetailDoesNotTakeThem) {
                            [&](const TunedChoice& made) { return made.choice.detail == detail && made.choice.method == method; });
     };
     EXPECT_TRUE(tried("fine", "sw2"));
-    EXPECT_TRUE(tried("rigid", "leapfrog-sweep"));
+    EXPECT_TRUE(tried("rigid", "leapfrog-rigid"));
     EXPECT_TRUE(tried("fine", "leapfrog-sweep"));
     EXPECT_FALSE(tried("rigid", "sw2"));
     EXPECT_TRUE(result.chosen);
-}
-
-/// Rigid pins have one step, whose velocities are in double precision under both names.
-TEST(Tuner, TriesASingleOneOfMethodsThatTakeTheSameSteps) {
-    TuneSettings settings = brief();
-    settings.methods = {"leapfrog-sweep", "leapfrog-sweep-double"};
-    const TuneResult result = Tuner(test::settled_tiny(), settings, undisturbed).tune(0.2);
-    EXPECT_THAT(result.left_out,
-                testing::Contains(testing::HasSubstr("leapfrog-sweep-double at rigid: takes the steps of leapfrog-sweep")));
-    const auto tried = [&](const char* detail) {
-        return std::any_of(result.choices.begin(), result.choices.end(), [&](const TunedChoice& made) {
-            return made.choice.detail == detail && made.choice.method == "leapfrog-sweep-double";
-        });
-    };
-    EXPECT_FALSE(tried("rigid"));
-    EXPECT_TRUE(tried("fine"));
 }
 
 TEST(Tuner, EndsWhenItIsTold) {

@@ -101,7 +101,7 @@ TEST_F(VerifiedSweeps, MissTheirTargetWhereMoreThanOneCaseInTwentyDoes) {
 TEST_F(VerifiedSweeps, FindOutWhereATableIsNotAsAccurateAsItSays) {
     Sweep asked = sweep(three);
     asked.scalars.resize(1);
-    TunedSweep coarse{asked, {{"rigid", "leapfrog-sweep"}, 0.0, 0.0}, std::nullopt};
+    TunedSweep coarse{asked, {{"rigid", "leapfrog-rigid"}, 0.0, 0.0}, std::nullopt};
     coarse.sweep.accuracy.target = 0.03;  // after 2 ms of settling, references of other steps differ by 0.35 %
     Sweep strict = asked;
     strict.accuracy.target = 0.03;
