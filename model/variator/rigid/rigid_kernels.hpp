@@ -60,6 +60,8 @@ struct RigidKernels {
     double (*kick)(const RigidCoefficients& c, double step, RigidColumns& columns) noexcept;
     /// Depths of the tips of pins 0 … 7 [m]. @param depth [tips][8]
     void (*depths)(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns, double* depth) noexcept;
+    /// How many pins' tips number `tip` press that did not, or the other way round; pins that fill the last vector count.
+    double (*contact_changes)(RigidColumns& columns, int tip) noexcept;
 };
 
 /// Defined in rigid_kernels.cpp, which is compiled once per instruction set.

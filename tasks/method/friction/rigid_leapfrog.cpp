@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 #include <stdexcept>
+#include <utility>
 
 #include "tasks/step/assembly/segment_tasks.hpp"
 #include "tasks/step/step_graph.hpp"
@@ -37,8 +38,7 @@ RigidLeapfrog::RigidLeapfrog(Workspace& workspace)
       account_(workspace.energy.count()),
       alone_(workspace.layout().pulley_size == 0),
       fastest_(0.5 * least_inertia(pins_.model.coefficients()) * fastest_pin * fastest_pin),
-      ledger_(pins_.ledger),
-      touching_(static_cast<std::size_t>(model::rigid_tips * workspace.layout().links), -1.0) {}
+      ledger_(pins_.ledger) {}
 
 void RigidLeapfrog::add_tasks(engine::TaskGraph& graph) {
     const int pins = w_.layout().links;
@@ -108,7 +108,7 @@ void RigidLeapfrog::start() {
     ledger_ = pins_.ledger;
     shift_ = 0.0;
     kick_ = {};
-    std::fill(touching_.begin(), touching_.end(), -1.0);
+    forget_touching();
     if (!alone_) w_.variator.pulleys().motions(pins_.tail.data(), sheaves_);
     pins_.model.accelerate(alone_ ? nullptr : sheaves_, pins_.columns, pins_.forces);
     evaluate_pulleys(w_.step.time);
@@ -223,29 +223,31 @@ void RigidLeapfrog::couple(double time, const std::array<double, 2>& rates) noex
 
 double RigidLeapfrog::pulley_kinetic() const noexcept { return alone_ ? 0.0 : w_.variator.pulleys().kinetic(pins_.tail.data()); }
 
-/// Tips of a pin are those of its front half, the front of the link behind, and of its rear half, the rear of the link ahead.
+/// The phases are compared with all tips after the next step.
+void RigidLeapfrog::forget_touching() noexcept {
+    for (int tip = 0; tip < model::rigid_tips; ++tip) std::fill_n(pins_.columns[model::Column::touching + tip], w_.layout().links, -1.0);
+}
+
 void RigidLeapfrog::find_touching() noexcept {
-    const int pins = w_.layout().links;
-    double differences = 0.0;
+    w_.tips.have_changed = false;
     for (int tip = 0; tip < model::rigid_tips; ++tip) {
-        const double *normal = pins_.columns[model::Column::normal + tip], *touching = touching_.data() + tip * pins;
-        for (int pin = 0; pin < pins; ++pin) differences += std::abs((normal[pin] > 0.0 ? 1.0 : 0.0) - touching[pin]);
-    }
-    w_.tips.have_changed = differences != 0.0;
-    if (!w_.tips.have_changed) return;
-    w_.tips.phases_before = w_.tips.phases;
-    for (int tip = 0; tip < model::rigid_tips; ++tip) {
-        for (int pin = 0; pin < pins; ++pin) {
-            const bool touches = pins_.columns[model::Column::normal + tip][pin] > 0.0, of_front = tip < model::rigid_tips / 2;
-            touching_[at(tip * pins + pin)] = touches ? 1.0 : 0.0;
-            const int link = of_front ? w_.layout().previous(pin) : pin;
-            const std::size_t number = at(model::tips_per_link * link + (tip + model::rigid_tips / 2) % model::rigid_tips);
-            const model::Phase phase = touches ? model::Phase::touching : model::Phase::free;
-            if (w_.tips.phases[number] == phase) continue;
-            w_.tips.phases[number] = phase;
-            w_.tips.changed[number] = w_.step.time + w_.step.h;
+        const double* normal = pins_.columns[model::Column::normal + tip];
+        double* touching = pins_.columns[model::Column::touching + tip];
+        if (pins_.model.kernels().contact_changes(pins_.columns, tip) == 0.0) continue;
+        if (!std::exchange(w_.tips.have_changed, true)) w_.tips.phases_before = w_.tips.phases;
+        for (int pin = 0; pin < pins_.columns.padded(); ++pin) {
+            const double touches = normal[pin] > 0.0 ? 1.0 : 0.0;
+            if (std::exchange(touching[pin], touches) != touches && pin < w_.layout().links) set_phase(pin, tip, touches > 0.0);
         }
     }
+}
+
+/// Tips of a pin are those of its front half, the front of the link behind, and of its rear half, the rear of the link ahead.
+void RigidLeapfrog::set_phase(int pin, int tip, bool touches) noexcept {
+    const int link = tip < model::rigid_tips / 2 ? w_.layout().previous(pin) : pin;
+    const std::size_t number = at(model::tips_per_link * link + (tip + model::rigid_tips / 2) % model::rigid_tips);
+    const model::Phase phase = touches ? model::Phase::touching : model::Phase::free;
+    if (std::exchange(w_.tips.phases[number], phase) != phase) w_.tips.changed[number] = w_.step.time + w_.step.h;
 }
 
 /// Whether a pin may be where or as fast as none should be; false for almost all steps without one.
@@ -314,7 +316,7 @@ void RigidLeapfrog::load(std::span<const double> memory) {
     });
     for (const auto& [first, last] : model::kept_columns) pins_.columns.wrap(first, last);
     std::fill_n(pins_.columns[model::Column::written], pins_.columns.pins(), 1.0);
-    std::fill(touching_.begin(), touching_.end(), -1.0);
+    forget_touching();
     cold_ = false;
 }
 

@@ -29,7 +29,7 @@ public:
     void phases_changed() noexcept override {}
     void save(std::vector<double>& memory) const override;
     void load(std::span<const double> memory) override;  ///< memory [what save() wrote]; empty: starts from the workspace's state
-    [[nodiscard]] std::optional<std::size_t> bytes() const noexcept override { return sizeof(*this) + touching_.size() * sizeof(double); }
+    [[nodiscard]] std::optional<std::size_t> bytes() const noexcept override { return sizeof(*this); }
 
     // Bodies of tasks.
     void links(int) noexcept;   ///< coordinates half a step on each side of the forces; forces of links
@@ -39,12 +39,14 @@ public:
 
 private:
     void start();
-    void set_lead(double lead) noexcept;                                    ///< velocities ahead of coordinates by a time [s]
-    void drift_pulleys() noexcept;                                          ///< coordinates of the pulleys, and the motion of their sheaves
-    void kick_pins() noexcept;                                              ///< velocities by accelerations, over the step
-    void kick_pulleys() noexcept;                                           ///< velocities of the pulleys by the reactions of the tips
-    void evaluate_pulleys(double) noexcept;                                 ///< slope of the pulleys at a time [s]
-    void find_touching() noexcept;                                          ///< phases of tips: touching where they press
+    void set_lead(double lead) noexcept;     ///< velocities ahead of coordinates by a time [s]
+    void drift_pulleys() noexcept;           ///< coordinates of the pulleys, and the motion of their sheaves
+    void kick_pins() noexcept;               ///< velocities by accelerations, over the step
+    void kick_pulleys() noexcept;            ///< velocities of the pulleys by the reactions of the tips
+    void evaluate_pulleys(double) noexcept;  ///< slope of the pulleys at a time [s]
+    void find_touching() noexcept;           ///< phases of tips: touching where they press
+    void forget_touching() noexcept;
+    void set_phase(int pin, int tip, bool touches) noexcept;
     void couple(double time, const std::array<double, 2>& rates) noexcept;  ///< powers of the couplings [s], [rad/s] before the kick
     [[nodiscard]] std::array<double, 2> coupling_rates(double time) const noexcept;  ///< [rad/s], zero where no coupling acts
     [[nodiscard]] double pulley_kinetic() const noexcept;                            ///< [J]
@@ -68,7 +70,6 @@ private:
     double shift_ = 0.0;                                 ///< of the kinetic energy by all changes of the lead so far [J]
     std::array<double, 2> far_power_{}, twist_power_{};  ///< of the couplings' far ends and dampers, in the last kick [W]
     std::vector<double> ledger_;                         ///< of the state at the start [J]
-    std::vector<double> touching_;                       ///< [tips of pins] 1 where the phases say so; -1: not compared yet
     bool cold_ = true;                                   ///< the state is in the workspace's slot
 };
 
