@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "model/basis/isa.hpp"
-#include "model/contact/contact_field.hpp"
-#include "model/variator/chain_model.hpp"
+#include "model/chain/chain_model.hpp"
+#include "model/contact/friction_operator.hpp"
 
 namespace cvtflow::model {
 

@@ -1,6 +1,6 @@
 # The kernels, one source for every instruction set; which one runs is chosen at the start of a run (model/basis/isa.hpp).
 # Whatever is not in an unnamed namespace would be shared between them by the linker: tests/architecture looks at their symbols.
-set(kernel_sources model/kernels/chain_kernels.cpp model/kernels/friction_kernels.cpp model/kernels/single_kernels.cpp model/kernels/rigid_kernels.cpp)
+set(kernel_sources model/kernels/chain_kernels.cpp model/kernels/friction_kernels.cpp model/kernels/single_kernels.cpp model/variator/rigid/rigid_kernels.cpp)
 if(CVTFLOW_ONE_LANE)   # the stand-in of bench/one_lane, as the program's baseline
   list(REMOVE_ITEM kernel_sources model/kernels/chain_kernels.cpp)
   add_library(cvtflow_one_lane OBJECT model/kernels/chain_kernels.cpp)
@@ -29,7 +29,7 @@ endforeach()
 configure_file(model/kernels/compiled_kernels.cpp.in ${PROJECT_BINARY_DIR}/compiled_kernels.cpp @ONLY)
 
 file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/model/*.cpp)
-list(FILTER sources EXCLUDE REGEX "/model/kernels/([a-z]+/)?[a-z]+_kernels\\.cpp$")
+list(FILTER sources EXCLUDE REGEX "/model/.*_kernels\\.cpp$")
 add_library(cvtflow_model STATIC ${sources})
 target_link_libraries(cvtflow_model PUBLIC cvtflow_flags cvtflow_arch)
 cvtflow_in_groups(cvtflow_model)
