@@ -150,7 +150,15 @@ const std::map<std::string, std::vector<Names>> floors{
       {"engine/graph", "engine/event", "engine/thread"},
       {"engine/method", "engine/executor", "engine/record"},
       {"engine/alone"}}},
-    {"tasks", {{"tasks/step"}, {"tasks/method"}, {"tasks/scene"}, {"tasks/schedule"}, {"tasks/run"}, {"tasks/batch"}, {"tasks/tuning"}}},
+    {"tasks",
+     {{"tasks/step"},
+      {"tasks/method"},
+      {"tasks/channel"},
+      {"tasks/scene"},
+      {"tasks/schedule"},
+      {"tasks/run"},
+      {"tasks/batch"},
+      {"tasks/tuning"}}},
 };
 
 /// -1 for rooms that stand nowhere.
