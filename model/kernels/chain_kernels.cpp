@@ -5,9 +5,9 @@
 #include "model/chain/chain_model.hpp"
 #include "model/force/tips.hpp"
 #include "model/kernels/chain_parts.hpp"
-#include "model/kernels/kernels.hpp"
 #include "model/kernels/lane_pass.hpp"
 #include "model/kernels/link_lanes.hpp"
+#include "model/kernels/native_kernels.hpp"
 
 namespace cvtflow::model {
 namespace {

@@ -14,16 +14,15 @@ ChainModel make_chain(const Parameters& parameters, Isa isa) {
     Coefficients coefficients(parameters);
     const LinkInertia inertia = link_inertia(parameters);
     if (parameters.detail.pins != PinDetail::rigid)
-        return {std::move(coefficients), inertia, isa, kernels_of(isa).chain(parameters.detail.order), nullptr};
+        return {std::move(coefficients), inertia, isa, kernels_of(isa).of_order(parameters.detail.order).chain, nullptr};
     auto rigid = std::make_shared<const RigidChain>(parameters, isa);
     coefficients.tip.law = rigid->model().coefficients().tip_law;
     return {std::move(coefficients), inertia, isa, RigidChain::kernels(), std::move(rigid)};
 }
 
 FrictionOperator make_friction(const ChainModel& chain, bool by_phase) {
-    const CompiledKernels kernels = kernels_of(chain.isa());
-    const int order = chain.layout().order;
-    return {chain, by_phase, kernels.friction(order), kernels.single(order)};
+    const Kernels kernels = kernels_of(chain.isa()).of_order(chain.layout().order);
+    return {chain, by_phase, kernels.friction, kernels.single};
 }
 
 }  // namespace cvtflow::model

@@ -2,6 +2,7 @@
 /// Makes a chain, and its friction, with the kernels of an instruction set.
 
 #include "model/chain/chain_model.hpp"
+#include "model/kernels/available_isas.hpp"
 
 namespace cvtflow::model {
 
