@@ -11,7 +11,7 @@
 #include "engine/executor/cancellation.hpp"
 #include "engine/thread/guards.hpp"
 #include "model/observe/observation.hpp"
-#include "tasks/run/channels.hpp"
+#include "tasks/channel/channels.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/step/integration_state.hpp"
 

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <string_view>
 
-#include "model/variator/chain_model.hpp"
+#include "model/chain/chain_model.hpp"
 
 namespace cvtflow::bench {
 

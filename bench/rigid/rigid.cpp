@@ -34,7 +34,7 @@
 
 #include "model/observe/observation.hpp"
 #include "model/start/start_state.hpp"
-#include "tasks/run/channels.hpp"
+#include "tasks/channel/channels.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/ready_scenes.hpp"
 

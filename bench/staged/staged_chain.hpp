@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "model/basis/isa.hpp"
-#include "model/variator/chain_model.hpp"
+#include "model/chain/chain_model.hpp"
 
 namespace cvtflow::bench {
 

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "bench/method/linear/eigenvalues.hpp"
+#include "bench/method/linear/arnoldi.hpp"
 #include "tasks/step/integration_state.hpp"
 
 namespace cvtflow::bench {

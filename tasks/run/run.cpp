@@ -10,7 +10,7 @@
 
 #include "engine/base/hash.hpp"
 #include "engine/record/run/state_file.hpp"
-#include "model/basis/isa.hpp"
+#include "model/kernels/kernels.hpp"
 #include "tasks/run/run_recorder.hpp"
 
 namespace cvtflow::tasks {

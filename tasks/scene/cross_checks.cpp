@@ -13,6 +13,7 @@
 #include "engine/executor/catalogue.hpp"
 #include "engine/thread/guards.hpp"
 #include "model/start/belt.hpp"
+#include "tasks/channel/channels.hpp"
 #include "tasks/method/method.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tasks/scene/toml_tree.hpp"

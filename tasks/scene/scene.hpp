@@ -157,10 +157,4 @@ void apply_detail(Scene& scene, std::string_view preset);
 /// The scene as TOML with every key: what a run used, whatever file, presets and settings it came from. parse_scene reads it back equal.
 [[nodiscard]] std::string write_scene(const Scene& scene);
 
-/// Channels that a scene may request, in the order of their catalogue (tasks/run/channels.cpp, which defines both functions).
-[[nodiscard]] std::vector<std::string> channel_names();
-
-/// Unknown names of record.channels, in order.
-[[nodiscard]] std::vector<std::string> unknown_channels(std::span<const std::string> names);
-
 }  // namespace cvtflow::tasks

@@ -10,7 +10,7 @@
 #include "engine/base/text.hpp"
 #include "engine/record/run/output_rule.hpp"
 #include "engine/record/run/schema.hpp"
-#include "model/basis/isa.hpp"
+#include "model/kernels/available_isas.hpp"
 #include "tasks/run/saved_start.hpp"
 
 namespace cvtflow::tasks {

@@ -150,7 +150,7 @@ TEST_P(GeometricStart, VelocitiesNeitherCloseJointsNorStretchPlates) {
 
 TEST_P(GeometricStart, TheDeepestTipJustTouchesEachSheave) {
     if (p.detail.pulleys == model::PulleyDetail::absent) return;
-    const model::ChainModel model(p);
+    const model::ChainModel model = model::make_chain(p);
     const model::PulleyModel pulleys(p);
     model::SheaveMotion sheaves[4];
     pulleys.motions(start.state.data() + model.layout().pulley_begin(), sheaves);

@@ -1,4 +1,4 @@
-/// Arnoldi's method; the other half of engine/linear/eigenvalues.hpp.
+#include "bench/method/linear/arnoldi.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/SparseCore>
@@ -6,7 +6,6 @@
 #include <cmath>
 #include <random>
 
-#include "bench/method/linear/eigenvalues.hpp"
 #include "bench/method/product_names.hpp"
 
 namespace cvtflow::bench {

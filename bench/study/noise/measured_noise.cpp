@@ -6,7 +6,7 @@
 #include <complex>
 #include <numbers>
 
-#include "tasks/run/channels.hpp"
+#include "tasks/channel/channels.hpp"
 #include "tasks/run/simulation.hpp"
 
 namespace cvtflow::bench {

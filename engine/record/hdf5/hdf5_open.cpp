@@ -20,6 +20,7 @@
 #include "engine/base/text.hpp"
 #include "engine/record/hdf5/hdf5_handle.hpp"
 #include "engine/record/hdf5/hdf5_series.hpp"
+#include "engine/record/run/schema.hpp"
 
 namespace cvtflow::engine::hdf5 {
 
@@ -136,8 +137,6 @@ namespace cvtflow::engine {
 
 namespace {
 
-bool files_are_tried = false;  // set by a program's main(), before there are threads
-
 /// Exit status of a child.
 constexpr int out_of_memory = 3, has_a_message = 4;
 
@@ -170,7 +169,7 @@ void limit_child() {
 /// What HDF5 refuses, the parent must not try: after an error in the middle of a list, HDF5 frees pointers that it has never set, which
 /// ends one process and not the other.
 [[noreturn]] void be_the_child(const std::function<void()>& inspect, int to_parent) {
-    files_are_tried = false;
+    try_files_first(false);
     int status = 0;
     try {
         limit_child();
@@ -195,8 +194,6 @@ void limit_child() {
 }
 
 }  // namespace
-
-void try_files_first() noexcept { files_are_tried = true; }
 
 namespace hdf5 {
 namespace {
@@ -238,7 +235,7 @@ void inspect_everything(hid_t file) {
 }
 
 void inspect_in_child(const std::function<void()>& inspect) {
-    if (!files_are_tried || !single_threaded()) return;
+    if (!files_are_tried() || !single_threaded()) return;
     int ends[2];
     if (pipe2(ends, O_CLOEXEC) != 0) return;
     const pid_t child = fork();

@@ -60,8 +60,10 @@ template <class Value>
 }
 
 /// From now on a child process checks every file first while this process has a single thread, so that a forged file that makes HDF5
-/// crash is an error like others. For programs of our own: hosts may be in the way of a fork. (hdf5_open.cpp)
-void try_files_first() noexcept;
+/// crash is an error like others. For programs of our own: hosts may be in the way of a fork.
+/// @param tried false: not any more, in the child itself
+void try_files_first(bool tried = true) noexcept;
+[[nodiscard]] bool files_are_tried() noexcept;
 
 /// Provenance as attributes "program_version", "commit", "compiler", "build_type", "instruction_set", "cpu", "cores", "os", "date",
 /// and "hdf5_version".

@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <string>
 
-#include "model/variator/chain_model.hpp"
+#include "model/chain/chain_model.hpp"
+#include "model/kernels/kernels.hpp"
 
 namespace cvtflow::model {
 
@@ -112,19 +111,8 @@ void RigidChain::probe(const double* states, int links, const SheaveMotion* shea
     }
 }
 
-namespace {
-
-[[nodiscard]] RigidKernels compiled_for(Isa isa) {
-    for (const CompiledRigidKernels& compiled : compiled_rigid_kernels()) {
-        if (compiled.isa == isa) return compiled.kernels();
-    }
-    throw std::invalid_argument("instruction set \"" + std::string(name_of(isa)) + "\" is not compiled in");
-}
-
-}  // namespace
-
 RigidModel::RigidModel(const Parameters& parameters, Isa isa)
-    : parameters_(parameters), layout_(layout_of(parameters)), coefficients_(parameters), kernels_(compiled_for(isa)) {}
+    : parameters_(parameters), layout_(layout_of(parameters)), coefficients_(parameters), kernels_(kernels_of(isa).rigid()) {}
 
 RigidColumns RigidModel::columns() const {
     RigidColumns columns(layout_.links);

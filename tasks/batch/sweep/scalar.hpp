@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tasks/run/channels.hpp"
+#include "tasks/channel/channels.hpp"
 #include "tasks/scene/toml_tree.hpp"
 
 namespace cvtflow::tasks {

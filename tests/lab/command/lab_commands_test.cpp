@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "engine/method/catalogue.hpp"
-#include "tasks/run/channels.hpp"
+#include "tasks/channel/channels.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tests/tools/program_fixture.hpp"
 

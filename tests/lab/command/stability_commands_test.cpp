@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/method/catalogue.hpp"
-#include "tasks/run/channels.hpp"
+#include "tasks/channel/channels.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tests/tools/program_fixture.hpp"
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "tasks/run/channels.hpp"
+#include "tasks/channel/channels.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/tuning/tuner.hpp"
 

@@ -10,6 +10,7 @@
 #include "bench/lab/report/method/stability_report.hpp"
 #include "bench/method/analysis/stability.hpp"
 #include "bench/method/laboratory_methods.hpp"
+#include "bench/method/linear/arnoldi.hpp"
 #include "bench/method/stability/predicted_step.hpp"
 #include "bench/study/spectrum.hpp"
 #include "tasks/method/method.hpp"

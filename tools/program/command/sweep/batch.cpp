@@ -154,7 +154,7 @@ std::string disk_text(const tasks::Sweep& sweep, const std::vector<long>& cases)
     double records = 0.0;
     for (const long number : cases) {
         sweep.apply_case(number, scene);
-        if (tasks::violations(scene).empty()) records += tasks::record_bytes(scene, model::ChainModel(scene.parameters));
+        if (tasks::violations(scene).empty()) records += tasks::record_bytes(scene, model::make_chain(scene.parameters));
     }
     return text + fmt::format(", up to {} of records", size_text(records));
 }

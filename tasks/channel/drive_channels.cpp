@@ -1,7 +1,7 @@
 /// Channels of what drives the variator from outside: couplings, the impulse that a co-simulation exchanges, and hydraulics (cylinders,
 /// valves, pump: model/EQUATIONS.md section 8).
 
-#include "tasks/run/channels.hpp"
+#include "tasks/channel/channels.hpp"
 
 namespace cvtflow::tasks {
 

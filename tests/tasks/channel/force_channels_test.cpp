@@ -5,7 +5,7 @@
 #include <map>
 #include <numeric>
 
-#include "tasks/run/channels.hpp"
+#include "tasks/channel/channels.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
 
 namespace cvtflow::tasks {

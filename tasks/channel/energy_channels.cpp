@@ -1,6 +1,6 @@
 /// Channels of energies, losses and works, of an instant and so far; whether their balance closes; counts of the run.
 
-#include "tasks/run/channels.hpp"
+#include "tasks/channel/channels.hpp"
 
 namespace cvtflow::tasks {
 

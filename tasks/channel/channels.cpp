@@ -1,4 +1,4 @@
-#include "tasks/run/channels.hpp"
+#include "tasks/channel/channels.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "model/law/friction.hpp"
-#include "tasks/run/channels.hpp"
+#include "tasks/channel/channels.hpp"
 
 namespace cvtflow::tasks {
 
