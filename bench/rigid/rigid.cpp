@@ -33,8 +33,8 @@
 #include <vector>
 
 #include "model/observe/observation.hpp"
+#include "model/rigid/rigid_stepper.hpp"
 #include "model/start/start_state.hpp"
-#include "model/variator/rigid/rigid_stepper.hpp"
 #include "tasks/run/channels.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/ready_scenes.hpp"

@@ -1,8 +1,8 @@
-#include "model/variator/rigid/rigid_kernels.hpp"
+#include "model/rigid/rigid_kernels.hpp"
 
-#include "model/variator/rigid/rigid_links.hpp"
-#include "model/variator/rigid/rigid_plates.hpp"
-#include "model/variator/rigid/rigid_tips.hpp"
+#include "model/rigid/rigid_links.hpp"
+#include "model/rigid/rigid_plates.hpp"
+#include "model/rigid/rigid_tips.hpp"
 
 namespace cvtflow::model {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "model/kernels/kernels.hpp"
-#include "model/variator/rigid/rigid_chain.hpp"
+#include "model/rigid/rigid_chain.hpp"
 
 namespace cvtflow::model {
 

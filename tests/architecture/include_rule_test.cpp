@@ -130,7 +130,8 @@ TEST(IncludeRule, HeadersThatIncludeThirdPartiesArePrivate) {
 }
 
 /// They call each other: kernels are compiled once per instruction set and reached through the model, whose types they take.
-const Names chain_and_kernels{"model/variator", "model/contact", "model/kernels", "model/jacobian", "model/observe", "model/start"};
+const Names chain_and_kernels{"model/variator", "model/contact", "model/kernels", "model/jacobian",
+                              "model/observe",  "model/start",   "model/rigid"};
 
 /// Floors of a part's rooms, the ground floor first; what stands on one floor does not know its neighbours. A room of no floor is a
 /// mistake.

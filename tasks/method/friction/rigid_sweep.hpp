@@ -1,10 +1,10 @@
 #pragma once
-/// The sweep over the contacts of rigid pins: a whole step at once, on one thread. (model/variator/rigid/rigid_stepper.hpp)
+/// The sweep over the contacts of rigid pins: a whole step at once, on one thread. (model/rigid/rigid_stepper.hpp)
 
 #include <span>
 #include <vector>
 
-#include "model/variator/rigid/rigid_stepper.hpp"
+#include "model/rigid/rigid_stepper.hpp"
 #include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {

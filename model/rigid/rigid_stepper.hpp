@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "model/variator/rigid/rigid_chain.hpp"
+#include "model/rigid/rigid_chain.hpp"
 #include "model/variator/variator.hpp"
 
 namespace cvtflow::model {

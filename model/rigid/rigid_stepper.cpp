@@ -1,4 +1,4 @@
-#include "model/variator/rigid/rigid_stepper.hpp"
+#include "model/rigid/rigid_stepper.hpp"
 
 #include <algorithm>
 #include <cmath>

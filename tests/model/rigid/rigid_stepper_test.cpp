@@ -1,4 +1,4 @@
-#include "model/variator/rigid/rigid_stepper.hpp"
+#include "model/rigid/rigid_stepper.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include "model/observe/observation.hpp"
 #include "model/start/start_state.hpp"
 #include "tests/engine/allocation_fixture.hpp"
-#include "tests/model/variator/rigid/plain_pins_fixture.hpp"
+#include "tests/model/rigid/plain_pins_fixture.hpp"
 #include "tests/oracle/oracle_cases.hpp"
 
 namespace cvtflow::model {

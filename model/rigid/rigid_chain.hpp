@@ -2,7 +2,7 @@
 /// A chain of rigid pins: the forces on its pins and sheaves, by kernels over all pins (RigidModel); and the same chain as a ChainModel
 /// evaluates it (RigidChain). (model/EQUATIONS.md section 11)
 
-#include "model/variator/rigid/rigid_kernels.hpp"
+#include "model/rigid/rigid_kernels.hpp"
 
 namespace cvtflow::model {
 
