@@ -9,7 +9,7 @@
 #include "engine/method/compiled_plan.hpp"
 #include "model/law/phase_rule.hpp"
 #include "model/machine/heat_balance.hpp"
-#include "model/variator/rigid/rigid_state.hpp"
+#include "model/rigid/rigid_state.hpp"
 #include "model/variator/variator.hpp"
 #include "tasks/step/control/cycle_sequence.hpp"
 #include "tasks/step/control/energy_ledger.hpp"

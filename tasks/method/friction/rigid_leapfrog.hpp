@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "model/variator/rigid/rigid_state.hpp"
+#include "model/rigid/rigid_state.hpp"
 #include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {

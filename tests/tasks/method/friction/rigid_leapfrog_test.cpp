@@ -13,7 +13,7 @@
 #include "tasks/batch/sweep/sweep.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tests/engine/allocation_fixture.hpp"
-#include "tests/model/variator/rigid/plain_pins_fixture.hpp"
+#include "tests/model/rigid/plain_pins_fixture.hpp"
 #include "tests/oracle/oracle_cases.hpp"
 #include "tests/tasks/method/friction/rigid_run_fixture.hpp"
 #include "tests/tasks/tiny_fixture.hpp"

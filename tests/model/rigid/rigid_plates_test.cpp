@@ -5,8 +5,8 @@
 #include <random>
 #include <vector>
 
-#include "model/variator/rigid/rigid_chain.hpp"
-#include "tests/model/variator/rigid/plain_pins_fixture.hpp"
+#include "model/rigid/rigid_chain.hpp"
+#include "tests/model/rigid/plain_pins_fixture.hpp"
 
 namespace cvtflow::model {
 namespace {

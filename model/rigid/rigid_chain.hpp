@@ -3,7 +3,7 @@
 /// evaluates it (RigidChain). (model/EQUATIONS.md section 11)
 
 #include "model/kernels/available_isas.hpp"
-#include "model/variator/rigid/rigid_kernels.hpp"
+#include "model/rigid/rigid_kernels.hpp"
 
 namespace cvtflow::model {
 

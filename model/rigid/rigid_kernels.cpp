@@ -1,10 +1,10 @@
-#include "model/variator/rigid/rigid_kernels.hpp"
+#include "model/rigid/rigid_kernels.hpp"
 
 #include "model/basis/native_lanes.hpp"
 #include "model/kernels/kernels.hpp"
-#include "model/variator/rigid/rigid_links.hpp"
-#include "model/variator/rigid/rigid_plates.hpp"
-#include "model/variator/rigid/rigid_tips.hpp"
+#include "model/rigid/rigid_links.hpp"
+#include "model/rigid/rigid_plates.hpp"
+#include "model/rigid/rigid_tips.hpp"
 
 namespace cvtflow::model {
 

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 
-#include "model/variator/rigid/near_pins.hpp"
-#include "model/variator/rigid/rigid_links.hpp"
-#include "model/variator/rigid/rigid_tip.hpp"
-#include "model/variator/rigid/tip_motion.hpp"
+#include "model/rigid/near_pins.hpp"
+#include "model/rigid/rigid_links.hpp"
+#include "model/rigid/rigid_tip.hpp"
+#include "model/rigid/tip_motion.hpp"
 
 namespace cvtflow::model {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "model/variator/rigid/tip_motion.hpp"
+#include "model/rigid/tip_motion.hpp"
 
 namespace cvtflow::model {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "model/variator/rigid/rigid_chain.hpp"
+#include "model/rigid/rigid_chain.hpp"
 
 namespace cvtflow::model {
 

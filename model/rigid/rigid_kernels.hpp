@@ -6,7 +6,7 @@
 #include "model/basis/isa.hpp"
 #include "model/force/account.hpp"
 #include "model/force/pulley.hpp"
-#include "model/variator/rigid/rigid_coefficients.hpp"
+#include "model/rigid/rigid_coefficients.hpp"
 
 namespace cvtflow::model {
 

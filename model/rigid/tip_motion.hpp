@@ -7,9 +7,9 @@
 #include <type_traits>
 
 #include "model/force/sheave_motion.hpp"
-#include "model/variator/rigid/rigid_coefficients.hpp"
-#include "model/variator/rigid/rigid_links.hpp"
-#include "model/variator/rigid/rigid_vectors.hpp"
+#include "model/rigid/rigid_coefficients.hpp"
+#include "model/rigid/rigid_links.hpp"
+#include "model/rigid/rigid_vectors.hpp"
 
 namespace cvtflow::model {
 namespace {

@@ -1,4 +1,4 @@
-#include "model/variator/rigid/rigid_chain.hpp"
+#include "model/rigid/rigid_chain.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "model/variator/rigid/rigid_chain.hpp"
+#include "model/rigid/rigid_chain.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include "model/observe/observation.hpp"
 #include "model/start/start_state.hpp"
 #include "model/variator/variator.hpp"
-#include "tests/model/variator/rigid/plain_pins_fixture.hpp"
+#include "tests/model/rigid/plain_pins_fixture.hpp"
 #include "tests/oracle/oracle_cases.hpp"
 
 namespace cvtflow::model {

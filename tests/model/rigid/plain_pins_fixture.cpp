@@ -1,11 +1,11 @@
-#include "tests/model/variator/rigid/plain_pins_fixture.hpp"
+#include "tests/model/rigid/plain_pins_fixture.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
 
 #include "model/machine/coefficients.hpp"
-#include "tests/model/variator/rigid/plain_place_fixture.hpp"
+#include "tests/model/rigid/plain_place_fixture.hpp"
 #include "tests/oracle/friction.hpp"
 
 namespace cvtflow::model::test {

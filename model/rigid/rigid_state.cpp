@@ -1,4 +1,4 @@
-#include "model/variator/rigid/rigid_state.hpp"
+#include "model/rigid/rigid_state.hpp"
 
 #include <algorithm>
 

@@ -7,7 +7,7 @@
 
 #include "model/machine/coefficients.hpp"
 #include "model/parameters/chain_layout.hpp"
-#include "model/variator/rigid/rigid_coefficients.hpp"
+#include "model/rigid/rigid_coefficients.hpp"
 #include "tests/oracle/vectors.hpp"
 
 namespace cvtflow::model::test {
