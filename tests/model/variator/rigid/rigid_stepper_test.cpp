@@ -8,7 +8,6 @@
 #include "model/observe/observation.hpp"
 #include "model/start/start_state.hpp"
 #include "tests/engine/allocation_fixture.hpp"
-#include "tests/model/variator/rigid/plain_pins_fixture.hpp"
 #include "tests/oracle/oracle_cases.hpp"
 
 namespace cvtflow::model {
@@ -76,7 +75,7 @@ double distance(const ChainLayout& at, const std::vector<double>& a, const std::
 }
 
 TEST(RigidStepper, ConvergesToTheSolutionOfItsForces) {
-    const Parameters p = test::with_rigid_pins({});
+    const Parameters p = oracle::with_rigid_pins({});
     const Variator model(p);
     const double begin = -50e-3, span = 40e-6;
     const std::vector<double> start = moving_state(model, p, begin);
@@ -95,7 +94,7 @@ TEST(RigidStepper, ConvergesToTheSolutionOfItsForces) {
 
 /// Machines that differ in what the step has to do.
 std::vector<oracle::Case> stepped_machines() {
-    const Parameters base = test::with_rigid_pins({});
+    const Parameters base = oracle::with_rigid_pins({});
     std::vector<oracle::Case> cases{{"baseline", base},
                                     {"smoothed law", base},
                                     {"rigid pulleys", base},
@@ -132,7 +131,7 @@ TEST(RigidStepper, EnergyBalanceCloses) {
 
 /// The machine of the scene `tiny`.
 Parameters tiny_machine() {
-    Parameters p = test::with_rigid_pins({});
+    Parameters p = oracle::with_rigid_pins({});
     p.chain.pins = 24;
     p.pulley.centre_distance = 47e-3;
     p.pulley.arc_position = 16.06e-3;
@@ -163,7 +162,7 @@ TEST(RigidStepper, EnergyBalanceClosesOverTheJoltOfAStart) {
 
 /// The torque of the strands' tensions is the load's, and the chain stays between the sheaves' flanks.
 TEST(RigidStepper, BaselineCarriesItsLoad) {
-    const Parameters p = test::with_rigid_pins({});
+    const Parameters p = oracle::with_rigid_pins({});
     const Variator model(p);
     RigidStepper stepper(model);
     settle(stepper, p, -20e-3, 5e-6);
@@ -190,7 +189,7 @@ TEST(RigidStepper, BaselineCarriesItsLoad) {
 /// The sweep and an evaluation leave out pins that are certainly free; a probe finds the depth of every tip.
 TEST(RigidStepper, PressesEveryTipThatIsInsideItsSheave) {
     for (const double ratio : {0.45, 1.0, 2.3}) {
-        Parameters p = test::with_rigid_pins({});
+        Parameters p = oracle::with_rigid_pins({});
         p.start.ratio = ratio;
         const Variator model(p);
         RigidStepper stepper(model);
@@ -218,7 +217,7 @@ TEST(RigidStepper, PressesEveryTipThatIsInsideItsSheave) {
 }
 
 TEST(RigidStepper, StepsAllocateNothing) {
-    const Parameters p = test::with_rigid_pins(oracle::small_scene());
+    const Parameters p = oracle::with_rigid_pins(oracle::small_scene());
     const Variator model(p);
     RigidStepper stepper(model);
     settle(stepper, p, -p.start.settling_time + 2e-6, 2e-6);
@@ -228,7 +227,7 @@ TEST(RigidStepper, StepsAllocateNothing) {
 }
 
 TEST(RigidStepper, EveryInstructionSetHasTheSameBits) {
-    const Parameters p = test::with_rigid_pins({});
+    const Parameters p = oracle::with_rigid_pins({});
     std::vector<std::vector<double>> ends;
     for (const Isa isa : usable_isas()) {
         const Variator model(p, isa);
@@ -238,7 +237,7 @@ TEST(RigidStepper, EveryInstructionSetHasTheSameBits) {
 }
 
 TEST(RigidStepper, ResumesBitForBitFromWhatItSaves) {
-    const Parameters p = test::with_rigid_pins({});
+    const Parameters p = oracle::with_rigid_pins({});
     const Variator model(p);
     RigidStepper one(model), other(model);
     const double begin = -p.start.settling_time;
@@ -261,7 +260,7 @@ TEST(RigidStepper, ResumesBitForBitFromWhatItSaves) {
 /// A step of another length shifts the lead of the velocities, whose error is of the order of the change of acceleration over a step: less
 /// than 1e-5 of the way.
 TEST(RigidStepper, StepsOfDifferentLengthsEndWhereEqualOnesDo) {
-    const Parameters p = test::with_rigid_pins({});
+    const Parameters p = oracle::with_rigid_pins({});
     const Variator model(p);
     const double begin = -50e-3;
     const std::vector<double> from = moving_state(model, p, begin);
