@@ -117,4 +117,18 @@ Page page(const std::string& path) {
     throw std::invalid_argument("no page " + path);
 }
 
+std::vector<std::string> avoided_words(const Page& glossary) {
+    static const std::regex row(R"(\|[^|]*\|[^|]*\|([^|]*)\|)"), italics(R"(\*([^*]+)\*)");
+    std::vector<std::string> found;
+    bool inside = false;
+    for (const Line& line : glossary.text_lines()) {
+        inside = line.text.starts_with("|") && (inside || line.text == "| word | means | not |");
+        std::smatch match;
+        if (!inside || !std::regex_match(line.text, match, row)) continue;
+        const std::string cell = match[1];
+        for (std::sregex_iterator each(cell.begin(), cell.end(), italics), end; each != end; ++each) found.push_back((*each)[1]);
+    }
+    return found;
+}
+
 }  // namespace cvtflow::docs
