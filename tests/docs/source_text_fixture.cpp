@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <utility>
 
 namespace cvtflow::docs {
 namespace {
@@ -67,6 +68,7 @@ private:
 
     /// A comment of one line; a preprocessor line is skipped alike.
     void comment() {
+        if (begins("///<") != std::exchange(after_code_, begins("///<"))) joins_ = false;
         const std::size_t begin = std::min(source_.find_first_not_of("/<", at_), source_.size());
         const std::size_t end = std::min(source_.find('\n', at_), source_.size());
         if (source_[at_] != '#') add(Place::comment, comment_text(source_.substr(std::min(begin, end), end - std::min(begin, end))), " ");
@@ -122,7 +124,7 @@ private:
     std::string_view source_;
     std::size_t at_ = 0;
     int line_ = 1;
-    bool line_is_empty_ = true, joins_ = false;
+    bool line_is_empty_ = true, joins_ = false, after_code_ = false;
     std::vector<SourceText> texts_;
     std::map<std::string, int> names_;
 };

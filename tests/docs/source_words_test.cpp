@@ -42,15 +42,17 @@ std::vector<std::string> rejected_words() {
     return words;
 }
 
+bool is_in_word(const std::string& text, std::size_t at) {
+    return at < text.size() && (std::isalnum(static_cast<unsigned char>(text[at])) != 0 || text[at] == '_');
+}
+
 /// Where a text contains a word or its plural. A name in a file (`energy_suspicion`) is one word.
 std::vector<std::size_t> positions_of(const std::string& text, const std::string& word) {
-    const auto in_word = [&](std::size_t at) {
-        return at < text.size() && (std::isalnum(static_cast<unsigned char>(text[at])) != 0 || text[at] == '_');
-    };
     std::vector<std::size_t> found;
     for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) {
         const std::size_t end = at + word.size();
-        if ((at == 0 || !in_word(at - 1)) && !in_word(end < text.size() && text[end] == 's' ? end + 1 : end)) found.push_back(at);
+        const std::size_t after = end < text.size() && text[end] == 's' ? end + 1 : end;
+        if ((at == 0 || !is_in_word(text, at - 1)) && !is_in_word(text, after)) found.push_back(at);
     }
     return found;
 }
@@ -68,8 +70,9 @@ std::vector<std::size_t> beginnings_of(const std::string& text, const std::strin
 std::vector<std::size_t> unit_tails_of(const std::string& text) {
     std::vector<std::size_t> found;
     for (std::size_t at = text.find(" ["); at != std::string::npos; at = text.find(" [", at + 1)) {
-        const std::size_t name = text.rfind(' ', at - 1);
-        const bool tail = at > 0 && name != std::string::npos && name > 0 && text[name - 1] == ';';
+        std::size_t name = at;
+        while (name > 0 && is_in_word(text, name - 1)) --name;
+        const bool tail = name < at && name > 1 && text.compare(name - 2, 2, "; ") == 0;
         if (tail || text.compare(at, 7, " [what ") == 0) found.push_back(at);
     }
     return found;
@@ -189,10 +192,10 @@ TEST(Glossary, SentencesAreFoundByTheirBeginningAndUnitsByTheirTail) {
     const Places found = matches("model/a/b.cpp",
                                  "// What is it? Of steps.\n// Those of old. The same\n// again. Not What, nor Of.\nint a;\n"
                                  "/// That many steps; time [s], tail [unknowns].\nvoid load();  ///< memory [what save() wrote]\n"
-                                 "/// @param time [s]\nint b;  ///< [size()] of steps\nint c;  ///< old; [m] of it\n");
+                                 "/// @param time [s]\nint b;  ///< [size()] of steps\n/// Of c.\nint c;  ///< old; [m] of it; 0: [m]\n");
     std::vector<std::string> rows;
     for (const auto& [row, places] : found) rows.push_back(row + "," + std::to_string(places.size()));
-    EXPECT_THAT(rows, testing::ElementsAre("model/a,comment,; unit […],2", "model/a,comment,Of …,1", "model/a,comment,That many …,1",
+    EXPECT_THAT(rows, testing::ElementsAre("model/a,comment,; unit […],2", "model/a,comment,Of …,2", "model/a,comment,That many …,1",
                                            "model/a,comment,The same …,1", "model/a,comment,Those …,1", "model/a,comment,What …,1"));
 }
 
