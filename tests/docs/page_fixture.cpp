@@ -20,7 +20,7 @@ std::string text_of(const fs::path& path) {
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// What the comment above a block says, if it is such a comment.
+/// Reads the comment above a block, if it is such a comment.
 void read_comment(const std::string& line, Block& next) {
     static const std::regex form("<!-- (file|nightly|not run): (.*) -->");
     std::smatch match;

@@ -73,8 +73,8 @@ NextCycle LinearMethod::next() {
 
 /// A step that is retaken begins at the same state: its Jacobian stays.
 NextCycle LinearMethod::after_evaluation() noexcept {
-    const bool at_hand = has_jacobian_ && time_of_jacobian_ == w_.step.time;
-    if (stage_ == 0 && !at_hand) {
+    const bool is_current = has_jacobian_ && time_of_jacobian_ == w_.step.time;
+    if (stage_ == 0 && !is_current) {
         has_jacobian_ = true;
         time_of_jacobian_ = w_.step.time;
         at_ = At::jacobian;
@@ -219,7 +219,7 @@ ProgramStability linear_stability(const LinearPlan& plan) {
 
 ProgramStability trapezoidal_stability() {
     const auto factor = [](Complex z) { return (1.0 + 0.5 * z) / (1.0 - 0.5 * z); };
-    // What an iteration leaves of the residual is damped as much as the implicit half.
+    // The residual that an iteration leaves is damped as much as the implicit half.
     const auto figures = [factor](double decay) { return StageFigures{1.0, 1.0 / (1.0 + 0.5 * decay), std::abs(factor(-decay))}; };
     return {TestEquation::linear,
             [factor](double x, double y) {

@@ -18,7 +18,7 @@ constexpr double shortest = 1.0 / 256.0, shortest_with_old = 1.0 / 8.0;
 /// A matrix is given up when the residual falls by less than this factor, once it has had some iterations to show what it can: few if it is
 /// kept over steps, many if it is of this step.
 constexpr double poor_contraction = 0.5;
-constexpr int patience_with_old = 3, patience_with_new = 10;
+constexpr int max_iterations_with_old = 3, max_iterations_with_new = 10;
 constexpr int max_updates = 30;
 
 }  // namespace
@@ -163,8 +163,8 @@ NextCycle TrapezoidalMethod::iterate() noexcept {
     const bool by_rule =
         options_.matrix == NewtonMatrix::every_iteration || (options_.matrix == NewtonMatrix::once_per_step && iterations_ == 0);
     if (by_rule || !has_jacobian_) return begin_jacobian();
-    const int patience = keeps_over_steps() ? patience_with_old : patience_with_new;
-    const bool poor = since_jacobian_ > 0 && iterations_ >= patience && contraction_ > poor_contraction;
+    const int max_iterations = keeps_over_steps() ? max_iterations_with_old : max_iterations_with_new;
+    const bool poor = since_jacobian_ > 0 && iterations_ >= max_iterations && contraction_ > poor_contraction;
     refreshed_ = refreshed_ || poor;
     if (poor || (options_.matrix == NewtonMatrix::broyden && broyden_.full())) return begin_jacobian();
     if (options_.matrix == NewtonMatrix::schubert && direction_) return begin_update();
@@ -220,7 +220,7 @@ void TrapezoidalMethod::finish(int first, int last) noexcept {
     }
 }
 
-/// No share of the step makes the residual fall: a new Jacobian, if the one at hand is not of this iterate.
+/// No share of the step makes the residual fall: a new Jacobian, if the present one is not of this iterate.
 NextCycle TrapezoidalMethod::stuck() noexcept {
     if (since_jacobian_ == 0) return give_up();
     refreshed_ = true;

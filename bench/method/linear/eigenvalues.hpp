@@ -24,7 +24,7 @@ void balance(std::vector<double>& matrix, int size);
 /// @throws std::runtime_error if the iteration does not converge (entries that are not finite)
 [[nodiscard]] Eigenvalues eigenvalues(std::vector<double> matrix, int size);
 
-/// What is asked of extremal_eigenvalues().
+/// Options of extremal_eigenvalues().
 struct ExtremalOptions {
     double left_of = -1e6;      ///< all eigenvalues whose real part is less [1/s]; besides the pair that oscillates fastest
     double tolerance = 1e-6;    ///< ‖M x - λ x‖ / (|λ| ‖x‖) of all of them in the balanced matrix [1]
@@ -38,9 +38,9 @@ struct ExtremalEigenvalues {
     int dimension = 0;      ///< of the Krylov space in the end; as large as the matrix: nothing was saved
 };
 
-/// Eigenvalues at the edge of the spectrum, by Arnoldi's method with twofold orthogonalisation: the space grows until all that were asked
-/// for have settled. Uses that most entries are zero. The same result every time: the start vector is fixed.
-/// Source: Saad, Numerical Methods for Large Eigenvalue Problems, 6.2; the last component of Ritz vectors by Hyman's recurrence.
+/// Eigenvalues at the edge of the spectrum, by Arnoldi's method with twofold orthogonalisation: the space grows until all requested ones
+/// have settled. Uses that most entries are zero. Deterministic: the start vector is fixed. Source: Saad, Numerical Methods for Large
+/// Eigenvalue Problems, 6.2; the last component of Ritz vectors by Hyman's recurrence.
 [[nodiscard]] ExtremalEigenvalues extremal_eigenvalues(std::vector<double> matrix, int size, const ExtremalOptions& options);
 
 /// Sorts by real part, most negative first, then by imaginary part.
