@@ -21,7 +21,7 @@ namespace cvtflow::bench {
 
 namespace {
 
-/// Those that choose among tables of stages by the spectrum.
+/// Programs that choose among tables of stages by the spectrum.
 [[nodiscard]] std::vector<MethodProgram> spectral_programs() {
     return {
         {.name = "rkc",

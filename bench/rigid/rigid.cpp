@@ -11,7 +11,7 @@
 ///     mean=20           [ms]
 ///     mode=points       points: a row of means.  parts: microseconds per step by part.  stable: the longest stable step
 ///
-///     us_per_step       processor time; s_per_s: of a simulated second, with outputs every 20 us that nobody looks at
+///     us_per_step       processor time; s_per_s: of a simulated second, with unused outputs every 20 us
 ///     s_per_s_observed  the same with an observation at each output, of the time that is averaged
 ///     tight, slack      mean tensions of the strands [N]; slip, efficiency [%]
 ///     thrust_ratio      S_1/S_2, which under ratio control is what holds the ratio

@@ -87,7 +87,7 @@ TunedOutput of_scalar(const std::string& text) {
                                  engine::did_you_mean(engine::closest(text, names))));
 }
 
-/// Halves share what an end of a pin carries. The same quantity at every level of detail. [N]
+/// Largest force on an end of a pin, the sum of its two halves: comparable at every level of detail. [N]
 double largest_pin_end(const model::ChainLayout& at, const std::vector<double>& tip_axial) {
     double largest = 0.0;
     for (int pin = 0; pin < at.links; ++pin) {

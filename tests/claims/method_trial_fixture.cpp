@@ -13,11 +13,11 @@ using namespace tasks;
 
 TrialEnd try_method(const model::Parameters& parameters, const FrozenStart& start, const std::string& name, double step, double duration) {
     MethodRun run(parameters, name);
-    SilentObserver nobody;
+    SilentObserver silent;
     const engine::Cancellation never;
     const auto began = std::chrono::steady_clock::now();
     TrialEnd end;
-    end.fault = run.run(start, duration, step, duration, nobody, never);
+    end.fault = run.run(start, duration, step, duration, silent, never);
     end.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     end.counters = run.counters();
     end.step = run.step();

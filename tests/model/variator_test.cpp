@@ -90,7 +90,7 @@ std::vector<DetailCase> slowed_cases() {
     return cases;
 }
 
-/// What the oracle finds where pins have their own inertia: mass scaling lowers accelerations, not the forces that cancel and their
+/// Slope of the oracle with the own inertia of pins: mass scaling lowers accelerations, not the forces that cancel and their
 /// rounding.
 std::vector<double> unscaled_slope(model::Parameters parameters, const oracle::RandomState& random, const std::vector<double>& expected) {
     if (parameters.detail.mass_scaling == 1.0) return expected;

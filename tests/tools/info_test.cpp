@@ -1,4 +1,4 @@
-/// What `info` and the summary state of a run: the step that was taken, what was not counted, and tables of sweeps.
+/// Statements of `info` and of the summary about a run: the step that was taken, uncounted quantities, and tables of sweeps.
 
 #include <gmock/gmock.h>
 #include <hdf5.h>

@@ -21,7 +21,7 @@ protected:
     static inline const Words brief{"--until", "2 ms", "--set", "start.settling_time=1 ms", "--set", "start.ramp_time=1 ms"};
 
     [[nodiscard]] engine::RunReader record(const std::string& name) const { return engine::RunReader((folder_ / name).string()); }
-    /// Of the last row.
+    /// Value of a channel in the last row.
     [[nodiscard]] double last(const std::string& file, const std::string& channel) const { return record(file).channel(channel).back(); }
 };
 

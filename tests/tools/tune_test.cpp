@@ -60,7 +60,7 @@ TEST_F(Tune, EndsWithItsOwnStatusWhereItsBudgetIsUsedUp) {
     EXPECT_NE(strict.status, 0) << strict.out;
 }
 
-TEST_F(Tune, SaysWhatIsWrongWithItsArguments) {
+TEST_F(Tune, ReportsWhatIsWrongWithItsArguments) {
     EXPECT_THAT(run({"tune", "tiny"}).err, HasSubstr("--accuracy is required"));
     const Outcome share = run({"tune", "tiny", "--accuracy", "80 %"});
     EXPECT_EQ(share.status, 2);

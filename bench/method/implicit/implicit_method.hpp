@@ -1,6 +1,6 @@
 #pragma once
-/// What all methods that solve with the whole state share: the Jacobian, the matrix of a stage, and the cycles that evaluate, factorise and
-/// solve in parallel.
+/// Parts that all methods that solve with the whole state share: the Jacobian, the matrix of a stage, and the cycles that evaluate,
+/// factorise and solve in parallel.
 ///
 ///     jacobian    [batch] ─► corner                                     columns by differences, or exact derivatives link by link
 ///     factor      eliminate[chunk] ─► join                              I - θ D - θ² K at the base point

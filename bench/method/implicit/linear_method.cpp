@@ -190,7 +190,7 @@ ProgramStability linear_stability(const LinearPlan& plan) {
 
 ProgramStability trapezoidal_stability() {
     const auto factor = [](Complex z) { return (1.0 + 0.5 * z) / (1.0 - 0.5 * z); };
-    // What an iteration leaves of the residual is damped as much as the implicit half.
+    // The residual that an iteration leaves is damped as much as the implicit half.
     const auto figures = [factor](double decay) { return StageFigures{1.0, 1.0 / (1.0 + 0.5 * decay), std::abs(factor(-decay))}; };
     return {TestEquation::linear,
             [factor](double x, double y) {

@@ -26,7 +26,7 @@ public:
     void phases_changed() noexcept override { start_slope_ = end_slope_ = false; }  // a kept Jacobian may still serve
     /// Slope at the end of the last step; with a matrix that is kept over steps, its Jacobian and updates.
     void save(std::vector<double>& memory) const override;
-    void load(std::span<const double> memory) override;  ///< memory [what save() wrote]
+    void load(std::span<const double> memory) override;  ///< @param memory from save()
 
     void prepare(int first, int last) noexcept override;
     void finish(int first, int last) noexcept override;
@@ -76,7 +76,7 @@ private:
     bool has_jacobian_ = false;
     bool renew_ = false;      ///< the iterate is evaluated once more for a new Jacobian
     bool first_ = true;       ///< the trial is the start of the iteration
-    bool direction_ = false;  ///< step_ belongs to the matrix at hand
+    bool direction_ = false;  ///< step_ belongs to the present matrix
     bool refreshed_ = false;  ///< a Jacobian beyond the rule in this step
     int iterations_ = 0, since_jacobian_ = 0;
     double norm_ = 0.0, lambda_ = 1.0,

@@ -94,7 +94,7 @@ LotteryMachine machine_of_defaults(Urn& urn, Scene& scene) {
 
 constexpr std::string_view ready_scenes_drawn[] = {"baseline", "low", "overdrive"};
 
-/// A ready scene with its state, and what somebody tries out with it.
+/// A ready scene with its state, and a variation of it.
 LotteryMachine machine_of_ready_scene(Urn& urn, Scene& scene) {
     LotteryMachine machine{std::string(urn.one_of(ready_scenes_drawn)), {}};
     scene = read_scene(find_scene(machine.scene));

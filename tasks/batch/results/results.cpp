@@ -85,7 +85,7 @@ CaseColumn key_column(const Axis& axis, std::size_t key) {
             static_cast<int>(std::min<std::size_t>(width, 256))};
 }
 
-/// Of a scalar's error where a case has been verified.
+/// Column of a scalar's error in verified cases.
 CaseColumn error_column(const Scalar& scalar) {
     return {std::string(error_prefix) + scalar.column, "1", scalar.text + ": relative error against the reference run; NaN: not verified"};
 }

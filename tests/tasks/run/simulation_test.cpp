@@ -56,7 +56,7 @@ TEST(Simulation, HasTheSameHashForEveryNumberOfSegments) {
     }
 }
 
-/// What outlasts a step is part of it, so the count has at least the numbers that a checkpoint keeps.
+/// Memory that outlasts a step is part of it, so the count has at least the numbers that a checkpoint keeps.
 TEST(Simulation, CountsTheMemoryOfItsMethod) {
     const auto bytes = [](const char* method, model::PinDetail pins, std::size_t& kept) {
         Scene scene = tiny_scene();
@@ -137,7 +137,7 @@ TEST(Simulation, APartBegunAnewCountsFromZeroAndEndsAfterItsSteps) {
     EXPECT_EQ(simulation.counters().steps, 5);
     EXPECT_GT(simulation.time(), before);
     EXPECT_EQ(simulation.advance({.steps = 3}, silent, uncancelled).kind, FaultKind::max_steps);
-    EXPECT_EQ(simulation.counters().steps, 8) << "goes on";
+    EXPECT_EQ(simulation.counters().steps, 8) << "continues";
 }
 
 /// A state file that is gone with the test.
@@ -181,7 +181,7 @@ TEST(Simulation, ContinuesFromASavedStateAsIfItHadNotBeenSaved) {
     }
 }
 
-/// From one controller to two and back: the first one's integral goes on, the second's begins at zero.
+/// From one controller to two and back: the first one's integral continues, the second's begins at zero.
 TEST(Simulation, TakesASavedStateWithAnotherNumberOfControllers) {
     for (const auto driven : {model::DrivenControl::none, model::DrivenControl::safety}) {
         Scene scene = tiny_scene();
@@ -248,7 +248,7 @@ TEST(Simulation, TranslatesStickAndSlipOfASavedState) {
     }
 }
 
-TEST(Simulation, SaysWhatDiffersFromTheSceneThatWasSettledAndRefusesAnotherDetail) {
+TEST(Simulation, ReportsWhatDiffersFromTheSceneThatWasSettledAndRefusesAnotherDetail) {
     Scene scene = tiny_scene();
     Simulation simulation(scene);
     const StateFile file(simulation);

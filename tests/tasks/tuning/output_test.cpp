@@ -105,7 +105,7 @@ TEST(RelativeError, IsTheDistanceOverTheLengthOfTheReference) {
     EXPECT_DOUBLE_EQ(error.value(), 0.1);
 }
 
-TEST(RelativeError, IsNeverANumberThatLooksGoodWhereThereIsNone) {
+TEST(RelativeError, IsInfiniteForAZeroReferenceAndNumbersThatAreNotFinite) {
     EXPECT_EQ(relative_error(Numbers{0.0, 0.0}, Numbers{0.0, 0.0}), 0.0);
     EXPECT_EQ(relative_error(Numbers{1.0}, Numbers{0.0}), INFINITY);
     EXPECT_EQ(relative_error(Numbers{NAN}, Numbers{1.0}), INFINITY);

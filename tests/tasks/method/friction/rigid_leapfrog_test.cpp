@@ -76,7 +76,7 @@ double distance(const ChainLayout& at, const std::vector<double>& a, const std::
 }
 
 TEST(RigidLeapfrog, ConvergesToTheSolutionOfItsForces) {
-    const Parameters p = model::oracle::with_rigid_pins({});
+    const Parameters p = oracle::with_rigid_pins({});
     const Variator model(p);
     const double begin = -50e-3, span = 40e-6;
     const std::vector<double> start = moving_state(p, begin);
@@ -95,7 +95,7 @@ TEST(RigidLeapfrog, ConvergesToTheSolutionOfItsForces) {
 
 /// Machines that differ in what the step has to do.
 std::vector<oracle::Case> stepped_machines() {
-    const Parameters base = model::oracle::with_rigid_pins({});
+    const Parameters base = oracle::with_rigid_pins({});
     std::vector<oracle::Case> cases{{"baseline", base},
                                     {"smoothed law", base},
                                     {"rigid pulleys", base},
@@ -129,7 +129,7 @@ TEST(RigidLeapfrog, EnergyBalanceCloses) {
 
 /// The machine of the scene `tiny`.
 Parameters tiny_machine() {
-    Parameters p = model::oracle::with_rigid_pins({});
+    Parameters p = oracle::with_rigid_pins({});
     p.chain.pins = 24;
     p.pulley.centre_distance = 47e-3;
     p.pulley.arc_position = 16.06e-3;
@@ -157,7 +157,7 @@ TEST(RigidLeapfrog, EnergyBalanceClosesOverTheJoltOfAStart) {
 
 /// The torque of the strands' tensions is the load's, and the chain stays between the sheaves' flanks.
 TEST(RigidLeapfrog, BaselineCarriesItsLoad) {
-    const Parameters p = model::oracle::with_rigid_pins({});
+    const Parameters p = oracle::with_rigid_pins({});
     RigidRun run(p);
     settle(run, p, -20e-3, 5e-6);
     Observer observer(run.variator());
@@ -177,7 +177,7 @@ TEST(RigidLeapfrog, BaselineCarriesItsLoad) {
 /// The sweep and an evaluation leave out pins that are certainly free; a probe finds the depth of every tip.
 TEST(RigidLeapfrog, PressesEveryTipThatIsInsideItsSheave) {
     for (const double ratio : {0.45, 1.0, 2.3}) {
-        Parameters p = model::oracle::with_rigid_pins({});
+        Parameters p = oracle::with_rigid_pins({});
         p.start.ratio = ratio;
         const Variator model(p);
         RigidRun run(p);
@@ -205,7 +205,7 @@ TEST(RigidLeapfrog, PressesEveryTipThatIsInsideItsSheave) {
 }
 
 TEST(RigidLeapfrog, StepsAllocateNothing) {
-    const Parameters p = model::oracle::with_rigid_pins(oracle::small_scene());
+    const Parameters p = oracle::with_rigid_pins(oracle::small_scene());
     RigidRun run(p);
     settle(run, p, -p.start.settling_time + 2e-6, 2e-6);
     const long before = engine::test::allocation_count();
@@ -215,7 +215,7 @@ TEST(RigidLeapfrog, StepsAllocateNothing) {
 
 /// Steps of the pins alone between resting sheaves.
 TEST(RigidLeapfrog, EveryInstructionSetHasTheSameBits) {
-    const Parameters p = model::oracle::with_rigid_pins({});
+    const Parameters p = oracle::with_rigid_pins({});
     const StartState start = start_state(p);
     std::vector<std::vector<double>> ends;
     for (const Isa isa : usable_isas()) {
@@ -238,7 +238,7 @@ TEST(RigidLeapfrog, EveryInstructionSetHasTheSameBits) {
 }
 
 TEST(RigidLeapfrog, ResumesBitForBitFromWhatItSaves) {
-    const Parameters p = model::oracle::with_rigid_pins({});
+    const Parameters p = oracle::with_rigid_pins({});
     RigidRun one(p), other(p);
     settle(one, p, -p.start.settling_time + 5e-3, 5e-6);
     other.start(one.time(), one.state().data());
@@ -259,7 +259,7 @@ TEST(RigidLeapfrog, ResumesBitForBitFromWhatItSaves) {
 /// A step of another length shifts the lead of the velocities, whose error is of the order of the change of acceleration over a step: less
 /// than 1e-5 of the way.
 TEST(RigidLeapfrog, StepsOfDifferentLengthsEndWhereEqualOnesDo) {
-    const Parameters p = model::oracle::with_rigid_pins({});
+    const Parameters p = oracle::with_rigid_pins({});
     const Variator model(p);
     const double begin = -50e-3;
     const std::vector<double> from = moving_state(p, begin);
