@@ -7,12 +7,15 @@
 
 #include <cmath>
 #include <cstring>
+#include <set>
 
 #include "model/observe/observation.hpp"
 #include "model/start/start_state.hpp"
 #include "tasks/batch/sweep/sweep.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tests/engine/allocation_fixture.hpp"
+#include "tests/engine/executor/executor_fixture.hpp"
+#include "tests/engine/graph/race_check_fixture.hpp"
 #include "tests/oracle/oracle_cases.hpp"
 #include "tests/tasks/method/friction/rigid_run_fixture.hpp"
 #include "tests/tasks/tiny_fixture.hpp"
@@ -204,6 +207,32 @@ TEST(RigidLeapfrog, PressesEveryTipThatIsInsideItsSheave) {
     }
 }
 
+/// The graph without the order of a pair of tasks.
+engine::TaskGraph without(const engine::TaskGraph& whole, int before, int after) {
+    engine::TaskGraph graph;
+    for (int task = 0; task < whole.size(); ++task) graph.add(whole.task(task));
+    for (int task = 0; task < whole.size(); ++task) {
+        for (const int successor : whole.successors(task)) {
+            if (task != before || successor != after) graph.order(task, successor);
+        }
+    }
+    graph.freeze();
+    return graph;
+}
+
+TEST(RigidLeapfrog, TasksDoNotRaceAndEveryOrderIsNeeded) {
+    const RigidRun run(oracle::with_rigid_pins(oracle::small_scene()));
+    EXPECT_TRUE(engine::race_check(run.graph()).empty());
+    int orders = 0;
+    for (int task = 0; task < run.graph().size(); ++task) {
+        for (const int successor : run.graph().successors(task)) {
+            ++orders;
+            EXPECT_FALSE(engine::race_check(without(run.graph(), task, successor)).empty()) << run.graph().task(task).name;
+        }
+    }
+    EXPECT_EQ(orders, 3);
+}
+
 TEST(RigidLeapfrog, StepsAllocateNothing) {
     const Parameters p = oracle::with_rigid_pins(oracle::small_scene());
     RigidRun run(p);
@@ -216,7 +245,7 @@ TEST(RigidLeapfrog, StepsAllocateNothing) {
 /// Steps of the pins alone between resting sheaves.
 TEST(RigidLeapfrog, EveryInstructionSetHasTheSameBits) {
     const Parameters p = oracle::with_rigid_pins({});
-    const StartState start = start_state(p);
+    const model::StartState start = start_state(p);
     std::vector<std::vector<double>> ends;
     for (const Isa isa : usable_isas()) {
         const Variator variator(p, isa);
@@ -298,6 +327,19 @@ TEST(RigidRuns, DoesNotDependOnWhereCallsEnd) {
     for (int k = 1; k <= 8; ++k) ASSERT_FALSE(parts.advance({.until = 0.25e-3 * k}, nobody, never_cancelled));
     EXPECT_EQ(whole.hash(), parts.hash());
     EXPECT_EQ(whole.counters().steps, parts.counters().steps);
+}
+
+TEST(RigidRuns, HaveTheSameBitsOnEveryExecutor) {
+    std::vector<std::uint64_t> hashes;
+    for (const char* schedule : {"serial", "barrier", "flow"}) {
+        Simulation simulation(rigid_tiny({std::string("run.schedule=") + schedule, "run.threads=2"}));
+        settle_tiny(simulation);
+        SilentObserver nobody;
+        ASSERT_FALSE(simulation.advance({.until = 0.5e-3}, nobody, never_cancelled)) << schedule;
+        hashes.push_back(simulation.hash());
+        if (engine::test::thread_sanitizer) break;  // it sees into neither oneTBB nor OpenMP
+    }
+    EXPECT_EQ(std::set<std::uint64_t>(hashes.begin(), hashes.end()).size(), 1u);
 }
 
 TEST(RigidRuns, ResumesBitForBitInAnotherSimulation) {
