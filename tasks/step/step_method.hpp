@@ -64,7 +64,9 @@ protected:
     StepMethod& operator=(const StepMethod&) = delete;
 
 private:
-    mutable FrameMemory frame_;
+    static constexpr std::size_t frame_bytes = 2048;  ///< more than any step() has
+
+    mutable FrameMemory frame_{frame_bytes};
 };
 
 /// Ends an evaluation of the right-hand side whose links are done: slope of everything behind the links, and counts it.

@@ -228,7 +228,7 @@ static void check_rigid_pins(const cvtflow_scene* scene) {
     CHECK(cvtflow_scene_with_detail(scene, "rigid", &level, NULL) == CVTFLOW_OK);
     CHECK(cvtflow_scene_with(level, settings, 2, &rigid, NULL) == CVTFLOW_OK);
     CHECK(cvtflow_create(rigid, &options, &simulation, NULL) == CVTFLOW_OK);
-    CHECK(strcmp(cvtflow_method(simulation), "leapfrog-sweep") == 0);
+    CHECK(strcmp(cvtflow_method(simulation), "leapfrog-rigid") == 0);
     CHECK(cvtflow_advance_to(simulation, -2.9e-4, NULL) == CVTFLOW_OK);
     check_states(simulation);
     CHECK(cvtflow_channel_find(simulation, "tight_tension", &channel, NULL) == CVTFLOW_OK);

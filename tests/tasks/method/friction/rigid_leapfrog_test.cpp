@@ -7,14 +7,12 @@
 
 #include <cmath>
 #include <cstring>
-#include <set>
 
 #include "model/observe/observation.hpp"
 #include "model/start/start_state.hpp"
 #include "tasks/batch/sweep/sweep.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tests/engine/allocation_fixture.hpp"
-#include "tests/engine/executor/executor_fixture.hpp"
 #include "tests/engine/graph/race_check_fixture.hpp"
 #include "tests/oracle/oracle_cases.hpp"
 #include "tests/tasks/method/friction/rigid_run_fixture.hpp"
@@ -327,19 +325,6 @@ TEST(RigidRuns, DoesNotDependOnWhereCallsEnd) {
     for (int k = 1; k <= 8; ++k) ASSERT_FALSE(parts.advance({.until = 0.25e-3 * k}, nobody, never_cancelled));
     EXPECT_EQ(whole.hash(), parts.hash());
     EXPECT_EQ(whole.counters().steps, parts.counters().steps);
-}
-
-TEST(RigidRuns, HaveTheSameBitsOnEveryExecutor) {
-    std::vector<std::uint64_t> hashes;
-    for (const char* schedule : {"serial", "barrier", "flow"}) {
-        Simulation simulation(rigid_tiny({std::string("run.schedule=") + schedule, "run.threads=2"}));
-        settle_tiny(simulation);
-        SilentObserver nobody;
-        ASSERT_FALSE(simulation.advance({.until = 0.5e-3}, nobody, never_cancelled)) << schedule;
-        hashes.push_back(simulation.hash());
-        if (engine::test::thread_sanitizer) break;  // it sees into neither oneTBB nor OpenMP
-    }
-    EXPECT_EQ(std::set<std::uint64_t>(hashes.begin(), hashes.end()).size(), 1u);
 }
 
 TEST(RigidRuns, ResumesBitForBitInAnotherSimulation) {
