@@ -59,7 +59,7 @@ public:
     [[nodiscard]] Energy energy() const noexcept;
     [[nodiscard]] double largest_stable_step();
 
-    /// Told of outputs and transitions; nullptr: nothing is.
+    /// Observer of outputs and transitions; nullptr: none.
     [[nodiscard]] tasks::RunObserver*& recorder() noexcept { return recorder_; }
 
     [[nodiscard]] const Scene& scene() const noexcept { return scene_; }

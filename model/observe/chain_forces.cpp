@@ -6,7 +6,7 @@
 
 #include "model/basis/isa.hpp"
 #include "model/kernels/chain_parts.hpp"
-#include "model/variator/rigid/rigid_chain.hpp"
+#include "model/rigid/rigid_chain.hpp"
 
 namespace cvtflow::model {
 namespace {

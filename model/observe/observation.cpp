@@ -5,7 +5,7 @@
 
 #include "model/basis/portable_math.hpp"
 #include "model/observe/chain_forces.hpp"
-#include "model/variator/rigid/rigid_chain.hpp"
+#include "model/rigid/rigid_chain.hpp"
 
 namespace cvtflow::model {
 

@@ -5,7 +5,7 @@
 
 #include "model/contact/friction_operator.hpp"
 #include "model/kernels/kernels.hpp"
-#include "model/variator/rigid/rigid_chain.hpp"
+#include "model/rigid/rigid_chain.hpp"
 
 namespace cvtflow::model {
 

@@ -13,7 +13,7 @@ using model::HydraulicInstant;
 
 [[nodiscard]] model::CouplingState coupling(const Instant& now, int shaft) {
     const model::ChainLayout& at = now.workspace.layout();
-    return now.workspace.variator.pulleys().coupling(now.observation.time, now.workspace.states[0] + at.pulley_begin(), shaft);
+    return now.workspace.variator.pulleys().coupling(now.observation.time, now.workspace.state() + at.pulley_begin(), shaft);
 }
 
 Channel::Read twist(int shaft) {

@@ -56,7 +56,7 @@ std::size_t end_of_noise(const std::string& text, std::size_t i, bool line_start
 
 enum class Block { scope, initialiser, function };
 
-/// What a brace opens, from the text between the last ; { or } and itself.
+/// Kind of block that a brace opens, from the text between the last ; { or } and itself.
 Block kind_of(const std::string& head) {
     static const std::regex scope(R"(^(?:template\s*<.*>\s*)?(?:requires\s*\([^()]*\)\s*)?(?:(?:inline|export|typedef|extern)\s*)*)"
                                   R"((?:namespace|class|struct|union|enum)\b[^()=]*$)");

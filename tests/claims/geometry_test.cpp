@@ -183,7 +183,7 @@ TEST(GeometricStart, IsRefusedWhereTheChainDoesNotFit) {
     EXPECT_THROW(static_cast<void>(model::start_state(p)), std::invalid_argument);
 }
 
-TEST(GeometricStart, SaysOfARingThatItHasNoPulleys) {
+TEST(GeometricStart, ReportsThatARingHasNoPulleys) {
     model::Parameters p = ring(3, {8e-3, 10e-3, 9e-3});  // a triangle more uneven than those above
     try {
         static_cast<void>(model::start_state(p));

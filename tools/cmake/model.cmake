@@ -1,7 +1,7 @@
 # The kernels, one source for every instruction set; which one runs is chosen at the start of a run (model/kernels/available_isas.hpp).
 # Whatever is not in an unnamed namespace would be shared between them by the linker: tests/architecture looks at their symbols.
 set(kernel_sources model/kernels/chain_kernels.cpp model/kernels/friction_kernels.cpp model/kernels/single_kernels.cpp
-  model/kernels/native_kernels.cpp model/variator/rigid/rigid_kernels.cpp)
+  model/kernels/native_kernels.cpp model/rigid/rigid_kernels.cpp)
 if(CVTFLOW_ONE_LANE)   # the stand-in of bench/one_lane, as the program's baseline
   list(REMOVE_ITEM kernel_sources model/kernels/chain_kernels.cpp)
   add_library(cvtflow_one_lane OBJECT model/kernels/chain_kernels.cpp)

@@ -64,7 +64,7 @@ Handle open_closed_or_live(const std::string& path) {
     throw_damaged(path, reason);
 }
 
-/// What people call a file of that format.
+/// Name of a file of that format in messages.
 std::string name_of_kind(const std::string& format) {
     if (format == "cvtflow run") return "record of a run";
     if (format == "cvtflow state") return "state file";
@@ -87,9 +87,9 @@ void require_kind(hid_t file, const std::string& path, const FileKind& kind) {
 }
 
 /// The file that was checked; another one may have taken its name since.
-Handle open_that(const std::string& path, const InputFile& looked_at) {
+Handle open_that(const std::string& path, const InputFile& checked) {
     Handle file = open_closed_or_live(path);
-    if (!looked_at.same_as(descriptor_of(file.id()))) throw Failure("the file was replaced while it was opened");
+    if (!checked.same_as(descriptor_of(file.id()))) throw Failure("the file was replaced while it was opened");
     return file;
 }
 
@@ -166,8 +166,8 @@ void limit_child() {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
 }
 
-/// What HDF5 refuses, the parent must not try: after an error in the middle of a list, HDF5 frees pointers that it has never set, which
-/// ends one process and not the other.
+/// Inspects the file. The parent must not open a file that HDF5 rejects here: after an error in the middle of a list, HDF5 frees pointers
+/// that it has never set, which ends one process and not the other.
 [[noreturn]] void be_the_child(const std::function<void()>& inspect, int to_parent) {
     try_files_first(false);
     int status = 0;
@@ -178,14 +178,14 @@ void limit_child() {
         status = out_of_memory;
     } catch (const hdf5::Failure& failure) {
         const std::string_view text = failure.what();
-        const ssize_t told = write(to_parent, text.data(), std::min<std::size_t>(text.size(), PIPE_BUF));
-        status = told > 0 ? has_a_message : 0;
+        const ssize_t written = write(to_parent, text.data(), std::min<std::size_t>(text.size(), PIPE_BUF));
+        status = written > 0 ? has_a_message : 0;
     } catch (...) {  // the parent reports the same error
     }
     _exit(status);
 }
 
-/// What was written into a pipe whose other end is closed.
+/// Text that was written into a pipe whose other end is closed.
 [[nodiscard]] std::string text_in(int pipe) {
     std::string text(PIPE_BUF, '\0');
     const ssize_t size = read(pipe, text.data(), text.size());

@@ -1,5 +1,5 @@
 #pragma once
-/// What a record is made of, in words of any simulation: channels, tables, attributes; and what a program settles about HDF5.
+/// Contents of a record of any simulation: channels, tables, attributes; and the settings of HDF5 for a program.
 
 #include <cstdint>
 #include <stdexcept>
@@ -69,10 +69,9 @@ void try_files_first(bool tried = true) noexcept;
 /// and "hdf5_version".
 [[nodiscard]] std::vector<Attribute> attributes_of(const Provenance& provenance);
 
-/// HDF5 is to close nothing at exit: every file is closed where that can be reported, and one that could not be (a full disk) would be
-/// tried again there, which ends in a crash after the last message; after a damaged file it may find no end ("HDF5: infinite loop closing
-/// library"). To be called before anything else of this folder, by a program, not by a library in a host, which may have files that HDF5 is
-/// to close.
+/// Disables HDF5's exit handler, which crashes if a file could not be closed (disk full), or may not end after a damaged file ("HDF5:
+/// infinite loop closing library"). Files are closed before, where errors are reported. Call it before anything else of this folder, from
+/// programs only: a library's host may have files that HDF5 has to close.
 void disable_hdf5_atexit() noexcept;
 
 }  // namespace cvtflow::engine

@@ -102,7 +102,7 @@ TEST_F(LabCommands, WriteAsJsonWhatTheyMeasure) {
                                 "detail_baseline.json");
     EXPECT_EQ(detail["variants"].size(), 13u);
     EXPECT_EQ(detail["variants"].back()["mass_scaling"], 3.0);
-    EXPECT_TRUE(detail["variants"][0]["thrust_ratio"].is_null()) << "it was not looked for";
+    EXPECT_TRUE(detail["variants"][0]["thrust_ratio"].is_null()) << "it was not searched for";
 }
 
 TEST_F(LabCommands, DetailNeedsAStateOfFullDetailAndItsDialsFree) {

@@ -7,7 +7,7 @@
 
 #include "model/basis/lanes.hpp"
 #include "model/law/friction_laws.hpp"
-#include "model/variator/rigid/rigid_kernels.hpp"
+#include "model/rigid/rigid_kernels.hpp"
 
 namespace cvtflow::model {
 

@@ -5,9 +5,9 @@
 #include <algorithm>
 
 #include "model/law/friction_laws.hpp"
-#include "model/variator/rigid/rigid_kernels.hpp"
-#include "model/variator/rigid/rigid_links.hpp"
-#include "model/variator/rigid/rigid_vectors.hpp"
+#include "model/rigid/rigid_kernels.hpp"
+#include "model/rigid/rigid_links.hpp"
+#include "model/rigid/rigid_vectors.hpp"
 
 namespace cvtflow::model {
 namespace {

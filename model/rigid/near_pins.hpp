@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "model/force/sheave_motion.hpp"
-#include "model/variator/rigid/tip_motion.hpp"
+#include "model/rigid/tip_motion.hpp"
 
 namespace cvtflow::model {
 namespace {

@@ -1,4 +1,4 @@
-#include "model/variator/rigid/rigid_coefficients.hpp"
+#include "model/rigid/rigid_coefficients.hpp"
 
 #include <cmath>
 

@@ -169,7 +169,9 @@ enum class Column {
     // Sliding speed of each tip and its distance from the axis, only of velocities as they are.
     sliding = axial + rigid_tips,
     reach = sliding + rigid_tips,
-    count = reach + rigid_tips
+    // Of each tip: 1 where it was last found to press, else 0.
+    touching = reach + rigid_tips,
+    count = touching + rigid_tips
 };
 
 /// Column number `offset` of the group that begins with `first`.

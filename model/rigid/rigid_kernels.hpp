@@ -6,7 +6,7 @@
 #include "model/basis/isa.hpp"
 #include "model/force/account.hpp"
 #include "model/force/pulley.hpp"
-#include "model/variator/rigid/rigid_coefficients.hpp"
+#include "model/rigid/rigid_coefficients.hpp"
 
 namespace cvtflow::model {
 
@@ -59,6 +59,8 @@ struct RigidKernels {
     double (*kick)(const RigidCoefficients& c, double step, RigidColumns& columns) noexcept;
     /// Depths of the tips of pins 0 … 7 [m]. @param depth [tips][8]
     void (*depths)(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns, double* depth) noexcept;
+    /// How many pins' tips number `tip` press that did not, or the other way round; pins that fill the last vector count.
+    double (*contact_changes)(RigidColumns& columns, int tip) noexcept;
 };
 
 }  // namespace cvtflow::model

@@ -1,4 +1,4 @@
-#include "model/variator/rigid/rigid_chain.hpp"
+#include "model/rigid/rigid_chain.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -121,8 +121,14 @@ RigidColumns RigidModel::columns() const {
 }
 
 void RigidModel::accelerate(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
+    link_forces(kick, columns, f);
+    plate_friction(sheaves, kick, columns, f);
+    tip_forces(sheaves, kick, columns, f);
+    sum_forces(kick, columns, f);
+}
+
+void RigidModel::link_forces(const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
     f.account = {};
-    f.reaction = {};
     columns.wrap(Column::x, Column::vbend_y);
     kernels_.lines(columns);
     columns.wrap(Column::line_x, Column::line_turn);
@@ -133,14 +139,23 @@ void RigidModel::accelerate(const SheaveMotion* sheaves, const RigidKick& kick, 
     kernels_.lean(coefficients_, kick, columns, f.account);
     columns.wrap(Column::lean_x, Column::bend_moment);
     kernels_.gather(columns);
+}
+
+void RigidModel::plate_friction(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
     if (sheaves != nullptr && !kick.implicit()) kernels_.lengthen(coefficients_, sheaves, columns);
     columns.wrap(Column::lengthening, Column::lengthening);
     kernels_.rub(coefficients_, kick, columns, f.account);
     columns.wrap(Column::joint, Column::joint);
-    if (sheaves != nullptr) {
-        kernels_.tips(coefficients_, sheaves, kick, columns, f.reaction, f.account);
-        columns.wrap(Column::tip_lean_x, Column::tip_rear);
-    }
+}
+
+void RigidModel::tip_forces(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
+    f.reaction = {};
+    if (sheaves == nullptr) return;
+    kernels_.tips(coefficients_, sheaves, kick, columns, f.reaction, f.account);
+    columns.wrap(Column::tip_lean_x, Column::tip_rear);
+}
+
+void RigidModel::sum_forces(const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
     kernels_.settle(coefficients_, kick, columns, f.account);
     kernels_.moments(columns);
     columns.wrap(Column::tip_moment, Column::tip_moment_before);

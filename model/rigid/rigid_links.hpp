@@ -1,8 +1,8 @@
 #pragma once
 /// Links between rigid pins: pitch lines, rolling of the halves, forces of the pack of plates. (model/EQUATIONS.md section 11)
 
-#include "model/variator/rigid/rigid_kernels.hpp"
-#include "model/variator/rigid/rigid_vectors.hpp"
+#include "model/rigid/rigid_kernels.hpp"
+#include "model/rigid/rigid_vectors.hpp"
 
 namespace cvtflow::model {
 namespace {

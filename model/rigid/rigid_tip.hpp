@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "model/variator/rigid/tip_motion.hpp"
+#include "model/rigid/tip_motion.hpp"
 
 namespace cvtflow::model {
 namespace {
@@ -100,7 +100,8 @@ struct NormalForce {
 };
 
 /// y = √δ_0 φ with φ² (1 + u φ) = 1, u = b √δ_0: a rational start p/q, to 1e-4 for u ≤ `well_started_softness`, and Newton's method. The
-/// division of its first step is that of η as well, which is therefore known as well as the start.
+/// division of its first step is that of η as well, which is therefore known as well as the start; a right-hand side takes two further
+/// steps, which leave rounding of both.
 /// @param depth δ_0 [m], ≤ 0: no contact   @param rate δ_0' [m/s]
 template <int W>
 [[nodiscard, gnu::always_inline]] inline NormalForce<W> normal_force(const TipNumbers<W>& c, const Lanes<W>& depth,
