@@ -116,7 +116,7 @@ std::vector<oracle::Case> stepped_machines() {
     return cases;
 }
 
-/// What is stored changes by works minus losses: within 1e-3 of the losses of 20 ms after the jolt of the start.
+/// Stored energy changes by works minus losses: within 1e-3 of the losses of 20 ms after the jolt of the start.
 TEST(RigidLeapfrog, EnergyBalanceCloses) {
     for (const oracle::Case& one : stepped_machines()) {
         SCOPED_TRACE(one.name);
