@@ -15,7 +15,7 @@ namespace cvtflow::model {
 /// Generalized forces of the chain on the four sheaves, number 2 shaft + side: (F_x, F_y, M_τx, M_τy, F_z, M_φ).
 using SheaveForces = std::array<std::array<double, 6>, 4>;
 
-/// What the outside does at one instant.
+/// Inputs from outside at one instant.
 struct Inputs {
     double drive_torque = 0.0;         ///< on shaft 1 [N·m]
     double load_torque = 0.0;          ///< on shaft 2, negative brakes [N·m]
@@ -46,8 +46,8 @@ struct HeldInputs {
     std::optional<double> driven;               ///< S_2 [N]
     std::optional<double> load_torque;          ///< against the travel of shaft 2 [N·m]
     std::optional<double> drive_torque;         ///< drive mode torque [N·m]
-    std::optional<double> drive_speed;          ///< drive modes speed and coupling [rad/s]; the reference angle goes on from reference[0]
-    std::optional<double> load_speed;           ///< load modes speed and coupling [rad/s]; the reference angle goes on from reference[1]
+    std::optional<double> drive_speed;          ///< drive modes speed and coupling [rad/s]; the reference angle continues from reference[0]
+    std::optional<double> load_speed;           ///< load modes speed and coupling [rad/s]; the reference angle continues from reference[1]
     std::optional<double> ratio;                ///< of ratio control [1]
     std::optional<double> driving_pressure;     ///< hydraulics.mode pressure [Pa]
     std::optional<double> driven_pressure;      ///< [Pa]
@@ -56,7 +56,7 @@ struct HeldInputs {
     bool operator==(const HeldInputs&) const = default;
 };
 
-/// What the bearings of a shaft carry: force and moment of the shaft on the housing.
+/// Load on the bearings of a shaft: force and moment of the shaft on the housing.
 struct BearingLoad {
     std::array<double, 3> force{};   ///< x, y, axial [N]
     std::array<double, 2> moment{};  ///< about x, y, at the middle of the shaft [N·m]
@@ -156,7 +156,7 @@ private:
     [[nodiscard]] double drive_torque(double t, const double* block) const noexcept;  ///< t [s], block [unknowns of the pulleys]
     /// By what holds a shaft by its angle and speed [N·m]. t [s], block [unknowns of the pulleys]
     [[nodiscard]] double holding_torque(const Spring& by, double t, const double* block, int shaft) const noexcept;
-    [[nodiscard]] double resisting_torque(double t, const double* block) const noexcept;  ///< against shaft 2; t [s], block as above
+    [[nodiscard]] double resisting_torque(double t, const double* block) const noexcept;  ///< against shaft 2. t [s], block as above
     [[nodiscard]] const TimeTable& speed_table(int shaft) const noexcept { return shaft == 0 ? drive_.speed : load_.speed; }
     [[nodiscard]] const std::optional<double>& held_speed(int shaft) const noexcept {
         return shaft == 0 ? held_.drive_speed : held_.load_speed;
