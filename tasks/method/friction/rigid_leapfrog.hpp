@@ -29,7 +29,7 @@ public:
     void restart() noexcept override { cold_ = true; }
     void phases_changed() noexcept override {}
     void save(std::vector<double>& memory) const override;
-    void load(std::span<const double> memory) override;  ///< memory [what save() wrote]; empty: starts from the workspace's state
+    void load(std::span<const double> memory) override;  ///< @param memory from save(); empty: starts from the workspace's state
     [[nodiscard]] std::optional<std::size_t> bytes() const noexcept override { return sizeof(*this); }
 
     // Bodies of tasks.
