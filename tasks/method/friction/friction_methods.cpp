@@ -63,7 +63,10 @@ constexpr double longest_swept_step = 2.0e-6;
 /// where friction falls and where the chain is fast (auto_step.cpp) [s].
 constexpr double longest_rigid_step = 5e-6;
 
-/// Friction of rigid pins, implicit, solved where it acts. Dampers take the velocity before the step: stable up to h²ω² + 2 h d < 4.
+/// Dampers of rigid pins take the velocity before the step: -1 is an eigenvalue at h δ = 2.
+constexpr double rigid_damping_reach = 2.0;
+
+/// Implicit friction of rigid pins, solved where it acts: stable up to h²ω² + 2 h d < 4.
 [[nodiscard]] MethodProgram rigid_friction() {
     return {.name = "leapfrog-rigid",
             .description = "leapfrog of rigid pins, friction solved where it acts: of plates around the chain, of tips pin by pin",
@@ -74,7 +77,7 @@ constexpr double longest_rigid_step = 5e-6;
             .slope_slots = RigidLeapfrog::slope_slots,
             .make = [](Workspace& workspace) -> std::unique_ptr<StepMethod> { return std::make_unique<RigidLeapfrog>(workspace); },
             .solves = "one per contact, and one around the chain, for friction",
-            .reach = {2.0, MethodReach::unlimited, MethodReach::unlimited, 2.0, 2.0},
+            .reach = {frictionless_reach, MethodReach::unlimited, MethodReach::unlimited, frictionless_reach, rigid_damping_reach},
             .longest_step = longest_rigid_step,
             .missing = missing_rigid_pins};
 }
