@@ -31,8 +31,8 @@ struct HeldInputs {
     std::optional<double> driven;               ///< S_2 [N]
     std::optional<double> load_torque;          ///< against the travel of shaft 2 [N·m]
     std::optional<double> drive_torque;         ///< drive mode torque [N·m]
-    std::optional<double> drive_speed;          ///< drive modes speed and coupling [rad/s]; the reference angle goes on from reference[0]
-    std::optional<double> load_speed;           ///< load modes speed and coupling [rad/s]; the reference angle goes on from reference[1]
+    std::optional<double> drive_speed;          ///< drive modes speed and coupling [rad/s]; the reference angle continues from reference[0]
+    std::optional<double> load_speed;           ///< load modes speed and coupling [rad/s]; the reference angle continues from reference[1]
     std::optional<double> ratio;                ///< of ratio control [1]
     std::optional<double> driving_pressure;     ///< hydraulics.mode pressure [Pa]
     std::optional<double> driven_pressure;      ///< [Pa]
@@ -61,7 +61,7 @@ public:
 
 protected:
     [[nodiscard]] double drive_torque(double t, const double* block) const noexcept;      ///< t [s], block [unknowns of the pulleys]
-    [[nodiscard]] double resisting_torque(double t, const double* block) const noexcept;  ///< against shaft 2; t [s], block as above
+    [[nodiscard]] double resisting_torque(double t, const double* block) const noexcept;  ///< against shaft 2. t [s], block as above
 
 private:
     /// By what holds a shaft by its angle and speed [N·m]. t [s], block [unknowns of the pulleys]

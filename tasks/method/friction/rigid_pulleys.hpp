@@ -29,12 +29,12 @@ public:
     /// Velocities by a further time, by the rates of the last kick [s].
     void advance(double time) noexcept;
 
-    /// Of the velocities around the last kick: mean of before and after [J].
+    /// Kinetic energy around the last kick: mean of before and after [J].
     [[nodiscard]] double kinetic() const noexcept { return mean_kinetic_; }
-    /// Of drive and load in the last kick [N·m].
+    /// Torques of drive and load in the last kick [N·m].
     [[nodiscard]] std::array<double, 2> torque() const noexcept { return {inputs_.drive_torque, inputs_.load_torque}; }
     [[nodiscard]] model::WorkRates works() const noexcept;  ///< of velocities as they are [W]
-    /// Of the couplings' far ends, and what their dampers take, in the last kick [W].
+    /// Power of the couplings' far ends, and that of their dampers, in the last kick [W].
     [[nodiscard]] const std::array<double, 2>& far_power() const noexcept { return far_power_; }
     [[nodiscard]] const std::array<double, 2>& twist_power() const noexcept { return twist_power_; }
 
