@@ -3,7 +3,7 @@
 /// and so for numbers with derivatives, too. All start with the slope 1/v0 and are concave. The factors of a tip's law by speed and by
 /// pressure are at the end. The bits are the same for every number of lanes. (model/EQUATIONS.md section 7)
 ///
-/// A law is a struct with these functions; `FrictionLaws` lists them. What a curve holds of a law comes from the first three.
+/// A law is a struct with these functions; `FrictionLaws` lists them. A curve takes its numbers from the first three.
 
 #include <utility>
 
@@ -21,10 +21,10 @@ struct PiecewiseLaw {
     [[nodiscard]] static double proportional(double /*d*/) noexcept { return 1.0; }
     /// v/v0 from which s = 1 [1].
     [[nodiscard]] static double full(double /*d*/) noexcept { return 1.0; }
-    /// FrictionCurve::shape; v0 [m/s].
+    /// FrictionCurve::shape. v0 [m/s]
     [[nodiscard]] static double shape(double /*d*/, double /*v0*/) noexcept { return 0.0; }
 
-    /// What the secant divides by, > 0. speed ≥ 0 [m/s]
+    /// Divisor of the secant, > 0. speed ≥ 0 [m/s]
     template <int W>
     [[nodiscard]] static Lanes<W> divisor(const FrictionCurve& curve, const Lanes<W>& speed) noexcept {
         return larger<W>(speed, Lanes<W>(curve.proportional_speed));
@@ -194,7 +194,7 @@ template <int W>
     return sum;
 }
 
-/// The same from v² [m²/s²]; constant below a µm/s, where a root has no slope.
+/// speed_factor() from v² [m²/s²]; constant below a µm/s, where a root has no slope.
 template <int W>
 [[nodiscard]] inline Lanes<W> speed_factor_of_square(const TipLaw& law, const Lanes<W>& square) noexcept {
     return speed_factor<W>(law, sqrt(larger<W>(square, Lanes<W>(1e-12))));
@@ -208,7 +208,7 @@ template <int W>
 
 /// Sliding speed v ≥ slowest that solves v + b m(v) = w, with the law's factor m: two steps of Newton's method from the smallest solution
 /// that is possible. Where friction falls so fast that there are several, steps are bounded and the first branch is kept.
-/// @param braking b: by how much friction of its full strength slows the contact [m/s]   @param speed w, without friction [m/s]
+/// @param braking b: speed that the contact loses by friction of its full strength [m/s]   @param speed w, without friction [m/s]
 template <int W>
 [[nodiscard]] inline Lanes<W> braked_speed(const TipLaw& law, const Lanes<W>& braking, const Lanes<W>& speed,
                                            const Lanes<W>& slowest) noexcept {

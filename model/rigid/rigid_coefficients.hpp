@@ -20,8 +20,8 @@ inline constexpr double far_depth = -1.0;    ///< of tips that are far from any 
 
 /// Columns, in groups whose members follow each other. Pin i lies before link i; pitch line i belongs to link i.
 enum class Column {
-    // Coordinates of the pins and their velocities: middle (x, y, z), displacement (p, q) of the end at +z against the middle, ζ: by how
-    // much further along z the front half is than the rear half, displacement of both ends by bending [m], [m/s].
+    // Coordinates of the pins and their velocities: middle (x, y, z), displacement (p, q) of the end at +z against the middle, ζ: z of the
+    // front half minus z of the rear half, displacement of both ends by bending [m], [m/s].
     x,
     y,
     z,
@@ -111,8 +111,8 @@ enum class Column {
     rub_grip,
     rub_grip_high,
     // Friction between the halves of a pin along it, of this step and of the last one; sliding speed behind the step; without friction of
-    // plates, sliding speed and friction per sliding speed; by how much halves hold together, 0 … 1; velocity of the pin along z without
-    // friction of plates; force of the tips on ζ that all of these count with.
+    // plates, sliding speed and friction per sliding speed; degree to which halves stick together, 0 … 1; velocity of the pin along z
+    // without friction of plates; force of the tips on ζ that all of these count with.
     joint,
     joint_before,
     joint_speed,
@@ -158,8 +158,8 @@ enum class Column {
     tip_bend_y,
     // e': rate at which an end moves outward against the middle as the pin lengthens, mean of both halves and ends [m/s].
     lengthening,
-    // Of each tip: normal force, its damping part, friction along the circumference and along the flank; force on its sheave, away from
-    // the axis and along z, only of velocities as they are.
+    // Forces of each tip: normal force, its damping part, friction along the circumference and along the flank; force on its sheave, away
+    // from the axis and along z, only of velocities as they are.
     normal,
     tip_drag = normal + rigid_tips,
     round = tip_drag + rigid_tips,
@@ -169,7 +169,7 @@ enum class Column {
     // Sliding speed of each tip and its distance from the axis, only of velocities as they are.
     sliding = axial + rigid_tips,
     reach = sliding + rigid_tips,
-    // Of each tip: 1 where it was last found to press, else 0.
+    // 1 for each tip that pressed at the last evaluation, else 0.
     touching = reach + rigid_tips,
     count = touching + rigid_tips
 };
@@ -294,7 +294,7 @@ struct RigidCoefficients {
     std::shared_ptr<TipLaw> tip_law;  ///< nullptr: none
     double middle;                    ///< a/2 [m]
 
-    /// Of coordinate number k [kg].
+    /// Inertia of coordinate number k [kg].
     [[nodiscard]] constexpr double inertia(int k) const noexcept {
         return k < 3 ? mass : k < 5 ? tilt_mass : k < 6 ? slide_mass : bend_mass;
     }
