@@ -16,7 +16,7 @@
 namespace cvtflow::docs {
 namespace {
 
-/// Seconds per simulated second of a row of bench/results/speeds.csv, by a pattern of what stands before the median.
+/// Seconds per simulated second of a row of bench/results/speeds.csv, by a regular expression for the fields before the median.
 double seconds(const std::string& row) {
     std::ifstream file(CVTFLOW_SOURCE_DIR "/bench/results/speeds.csv");
     std::stringstream text;
