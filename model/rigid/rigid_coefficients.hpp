@@ -130,7 +130,7 @@ enum class Column {
     ring_behind,
     ring_rub,
     // > 0: the pin may touch in this step; whether tips' numbers were written for it in the last step and (+2) in this one
-    // (rigid_near.hpp).
+    // (near_pins.hpp).
     near,
     written,
     // Depth of each tip, `far_depth` of pins that certainly do not touch; only of velocities as they are (RigidKick).
