@@ -19,17 +19,17 @@ template <class Values>
 
 /// What the pins keep from step to step: first and last of columns that follow each other.
 constexpr Column kept[][2] = {{Column::x, Column::vbend_y},
-                              {Column::stretch_drag, Column::bend_drag_across},
-                              {Column::rolling, Column::rolling},
-                              {Column::force_x, Column::force_bend_y},
-                              {Column::rub, Column::rub_speed_high},
-                              {Column::joint, Column::joint_speed},
+                              {Column::stretch_damping_force, Column::bend_damping_force_across},
+                              {Column::rolling_moment, Column::rolling_moment},
+                              {Column::acceleration_x, Column::acceleration_bend_y},
+                              {Column::plate_friction, Column::plate_slip_high},
+                              {Column::joint_friction, Column::joint_slip},
                               {Column::tip_stiffness_front, Column::tip_loading_rear},
                               {Column::tip_moment, Column::tip_moment},
-                              {Column::tip_z, Column::tip_z},
-                              {Column::tip_slide, Column::tip_slide},
+                              {Column::tip_force_z, Column::tip_force_z},
+                              {Column::tip_force_slide, Column::tip_force_slide},
                               {Column::lengthening, Column::lengthening},
-                              {Column::normal, Column::flank + (rigid_tips - 1)}};
+                              {Column::tip_normal, Column::tip_radial + (rigid_tips - 1)}};
 
 }  // namespace
 
@@ -58,9 +58,9 @@ void RigidStepper::start(double t, const double* y) {
     ledger_.fill(0.0);
     if (at.ledger) std::copy_n(y + at.ledger_begin(), ledger_.size(), ledger_.begin());
     evaluate(0.0);
-    columns_.copy(Column::rub, Column::rub_before);
-    columns_.copy(Column::rub_spread, Column::rub_spread_before);
-    columns_.copy(Column::joint, Column::joint_before);
+    columns_.copy(Column::plate_friction, Column::plate_friction_before);
+    columns_.copy(Column::plate_friction_moment, Column::plate_friction_moment_before);
+    columns_.copy(Column::joint_friction, Column::joint_friction_before);
     tail_kinetic_ = tail_kinetic();
     kinetic_ = model_.kernels().kick(model_.coefficients(), 0.0, columns_) + tail_kinetic_;
     couple(coupling_rates());
@@ -128,9 +128,9 @@ void RigidStepper::kick(double length) noexcept {
     WorkRates power{};
     if (model_.layout().pulley_size != 0) power = variator_.pulleys().works(tail_.data(), inputs_);
     kinetic_ = model_.kernels().kick(model_.coefficients(), length, columns_);
-    columns_.copy(Column::rub, Column::rub_before);
-    columns_.copy(Column::rub_spread, Column::rub_spread_before);
-    columns_.copy(Column::joint, Column::joint_before);
+    columns_.copy(Column::plate_friction, Column::plate_friction_before);
+    columns_.copy(Column::plate_friction_moment, Column::plate_friction_moment_before);
+    columns_.copy(Column::joint_friction, Column::joint_friction_before);
     for (std::size_t k = static_cast<std::size_t>(model_.layout().pulley_size), end = kicked_end(); k < end; ++k)
         tail_[k] += length * tail_slope_[k];
     tail_kinetic_ = tail_kinetic();
@@ -160,7 +160,7 @@ double RigidStepper::jerked() const noexcept {
     const RigidCoefficients& c = model_.coefficients();
     double sum = 0.0;
     for (int k = 0; k < rigid_coordinates; ++k) {
-        const double *a = columns_[Column::force_x + k], mass = c.inertia(k);
+        const double *a = columns_[Column::acceleration_x + k], mass = c.inertia(k);
         for (int pin = 0; pin < c.pins; ++pin) sum += 0.5 * mass * a[pin] * a[pin];
     }
     return sum;
@@ -196,7 +196,7 @@ void RigidStepper::state(double* y) const noexcept {
     const ChainLayout& at = model_.layout();
     model_.write(columns_, y);
     for (int k = 0; k < rigid_coordinates; ++k) {
-        const double* acceleration = columns_[Column::force_x + k];
+        const double* acceleration = columns_[Column::acceleration_x + k];
         double* v = y + at.link_size() + rigid_place(at, k);
         for (int pin = 0; pin < at.links; ++pin) v[at.link_begin(pin)] -= lead_ * acceleration[pin] / model_.scale(k);
     }

@@ -44,7 +44,7 @@ public:
     /// Whether a tip presses on its sheave. @param tip 2 end + side
     [[nodiscard]] bool touches(int link, int tip) const noexcept {
         const int pin = tip < rigid_tips / 2 ? link : model_.layout().next(link);
-        return columns_[Column::normal + (tip + rigid_tips / 2) % rigid_tips][pin] > 0.0;
+        return columns_[Column::tip_normal + (tip + rigid_tips / 2) % rigid_tips][pin] > 0.0;
     }
     /// Kinetic energy: of pins ½ v·M v' of the velocities around the last kick, of pulleys the mean of both [J].
     [[nodiscard]] double kinetic() const noexcept { return kinetic_; }

@@ -211,7 +211,7 @@ TEST(RigidStepper, PressesEveryTipThatIsInsideItsSheave) {
             if (std::abs(depth) < 1e-12) continue;  // within rounding
             inside += depth > 0.0;
             EXPECT_EQ(stepper.touches(link, of_link), depth > 0.0) << "ratio " << ratio << ", link " << link << ", tip " << of_link;
-            EXPECT_EQ(chain.of_tip(Column::normal, link, of_link) > 0.0, depth > 0.0) << "ratio " << ratio << ", link " << link;
+            EXPECT_EQ(chain.of_tip(Column::tip_normal, link, of_link) > 0.0, depth > 0.0) << "ratio " << ratio << ", link " << link;
         }
         EXPECT_GT(inside, model.layout().links) << "at ratio " << ratio;
     }
