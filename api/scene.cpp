@@ -15,7 +15,7 @@ inline namespace v0 {
 
 namespace {
 
-/// What a scene's state file must agree with.
+/// Values that the scene and its state file must have in common, as text.
 [[nodiscard]] std::string resolution(const tasks::Scene& scene) {
     std::string text;
     for (const std::string_view key : tasks::state_keys()) text += tasks::value_text(*tasks::find_parameter(key), scene) + " ";

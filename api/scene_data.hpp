@@ -1,5 +1,5 @@
 #pragma once
-/// What a public scene holds. Internal to api.
+/// Contents of a public scene. Internal to api.
 
 #include <cvtflow/scene.hpp>
 

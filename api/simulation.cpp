@@ -212,7 +212,7 @@ constexpr InputRow input_rows[] = {
     return row;
 }
 
-/// @throws Error (argument); value [unit of the input]
+/// @param value [unit of the input] @throws Error (argument)
 void require_in_range(const InputRow& row, double value) {
     if (row.is_angle()) {
         if (!(std::abs(value) <= largest_angle)) throw Error(ErrorCode::argument, std::string(row.name) + ": beyond 1e9 rad");

@@ -11,7 +11,7 @@
 #include "engine/executor/cancellation.hpp"
 #include "engine/thread/guards.hpp"
 #include "model/observe/observation.hpp"
-#include "tasks/run/channels.hpp"
+#include "tasks/channel/channels.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/step/integration_state.hpp"
 
@@ -59,7 +59,7 @@ public:
     [[nodiscard]] Energy energy() const noexcept;
     [[nodiscard]] double largest_stable_step();
 
-    /// Told of outputs and transitions; nullptr: nothing is.
+    /// Observer of outputs and transitions; nullptr: none.
     [[nodiscard]] tasks::RunObserver*& recorder() noexcept { return recorder_; }
 
     [[nodiscard]] const Scene& scene() const noexcept { return scene_; }

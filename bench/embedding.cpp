@@ -1,8 +1,8 @@
 /// Jitter of advance_to() in a host's control loop: how long a call for 100 µs of the scene takes, over and over, with the host idle and
 /// with k busy host threads, for each way of running. Then how long the first step of a new simulation takes, and how long after cancel()
 /// from another thread a call returns, host idle. A plain program, since what counts is the distribution and not the best. The column
-/// "others" says how many processors other processes took meanwhile (a quiet machine: less than 0.05); where it says more, times are theirs
-/// as much as ours. Committed figures come from `bench_embedding --csv FILE` on a quiet machine.
+/// "others" is the number of processors that other processes took meanwhile (a quiet machine: less than 0.05); if it is larger, other
+/// processes disturbed the times. Committed figures come from `bench_embedding --csv FILE` on a quiet machine.
 ///
 ///     bench_embedding [--scene NAME] [--calls N] [--busy N,N,…] [--threads N] [--csv FILE]
 
@@ -79,7 +79,7 @@ struct Way {
     cvtflow::Threads threads;
 };
 
-/// What was measured of one way of running.
+/// Measurements of one way of running.
 struct Row {
     const char* quantity;
     int busy = 0;
@@ -208,7 +208,7 @@ int main(int argc, char** argv) try {
                         {fmt::format("present({})", arguments.threads), cvtflow::Threads::present(arguments.threads)},
                         {fmt::format("own({})", arguments.threads), cvtflow::Threads::own(arguments.threads)}};
     fmt::print(
-        "advance_to(1e-4) on {}, beside so many busy threads of the host; first steps and cancellations with the host idle; {} rounds "
+        "advance_to(1e-4) on {}, beside busy threads of the host; first steps and cancellations with the host idle; {} rounds "
         "each, {} processors\n",
         arguments.scene, arguments.calls, std::thread::hardware_concurrency());
     print_head();

@@ -29,7 +29,8 @@
 #include "bench/summary/summary.hpp"
 #include "engine/base/hash.hpp"
 #include "engine/record/run/state_file.hpp"
-#include "model/kernels/kernels.hpp"
+#include "model/kernels/available_isas.hpp"
+#include "model/kernels/native_kernels.hpp"
 #include "plain/plain_rhs.hpp"
 #include "plain/system.hpp"
 #include "tasks/run/simulation.hpp"
@@ -129,9 +130,10 @@ void evaluate(const Case& c, const model::ChainKernels& kernels, model::Evaluati
                        slope + c.layout().pulley_begin());
 }
 
+using KernelsOfOrder = std::function<model::ChainKernels(int order)>;
+
 /// @param peak flops per second that are possible, 0: unknown
-void whole(benchmark::State& run, const std::string& row, const std::string& what, model::ChainKernels (*kernels_of_order)(int) noexcept,
-           double peak) {
+void whole(benchmark::State& run, const std::string& row, const std::string& what, const KernelsOfOrder& kernels_of_order, double peak) {
     const Case& c = case_of(what);
     const model::ChainKernels kernels = kernels_of_order(c.parameters.detail.order);
     std::vector<double> slope(static_cast<std::size_t>(c.layout().size()));
@@ -215,7 +217,7 @@ void add_row(const std::string& row, const std::function<void(benchmark::State&)
     benchmark::RegisterBenchmark(row.c_str(), body)->Unit(benchmark::kMicrosecond);
 }
 
-void add_rows(const std::string& who, model::ChainKernels (*kernels)(int) noexcept, const bench::LinkParts& parts, double peak) {
+void add_rows(const std::string& who, const KernelsOfOrder& kernels, const bench::LinkParts& parts, double peak) {
     for (const std::string what : {"whole", "three", "smoothed", "lowest"}) {
         const std::string row = who + "/" + what;
         add_row(row, [=](benchmark::State& run) { whole(run, row, what, kernels, what == "whole" ? peak : 0.0); });
@@ -241,7 +243,9 @@ void register_rows() {
         add_row(std::string("plain/") + name, [add = add](benchmark::State& run) { plain_part(run, add); });
     add_rows("one_lane", model::chain_kernels<bench::one_lane>, bench::link_parts<bench::one_lane>(), 0.0);
     for (const model::Isa isa : model::usable_isas())
-        add_rows(std::string(model::name_of(isa)), model::kernels_of(isa).chain, parts_of(isa), bench::peak_flops(isa));
+        add_rows(
+            std::string(model::name_of(isa)), [of_order = model::kernels_of(isa).of_order](int order) { return of_order(order).chain; },
+            parts_of(isa), bench::peak_flops(isa));
     add_row("this_build/pulleys", pulleys);
     add_row("this_build/transitions", transitions);
 }

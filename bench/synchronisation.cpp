@@ -1,5 +1,5 @@
-/// What the synchronisation of one cycle costs: every executor on empty tasks, and on two tasks of 2.6 µs, the cost above the ideal.
-/// Beside them a hand-made barrier of as many spinning threads, the least that is possible; and what time stamps cost on a task of 5 µs.
+/// Cost of the synchronisation of one cycle: every executor on empty tasks, and on two tasks of 2.6 µs, the cost above the ideal.
+/// Beside them a hand-made barrier of as many spinning threads, the least that is possible; and the cost of time stamps on a task of 5 µs.
 /// A plain program, because executors must alternate within one process and medians be taken over repetitions: on a machine with
 /// neighbours nothing else can be compared.
 ///
@@ -7,8 +7,7 @@
 ///
 ///     bench_synchronisation [--repetitions N] [--threads N] [--wait spin|balanced|passive] [--pin yes|no] [--csv FILE]
 ///
-/// Threads are pinned unless told otherwise: a system with neighbours likes to put both on one processor, and then the neighbours are
-/// what one measures.
+/// Threads are pinned by default: a system with other load often puts both on one processor, and the other load is measured instead.
 
 #include <fmt/format.h>
 #include <fmt/os.h>
@@ -49,7 +48,7 @@ struct Settings {
 
 /// One turn of a contender [µs per cycle].
 struct Turn {
-    double typical;  ///< median over its cycles: what a cycle costs while nobody interferes
+    double typical;  ///< median over its cycles: cost of an undisturbed cycle
     double mean;     ///< of the turn's time: interference included
 };
 

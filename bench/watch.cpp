@@ -1,4 +1,4 @@
-/// What the energy watch and the automatic step cost: the same steps with and without, in turns.
+/// Cost of the energy watch and of the automatic step: the same steps with and without, in turns.
 ///
 ///     bench_watch [ROUNDS]
 

@@ -110,7 +110,7 @@ int set_logging(void* component, bool on, std::size_t count, const char* const* 
 
 int not_offered(void* component, const char* function) noexcept {
     return guarded(component, [&](Component&) {
-        throw Error(ErrorCode::argument, std::string(function) + ": this FMU does not offer it, as its description says");
+        throw Error(ErrorCode::argument, std::string(function) + ": this FMU does not support it (see its description)");
     });
 }
 

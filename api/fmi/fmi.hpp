@@ -24,7 +24,7 @@ namespace cvtflow::fmi {
 /// State of an instance in the standard's state machine.
 enum class Stage { instantiated, initialising, stepping, in_step, terminated };
 
-/// What an importer holds: the instance and its way to the importer's log.
+/// An instance as its importer holds it, with the function that writes to the importer's log.
 struct Component {
     std::string name;
     bool logging = false;

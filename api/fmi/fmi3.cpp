@@ -111,7 +111,7 @@ CVTFLOW_FMI int fmi3GetNumberOfVariableDependencies(void* c, Reference, size_t* 
     return guarded(c, [&](Component&) { given(number, "the number of dependencies") = 0; });
 }
 
-// What this FMU does not support.
+// Functions that this FMU does not support.
 
 CVTFLOW_FMI void* fmi3InstantiateModelExchange(const char*, const char*, const char*, bool, bool, void* environment, LogMessage log) {
     if (log != nullptr) log(environment, fmi_error, "logStatusError", "this FMU is for co-simulation");

@@ -55,7 +55,7 @@ inline constexpr std::size_t min_stack = std::size_t{224} << 10U;
 /// @throws Error (argument) on a thread with less; not on a process's first thread, whose stack grows, nor on stacks that a host has made
 void require_stack();
 
-/// What `action` returns; what it throws, translated.
+/// Result of `action`; its exceptions are translated.
 template <class Action>
 auto translated(ErrorCode otherwise, Action&& action) -> decltype(action()) {
     try {
@@ -66,8 +66,8 @@ auto translated(ErrorCode otherwise, Action&& action) -> decltype(action()) {
     }
 }
 
-/// Every entry point of the interface: what `action` returns in the default floating-point environment; what it throws, translated.
-/// Reading a number rounds as the environment is set, so this also applies to scenes.
+/// Every entry point of the interface: result of `action` in the default floating-point environment; its exceptions are translated. Reading
+/// a number rounds as the environment is set, so this also applies to scenes.
 template <class Action>
 auto entered(ErrorCode otherwise, Action&& action) -> decltype(action()) {
     const FloatingDefaults defaults;

@@ -15,7 +15,7 @@ constexpr std::string_view magic = "CVTFLOW5";
 
 [[noreturn]] void reject(const char* why) { throw Error(ErrorCode::state, std::string("saved state: ") + why); }
 
-/// What bytes of a value are: a `long` has 64 bits in them on every system.
+/// Type whose bytes represent a value: a `long` has 64 bits on every system.
 template <class T>
 using Stored = std::conditional_t<std::is_same_v<T, long>, std::int64_t, T>;
 

@@ -21,7 +21,7 @@ namespace py = pybind11;
 using Released = py::gil_scoped_release;
 
 /// Time between two checks for Python's signals [s].
-inline constexpr double between_looks = 0.05;
+inline constexpr double between_checks = 0.05;
 
 /// A simulation, and how fast it goes: Python checks for signals after spans of whole output intervals that take about a twentieth of a
 /// second. A span that ended between two outputs would begin the means of channels anew.

@@ -27,8 +27,8 @@ class SignalWatch {
 public:
     [[nodiscard]] bool operator()() noexcept {
         const auto now = std::chrono::steady_clock::now();
-        if (raised_ || std::chrono::duration<double>(now - looked_).count() < between_looks) return raised_;
-        looked_ = now;
+        if (raised_ || std::chrono::duration<double>(now - checked_).count() < between_checks) return raised_;
+        checked_ = now;
         const py::gil_scoped_acquire lock;
         raised_ = PyErr_CheckSignals() != 0;
         return raised_;
@@ -36,7 +36,7 @@ public:
     [[nodiscard]] bool raised() const noexcept { return raised_; }
 
 private:
-    std::chrono::steady_clock::time_point looked_ = std::chrono::steady_clock::now();
+    std::chrono::steady_clock::time_point checked_ = std::chrono::steady_clock::now();
     bool raised_ = false;
 };
 

@@ -22,7 +22,7 @@ void advance_to(Stepper& self, const Quantity& time) {
     const double until = in_si(time, "time", "s");
     for (bool there = false; !there;) {
         const double begin = self.simulation.time();
-        const double intervals = std::max(1.0, std::floor(self.pace * between_looks / self.interval));
+        const double intervals = std::max(1.0, std::floor(self.pace * between_checks / self.interval));
         const double end = (std::floor(begin / self.interval + 1e-9) + intervals) * self.interval;
         there = !(end < until);
         const double wall = advance_released(self.simulation, there ? until : end);
@@ -157,7 +157,7 @@ void bind_time(Class& type) {
         .def("advance_to", &advance_to, py::arg("time"),
              "Takes whole steps until self.time >= time (\"1 ms\"; numbers are in s), without the interpreter's lock. Ctrl-C ends it "
              "between two steps, and the "
-             "simulation can go on. Raises a Fault, CancelledError, BusyError; ArgumentError for a time more than a step back.")
+             "simulation can be continued. Raises a Fault, CancelledError, BusyError; ArgumentError for a time more than a step back.")
         .def("step", &step, "One step, which a transition may shorten.")
         .def(
             "cancel", [](Stepper& self) { self.simulation.cancel(); }, "Ends advance_to() of another thread after at most one step.")

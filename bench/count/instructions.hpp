@@ -1,5 +1,5 @@
 #pragma once
-/// What a piece of code executes, counted instruction by instruction: exact, whatever else the machine is doing.
+/// Count of executed instructions of a piece of code: exact, whatever else the machine is doing.
 
 #include <functional>
 #include <optional>

@@ -6,8 +6,8 @@
 
 namespace cvtflow::bench {
 
-/// The team lives from the beginning of run() to its end; the calling thread is its first member and the only one that meets the
-/// controller. Threads that the system refuses to start are done without.
+/// The team exists during run(); the calling thread is its first member and the only one that calls the controller. It runs without threads
+/// that the system refuses to start.
 class Barrier final : public engine::RunningExecutor {
 public:
     explicit Barrier(const engine::ExecutorOptions& options) : engine::RunningExecutor(options) {}

@@ -41,58 +41,58 @@ void FittedBySpectrum::refit(double real, double imaginary) {
     fitted_real_ = real;
     fitted_imaginary_ = imaginary;
     steps_since_review_ = 0;
-    wanted_lately_ = 0.0;
+    max_recent_extent_ = 0.0;
     ++fits_;
 }
 
 void FittedBySpectrum::choose(double h) {
-    const double wanted = real() * h, wide = imaginary() * h;
-    if (wanted > fitted_real_ || wide > fitted_imaginary_) return refit(fit_headroom * wanted, fit_headroom * wide);
-    wanted_lately_ = std::max(wanted_lately_, wanted);
+    const double extent = real() * h, wide = imaginary() * h;
+    if (extent > fitted_real_ || wide > fitted_imaginary_) return refit(fit_headroom * extent, fit_headroom * wide);
+    max_recent_extent_ = std::max(max_recent_extent_, extent);
     if (++steps_since_review_ < review_steps) return;
-    if (wanted_lately_ < far_below * fitted_real_)
-        return refit(fit_headroom * wanted_lately_, fit_headroom * wanted_lately_ * imaginary() / real());
+    if (max_recent_extent_ < far_below * fitted_real_)
+        return refit(fit_headroom * max_recent_extent_, fit_headroom * max_recent_extent_ * imaginary() / real());
     steps_since_review_ = 0;
-    wanted_lately_ = 0.0;
+    max_recent_extent_ = 0.0;
 }
 
 void FittedBySpectrum::restart() noexcept {
     SpectralMethod::restart();
-    fitted_real_ = fitted_imaginary_ = wanted_lately_ = 0.0;  // the next step asks for more: a new fit
+    fitted_real_ = fitted_imaginary_ = max_recent_extent_ = 0.0;  // the next step asks for more: a new fit
     steps_since_review_ = 0;
 }
 
 void FittedBySpectrum::save(std::vector<double>& memory) const {
     SpectralMethod::save(memory);
-    memory.insert(memory.begin(), {fitted_real_, fitted_imaginary_, wanted_lately_, static_cast<double>(steps_since_review_)});
+    memory.insert(memory.begin(), {fitted_real_, fitted_imaginary_, max_recent_extent_, static_cast<double>(steps_since_review_)});
 }
 
 void FittedBySpectrum::load(std::span<const double> memory) {
     if (memory.empty()) return;
     const auto fit = pop_front(memory, 3);
     if (fit[0] > 0.0) refit(fit[0], fit[1]);  // the same polynomial again
-    wanted_lately_ = fit[2];
+    max_recent_extent_ = fit[2];
     steps_since_review_ = pop_integer(memory, 0, std::numeric_limits<int>::max());
     SpectralMethod::load(memory);
 }
 
-double FittedBySpectrum::longest(double wanted) {
-    return std::min({wanted, max_real / (fit_headroom * real()), max_imaginary / (fit_headroom * imaginary())});
+double FittedBySpectrum::longest(double requested) {
+    return std::min({requested, max_real / (fit_headroom * real()), max_imaginary / (fit_headroom * imaginary())});
 }
 
 namespace {
 
-PolynomialRange rung(const std::string& name, double real) {
+PolynomialRange polynomial_range(const std::string& name, double real) {
     const engine::StagePlan plan = *engine::make_method(name);
     return {engine::CompiledPlan(plan), real, bench::stability_reach(plan, {-0.01, std::sqrt(1.0 - 1e-4)}, 1e-6)};
 }
 
 /// Stages in a geometric ladder of a family whose real reach is `share` of their square.
 Ladder ladder(const std::string& family, double share) {
-    Ladder rungs;
+    Ladder polynomials;
     for (const int stages : {5, 7, 9, 11, 13, 16, 19, 23, 28, 34, 41, 50, 60, 72, 86, 103})
-        rungs.push_back(rung(family + "-s" + std::to_string(stages), share * stages * stages));
-    return rungs;
+        polynomials.push_back(polynomial_range(family + "-s" + std::to_string(stages), share * stages * stages));
+    return polynomials;
 }
 
 }  // namespace

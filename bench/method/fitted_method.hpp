@@ -28,20 +28,20 @@ public:
     [[nodiscard]] int fits() const noexcept { return fits_; }
     void restart() noexcept override;
     void save(std::vector<double>& memory) const override;
-    void load(std::span<const double> memory) override;  ///< memory [what save() wrote]
+    void load(std::span<const double> memory) override;  ///< @param memory from save()
 
 protected:
     /// h [s]
     /// @throws std::runtime_error if no polynomial of max_stages stages is stable for such a step
     void choose(double h) override;
-    [[nodiscard]] double longest(double wanted) override;  ///< wanted [s]
+    [[nodiscard]] double longest(double requested) override;  ///< [s]
 
 private:
     void refit(double real, double imaginary);  ///< real [1], imaginary [1]
 
     std::vector<engine::CompiledPlan> plan_;             ///< one, or none yet
     double fitted_real_ = 0.0, fitted_imaginary_ = 0.0;  ///< [1]
-    double wanted_lately_ = 0.0;                         ///< largest real extent requested since the last review
+    double max_recent_extent_ = 0.0;                     ///< largest real extent requested since the last review
     int steps_since_review_ = 0;
     int fits_ = 0;
 };

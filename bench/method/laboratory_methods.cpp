@@ -15,14 +15,13 @@
 #include "bench/method/stability/friction_stability.hpp"
 #include "tasks/method/friction/friction_leapfrog.hpp"
 #include "tasks/method/friction/friction_methods.hpp"
-#include "tasks/method/friction/rigid_sweep.hpp"
 #include "tasks/method/friction/sweep_leapfrog.hpp"
 
 namespace cvtflow::bench {
 
 namespace {
 
-/// Those that choose among tables of stages by the spectrum.
+/// Programs that choose among tables of stages by the spectrum.
 [[nodiscard]] std::vector<MethodProgram> spectral_programs() {
     return {
         {.name = "rkc",
@@ -80,10 +79,7 @@ template <class Number>
     MethodProgram sweep = product_row("leapfrog-sweep");
     sweep.name += in_double;
     sweep.description = "leapfrog-sweep with velocities in double precision, too";
-    sweep.make = [](Workspace& workspace) -> std::unique_ptr<StepMethod> {
-        if (workspace.layout().rigid) return std::make_unique<RigidSweep>(workspace);
-        return std::make_unique<SweepLeapfrog<double>>(workspace);
-    };
+    sweep.make = [](Workspace& workspace) -> std::unique_ptr<StepMethod> { return std::make_unique<SweepLeapfrog<double>>(workspace); };
     return {
         staged<float>(rkc, "leapfrog-rkc", "leapfrog, friction in damped RKC stages on velocities inside the step", rkc_kick),
         staged<double>(rkc, std::string("leapfrog-rkc") + in_double, "leapfrog-rkc with stages in double precision, too", rkc_kick),

@@ -15,18 +15,18 @@ namespace cvtflow::bench {
 /// Adds them to the product's catalogue, once per process, before anything else asks it.
 void add_laboratory_methods();
 
-/// A program as its definition says, in words of mathematics: what its code has to agree with.
+/// Mathematical definition of a program, with which its code has to agree.
 struct MethodAnalysis {
-    /// On the test equation that it is made for; empty: it chooses among tables of stages.
+    /// Stability on the test equation that it is made for; empty: it chooses among tables of stages.
     std::function<ProgramStability()> stability = {};
-    /// What its step makes of small disturbances.
+    /// Its step as a linear map of small disturbances.
     std::function<std::unique_ptr<StepMap>(const LinearChain& chain)> linear = {};
 };
-/// Of a program of either catalogue. @throws std::out_of_range for one that nobody has analysed
+/// Analysis of a program of either catalogue. @throws std::out_of_range for one without analysis
 [[nodiscard]] const MethodAnalysis& analysis_of(const tasks::MethodProgram& program);
 
-/// The same method with all of its numbers in double precision: the name itself, but for those whose velocities inside the step are in
-/// single.
+/// Name of the method with all numbers in double precision: the name itself, except for methods whose velocities inside the step are in
+/// single precision.
 [[nodiscard]] std::string in_double_precision(std::string_view method);
 
 /// The reach that the analysis finds, which the catalogue declares.

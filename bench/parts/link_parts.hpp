@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <string_view>
 
-#include "model/variator/chain_model.hpp"
+#include "model/chain/chain_model.hpp"
 
 namespace cvtflow::bench {
 
@@ -13,7 +13,7 @@ namespace cvtflow::bench {
 inline constexpr std::array<std::string_view, 6> link_part_names{"read", "inner", "plates", "joints", "tips", "solve"};
 
 struct LinkParts {
-    /// Doubles that the states of so many links take as lanes.
+    /// Number of doubles that the states of `links` links take as lanes.
     std::size_t (*lane_memory)(int links);
     /// @param part index into link_part_names   @param lanes [lane_memory], on a cache line; written by part 0, read by the others
     /// @param out [links][2 link_size()]   @param loads [links], written by tips
@@ -21,7 +21,7 @@ struct LinkParts {
                 model::LinkLoad* loads);
 };
 
-/// Of order 3. Defined in link_parts.cpp.
+/// Parts of order 3. Defined in link_parts.cpp.
 template <model::Isa isa>
 LinkParts link_parts();
 inline constexpr auto one_lane = static_cast<model::Isa>(-1);  // bench/one_lane

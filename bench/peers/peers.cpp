@@ -111,7 +111,7 @@ Settings parse(int count, char** words) {
     return settings;
 }
 
-/// What our methods are measured by. duration [s], reference: settings
+/// Measure of our methods. duration [s], reference: settings
 bench::ErrorMeasure measure_over(double duration, const tasks::Scene& scene, const engine::SavedState& start, const Settings& settings,
                                  const Candidate& reference) {
     static const engine::Cancellation never;
@@ -207,7 +207,7 @@ tools::Plot picture(const std::vector<Row>& rows, const Settings& settings, doub
 }
 
 /// Every solver has to come down to the agreement with one of its choices. @return the exit status
-int verdict(const std::vector<Row>& rows, double agreement) {
+int exit_status(const std::vector<Row>& rows, double agreement) {
     std::map<std::string, double> least;
     for (const Row& row : rows) {
         const auto [entry, fresh] = least.try_emplace(row.solver, row.error_tension);
@@ -226,9 +226,9 @@ int run(const Settings& settings) {
     tasks::Scene scene = tasks::read_scene(std::filesystem::path(CVTFLOW_SOURCE_DIR "/scenes") / (settings.scene + ".toml"));
     tasks::set_value(scene, "run.schedule=serial");
     tasks::Simulation simulation(scene);
-    tasks::SilentObserver nobody;
+    tasks::SilentObserver silent;
     const engine::Cancellation never;
-    if (simulation.needs_settling() && simulation.advance({.until = 0.0}, nobody, never))
+    if (simulation.needs_settling() && simulation.advance({.until = 0.0}, silent, never))
         throw std::runtime_error("the start does not settle");
     const engine::SavedState saved = simulation.saved_state();
     const double duration = quiet_stretch(scene, saved, settings);
@@ -246,13 +246,13 @@ int run(const Settings& settings) {
                scene.name, 1e6 * duration, problem.size(), bench::sundials_version(), got);
     for (const bench::Peer& peer : bench::peers()) fmt::print("  {:<18} {}\n", peer.name, peer.description);
     print(rows);
-    if (settings.folder.empty()) return verdict(rows, settings.agreement);
+    if (settings.folder.empty()) return exit_status(rows, settings.agreement);
     std::filesystem::create_directories(settings.folder);
     const std::string stem = settings.folder + "/peers_" + settings.scene;
     write_csv(stem + ".csv", rows, settings, duration, got);
     fmt::output_file(stem + ".svg").print("{}", tools::svg(picture(rows, settings, duration, got)));
     fmt::print("  written             {0}.csv, {0}.svg\n", stem);
-    return verdict(rows, settings.agreement);
+    return exit_status(rows, settings.agreement);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 #pragma once
-/// One stretch of a scene as an initial value problem that anybody's solver can take: y' = f(t, y) with phases held, and ∂f/∂y.
+/// One stretch of a scene as an initial value problem for any solver: y' = f(t, y) with phases held, and ∂f/∂y.
 
 #include <string>
 #include <vector>
@@ -27,7 +27,7 @@ public:
     [[nodiscard]] double interval() const noexcept { return interval_; }
     [[nodiscard]] int outputs() const noexcept { return outputs_; }
 
-    /// state, slope [unknowns]; t [s]
+    /// t [s], state [unknowns], slope [unknowns]
     void slope(double t, const double* state, double* slope) noexcept;
     [[nodiscard]] const SparsePattern& pattern() const noexcept { return pattern_; }
     /// ∂f/∂y in the order of the pattern. The ledger's own rows are left out: nothing depends on them.

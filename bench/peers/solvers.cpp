@@ -18,7 +18,7 @@ namespace cvtflow::bench {
 namespace {
 
 constexpr long most_steps = 100'000'000;
-constexpr double patience = 20.0;  // [s] of one run
+constexpr double max_seconds = 20.0;  // [s] of one run
 
 /// What all solvers share: a context, the state, tolerances, and a matrix with its solver.
 class Common {
@@ -90,7 +90,7 @@ PeerRun go_through(Common& common, const Advance& advance) {
         const int code = advance(until);
         run.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
         if (code < 0) run.fault = "returned " + std::to_string(code) + " before output " + std::to_string(output);
-        if (run.seconds > patience) run.fault = "takes too long";
+        if (run.seconds > max_seconds) run.fault = "takes too long";
         problem.observe(until, N_VGetArrayPointer(common.state), run.trajectory);
     }
     run.evaluations = problem.evaluations();

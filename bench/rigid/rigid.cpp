@@ -11,7 +11,7 @@
 ///     mean=20           [ms]
 ///     mode=points       points: a row of means.  parts: microseconds per step by part.  stable: the longest stable step
 ///
-///     us_per_step       processor time; s_per_s: of a simulated second, with outputs every 20 us that nobody looks at
+///     us_per_step       processor time; s_per_s: of a simulated second, with unused outputs every 20 us
 ///     s_per_s_observed  the same with an observation at each output, of the time that is averaged
 ///     tight, slack      mean tensions of the strands [N]; slip, efficiency [%]
 ///     thrust_ratio      S_1/S_2, which under ratio control is what holds the ratio
@@ -33,9 +33,8 @@
 #include <vector>
 
 #include "model/observe/observation.hpp"
-#include "model/rigid/rigid_stepper.hpp"
 #include "model/start/start_state.hpp"
-#include "tasks/run/channels.hpp"
+#include "tasks/channel/channels.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/ready_scenes.hpp"
 
@@ -178,43 +177,46 @@ void time_part(const char* name, const Act& act) {
     fmt::print("{},{:.3f}\n", name, all[rounds / 2]);
 }
 
-/// A stepper of a machine at the end of its settling.
-class Settled {
+/// A machine with rigid pins, by steps of one length.
+class Machine {
 public:
-    Settled(const tasks::Scene& scene, double step) : variator_(scene.parameters), stepper_(variator_), step_(step) {
-        begin_ = -scene.parameters.start.settling_time;
-        stepper_.start(begin_, model::start_state(scene.parameters).state.data());
-    }
-    /// False if the state is not finite then.
-    [[nodiscard]] bool run(double span) {
-        for (const double until = stepper_.time() + span; stepper_.time() < until - 0.5 * step_;) take_step();
-        return std::isfinite(stepper_.kinetic());
-    }
-    void take_step() { stepper_.step(stepper_.time(), step_); }
-    [[nodiscard]] const model::RigidStepper& stepper() const { return stepper_; }
-    [[nodiscard]] const model::Variator& variator() const { return variator_; }
+    Machine(tasks::Scene scene, double step) : step_(step), simulation_(at_step(std::move(scene), step), tasks::Schedule{}) {}
+
+    /// False if the run has failed. @param until [s]
+    [[nodiscard]] bool run(double until) { return !simulation_.advance({.until = until}, silent_, never_) && std::isfinite(lost()); }
+    void take_step() { static_cast<void>(run(simulation_.time() + step_)); }
+    [[nodiscard]] double time() const { return simulation_.time(); }
+    [[nodiscard]] double lost() const { return simulation_.energy().sums(simulation_.time()).lost(); }
+    [[nodiscard]] const tasks::Workspace& workspace() const { return simulation_.workspace(); }
 
 private:
-    model::Variator variator_;
-    model::RigidStepper stepper_;
-    double step_, begin_ = 0.0;
+    [[nodiscard]] static tasks::Scene at_step(tasks::Scene scene, double step) {
+        tasks::set_values(scene, std::vector<std::string>{fmt::format("run.step={:.4g} us", 1e6 * step), "run.output_interval=20 us"});
+        return scene;
+    }
+
+    double step_;  ///< [s]
+    tasks::Simulation simulation_;
+    tasks::SilentObserver silent_;
+    const engine::Cancellation never_;
 };
 
 /// Each kernel by itself, on the columns of a running machine.
 void print_parts(const tasks::Scene& scene) {
     constexpr double step = 5e-6;
-    Settled machine(scene, step);
-    (void)machine.run(scene.parameters.start.settling_time);
-    const model::RigidModel& model = machine.variator().chain().rigid()->model();
-    const model::PulleyModel& pulleys = machine.variator().pulleys();
-    model::RigidColumns columns = machine.stepper().columns();
+    Machine machine(scene, step);
+    (void)machine.run(0.0);
+    const model::RigidState& pins = *machine.workspace().rigid_pins();
+    const model::RigidModel& model = pins.model;
+    const model::PulleyModel& pulleys = machine.workspace().variator.pulleys();
+    model::RigidColumns columns = pins.columns;
     const model::RigidKernels& k = model.kernels();
     const model::RigidCoefficients& c = model.coefficients();
     const model::RigidKick kick{step};
-    const double* tail = machine.stepper().tail();
+    const double* tail = pins.tail.data();
     model::SheaveMotion sheaves[4];
     pulleys.motions(tail, sheaves);
-    model::RigidForces forces = machine.stepper().forces();
+    model::RigidForces forces = pins.forces;
     model::Inputs inputs;
     std::vector<double> slope(static_cast<std::size_t>(model.layout().pulley_block()));
     fmt::print("part,us\n");
@@ -230,18 +232,18 @@ void print_parts(const tasks::Scene& scene) {
     time_part("inputs", [&] { inputs = pulleys.inputs(0.0, tail); });
     time_part("pulleys", [&] { pulleys.slope(tail, inputs, forces.reaction.sheaves, slope.data(), &forces.account); });
     time_part("wrap", [&] { columns.wrap(model::Column::x, model::Column::tension); });
-    time_part("step", [&] { machine.take_step(); });
+    time_part("run of one step", [&] { machine.take_step(); });
 }
 
 /// Whether 20 ms behind the start's ramp end sound, with losses as at half the step.
 [[nodiscard]] bool stable(const tasks::Scene& scene, double step) {
     double losses[2] = {};
     for (int k = 0; k < 2; ++k) {
-        Settled machine(scene, k == 0 ? 0.5 * step : step);
-        if (!machine.run(20e-3)) return false;
-        const double before = machine.stepper().balance().losses();
-        if (!machine.run(10e-3)) return false;
-        losses[k] = machine.stepper().balance().losses() - before;
+        Machine machine(scene, k == 0 ? 0.5 * step : step);
+        if (!machine.run(0.0) || !machine.run(20e-3)) return false;
+        const double before = machine.lost();
+        if (!machine.run(30e-3)) return false;
+        losses[k] = machine.lost() - before;
     }
     return std::abs(losses[1] / losses[0] - 1.0) < 0.1;
 }

@@ -18,7 +18,7 @@ namespace {
 using namespace tasks;
 using engine::Access;
 
-/// What stages keep for later ones in a workspace, beside its own fields.
+/// Data that stages keep for later ones in a workspace, beside its own fields.
 class StagedMemory final : public AssemblyMemory {
 public:
     explicit StagedMemory(Workspace& workspace)

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "model/basis/isa.hpp"
-#include "model/variator/chain_model.hpp"
+#include "model/chain/chain_model.hpp"
 
 namespace cvtflow::bench {
 
@@ -20,7 +20,7 @@ struct StagedBuffers {
     int joint_stride, tip_stride;
 };
 
-/// What all stages read and write. Links are whole numbers 0 … N-1 here; there is no window.
+/// Data that all stages read and write. Links are whole numbers 0 … N-1 here; there is no window.
 struct StagedChain {
     const double* states;  ///< stage state of the whole chain [unknowns]
     const model::SheaveMotion* sheaves;
@@ -44,7 +44,7 @@ struct StagedFunctions {
     /// Accelerations A⁻¹ f for links [first, last).
     void (*reverse)(const ChainModel&, const StagedChain&, int first, int last) noexcept;
 };
-/// Those of the model's order and instruction set.
+/// Functions of the model's order and instruction set.
 [[nodiscard]] StagedFunctions staged_functions(const ChainModel& model, bool observe);
 
 /// Defined in staged_kernels.cpp, which is compiled once per instruction set. @param order p, 0 … 3

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "bench/method/linear/eigenvalues.hpp"
+#include "bench/method/linear/arnoldi.hpp"
 #include "tasks/step/integration_state.hpp"
 
 namespace cvtflow::bench {
@@ -23,14 +23,14 @@ inline constexpr int contact_kind_count = 3;
 /// Joints, plates, tips.
 [[nodiscard]] std::span<const ContactKind, contact_kind_count> contact_kinds() noexcept;
 
-/// What is said of a spectrum in one line.
+/// Summary of a spectrum in one line.
 struct Extent {
     double decay = 0.0;        ///< max(-Re λ) [1/s]
     double oscillation = 0.0;  ///< max|Im λ| [1/s]
     int below_1e6 = 0;         ///< eigenvalues with Re λ < -1e6 1/s
     int below_1e7 = 0;         ///< with Re λ < -1e7 1/s
-    int growing = 0;           ///< with Re λ > growth_rate_tolerance; slower growth is not told from rounding in the differences
-    double growth = 0.0;       ///< max(Re λ), or 0 [1/s]
+    int growing = 0;      ///< with Re λ > growth_rate_tolerance; slower growth cannot be distinguished from rounding in the differences
+    double growth = 0.0;  ///< max(Re λ), or 0 [1/s]
 };
 
 [[nodiscard]] Extent extent_of(const bench::Eigenvalues& values) noexcept;
@@ -49,7 +49,7 @@ struct Attribution {
     [[nodiscard]] int main_kind(std::size_t value) const;  ///< the kind with the largest share
 };
 
-/// Nine times the work of extremal_eigenvalues(). @param border [1/s], < 0   @param progress told what is being done; may be empty
+/// Nine times the work of extremal_eigenvalues(). @param border [1/s], < 0   @param progress called with the present activity; may be empty
 [[nodiscard]] Attribution attribute(const model::Parameters& parameters, const tasks::FrozenStart& start, double border,
                                     const std::function<void(const std::string&)>& progress);
 

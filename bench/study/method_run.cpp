@@ -37,11 +37,11 @@ namespace {
 
 /// The state a step later; nothing if a transition came in between or the step failed.
 std::vector<double> one_step(MethodRun& method, const FrozenStart& start, double h, long steps) {
-    SilentObserver nobody;
+    SilentObserver silent;
     const engine::Cancellation never;
-    const Fault fault = method.run(start, h, h / static_cast<double>(steps), h, nobody, never);
+    const Fault fault = method.run(start, h, h / static_cast<double>(steps), h, silent, never);
     if (fault || method.counters().detected > 0) return {};
-    const double* state = method.workspace().states[0];
+    const double* state = method.workspace().state();
     return {state, state + start.state.size()};
 }
 

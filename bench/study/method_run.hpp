@@ -27,7 +27,7 @@ public:
     /// @param step 0: automatic (AutoStep) [s]
     [[nodiscard]] tasks::Fault run(const tasks::FrozenStart& start, double duration, double step, double output_interval,
                                    tasks::RunObserver& observer, const engine::Cancellation& cancel);
-    /// Of the last run.
+    /// Counters of the last run.
     [[nodiscard]] const tasks::Counters& counters() const noexcept { return counters_; }
     /// Where the last run ended [s].
     [[nodiscard]] double time() const noexcept { return integrator_.workspace().step.time; }

@@ -1,5 +1,5 @@
 #pragma once
-/// What this processor can do at most.
+/// Peak performance of this processor.
 
 #include "model/basis/isa.hpp"
 

@@ -1,5 +1,5 @@
 #pragma once
-/// What the rows of bench_rhs say together: speed-ups against the plain code and the goals.
+/// Results of all rows of bench_rhs: speed-ups against the plain code and the goals.
 
 #include <benchmark/benchmark.h>
 
@@ -16,7 +16,7 @@ public:
     void print_summary() const;
 
 private:
-    /// Of one iteration, as often as the row was repeated the shortest [µs]; 0 if it did not run.
+    /// Time of one iteration, the shortest of all repetitions of the row [µs]; 0 if it did not run.
     [[nodiscard]] double time(const std::string& row) const;
     void print_speedups(const std::string& who, double goal) const;
 

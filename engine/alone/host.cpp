@@ -1,4 +1,4 @@
-/// What the core library has in place of threads and files: one thread, the caller's, and an error for every file. These are all functions
+/// Substitutes for threads and files in the core library: one thread, the caller's, and an error for every file. These are all functions
 /// that its sources call and that need oneTBB, OpenMP, HDF5 or POSIX elsewhere.
 
 #include "engine/base/input_file.hpp"

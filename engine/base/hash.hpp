@@ -43,7 +43,7 @@ private:
 class Checksum {
 public:
     Checksum& add(std::span<const std::byte> bytes) noexcept;
-    /// Of all bytes so far and their number; more may follow.
+    /// Hash of all bytes so far and their number; more may follow.
     [[nodiscard]] std::uint64_t value() const noexcept;
 
 private:

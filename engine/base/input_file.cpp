@@ -65,8 +65,8 @@ std::size_t read_at(int descriptor, std::uint64_t offset, std::byte* bytes, std:
 /// Some bytes of a pipe; none only at its end.
 std::size_t read_pipe(int descriptor, std::byte* bytes, std::size_t count, double timeout) {
     for (;;) {
-        pollfd wish{descriptor, POLLIN, 0};
-        const int ready = poll(&wish, 1, static_cast<int>(1e3 * timeout));
+        pollfd request{descriptor, POLLIN, 0};
+        const int ready = poll(&request, 1, static_cast<int>(1e3 * timeout));
         if (ready == 0) throw InputError("nothing came for " + std::to_string(static_cast<long>(timeout)) + " s");
         if (ready < 0 && errno != EINTR) fail(errno);
         const ssize_t some = ready < 0 ? -1 : ::read(descriptor, bytes, count);

@@ -37,7 +37,7 @@ private:
     std::uint64_t size_ = 0;
 };
 
-/// What tells a file from one that took its place.
+/// Identity of a file: device, number, size and time of change.
 struct FileIdentity {
     std::uint64_t device = 0, number = 0;
     std::int64_t size = 0, seconds = 0, nanoseconds = 0;

@@ -17,7 +17,7 @@ struct Provenance {
     std::string date;             ///< UTC, ISO 8601: "2024-05-01T12:34:56Z"
 };
 
-/// Of this program, here and now. What cannot be found out is "unknown" (cores: 1). Never fails but for lack of memory.
+/// Provenance of this program, here and now. Unavailable values are "unknown" (cores: 1). Fails for lack of memory only.
 [[nodiscard]] Provenance current_provenance();
 
 /// "0.2.0 (b9f2dddb)": which program made rows of a sweep, checkpoints and shared states.

@@ -9,9 +9,9 @@ std::vector<std::size_t> reversals(std::span<const double> history) {
     std::vector<std::size_t> turns;
     for (std::size_t i = 0; i < history.size(); ++i) {
         if (!turns.empty() && history[i] == history[turns.back()]) continue;
-        const bool goes_on =
+        const bool extends =
             turns.size() > 1 && (history[turns.back()] > history[turns[turns.size() - 2]]) == (history[i] > history[turns.back()]);
-        if (goes_on)
+        if (extends)
             turns.back() = i;
         else
             turns.push_back(i);

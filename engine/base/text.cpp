@@ -94,7 +94,7 @@ const char* objection(const Character& character, bool lines) {
     if (character.bytes == 0) return "contains bytes that are not UTF-8";
     if (lines && (character.code == '\n' || character.code == '\t' || character.code == '\r')) return nullptr;
     if (is_control(character.code)) return "contains a control character";
-    return character.code == 0xfffe || character.code == 0xffff ? "contains a character that is none (U+FFFE, U+FFFF)" : nullptr;
+    return character.code == 0xfffe || character.code == 0xffff ? "contains a noncharacter (U+FFFE, U+FFFF)" : nullptr;
 }
 
 const char* objection_in(std::string_view text, bool lines) {

@@ -23,10 +23,10 @@ namespace cvtflow::engine {
 /// Whether it holds a control character, line breaks and tabs included.
 [[nodiscard]] bool has_control(std::string_view text) noexcept;
 
-/// What is wrong with the name of a scene or a sweep, which may become part of a file's name: "contains '/'" …; empty: nothing.
+/// Defect of the name of a scene or a sweep, which may become part of a file's name: "contains '/'" …; empty: nothing.
 [[nodiscard]] std::string name_problem(std::string_view name);
 
-/// What is wrong with a text for people, which XML 1.0 must be able to hold; line breaks and tabs are allowed. Empty: nothing.
+/// Defect of a text for people, which XML 1.0 must be able to hold; line breaks and tabs are allowed. Empty: nothing.
 [[nodiscard]] std::string text_problem(std::string_view text);
 
 /// The stem of a file's name as a name: what cannot be in one becomes '_'.

@@ -20,7 +20,7 @@ constexpr ExecutorRow serial_row{
     .waiting = Waiting::fixed,
     .make = [](const ExecutorOptions& options) -> std::unique_ptr<Executor> { return std::make_unique<Serial>(options); }};
 
-/// Those that are present first, else in the order in which they came.
+/// Rows of executors that are present come first; otherwise rows are in the order in which they were added.
 struct Catalogue {
     std::vector<ExecutorRow> all{serial_row};
     std::size_t present = 0;

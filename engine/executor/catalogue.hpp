@@ -12,7 +12,7 @@
 
 namespace cvtflow::engine {
 
-/// What decides how an executor's threads wait for each other.
+/// Setting that determines how an executor's threads wait for each other.
 enum class Waiting {
     own,          ///< ExecutorOptions::wait
     environment,  ///< OMP_WAIT_POLICY and its relatives, read when the program is loaded
@@ -30,9 +30,9 @@ struct ExecutorRow {
     std::unique_ptr<Executor> (*make)(const ExecutorOptions& options);
 };
 
-/// Those that are in this program.
+/// Executors that are in this program.
 [[nodiscard]] std::span<const ExecutorRow> executors() noexcept;
-/// Those that are not, because what they need was not found when it was built.
+/// Executors that are not, because a requirement was not found when the program was built.
 [[nodiscard]] std::span<const ExecutorRow> absent_executors() noexcept;
 
 /// Adds rows to the catalogue, before anything else asks it: spans and rows that were handed out before are no longer valid.

@@ -31,8 +31,7 @@ public:
     /// @throws std::logic_error for a graph that is not frozen; std::out_of_range for a cycle that the graph does not have
     virtual void run(const TaskGraph& graph, void* context, Controller& controller) = 0;
 
-    /// Between runs, by the thread that called run(): lets go of threads that would wait for the next one on a processor; it starts them
-    /// anew.
+    /// Releases worker threads between runs; the next run creates them again. Called by the thread that called run().
     virtual void release_threads() noexcept {}
 
     /// As in the catalogue.

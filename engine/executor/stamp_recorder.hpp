@@ -36,7 +36,7 @@ private:
     std::int64_t ticks_ = ticks();
 };
 
-/// What a span shows if it is not a task; tasks are ≥ 0.
+/// Meaning of a span that is not a task; tasks are ≥ 0.
 enum SpanCode : int {
     span_wait = -1,        ///< between two others of the same thread and run
     span_controller = -2,  ///< Controller::next()

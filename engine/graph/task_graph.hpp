@@ -32,7 +32,7 @@ struct TaskCode {
     void* owner = nullptr;  ///< nullptr: the run's context
 };
 
-/// owner.member(item), or owner.member(), whoever runs the graph. `owner` must outlive it.
+/// Calls owner.member(item), or owner.member(), instead of a function of the context. `owner` must outlive the graph.
 template <auto member, class Owner>
 [[nodiscard]] TaskCode code_of(Owner& owner) noexcept {
     return {[](void* context, [[maybe_unused]] int item) noexcept {
@@ -58,7 +58,7 @@ struct Task {
     [[nodiscard]] std::string stage_name() const { return stage.empty() ? stem() : stage; }
 };
 
-/// What executors read in their inner loop.
+/// The part of a task that executors read in their inner loop.
 struct TaskCall {
     TaskBody body;
     void* owner;  ///< nullptr: the run's context

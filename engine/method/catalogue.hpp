@@ -33,7 +33,8 @@ struct MethodFamily {
 /// As find_method(), by value, and any name of a family, e.g. rkc-s37-e10.
 [[nodiscard]] std::optional<StagePlan> make_method(std::string_view name);
 
-/// What a program knows beyond the product. Both are asked when somebody first asks for methods(): families compute their examples.
+/// Methods that a program adds to those of the product. Both functions are called at the first call of methods(), because families compute
+/// their examples.
 struct FurtherTables {
     std::vector<StagePlan> (*tables)();    ///< of numbers, cheap to make
     std::vector<StagePlan> (*examples)();  ///< of the families

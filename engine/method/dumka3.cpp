@@ -350,7 +350,7 @@ struct Front {
     int slope = 0;
 };
 
-/// Of two slots 1 and 2 the one that is not in use.
+/// The other one of slots 1 and 2.
 int other(int slot) { return slot == 1 ? 2 : 1; }
 
 Front euler_step(StagePlan& plan, Front from, double length) {

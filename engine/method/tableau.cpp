@@ -12,7 +12,7 @@ namespace {
 
 using Row = std::vector<double>;
 
-/// What slots hold while a plan is executed symbolically: a state is y plus h times a row over the stages' slopes.
+/// Contents of slots while a plan is executed symbolically: a state is y plus h times a row over the stages' slopes.
 struct Unrolled {
     std::vector<Row> states;         ///< [state slot][stage]
     std::vector<std::size_t> owner;  ///< [slope slot] → stage that wrote it last

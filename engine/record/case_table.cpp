@@ -309,7 +309,7 @@ void CaseWriter::sync() {
 
 namespace {
 
-/// What a sweep writes stays in the folder that the user named: a link inside would lead elsewhere.
+/// A sweep writes only into the folder that the user named: a link inside would lead elsewhere.
 void require_no_link(const std::string& path) {
     std::error_code absent;
     if (std::filesystem::is_symlink(path, absent)) throw RecordError(path + ": a symbolic link; a sweep writes into real folders only");

@@ -63,7 +63,7 @@ private:
     std::chrono::nanoseconds yields_;  ///< after the pauses, before the first sleep
 };
 
-/// What the system has given the calling thread so far.
+/// Times of the calling thread so far, and how often it lost its processor.
 struct ProcessorUse {
     std::chrono::nanoseconds wall{};       ///< since any fixed moment
     std::chrono::nanoseconds processor{};  ///< of this thread

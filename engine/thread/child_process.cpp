@@ -49,10 +49,10 @@ std::vector<int> ending_signals() {
 
 namespace {
 
-volatile std::sig_atomic_t child_at_work = 0, wished = 0;  // a signal handler can reach nothing but globals
+volatile std::sig_atomic_t child_at_work = 0, requested = 0;  // a signal handler can reach nothing but globals
 
 void hand_on(int signal, siginfo_t* from, void* /*context*/) {
-    wished = 1;
+    requested = 1;
     if (from->si_code <= 0 && child_at_work > 0) kill(child_at_work, signal);
 }
 
@@ -74,7 +74,7 @@ public:
     Forwarding(const Forwarding&) = delete;
     Forwarding& operator=(const Forwarding&) = delete;
 
-    /// What was kept back comes now.
+    /// Delivers the signals that were held back.
     void release() noexcept { sigprocmask(SIG_SETMASK, &mask_, nullptr); }
     void undo() noexcept {
         for (std::size_t i = 0; i < signals_.size(); ++i) sigaction(signals_[i], &before_[i], nullptr);
@@ -102,7 +102,7 @@ ChildEnd run_child(const std::function<int()>& work) {
     std::fflush(nullptr);
     const pid_t parent = getpid();
     Forwarding forwarding;
-    wished = 0;
+    requested = 0;
     const pid_t child = fork();
     if (child < 0) throw std::system_error(errno, std::generic_category(), "cannot start a process");
     if (child == 0) {
@@ -115,7 +115,7 @@ ChildEnd run_child(const std::function<int()>& work) {
     while (waitpid(child, &status, 0) < 0 && errno == EINTR) {}
     child_at_work = 0;
     const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
-    return {signal != 0 ? 128 + signal : WEXITSTATUS(status), signal, wished != 0};
+    return {signal != 0 ? 128 + signal : WEXITSTATUS(status), signal, requested != 0};
 }
 
 }  // namespace cvtflow::engine

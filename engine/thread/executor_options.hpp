@@ -1,5 +1,5 @@
 #pragma once
-/// What a user may ask of an executor.
+/// Options of an executor that a user may set.
 
 namespace cvtflow::engine {
 

@@ -24,8 +24,8 @@ class ReentryGuard {
 public:
     /// True if the lock was free; then leave() must follow. Acquires the effects of the last owner.
     [[nodiscard]] bool enter() noexcept {
-        const void* nobody = nullptr;
-        return owner_.compare_exchange_strong(nobody, self(), std::memory_order_acquire);
+        const void* free = nullptr;
+        return owner_.compare_exchange_strong(free, self(), std::memory_order_acquire);
     }
     void leave() noexcept { owner_.store(nullptr, std::memory_order_release); }
     /// Whether the calling thread is the one inside: only it can have written its own name.

@@ -7,10 +7,11 @@ namespace cvtflow::engine {
 /// @return false if another user in this process keeps them: another thread that has used oneTBB and lives on, or a global_control
 [[nodiscard]] bool end_worker_threads() noexcept;
 
-/// Of this process: a process that is forked off has another one, and none of the threads.
+/// Identifies this process: a forked child has another number, and none of the threads.
 [[nodiscard]] long process_number() noexcept;
 
-/// The system would not start as many threads as a run wanted, which then had fewer, down to the caller alone. Results do not depend on it.
+/// The system did not start as many threads as a run requested, which then had fewer, down to the caller alone. Results do not depend on
+/// it.
 struct ThreadShortage {
     int requested = 0;  ///< 0: there has been no shortage
     int had = 0;        ///< the calling thread included
@@ -24,8 +25,8 @@ struct ThreadShortage {
 /// The largest shortage since the process began.
 [[nodiscard]] ThreadShortage thread_shortage() noexcept;
 
-/// Starts that many threads at once and lets them go: asked before a runtime starts its own, because oneTBB and OpenMP take a refusal badly
-/// (a crash in the graph's destructor, uncaught exceptions in workers, exit(1)). @return how many of them began
+/// Starts `count` threads at once and ends them. Called before a runtime starts its own, because oneTBB and OpenMP cannot handle a refusal
+/// (a crash in the graph's destructor, uncaught exceptions in workers, exit(1)). @return number of threads that started
 [[nodiscard]] int startable_threads(int count) noexcept;
 
 /// A share of oneTBB's workers, which all runs of the process have together and which outlive them. Threads are tried only when more are
@@ -42,7 +43,7 @@ public:
     [[nodiscard]] int threads() const noexcept { return 1 + workers_; }
     /// Whether oneTBB may have to start workers for it.
     [[nodiscard]] bool fresh() const noexcept { return fresh_; }
-    /// oneTBB was refused what had just been there: it will start nothing more in this process.
+    /// Call this after oneTBB failed to create a thread: it starts no further threads in this process.
     void refused() noexcept;
 
 private:

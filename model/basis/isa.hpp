@@ -2,8 +2,9 @@
 /// What the kernels are compiled for: instruction sets, of which one runs, and polynomial orders of a pin's bending. Results are bitwise
 /// the same for all instruction sets.
 
+#include <array>
+#include <cstddef>
 #include <string_view>
-#include <vector>
 
 namespace cvtflow::model {
 
@@ -12,16 +13,8 @@ enum class Isa { baseline, avx2, avx512 };
 
 /// Doubles in one of its vectors: so many links side by side.
 [[nodiscard]] constexpr int lanes_of(Isa isa) noexcept { return isa == Isa::avx512 ? 8 : isa == Isa::avx2 ? 4 : 2; }
-/// "baseline", "avx2", "avx512".
-[[nodiscard]] std::string_view name_of(Isa isa) noexcept;
-/// Those that this program contains and this processor runs, ascending; none if it was built for another one.
-[[nodiscard]] std::vector<Isa> usable_isas();
-/// What the environment's CVTFLOW_ISA names, else the last usable one.
-/// @throws std::invalid_argument if CVTFLOW_ISA names none, or one that is not usable, or if none is
-[[nodiscard]] Isa chosen_isa();
-/// The one named, "auto" for chosen_isa().
-/// @throws std::invalid_argument
-[[nodiscard]] Isa isa_named(std::string_view name);
+inline constexpr std::array<std::string_view, 3> isa_names{"baseline", "avx2", "avx512"};
+[[nodiscard]] constexpr std::string_view name_of(Isa isa) noexcept { return isa_names[static_cast<std::size_t>(isa)]; }
 
 inline constexpr int max_order = 3;
 
@@ -37,9 +30,5 @@ constexpr auto of_order(int order, Make make) noexcept {
         default: return make.template operator()<3>();
     }
 }
-
-/// True: a product and a sum are rounded once, so that results depend on the instruction set and on the assembly. They still do not depend
-/// on threads, segments or executors.
-[[nodiscard]] bool fuses_multiply_add() noexcept;
 
 }  // namespace cvtflow::model

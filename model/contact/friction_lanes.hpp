@@ -3,7 +3,7 @@
 /// Every lane does the same operations in the same order whatever its neighbours are, so results do not depend on how links are grouped.
 
 #include "model/basis/lanes.hpp"
-#include "model/contact/contact_field.hpp"
+#include "model/contact/friction_operator.hpp"
 #include "model/contact/friction_tips.hpp"
 #include "model/force/link_frame.hpp"
 

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "model/basis/lanes.hpp"
-#include "model/contact/contact_field.hpp"
+#include "model/contact/friction_operator.hpp"
 #include "model/force/tips.hpp"
 #include "model/law/friction_laws.hpp"
 

@@ -9,7 +9,7 @@
 
 #include <array>
 
-#include "model/contact/contact_field.hpp"
+#include "model/contact/friction_operator.hpp"
 
 namespace cvtflow::model {
 

@@ -2,12 +2,12 @@
 #include <cmath>
 
 #include "model/basis/isa.hpp"
+#include "model/chain/chain_model.hpp"
 #include "model/force/tips.hpp"
 #include "model/kernels/chain_parts.hpp"
-#include "model/kernels/kernels.hpp"
 #include "model/kernels/lane_pass.hpp"
 #include "model/kernels/link_lanes.hpp"
-#include "model/variator/chain_model.hpp"
+#include "model/kernels/native_kernels.hpp"
 
 namespace cvtflow::model {
 namespace {

@@ -6,12 +6,12 @@
 #include <cstring>
 
 #include "model/basis/lanes.hpp"
+#include "model/chain/chain_model.hpp"
 #include "model/force/inner.hpp"
 #include "model/force/joint.hpp"
 #include "model/force/plates.hpp"
 #include "model/force/tips.hpp"
 #include "model/machine/link_inertia.hpp"
-#include "model/variator/chain_model.hpp"
 
 namespace cvtflow::model {
 namespace {

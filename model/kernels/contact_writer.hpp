@@ -6,11 +6,12 @@
 #include <type_traits>
 
 #include "model/basis/lanes.hpp"
+#include "model/chain/chain_model.hpp"
 #include "model/contact/contact_field.hpp"
+#include "model/contact/friction_numbers.hpp"
 #include "model/force/joint.hpp"
 #include "model/force/tips.hpp"
 #include "model/kernels/link_lanes.hpp"
-#include "model/variator/chain_model.hpp"
 
 namespace cvtflow::model {
 namespace {

@@ -1,8 +1,8 @@
 #include "model/basis/isa.hpp"
 #include "model/contact/sweep_lanes.hpp"
 #include "model/kernels/chain_parts.hpp"
-#include "model/kernels/kernels.hpp"
 #include "model/kernels/lane_pass.hpp"
+#include "model/kernels/native_kernels.hpp"
 
 namespace cvtflow::model {
 

@@ -4,50 +4,39 @@
 #include <vector>
 
 #include "model/basis/isa.hpp"
-#include "model/contact/contact_field.hpp"
-#include "model/variator/chain_model.hpp"
+#include "model/chain/chain_model.hpp"
+#include "model/contact/friction_operator.hpp"
 
 namespace cvtflow::model {
 
-/// Defined in chain_kernels.cpp, which is compiled once per instruction set. @param order p, 0 … 3
-template <Isa isa>
-ChainKernels chain_kernels(int order) noexcept;
-template <>
-ChainKernels chain_kernels<Isa::baseline>(int order) noexcept;
-template <>
-ChainKernels chain_kernels<Isa::avx2>(int order) noexcept;
-template <>
-ChainKernels chain_kernels<Isa::avx512>(int order) noexcept;
+/// Functions of one order and one instruction set.
+struct Kernels {
+    ChainKernels chain;
+    FrictionKernels friction;
+    SingleFrictionKernels single;
+};
+struct RigidKernels;  // of rigid pins, which have no order
 
-/// Defined in friction_kernels.cpp, likewise.
+/// Specialised in native_kernels.cpp, which is compiled once per instruction set. @param order p, 0 … 3
 template <Isa isa>
-FrictionKernels friction_kernels(int order) noexcept;
-template <>
-FrictionKernels friction_kernels<Isa::baseline>(int order) noexcept;
-template <>
-FrictionKernels friction_kernels<Isa::avx2>(int order) noexcept;
-template <>
-FrictionKernels friction_kernels<Isa::avx512>(int order) noexcept;
-
-/// Defined in single_kernels.cpp, likewise: friction in single precision.
+Kernels native_kernels(int order) noexcept;
+/// Specialised in rigid_kernels.cpp, likewise.
 template <Isa isa>
-SingleFrictionKernels single_kernels(int order) noexcept;
-template <>
-SingleFrictionKernels single_kernels<Isa::baseline>(int order) noexcept;
-template <>
-SingleFrictionKernels single_kernels<Isa::avx2>(int order) noexcept;
-template <>
-SingleFrictionKernels single_kernels<Isa::avx512>(int order) noexcept;
+RigidKernels rigid_kernels() noexcept;
 
 struct CompiledKernels {
     Isa isa;
-    ChainKernels (*chain)(int order) noexcept;
-    FrictionKernels (*friction)(int order) noexcept;
-    SingleFrictionKernels (*single)(int order) noexcept;
+    Kernels (*of_order)(int order) noexcept;
+    RigidKernels (*rigid)() noexcept;
 };
 /// Whatever this program contains, ascending. The build writes this list (compiled_kernels.cpp.in).
 [[nodiscard]] std::vector<CompiledKernels> compiled_kernels();
 /// @throws std::invalid_argument if not compiled in
 [[nodiscard]] CompiledKernels kernels_of(Isa isa);
+
+/// True: a product and a sum are rounded once, so that results depend on the instruction set and on the assembly. They still do not depend
+/// on threads, segments or executors.
+/// The build writes this function likewise.
+[[nodiscard]] bool fuses_multiply_add() noexcept;
 
 }  // namespace cvtflow::model

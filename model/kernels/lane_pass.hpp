@@ -6,13 +6,13 @@
 #include <cstddef>
 #include <type_traits>
 
+#include "model/chain/chain_model.hpp"
 #include "model/force/inner.hpp"
 #include "model/force/joint.hpp"
 #include "model/force/plates.hpp"
 #include "model/force/tips.hpp"
 #include "model/kernels/contact_writer.hpp"
 #include "model/kernels/link_lanes.hpp"
-#include "model/variator/chain_model.hpp"
 
 namespace cvtflow::model {
 namespace {

@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "model/variator/chain_model.hpp"
+#include "model/chain/chain_model.hpp"
 
 namespace cvtflow::model {
 

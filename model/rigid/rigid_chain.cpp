@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <string>
 
-#include "model/variator/chain_model.hpp"
+#include "model/chain/chain_model.hpp"
+#include "model/kernels/kernels.hpp"
 
 namespace cvtflow::model {
 
@@ -112,19 +111,8 @@ void RigidChain::probe(const double* states, int links, const SheaveMotion* shea
     }
 }
 
-namespace {
-
-[[nodiscard]] RigidKernels compiled_for(Isa isa) {
-    for (const CompiledRigidKernels& compiled : compiled_rigid_kernels()) {
-        if (compiled.isa == isa) return compiled.kernels();
-    }
-    throw std::invalid_argument("instruction set \"" + std::string(name_of(isa)) + "\" is not compiled in");
-}
-
-}  // namespace
-
 RigidModel::RigidModel(const Parameters& parameters, Isa isa)
-    : parameters_(parameters), layout_(layout_of(parameters)), coefficients_(parameters), kernels_(compiled_for(isa)) {}
+    : parameters_(parameters), layout_(layout_of(parameters)), coefficients_(parameters), kernels_(kernels_of(isa).rigid()) {}
 
 RigidColumns RigidModel::columns() const {
     RigidColumns columns(layout_.links);
@@ -133,8 +121,14 @@ RigidColumns RigidModel::columns() const {
 }
 
 void RigidModel::accelerate(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
+    link_forces(kick, columns, f);
+    plate_friction(sheaves, kick, columns, f);
+    tip_forces(sheaves, kick, columns, f);
+    sum_forces(kick, columns, f);
+}
+
+void RigidModel::link_forces(const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
     f.account = {};
-    f.reaction = {};
     columns.wrap(Column::x, Column::vbend_y);
     kernels_.pitch_lines(columns);
     columns.wrap(Column::line_x, Column::line_turn);
@@ -145,14 +139,23 @@ void RigidModel::accelerate(const SheaveMotion* sheaves, const RigidKick& kick, 
     kernels_.joint_forces(coefficients_, kick, columns, f.account);
     columns.wrap(Column::offset_moment_x, Column::bend_moment);
     kernels_.sum_link_forces(columns);
+}
+
+void RigidModel::plate_friction(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
     if (sheaves != nullptr && !kick.implicit()) kernels_.axial_rates(coefficients_, sheaves, columns);
     columns.wrap(Column::lengthening, Column::lengthening);
     kernels_.plate_friction(coefficients_, kick, columns, f.account);
     columns.wrap(Column::joint_friction, Column::joint_friction);
-    if (sheaves != nullptr) {
-        kernels_.tips(coefficients_, sheaves, kick, columns, f.reaction, f.account);
-        columns.wrap(Column::tip_offset_moment_x, Column::tip_moment_rear);
-    }
+}
+
+void RigidModel::tip_forces(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
+    f.reaction = {};
+    if (sheaves == nullptr) return;
+    kernels_.tips(coefficients_, sheaves, kick, columns, f.reaction, f.account);
+    columns.wrap(Column::tip_offset_moment_x, Column::tip_moment_rear);
+}
+
+void RigidModel::sum_forces(const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
     kernels_.joint_friction(coefficients_, kick, columns, f.account);
     kernels_.moments(columns);
     columns.wrap(Column::tip_moment, Column::tip_moment_before);

@@ -2,6 +2,7 @@
 /// A chain of rigid pins: the forces on its pins and sheaves, by kernels over all pins (RigidModel); and the same chain as a ChainModel
 /// evaluates it (RigidChain). (model/EQUATIONS.md section 11)
 
+#include "model/kernels/available_isas.hpp"
 #include "model/rigid/rigid_kernels.hpp"
 
 namespace cvtflow::model {
@@ -29,6 +30,12 @@ public:
     void accelerate(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
     /// The same with friction of the velocities as they are, which no step before has left anything of.
     void accelerate(const SheaveMotion* sheaves, RigidColumns& columns, RigidForces& forces) const noexcept;
+
+    // Parts of accelerate(), one after the other.
+    void link_forces(const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
+    void plate_friction(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
+    void tip_forces(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
+    void sum_forces(const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
 
     /// Of a coordinate or velocity in the columns, per one of a state.
     [[nodiscard]] double scale(int k) const noexcept { return k < 6 ? 1.0 : coefficients_.bend_share; }

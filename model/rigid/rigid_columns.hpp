@@ -167,7 +167,8 @@ enum class Column {
     sheave_axial = sheave_outward + rigid_tips,  ///< [4] force on the sheave along z [N]
     tip_slip = sheave_axial + rigid_tips,        ///< [4] sliding speed [m/s]
     tip_radius = tip_slip + rigid_tips,          ///< [4] distance from the axis [m]
-    count = tip_radius + rigid_tips
+    touching = tip_radius + rigid_tips,          ///< [4] 1 where the tip was last found to press, else 0
+    count = touching + rigid_tips
 };
 
 /// Column number `offset` of the group that begins with `first`.

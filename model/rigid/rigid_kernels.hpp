@@ -2,7 +2,6 @@
 /// The loops over rigid pins: one set of functions per instruction set, with the same bits for all. (model/EQUATIONS.md section 11)
 
 #include <array>
-#include <vector>
 
 #include "model/basis/isa.hpp"
 #include "model/force/account.hpp"
@@ -60,23 +59,8 @@ struct RigidKernels {
     double (*kick)(const RigidCoefficients& c, double step, RigidColumns& columns) noexcept;
     /// Depths of the tips of pins 0 … 7 [m]. @param depth [tips][8]
     void (*depths)(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns, double* depth) noexcept;
+    /// How many pins' tips number `tip` press that did not, or the other way round; pins that fill the last vector count.
+    double (*contact_changes)(RigidColumns& columns, int tip) noexcept;
 };
-
-/// Defined in rigid_kernels.cpp, which is compiled once per instruction set.
-template <Isa isa>
-RigidKernels rigid_kernels() noexcept;
-template <>
-RigidKernels rigid_kernels<Isa::baseline>() noexcept;
-template <>
-RigidKernels rigid_kernels<Isa::avx2>() noexcept;
-template <>
-RigidKernels rigid_kernels<Isa::avx512>() noexcept;
-
-struct CompiledRigidKernels {
-    Isa isa;
-    RigidKernels (*kernels)() noexcept;
-};
-/// Whatever this program contains, ascending. The build writes this list (compiled_kernels.cpp.in).
-[[nodiscard]] std::vector<CompiledRigidKernels> compiled_rigid_kernels();
 
 }  // namespace cvtflow::model

@@ -100,7 +100,8 @@ struct RigidNormalForce {
 };
 
 /// y = √δ_0 φ with φ² (1 + u φ) = 1, u = b √δ_0: a rational start p/q, to 1e-4 for u ≤ `well_started_softness`, and Newton's method. The
-/// division of its first step is that of η as well, which is therefore known as well as the start.
+/// division of its first step is that of η as well, which is therefore known as well as the start; a right-hand side takes two further
+/// steps, which leave rounding of both.
 /// @param depth δ_0 [m], ≤ 0: no contact   @param rate δ_0' [m/s]
 template <int W>
 [[nodiscard, gnu::always_inline]] inline RigidNormalForce<W> rigid_normal_force(const TipNumbers<W>& c, const Lanes<W>& depth,

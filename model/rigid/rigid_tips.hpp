@@ -301,6 +301,17 @@ inline void tip_depths(const RigidCoefficients& c, const SheaveMotion* sheaves, 
     for (std::size_t tip = 0; tip < rigid_tips; ++tip) group.depth(tip).copy_to(depth + tip * rigid_lanes);
 }
 
+inline double contact_changes(RigidColumns& all, int tip) noexcept {
+    const RigidView columns(all);
+    const PinLanes one(1.0), none(0.0);
+    PinLanes changes(0.0);
+    for (int i = 0; i < columns.padded(); i += rigid_lanes) {
+        const PinLanes presses = select_greater<rigid_lanes>(read(columns, Column::tip_normal + tip, i), none, one, none);
+        changes += abs(presses - read(columns, Column::touching + tip, i));
+    }
+    return sum<rigid_lanes>(changes);
+}
+
 /// Finds the pins that may touch, and presses their tips for the rates at which they lengthen; plates wait for these.
 inline void axial_rates(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns) noexcept {
     const RigidKick kick;

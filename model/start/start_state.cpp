@@ -9,7 +9,7 @@
 
 #include "model/basis/portable_math.hpp"
 #include "model/force/pulley.hpp"
-#include "model/variator/chain_model.hpp"
+#include "model/variator/chain.hpp"
 
 namespace cvtflow::model {
 
@@ -58,7 +58,7 @@ void fill_velocities(const ChainLayout& at, const PlacedChain& before, const Pla
 class SheaveFitter {
 public:
     SheaveFitter(const Parameters& p, std::vector<double>& state, const std::vector<double>& along)
-        : model_(p),
+        : model_(make_chain(p)),
           pulleys_(p),
           state_(state),
           along_(along),

@@ -44,7 +44,7 @@ bool Variator::same_machine(const Parameters& a, const Parameters& b) {
 }
 
 void Variator::adopt(const Parameters& before, const Parameters& p) {
-    if (!same_machine(before, p)) chain_ = ChainModel(p, chain_.isa());
+    if (!same_machine(before, p)) chain_ = make_chain(p, chain_.isa());
     pulleys_.adopt(p);
 }
 

@@ -5,7 +5,7 @@
 
 #include "model/basis/columns.hpp"
 #include "model/force/pulley.hpp"
-#include "model/variator/chain_model.hpp"
+#include "model/variator/chain.hpp"
 
 namespace cvtflow::model {
 
@@ -20,7 +20,7 @@ struct alignas(cache_line) SheaveSum {
 class Variator {
 public:
     /// @param isa which kernels run; results do not depend on it
-    explicit Variator(const Parameters& parameters, Isa isa = chosen_isa()) : chain_(parameters, isa), pulleys_(parameters) {}
+    explicit Variator(const Parameters& parameters, Isa isa = chosen_isa()) : chain_(make_chain(parameters, isa)), pulleys_(parameters) {}
 
     /// Whether they differ in nothing but inputs, control's gains and what else can change without another machine.
     [[nodiscard]] static bool same_machine(const Parameters& a, const Parameters& b);

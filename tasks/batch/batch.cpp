@@ -24,7 +24,7 @@ constexpr std::size_t waiting_rows = 64;
 constexpr double sync_seconds = 5.0;
 const engine::Cancellation never;
 
-/// Cases to run once more: the last of so many strands, spread evenly over those of a shard, whose row is ok. Ascending.
+/// Cases to run once more: the last ones of `sweep.checked` strands, spread evenly over the strands of a shard, whose row is ok. Ascending.
 std::vector<long> cases_to_check(const Sweep& sweep, const std::vector<long>& cases, OrderedRows& rows) {
     const std::size_t strand = static_cast<std::size_t>(sweep.strand());
     const std::size_t strands = cases.size() / strand;
@@ -39,8 +39,8 @@ std::vector<long> cases_to_check(const Sweep& sweep, const std::vector<long>& ca
     return chosen;
 }
 
-/// What a warm start from a neighbouring case changes in the results: some cases, the last of their strands, run once more from the start
-/// that they would have had without it. Largest difference of each scalar between continued and own start.
+/// Effect of a warm start from a neighbouring case on the results. Some cases, the last of their strands, run once more from the start that
+/// they would have had without it. Largest difference of each scalar between continued and own start.
 class ContinuationError {
 public:
     explicit ContinuationError(const Sweep& sweep) : sweep_(sweep), largest_(sweep.scalars.size()), size_(largest_) {}
@@ -195,7 +195,7 @@ private:
         return table;
     }
 
-    /// What is there; of a table that a power cut has torn, the rows that are whole.
+    /// The existing table; if a power cut has torn it, its intact rows.
     engine::CaseTable read_or_recover(const engine::CaseTable& begin) {
         try {
             return read_results(file_);

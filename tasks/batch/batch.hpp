@@ -82,7 +82,7 @@ struct BatchReport {
 /// cannot take one. @param seconds to spend [s]   @param untried why not   @param fault that ended the steps, if one did
 [[nodiscard]] double step_wall(const Scene& scene, double seconds, std::string& untried, Fault* fault = nullptr);
 
-/// What a sweep will cost.
+/// Estimated cost of a sweep.
 struct BatchEstimate {
     double seconds_per_cost = 0.0;  ///< measured on a few cases [s]
     double total = 0.0;             ///< wall time of all cases of the shard on one thread [s]

@@ -1,4 +1,4 @@
-/// What a case leaves on disk while it runs: its checkpoint, and its end for the neighbour that starts there.
+/// Files of a case while it runs: its checkpoint, and its end state for the neighbour that starts there.
 
 #include <fmt/format.h>
 
@@ -49,7 +49,7 @@ bool CaseEngine::restore() {
     if (!resumable_ || !std::filesystem::exists(checkpoint_file(), missing)) return false;
     std::string why;
     try {
-        go_on_from(read_checkpoint(checkpoint_file()));
+        resume_from(read_checkpoint(checkpoint_file()));
     } catch (const std::runtime_error& damaged) {  // engine::RecordError, SimulationError, SceneError
         why = damaged.what();
     } catch (const std::invalid_argument& of_another_method) {
@@ -64,7 +64,7 @@ bool CaseEngine::restore() {
     return why.empty();
 }
 
-void CaseEngine::go_on_from(const Checkpoint& checkpoint) {
+void CaseEngine::resume_from(const Checkpoint& checkpoint) {
     record_options_.from = &checkpoint;
     begin(nullptr);
     record_options_.from = nullptr;
@@ -128,8 +128,8 @@ StartStates::State CaseEngine::end_before() const {
     return latest;
 }
 
-/// What a case begins with: the end before it if that fits its machine, else what any case begins with. That end stays until the case has
-/// its own.
+/// Start of a case: the end state of the case before it if that fits its machine, else the start of any case. That end state is kept until
+/// the case has its own.
 StartStates::State CaseEngine::start() {
     StartStates::State before = end_before();
     if (before && !start_fits(*before, scene_)) before = nullptr;

@@ -98,7 +98,7 @@ void CaseEngine::prepare() {
     window_steps_ = 0;
     refused_threads_ = 0;
     pause_ = on_disk_ = false;
-    why_ = Pause::none;
+    pause_reason_ = Pause::none;
     recorder_.reset();
     record_options_.from = nullptr;
     for (Reducer& reducer : reducers_) reducer.clear();
@@ -122,7 +122,7 @@ void CaseEngine::begin(const StartStates::State& saved) {
     }
     serial_->reset(scene_, saved.get(), saved ? nullptr : starts_.placed(result_.number, scene_).get());
     simulation_ = serial_.get();
-    eye_ = serial_observer_.get();
+    observer_ = serial_observer_.get();
     simulation_->pause_on(&pause_);
     if (record_options_.from != nullptr)
         require_same(checkpoint_file(), *record_options_.from, scene_, simulation_->variator(), places_.mixed);
@@ -155,7 +155,7 @@ void CaseEngine::integrate() {
     if (result_.status == CaseStatus::ok) keep_for_neighbour();
 }
 
-/// Settling or the run, from the present state to its end, pauses included.
+/// Settles or runs from the present state until it is complete, pauses included.
 Fault CaseEngine::part() {
     for (;;) {
         Simulation& s = *simulation_;
@@ -164,8 +164,8 @@ Fault CaseEngine::part() {
         const bool settling = s.needs_settling();
         const Fault fault = s.advance({.until = scene_.run.until}, *this, never_);
         if (settling) result_.settling = s.counters();
-        if (fault.kind != FaultKind::cancelled || why_ == Pause::stop || why_ == Pause::none) return fault;
-        if (why_ == Pause::checkpoint)
+        if (fault.kind != FaultKind::cancelled || pause_reason_ == Pause::stop || pause_reason_ == Pause::none) return fault;
+        if (pause_reason_ == Pause::checkpoint)
             save();
         else
             change_threads();
@@ -211,8 +211,8 @@ void CaseEngine::finish_record(const Fault& fault) {
 void CaseEngine::output(double time, const Workspace& workspace, const Counters& counters) {
     if (recorder_) recorder_->output(time, workspace, counters);
     if (!simulation_->needs_settling() && time >= sweep_.from * (1.0 - 1e-12)) reduce(time, workspace, counters);
-    why_ = pause_for(time, counters);
-    pause_ = why_ != Pause::none;
+    pause_reason_ = pause_for(time, counters);
+    pause_ = pause_reason_ != Pause::none;
 }
 
 bool CaseEngine::samples(double time) const noexcept { return means_.due(time) || (recorder_ && recorder_->samples(time)); }
@@ -220,7 +220,7 @@ bool CaseEngine::samples(double time) const noexcept { return means_.due(time) |
 void CaseEngine::sample(double time, const Workspace& workspace) {
     if (recorder_ && recorder_->samples(time)) recorder_->sample(time, workspace);
     if (!means_.due(time)) return;
-    const model::Observation& now = eye_->observe(time, workspace.states[0], workspace.tips.phases.data());
+    const model::Observation& now = observer_->observe(time, workspace.state(), workspace.tips.phases.data());
     means_.add(now, workspace.energy.sums(time), workspace.pin_period());
 }
 
@@ -229,8 +229,8 @@ void CaseEngine::transition(const TransitionRecord& record) {
 }
 
 void CaseEngine::reduce(double time, const Workspace& workspace, const Counters& counters) {
-    const Instant instant{eye_->observe(time, workspace.states[0], workspace.tips.phases.data()), workspace, counters,
-                          scene_.run.followed_pin, *eye_};
+    const Instant instant{observer_->observe(time, workspace.state(), workspace.tips.phases.data()), workspace, counters,
+                          scene_.run.followed_pin, *observer_};
     means_.add(instant.observation, workspace.energy.sums(time), workspace.pin_period());
     for (std::size_t i = 0; i < reducers_.size(); ++i) {
         const Scalar& scalar = sweep_.scalars[i];
@@ -272,18 +272,18 @@ void CaseEngine::change_threads() {
     const IntegrationState at = simulation_->integration_state();
     if (threads == refused_threads_ || threads <= 1) {
         simulation_ = serial_.get();
-        eye_ = serial_observer_.get();
+        observer_ = serial_observer_.get();
     } else {
         Schedule schedule;
         schedule.executor = "flow";
         schedule.threads = schedule.segments = threads;
         Scene geometric = scene_;
         geometric.state_file.clear();
-        parallel_eye_.reset();
+        parallel_observer_.reset();
         parallel_ = std::make_unique<Simulation>(geometric, schedule);
-        parallel_eye_ = std::make_unique<model::Observer>(parallel_->variator());
+        parallel_observer_ = std::make_unique<model::Observer>(parallel_->variator());
         simulation_ = parallel_.get();
-        eye_ = parallel_eye_.get();
+        observer_ = parallel_observer_.get();
         simulation_->pause_on(&pause_);
         result_.threads = std::max(result_.threads, threads);
     }

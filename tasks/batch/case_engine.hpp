@@ -39,7 +39,7 @@ struct CaseResult {
     std::string notes;        ///< names of what is odd, blank between them
 };
 
-/// What all workers share: when to stop, and how many threads a case may have.
+/// State that all workers share: when to stop, and how many threads a case may have.
 class BatchControl {
 public:
     using Notice = std::function<void(const std::string&)>;
@@ -105,7 +105,7 @@ private:
     void prepare();
     void begin(const StartStates::State& saved);
     [[nodiscard]] bool restore();
-    void go_on_from(const Checkpoint& checkpoint);
+    void resume_from(const Checkpoint& checkpoint);
     void integrate();
     [[nodiscard]] Fault part();
     void judge(const Fault& fault);
@@ -132,17 +132,17 @@ private:
     RunMeans means_;              ///< since sweep.from
     std::vector<double> values_;  ///< of one channel [width of the channel]
     std::unique_ptr<Simulation> serial_, parallel_;
-    std::unique_ptr<model::Observer> serial_observer_, parallel_eye_;
+    std::unique_ptr<model::Observer> serial_observer_, parallel_observer_;
     bool own_start_ = false;
     bool resumable_ = false;            ///< there were checkpoints when the sweep began
     bool on_disk_ = false;              ///< the case has one
     Simulation* simulation_ = nullptr;  ///< the one at work
-    model::Observer* eye_ = nullptr;
+    model::Observer* observer_ = nullptr;
     std::unique_ptr<RunRecorder> recorder_;
     RunOptions record_options_;
     engine::Cancellation never_;
     bool pause_ = false;
-    Pause why_ = Pause::none;
+    Pause pause_reason_ = Pause::none;
     double wall_before_ = 0.0;  ///< in former sessions [s]
     std::chrono::steady_clock::time_point started_, last_save_, window_begin_;
     long window_steps_ = 0;
@@ -159,7 +159,7 @@ public:
     explicit CaseCosts(const Sweep& sweep) : sweep_(sweep) {}
     [[nodiscard]] double of_run(const Scene& scene) const;
     [[nodiscard]] double of_settling(const Scene& scene) const;
-    /// Whether the case settles, as far as its level of detail tells. In a sweep with shared starts none does.
+    /// Whether the case settles, judged by its level of detail. In a sweep with shared starts none does.
     /// @throws as saved_start
     [[nodiscard]] bool settles(const Scene& scene);
 

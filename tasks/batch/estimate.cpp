@@ -48,7 +48,7 @@ bool CaseCosts::settles(const Scene& scene) {
 
 namespace {
 
-/// How long so many steps took.
+/// Wall time [s] of a number of steps.
 struct TrialPace {
     double wall = 0.0;
     long steps = 0;
@@ -59,7 +59,7 @@ class ObservingObserver final : public RunObserver {
 public:
     explicit ObservingObserver(const Simulation& simulation) : simulation_(simulation), observer_(simulation.variator()) {}
     void output(double time, const Workspace& workspace, const Counters& /*counters*/) override {
-        if (!simulation_.needs_settling()) static_cast<void>(observer_.observe(time, workspace.states[0], workspace.tips.phases.data()));
+        if (!simulation_.needs_settling()) static_cast<void>(observer_.observe(time, workspace.state(), workspace.tips.phases.data()));
     }
     void transition(const TransitionRecord& /*record*/) override {}
 
@@ -68,22 +68,22 @@ private:
     model::Observer observer_;
 };
 
-/// Goes on from a case's start in growing batches for so many seconds, but not beyond the case's end: what lies there may break down where
-/// the case does not. A fault ends it as well and is returned; steps up to there have cost what steps cost.
-Fault go(Simulation& simulation, double seconds, long most, TrialPace& pace) {
+/// Runs from a case's start in growing batches for `seconds`, but not beyond the case's end, where a run may break down although the case
+/// does not. A fault ends the trial as well and is returned; the steps before it count.
+Fault run_trial(Simulation& simulation, double seconds, long most, TrialPace& pace) {
     ObservingObserver observer(simulation);
-    const engine::Cancellation go_on;
+    const engine::Cancellation never;
     using Clock = std::chrono::steady_clock;
     long before = std::min(100L, most / 2);  // many tips first touch here
     Fault fault =
-        before > 0 ? simulation.advance({.steps = before, .anew = true, .max_wall = 0.0}, observer, go_on) : Fault{FaultKind::max_steps};
+        before > 0 ? simulation.advance({.steps = before, .anew = true, .max_wall = 0.0}, observer, never) : Fault{FaultKind::max_steps};
     for (long batch = 20; pace.wall < seconds && before < most && fault.kind == FaultKind::max_steps; batch *= 2) {
         const long requested = std::min(batch, most - before);
         // A run computes its automatic step once, which takes as long as a hundred steps.
         const bool anew = before == 0 || simulation.needs_settling();
         const long counted = anew ? 0 : simulation.counters().steps;
         const auto begin = Clock::now();
-        fault = simulation.advance({.steps = requested, .anew = anew, .max_wall = 0.0}, observer, go_on);
+        fault = simulation.advance({.steps = requested, .anew = anew, .max_wall = 0.0}, observer, never);
         pace.wall += std::chrono::duration<double>(Clock::now() - begin).count();
         pace.steps += fault.kind == FaultKind::max_steps ? requested : simulation.counters().steps - counted;
         before += requested;
@@ -118,7 +118,7 @@ double step_wall(const Scene& scene, double seconds, std::string& untried, Fault
         for (long before = -1; pace.steps != before && (before < 0 || spent() < seconds);) {
             before = pace.steps;
             Simulation simulation(scene, Schedule{});
-            met = go(simulation, seconds, most, pace);
+            met = run_trial(simulation, seconds, most, pace);
         }
         if (fault != nullptr) *fault = met;
         if (pace.steps > 0) return pace.wall / static_cast<double>(pace.steps);

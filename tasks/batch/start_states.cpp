@@ -74,7 +74,7 @@ std::string_view StartStates::kind(const Scene& scene) {
     return sweep_.start == StartMode::shared ? "shared" : "settled";
 }
 
-/// What a map holds for a key, or nothing.
+/// The value of a key in a map, or nothing.
 template <class Map>
 typename Map::mapped_type StartStates::kept(const Map& map, const typename Map::key_type& key) {
     return mutex_.guard([&] {
@@ -105,7 +105,7 @@ long StartStates::first_settling_alike(long number) const noexcept {
     return shareable_ ? first_alike(number, [this](const Axis& axis) { return matters(axis); }) : -1;
 }
 
-/// What is settled for a case: itself, or its machine operated as the sweep's base scene is.
+/// Scene that is settled for a case: the case itself, or its machine operated as in the sweep's base scene.
 Scene StartStates::settling_scene(const Scene& scene) const {
     Scene settling = scene;
     settling.state_file.clear();
@@ -166,7 +166,7 @@ StartStates::State StartStates::shared_from_file(const std::string& path, std::u
     const std::string_view by = program_of(*state);
     if (!mixed_ && by != engine::version_text())
         throw engine::RecordError(
-            fmt::format("{}: a shared start state settled by cvtflow {}, this is {}; remove it, or go on with --mixed", path,
+            fmt::format("{}: a shared start state settled by cvtflow {}, this is {}; remove it, or continue with --mixed", path,
                         by.empty() ? "of unknown version" : by, engine::version_text()));
     return state;
 }

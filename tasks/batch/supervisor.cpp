@@ -46,11 +46,11 @@ public:
 
 private:
     engine::ChildEnd attempt(SweepPart part) {
-        if (wished_) return {interrupted};
+        if (interrupted_) return {interrupted};
         journal_.clear();
         part.attempt = attempts_++;
         const engine::ChildEnd end = engine::run_child([&] { return work_(part); });
-        wished_ = end.interrupted;
+        interrupted_ = end.interrupted;
         return end;
     }
 
@@ -67,7 +67,7 @@ private:
     const std::function<int(const SweepPart&)>& work_;
     const std::function<void(const std::string&)>& said_;
     int attempts_ = 0;
-    bool wished_ = false;
+    bool interrupted_ = false;
 };
 
 }  // namespace

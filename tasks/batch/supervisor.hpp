@@ -16,7 +16,7 @@
 
 namespace cvtflow::tasks {
 
-/// What a child has to do.
+/// Work of a child process.
 struct SweepPart {
     std::optional<long> only = {};  ///< this case alone; nothing: all that are not done
     std::string crashed;            ///< not to be run but to be booked as crashed, for this reason
@@ -25,8 +25,8 @@ struct SweepPart {
 
 /// Runs `work` in children until one has done all of the sweep.
 /// @param journal  in which the child notes the cases that are running; the slots are its workers
-/// @param work  runs in a child, to the end of that process; must not throw. @return its exit status; 0 from a part with a single case lets
-/// the sweep go on
+/// @param work  runs in a child until that process ends; must not throw. @return its exit status; 0 of a part with a single case continues
+/// the sweep
 /// @param said  called in the parent with one line per crash
 /// @return exit status of the child that did the whole, or of one that ended by itself otherwise; 130 if a crash came after SIGINT or
 /// SIGTERM; 1 for a crash

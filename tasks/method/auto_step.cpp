@@ -36,24 +36,14 @@ MethodReach reach_of(const Method& method) {
 /// the step [s].
 constexpr double longest_with_tip_law = 0.7e-6;
 
-/// Rigid pins: at 5 us strands are off by 0.4 % and slip by 1.5 % at most (docs/detail.md), and 6.1 us are stable at `baseline`. The step
-/// is shorter where friction falls (accurate_growth) and where the chain is fast (steps_per_rigid_pin).
 double longest_automatic_step(const Method& method, const model::Parameters& parameters) {
-    if (parameters.detail.pins == model::PinDetail::rigid) return 5e-6;
     const MethodProgram* program = method.program();
     const double longest = program == nullptr ? usual_longest_step : program->longest_step;
-    return parameters.tip.friction_law == model::TipFriction::constant ? longest : std::min(longest, longest_with_tip_law);
+    const bool limited = parameters.tip.friction_law != model::TipFriction::constant && parameters.detail.pins != model::PinDetail::rigid;
+    return !limited ? longest : std::min(longest, longest_with_tip_law);
 }
 
 namespace {
-
-/// Of the leapfrog of rigid pins: h²ω² + 2 h d < 4, as dampers take the velocity before the step; friction sets no limit.
-constexpr MethodReach rigid_reach{2.0, forever, forever, 2.0, 2.0};
-
-[[nodiscard]] MethodReach reach_with(const model::Parameters& parameters, const Method& method) {
-    const MethodReach reach = reach_of(method);
-    return reach.splits_friction() && parameters.detail.pins == model::PinDetail::rigid ? rigid_reach : reach;
-}
 
 /// Largest h times FallingFriction::growth(). Machine 93 of the lottery lost 3.6 % too much at 0.37 and 1.0 % at 0.25, machine 27 1.3 % at
 /// 0.2 [1].
@@ -77,7 +67,7 @@ constexpr double steps_per_rigid_pin = 100.0, steps_per_pin_of_halves = 150.0;
 }  // namespace
 
 AutoStep::AutoStep(const model::Variator& variator, const model::Parameters& parameters, const Method& method)
-    : reach_(reach_with(parameters, method)),
+    : reach_(reach_of(method)),
       longest_(longest_automatic_step(method, parameters)),
       interval_(parameters.detail.pins == model::PinDetail::rigid && reach_.damping != forever ? rigid_look_interval : look_interval),
       keeps_directions_(parameters.detail.pins == model::PinDetail::rigid),

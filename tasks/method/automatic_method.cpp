@@ -9,7 +9,7 @@ namespace cvtflow::tasks {
 
 std::span<const AutomaticChoice> automatic_choices() noexcept {
     static constexpr std::array choices{
-        AutomaticChoice{"leapfrog-sweep", "rigid pins",
+        AutomaticChoice{"leapfrog-rigid", "rigid pins",
                         [](const model::Parameters& parameters) { return parameters.detail.pins == model::PinDetail::rigid; }},
         AutomaticChoice{"leapfrog-sweep", "pin halves with the piecewise friction law", sweeps_suit},
         AutomaticChoice{"leapfrog-chebyshev", "other friction laws, saturation speeds below a hundredth of the usual ones",

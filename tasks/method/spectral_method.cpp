@@ -20,20 +20,16 @@ void SpectralMethod::look() {
     looked_ = w.step.time;
 }
 
-NextCycle SpectralMethod::begin() {
+/// After a rejected step the spectrum may be another.
+void SpectralMethod::prepare(bool again) {
+    if (again) looked_ = -1e300;
     look();
     choose(workspace().step.h);
-    return StageMethod::begin();
 }
 
 void SpectralMethod::restart() noexcept {
     StageMethod::restart();
     bound_.forget();
-    looked_ = -1e300;
-}
-
-void SpectralMethod::rejected() noexcept {
-    StageMethod::rejected();
     looked_ = -1e300;
 }
 

@@ -15,9 +15,7 @@ public:
     /// Extents of the spectrum are taken so many times as large, for what estimates from below and changes within a tenth of a millisecond.
     static constexpr double real_margin = 1.2, imaginary_margin = 1.15;  ///< [1]
 
-    [[nodiscard]] NextCycle begin() final;
     void restart() noexcept override;
-    void rejected() noexcept override;
     [[nodiscard]] double longest_step(double wanted) final;  ///< wanted [s]
     void save(std::vector<double>& memory) const override;
     void load(std::span<const double> memory) override;                         ///< memory [what save() wrote]
@@ -33,6 +31,8 @@ protected:
 
     [[nodiscard]] double real() const noexcept { return real_margin * bound_.real(); }
     [[nodiscard]] double imaginary() const noexcept { return imaginary_margin * bound_.imaginary(); }
+
+    void prepare(bool again) final;
 
 private:
     void look();

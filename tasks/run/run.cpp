@@ -10,7 +10,7 @@
 
 #include "engine/base/hash.hpp"
 #include "engine/record/run/state_file.hpp"
-#include "model/basis/isa.hpp"
+#include "model/kernels/kernels.hpp"
 #include "tasks/run/run_recorder.hpp"
 
 namespace cvtflow::tasks {
@@ -141,7 +141,6 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
     if (model::fuses_multiply_add()) report.kernels += " with fused multiply-adds";
     report.working_set = simulation.workspace().bytes() + simulation.step_method().bytes().value_or(0);
     report.counts_method = simulation.step_method().bytes().has_value();
-    report.counts_transitions = scene.parameters.detail.pins != model::PinDetail::rigid;
     report.start_differences = simulation.start_differences();
     if (options.from != nullptr)
         restore(*options.from, simulation, recorder, report);

@@ -25,10 +25,9 @@ int rows_together(const std::vector<engine::ChannelInfo>& channels) {
     return static_cast<int>(std::clamp(numbers / width, fewest, most));
 }
 
-engine::TableInfo transition_table(const model::Parameters& machine) {
+engine::TableInfo transition_table() {
     return {"transitions",
-            machine.detail.pins != model::PinDetail::rigid ? "changes of phase of tips: 0 free, 1 touching, 2 stick, 3 slip"
-                                                           : fmt::format("changes of phase of tips: {}", transitions_not_counted),
+            "changes of phase of tips: 0 free, 1 touching, 2 stick, 3 slip",
             {{"time", "s", "when"},
              {"pin", "1", "whose tip", engine::ColumnType::integer},
              {"tip", "1", "4 link + 2 (front half) + (side +z)", engine::ColumnType::integer},
@@ -77,7 +76,7 @@ engine::RunContents contents_of(const Scene& scene, const model::ChainModel& cha
         "{} links of [q | v], {} coordinates each (a.x, b.x, a.y, b.y, a.z, a.e, b.z, b.e; orders 0...{}), then pulleys [q | v], {} "
         "coordinates",
         at.links, at.link_size(), at.order, at.pulley_size);
-    contents.tables = {transition_table(scene.parameters)};
+    contents.tables = {transition_table()};
     contents.attributes = attributes_of_run(scene, run);
     return contents;
 }
@@ -122,7 +121,7 @@ void RunRecorder::output(double time, const Workspace& workspace, const Counters
         options_.progress({begin_, time, until_, wall, counters});
     }
     if (begin_ < 0.0) return;  // settling is not recorded
-    const model::Observation& now = observer_.observe(time, workspace.states[0], workspace.tips.phases.data());
+    const model::Observation& now = observer_.observe(time, workspace.state(), workspace.tips.phases.data());
     ++outputs_;
     means_.add(now, workspace.energy.sums(time), workspace.pin_period());
     if (file_) write(time, workspace, {now, workspace, counters, followed_pin_, observer_});
@@ -139,7 +138,7 @@ void RunRecorder::write(double time, const Workspace& workspace, const Instant& 
     if (time < next_state_ - 1e-9 * state_interval_) return;
     while (next_state_ <= time + 1e-9 * state_interval_) next_state_ += state_interval_;
     const auto* phases = reinterpret_cast<const std::uint8_t*>(workspace.tips.phases.data());
-    const std::span<const double> state(workspace.states[0], static_cast<std::size_t>(workspace.layout().size()));
+    const std::span<const double> state(workspace.state(), static_cast<std::size_t>(workspace.layout().size()));
     file_->append_state(time, state, {phases, workspace.tips.phases.size()});
     written_.states.add(time, state, {phases, workspace.tips.phases.size()});
 }
@@ -153,7 +152,7 @@ void RunRecorder::transition(const TransitionRecord& record) {
 }
 
 void RunRecorder::sample(double time, const Workspace& workspace) {
-    const model::Observation& now = observer_.observe(time, workspace.states[0], workspace.tips.phases.data());
+    const model::Observation& now = observer_.observe(time, workspace.state(), workspace.tips.phases.data());
     means_.add(now, workspace.energy.sums(time), workspace.pin_period());
 }
 

@@ -7,7 +7,7 @@
 
 #include "engine/record/run/former_record.hpp"
 #include "engine/record/run/run_file.hpp"
-#include "tasks/run/channels.hpp"
+#include "tasks/channel/channels.hpp"
 #include "tasks/run/run.hpp"
 
 namespace cvtflow::tasks {

@@ -150,8 +150,8 @@ std::string summary(const RunReport& r) {
     text += fmt::format("  schedule            {}\n", r.schedule);
     text += fmt::format("  kernels             {}, working set {} KiB{}\n", r.kernels, (r.working_set + 1023) / 1024,
                         r.counts_method ? "" : ", without the method's memory");
-    text += fmt::format("  transitions         {}{}\n", r.counts_transitions ? transitions_text(r.counters) : transitions_not_counted,
-                        r.settled && r.counts_transitions ? "; settling " + transitions_text(r.settling) : "");
+    text += fmt::format("  transitions         {}{}\n", transitions_text(r.counters),
+                        r.settled ? "; settling " + transitions_text(r.settling) : "");
     if (simulated > 0.0) {
         text += fmt::format("  wall time           {:.3f} s, {:.0f} s per simulated second ({:.2g} x real time)\n", r.wall,
                             r.wall / simulated, r.wall > 0.0 ? simulated / r.wall : 0.0);

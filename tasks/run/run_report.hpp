@@ -35,13 +35,12 @@ struct RunReport : RunHistory {
     double stable_step =
         0.0;  ///< largest that the method is stable for: where the run began, or where an automatic step was last chosen; 0: not asked [s]
     std::string method;
-    std::string method_report;       ///< counters of the method, one line; may be empty
-    std::string schedule;            ///< what ran it, and why if it was chosen
-    std::string kernels;             ///< instruction set that the kernels used
-    std::size_t working_set = 0;     ///< memory that the step loop touches, of workspace and method [B]
-    bool counts_method = true;       ///< false: the method does not count its part of it
-    Counters counters;               ///< after settling
-    bool counts_transitions = true;  ///< false at rigid pins
+    std::string method_report;    ///< counters of the method, one line; may be empty
+    std::string schedule;         ///< what ran it, and why if it was chosen
+    std::string kernels;          ///< instruction set that the kernels used
+    std::size_t working_set = 0;  ///< memory that the step loop touches, of workspace and method [B]
+    bool counts_method = true;    ///< false: the method does not count its part of it
+    Counters counters;            ///< after settling
     StepControl step_control = StepControl::fixed;
     double tolerance = 0.0;             ///< [1]
     LocalErrorStatistics local_errors;  ///< after settling

@@ -96,7 +96,7 @@ void Simulation::reset(const Scene& scene, const engine::SavedState* saved, cons
 }
 
 void Simulation::begin_at(const model::StartState& start) {
-    std::copy(start.state.begin(), start.state.end(), workspace_->states[0]);
+    std::copy(start.state.begin(), start.state.end(), workspace_->state_to_set());
     workspace_->tips.phases = start.phases;
     needs_settling_ = scene_.parameters.start.layout == model::StartLayout::belt && scene_.parameters.start.settling_time > 0.0;
     time_ = needs_settling_ ? -scene_.parameters.start.settling_time : 0.0;
@@ -141,11 +141,11 @@ void Simulation::take_state(const engine::SavedState& saved) {
         throw SimulationError(fmt::format("{}start.state: {} contains an invalid tip phase", scene_.state_place, scene_.state_file));
     }
     const auto behind = saved.state.begin() + static_cast<std::ptrdiff_t>(mechanical);
-    std::fill_n(std::copy(saved.state.begin(), behind, workspace_->states[0]), static_cast<std::size_t>(at.size()) - mechanical, 0.0);
+    std::fill_n(std::copy(saved.state.begin(), behind, workspace_->state_to_set()), static_cast<std::size_t>(at.size()) - mechanical, 0.0);
     const std::size_t controllers = static_cast<std::size_t>(at.controls) % oil;
-    std::copy_n(behind, std::min(integrals, controllers), workspace_->states[0] + at.control_begin());
+    std::copy_n(behind, std::min(integrals, controllers), workspace_->state_to_set() + at.control_begin());
     const auto ledger = behind + static_cast<std::ptrdiff_t>(first_order);
-    if (at.ledger) std::copy(ledger, saved.state.end(), workspace_->states[0] + at.ledger_begin());
+    if (at.ledger) std::copy(ledger, saved.state.end(), workspace_->state_to_set() + at.ledger_begin());
     const bool stick_slip = scene_.parameters.detail.stick_slip;
     std::transform(saved.phases.begin(), saved.phases.end(), workspace_->tips.phases.begin(),
                    [=](std::uint8_t phase) { return adopted(phase, stick_slip); });
@@ -244,7 +244,7 @@ void Simulation::rest_at_start() {
     rest_.settling = needs_settling_;
     rest_.time = time_;
     rest_.counters = {};
-    rest_.state.assign(w.states[0], w.states[0] + w.layout().size());
+    rest_.state.assign(w.state(), w.state() + w.layout().size());
     rest_.phases = w.tips.phases;
     rest_.changed = w.tips.changed;
     rest_.before = w.tips.before;
@@ -261,7 +261,7 @@ void Simulation::restore(const IntegrationState& from) {
         throw SimulationError(fmt::format("a state of {} unknowns and {} tips does not fit this scene: {} and {}", from.state.size(),
                                           from.phases.size(), size, tips));
     }
-    std::copy(from.state.begin(), from.state.end(), w.states[0]);
+    std::copy(from.state.begin(), from.state.end(), w.state_to_set());
     w.tips.phases = from.phases;
     w.tips.changed = from.changed;
     w.tips.before = from.before;
@@ -283,7 +283,7 @@ void Simulation::couple() {
     rest_.couplings.clear();
     Workspace& w = *workspace_;
     if (needs_settling_ || w.layout().pulley_size == 0) return;
-    double* const tail = w.states[0] + w.layout().pulley_begin();
+    double* const tail = w.state_to_set() + w.layout().pulley_begin();
     w.variator.pulleys().fill_cylinders(time_, tail);
     w.variator.couple(time_, tail);
     for (const model::ReferenceAngle& from : w.variator.pulleys().held().reference)
@@ -325,12 +325,12 @@ FrozenStart frozen_start(const Simulation& simulation) {
     const Workspace& at = simulation.workspace();
     const std::size_t size = static_cast<std::size_t>(at.layout().size());
     Workspace probed(at.parameters, *engine::find_method("rk4"), Partition::equal(at.layout().links, 1));
-    std::copy_n(simulation.state(), size, probed.states[0]);
+    std::copy_n(simulation.state(), size, probed.state_to_set());
     probed.tips.phases = simulation.phases();
     SilentObserver nobody;
     const engine::Cancellation never;
     StepController controller(probed, StepSettings{}, nobody, never);  // probes the start
-    return {simulation.time(), {probed.states[0], probed.states[0] + size}, probed.tips.phases, simulation.suspicion()};
+    return {simulation.time(), {probed.state_to_set(), probed.state_to_set() + size}, probed.tips.phases, simulation.suspicion()};
 }
 
 PlainSlope::PlainSlope(const model::Variator& variator, const model::PhaseRule& rule)

@@ -91,7 +91,7 @@ public:
     [[nodiscard]] double time() const noexcept { return time_; }
     [[nodiscard]] const Workspace& workspace() const noexcept { return *workspace_; }
     [[nodiscard]] const model::Variator& variator() const noexcept { return workspace_->variator; }
-    [[nodiscard]] const double* state() const noexcept { return workspace_->states[0]; }
+    [[nodiscard]] const double* state() const noexcept { return workspace_->state(); }
     [[nodiscard]] const std::vector<model::Phase>& phases() const noexcept { return workspace_->tips.phases; }
     /// Of the part at hand, or of the last one: settling, or the run.
     [[nodiscard]] const Counters& counters() const noexcept { return counters_; }

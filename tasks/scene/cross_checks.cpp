@@ -13,6 +13,7 @@
 #include "engine/executor/catalogue.hpp"
 #include "engine/thread/guards.hpp"
 #include "model/start/belt.hpp"
+#include "tasks/channel/channels.hpp"
 #include "tasks/method/method.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tasks/scene/toml_tree.hpp"
@@ -373,7 +374,7 @@ const std::vector<CrossCheck>& general_checks() {
     return checks;
 }
 
-/// Of tips' friction laws, imperfections and hydraulics.
+/// Checks of tips' friction laws, imperfections and hydraulics.
 const std::vector<CrossCheck>& machine_checks() {
     static const std::vector<CrossCheck> checks{
         {{"tip.friction_table", "tip.limiting_traction", "tip.friction_law", "tip.friction_coefficient"}, tip_law_has_its_largest},

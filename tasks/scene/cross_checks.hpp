@@ -1,5 +1,5 @@
 #pragma once
-/// What the values of a scene must satisfy together.
+/// Conditions that the values of a scene must satisfy together.
 
 #include <optional>
 #include <span>
@@ -13,7 +13,7 @@ namespace cvtflow::tasks {
 
 struct CrossCheck {
     std::vector<std::string_view> keys;  ///< keys whose values are compared; a problem is reported at the first that the scene gives
-    /// What is wrong (a full sentence with its key), or nothing. Expects every key to be in its own range.
+    /// The violation (a full sentence with its key), or nothing. Expects every key to be in its own range.
     std::optional<std::string> (*violation)(const Scene&);
 };
 

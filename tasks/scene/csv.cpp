@@ -70,7 +70,7 @@ std::vector<std::vector<std::string>> csv_lines(std::string_view text, char sepa
 
 namespace {
 
-/// What a number shows about the decimal mark of its file.
+/// Evidence of a number for the decimal mark of its file.
 struct MarkEvidence {
     bool comma = false, point = false;  ///< is decimal for certain
     char doubtful = 0;                  ///< the mark that separates decimals or thousands

@@ -20,7 +20,7 @@ inline constexpr std::uint64_t longest_csv = std::uint64_t{64} << 20U;  ///< a m
 /// Without white space around it.
 [[nodiscard]] std::string trimmed(std::string_view text);
 
-/// What separates the cells of a heading line: a semicolon if it has one, else a comma, else a tab where there is one.
+/// Separator of the cells of a heading line: a semicolon if it has one, else a comma, else a tab if there is one.
 [[nodiscard]] char csv_separator(std::string_view heading);
 
 /// Lines of cells, blank ones and white space too; a cell in double quotes may hold separators and line breaks, and "" for a quote.
@@ -52,8 +52,8 @@ struct Heading {
 };
 [[nodiscard]] Heading heading_of(const std::string& cell);
 
-/// Sets a time table of the scene to the points of the file. What is wrong is appended to `problems` with the position of `node` and the
-/// place in the file, and leaves the table as it was.
+/// Sets a time table of the scene to the points of the file. Errors are appended to `problems` with the position of `node` and the place in
+/// the file, and leave the table unchanged.
 /// @param node   a table
 /// @param folder that a relative path counts from
 void read_csv_points(const Parameter& parameter, const Node& node, const std::filesystem::path& folder, Scene& scene,

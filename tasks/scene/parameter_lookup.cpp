@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t max_suggested = 3;
 
-/// What the field, or other programs, call a quantity whose key has another name.
+/// Name that the field, or other programs, use for a quantity whose key has another name.
 struct Synonym {
     std::string_view name, key;
 };

@@ -59,7 +59,7 @@ struct Parameter {
 /// The value of a key in `scene`, as TOML.
 [[nodiscard]] std::string value_text(const Parameter& parameter, const Scene& scene);
 
-/// The same for people: numbers with their unit, in the usual one where that is shorter ("11 deg").
+/// The value for people: numbers with their unit, in the usual one where that is shorter ("11 deg").
 [[nodiscard]] std::string readable_value(const Parameter& parameter, const Scene& scene);
 
 /// A key in which two scenes differ, with the values of both as text.
@@ -72,7 +72,7 @@ struct KeyDifference {
 [[nodiscard]] std::vector<KeyDifference> differing_keys(const Scene& a, const Scene& b, const std::function<bool(const Parameter&)>& counts,
                                                         std::string (*text)(const Parameter&, const Scene&) = value_text);
 
-/// What `cvtflow explain key` prints: meaning, unit, range, default and source.
+/// Text of `cvtflow explain key`: meaning, unit, range, default and source.
 /// @throws SceneError  unknown key, with the key that was probably meant
 [[nodiscard]] std::string explain(std::string_view key);
 

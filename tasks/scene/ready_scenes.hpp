@@ -17,7 +17,7 @@ struct ReadyScene {
 /// built from.
 [[nodiscard]] std::vector<std::filesystem::path> scene_folders();
 
-/// All scenes in these folders, by name. Of several with one name only the nearest.
+/// All scenes in these folders, by name. If several have one name, only the nearest one.
 [[nodiscard]] std::vector<ReadyScene> ready_scenes();
 
 /// All sweeps in the subfolder "sweeps" of these folders, likewise.

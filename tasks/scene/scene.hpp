@@ -54,7 +54,7 @@ struct AutoNumber {
 /// How a scene is integrated and what is recorded.
 struct RunSettings {
     std::string method = "auto";  ///< name in the catalogue of methods, or auto: see method_of()
-    AutoNumber step;              ///< fixed or longest [s]; automatic: as long as the method is stable and good at the state at hand
+    AutoNumber step;              ///< fixed or longest [s]; automatic: as long as the method is stable and accurate at the present state
     StepControl step_control = StepControl::fixed;
     double tolerance = 1.0;         ///< of local errors, in units of ErrorScale [1]
     double until = 5e-3;            ///< [s]
@@ -96,9 +96,9 @@ public:
     using std::runtime_error::runtime_error;
 };
 
-/// What to do with start.state: `ignored` reads a scene whose state file is not there (yet), as one with a geometric start. `recorded`
-/// does the same for the scene in a record, state or checkpoint, and refuses one that names a CSV file: what a file contains does not
-/// decide which other file is read.
+/// Use of start.state: `ignored` reads a scene whose state file is not there (yet), as one with a geometric start. `recorded` does the same
+/// for the scene in a record, state or checkpoint, and refuses one that names a CSV file: the content of a file must not determine which
+/// other file is read.
 enum class StartState { required, ignored, recorded };
 
 /// Reads and checks a scene file.
@@ -119,11 +119,11 @@ void set_values(Scene& scene, std::span<const std::string> settings, std::string
 /// set_values with one setting.
 void set_value(Scene& scene, std::string_view setting);
 
-/// Keys that decide what the state vector is made of, or what the same numbers mean: a state file is of one value of each.
+/// Keys that determine the layout or meaning of the state vector. A state file is valid for one value of each.
 [[nodiscard]] std::span<const std::string_view> state_keys() noexcept;
 
-/// A level of detail: a name for some of the dials of [detail]. What it costs and how far it is off was measured at seven operating points
-/// (docs/detail.md); errors are typical ones, half of the points lie below.
+/// A level of detail: a name for some of the dials of [detail]. Cost and error were measured at seven operating points (docs/detail.md).
+/// Errors are typical: half of the points have smaller ones.
 struct DetailPreset {
     std::string_view name;
     std::string_view meaning;
@@ -156,11 +156,5 @@ void apply_detail(Scene& scene, std::string_view preset);
 
 /// The scene as TOML with every key: what a run used, whatever file, presets and settings it came from. parse_scene reads it back equal.
 [[nodiscard]] std::string write_scene(const Scene& scene);
-
-/// Channels that a scene may request, in the order of their catalogue (tasks/run/channels.cpp, which defines both functions).
-[[nodiscard]] std::vector<std::string> channel_names();
-
-/// Unknown names of record.channels, in order.
-[[nodiscard]] std::vector<std::string> unknown_channels(std::span<const std::string> names);
 
 }  // namespace cvtflow::tasks

@@ -15,7 +15,7 @@
 namespace cvtflow::tasks {
 namespace {
 
-/// What a number must be.
+/// Allowed values of a number.
 struct Rule {
     std::string_view key;
     std::string_view unit;

@@ -8,8 +8,8 @@
 
 namespace cvtflow::tasks {
 
-/// Sets the member of `parameter` in `scene` to the value of `node`. What is wrong is appended to `problems`, with the position of the
-/// number, text or list element concerned, and leaves the member as it was.
+/// Sets the member of `parameter` in `scene` to the value of `node`. Errors are appended to `problems`, with the position of the number,
+/// text or list element concerned, and leave the member unchanged.
 void read_value(const Parameter& parameter, const Node& node, Scene& scene, std::vector<Problem>& problems);
 
 }  // namespace cvtflow::tasks

@@ -33,7 +33,7 @@ Integrator::Integrator(const model::Parameters& parameters, std::string_view met
       runner_(workspace_, *method_, candidates, options, recorder) {}
 
 void Integrator::begin_at(const FrozenStart& start) {
-    std::copy(start.state.begin(), start.state.end(), workspace_.states[0]);
+    std::copy(start.state.begin(), start.state.end(), workspace_.state_to_set());
     workspace_.tips.phases = start.phases;
     std::fill(workspace_.tips.changed.begin(), workspace_.tips.changed.end(), -1e300);  // never yet
     method_->restart();

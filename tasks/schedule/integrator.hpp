@@ -26,7 +26,7 @@ public:
     [[nodiscard]] const Workspace& workspace() const noexcept { return workspace_; }
     [[nodiscard]] StepMethod& method() noexcept { return *method_; }
     [[nodiscard]] const StepMethod& method() const noexcept { return *method_; }
-    /// Of the catalogue, never "auto".
+    /// The method in use, from the catalogue, never "auto".
     [[nodiscard]] const Method& chosen_method() const noexcept { return chosen_; }
     [[nodiscard]] const ScheduleRunner& runner() const noexcept { return runner_; }
 

@@ -28,7 +28,7 @@ namespace {
     }
 }
 
-/// What a batch system granted to this task, or a large number.
+/// Number of processors that a batch system granted to this task, or a large number.
 [[nodiscard]] int granted_processors() {
     const char* granted = std::getenv("SLURM_CPUS_PER_TASK");
     const int number = granted != nullptr ? std::atoi(granted) : 0;

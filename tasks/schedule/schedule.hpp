@@ -42,7 +42,7 @@ struct Schedule {
 /// @throws SceneError for an unknown name
 [[nodiscard]] AssemblyOptions assembly_named(const std::string& name);
 
-/// What a scene's run settings ask for. Serial with one segment if run.schedule is "auto" (see auto_schedule.hpp).
+/// Schedule of a scene's run settings. Serial with one segment if run.schedule is "auto" (see auto_schedule.hpp).
 /// Zero segments: as many as threads.
 /// @throws SceneError for an unknown executor, with the one that was probably meant
 [[nodiscard]] Schedule schedule_of(const RunSettings& run, int links);

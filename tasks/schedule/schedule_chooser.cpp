@@ -10,7 +10,7 @@ ScheduleChooser::ScheduleChooser(int candidates, const ChooserOptions& options)
     for (Candidate& each : candidates_) each.turns.reserve(static_cast<std::size_t>(options.rounds));
 }
 
-bool ScheduleChooser::took(const Pace& pace) noexcept {
+bool ScheduleChooser::record(const Pace& pace) noexcept {
     const int before = now_;
     elapsed_ += pace.seconds;
     since_check_ += pace.seconds;
@@ -24,7 +24,7 @@ bool ScheduleChooser::took(const Pace& pace) noexcept {
 }
 
 /// All that trials have cost and, at worst, one more turn.
-bool ScheduleChooser::affordable() const noexcept { return lost_ + options_.turn <= options_.regret * elapsed_; }
+bool ScheduleChooser::affordable() const noexcept { return lost_ + options_.turn <= options_.max_trial_share * elapsed_; }
 
 bool ScheduleChooser::due(const Pace& pace) noexcept {
     if (reference_ == 0.0) reference_ = pace.per_cycle;
@@ -74,7 +74,7 @@ void ScheduleChooser::tried(const Pace& pace) noexcept {
     own.turns.push_back(pace.per_cycle);
     // Against the pace of work, in which neighbours' interference is already; the chosen one's own turns are work.
     if (now_ != chosen_) lost_ += pace.seconds * std::max(0.0, 1.0 - work_ / pace.per_cycle);
-    own.out = now_ != 0 && pace.per_cycle > options_.hopeless * work_;
+    own.out = now_ != 0 && pace.per_cycle > options_.abandon_factor * work_;
     ++next_;
     next_turn();
 }
@@ -102,9 +102,9 @@ void ScheduleChooser::choose() noexcept {
     for (int each = 1; each < static_cast<int>(candidates_.size()); ++each) {
         if (per_cycle(each) < per_cycle(best)) best = each;
     }
-    const bool keeps = chosen_ != 0 && per_cycle(chosen_) * options_.edge < per_cycle(0);
-    if (keeps && per_cycle(best) * options_.edge > per_cycle(chosen_)) return;
-    chosen_ = per_cycle(best) * (keeps ? options_.edge : options_.gain) < per_cycle(0) ? best : 0;
+    const bool keeps = chosen_ != 0 && per_cycle(chosen_) * options_.min_lead < per_cycle(0);
+    if (keeps && per_cycle(best) * options_.min_lead > per_cycle(chosen_)) return;
+    chosen_ = per_cycle(best) * (keeps ? options_.min_lead : options_.gain) < per_cycle(0) ? best : 0;
 }
 
 }  // namespace cvtflow::tasks

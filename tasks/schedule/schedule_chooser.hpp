@@ -3,12 +3,12 @@
 /// it knows neither clock nor thread, so that its promise can be tested on invented machines.
 ///
 /// The run itself is the measurement: schedules take turns on its own steps (results do not depend on the schedule), so a trial costs only
-/// what the schedule on trial is slower than the one at work. These losses are counted, and a turn is taken only while all of them
-/// together, this turn being wasted entirely, stay below `regret` of the time so far. A run too short for a trial stays with the first
+/// the time by which the schedule on trial is slower than the one in use. These losses are counted, and a turn is taken only while their
+/// sum, this turn being wasted entirely, stays below `max_trial_share` of the time so far. A run too short for a trial stays with the first
 /// candidate.
 ///
 ///     work (windows) ── due and affordable ──► check: rounds of turns of all candidates ──► medians ──► work
-///          ▲ not affordable: back to work for a window, the check goes on afterwards ─┘
+///          ▲ not affordable: back to work for a window, the check continues afterwards ─┘
 
 #include <optional>
 #include <vector>
@@ -16,17 +16,17 @@
 namespace cvtflow::tasks {
 
 struct ChooserOptions {
-    double window = 0.05;          ///< work between two checks of the clock [s]
-    double turn = 0.004;           ///< of a candidate on trial [s]
-    int rounds = 5;                ///< turns of each candidate in a check
-    double regret = 0.01;          ///< share of all time that trials may cost
-    double gain = 1.05;            ///< what another candidate must bring to replace the first [1]
-    double edge = 1.02;            ///< what it must bring to replace any other, and what that must keep over the first [1]
-    double hopeless = 1.5;         ///< a turn so much slower than work ends a candidate's part in a check
-    double drift = 1.12;           ///< change of pace, two windows in a row, that calls for a check [1]
-    double changed_links = 0.1;    ///< change in the number of touching links that does, as a share of it
-    double first_period = 1.0;     ///< a check is due after so long at the latest … [s]
-    double longest_period = 30.0;  ///< … doubled up to here as long as the choice stays [s]
+    double window = 0.05;           ///< work between two checks of the clock [s]
+    double turn = 0.004;            ///< of a candidate on trial [s]
+    int rounds = 5;                 ///< turns of each candidate in a check
+    double max_trial_share = 0.01;  ///< of all time
+    double gain = 1.05;             ///< speed-up with which another candidate replaces the first [1]
+    double min_lead = 1.02;         ///< speed-up with which it replaces any other, and which that must keep over the first [1]
+    double abandon_factor = 1.5;    ///< a turn slower than work by this factor ends a candidate's part in a check [1]
+    double drift = 1.12;            ///< change of pace, two windows in a row, that calls for a check [1]
+    double changed_links = 0.1;     ///< change in the number of touching links that does, as a share of it
+    double first_period = 1.0;      ///< longest time to the next check … [s]
+    double longest_period = 30.0;   ///< … doubled up to here as long as the choice stays [s]
 };
 
 /// How a stretch of steps went.
@@ -41,26 +41,26 @@ public:
     /// @param candidates at least one; the first is the reference
     ScheduleChooser(int candidates, const ChooserOptions& options);
 
-    /// What to run now.
+    /// Candidate to run now.
     [[nodiscard]] int candidate() const noexcept { return now_; }
-    /// Time after which took() is to be called [s].
+    /// Time after which to call record() [s].
     [[nodiscard]] double window() const noexcept { return trying_ ? options_.turn : options_.window; }
     /// The candidate has run for about window(). Allocates nothing. @return whether another one runs now
-    bool took(const Pace& pace) noexcept;
+    bool record(const Pace& pace) noexcept;
 
     [[nodiscard]] int chosen() const noexcept { return chosen_; }
     [[nodiscard]] long checks() const noexcept { return checks_; }
     [[nodiscard]] long changes() const noexcept { return changes_; }
     /// Median time per cycle in the last check in which it had a turn; 0: none [s].
     [[nodiscard]] double per_cycle(int candidate) const noexcept { return candidates_[static_cast<std::size_t>(candidate)].median; }
-    /// What all trials have cost [s].
+    /// Time that all trials have cost [s].
     [[nodiscard]] double lost() const noexcept { return lost_; }
 
 private:
     struct Candidate {
-        std::vector<double> turns;  ///< of the check at hand; room for all rounds [s]
+        std::vector<double> turns;  ///< of the present check; room for all rounds [s]
         double median = 0.0;        ///< [s]
-        bool out = false;           ///< of the check at hand
+        bool out = false;           ///< of the present check
     };
 
     void worked(const Pace& pace) noexcept;

@@ -9,10 +9,10 @@
 
 namespace cvtflow::tasks {
 
-int RestingController::next() noexcept {
+int PausingController::next() noexcept {
     if (held_ != stop) {
         taken_up_ = Clock::now();
-        looks_ = 0;
+        readings_ = 0;
         return std::exchange(held_, stop);
     }
     const int cycle = whole_.next();
@@ -21,30 +21,30 @@ int RestingController::next() noexcept {
     const long steps = whole_.counters().steps;
     if (over_ || steps == steps_) return cycle;
     steps_ = steps;
-    if (steps % stride != 0 || !rests()) return cycle;
+    if (steps % stride != 0 || !pauses()) return cycle;
     held_ = cycle;
     return stop;
 }
 
-bool RestingController::rests() noexcept {
+bool PausingController::pauses() noexcept {
     const auto now = Clock::now();
     const auto since = [now](Clock::time_point then) { return std::chrono::duration<double>(now - then).count(); };
-    if (looks_++ == 0) {
+    if (readings_++ == 0) {
         counted_ = now;
         cycles_ = 0;
         return false;
     }
-    if (since(taken_up_) < judge_.window()) return false;
-    const bool rests = judge_.rest(since(taken_up_), since(counted_) / static_cast<double>(cycles_));
+    if (since(taken_up_) < condition_.window()) return false;
+    const bool pauses = condition_.should_pause(since(taken_up_), since(counted_) / static_cast<double>(cycles_));
     taken_up_ = counted_ = now;
     cycles_ = 0;
-    return rests;
+    return pauses;
 }
 
 namespace {
 
-/// Longest segment over that of balanced borders from which on they are moved: a move costs an end and a beginning of the threads' common
-/// run.
+/// Segments are repartitioned if the longest one exceeds that of balanced borders by this factor: a repartition costs an end and a
+/// beginning of the threads' common run.
 constexpr double tolerable = 1.02;
 
 [[nodiscard]] bool touches(const Workspace& w, int link) noexcept {
@@ -106,11 +106,11 @@ void ScheduleRunner::run(StepController& controller) {
     take_up();
     if (slots_.size() == 1 && (!schedule().balanced || schedule().segments == 1))
         return slots_.front().executor->run(graph(), &w_, controller);
-    RestingController resting(controller, *this);
+    PausingController resting(controller, *this);
     for (;;) {
         slots_[current()].executor->run(graph(), &w_, resting);
         if (resting.over()) return;
-        ++rests_;
+        ++pauses_;
         take_up();
     }
 }
@@ -121,13 +121,13 @@ void ScheduleRunner::release_threads() const noexcept {
     }
 }
 
-/// Brings workspace, graph and executor of the candidate at hand together.
+/// Connects workspace, graph and executor of the present candidate.
 void ScheduleRunner::take_up() {
     Slot& slot = slots_[current()];
     if (!slot.executor) slot.executor = make_executor(slot.schedule, recorder_);
     bool stale = slot.graph.size() == 0;
-    if (wants_other_borders() || (stale && slot.schedule.balanced)) {
-        moves_ += rests_ > 0 && !stale;
+    if (needs_repartition() || (stale && slot.schedule.balanced)) {
+        repartitions_ += pauses_ > 0 && !stale;
         cuts_.resize(slot.cuts.size());
         balance(w_.tips.phases, cuts_, costs_);
         slot.cuts = cuts_;
@@ -138,7 +138,7 @@ void ScheduleRunner::take_up() {
     if (stale) slot.graph = step_graph(w_, slot.schedule.assembly, method_);
 }
 
-bool ScheduleRunner::wants_other_borders() noexcept {
+bool ScheduleRunner::needs_repartition() noexcept {
     const Slot& slot = slots_[current()];
     if (!slot.schedule.balanced || slot.schedule.segments == 1) return false;
     cuts_.resize(slot.cuts.size());  // within what was reserved
@@ -146,14 +146,14 @@ bool ScheduleRunner::wants_other_borders() noexcept {
     return longest_segment(w_.tips.phases, slot.cuts, costs_) > tolerable * longest_segment(w_.tips.phases, cuts_, costs_);
 }
 
-bool ScheduleRunner::rest(double seconds, double per_cycle) noexcept {
-    const bool other = chooser_.took({seconds, per_cycle, touching_links(w_)});
-    return other || wants_other_borders();
+bool ScheduleRunner::should_pause(double seconds, double per_cycle) noexcept {
+    const bool other = chooser_.record({seconds, per_cycle, touching_links(w_)});
+    return other || needs_repartition();
 }
 
 std::string ScheduleRunner::text() const {
     const std::size_t chosen = static_cast<std::size_t>(chooser_.chosen());
-    const std::string moved = moves_ > 0 ? fmt::format("borders moved {}", times(moves_, "time")) : "";
+    const std::string moved = repartitions_ > 0 ? fmt::format("borders moved {}", times(repartitions_, "time")) : "";
     const std::string name = slots_[chosen].schedule.text();
     if (slots_.size() == 1) return moved.empty() ? name : fmt::format("{} ({})", name, moved);
     if (chooser_.checks() == 0) return name + " (auto; the run was too short to try others)";

@@ -13,28 +13,27 @@
 
 namespace cvtflow::tasks {
 
-/// Decides whether a run rests. Called between cycles: allocates nothing, throws nothing.
-class RestJudge {
+/// Decides whether a run pauses. Called between cycles: allocates nothing, throws nothing.
+class PauseCondition {
 public:
-    virtual ~RestJudge() = default;
-    /// Time after which to ask [s].
+    virtual ~PauseCondition() = default;
+    /// Time between two calls of should_pause() [s].
     [[nodiscard]] virtual double window() const noexcept = 0;
-    /// @param seconds since the last question or since the run was taken up   @param per_cycle without the first steps [s]
-    [[nodiscard]] virtual bool rest(double seconds, double per_cycle) noexcept = 0;
+    /// @param seconds since the last call, or since the run was taken up   @param per_cycle without the first steps [s]
+    [[nodiscard]] virtual bool should_pause(double seconds, double per_cycle) noexcept = 0;
 
 protected:
-    RestJudge() = default;
-    RestJudge(const RestJudge&) = default;
-    RestJudge& operator=(const RestJudge&) = default;
+    PauseCondition() = default;
+    PauseCondition(const PauseCondition&) = default;
+    PauseCondition& operator=(const PauseCondition&) = default;
 };
 
-/// Passes the step controller's decisions on. At the end of every fourth step it reads the clock, and at the end of a window it asks the
-/// judge. To rest, it holds back the next step's first cycle and returns stop; the next Executor::run() begins with that cycle. What the
-/// step controller has prepared for it lies in the workspace and knows nothing of segments, so results are bitwise those of an unbroken
-/// run.
-class RestingController final : public engine::Controller {
+/// Passes the step controller's decisions on. At the end of every fourth step it reads the clock, and at the end of a window it calls
+/// should_pause(). To pause, it holds back the next step's first cycle and returns stop; the next Executor::run() begins with that cycle.
+/// The step controller prepares that cycle in the workspace, independently of segments, so results are bitwise those of an unbroken run.
+class PausingController final : public engine::Controller {
 public:
-    RestingController(StepController& whole, RestJudge& judge) : whole_(whole), judge_(judge) {}
+    PausingController(StepController& whole, PauseCondition& condition) : whole_(whole), condition_(condition) {}
 
     [[nodiscard]] int next() noexcept override;
     /// Whether the step controller has returned stop: the run is complete.
@@ -44,18 +43,18 @@ private:
     using Clock = std::chrono::steady_clock;
     static constexpr int stride = 4;  ///< steps between readings of the clock; the first stride is not counted because threads start then
 
-    [[nodiscard]] bool rests() noexcept;
+    [[nodiscard]] bool pauses() noexcept;
 
     StepController& whole_;
-    RestJudge& judge_;
+    PauseCondition& condition_;
     bool over_ = false;
-    int held_ = stop;             ///< cycle kept back
-    long steps_ = 0, looks_ = 0;  ///< steps seen; looks since the run was taken up
-    long cycles_ = 0;             ///< since `counted_`
+    int held_ = stop;                ///< cycle kept back
+    long steps_ = 0, readings_ = 0;  ///< steps seen; readings of the clock since the run was taken up
+    long cycles_ = 0;                ///< since `counted_`
     Clock::time_point taken_up_ = Clock::now(), counted_ = taken_up_;
 };
 
-class ScheduleRunner final : private RestJudge {
+class ScheduleRunner final : private PauseCondition {
 public:
     /// One candidate: that is the schedule. Several: serial first; ScheduleChooser chooses among them. Workspace and
     /// method outlive this.
@@ -63,9 +62,9 @@ public:
     ScheduleRunner(Workspace& workspace, StepMethod& method, std::vector<Schedule> candidates, const ChooserOptions& options = {},
                    engine::StampRecorder* recorder = nullptr);
 
-    /// To the controller's stop. Allocates at the beginning and whenever the schedule changes, not in between.
+    /// Runs until the controller returns stop. Allocates at the beginning and whenever the schedule changes, not in between.
     void run(StepController& controller);
-    /// Between runs: threads that would wait for the next one on a processor go.
+    /// Between runs: releases threads that would wait for the next run on a processor.
     void release_threads() const noexcept;
 
     /// Graphs are built anew, with the tasks of another method.
@@ -73,11 +72,11 @@ public:
 
     [[nodiscard]] const Schedule& schedule() const noexcept { return slots_[current()].schedule; }
     [[nodiscard]] const engine::TaskGraph& graph() const noexcept { return slots_[current()].graph; }
-    /// Times that segments have got other borders during a run.
-    [[nodiscard]] long moves() const noexcept { return moves_; }
-    /// Times that a run has rested.
-    [[nodiscard]] long rests() const noexcept { return rests_; }
-    /// The schedule and how it was come by: "flow, fused, 2 segments, 2 threads (auto: 13.9 us per cycle, serial 25.2 us; 2 checks, 1
+    /// Number of repartitions during the run.
+    [[nodiscard]] long repartition_count() const noexcept { return repartitions_; }
+    /// Number of pauses of the run.
+    [[nodiscard]] long pause_count() const noexcept { return pauses_; }
+    /// The schedule and the reason for it: "flow, fused, 2 segments, 2 threads (auto: 13.9 us per cycle, serial 25.2 us; 2 checks, 1
     /// change)"
     [[nodiscard]] std::string text() const;
 
@@ -93,8 +92,8 @@ private:
     void take_up();
     void cut_at(const std::vector<int>& cuts);
     [[nodiscard]] double window() const noexcept override { return chooser_.window(); }
-    [[nodiscard]] bool rest(double seconds, double per_cycle) noexcept override;  ///< seconds [s], per_cycle [s]
-    [[nodiscard]] bool wants_other_borders() noexcept;
+    [[nodiscard]] bool should_pause(double seconds, double per_cycle) noexcept override;  ///< seconds [s], per_cycle [s]
+    [[nodiscard]] bool needs_repartition() noexcept;
 
     Workspace& w_;
     StepMethod* method_;
@@ -103,7 +102,7 @@ private:
     engine::StampRecorder* recorder_;
     std::vector<int> cuts_;  ///< room for balanced borders
     LinkCosts costs_;        ///< by which they are balanced
-    long moves_ = 0, rests_ = 0;
+    long repartitions_ = 0, pauses_ = 0;
 };
 
 }  // namespace cvtflow::tasks

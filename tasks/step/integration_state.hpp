@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "model/chain/chain_model.hpp"
 #include "model/law/phase_rule.hpp"
 #include "model/parameters/chain_layout.hpp"
-#include "model/variator/chain_model.hpp"
 #include "tasks/step/control/step_controller.hpp"
 
 namespace cvtflow::tasks {

@@ -28,9 +28,18 @@ void close_evaluation(Workspace& w, double time, const double* tail, const model
     w.variator.close(time, tail, chain, w.links.accounts.data(), slope + w.layout().pulley_begin());
 }
 
-NextCycle StageMethod::begin() {
+CycleSequence StageMethod::step() {
+    slope_at_ = slope_now();
+    prepare(w_.step.time == std::exchange(begun_, w_.step.time));
     bring_slope();
-    return start_stage(slope_at_ == SlopeAt::start && plan_->stages() > 1 ? 1 : 0);
+    for (int stage = slope_at_ == SlopeAt::start && plan_->stages() > 1 ? 1 : 0; stage < plan_->stages(); ++stage) {
+        prepare_stage(plan_->stage(stage));
+        co_yield evaluate_cycle;
+        close_evaluation(w_, w_.step.time + w_.step.row.time * w_.step.h, w_.pulleys.tail.data(), w_.sheave_forces(), w_.step.slope_out);
+    }
+    w_.step.row = plan_->result();
+    slope_at_ = plan_->last_is_result() ? SlopeAt::last : SlopeAt::nowhere;
+    co_return {};
 }
 
 /// The last stage's slope into slot 0, by name only.
@@ -53,8 +62,8 @@ std::optional<engine::PlanStep> StageMethod::error_row() const noexcept {
 /// The slope at the state, if it is known.
 void StageMethod::save(std::vector<double>& memory) const {
     memory.clear();
-    if (slope_at_ == SlopeAt::nowhere) return;
-    const int slot = slope_at_ == SlopeAt::start ? 0 : plan_->stage(plan_->stages() - 1).slope;
+    if (slope_now() == SlopeAt::nowhere) return;
+    const int slot = slope_now() == SlopeAt::start ? 0 : plan_->stage(plan_->stages() - 1).slope;
     const double* slope = w_.slopes[static_cast<std::size_t>(slot)];
     memory.assign(slope, slope + w_.layout().size());
 }
@@ -66,10 +75,10 @@ void StageMethod::load(std::span<const double> memory) {
     slope_at_ = SlopeAt::start;
 }
 
-int StageMethod::start_stage(int stage) {
-    stage_ = stage;
+/// The pulleys at a stage, and what its evaluate cycle combines.
+void StageMethod::prepare_stage(const engine::PlanStep& stage) {
     w_.step.evaluate_end = false;
-    w_.step.row = plan_->stage(stage);
+    w_.step.row = stage;
     w_.step.slope_out = w_.slopes[static_cast<std::size_t>(w_.step.row.slope)];
     const model::ChainLayout& at = w_.layout();
     engine::combine(w_.step.row, w_.step.h, w_.slots(), at.pulley_begin(), at.size(), w_.pulleys.tail.data());
@@ -77,15 +86,6 @@ int StageMethod::start_stage(int stage) {
         std::copy(w_.pulleys.tail.begin(), w_.pulleys.tail.end(),
                   w_.states[static_cast<std::size_t>(w_.step.row.keep)] + at.pulley_begin());
     if (at.pulley_size != 0) w_.variator.pulleys().motions(w_.pulleys.tail.data(), w_.pulleys.sheaves);
-    return evaluate_cycle;
-}
-
-NextCycle StageMethod::next() {
-    close_evaluation(w_, w_.step.time + w_.step.row.time * w_.step.h, w_.pulleys.tail.data(), w_.sheave_forces(), w_.step.slope_out);
-    if (stage_ + 1 < plan_->stages()) return start_stage(stage_ + 1);
-    w_.step.row = plan_->result();
-    slope_at_ = plan_->last_is_result() ? SlopeAt::last : SlopeAt::nowhere;
-    return NextCycle::done();
 }
 
 }  // namespace cvtflow::tasks

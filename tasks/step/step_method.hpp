@@ -14,54 +14,15 @@
 
 namespace cvtflow::tasks {
 
-/// A cycle of the step's graph, or none: the step is taken, or cannot be.
-class NextCycle {
-public:
-    /// A cycle, by its number in the graph.
-    constexpr NextCycle(int cycle) noexcept : cycle_(cycle) {}  // methods return their cycles' enumerators
-
-    [[nodiscard]] static constexpr NextCycle done() noexcept { return {Answer::done, 0}; }
-    [[nodiscard]] static constexpr NextCycle failed() noexcept { return {Answer::failed, 0}; }
-
-    [[nodiscard]] constexpr bool is_cycle() const noexcept { return answer_ == Answer::cycle; }
-    [[nodiscard]] constexpr bool is_done() const noexcept { return answer_ == Answer::done; }
-    [[nodiscard]] constexpr bool has_failed() const noexcept { return answer_ == Answer::failed; }
-    /// The number of the cycle, if there is one.
-    [[nodiscard]] constexpr int cycle() const noexcept { return cycle_; }
-    bool operator==(const NextCycle&) const = default;
-
-private:
-    enum class Answer { cycle, done, failed };
-    constexpr NextCycle(Answer answer, int cycle) noexcept : answer_(answer), cycle_(cycle) {}
-
-    Answer answer_ = Answer::cycle;
-    int cycle_;
-};
-
-/// What a method keeps between its steps instead of the workspace, which it shows there when it is read.
-class InnerState {
-public:
-    /// The present state and phases to the workspace.
-    virtual void show() = 0;
-    /// Works and losses of all steps, and energy now.
-    [[nodiscard]] virtual const StepAccount& account() = 0;
-
-protected:
-    InnerState() = default;
-    InnerState(const InnerState&) = default;
-    InnerState& operator=(const InnerState&) = default;
-    ~InnerState() = default;
-};
-
 class StepMethod {
 public:
     virtual ~StepMethod() = default;
 
-    /// Begins the step from workspace.states[0] at workspace.step.time over workspace.step.h: the first cycle to run.
-    [[nodiscard]] virtual NextCycle begin() = 0;
-    /// After every cycle that it has named: the next one; or done, and workspace.step.row combines the result from the slots; or failed,
-    /// for which fault() has the reason.
-    [[nodiscard]] virtual NextCycle next() = 0;
+    /// One step from workspace.states[0] at workspace.step.time over workspace.step.h: yields the cycles that it needs. At its end
+    /// workspace.step.row combines the result from the slots. A step from where the last one has begun is that step again, only shorter.
+    /// @return why it failed; empty: it is taken
+    [[nodiscard]] virtual CycleSequence step() = 0;
+    [[nodiscard]] virtual AtTransition at_transition() const noexcept { return AtTransition::interpolate; }
 
     /// Adds the method's own cycles to a graph that is not frozen yet, numbered from method_cycles on; their tasks are members of the
     /// method (engine::code_of). Called again whenever segments change.
@@ -70,22 +31,10 @@ public:
     /// The workspace's segments have changed.
     virtual void repartitioned() {}
 
-    /// Of a method whose begin() takes a whole step by itself, contacts that begin and end included: nothing is searched for transitions or
-    /// combined, and what it keeps is read here. nullptr: the workspace has everything.
-    [[nodiscard]] virtual InnerState* inner() noexcept { return nullptr; }
-
-    /// true: at a transition the step is taken again up to there, and the search for it uses positions and velocities at both ends only.
-    /// false: the state at a transition is that of the cubic through workspace.states[0], slopes[0], end_state and an evaluation at the
-    /// end, so slopes[0] must hold the slope at the start when the step is done.
-    [[nodiscard]] virtual bool retakes() const noexcept { return false; }
-    /// true, of a method that retakes(): no step is cut. Tips that are due change their phase at its end.
-    [[nodiscard]] virtual bool keeps_steps() const noexcept { return false; }
     /// A run begins, or the state was set: discards the memory.
     virtual void restart() noexcept {}
     /// Tips have changed their phase since the last step.
-    virtual void transition() noexcept { restart(); }
-    /// The step just taken is not good enough; the next one begins where it began, phases and all, and is shorter.
-    virtual void rejected() noexcept {}
+    virtual void phases_changed() noexcept { restart(); }
 
     /// Row that combines the estimate of the local error from the slots once the step is done; nothing: the method makes none.
     [[nodiscard]] virtual std::optional<engine::PlanStep> error_row() const noexcept { return {}; }
@@ -97,22 +46,25 @@ public:
     /// What it remembers from step to step beside the workspace's state, phases and times of their changes, for checkpoints: load() after
     /// restart() continues bitwise from where save() was called. Empty for methods without memory.
     virtual void save(std::vector<double>& memory) const { memory.clear(); }
-    /// memory [what save() wrote]
+    /// memory [what save() wrote]; empty: a run begins at the workspace's state
     virtual void load(std::span<const double> memory) { (void)memory; }
     /// Steps between two observations of losses and energies, so that these cost about a hundredth of the steps. The default is that of a
     /// leapfrog, whose step costs as much as five evaluations.
     [[nodiscard]] virtual long observation_stride() const noexcept { return 24; }
     /// Memory that its steps touch beside the workspace [B]; nothing: not counted.
     [[nodiscard]] virtual std::optional<std::size_t> bytes() const noexcept { return {}; }
-    /// Why a step failed.
-    [[nodiscard]] virtual Fault fault() const noexcept { return {}; }
     /// Counters of the method since its construction, one line for the summary of a run; may be empty.
     [[nodiscard]] virtual std::string report() const { return {}; }
+    /// Of step().
+    [[nodiscard]] FrameMemory* frame_memory() const noexcept { return &frame_; }
 
 protected:
     StepMethod() = default;
-    StepMethod(const StepMethod&) = default;
-    StepMethod& operator=(const StepMethod&) = default;
+    StepMethod(const StepMethod&) = delete;
+    StepMethod& operator=(const StepMethod&) = delete;
+
+private:
+    mutable FrameMemory frame_;
 };
 
 /// Ends an evaluation of the right-hand side whose links are done: slope of everything behind the links, and counts it.
@@ -136,11 +88,12 @@ public:
     explicit StageMethod(Workspace& workspace, int error_power = 0) noexcept
         : w_(workspace), plan_(&workspace.plan), error_power_(error_power) {}
 
-    [[nodiscard]] NextCycle begin() override;
-    [[nodiscard]] NextCycle next() override;
-    void restart() noexcept override { slope_at_ = SlopeAt::nowhere; }
-    void transition() noexcept override { slope_at_ = SlopeAt::nowhere; }
-    void rejected() noexcept override { slope_at_ = SlopeAt::start; }
+    [[nodiscard]] CycleSequence step() override;
+    void restart() noexcept override {
+        slope_at_ = SlopeAt::nowhere;
+        begun_ = never;
+    }
+    void phases_changed() noexcept override { StageMethod::restart(); }
     [[nodiscard]] std::optional<std::size_t> bytes() const noexcept override { return 0; }  // all stages are in the workspace
     void save(std::vector<double>& memory) const override;
     void load(std::span<const double> memory) override;  ///< memory [what save() wrote]
@@ -149,7 +102,9 @@ public:
     [[nodiscard]] long observation_stride() const noexcept override { return std::max(1L, 100L / w_.plan.stages()); }
 
 protected:
-    /// Takes the following steps with another plan, whose slots the workspace must have. The slope at hand stays good.
+    /// Called at the beginning of a step. @param again the last step once more, shorter
+    virtual void prepare(bool again) { (void)again; }
+    /// Takes the following steps with another plan, whose slots the workspace must have. The slope at the start stays good.
     void use(const engine::CompiledPlan& plan) noexcept;
 
     [[nodiscard]] Workspace& workspace() noexcept { return w_; }
@@ -157,14 +112,17 @@ protected:
 private:
     /// Where the slope at the next step's start is to be found: slope slot 0, or the last stage's.
     enum class SlopeAt { nowhere, start, last };
+    static constexpr double never = -1e300;  ///< [s]
 
-    int start_stage(int stage);
+    void prepare_stage(const engine::PlanStep& stage);
     void bring_slope() noexcept;
+    /// Of the slope at the state: a step that was rejected has left it in slot 0.
+    [[nodiscard]] SlopeAt slope_now() const noexcept { return w_.step.time == begun_ ? SlopeAt::start : slope_at_; }
 
     Workspace& w_;
     const engine::CompiledPlan* plan_;
     int error_power_;
-    int stage_ = 0;
+    double begun_ = never;  ///< when the last step began; never: no step since restart() [s]
     SlopeAt slope_at_ = SlopeAt::nowhere;
 };
 

@@ -52,7 +52,19 @@ Workspace::Workspace(const model::Parameters& p, const engine::StagePlan& stage_
     further = further_memory(*this);
 }
 
+const double* Workspace::state() const noexcept {
+    if (std::exchange(columns_ahead_, false)) columns_->write(states[0]);
+    return states[0];
+}
+
+model::RigidState& Workspace::columns() {
+    if (!columns_) columns_ = std::make_unique<model::RigidState>(variator.chain().rigid()->model());
+    return *columns_;
+}
+
 void Workspace::adopt(const model::Parameters& other) {
+    columns_.reset();
+    columns_ahead_ = false;
     variator.adopt(parameters, other);
     parameters = other;
     rule = rule_of(other);
@@ -109,15 +121,15 @@ model::Account Workspace::observed_links() const noexcept {
 
 model::Account Workspace::observed_pulleys() const noexcept {
     model::Account total;
-    if (layout().pulley_size != 0) variator.pulleys().account(states[0] + layout().pulley_begin(), total);
+    if (layout().pulley_size != 0) variator.pulleys().account(state() + layout().pulley_begin(), total);
     return total;
 }
 
-double Workspace::pin_period() const noexcept { return model::pin_period(parameters.chain, layout(), states[0]); }
+double Workspace::pin_period() const noexcept { return model::pin_period(parameters.chain, layout(), state()); }
 
 std::array<double, 2> Workspace::shaft_momentum() const noexcept {
     if (layout().pulley_size == 0) return {};
-    const double* block = states[0] + layout().pulley_begin();
+    const double* block = state() + layout().pulley_begin();
     return {variator.pulleys().momentum(block, 0), variator.pulleys().momentum(block, 1)};
 }
 
@@ -125,6 +137,7 @@ std::size_t Workspace::bytes() const noexcept {
     const auto of = [](const auto&... vectors) { return ((vectors.size() * sizeof(vectors[0])) + ...); };
     std::size_t bytes = sizeof(*this);
     for (const auto& window : windows) bytes += of(window);
+    if (columns_) bytes += columns_->bytes();
     return bytes + of(memory_, pulleys.tail, links.loads, links.sums, links.accounts, links.errors, tips.phases, tips.phases_before,
                       tips.before, tips.after, tips.probes, tips.changed, segment_results);
 }

@@ -9,6 +9,7 @@
 #include "engine/method/compiled_plan.hpp"
 #include "model/law/phase_rule.hpp"
 #include "model/machine/heat_balance.hpp"
+#include "model/rigid/rigid_state.hpp"
 #include "model/variator/variator.hpp"
 #include "tasks/step/control/cycle_sequence.hpp"
 #include "tasks/step/control/energy_ledger.hpp"
@@ -37,6 +38,14 @@ struct alignas(64) SegmentResult {
     bool pending = false;  ///< some tip has to be located
 };
 
+/// What becomes of a step in which tips are due to change their phase.
+enum class AtTransition {
+    interpolate,  ///< it is cut there: on the cubic through both ends and their slopes, of which slopes[0] must hold that at the start
+    repeat,       ///< it is taken again up to there, found by positions and velocities at both ends
+    at_end,       ///< it is kept, and the tips change their phase at its end
+    inside        ///< the method has changed the phases itself: nothing is searched for
+};
+
 /// The step at hand; written by the controller between cycles, read by every task.
 struct StepInput {
     double time = 0.0;             ///< t at the step's start [s]
@@ -49,13 +58,15 @@ struct StepInput {
     engine::PlanStep error_row{};  ///< how
     ErrorScale error_scale;        ///< in which units
     Transition due;                ///< what it cuts for
-    bool secant = false;           ///< slopes at both ends are made from the states there
-    bool kept = false;             ///< tips change their phase at its end, and nothing is located
     bool end_state_ready = false;  ///< the step method has left the links' result in end_state; a detect cycle combines nothing
     long evaluations = 0;          ///< of the right-hand side, so far
     double* slope_out = nullptr;   ///< [layout.size()] where an evaluate cycle writes slopes
     double* state_out = nullptr;   ///< [layout.size()] where a detect or truncate cycle writes states
     bool evaluate_end = false;     ///< an evaluate cycle works at the end of the step instead of a stage
+    AtTransition at_transition = AtTransition::interpolate;  ///< of the method
+
+    /// Whether slopes at both ends are made from the states there.
+    [[nodiscard]] bool slopes_from_states() const noexcept { return at_transition != AtTransition::interpolate; }
 };
 
 /// What cycles find of links: written by the link's segment (Field::load, account, link_error), added up by the controller in one order.
@@ -76,6 +87,7 @@ struct TipState {
     std::vector<model::TipIndicator> after;   ///< [4 links] at its end
     std::vector<model::TipProbe> probes;      ///< [links] the same with the links' radii
     std::vector<double> changed;              ///< [4 links] time of the last change of phase [s]
+    bool have_changed = false;                ///< in the step at hand (AtTransition::inside)
 };
 
 /// What an assembly of the laboratory keeps in a workspace (FurtherAssembly).
@@ -110,7 +122,7 @@ public:
     StepInput step;
 
     // Fields over the state vector: [slot][layout.size()].
-    std::vector<double*> states;  ///< state slots; 0 = y at the step's start
+    std::vector<double*> states;  ///< state slots; 0 = y at the step's start, unless columns() have it: see state()
     std::vector<double*> slopes;  ///< slope slots; 0 = its slope
     double* end_state;            ///< y at the step's end
     double* end_slope;            ///< its slope with the step's phases, only if a transition has to be located
@@ -129,6 +141,19 @@ public:
     bool sums_missing = false;                       ///< evaluate cycles of the assembly at hand do not fill links.sums
 
     [[nodiscard]] const model::ChainLayout& layout() const noexcept { return variator.layout(); }
+    /// y at the step's start, for whoever observes, saves or judges it; between two cycles only. Columns are written to it when somebody
+    /// asks. @return [layout.size()]
+    [[nodiscard]] const double* state() const noexcept;
+    /// The state of rigid pins in columns, for a method that steps them there: it is the state from the next columns_advanced() on.
+    [[nodiscard]] model::RigidState& columns();
+    /// nullptr: no method has asked for them.
+    [[nodiscard]] const model::RigidState* rigid_pins() const noexcept { return columns_.get(); }
+    void columns_advanced() noexcept { columns_ahead_ = true; }
+    /// The same for whoever sets it from outside, between two runs; then call StepMethod::restart.
+    [[nodiscard]] double* state_to_set() noexcept {
+        static_cast<void>(state());
+        return states[0];
+    }
     /// Another variator of the same layout, at rest before its start; between runs only.
     void adopt(const model::Parameters& other);
     /// Temperatures follow the losses so far, and the tips' law the temperatures; at an output. time [s]
@@ -160,6 +185,8 @@ public:
 
 private:
     model::LineVector<double> memory_;
+    std::unique_ptr<model::RigidState> columns_;
+    mutable bool columns_ahead_ = false;  ///< of states[0]
 };
 
 }  // namespace cvtflow::tasks

@@ -17,7 +17,7 @@ namespace cvtflow::tasks {
 /// Turns a shaft with its sheaves, which are the same all round: a governor counts angles from t = 0. shaft 0 or 1, angle [rad]
 void turn_shaft(engine::SavedState& state, const model::Parameters& parameters, int shaft, double angle);
 
-/// A state in a new folder of its own, which nobody else can enter, in the system's folder for such things; removed with this object.
+/// A state in a new private folder in the system's temporary folder; removed with this object.
 class StateFile {
 public:
     explicit StateFile(const engine::SavedState& state);

@@ -87,7 +87,7 @@ TunedOutput of_scalar(const std::string& text) {
                                  engine::did_you_mean(engine::closest(text, names))));
 }
 
-/// Halves share what an end of a pin carries. The same quantity at every level of detail. [N]
+/// Largest force on an end of a pin, the sum of its two halves: comparable at every level of detail. [N]
 double largest_pin_end(const model::ChainLayout& at, const std::vector<double>& tip_axial) {
     double largest = 0.0;
     for (int pin = 0; pin < at.links; ++pin) {
@@ -128,7 +128,7 @@ OutputReader::OutputReader(const model::Variator& variator, std::span<const Tune
 
 void OutputReader::output(double time, const Workspace& workspace, const Counters& counters) {
     if (time < from_ - 1e-12 * std::abs(from_)) return;
-    const model::Observation& now = observer_.observe(time, workspace.states[0], workspace.tips.phases.data());
+    const model::Observation& now = observer_.observe(time, workspace.state(), workspace.tips.phases.data());
     watch_.add(now, workspace);
     tip_ += largest_pin_end(workspace.layout(), now.tip_axial);
     thrust_ += now.clamping[0] / now.clamping[1];
@@ -140,7 +140,7 @@ void OutputReader::output(double time, const Workspace& workspace, const Counter
 }
 
 void OutputReader::sample(double time, const Workspace& workspace) {
-    watch_.add(observer_.observe(time, workspace.states[0], workspace.tips.phases.data()), workspace);
+    watch_.add(observer_.observe(time, workspace.state(), workspace.tips.phases.data()), workspace);
 }
 
 void OutputReader::reduce(std::size_t output, double time, const Instant& instant) {

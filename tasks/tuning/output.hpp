@@ -16,9 +16,9 @@ namespace cvtflow::tasks {
 /// of a method's error is made by it.
 class RelativeError {
 public:
-    /// Numbers of one instant or quantity, in units of one's own. Of equal length.
+    /// Adds numbers of one instant or quantity, in any unit. @param is, should equally long
     void add(std::span<const double> is, std::span<const double> should) noexcept;
-    /// What another one has added.
+    /// Adds the sums of another one.
     void add(const RelativeError& other) noexcept;
 
     /// 0 if both are zero; infinite where a number is not finite, or differs from a reference of zeros.
@@ -37,7 +37,7 @@ inline constexpr double min_slip = 1e-4;
 
 [[nodiscard]] double relative_error(std::span<const double> is, std::span<const double> should) noexcept;
 
-/// What figures are read of: means over the outputs of the part of a run that counts.
+/// Values that figures are read from: means over the outputs of the part of a run that counts.
 struct FigureMeans {
     SpanMeans span;
     double tip = 0.0;     ///< mean of the largest axial force of an end of a pin [N]
@@ -62,7 +62,7 @@ struct TunedOutput {
     const Figure* figure = nullptr;                     ///< nullptr: the scalar
     Scalar scalar{};
 
-    [[nodiscard]] double error(double is, double should) const noexcept;  ///< is, should [unit of the output]; relative [1]
+    [[nodiscard]] double error(double is, double should) const noexcept;  ///< relative [1]. is, should [unit of the output]
 };
 
 /// Outputs by their names; none: the usual figures that the machine has.
@@ -83,7 +83,7 @@ public:
     void sample(double time, const Workspace& workspace) override;
     void transition(const TransitionRecord&) override {}
 
-    /// Of every output, in its unit; not a number where nothing counted.
+    /// Value of every output, in its unit; not a number if no output counted.
     [[nodiscard]] std::vector<double> values() const;
     [[nodiscard]] const RunWatch& watch() const noexcept { return watch_; }
 

@@ -162,7 +162,7 @@ double processor_time() {
 
 std::string percent_of(double share) { return fmt::format("{:.2g} %", 100.0 * share); }
 
-/// What a run cost since it began.
+/// Enters the cost of a run since it began.
 void book(const Simulation& simulation, double began, double simulated, PointRun& run) {
     run.seconds = (processor_time() - began) / simulated;
     run.work = static_cast<double>(simulation.counters().evaluations) * simulation.workspace().layout().size() / simulated;
@@ -218,9 +218,9 @@ void PointMeasure::settle_finest() {
     settled_with_ = chosen_scene(point_.scene, {finest_, RunSettings{}.method}, 0.0);
     settled_with_.state_file.clear();
     Simulation simulation(settled_with_, Schedule{});
-    SilentObserver nobody;
+    SilentObserver silent;
     if (simulation.needs_settling()) {
-        if (const Fault fault = advance(simulation, {.until = 0.0}, nobody)) throw SimulationError("settling: " + fault.message());
+        if (const Fault fault = advance(simulation, {.until = 0.0}, silent)) throw SimulationError("settling: " + fault.message());
         if (simulation.suspicion() > 1.0) throw SimulationError("settling: its energy balance does not close");
     }
     settled_ = simulation.saved_state();
@@ -256,10 +256,10 @@ PointRun PointMeasure::measured(const TuneChoice& choice, bool settled, engine::
     Scene scene = chosen_scene(point_.scene, choice, 0.0);
     const std::unique_ptr<Simulation> simulation = begin(choice, scene, settled, run);
     OutputReader reader(simulation->variator(), outputs_, scene.run.followed_pin, point_.from);
-    SilentObserver nobody;
+    SilentObserver silent;
     Fault fault;
-    if (simulation->needs_settling()) fault = advance(*simulation, {.until = 0.0}, nobody);
-    if (!fault && point_.from > simulation->time()) fault = advance(*simulation, {.until = point_.from}, nobody);
+    if (simulation->needs_settling()) fault = advance(*simulation, {.until = 0.0}, silent);
+    if (!fault && point_.from > simulation->time()) fault = advance(*simulation, {.until = point_.from}, silent);
     const double before = simulation->suspicion();
     if (!fault && state != nullptr) *state = simulation->saved_state();
     const double began = processor_time(), begin = simulation->time();
@@ -280,14 +280,14 @@ PointRun PointMeasure::trial(const TuneChoice& choice, double duration) {
     PointRun run;
     Scene scene = chosen_scene(point_.scene, choice, 0.0);
     const std::unique_ptr<Simulation> simulation = begin(choice, scene, true, run);
-    Scene fixed = scene;  // looking at the spectrum, often in the beginning, would count too much
+    Scene fixed = scene;  // estimates of the spectrum, frequent in the beginning, would count too much
     fixed.state_file.clear();
     fixed.run.step = AutoNumber(run.step > 0.0 ? run.step : simulation->automatic_step());
     const engine::SavedState state = simulation->saved_state();
     simulation->reset(fixed, &state);
-    SilentObserver nobody;
+    SilentObserver silent;
     const double began = processor_time(), begin = simulation->time();
-    const Fault fault = advance(*simulation, {.until = begin + duration}, nobody);
+    const Fault fault = advance(*simulation, {.until = begin + duration}, silent);
     book(*simulation, began, std::max(simulation->time() - begin, 1e-9), run);
     if (fault) run.objection = fault.message();
     run.hash = simulation->hash();

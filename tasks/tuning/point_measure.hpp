@@ -38,17 +38,17 @@ struct PointTimes {
 [[nodiscard]] std::vector<OperatingPoint> points_of(const Scene& scene, const PointTimes& times);
 
 /// Points that lie between those: every table over time somewhere between its lowest and highest value; load and clamping, where they
-/// are constant, within 5 % of what they are; of a ring the speed. The same for the same seed.
+/// are constant, within 5 % of what they are; of a ring the speed. Equal seeds give equal points.
 [[nodiscard]] std::vector<OperatingPoint> unseen_points(const Scene& scene, const PointTimes& times, int count, std::uint64_t seed);
 
 /// A case of a sweep, as it is run there.
 [[nodiscard]] OperatingPoint point_of_case(const Sweep& sweep, long number);
 
-/// Cases at the corners of a sweep's axes: all combinations of the rows in which a key is lowest, highest, first or last. Of more than
-/// `most` of them so many, evenly picked, first and last included. Cases whose values contradict each other are left out.
+/// Cases at the corners of a sweep's axes: all combinations of the rows in which a key is lowest, highest, first or last. If there are more
+/// than `most`, that number is picked evenly, first and last included. Cases whose values contradict each other are left out.
 [[nodiscard]] std::vector<long> corner_cases(const Sweep& sweep, std::size_t most = 8);
 
-/// What may be chosen for a scene.
+/// A choice for a scene.
 struct TuneChoice {
     std::string detail;  ///< a preset; empty: the scene's own
     std::string method;
@@ -111,19 +111,19 @@ public:
     [[nodiscard]] PointRun run(const TuneChoice& choice);
     /// The same, and the state at the start of the averages. state: unchanged if the run ended before
     [[nodiscard]] PointRun run(const TuneChoice& choice, engine::SavedState& state);
-    /// A short run from the start, for what it costs. duration [s]
+    /// A short run from the start, to measure its cost. duration [s]
     [[nodiscard]] PointRun trial(const TuneChoice& choice, double duration);
 
-    /// What outputs should be: the finest detail with the default method at a quarter of its automatic step, or less, so that twice that
+    /// Reference outputs: the finest detail with the default method at a quarter of its automatic step, or less, so that twice that
     /// step has errors of at most `agreement`. Computed on first use, or for a smaller `agreement`.
     /// @param before called before each of its runs with the share of the automatic step; may be empty
     /// @return empty: no reference; objection() states why
     [[nodiscard]] const PointRun* reference(double agreement, const std::function<void(double)>& before = {});
     [[nodiscard]] const std::string& objection() const noexcept { return objection_; }
-    /// How the reference came about, and by how much one with twice its step is off.
+    /// Origin of the reference, and its difference to one with twice its step.
     [[nodiscard]] const std::string& reference_text() const noexcept { return reference_text_; }
 
-    /// Of every output, relative; infinite where the run gave none.
+    /// Relative error of every output; infinite where the run has none.
     [[nodiscard]] std::vector<double> errors(const PointRun& run, const PointRun& should) const;
     [[nodiscard]] const OperatingPoint& point() const noexcept { return point_; }
 
@@ -143,7 +143,7 @@ private:
     std::optional<engine::SavedState> settled_;  ///< at the finest detail, or the scene's own state
     Scene settled_with_;                         ///< what its numbers mean
     std::map<double, PointRun> references_;      ///< by share of the automatic step
-    double agreement_ = 0.0;                     ///< of the reference at hand [1]
+    double agreement_ = 0.0;                     ///< of the present reference [1]
     const PointRun* reference_ = nullptr;
     std::string objection_, reference_text_;
 };

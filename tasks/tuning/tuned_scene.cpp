@@ -10,7 +10,7 @@
 #include "engine/base/text.hpp"
 #include "engine/record/run/output_rule.hpp"
 #include "engine/record/run/schema.hpp"
-#include "model/basis/isa.hpp"
+#include "model/kernels/available_isas.hpp"
 #include "tasks/run/saved_start.hpp"
 
 namespace cvtflow::tasks {
@@ -75,7 +75,7 @@ const TunedChoice& chosen_of(const TuneResult& result) {
     if (!result.used_up_by.empty()) throw AccuracyError(fmt::format("{}: {}", result.scene, result.why_none()), true);
     throw AccuracyError(fmt::format("{}: no tried choice is within {:g} % (with a margin of {:g}){}", result.scene, 100.0 * result.accuracy,
                                     tuning_margin,
-                                    best == nullptr ? "" : fmt::format("; nearest: {}: {}", best->choice.text(), best->standing)));
+                                    best == nullptr ? "" : fmt::format("; nearest: {}: {}", best->choice.text(), best->outcome)));
 }
 
 fs::path usual_tuning_folder() {

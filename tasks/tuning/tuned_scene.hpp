@@ -52,7 +52,7 @@ struct TunedScene {
 [[nodiscard]] TunedScene tuned_scene(const Scene& scene, const TuneSettings& settings, const std::filesystem::path& folder,
                                      const engine::Cancellation& cancel);
 
-/// What was chosen. @throws AccuracyError: nothing was, and what was nearest
+/// The chosen one. @throws AccuracyError: none was; the message names the nearest one
 [[nodiscard]] const TunedChoice& chosen_of(const TuneResult& result);
 
 /// Whether a scene needs another start state at that detail: it has none, or one with other unknowns.

@@ -94,7 +94,7 @@ void Tuner::say(const std::string& what, double seconds) {
 }
 
 void Tuner::say_share(const std::string& what, std::size_t number, std::size_t of) {
-    require_going_on();
+    throw_if_cancelled();
     if (4 * number / of == 4 * (number - 1) / of && number > 1) return;
     say(fmt::format("{}: {:.0f} %", what, 100.0 * static_cast<double>(number - 1) / static_cast<double>(of)));
     measuring_ = what;
@@ -105,7 +105,7 @@ double Tuner::expected(const PointMeasure& point, double cost) const noexcept {
     return cost * (point.point().until + settling);
 }
 
-void Tuner::require_going_on() const {
+void Tuner::throw_if_cancelled() const {
     if (cancel_.requested()) throw SimulationError("interrupted");
 }
 
@@ -119,7 +119,7 @@ const PointRun* Tuner::reference_at(std::size_t i, TuneResult& result) {
         say(fmt::format("reference at {}, 1/{:g} of its automatic step", point.point().name, 1.0 / share), expected(point, cost / share));
     };
     const PointRun* reference = point.reference(reference_share * result.accuracy / tuning_margin, before);
-    require_going_on();
+    throw_if_cancelled();
     judged_[i] = reference != nullptr;
     if (reference != nullptr) {
         result.points.push_back(point.point().name);
@@ -166,13 +166,13 @@ std::string Tuner::objection_to(const TunedChoice& candidate, const TuneResult& 
 void Tuner::try_at_points(TunedChoice& candidate, TuneResult& result) {
     for (std::size_t i = 0; i < points_.size(); ++i) {
         if (const auto found = judged_.find(i); found != judged_.end() && !found->second) continue;
-        require_going_on();
+        throw_if_cancelled();
         const std::string& place = points_[i].point().name;
         say(fmt::format("{} at {}", candidate.choice.text(), place), expected(points_[i], candidate.seconds));
         const auto key = std::pair(candidate.choice.text(), i);
         if (!runs_.contains(key)) runs_[key] = run_of(candidate.choice, points_[i]);
         const PointRun& run = runs_.at(key);
-        require_going_on();
+        throw_if_cancelled();
         const PointRun* reference = reference_at(i, result);
         if (reference == nullptr) continue;
         const std::vector<double> errors = points_[i].errors(run, *reference);
@@ -181,11 +181,11 @@ void Tuner::try_at_points(TunedChoice& candidate, TuneResult& result) {
         for (std::size_t k = 0; k < errors.size(); ++k) candidate.errors[k] = std::max(candidate.errors[k], errors[k]);
         if (!candidate.tried) candidate.step = run.step;
         candidate.tried = true;
-        candidate.standing = run.objection.empty() ? objection_to(candidate, result) : fmt::format("{} at {}", run.objection, place);
-        if (!candidate.standing.empty()) return;
+        candidate.outcome = run.objection.empty() ? objection_to(candidate, result) : fmt::format("{} at {}", run.objection, place);
+        if (!candidate.outcome.empty()) return;
     }
     if (candidate.tried)
-        candidate.standing = "chosen";
+        candidate.outcome = "chosen";
     else
         throw SimulationError(fmt::format("{}: no operating point has a reference run for an accuracy of {:g} %:\n  {}", scene_.name,
                                           100.0 * result.accuracy, fmt::join(result.left_out, "\n  ")));
@@ -195,21 +195,21 @@ void Tuner::try_choices(TuneResult& result) {
     for (const TunedChoice& ranked : ranked_) {
         TunedChoice& candidate = result.choices.emplace_back(ranked);
         if (result.chosen) {
-            candidate.standing = "more expensive than the chosen one";
+            candidate.outcome = "more expensive than the chosen one";
         } else if (!result.used_up_by.empty() || deadline_.passed()) {
-            candidate.standing = out_of_time;
+            candidate.outcome = out_of_time;
             if (result.used_up_by.empty()) result.used_up_by = measuring_;
         } else if (!worth_trying(candidate, result)) {
-            candidate.standing = "insufficient detail";
+            candidate.outcome = "insufficient detail";
         } else {
             try {
                 try_at_points(candidate, result);
             } catch (const BudgetUsedUp&) {
-                candidate.standing = out_of_time;
+                candidate.outcome = out_of_time;
                 result.used_up_by = measuring_;
             }
         }
-        if (candidate.standing == "chosen") result.chosen = result.choices.size() - 1;
+        if (candidate.outcome == "chosen") result.chosen = result.choices.size() - 1;
     }
 }
 
@@ -253,13 +253,13 @@ std::string TuneResult::why_none() const {
 std::vector<double> Tuner::errors_at(const TuneChoice& choice, OperatingPoint point, double accuracy, std::string& why) {
     PointMeasure measure(std::move(point), finest_, outputs_, cancel_);
     const PointRun* should = measure.reference(reference_share * accuracy);
-    require_going_on();
+    throw_if_cancelled();
     if (should == nullptr) {
         why = measure.objection();
         return {};
     }
     const PointRun run = measure.run(choice);
-    require_going_on();
+    throw_if_cancelled();
     why = run.objection;
     return measure.errors(run, *should);
 }
@@ -267,7 +267,7 @@ std::vector<double> Tuner::errors_at(const TuneChoice& choice, OperatingPoint po
 engine::SavedState Tuner::settled_state(const TuneChoice& choice) {
     engine::SavedState state;
     const PointRun run = points_.front().run(choice, state);
-    require_going_on();
+    throw_if_cancelled();
     if (!run.objection.empty()) throw SimulationError(run.objection);
     const OperatingPoint& point = points_.front().point();
     const model::Parameters parameters = chosen_scene(point.scene, choice, 0.0).parameters;
@@ -282,7 +282,7 @@ namespace {
 
 constexpr double shares[] = {1.0, 0.5, 0.25};  ///< of the automatic step
 constexpr std::size_t max_methods = 3;
-constexpr double method_reach = 2.0;    ///< methods so many times as dear as the cheapest are left out
+constexpr double method_reach = 2.0;    ///< methods that cost this many times as much as the cheapest are left out
 constexpr double method_trial = 50e-6;  ///< [s]
 constexpr double cost_trial = 1e-3;     ///< [s]
 constexpr int rounds = 3;
@@ -375,10 +375,11 @@ void Tuner::find_methods() {
 std::vector<std::pair<TunedChoice, double>> Tuner::find_bases() {
     std::vector<std::pair<TunedChoice, double>> bases;
     std::vector<std::pair<std::string, std::string>> objections;
-    std::map<std::pair<std::string, std::uint64_t>, std::string> steps;  // method by level and end of its trial
+    std::vector<std::string> methods = methods_;
+    if (settings_.methods.empty()) methods.emplace_back(automatic_method);  // which another level may take differently
     for (const std::string& level : levels_for(scene_)) {
-        for (const std::string& method : methods_) {
-            require_going_on();
+        for (const std::string& method : methods) {
+            throw_if_cancelled();
             TunedChoice base;
             base.choice = {level, method};
             base.choice.method = method_of(chosen_scene(scene_, base.choice, 0.0));
@@ -386,8 +387,6 @@ std::vector<std::pair<TunedChoice, double>> Tuner::find_bases() {
             if (std::any_of(bases.begin(), bases.end(), same)) continue;
             try {
                 const PointRun run = points_.front().trial(base.choice, cost_trial);
-                const auto [first, differs] = steps.try_emplace({level, run.hash}, method);
-                if (!differs && run.objection.empty()) throw SimulationError("takes the steps of " + first->second);
                 base.work = run.work;
                 bases.emplace_back(base, run.seconds);
             } catch (const std::exception& error) {  // a method that the scene's detail takes need not take every level: rigid pins

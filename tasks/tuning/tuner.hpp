@@ -56,7 +56,7 @@ struct TunedChoice {
     bool tried = false;          ///< at one point at least
     std::vector<double> errors;  ///< of every output, the largest of all points tried [1]
     std::string worst;           ///< the point with the largest error
-    std::string standing;        ///< "chosen", "meets the target", or why it is not taken
+    std::string outcome;         ///< "chosen", "meets the target", or why it is not taken
     bool front = false;          ///< no other that was tried is both cheaper and more exact
     double step = 0.0;           ///< at the first point, if it is fixed; 0: automatic [s]
 
@@ -89,7 +89,7 @@ public:
     Tuner(const Tuner&) = delete;
     Tuner& operator=(const Tuner&) = delete;
 
-    /// What has been measured for one accuracy serves the next. A point's reference is measured when the first choice has run there.
+    /// Reuses the measurements of earlier accuracies. A point's reference is measured when the first choice has run there.
     /// accuracy [1]
     /// @throws SimulationError: no point has a reference; interrupted
     [[nodiscard]] TuneResult tune(double accuracy);
@@ -111,18 +111,18 @@ private:
     void find_costs();
     /// Every choice in turn, the cheapest first, until one is chosen or the budget is used up.
     void try_choices(TuneResult& result);
-    /// Of a point, measured when it is first needed; nullptr: the point has none and is left out.
+    /// Reference of a point, measured when it is first needed; nullptr: the point has none and is left out.
     [[nodiscard]] const PointRun* reference_at(std::size_t point, TuneResult& result);
     [[nodiscard]] bool worth_trying(const TunedChoice& candidate, const TuneResult& result) const;
     void try_at_points(TunedChoice& candidate, TuneResult& result);
     [[nodiscard]] std::string objection_to(const TunedChoice& candidate, const TuneResult& result) const;
     /// Wall time of a run at a point, by the costs measured [s]. @param cost [s/s]
     [[nodiscard]] double expected(const PointMeasure& point, double cost) const noexcept;
-    /// What is measured now. @param seconds how long that takes, 0: unknown [s]
+    /// Reports the present measurement. @param seconds its expected duration, 0: unknown [s]
     void say(const std::string& what, double seconds = 0.0);
-    /// The same about one of many short measurements: every quarter of them. @throws SimulationError: interrupted
+    /// Reports one of many short measurements: every quarter of them. @throws SimulationError: interrupted
     void say_share(const std::string& what, std::size_t number, std::size_t of);
-    void require_going_on() const;
+    void throw_if_cancelled() const;
 
     Scene scene_;
     TuneSettings settings_;
@@ -133,7 +133,7 @@ private:
     std::vector<std::string> methods_, left_out_;
     std::vector<TunedChoice> ranked_;                               ///< cheapest first
     std::map<std::pair<std::string, std::size_t>, PointRun> runs_;  ///< by choice and point
-    std::map<std::size_t, bool> judged_;  ///< points at which a choice has run for the accuracy at hand: whether they have a reference
+    std::map<std::size_t, bool> judged_;  ///< points at which a choice has run for the present accuracy: whether they have a reference
     Deadline deadline_;
     std::string measuring_;  ///< what say() reported last
 };

@@ -156,18 +156,18 @@ std::vector<std::string> verify_sweep(const Sweep& sweep, const TunedSweep& tune
     return remarks;
 }
 
-SweepVerdict sweep_verdict(const std::string& file) {
+SweepVerification sweep_verification(const std::string& file) {
     OrderedRows rows(file);
     const engine::CaseTable& head = rows.head();
-    SweepVerdict verdict;
-    verdict.target = engine::number_of(head.attribute(target_attribute)).value_or(0.0);
+    SweepVerification verification;
+    verification.target = engine::number_of(head.attribute(target_attribute)).value_or(0.0);
     std::vector<std::size_t> columns;
     for (const engine::CaseColumn& column : head.layout.columns()) {
         if (!column.name.starts_with(error_prefix)) continue;
         columns.push_back(head.layout.column(column.name));
-        verdict.scalars.push_back(column.name.substr(error_prefix.size()));
+        verification.scalars.push_back(column.name.substr(error_prefix.size()));
     }
-    verdict.worst.resize(columns.size(), 0.0);
+    verification.worst.resize(columns.size(), 0.0);
     std::vector<std::byte> row(head.layout.bytes());
     for (std::size_t at = 0; at < rows.size() && !columns.empty(); ++at) {
         rows.fill(at, row);
@@ -175,16 +175,16 @@ SweepVerdict sweep_verdict(const std::string& file) {
         if (std::isnan(head.layout.real(row, columns.front()))) continue;
         for (std::size_t i = 0; i < columns.size(); ++i) {
             const double error = head.layout.real(row, columns[i]);
-            verdict.worst[i] = std::max(verdict.worst[i], error);
+            verification.worst[i] = std::max(verification.worst[i], error);
             worst = std::max(worst, error);
         }
-        ++verdict.verified;
-        verdict.missed += !(worst <= verdict.target);
+        ++verification.verified;
+        verification.missed += !(worst <= verification.target);
     }
-    return verdict;
+    return verification;
 }
 
-std::string SweepVerdict::text() const {
+std::string SweepVerification::text() const {
     std::vector<std::string> parts;
     for (std::size_t i = 0; i < scalars.size(); ++i) parts.push_back(fmt::format("{} {:.2g} %", scalars[i], 100.0 * worst[i]));
     return fmt::format("{} case{} verified, {} beyond {:g} %{}", verified, verified == 1 ? "" : "s", missed, 100.0 * target,

@@ -33,7 +33,7 @@ std::vector<std::string> verify_sweep(const Sweep& sweep, const TunedSweep& tune
                                       const engine::Cancellation& cancel, const std::function<void(const std::string&)>& progress);
 
 /// Verified errors of a table.
-struct SweepVerdict {
+struct SweepVerification {
     double target = 0.0;               ///< 0: none
     std::vector<std::string> scalars;  ///< columns
     std::vector<double> worst;         ///< error of each [1]
@@ -45,6 +45,6 @@ struct SweepVerdict {
     [[nodiscard]] std::string text() const;
 };
 /// @param file the table   @throws engine::RecordError
-[[nodiscard]] SweepVerdict sweep_verdict(const std::string& file);
+[[nodiscard]] SweepVerification sweep_verification(const std::string& file);
 
 }  // namespace cvtflow::tasks

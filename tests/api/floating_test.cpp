@@ -10,7 +10,7 @@
 namespace cvtflow::host {
 namespace {
 
-/// What a host may have set.
+/// Environment that a host may have set.
 struct Environment {
     const char* name;
     int round;
@@ -27,11 +27,11 @@ constexpr Environment environments[] = {
     {"all of it", FE_UPWARD, FE_ALL_EXCEPT, true},
 };
 
-void adopt(const Environment& wanted) {
+void adopt(const Environment& environment) {
     std::fesetenv(FE_DFL_ENV);
-    std::fesetround(wanted.round);
-    if (wanted.flushes) __builtin_ia32_ldmxcsr(__builtin_ia32_stmxcsr() | 0x8040);
-    feenableexcept(wanted.traps);
+    std::fesetround(environment.round);
+    if (environment.flushes) __builtin_ia32_ldmxcsr(__builtin_ia32_stmxcsr() | 0x8040);
+    feenableexcept(environment.traps);
 }
 
 /// Whether modes, traps and flags are the same; the rest (where the last x87 instruction stood, how it compared) is no part of an
@@ -41,7 +41,7 @@ bool same(const std::fenv_t& a, const std::fenv_t& b) {
            a.__mxcsr == b.__mxcsr;
 }
 
-/// Calls the interface under an environment, and looks after each call whether it is still the host's.
+/// Calls the interface under an environment, and checks after each call that it is still the host's.
 class Host {
 public:
     explicit Host(const Environment& environment) : environment_(environment) {}

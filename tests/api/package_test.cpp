@@ -135,7 +135,7 @@ TEST_F(Package, SearchesNoEmptyOrRelativeFolderForLibraries) {
     }
 }
 
-/// What finds written stacks and writes into tables of functions is on; sanitizers have their own.
+/// Checks for overwritten stacks and tables of functions are on; sanitizers have their own.
 TEST_F(Package, IsHardened) {
     if (std::string(CVTFLOW_SANITIZER) != "") GTEST_SKIP() << "sanitizers have checks of their own";
     install("p");

@@ -53,7 +53,7 @@ std::size_t addresses() {
     return pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
 }
 
-/// Takes the stack that calls will need: where it cannot grow any more, the kernel ends a process, and nobody can say why.
+/// Takes the stack that calls will need: where it cannot grow any more, the kernel ends a process without a message.
 void touch_stack() {
     volatile char stack[512 * 1024];
     for (std::size_t i = 0; i < sizeof stack; i += 1024) stack[i] = 1;
@@ -72,7 +72,7 @@ int create_with(const cvtflow_scene* scene, std::size_t more) {
     return code;
 }
 
-TEST(HostProcess, WithoutMemorySaysSoInsteadOfCrashing) {
+TEST(HostProcess, WithoutMemoryReportsItInsteadOfCrashing) {
     if (address_sanitizer || thread_sanitizer) GTEST_SKIP() << "they take terabytes of addresses";
     if (!alone()) return;
     cvtflow_scene* scene = nullptr;
@@ -115,7 +115,7 @@ TEST(HostProcess, StepsAfterShutdownStartNewThreads) {
     }
 }
 
-TEST(HostProcess, ShutdownSaysWhenOthersKeepTheWorkers) {
+TEST(HostProcess, ShutdownReportsWhenOthersKeepTheWorkers) {
     if (!alone()) return;
     oneapi::tbb::task_scheduler_handle hosts{oneapi::tbb::attach{}};  // a host that uses oneTBB and is not done with it
     Simulation simulation(tiny(), Threads::own(2));
@@ -137,7 +137,7 @@ TEST(HostProcess, AForkBeforeTheFirstStepIsHarmless) {
               0);
 }
 
-TEST(HostProcess, AForkAfterThreadedStepsIsAClearErrorAndTheCallerAloneCanGoOn) {
+TEST(HostProcess, AForkAfterThreadedStepsIsAClearErrorAndTheCallerAloneCanContinue) {
     const Scene scene = tiny();
     EXPECT_EQ(in_child([&] {
                   Simulation simulation(scene, Threads::own(2));

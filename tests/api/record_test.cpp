@@ -107,7 +107,7 @@ TEST_F(HostRecords, TablesAreReadByColumns) {
     EXPECT_THAT(error_of([&] { static_cast<void>(table.numbers("load_torqe")); }), HasSubstr("did you mean \"load_torque\""));
 }
 
-TEST_F(HostRecords, ASweepThatIsCancelledGoesOn) {
+TEST_F(HostRecords, ASweepThatIsCancelledContinues) {
     Sweep sweep = Sweep::read((folder_ / "loads.toml").string());
     sweep.cancel();
     EXPECT_FALSE(sweep.run((folder_ / "out").string(), 1));

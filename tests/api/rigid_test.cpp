@@ -6,7 +6,7 @@ namespace cvtflow::host {
 namespace {
 
 TEST(HostRigidPins, GiveTheSameBitsForEveryWayOfRunningAndContinued) {
-    const Scene scene = tiny({"detail.pins=rigid", "detail.order=2", "run.method=leapfrog-sweep", "run.step=1 us"});
+    const Scene scene = tiny({"detail.pins=rigid", "detail.order=2", "run.method=leapfrog-rigid", "run.step=1 us"});
     Simulation whole(scene), pieces(scene, Threads::own(2)), restored(scene);
     whole.advance_to(2e-5);
     for (int k = -30; k <= 2; ++k) pieces.advance_to(1e-5 * k);

@@ -121,7 +121,7 @@ TEST(HostSimulation, AnInputHeldAtTheTablesValueChangesNothing) {
     EXPECT_EQ(held.hash(), simulation.hash());
 }
 
-TEST(HostSimulation, SaysWhichInputsItDoesNotTake) {
+TEST(HostSimulation, ReportsWhichInputsItDoesNotTake) {
     Simulation simulation(tiny());
     EXPECT_EQ(error_of([&] { simulation.set_input(Input::clamping_driven, -1.0); }), "clamping.driven: -1 is outside [0, 1e7] N");
     EXPECT_EQ(code_of([&] { simulation.set_input(Input::load_torque, std::nan("")); }), ErrorCode::argument);
@@ -254,7 +254,7 @@ TEST(HostSimulation, ExceptionsOfCallbacksReachTheCaller) {
     EXPECT_THROW(simulation.advance_to(0.0), std::string);
     EXPECT_NEAR(simulation.time(), -2e-4, 1e-9);
     simulation.on_output(1.0, nullptr);
-    simulation.advance_to(-1e-4);  // and goes on
+    simulation.advance_to(-1e-4);  // and continues
     Simulation undisturbed(tiny());
     undisturbed.advance_to(-1e-4);
     EXPECT_EQ(simulation.hash(), undisturbed.hash());

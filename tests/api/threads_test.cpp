@@ -55,17 +55,17 @@ TEST(HostThreads, ASimulationMayWanderFromThreadToThread) {
 TEST(HostThreads, ASecondCallIsRefusedWhileOneIsUnderWay) {
     Simulation simulation(tiny());
     std::atomic<bool> inside = false;
-    std::atomic<bool> go_on = false;
+    std::atomic<bool> released = false;
     simulation.on_output(1e-5, [&](Simulation&) {
         inside = true;
-        while (!go_on) std::this_thread::yield();
+        while (!released) std::this_thread::yield();
     });
     std::jthread stepper([&] { simulation.advance_to(-2.8e-4); });
     ASSERT_TRUE(eventually([&] { return inside.load(); }));
     EXPECT_EQ(error_of([&] { simulation.advance_to(1.0); }), "the simulation is in use by another thread");
     EXPECT_EQ(code_of([&] { simulation.set_input(Input::load_torque, 1.0); }), ErrorCode::busy);
     EXPECT_EQ(code_of([&] { static_cast<void>(simulation.state()); }), ErrorCode::busy);
-    go_on = true;
+    released = true;
     stepper.join();
     EXPECT_EQ(code_of([&] { simulation.advance_to(-2.7e-4); }), ErrorCode::none);
 }
@@ -87,7 +87,7 @@ TEST(HostThreads, CancellationFromAnotherThreadEndsOneCallSoon) {
         EXPECT_EQ(code, ErrorCode::cancelled);
         const std::uint64_t there = hash_of_serial_run(scene, simulation.time());
         EXPECT_EQ(simulation.hash(), there);
-        EXPECT_NO_THROW(simulation.step());  // one wish, one call
+        EXPECT_NO_THROW(simulation.step());  // one request, one call
     }
 }
 
@@ -106,8 +106,8 @@ TEST(HostThreads, AHostArenaUnderLoadDoesNotMix) {
         oneapi::tbb::task_arena arena(2);
         std::atomic<bool> stop = false;
         std::atomic<int> moonlighting = 0;
-        const std::thread::id nobody;
-        std::atomic<std::thread::id> inside = nobody;
+        const std::thread::id none;
+        std::atomic<std::thread::id> inside = none;
         std::atomic<long> host_tasks = 0;
         arena.execute([&] {
             oneapi::tbb::task_group load;
@@ -127,7 +127,7 @@ TEST(HostThreads, AHostArenaUnderLoadDoesNotMix) {
             for (int k = 1; k <= 10; ++k) {
                 inside = std::this_thread::get_id();
                 simulation.advance_to(-3e-4 + 2e-6 * k);
-                inside = nobody;
+                inside = none;
             }
             EXPECT_EQ(simulation.hash(), expected);
             stop = true;
@@ -231,7 +231,7 @@ std::string error_on_stack(const Scene& scene, std::size_t size) {
     return job.text;
 }
 
-TEST(HostThreads, WithTooLittleStackAreToldSo) {
+TEST(HostThreads, WithTooLittleStackGetAnError) {
     if (address_sanitizer) GTEST_SKIP() << "a sanitizer puts room between variables";
     const Scene scene = tiny();
     EXPECT_NE(error_on_stack(scene, 64 * 1024).find("256 KiB are needed"), std::string::npos);

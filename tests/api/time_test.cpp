@@ -33,7 +33,7 @@ TEST(HostTime, GoesBackByNoStepWhateverTheOutputs) {
         simulation.advance_to(-1e-4 * (1.0 - 1e-15));  // rounded otherwise
         EXPECT_NEAR(simulation.time(), -1e-4, 1e-12);
         for (int k = 0; k < 30; ++k) simulation.step();
-        EXPECT_EQ(code_of([&] { simulation.advance_to(-1e-4); }), ErrorCode::argument) << interval;  // steps have gone on
+        EXPECT_EQ(code_of([&] { simulation.advance_to(-1e-4); }), ErrorCode::argument) << interval;  // steps have been taken
         simulation.advance_to(simulation.time());
     }
 }

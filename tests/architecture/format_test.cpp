@@ -1,4 +1,4 @@
-/// Sources are as .clang-format says: nobody has to think about it, and changes show what changed.
+/// Sources are formatted by .clang-format, so that a change shows only what changed.
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ TEST(Format, OfEverySourceIsThatOfTheFile) {
     const std::string changed = output_of("cd '" CVTFLOW_SOURCE_DIR
                                           "' && git ls-files -z '*.cpp' '*.hpp' 2>/dev/null | xargs -0 -r clang-format-14 --dry-run 2>&1 | "
                                           "grep -o '^[^:]*:[0-9]*:[0-9]*: warning' | sort -u | head -40; true");
-    EXPECT_EQ(changed, "") << "clang-format-14 -i FILE mends it";
+    EXPECT_EQ(changed, "") << "clang-format-14 -i FILE corrects it";
 }
 
 }  // namespace

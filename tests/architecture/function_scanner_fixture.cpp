@@ -56,7 +56,7 @@ std::size_t end_of_noise(const std::string& text, std::size_t i, bool line_start
 
 enum class Block { scope, initialiser, function };
 
-/// What a brace opens, from the text between the last ; { or } and itself.
+/// Kind of block that a brace opens, from the text between the last ; { or } and itself.
 Block kind_of(const std::string& head) {
     static const std::regex scope(R"(^(?:template\s*<.*>\s*)?(?:requires\s*\([^()]*\)\s*)?(?:(?:inline|export|typedef|extern)\s*)*)"
                                   R"((?:namespace|class|struct|union|enum)\b[^()=]*$)");
@@ -90,6 +90,30 @@ std::size_t closing_brace(const std::string& code, std::size_t open) {
     return code.size() - 1;
 }
 
+/// Name of the function that a statement or a head begins, with its class where it is given; empty if it is none for others.
+std::string function_name(const std::string& head) {
+    static const std::regex none(R"(^(template|using|friend|static|static_assert|typedef|return|extern|enum|catch|inline)\b)"
+                                 R"(|\)[^()]*= ?(0|default|delete)$)");
+    static const std::regex pattern(R"(^[^(=<]*?(?:<[^()]*>[^(=<]*?)?((?:\w+::)?~?\b\w+) ?\((?!\*))");
+    static const std::regex keyword(R"(^(void|bool|int|double|alignas|noexcept|decltype|operator)$)");
+    std::smatch match;
+    if (std::regex_search(head, none) || head.find("operator") != std::string::npos) return "";
+    return std::regex_search(head, match, pattern) && !std::regex_match(match[1].str(), keyword) ? match[1].str() : "";
+}
+
+/// Removes attributes and the access specifier in front of a member.
+std::string plain_head(const std::string& head) {
+    static const std::regex noise(R"(\[\[.*?\]\] ?|\b(public|private|protected) ?: ?)");
+    return std::regex_replace(head, noise, "");
+}
+
+/// Class of the innermost scope with "::", empty in a namespace.
+std::string class_of(const std::string& scope) {
+    static const std::regex pattern(R"((?:class|struct) (?:alignas ?\([^)]*\) )?(\w+))");
+    std::smatch match;
+    return std::regex_search(scope, match, pattern) ? match[1].str() + "::" : "";
+}
+
 }  // namespace
 
 std::string code_only(const std::string& text) {
@@ -120,6 +144,29 @@ std::vector<FunctionBody> functions_of(const std::string& text) {
             const int line = line_of(code, begin);
             if (kind == Block::function) functions.push_back({head, line, line_of(code, end) - line + 1});
             i = end;
+        }
+        begin = i + 1;
+    }
+    return functions;
+}
+
+std::vector<NamedFunction> named_functions(const std::string& text) {
+    const std::string code = code_only(text);
+    std::vector<NamedFunction> functions;
+    std::vector<std::string> scopes;
+    std::size_t begin = 0;  // of the head
+    for (std::size_t i = 0; i < code.size(); ++i) {
+        const char c = code[i];
+        if (c != ';' && c != '{' && c != '}') continue;
+        if (c == '}' && !scopes.empty()) scopes.pop_back();
+        const std::string head = c == '}' ? "" : one_line(plain_head(one_line(code.substr(begin, i - begin))));
+        if (c == '{' && kind_of(head) == Block::scope) {
+            scopes.push_back(head);
+        } else if (!head.empty()) {
+            const bool hidden = std::find(scopes.begin(), scopes.end(), "namespace") != scopes.end();
+            const std::string name = hidden ? "" : function_name(head);
+            if (!name.empty()) functions.push_back({(scopes.empty() ? "" : class_of(scopes.back())) + name, c == '{'});
+            if (c == '{') i = closing_brace(code, i);
         }
         begin = i + 1;
     }

@@ -20,7 +20,7 @@ TEST(FunctionScanner, MeasuresFromTheHeadToTheClosingBrace) {
     EXPECT_THAT(lengths("int f(int a,\n      int b) {\n    if (a) {\n        b = 1;\n    }\n    return b;\n}\n"), ElementsAre(7));
 }
 
-TEST(FunctionScanner, LooksIntoNamespacesAndTypesButNotIntoFunctions) {
+TEST(FunctionScanner, SearchesNamespacesAndTypesButNotFunctions) {
     EXPECT_THAT(
         lengths("namespace a::b {\nnamespace {\nstruct S : T {\n int f() { return 1; }\n};\n}\nvoid g() {\n auto h = [] {\n };\n}\n}\n"),
         ElementsAre(1, 4));

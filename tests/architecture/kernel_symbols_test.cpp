@@ -48,7 +48,7 @@ int entries_of(const char* objects) {
 }
 
 TEST(KernelSymbols, NoneIsSharedBetweenInstructionSets) {
-    EXPECT_GE(entries_of(CVTFLOW_OBJECTS_DIR), 4);         // chain, friction, single and rigid kernels of at least one
+    EXPECT_GE(entries_of(CVTFLOW_OBJECTS_DIR), 5);         // native, chain, friction, single and rigid kernels of at least one
     EXPECT_GE(entries_of(CVTFLOW_STAGED_OBJECTS_DIR), 1);  // staged_kernels of the laboratory
 }
 

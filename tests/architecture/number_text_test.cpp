@@ -27,13 +27,13 @@ const std::map<std::string, std::string> locale_exempt{
     {"engine/record/hdf5/hdf5_open.cpp", "a word, which number_of reads"},
 };
 
-/// What runs in a host's process or writes files. Other benchmarks are programs that leave the locale as it is: "C".
+/// Whether a file's code runs in a host's process or writes files. Other benchmarks are programs that leave the locale as it is: "C".
 bool reads_numbers(const SourceFile& file) {
     static const std::set<std::string> parts{"engine", "model", "tasks", "api", "tools"};
     return parts.contains(file.part()) || file.path.starts_with("bench/lab/") || file.path.starts_with("bench/study/");
 }
 
-/// What follows the locale there, or "".
+/// Call that follows the locale, or "".
 std::string localised(const std::string& text) {
     const std::string code = code_only(text);
     std::smatch found;

@@ -34,10 +34,10 @@ const std::map<std::string, std::map<std::string, std::string>> exempt{
       {"tools/program/guard.cpp", "/dev/null"},
       {"tools/program/command/record/plot.cpp", "temporary files without a name"}}},
     {"remove",
-     {{"engine/record/run/part_file.cpp", "its .part; the former record of a run that goes on"},
+     {{"engine/record/run/part_file.cpp", "its .part; the former record of a run that is resumed"},
       {"engine/record/run/output_rule.cpp", "the rule itself: files of a writer, by name"},
       {"tasks/run/checkpoint.cpp", "a checkpoint, and its .part"},
-      {"tasks/run/run_recorder.cpp", "the former record of a run that has gone on"},
+      {"tasks/run/run_recorder.cpp", "the former record of a run that was resumed"},
       {"tasks/batch/batch.cpp", "an empty folder"},
       {"tasks/batch/case_checkpoint.cpp", "the former record of a case that begins anew"},
       {"tasks/tuning/detail_state.cpp", "its temporary state and folder"},
@@ -75,8 +75,8 @@ TEST(OutputRule, APartFileAsksForAPermit) {
     }
 }
 
-/// Only --force, and what looks at the files itself, may say so.
-TEST(OutputRule, NobodyForcesWithoutBeingTold) {
+/// Only --force, and code that checks the files itself, may set it.
+TEST(OutputRule, OnlyTheOptionForces) {
     const std::set<std::string> may{"tools/program/output.cpp", "tools/program/command/run/resume.cpp"};
     for (const SourceFile& file : source_files()) {
         if (!concerned(file) || file.text.find(".force = true") == std::string::npos) continue;

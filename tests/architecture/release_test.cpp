@@ -14,7 +14,7 @@
 namespace cvtflow::architecture {
 namespace {
 
-/// What tools/release reads and writes, copied to a folder that is gone with the test.
+/// Files that tools/release reads and writes, copied to a folder that is removed with the test.
 class Release : public testing::Test {
 protected:
     void SetUp() override {
@@ -40,9 +40,9 @@ protected:
     std::filesystem::path folder_ = std::filesystem::temp_directory_path() / ("cvtflow_release_test_" + std::to_string(::getpid()));
 };
 
-TEST_F(Release, EveryPlaceSaysTheVersionOfTheProject) { EXPECT_EQ(release(""), 0) << read("said"); }
+TEST_F(Release, EveryPlaceStatesTheVersionOfTheProject) { EXPECT_EQ(release(""), 0) << read("said"); }
 
-TEST_F(Release, APlaceThatSaysAnotherVersionIsNamed) {
+TEST_F(Release, APlaceThatStatesAnotherVersionIsNamed) {
     std::ofstream(folder_ / "CITATION.cff") << "version: 0.0.9\n";
     EXPECT_EQ(release(""), 1);
     EXPECT_THAT(read("said"), testing::StartsWith("CITATION.cff: 0.0.9, not "));

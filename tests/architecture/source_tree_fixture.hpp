@@ -31,6 +31,12 @@ struct FunctionBody {
     int lines;         ///< from head to closing brace
 };
 
+/// A function at namespace or class scope that other files may call.
+struct NamedFunction {
+    std::string name;  ///< "name", or "Class::name"
+    bool defined;      ///< else it is declared only
+};
+
 /// All .cpp and .hpp files below the source folders, ascending by path.
 [[nodiscard]] std::vector<SourceFile> source_files();
 
@@ -45,5 +51,7 @@ struct FunctionBody {
 /// The text with comments, literals and preprocessor lines blanked out; lines stay where they are.
 [[nodiscard]] std::string code_only(const std::string& text);
 [[nodiscard]] std::vector<FunctionBody> functions_of(const std::string& text);
+/// Without templates, operators, and functions that are static, pure, defaulted, deleted or in an unnamed namespace.
+[[nodiscard]] std::vector<NamedFunction> named_functions(const std::string& text);
 
 }  // namespace cvtflow::architecture

@@ -20,15 +20,15 @@ const std::set<std::string> allowed{
     "LICENSE",
     "README.md",
     "CITATION.cff",     // read there by the sites that offer to cite a repository
-    "CONTRIBUTING.md",  // where everybody looks for it
+    "CONTRIBUTING.md",  // where contributors expect it
     "SECURITY.md",      // likewise
-    "debian",           // dpkg-buildpackage looks nowhere else
+    "debian",           // dpkg-buildpackage searches nowhere else
     "docs",             // pages for users, decisions, gallery
     "api",              // what host programs include and link: must be found without knowing the inside
     "bench",
     "engine",
     "examples",        // the first thing that an author of a host program opens; a project of its own as well
-    "pyproject.toml",  // pip looks nowhere else
+    "pyproject.toml",  // pip searches nowhere else
     "model",
     "scenes",
     "tasks",

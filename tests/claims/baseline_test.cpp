@@ -74,11 +74,11 @@ TEST(NightlyBaseline, IsStationaryWithTheTensionsTorqueAndAxialForcesOfTheoryAnd
     EXPECT_GT(prominence(run, run.tight, 2.0 * passing), 3.0);
 }
 
-/// The same at every level of detail, with its own automatic step, but for the lines in the strands' tensions: those of medium do
-/// not stand out so far (measured 1.4 to 2.3 for the multiples).
+/// Claims at every level of detail, with its own automatic step, but for the lines in the strands' tensions: those of medium are less
+/// pronounced (measured 1.4 to 2.3 for the multiples).
 class EveryLevel : public testing::TestWithParam<std::string> {};
 
-TEST_P(EveryLevel, TellsTheBaselineOfTheoryItsHumAndAClosedEnergyBalance) {
+TEST_P(EveryLevel, ShowsTheBaselineOfTheoryItsHumAndAClosedEnergyBalance) {
     const tasks::Scene scene = scene_at_level("baseline", GetParam(), {"run.until=10 ms"});
     const Operation run(scene);
     ASSERT_FALSE(run.fault) << run.fault.message();

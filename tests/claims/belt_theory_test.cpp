@@ -60,7 +60,7 @@ TEST(BeltTheory, OfARigidDriveCarriesEytelweinsRatioOfTensions) {
     EXPECT_THROW((void)solver.between(1.005 * largest + weight, slack + weight), std::domain_error);
 }
 
-/// Of an arc that slides along the circumference everywhere: 2 μ S R/cos β, with the angle of the flank there.
+/// Torque of an arc that slides along the circumference everywhere: 2 μ S R/cos β, with the angle of the flank there.
 TEST(BeltTheory, CarriesAllFrictionAlongTheCircumferenceAtMost) {
     const model::Parameters p;
     const BeltPoint limit = belt_point(p, 1.0, 1.0);

@@ -1,6 +1,6 @@
 #pragma once
-/// Reads a state as a person would look at the chain: where halves are, how deep joints are, how far plates are stretched.
-/// Written from model/EQUATIONS.md, not from the kernels. Rigid pins are looked at as the halves that they consist of.
+/// Geometry of a state: positions of halves, depths of joints, extensions of plates. Written from model/EQUATIONS.md, not from the kernels.
+/// Rigid pins are treated as the halves that they consist of.
 
 #include <vector>
 

@@ -50,7 +50,7 @@ void push_links(Rig& rig) {
     }
 }
 
-/// Of every link, A v against a unit translation: order 0 of both halves.
+/// Momentum of every link, A v against a unit translation: order 0 of both halves.
 Momentum momentum(const model::Variator& variator, const double* state) {
     const model::ChainLayout& at = variator.layout();
     const auto& matrix = variator.chain().inertia().lateral_matrix;

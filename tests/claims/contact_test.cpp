@@ -91,7 +91,7 @@ protected:
     [[nodiscard]] double reach() const { return p.pulley.arc_radius + p.tip.radius; }
 };
 
-TEST_P(Contact, A700NewtonTipIsNineMicrometresDeepAsHertzSays) {
+TEST_P(Contact, A700NewtonTipIsNineMicrometresDeepByHertz) {
     const double depth = std::pow(700.0 / p.tip.hertz, 2.0 / 3.0);
     EXPECT_NEAR(depth, 9e-6, 0.5e-6);
     double& w = rig.mutable_state()[at.pulley_begin() + 2];
@@ -181,7 +181,7 @@ TEST(Creep, ABlockPushedByLessThanItsFrictionCreepsAtTheShareOfTheSaturationSpee
 }
 
 TEST(Creep, ARingDrivenByItsSheavesLagsByTheShareOfTheSaturationSpeed) {
-    // The same with the whole model: a torque T on the shaft speeds up sheaves (I_s) and, through friction alone, the ring (I_r). So
+    // With the whole model: a torque T on the shaft speeds up sheaves (I_s) and, through friction alone, the ring (I_r). So
     // friction passes on M = T I_r/(I_r + I_s) and needs the slip v0 M/(μ ΣN r), well below saturation.
     model::Parameters p = ring_between_sheaves("straight");
     p.drive.mode = model::DriveMode::torque;

@@ -1,6 +1,6 @@
-/// What the default method and its automatic step do to the figures that a run is made for: means over 20 ms of every ready scene with pin
-/// halves, against half the step of friction stages in double precision. Outputs are 25 us apart: closer ones shorten steps, and of fewer
-/// ones the mean slip depends on single pins that touch at an output of one run and not of the other. The same by hand:
+/// Errors of the default method and its automatic step in the figures of a run: means over 20 ms of every ready scene with pin
+/// halves, against half the step of friction stages in double precision. Outputs are 25 us apart: closer ones shorten steps, and with fewer
+/// ones the mean slip depends on single pins that touch at an output of one run and not of the other. As a command:
 ///     cvtflow-lab compare baseline leapfrog-sweep@auto --reference leapfrog-chebyshev-double@714.2857ns --duration 20ms --interval 25us
 
 #include <fmt/format.h>
@@ -19,10 +19,10 @@ struct Promise {
     double slip, efficiency, axial, residual = 1e-3;  ///< of its share, in points, of its share, of the losses
 };
 
-/// Of pin halves (README).
+/// Promise for pin halves (README).
 const Promise halves{{"run.method=leapfrog-chebyshev-double", "run.step=714.2857 ns"}, 2e-3, 5e-5, 1e-3};
 /// Of rigid pins, against half of their step of first order: 5 us add up to 2.2 % to slip, half of that is left between the two.
-const Promise rigid{{"run.method=leapfrog-sweep", "run.step=2.5 us"}, 1.1e-2, 2e-4, 1e-3};
+const Promise rigid{{"run.method=leapfrog-rigid", "run.step=2.5 us"}, 1.1e-2, 2e-4, 1e-3};
 
 RunReport run_with(const std::string& scene, std::vector<std::string> settings, const std::vector<std::string>& more) {
     settings.insert(settings.end(), {"run.until=20 ms", "run.output_interval=25 us", "run.schedule=serial"});

@@ -66,7 +66,7 @@ TEST_P(FreeRing, CarriesItsCentrifugalForceInEveryLink) {
     const model::Observation& now = observer.observe(rig.time(), rig.state(), rig.phases().data());
     const Theory expected = theory(p, chain);
     for (const double tension : now.tension) {
-        // What is left of the breathing after 4 ms; measured 2e-5 at 400 rad/s, below 1e-6 elsewhere.
+        // Remaining breathing after 4 ms; measured 2e-5 at 400 rad/s, below 1e-6 elsewhere.
         EXPECT_NEAR(tension, expected.exact, 5e-5 * expected.exact);
         // The textbook's ring takes plates for points at the pins: exact to the square of half the angle between links.
         EXPECT_NEAR(tension, expected.simple, std::pow(std::sin(std::numbers::pi / spin.pins), 2) * expected.simple);

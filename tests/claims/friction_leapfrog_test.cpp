@@ -1,5 +1,5 @@
 /// Claims about the leapfrog with friction inside the step, on the baseline at full detail, against RK4 at 12.5 ns.
-/// The same figures by hand: cvtflow-lab compare baseline rk4@50ns dumka3-p5@2us leapfrog-rkc@1us leapfrog-rkc@2us leapfrog-chebyshev@2us
+/// As a command: cvtflow-lab compare baseline rk4@50ns dumka3-p5@2us leapfrog-rkc@1us leapfrog-rkc@2us leapfrog-chebyshev@2us
 
 #include <gtest/gtest.h>
 
@@ -78,8 +78,8 @@ void expect_limit(const std::string& method) {
             ready_scene("baseline", {"run.schedule=serial", "run.method=" + method, "run.step=1us", "joint.saturation_speed=" + text(5e-3),
                                      "plate.saturation_speed=" + text(1e-2), "tip.saturation_speed=" + text(1e-2)});
         tasks::Simulation simulation(scene);
-        tasks::SilentObserver nobody;
-        EXPECT_FALSE(simulation.advance({.until = 100e-6}, nobody, never)) << scale;
+        tasks::SilentObserver silent;
+        EXPECT_FALSE(simulation.advance({.until = 100e-6}, silent, never)) << scale;
         model::Observer observer(simulation.variator());
         return observer.observe(simulation.time(), simulation.state(), simulation.phases().data()).tight;
     };
@@ -92,7 +92,7 @@ void expect_limit(const std::string& method) {
 /// limit.
 TEST(FrictionLeapfrogClaim, AsTheSaturationSpeedVanishesResultsTendToALimit) { expect_limit("leapfrog-chebyshev"); }
 
-/// What a user is told on one scene holds on another.
+/// Errors that are documented for one scene hold on another.
 TEST(NightlyFrictionLeapfrog, KeepsItsErrorsOnLowOverdriveAndTheLoadRamp) {
     for (const std::string scene : {"low", "overdrive", "load_ramp"}) {
         const bench::ErrorMeasure measure = measure_of(scene);

@@ -66,10 +66,10 @@ Means settled(const model::Parameters& p, std::string_view method, double step) 
     int seen = 0;
     EXPECT_FALSE(rig.run({0.0, 3.0 * passage, step, 3.0 * passage / outputs}, [&](double t, const tasks::Workspace& w) {
         if (seen++ == outputs) return;  // the last output is the first of the next passage
-        const model::Observation& now = observer.observe(t, w.states[0], w.tips.phases.data());
+        const model::Observation& now = observer.observe(t, w.state(), w.tips.phases.data());
         means.tight += now.tight / outputs;
         means.slack += now.slack / outputs;
-        means.speed += strand_speed(p, w.states[0]) / outputs;
+        means.speed += strand_speed(p, w.state()) / outputs;
         for (std::size_t k = 0; k < 4; ++k) means.axial[k] += now.axial_force[k] / outputs;
         for (std::size_t k = 0; k < 2; ++k) means.radius[k] += now.radius[k] / outputs;
     }));

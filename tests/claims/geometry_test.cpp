@@ -150,7 +150,7 @@ TEST_P(GeometricStart, VelocitiesNeitherCloseJointsNorStretchPlates) {
 
 TEST_P(GeometricStart, TheDeepestTipJustTouchesEachSheave) {
     if (p.detail.pulleys == model::PulleyDetail::absent) return;
-    const model::ChainModel model(p);
+    const model::ChainModel model = model::make_chain(p);
     const model::PulleyModel pulleys(p);
     model::SheaveMotion sheaves[4];
     pulleys.motions(start.state.data() + model.layout().pulley_begin(), sheaves);
@@ -183,7 +183,7 @@ TEST(GeometricStart, IsRefusedWhereTheChainDoesNotFit) {
     EXPECT_THROW(static_cast<void>(model::start_state(p)), std::invalid_argument);
 }
 
-TEST(GeometricStart, SaysOfARingThatItHasNoPulleys) {
+TEST(GeometricStart, ReportsThatARingHasNoPulleys) {
     model::Parameters p = ring(3, {8e-3, 10e-3, 9e-3});  // a triangle more uneven than those above
     try {
         static_cast<void>(model::start_state(p));

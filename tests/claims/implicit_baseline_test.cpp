@@ -63,7 +63,7 @@ TEST_F(NightlyImplicit, EveryWayToTheMatrixEndsAtTheSameError) {
 }
 
 TEST_F(NightlyImplicit, LinearlyImplicitMethodsLoseOnSaturatingFriction) {
-    // The same step, orders 2 to 4, exact Jacobians: a hundred times the error of the trapezoidal rule, whose friction is solved for.
+    // With the same step, orders 2 to 4, exact Jacobians: a hundred times the error of the trapezoidal rule, whose friction is solved for.
     const double solved = axial_error(end("trapezoidal-analytic"));
     for (const bench::LinearPlan& plan : bench::linear_plans()) {
         const bench::TrialEnd trial = end(plan.name);

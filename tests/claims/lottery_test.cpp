@@ -1,4 +1,4 @@
-/// A default cannot be silently wrong: machines drawn by chance, run with what somebody gets who sets nothing.
+/// A default cannot be silently wrong: machines drawn by chance, run with default settings.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -19,8 +19,8 @@ bool honest(const bench::LotteryTicket& ticket, bench::LotteryRules rules) {
     return ticket.honest(rules);
 }
 
-/// Draws machines and prints the counts by status. Whoever is called finished agrees with a run of shorter steps, at most a hundredth is
-/// called unreliable and right, nine of ten finish.
+/// Draws machines and prints the counts by status. A run reported as finished agrees with a run of shorter steps, at most a hundredth is
+/// reported as unreliable although right, nine of ten finish.
 void play_honestly(long first, long count, const bench::LotteryRules& rules) {
     std::map<std::string, long> statuses;
     double slip = 0.0, loss = 0.0;

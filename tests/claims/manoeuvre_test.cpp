@@ -1,4 +1,4 @@
-/// The scene `manoeuvre`: what docs/manoeuvre.md says of it.
+/// The scene `manoeuvre`: claims of docs/manoeuvre.md.
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 #pragma once
-/// A method on trial: from one state over a short time, with transitions, against a tight reference. What it cost and what it is off.
+/// A method on trial: from one state over a short time, with transitions, against a tight reference. Its cost and its error.
 
 #include <optional>
 #include <string>
@@ -18,7 +18,7 @@ struct TrialEnd {
     double step = 0.0;                              ///< in use [s]
     double wall = 0.0;                              ///< [s]
     std::optional<bench::NewtonStatistics> newton;  ///< of trapezoidal methods
-    std::string report;                             ///< what the method says of its work
+    std::string report;                             ///< summary of the method about its work
     std::vector<double> state;                      ///< [layout.size()]
     std::vector<double> axial_force, tension;       ///< of every tip, of every link [N]
 };

@@ -16,7 +16,7 @@ double height_of_strand(const tasks::Workspace& w) {
     double sum = 0.0;
     int count = 0;
     for (int link = 0; link < at.links; ++link) {
-        const double* q = w.states[0] + at.link_begin(link);
+        const double* q = w.state() + at.link_begin(link);
         const double x = q[at.x(model::End::rear, 0)];
         const double y = q[at.y(model::End::rear, 0)];
         if (y < 0.0 || std::abs(x - middle) > 0.3 * middle) continue;
@@ -54,7 +54,7 @@ Operation::Operation(const tasks::Scene& scene) : simulation_(scene), observer_(
 
 void Operation::output(double now, const tasks::Workspace& workspace, const tasks::Counters&) {
     if (!recording_) return;
-    const model::Observation& o = observer_.observe(now, workspace.states[0], workspace.tips.phases.data());
+    const model::Observation& o = observer_.observe(now, workspace.state(), workspace.tips.phases.data());
     time.push_back(now);
     ratio.push_back(o.ratio);
     slip.push_back(o.slip);

@@ -1,5 +1,5 @@
 #pragma once
-/// Runs a ready scene and keeps what the claims look at.
+/// Runs a ready scene and keeps the figures that claims check.
 
 #include <array>
 #include <string>

@@ -1,5 +1,5 @@
-/// Claims about the stability of methods that are programs and not tables, against theory. The same by hand: cvtflow-lab stability
-/// leapfrog-rkc leapfrog-sweep …
+/// Claims about the stability of methods that are programs and not tables, against theory. As a command: cvtflow-lab stability leapfrog-rkc
+/// leapfrog-sweep …
 
 #include "bench/method/stability/program_stability.hpp"
 #include "bench/method/laboratory_methods.hpp"
@@ -49,9 +49,9 @@ TEST(ProgramStability, OscillationIsLimitedAsByTheExplicitPart) {
         EXPECT_NEAR(bench::reach(bench::analysis_of(program).stability(), 0.0, 0.0, 1.0, 0.0), 2.0, 0.04) << program.name;
 }
 
-/// What friction makes of that limit. A kick v⁺ = R v + B G + C ΔG of a leapfrog grows, with changing sign, from h² ω² = 2 (1 + R)/(B + 2
-/// C) on. Two stages of RKC, G let go on within the step: R = 1 - y + y²/2, B = 1 - y/2, C = y/4 with y = h c, at least 3. Chebyshev's with
-/// R near 0: 2. Backward Euler (sweeps) holds G: 2 (2 + y).
+/// Effect of friction on that limit. A kick v⁺ = R v + B G + C ΔG of a leapfrog grows, with changing sign, from h² ω² = 2 (1 + R)/(B + 2
+/// C) on. Two stages of RKC, with G advanced within the step: R = 1 - y + y²/2, B = 1 - y/2, C = y/4 with y = h c, at least 3. Chebyshev's
+/// with R near 0: 2. Backward Euler (sweeps) holds G: 2 (2 + y).
 TEST(ProgramStability, FrictionLowersTheLimitOfSome) {
     const std::vector<std::pair<std::string, double>> known{
         {"leapfrog-rkc", std::sqrt(3.0)}, {"leapfrog-chebyshev", std::sqrt(2.0)}, {"leapfrog-sweep", 2.0}};

@@ -1,5 +1,5 @@
-/// What was once printed wrong with status ok. Every row: right with the automatic step, not called finished at 2 us. Right values: the
-/// same runs with steps of 0.5 us.
+/// Cases that were once wrong with status ok. Every row is right with the automatic step, and not reported as finished at 2 us. Right
+/// values come from runs with steps of 0.5 us.
 
 #include <gtest/gtest.h>
 

@@ -28,9 +28,9 @@ public:
 
     [[nodiscard]] tasks::Workspace& workspace() { return integrator_->workspace(); }
     [[nodiscard]] const model::Variator& variator() const { return integrator_->workspace().variator; }
-    [[nodiscard]] const double* state() const { return integrator_->workspace().states[0]; }
+    [[nodiscard]] const double* state() const { return integrator_->workspace().state(); }
     [[nodiscard]] std::vector<double> state_copy() const;
-    [[nodiscard]] double* mutable_state() { return integrator_->workspace().states[0]; }
+    [[nodiscard]] double* mutable_state() { return integrator_->workspace().state_to_set(); }
     [[nodiscard]] const std::vector<model::Phase>& phases() const { return integrator_->workspace().tips.phases; }
     [[nodiscard]] double time() const { return integrator_->workspace().step.time; }
     [[nodiscard]] const tasks::Counters& counters() const { return counters_; }

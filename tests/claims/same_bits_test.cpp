@@ -14,11 +14,11 @@ namespace {
 /// The state after a short geometric start, with transitions in it.
 std::vector<double> end_of(const tasks::Scene& scene) {
     tasks::Simulation simulation(scene);
-    tasks::SilentObserver nobody;
+    tasks::SilentObserver silent;
     const engine::Cancellation never;
-    EXPECT_FALSE(simulation.advance({.until = 0.0}, nobody, never));
+    EXPECT_FALSE(simulation.advance({.until = 0.0}, silent, never));
     EXPECT_GT(simulation.counters().detected, 0);
-    EXPECT_FALSE(simulation.advance({.until = scene.run.until}, nobody, never));
+    EXPECT_FALSE(simulation.advance({.until = scene.run.until}, silent, never));
     return {simulation.state(), simulation.state() + simulation.variator().layout().size()};
 }
 

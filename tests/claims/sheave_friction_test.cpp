@@ -21,12 +21,12 @@ public:
         for (double& power : mean) power /= outputs_;
     }
     void output(double time, const tasks::Workspace& workspace, const tasks::Counters&) override {
-        (void)observer_.observe(time, workspace.states[0], workspace.tips.phases.data());
+        (void)observer_.observe(time, workspace.state(), workspace.tips.phases.data());
         const model::ChainModel& chain = workspace.variator.chain();
         const auto& power = observer_.forces().chain.tip_power;
         for (std::size_t tip = 0; tip < power.size(); ++tip) {
             const int link = static_cast<int>(tip) / model::tips_per_link;
-            const int shaft = chain.shaft_of(workspace.states[0] + chain.layout().link_begin(link));
+            const int shaft = chain.shaft_of(workspace.state() + chain.layout().link_begin(link));
             mean[2 * static_cast<std::size_t>(shaft) + tip % 2] += power[tip];
         }
         ++outputs_;

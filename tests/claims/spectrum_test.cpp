@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/method/linear/eigenvalues.hpp"
+#include "bench/method/linear/arnoldi.hpp"
 #include "bench/study/attribution.hpp"
 #include "bench/study/stability/eigenvalue_step.hpp"
 #include "bench/study/stability/stable_step.hpp"

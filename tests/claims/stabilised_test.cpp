@@ -1,5 +1,5 @@
 /// Claims about stabilised methods on the baseline at full detail: what was published about DUMKA3, and what fitted polynomials add.
-/// The same figures by hand: cvtflow-lab compare baseline rk4@50ns dumka3-p5@2us fitted@2us …
+/// As a command: cvtflow-lab compare baseline rk4@50ns dumka3-p5@2us fitted@2us …
 
 #include <gtest/gtest.h>
 
@@ -46,8 +46,8 @@ TEST(NightlyStabilised, NoPolynomialOfDumka3IsGoodAtFourMicroseconds) {
         EXPECT_GT(axial_error("dumka3-p" + std::to_string(polynomial), "4us"), 1e-3) << polynomial;
 }
 
-/// What a kink of the law leaves in one of many stages reaches the end times 1e3 (9 stages) to 1e7 (24). With few stages and short steps,
-/// it is as accurate as its order promises, with fewer evaluations than RK4 at 50 ns, whose error is 2e-5.
+/// An error by a kink of the law in one of many stages is amplified by 1e3 (9 stages) to 1e7 (24) until the end of the step. With few
+/// stages and short steps, the method is as accurate as its order promises, with fewer evaluations than RK4 at 50 ns, whose error is 2e-5.
 TEST(NightlyStabilised, Rock4FailsAtLongStepsWhereFrictionSaturatesAndIsAccurateAtShortOnes) {
     EXPECT_GT(axial_error("rock4-s24", "2us"), 1e-2);
     EXPECT_GT(axial_error("rock4-s9", "250ns"), 1e-3);
@@ -96,7 +96,7 @@ Cheapest cheapest(const std::string& family, const std::vector<std::string>& met
 
 /// Each family with what suits it: the published polynomials, and stages by the spectrum for the others. At 1e-3 nothing is cheaper than
 /// fitted polynomials. At 1e-4 they are level with DUMKA3-P4 (measured 1.58e7 against 1.46e7), and plain RKC at a microsecond is cheaper
-/// than both (1.15e7): its stages do not look ahead of the step.
+/// than both (1.15e7): its stages do not reach beyond the step.
 TEST(NightlyStabilised, FittedPolynomialsNeedTheFewestEvaluationsForAThousandth) {
     const Cheapest fitted = cheapest("fitted", {"fitted"});
     const Cheapest dumka3 = cheapest("dumka3", {"dumka3-p4", "dumka3-p5", "dumka3-p6", "dumka3-p7", "dumka3-p8"});

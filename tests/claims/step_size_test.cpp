@@ -1,4 +1,4 @@
-/// RK4 on the baseline: accurate at 5e-8 s, chattering at 8e-8 s, as its stability interval against the spectrum says.
+/// RK4 on the baseline: accurate at 5e-8 s, chattering at 8e-8 s, as its stability interval and the spectrum predict.
 
 #include <gtest/gtest.h>
 

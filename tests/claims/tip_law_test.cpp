@@ -53,7 +53,7 @@ TEST(TipLaw, TheChainSlidesAsFastAsRisingFrictionCarriesTheLoad) {
     EXPECT_NEAR(2.0 * mu * 20e3 * radius / std::cos(p.tip.angle), 150.0, 0.04 * 150.0);
 }
 
-/// Beyond the maximum of falling friction the chain lets go. What it does is no error: the run ends as such, and its energy balances.
+/// Beyond the maximum of falling friction the chain lets go. That is no error: the run ends as such, and its energy balances.
 TEST(TipLaw, EnergyBalancesWhereFrictionFallsAndTheChainLetsGo) {
     for (const char* level : {"rigid", "medium"}) {
         const Operation run(scene_at_level("baseline", level,

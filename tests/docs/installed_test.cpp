@@ -59,7 +59,8 @@ TEST_F(NightlyReadme, IsFollowedFromAnInstallation) {
     }
 }
 
-/// What a newcomer sees first has to look like a transmission: settled, an efficiency of 90 to 99 %, tensions that follow the torque.
+/// The first results of a newcomer must be plausible for a transmission: settled, an efficiency of 90 to 99 %, tensions that follow the
+/// torque.
 TEST_F(NightlyReadme, ShowsNumbersThatAnEngineerBelieves) {
     const std::string install = "cmake --install '" CVTFLOW_BINARY_DIR "' --prefix '" + prefix() + "' >/dev/null";
     ASSERT_EQ(std::system(install.c_str()), 0);

@@ -20,7 +20,7 @@ std::string text_of(const fs::path& path) {
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// What the comment above a block says, if it is such a comment.
+/// Reads the comment above a block, if it is such a comment.
 void read_comment(const std::string& line, Block& next) {
     static const std::regex form("<!-- (file|nightly|not run): (.*) -->");
     std::smatch match;
@@ -115,6 +115,20 @@ Page page(const std::string& path) {
     for (Page& each : pages())
         if (each.path == path) return each;
     throw std::invalid_argument("no page " + path);
+}
+
+std::vector<std::string> avoided_words(const Page& glossary) {
+    static const std::regex row(R"(\|[^|]*\|[^|]*\|([^|]*)\|)"), italics(R"(\*([^*]+)\*)");
+    std::vector<std::string> found;
+    bool inside = false;
+    for (const Line& line : glossary.text_lines()) {
+        inside = line.text.starts_with("|") && (inside || line.text == "| word | means | not |");
+        std::smatch match;
+        if (!inside || !std::regex_match(line.text, match, row)) continue;
+        const std::string cell = match[1];
+        for (std::sregex_iterator each(cell.begin(), cell.end(), italics), end; each != end; ++each) found.push_back((*each)[1]);
+    }
+    return found;
 }
 
 }  // namespace cvtflow::docs

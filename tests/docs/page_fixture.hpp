@@ -43,4 +43,7 @@ struct Page {
 /// The page of that path. @throws std::invalid_argument if there is none
 [[nodiscard]] Page page(const std::string& path);
 
+/// Words in italics in the third column of a table `| word | means | not |`.
+[[nodiscard]] std::vector<std::string> avoided_words(const Page& glossary);
+
 }  // namespace cvtflow::docs

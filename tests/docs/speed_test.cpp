@@ -1,4 +1,4 @@
-/// The default's speed stands in one table (docs/performance.md); the first page repeats one figure of it.
+/// One table contains the default's speed (docs/performance.md); the first page repeats one figure of it.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

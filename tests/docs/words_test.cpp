@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <regex>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -17,21 +16,6 @@ namespace cvtflow::docs {
 namespace {
 
 constexpr std::size_t max_columns = 140;
-
-/// Words in italics in the third column of a table `| word | means | not |`.
-std::vector<std::string> avoided_words(const Page& glossary) {
-    static const std::regex row(R"(\|[^|]*\|[^|]*\|([^|]*)\|)"), italics(R"(\*([^*]+)\*)");
-    std::vector<std::string> found;
-    bool inside = false;
-    for (const Line& line : glossary.text_lines()) {
-        inside = line.text.starts_with("|") && (inside || line.text == "| word | means | not |");
-        std::smatch match;
-        if (!inside || !std::regex_match(line.text, match, row)) continue;
-        const std::string cell = match[1];
-        for (std::sregex_iterator each(cell.begin(), cell.end(), italics), end; each != end; ++each) found.push_back((*each)[1]);
-    }
-    return found;
-}
 
 /// The text without what lies between an opening and the next closing mark, marks included.
 std::string without(const std::string& text, std::string_view open, char close) {

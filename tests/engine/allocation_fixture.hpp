@@ -1,5 +1,5 @@
 #pragma once
-/// Counts calls of malloc and its relatives, whoever makes them.
+/// Counts all calls of malloc and its relatives.
 
 namespace cvtflow::engine::test {
 

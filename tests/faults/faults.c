@@ -23,7 +23,8 @@
 #include <unistd.h>
 
 enum Family { OPEN, READ, WRITE, FSYNC, RENAME, MMAP, MALLOC, CREATE, THREADS, TRUNCATE, LOCK, FAMILIES };
-static const char* const names[FAMILIES] = {"open", "read", "write", "fsync", "rename", "mmap", "malloc", "pthread_create", "threads", "truncate", "lock"};
+static const char* const names[FAMILIES] = {"open",   "read",           "write",   "fsync",    "rename", "mmap",
+                                            "malloc", "pthread_create", "threads", "truncate", "lock"};
 static const int reasons[FAMILIES] = {EMFILE, EIO, ENOSPC, EIO, EIO, ENOMEM, ENOMEM, EAGAIN, EAGAIN, ENOSPC, ENOLCK};
 
 static atomic_long calls[FAMILIES], failed[FAMILIES], living;
@@ -32,10 +33,10 @@ static long nth;
 
 /* Before anything else of the program; allocates nothing. */
 __attribute__((constructor)) static void read_wish(void) {
-    const char* wish = getenv("CVTFLOW_FAULT");
-    const char* colon = wish != NULL ? strchr(wish, ':') : NULL;
+    const char* setting = getenv("CVTFLOW_FAULT");
+    const char* colon = setting != NULL ? strchr(setting, ':') : NULL;
     for (int k = 0; colon != NULL && k < FAMILIES; ++k) {
-        if (strlen(names[k]) == (size_t)(colon - wish) && strncmp(names[k], wish, (size_t)(colon - wish)) == 0) family = k;
+        if (strlen(names[k]) == (size_t)(colon - setting) && strncmp(names[k], setting, (size_t)(colon - setting)) == 0) family = k;
     }
     if (colon != NULL) nth = strtol(colon + 1, NULL, 10);
     lasting = colon != NULL && strchr(colon, '+') != NULL;
@@ -73,18 +74,18 @@ void _exit(int status) {
 
 /* The function that would have been called. */
 #define REAL(name) ((__typeof__(&name))dlsym(RTLD_NEXT, #name))
-#define CACHED(name) \
+#define CACHED(name)               \
     static __typeof__(&name) real; \
     if (real == NULL) real = REAL(name)
 
-#define OPENS(name) \
-    int name(const char* path, int flags, ...) { \
-        va_list rest; \
-        va_start(rest, flags); \
+#define OPENS(name)                                                                          \
+    int name(const char* path, int flags, ...) {                                             \
+        va_list rest;                                                                        \
+        va_start(rest, flags);                                                               \
         const mode_t mode = (flags & (O_CREAT | O_TMPFILE)) != 0 ? va_arg(rest, mode_t) : 0; \
-        va_end(rest); \
-        CACHED(name); \
-        return fails(OPEN) ? -1 : real(path, flags, mode); \
+        va_end(rest);                                                                        \
+        CACHED(name);                                                                        \
+        return fails(OPEN) ? -1 : real(path, flags, mode);                                   \
     }
 OPENS(open)
 OPENS(open64)
@@ -164,15 +165,15 @@ int fallocate64(int file, int mode, off64_t at, off64_t size) {
     return fails(TRUNCATE) ? -1 : real(file, mode, at, size);
 }
 
-#define CONTROLS(name)                                                        \
-    int name(int file, int command, ...) {                                    \
-        va_list rest;                                                         \
-        va_start(rest, command);                                              \
-        void* argument = va_arg(rest, void*);                                 \
-        va_end(rest);                                                         \
-        CACHED(name);                                                         \
-        const int locks = command == F_OFD_SETLK || command == F_SETLK;       \
-        return locks && fails(LOCK) ? -1 : real(file, command, argument);     \
+#define CONTROLS(name)                                                    \
+    int name(int file, int command, ...) {                                \
+        va_list rest;                                                     \
+        va_start(rest, command);                                          \
+        void* argument = va_arg(rest, void*);                             \
+        va_end(rest);                                                     \
+        CACHED(name);                                                     \
+        const int locks = command == F_OFD_SETLK || command == F_SETLK;   \
+        return locks && fails(LOCK) ? -1 : real(file, command, argument); \
     }
 CONTROLS(fcntl)
 CONTROLS(fcntl64)

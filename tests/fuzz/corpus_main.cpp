@@ -1,4 +1,4 @@
-/// Stands in for libFuzzer: hands every file of a folder to the target, once.
+/// Replaces libFuzzer: hands every file of a folder to the target, once.
 ///     fuzz_TARGET FOLDER
 
 #include <cstdio>

@@ -1,5 +1,5 @@
 #pragma once
-/// What fuzz targets share: an input as a file, and as text.
+/// Input of fuzz targets as a file, and as text.
 
 #include <sys/mman.h>
 #include <unistd.h>

@@ -1,5 +1,5 @@
 /// Any bytes are a record, a state, a table of cases, or a RecordError. Mutants are made by hdf5_mutant_fixture.hpp, which keeps them HDF5
-/// files; headers are not forged, since HDF5 itself does not survive that (hdf5_open.hpp), and is not ours to mend.
+/// files; headers are not forged, since HDF5 itself crashes on them (hdf5_open.hpp).
 
 #include <filesystem>
 #include <fstream>

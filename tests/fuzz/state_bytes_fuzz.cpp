@@ -1,5 +1,5 @@
-/// Any bytes are a state or an Error, also if mark and checksum are right; what a state of this size says of an integration, the
-/// integration takes or refuses. The input is what lies between mark and checksum.
+/// Any bytes are a state or an Error, also if mark and checksum are right; an integration accepts or refuses a state of this size. The
+/// input is the part between mark and checksum.
 
 #include <cvtflow/error.hpp>
 
@@ -19,7 +19,7 @@ tasks::Scene scene() {
     return tiny;
 }
 
-void go_on(const tasks::IntegrationState& from) {
+void resume(const tasks::IntegrationState& from) {
     static tasks::Simulation simulation(scene());
     const engine::Cancellation never;
     tasks::SilentObserver silent;
@@ -42,7 +42,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     const auto* tail = reinterpret_cast<const std::byte*>(&sum);
     framed.insert(framed.end(), tail, tail + sizeof sum);
     try {
-        go_on(api::read_state_bytes(framed).integration);
+        resume(api::read_state_bytes(framed).integration);
     } catch (const Error&) {}
     return 0;
 }

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <string>
 
+#include "tests/oracle/oracle_cases.hpp"
 #include "tests/oracle/plain_rhs.hpp"
 #include "tests/oracle/random_state.hpp"
 
@@ -89,7 +90,7 @@ std::vector<DetailCase> slowed_cases() {
     return cases;
 }
 
-/// What the oracle finds where pins have their own inertia: mass scaling lowers accelerations, not the forces that cancel and their
+/// Slope of the oracle with the own inertia of pins: mass scaling lowers accelerations, not the forces that cancel and their
 /// rounding.
 std::vector<double> unscaled_slope(model::Parameters parameters, const oracle::RandomState& random, const std::vector<double>& expected) {
     if (parameters.detail.mass_scaling == 1.0) return expected;
@@ -121,11 +122,56 @@ std::vector<DetailCase> imperfect_cases() {
             p.imperfection.sheave = sheave;
             p.imperfection.runout = 5e-6;
             p.imperfection.attachment = pulleys == model::PulleyDetail::elastic ? 0.5 : 1.0;
-            cases.push_back({std::string(sheave == model::Sheave::driven_movable ? "driven_" : "driving_") +
-                                 (pulleys == model::PulleyDetail::elastic ? "elastic" : "rigid"),
-                             p});
+            const std::string name = std::string(sheave == model::Sheave::driven_movable ? "driven_" : "driving_") +
+                                     (pulleys == model::PulleyDetail::elastic ? "elastic" : "rigid");
+            cases.push_back({name, p});
+            cases.push_back({name + "_rigid_pins", oracle::with_rigid_pins(p)});
         }
     }
+    return cases;
+}
+
+/// Rigid pins: all of their details on chains of 84 pins, of two pitches, and of few.
+std::vector<DetailCase> rigid_pin_cases() {
+    std::vector<DetailCase> cases;
+    const auto add = [&](const std::string& name, const model::Parameters& base) {
+        int number = 0;
+        for (const oracle::Case& one : oracle::rigid_details(base))
+            cases.push_back({name + "_" + std::to_string(number++), one.parameters});
+    };
+    model::Parameters p;
+    p.ledger = true;
+    p.control.enabled = true;
+    add("84_pins", p);
+    p.chain.pitch = {8.12e-3, 8.12e-3, 8.0e-3};
+    p.start.ratio = 1.7;
+    add("two_pitches", p);
+    p = oracle::small_scene();
+    p.ledger = true;
+    p.chain.pins = 12;
+    p.chain.pitch = {40e-3, 39.9e-3};
+    add("12_pins", p);
+    p.chain.pins = 8;
+    p.chain.pitch = {60e-3, 60e-3, 59.8e-3};
+    add("8_pins", p);
+    return cases;
+}
+
+/// Rigid pins of which something is uncommon: a ring of few, one plate per link, halves that yield more than their tips, large clearances.
+std::vector<DetailCase> rare_rigid_pin_cases() {
+    const model::Parameters base = oracle::with_rigid_pins({});
+    std::vector<DetailCase> cases{{"ring_of_5", base},    {"one_plate", base},     {"soft_halves", base},
+                                  {"stiff_halves", base}, {"heavy_damping", base}, {"overdrive", base}};
+    cases[0].parameters.detail.pulleys = model::PulleyDetail::absent;
+    cases[0].parameters.chain.pins = 5;
+    cases[0].parameters.chain.pitch = {30e-3};
+    cases[1].parameters.plate.count = 1;
+    cases[1].parameters.plate.stiffness = 8e8;
+    cases[2].parameters.half.area /= 8.0;
+    cases[3].parameters.half.area *= 100.0;
+    cases[4].parameters.chain.damping_ratio = 20.0;
+    cases[5].parameters.start.ratio = 0.5;
+    for (DetailCase& one : cases) one.parameters.ledger = true;
     return cases;
 }
 
@@ -225,6 +271,10 @@ TEST(Variator, AgreesWithTheOracleOnceCouplingsHaveTakenOver) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Variator, EveryDetail, testing::ValuesIn(detail_cases()),
+                         [](const auto& instance) { return instance.param.name; });
+INSTANTIATE_TEST_SUITE_P(RigidPins, EveryDetail, testing::ValuesIn(rigid_pin_cases()),
+                         [](const auto& instance) { return instance.param.name; });
+INSTANTIATE_TEST_SUITE_P(RareRigidPins, EveryDetail, testing::ValuesIn(rare_rigid_pin_cases()),
                          [](const auto& instance) { return instance.param.name; });
 INSTANTIATE_TEST_SUITE_P(Imperfect, EveryDetail, testing::ValuesIn(imperfect_cases()),
                          [](const auto& instance) { return instance.param.name; });

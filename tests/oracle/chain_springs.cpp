@@ -14,14 +14,20 @@ Real spring_mass(const model::Parameters& parameters) {
     return 0.5L * (parameters.half.mass + 0.5L * plates);
 }
 
-std::vector<PlateSpring> plate_springs(const model::Parameters& parameters) {
-    const auto& plate = parameters.plate;
-    const int n = plate.count;
+std::vector<Real> plate_places(const model::Parameters& parameters) {
+    const int n = parameters.plate.count;
     std::vector<Real> places;
     for (int j = 0; j < n; ++j) {
         const Real along = n == 1 ? 0.0L : 2.0L * j / (n - 1) - 1.0L;
-        places.push_back(2.0L / parameters.half.length * plate.span * along);
+        places.push_back(2.0L / parameters.half.length * parameters.plate.span * along);
     }
+    return places;
+}
+
+std::vector<PlateSpring> plate_springs(const model::Parameters& parameters) {
+    const auto& plate = parameters.plate;
+    const int n = plate.count;
+    std::vector<Real> places = plate_places(parameters);
     if (parameters.detail.plates == model::PlateDetail::lumped) {
         Real mean_square = 0.0L;
         for (const Real xi : places) mean_square += xi * xi / n;

@@ -89,6 +89,12 @@ TEST(ElasticForces, AreTheNegativeGradientOfThePotentialEnergyPlusInputs) {
         SCOPED_TRACE(one.name);
         expect_gradient(one.parameters, 0.0, seed++);
     }
+    for (Case& one : rigid_details(base)) {
+        if (one.parameters.detail.mass_scaling != 1.0) continue;
+        SCOPED_TRACE(one.name);
+        make_conservative(one.parameters);
+        expect_gradient(one.parameters, 0.0, seed++);
+    }
 }
 
 TEST(ElasticForces, AreTheNegativeGradientForAFullChainInOneDirection) {

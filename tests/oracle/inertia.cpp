@@ -1,7 +1,7 @@
 /// Inertia of links (dense) and pulleys (diagonal), and the solve (EQUATIONS.md, section 2).
 
 #include "tests/oracle/legendre.hpp"
-#include "tests/oracle/system.hpp"
+#include "tests/oracle/rigid_pins.hpp"
 
 #include <algorithm>
 
@@ -64,10 +64,18 @@ Matrix half_inertia(const System& system) {
     return matrix;
 }
 
+Matrix rigid_inertia(const System& system) {
+    const std::vector<Real> diagonal = pin_inertia(system);
+    Matrix matrix(diagonal.size(), std::vector<Real>(diagonal.size(), 0.0L));
+    for (std::size_t k = 0; k < diagonal.size(); ++k) matrix[k][k] = diagonal[k];
+    return matrix;
+}
+
 /// What is left of a matrix when the translations of halves are eliminated is the inertia of motion relative to them: it counts
 /// `mass_scaling` times.
 Matrix link_inertia(const System& system) {
     const auto& layout = system.layout;
+    if (layout.rigid) return rigid_inertia(system);
     Matrix matrix = half_inertia(system);
     std::vector<int> translations, others;
     for (int k = 0; k < layout.link_size(); ++k) {

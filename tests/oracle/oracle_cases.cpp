@@ -51,6 +51,40 @@ std::vector<Case> slowed_pins(const model::Parameters& base) {
     return cases;
 }
 
+model::Parameters with_rigid_pins(model::Parameters parameters) {
+    parameters.detail.pins = model::PinDetail::rigid;
+    parameters.detail.order = 2;
+    parameters.detail.plates = model::PlateDetail::lumped;
+    parameters.detail.stick_slip = false;
+    parameters.joint.law = model::JointLaw::linear;
+    return parameters;
+}
+
+std::vector<Case> rigid_details(const model::Parameters& base) {
+    std::vector<Case> cases;
+    for (const auto pulleys : {model::PulleyDetail::elastic, model::PulleyDetail::rigid, model::PulleyDetail::absent}) {
+        for (const auto law : {model::FrictionLaw::piecewise, model::FrictionLaw::smoothed}) {
+            for (const double scaling : {1.0, 7.0}) {
+                Case one{"rigid pins, pulleys " + std::to_string(static_cast<int>(pulleys)) + ", friction " +
+                             std::to_string(static_cast<int>(law)) + ", mass scaling " + std::to_string(static_cast<int>(scaling)),
+                         with_rigid_pins(base)};
+                model::Parameters& p = one.parameters;
+                p.detail.pulleys = pulleys;
+                p.detail.friction = law;
+                p.detail.mass_scaling = scaling;
+                if (law == model::FrictionLaw::piecewise && pulleys != model::PulleyDetail::absent) {
+                    p.tip.friction_law = scaling == 1.0 ? model::TipFriction::table : model::TipFriction::lubricated;
+                    p.tip.friction_table = {{0.0, 0.01, 0.02, 0.05}, {0.07, 0.09, 0.06, 0.08}};
+                    p.tip.roughness = 5e-9;
+                    p.tip.pressure_sensitivity = 0.3;
+                }
+                cases.push_back(std::move(one));
+            }
+        }
+    }
+    return cases;
+}
+
 void make_conservative(model::Parameters& p) {
     p.chain.damping_ratio = 0.0;
     p.pulley.damping_ratio = 0.0;
@@ -58,6 +92,7 @@ void make_conservative(model::Parameters& p) {
     p.plate.friction.coefficient = 0.0;
     p.joint.friction.coefficient = 0.0;
     p.tip.friction.coefficient = 0.0;
+    p.tip.friction_law = model::TipFriction::constant;
 }
 
 ExactState exact_random_state(const model::Parameters& parameters, std::uint64_t seed) {

@@ -10,11 +10,15 @@ namespace {
 
 Totals all_forces(const System& system) {
     Totals totals = empty_totals(system);
-    add_inner_elements(system, totals);
-    add_plates(system, totals);
-    add_joints(system, totals);
+    if (system.layout.rigid) {
+        add_rigid_pins(system, totals);
+    } else {
+        add_inner_elements(system, totals);
+        add_plates(system, totals);
+        add_joints(system, totals);
+    }
     if (system.parameters.detail.pulleys == model::PulleyDetail::absent) return totals;
-    add_tips(system, totals);
+    if (!system.layout.rigid) add_tips(system, totals);
     add_supports(system, totals);
     add_gyroscopic(system, totals);
     add_inputs(system, totals);

@@ -57,6 +57,19 @@ TEST(PowerBalance, EnergyChangesByWorksMinusLossesAndEveryLossIsPositive) {
     }
 }
 
+TEST(PowerBalance, HoldsForRigidPins) {
+    std::uint64_t seed = 400;
+    for (const double damping : {0.02, 50.0}) {
+        model::Parameters base = small_scene();
+        base.control.enabled = true;
+        base.chain.damping_ratio = damping;
+        for (const Case& one : rigid_details(base)) {
+            SCOPED_TRACE(one.name);
+            expect_balance(one.parameters, 0.0, seed++);
+        }
+    }
+}
+
 TEST(PowerBalance, HoldsWithMassScaling) {
     std::uint64_t seed = 200;
     for (const Case& one : slowed_pins(small_scene())) {

@@ -1,7 +1,7 @@
 #include "tests/oracle/random_state.hpp"
 
 #include "tests/oracle/belt_path.hpp"
-#include "tests/oracle/system.hpp"
+#include "tests/oracle/rigid_pins.hpp"
 
 #include <algorithm>
 #include <random>
@@ -39,7 +39,24 @@ struct Builder {
     [[nodiscard]] Real& v(int link, int offset) { return state[layout.link_begin(link) + layout.link_size() + offset]; }
     [[nodiscard]] const LaidHalf& laid(int link, End end) const { return end == End::rear ? chain.rear[link] : chain.front[link]; }
 
+    /// Rigid pins roll without a gap: their middles are those of halves that touch each other on the bisector.
+    void lay_pins() {
+        ChainTargets targets;
+        targets.depth.assign(static_cast<std::size_t>(layout.links), 0.0L);
+        targets.lean = targets.depth;
+        for (int i = 0; i < layout.links; ++i)
+            targets.stretch.push_back(dice.one_in(8) ? dice.within(-8e-6L, -4e-6L) : dice.within(4e-6L, 12e-6L));
+        chain = lay_chain(parameters, targets);
+        for (int i = 0; i < layout.links; ++i) {
+            Vec2& middle = chain.rear[i].point;
+            middle = 0.5L * (chain.front[layout.previous(i)].point + middle);
+            q(i, layout.x(End::rear, 0)) = middle.x;
+            q(i, layout.y(End::rear, 0)) = middle.y;
+        }
+    }
+
     void lay() {
+        if (layout.rigid) return lay_pins();
         ChainTargets targets;
         for (int i = 0; i < layout.links; ++i) {
             targets.depth.push_back(dice.within(2e-6L, 6e-6L));
@@ -57,11 +74,12 @@ struct Builder {
         });
     }
 
+    /// Halves, or rigid pins as the rear halves of their links.
     template <class Action>
     void for_all_halves(const Action& action) const {
         for (int link = 0; link < layout.links; ++link) {
             action(link, End::rear);
-            action(link, End::front);
+            if (!layout.rigid) action(link, End::front);
         }
     }
 
@@ -100,9 +118,22 @@ struct Builder {
         return layout.pulley_begin() + offset;
     }
 
+    [[nodiscard]] Real deepest_pin(const System& system, int shaft, int side) const {
+        const PinChain pins(system);
+        Real depth = -1.0L;
+        for (int pin = 0; pin < layout.links; ++pin) {
+            for (const End end : {End::rear, End::front}) {
+                const TipContact contact = pins.tip(pins.half(pin, end), side);
+                if (contact.shaft == shaft) depth = std::max(depth, contact.depth);
+            }
+        }
+        return depth;
+    }
+
     /// Greatest depth of all tips in an arc on one side [m].
     [[nodiscard]] Real deepest(int shaft, int side) const {
         const System system = unpack(parameters, 0.0, state, {});
+        if (layout.rigid) return deepest_pin(system, shaft, side);
         const auto arc = shaft == 0 ? BeltPath::Part::driving_arc : BeltPath::Part::driven_arc;
         Real depth = -1.0L;
         for_all_halves([&](int link, End end) {
@@ -135,19 +166,22 @@ struct Builder {
     }
 
     void disturb_chain() {
+        // Rigid pins tilt and stand aside enough for tips to leave their sheave, and many of their contacts slide slower than the
+        // saturation speed.
+        const Real tilting = layout.rigid ? 5e-5L : 3e-6L, aside = layout.rigid ? 8e-6L : 1e-6L, speed = layout.rigid ? 0.02L : 0.05L;
         for_all_halves([&](int link, End end) {
             const Vec2 travel = travel_velocity(laid(link, end));
             for (int m = 0; m <= layout.order; ++m) {
-                const Real distance = m == 0 ? 1e-6L : m == 1 ? 3e-6L : 2e-6L;
+                const Real distance = m == 0 ? 1e-6L : m == 1 ? tilting : 2e-6L;
                 q(link, layout.x(end, m)) += dice.about_zero(distance);
                 q(link, layout.y(end, m)) += dice.about_zero(distance);
-                v(link, layout.x(end, m)) = (m == 0 ? travel.x : 0.0L) + dice.about_zero(0.05L);
-                v(link, layout.y(end, m)) = (m == 0 ? travel.y : 0.0L) + dice.about_zero(0.05L);
+                v(link, layout.x(end, m)) = (m == 0 ? travel.x : 0.0L) + dice.about_zero(speed);
+                v(link, layout.y(end, m)) = (m == 0 ? travel.y : 0.0L) + dice.about_zero(speed);
             }
-            q(link, layout.z(end)) += dice.about_zero(1e-6L);
+            q(link, layout.z(end)) += dice.about_zero(aside);
             q(link, layout.e(end)) += dice.about_zero(2e-6L);
-            v(link, layout.z(end)) = dice.about_zero(0.05L);
-            v(link, layout.e(end)) = dice.about_zero(0.05L);
+            v(link, layout.z(end)) = dice.about_zero(speed);
+            v(link, layout.e(end)) = dice.about_zero(speed);
         });
     }
 
@@ -178,6 +212,19 @@ struct Builder {
         return slow != dice.one_in(10) ? Phase::stick : Phase::slip;
     }
 
+    void set_pin_phases(const System& system, std::vector<Phase>& phases) const {
+        const PinChain pins(system);
+        for (int pin = 0; pin < layout.links; ++pin) {
+            for (const End end : {End::rear, End::front}) {
+                const int link = end == End::rear ? pin : layout.previous(pin);
+                for (const int side : {0, 1}) {
+                    const bool touches = pins.tip(pins.half(pin, end), side).depth > 0.0L;
+                    if (touches) phases[model::tips_per_link * link + 2 * static_cast<int>(end) + side] = Phase::touching;
+                }
+            }
+        }
+    }
+
     [[nodiscard]] RandomState finish() {
         RandomState result;
         for (const Real value : state) result.state.push_back(static_cast<double>(value));
@@ -185,6 +232,10 @@ struct Builder {
         result.phases.assign(static_cast<std::size_t>(layout.links * model::tips_per_link), Phase::free);
         if (!has_pulleys()) return result;
         const System system = unpack(parameters, 0.0, rounded, {});
+        if (layout.rigid) {
+            set_pin_phases(system, result.phases);
+            return result;
+        }
         for_all_halves([&](int link, End end) {
             for (const int side : {0, 1}) {
                 result.phases[model::tips_per_link * link + 2 * static_cast<int>(end) + side] = phase_of(system, link, end, side);

@@ -1,5 +1,5 @@
 #include "tests/oracle/oracle_cases.hpp"
-#include "tests/oracle/system.hpp"
+#include "tests/oracle/rigid_forces.hpp"
 
 #include <gtest/gtest.h>
 
@@ -79,6 +79,61 @@ TEST(RandomState, UsesEveryPhaseAndIsTheSameForTheSameSeed) {
     for (const auto phase : {model::Phase::free, model::Phase::touching, model::Phase::stick, model::Phase::slip}) {
         EXPECT_GT(std::count(first.phases.begin(), first.phases.end(), phase), 3);
     }
+}
+
+struct RigidCounts {
+    int pressed = 0, free = 0;     ///< tips inside the arcs, by their depth
+    int slow = 0, fast = 0;        ///< half slides and tips, against the saturation speed
+    int pulling = 0, pushing = 0;  ///< links
+};
+
+RigidCounts count_rigid(const model::Parameters& parameters, std::uint64_t seed) {
+    const ExactState at = exact_random_state(parameters, seed);
+    const System system = unpack(parameters, 0.0, at.state, at.phases);
+    const PinChain chain(system);
+    RigidCounts counts;
+    for (int pin = 0; pin < system.layout.links; ++pin) {
+        for (const auto end : {model::End::rear, model::End::front}) {
+            for (const int side : {0, 1}) {
+                const Real depth = chain.tip(chain.half(pin, end), side).depth;
+                EXPECT_LT(depth, 3e-5L);
+                if (depth > 0.0L) ++counts.pressed;
+                if (depth <= 0.0L && depth > -1e-5L) ++counts.free;
+            }
+        }
+        const bool slow = std::abs(chain.pin(pin).slide_rate) < parameters.joint.friction.saturation_speed;
+        ++(slow ? counts.slow : counts.fast);
+        const Vec2 across = chain.half(pin + 1, model::End::front).at - chain.half(pin, model::End::rear).at;
+        const Real rest = parameters.chain.pitch[0] + Real{parameters.half.width};
+        ++(norm(across) > rest ? counts.pulling : counts.pushing);
+    }
+    return counts;
+}
+
+TEST(RandomState, OfRigidPinsHasTipsInAndOutOfContactAndLinksThatPullAndPush) {
+    for (const double ratio : {0.6, 1.0, 1.7}) {
+        model::Parameters parameters = with_rigid_pins({});
+        parameters.start.ratio = ratio;
+        const RigidCounts counts = count_rigid(parameters, 23);
+        EXPECT_GT(counts.pressed, 40) << "ratio " << ratio;
+        EXPECT_GT(counts.free, 8) << "ratio " << ratio;
+        EXPECT_GT(counts.slow, 5) << "ratio " << ratio;
+        EXPECT_GT(counts.fast, 20) << "ratio " << ratio;
+        EXPECT_GT(counts.pulling, 40) << "ratio " << ratio;
+        EXPECT_GT(counts.pushing, 3) << "ratio " << ratio;
+    }
+}
+
+TEST(RandomState, OfRigidPinsMakesEveryLossAndEnergyPositive) {
+    const model::Parameters parameters = with_rigid_pins({});
+    const RandomState at = random_state(parameters, 2);
+    const Result result = right_hand_side(parameters, 0.0, at.state, at.phases);
+    for (int k = 0; k < model::loss_kinds; ++k) {
+        if (static_cast<model::Loss>(k) == model::Loss::joint_damping) continue;  // of joints between halves
+        EXPECT_GT(result.powers.losses[k], 1e-3) << "loss " << k;
+    }
+    const Energies& e = result.energies;
+    for (const double energy : {e.kinetic, e.inner, e.pack, e.plates, e.tips, e.supports}) EXPECT_GT(energy, 1e-6);
 }
 
 TEST(RandomState, MakesEveryLossAndEnergyPositive) {

@@ -1,6 +1,7 @@
 #include "tests/oracle/system.hpp"
 
 #include "tests/oracle/legendre.hpp"
+#include "tests/oracle/rigid_pins.hpp"
 
 #include <algorithm>
 #include <stdexcept>
@@ -117,7 +118,8 @@ System unpack(const model::Parameters& parameters, double t, std::span<const Rea
     const auto layout = model::layout_of(parameters);
     if (static_cast<int>(state.size()) != layout.size()) throw std::invalid_argument("state of the wrong size");
     System system{parameters, layout, t, {}, {}, {}, phases};
-    for (int i = 0; i < layout.links; ++i) system.links.push_back(unpack_link(parameters, layout, i, state));
+    if (layout.rigid) system.pins = unpack_pins(parameters, layout, state);
+    for (int i = 0; i < layout.links && !layout.rigid; ++i) system.links.push_back(unpack_link(parameters, layout, i, state));
     const auto q = state.subspan(layout.pulley_begin(), layout.pulley_size);
     const auto v = state.subspan(layout.pulley_begin() + layout.pulley_size, layout.pulley_size);
     if (parameters.detail.pulleys == PulleyDetail::elastic) system.body = unpack_elastic(q, v);
@@ -132,13 +134,18 @@ Totals empty_totals(const System& system) {
     half.shape.resize(system.layout.lateral());
     Totals totals;
     totals.link.assign(system.links.size(), LinkForce{half, half});
+    totals.pin.resize(system.pins.size());
     return totals;
 }
 
 std::vector<Real> pack_forces(const System& system, const Totals& totals) {
     const auto& layout = system.layout;
     std::vector<Real> forces(static_cast<std::size_t>(layout.coordinates()), 0.0L);
-    for (int i = 0; i < layout.links; ++i) {
+    for (std::size_t i = 0; i < totals.pin.size(); ++i) {
+        const std::vector<Real> of_pin = pin_forces(system, totals.pin[i]);
+        std::copy(of_pin.begin(), of_pin.end(), forces.begin() + static_cast<int>(i) * layout.link_size());
+    }
+    for (int i = 0; i < static_cast<int>(totals.link.size()); ++i) {
         for (const End end : {End::rear, End::front}) {
             const HalfForce& half = end == End::rear ? totals.link[i].rear : totals.link[i].front;
             const int begin = i * layout.link_size();

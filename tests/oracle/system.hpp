@@ -51,6 +51,19 @@ struct LinkForce {
     void turn(const Link& link, Real moment);  ///< a moment about z [N·m]
 };
 
+/// A pin as one body (section 11): middle Q of its plates, displacement D of the end at +z and B of both ends by bending, z of the middle
+/// and ζ by which the front half is ahead of the rear half; and rates.
+struct RigidPin {
+    Vec2 middle, end, bend, middle_rate, end_rate, bend_rate;
+    Real z = 0.0L, slide = 0.0L, z_rate = 0.0L, slide_rate = 0.0L;
+};
+
+/// Generalized forces on one of them [N].
+struct RigidPinForce {
+    Vec2 middle, end, bend;
+    Real z = 0.0L, slide = 0.0L;
+};
+
 /// A shaft or sheave: small displacement (u_x, u_y, w), small tilt (τ_x, τ_y), turning φ; and rates.
 struct Body {
     Vec2 u, tau, u_rate, tau_rate;
@@ -74,6 +87,7 @@ struct System {
     std::span<const model::Phase> phases;
     const FarEnds* far = nullptr;  ///< of couplings that have taken over, and with them hydraulics
     std::array<Real, model::hydraulic_unknowns> oil{};
+    std::vector<RigidPin> pins{};  ///< of a chain of rigid pins, which has no links
 
     [[nodiscard]] int controllers() const { return layout.controls % model::hydraulic_unknowns; }
 };
@@ -81,6 +95,7 @@ struct System {
 /// What all force laws add to.
 struct Totals {
     std::vector<LinkForce> link;
+    std::vector<RigidPinForce> pin;
     std::array<BodyForce, bodies> body;
     PowersOf<Real> powers;
     EnergiesOf<Real> energies;
@@ -103,6 +118,8 @@ struct PlateSpring {
     Real damping;    ///< [N·s/m]
 };
 std::vector<PlateSpring> plate_springs(const model::Parameters& parameters);
+/// ξ_j of every plate of a link, also of a lumped pack.
+std::vector<Real> plate_places(const model::Parameters& parameters);
 /// m_c, the mass seen by a spring of the chain [kg].
 Real spring_mass(const model::Parameters& parameters);
 /// 2 ζ sqrt(k m) [N·s/m].
@@ -123,6 +140,7 @@ void add_inner_elements(const System& system, Totals& totals);  // 3
 void add_plates(const System& system, Totals& totals);          // 4
 void add_joints(const System& system, Totals& totals);          // 5
 void add_tips(const System& system, Totals& totals);            // 6
+void add_rigid_pins(const System& system, Totals& totals);      // 11: instead of 3 to 6
 void add_supports(const System& system, Totals& totals);        // 8: bearings and attachments
 void add_gyroscopic(const System& system, Totals& totals);      // 8
 void add_inputs(const System& system, Totals& totals);          // 8: drive, load, clamping, cylinder, control
@@ -133,6 +151,11 @@ Real kinetic_energy(const System& system, std::span<const Real> state);
 
 /// Shaft (0 driving, 1 driven) to which a link belongs.
 int shaft_of(const System& system, const Link& link);
+
+/// Where the flank of a sheave lies against its body if it is imperfect: eccentric by its run-out, which turns with it, and pulley 2 beside
+/// its place [m]; and its rate [m/s].
+Vec3 flank_offset(const System& system, int shaft, int side);
+Vec3 flank_rate(const System& system, int shaft, int side);
 
 /// Where one tip is and how it meets its sheave.
 struct TipContact {

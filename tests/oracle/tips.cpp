@@ -22,7 +22,8 @@ constexpr Vec3 k_axis{0.0L, 0.0L, 1.0L};
 
 Vec3 tilt_of(const Body& sheave) { return in_space(sheave.tau, 0.0L); }
 
-/// Where an imperfect flank lies against its body: eccentric by its run-out, which turns with it, and pulley 2 beside its place.
+}  // namespace
+
 Vec3 flank_offset(const System& system, int shaft, int side) {
     const auto& i = system.parameters.imperfection;
     const Real angle = system.body[model::sheave_body(shaft, side)].phi;
@@ -32,8 +33,6 @@ Vec3 flank_offset(const System& system, int shaft, int side) {
 Vec3 flank_rate(const System& system, int shaft, int side) {
     return system.body[model::sheave_body(shaft, side)].phi_rate * cross(k_axis, flank_offset(system, shaft, side));
 }
-
-}  // namespace
 
 TipContact tip_contact(const System& system, const Link& link, End end, int side) {
     const auto& tip = system.parameters.tip;

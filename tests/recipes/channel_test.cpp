@@ -1,8 +1,8 @@
-/// Recipe "a channel": one row of tasks/run/channels.cpp.
+/// Recipe "a channel": one row of tasks/channel/channels.cpp.
 
 #include <gtest/gtest.h>
 
-#include "tasks/run/channels.hpp"
+#include "tasks/channel/channels.hpp"
 #include "tests/claims/rig_fixture.hpp"
 #include "tests/tasks/tiny_fixture.hpp"
 

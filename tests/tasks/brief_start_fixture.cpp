@@ -15,9 +15,9 @@ Scene brief_scene() {
 const FrozenStart& brief_start() {
     static const FrozenStart settled = [] {
         Simulation simulation(brief_scene());
-        SilentObserver nobody;
+        SilentObserver silent;
         const engine::Cancellation never;
-        EXPECT_FALSE(simulation.advance({.until = 0.0}, nobody, never));
+        EXPECT_FALSE(simulation.advance({.until = 0.0}, silent, never));
         return frozen_start(simulation);
     }();
     return settled;

@@ -35,8 +35,8 @@ struct ControlledOutcome {
 
 ControlledOutcome controlled_outcome(const Scene& scene, const Schedule& schedule = {}) {
     Simulation simulation(scene, schedule);
-    SilentObserver nobody;
-    const Fault fault = simulation.advance({.until = simulation.time() + scene.run.until}, nobody, not_cancelled);
+    SilentObserver silent;
+    const Fault fault = simulation.advance({.until = simulation.time() + scene.run.until}, silent, not_cancelled);
     return {simulation.hash(), simulation.counters(), simulation.local_errors(), fault};
 }
 
@@ -67,12 +67,12 @@ TEST(ReusedSlopes, SaveAnEvaluationInEveryStepThatIsNotCut) {
 /// Against steps that evaluate every stage, with the phases held. Times of stages differ in the last digit.
 TEST(ReusedSlopes, AreThoseThatWouldBeEvaluated) {
     Simulation simulation(settled_tiny(with("dumka3-p1", "50ns", {"run.output_interval=1us", "run.state_interval=1us"})));
-    SilentObserver nobody;
+    SilentObserver silent;
     FrozenStart start = frozen_start(simulation);
-    ASSERT_FALSE(simulation.advance({.until = simulation.time() + 1e-6, .anew = true}, nobody, not_cancelled));
+    ASSERT_FALSE(simulation.advance({.until = simulation.time() + 1e-6, .anew = true}, silent, not_cancelled));
     for (int window = 0; simulation.counters().truncated > 0 && window < 40; ++window) {  // until one has no transition
         start = frozen_start(simulation);
-        ASSERT_FALSE(simulation.advance({.until = simulation.time() + 1e-6, .anew = true}, nobody, not_cancelled));
+        ASSERT_FALSE(simulation.advance({.until = simulation.time() + 1e-6, .anew = true}, silent, not_cancelled));
     }
     ASSERT_EQ(simulation.counters().truncated, 0);
     ASSERT_EQ(simulation.counters().steps, 20);

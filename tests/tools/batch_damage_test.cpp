@@ -1,4 +1,4 @@
-/// What a sweep left behind is damaged when it goes on: cases whose checkpoints cannot be used begin anew, with the same results.
+/// Files of a sweep are damaged before it continues: cases whose checkpoints cannot be used begin anew, with the same results.
 
 #include <gmock/gmock.h>
 
@@ -38,7 +38,7 @@ protected:
         write(name, bytes);
     }
 
-    /// @return what the rest of the sweep says
+    /// @return output of the rest of the sweep
     [[nodiscard]] std::string same_results() const {
         const Outcome rest = run({"resume", "out"});
         EXPECT_EQ(rest.status, 0) << rest.err;
@@ -131,7 +131,7 @@ protected:
     std::string torn_;
 };
 
-TEST_F(TornSweep, GoesOnWithTheRowsThatAreWhole) {
+TEST_F(TornSweep, ContinuesWithTheRowsThatAreWhole) {
     const Outcome outcome = run({"resume", "out"});
     EXPECT_EQ(outcome.status, 0);
     EXPECT_THAT(outcome.err, HasSubstr("cvtflow: out/cases.h5: row 5 is damaged: its checksum differs; "
@@ -140,7 +140,7 @@ TEST_F(TornSweep, GoesOnWithTheRowsThatAreWhole) {
     EXPECT_EQ(hash_in(outcome.out), hash_in(whole_.out));
 }
 
-TEST_F(TornSweep, GoesOnWithThemWhereHdf5FindsNone) {
+TEST_F(TornSweep, ContinuesWithThemWhereHdf5FindsNone) {
     write("out/cases.h5", torn_);
     const Outcome resumed = run({"resume", "out"});
     EXPECT_EQ(resumed.status, 1);

@@ -24,7 +24,7 @@ TEST_F(BatchDryRun, MeasuresNoStepBeyondACasesEnd) {
     EXPECT_EQ(batch().status, 0);
 }
 
-TEST_F(BatchDryRun, SaysWhyNoCaseCouldBeTried) {
+TEST_F(BatchDryRun, ReportsWhyNoCaseCouldBeTried) {
     write_sweep("\"12 N*m\"", "40 us", "");
     std::string sweep = read("sweep.toml");
     sweep.replace(sweep.find("run.until"), 0, "run.method = \"leapfrog-chebyshev\"\ndetail.pins = \"rigid\"\n");

@@ -1,4 +1,4 @@
-/// What a sweep reports of cases that fail, and when it stops.
+/// Reports of a sweep on cases that fail, and when it stops.
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -59,7 +59,7 @@ TEST_F(BatchFailures, FailWhatJoinsThem) {
     EXPECT_THAT(run({"info", "cut"}).out, HasSubstr("failed              24 of 24 cases (100 %)\n"));
 }
 
-TEST_F(BatchFailures, AreToldFromNotesWhichTheSummaryCounts) {
+TEST_F(BatchFailures, AreDistinguishedFromNotesWhichTheSummaryCounts) {
     write_sweep();
     const Outcome outcome = batch();
     EXPECT_EQ(outcome.status, 0) << outcome.err;

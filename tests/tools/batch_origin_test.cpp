@@ -62,7 +62,7 @@ protected:
     }
 };
 
-TEST_F(BatchOrigin, StandsInEveryRow) {
+TEST_F(BatchOrigin, IsInEveryRow) {
     settle("a.h5", "6 N*m");
     settle("b.h5", "12 N*m");
     write_from("a.h5");

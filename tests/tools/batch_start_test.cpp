@@ -1,4 +1,4 @@
-/// What cases of a sweep begin with.
+/// Start states of the cases of a sweep.
 
 #include <gmock/gmock.h>
 

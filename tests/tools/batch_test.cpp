@@ -88,7 +88,7 @@ TEST_F(NightlyBatch, KilledAHundredTimesLosesAndRepeatsNothing) {
     }
 }
 
-TEST_F(Batch, ThatIsToldToStopLeavesCheckpointsAndGoesOnBitForBit) {
+TEST_F(Batch, ThatIsStoppedLeavesCheckpointsAndContinuesBitForBit) {
     write_sweep("\"6 N*m\", \"12 N*m\"", "2 ms");
     Child child({"batch", "sweep.toml", "-o", "out", "--threads", "2", "--grace", "1 us"}, folder_);
     EXPECT_TRUE(eventually([&] { return exists("out/cases.h5"); }));
@@ -184,7 +184,7 @@ TEST_F(Batch, IntoAFolderThatAnotherWritesIsRefused) {
     EXPECT_EQ(second.err, "cvtflow: out: another sweep is writing into it\n");
 }
 
-TEST_F(Batch, IntoAFolderThatCannotBeWrittenSaysSo) {
+TEST_F(Batch, IntoAFolderThatCannotBeWrittenReportsIt) {
     write_sweep();
     write("file", "");
     EXPECT_EQ(run({"batch", "sweep.toml", "-o", "file"}).err, "cvtflow: file: cannot create: File exists\n");
@@ -192,7 +192,7 @@ TEST_F(Batch, IntoAFolderThatCannotBeWrittenSaysSo) {
     EXPECT_EQ(run({"batch", "sweep.toml", "-o", "/proc/here"}).err, "cvtflow: /proc/here: cannot create: No such file or directory\n");
 }
 
-TEST_F(Batch, OnAFullDiskKeepsWhatItHasAndGoesOnLater) {
+TEST_F(Batch, OnAFullDiskKeepsWhatItHasAndContinuesLater) {
     write_sweep(
         "\"1 N*m\", \"2 N*m\", \"3 N*m\", \"4 N*m\", \"5 N*m\", \"6 N*m\", \"7 N*m\", \"8 N*m\", \"9 N*m\", \"10 N*m\", \"11 N*m\", \"12 "
         "N*m\", \"13 N*m\", \"14 N*m\", "
@@ -231,7 +231,7 @@ TEST_F(Batch, WithADamagedTableStopsAndTouchesNothing) {
     EXPECT_THAT(run({"resume", "out"}).err, StartsWith("cvtflow: out/cases.h5: truncated HDF5 file: "));
 }
 
-TEST_F(Batch, TellsATableThatIsNoSweepsFromOneThatIs) {
+TEST_F(Batch, DistinguishesOtherTablesFromThoseOfSweeps) {
     engine::write_cases(
         (folder_ / "other.h5").string(),
         {engine::RowLayout({{"case", "1", "", engine::CaseColumnType::integer}, {"status", "1", "", engine::CaseColumnType::real}}),
@@ -241,17 +241,17 @@ TEST_F(Batch, TellsATableThatIsNoSweepsFromOneThatIs) {
     EXPECT_EQ(run({"table", "other.h5"}).status, 1);
 }
 
-/// The differences that the table tells are those to a sweep without continuation.
+/// The differences in the table are those to a sweep without continuation.
 class ContinuedBatch : public Batch {
 protected:
     void expect_error_of_continuation() {
-        const std::string told = table().attribute("continuation_error");
+        const std::string stated = table().attribute("continuation_error");
         write_sweep("\"6 N*m\", \"12 N*m\"", "40 us");
         ASSERT_EQ(run({"batch", "sweep.toml", "-o", "own"}).status, 0);
         const double own = std::stod(column("slip_mean", "own").at(7)), continued = std::stod(column("slip_mean").at(7));
         ASSERT_NE(own, continued);
-        EXPECT_THAT(told, StartsWith(fmt::format("1 case, at most: slip mean {:.2g} ({:.2g} %), tight_tension max ",
-                                                 std::abs(continued - own), 100.0 * std::abs((continued - own) / own))));
+        EXPECT_THAT(stated, StartsWith(fmt::format("1 case, at most: slip mean {:.2g} ({:.2g} %), tight_tension max ",
+                                                   std::abs(continued - own), 100.0 * std::abs((continued - own) / own))));
     }
 };
 

@@ -5,8 +5,8 @@
 #include <sstream>
 
 #include "engine/method/catalogue.hpp"
+#include "tasks/channel/channels.hpp"
 #include "tasks/method/method_choice.hpp"
-#include "tasks/run/channels.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tests/tools/program_fixture.hpp"
@@ -39,7 +39,7 @@ TEST_F(Commands, DocumentTheExitStatus) {
     EXPECT_THAT(run({"run", "--help"}).out, HasSubstr("cvtflow --help"));
 }
 
-TEST_F(Commands, VersionTellsProgramBuildAndMachine) {
+TEST_F(Commands, VersionReportsProgramBuildAndMachine) {
     const Outcome outcome = run({"--version"});
     EXPECT_EQ(outcome.status, 0);
     EXPECT_THAT(outcome.out, AllOf(StartsWith("cvtflow "), HasSubstr("\nbuilt with "), HasSubstr("\nrunning on ")));
@@ -92,7 +92,7 @@ TEST_F(Commands, ExplainKeysAndSections) {
     EXPECT_THAT(run({"explain", "tip"}).out, AllOf(HasSubstr("tip.radius\n"), HasSubstr("tip.angle\n")));
 }
 
-TEST_F(Commands, ExplainSaysWhatAKeyIsInASceneAndHowFarItsStepIsStable) {
+TEST_F(Commands, ExplainReportsWhatAKeyIsInASceneAndHowFarItsStepIsStable) {
     const std::string clamping = run({"explain", "chain.pins", "--scene", "tiny"}).out;
     EXPECT_THAT(clamping, HasSubstr("here:     24 in tiny"));
     const std::string step = run({"explain", "run.step", "--scene", "baseline", "--set", "run.method=leapfrog-chebyshev"}).out;
@@ -105,7 +105,7 @@ TEST_F(Commands, SchemaIsJson) {
     EXPECT_TRUE(schema["properties"].contains("chain"));
 }
 
-TEST_F(Commands, CheckSaysWhatASceneIs) {
+TEST_F(Commands, CheckReportsWhatASceneIs) {
     const Outcome outcome = run({"check", "tiny", "--step", "50 ns"});
     EXPECT_EQ(outcome.status, 0);
     // Order 1: 4 (1 + 1) + 4 coordinates per link.
@@ -121,7 +121,7 @@ TEST_F(Commands, CheckSaysWhatASceneIs) {
 
 // Tips brake the spin of sheaves by impulses that a leapfrog takes from the step's start; damping of tips is explicit as well. Neither is
 // in the test equation that automatic steps come from, both are in the linearised step.
-TEST_F(Commands, ARunSaysWhereTheAutomaticStepDoesNotHold) {
+TEST_F(Commands, ARunReportsWhereTheAutomaticStepDoesNotHold) {
     for (const char* setting : {"pulley.sheave_polar_inertia=1.5e-4", "tip.reference_depth=1e-7"}) {
         const Outcome outcome =
             run({"run", "baseline", "--method", "leapfrog-chebyshev", "--set", setting, "--until", "2 ms", "-q", "-o", "none"});
@@ -130,7 +130,7 @@ TEST_F(Commands, ARunSaysWhereTheAutomaticStepDoesNotHold) {
     }
 }
 
-TEST_F(Commands, CheckSaysUpToWhereASettledSceneIsStable) {
+TEST_F(Commands, CheckReportsUpToWhereASettledSceneIsStable) {
     const Outcome beyond = run({"check", "control", "--method", "leapfrog-chebyshev", "--step", "2 us"});
     EXPECT_EQ(beyond.status, 0) << beyond.err;
     EXPECT_THAT(beyond.out,

@@ -28,7 +28,7 @@ protected:
                                                      "--set",   "start.ramp_time=10us"};
 };
 
-TEST_F(CsvInput, ARunGoesOnBitForBitWithoutTheFileAndWhateverTheThreads) {
+TEST_F(CsvInput, ARunContinuesBitForBitWithoutTheFileAndWhateverTheThreads) {
     const std::vector<std::string> run_tiny{"run", "tiny", "-q"};
     ASSERT_EQ(run(run_tiny + all + std::vector<std::string>{"-o", "whole.h5", "--threads", "1"}).status, 0);
     const std::string whole = hash_in(run({"info", "whole.h5"}).out);
@@ -45,7 +45,7 @@ TEST_F(CsvInput, ARunGoesOnBitForBitWithoutTheFileAndWhateverTheThreads) {
     EXPECT_THAT(run({"info", "cut.h5"}).out, HasSubstr("tips/radial_force"));
 }
 
-TEST_F(CsvInput, WhatIsWrongIsToldWithPlaceInSceneAndFile) {
+TEST_F(CsvInput, ErrorsAreReportedWithPlaceInSceneAndFile) {
     write("load.csv", "t,M\n0,12\n1,1e9\n");
     const Outcome outcome = run({"check", "tiny", "--set", "load.torque={csv = \"load.csv\"}"});
     EXPECT_EQ(outcome.status, 2);

@@ -1,4 +1,4 @@
-/// What users get wrong, and the one line that they are told.
+/// Errors of users, and the one line of the message.
 
 #include <gmock/gmock.h>
 #include <hdf5.h>
@@ -15,7 +15,7 @@ namespace {
 struct Mistake {
     Words arguments;
     int status;
-    std::string message;  ///< all of stderr, without the last line break; FOLDER stands for the working directory
+    std::string message;  ///< all of stderr, without the last line break; FOLDER represents the working directory
 };
 
 class Errors : public Program {
@@ -79,7 +79,7 @@ TEST_F(Errors, OnTheCommandLineExitWithTwo) {
 }
 
 TEST_F(Errors, InTheProgramNameTheOtherOne) {
-    const auto told = [&](const std::string& program, const std::string& command) {
+    const auto message = [&](const std::string& program, const std::string& command) {
         std::FILE* pipe = popen(("'" + program + "' " + command + " 2>&1").c_str(), "r");
         char line[200] = "";
         EXPECT_NE(std::fgets(line, sizeof line, pipe), nullptr) << program << " " << command;
@@ -89,9 +89,9 @@ TEST_F(Errors, InTheProgramNameTheOtherOne) {
     const Words own = commands_of(CVTFLOW_PROGRAM);
     for (const std::string& command : commands_of(CVTFLOW_LAB)) {
         if (std::find(own.begin(), own.end(), command) != own.end()) continue;  // both have it
-        EXPECT_THAT(told(CVTFLOW_PROGRAM, command), testing::HasSubstr("(cvtflow --help, or cvtflow-lab " + command + ")\n"));
+        EXPECT_THAT(message(CVTFLOW_PROGRAM, command), testing::HasSubstr("(cvtflow --help, or cvtflow-lab " + command + ")\n"));
     }
-    EXPECT_EQ(told(CVTFLOW_LAB, "report"), "cvtflow-lab: no command 'report' (cvtflow-lab --help, or cvtflow report)\n");
+    EXPECT_EQ(message(CVTFLOW_LAB, "report"), "cvtflow-lab: no command 'report' (cvtflow-lab --help, or cvtflow report)\n");
 }
 
 TEST_F(Errors, InValuesOfOptionsExitWithTwo) {

@@ -77,7 +77,7 @@ TEST_F(Export, IsReadBackByVtkWithTheRecordsForcesAndPlaces) {
     EXPECT_FALSE(lines >> more) << "more states than the record has";
 }
 
-TEST_F(Export, TakesEverySoManyStatesAndReplacesNothingUnasked) {
+TEST_F(Export, TakesEveryNthStateAndReplacesNothingUnasked) {
     ASSERT_EQ(made_, 0);
     EXPECT_THAT(run({"export", "run.h5", "--vtk", "run.pvd", "--every", "2"}).out, HasSubstr("3 states"));
     EXPECT_THAT(read("run.pvd"), HasSubstr("<DataSet timestep=\"1e-05\" file=\"run/run_000001.vtu\"/>"));
@@ -118,7 +118,7 @@ TEST_F(Export, WritesChannelsAsOneTableWithUnits) {
     EXPECT_EQ(run({"export", "run.h5", "slp", "--csv", "x.csv"}).status, 2);
 }
 
-TEST_F(Export, SaysWhatItCannotWrite) {
+TEST_F(Export, ReportsWhatItCannotWrite) {
     ASSERT_EQ(made_, 0);
     EXPECT_EQ(run({"export", "run.h5"}).status, 2);
     EXPECT_EQ(run({"export", "run.h5", "--vtk", "x.vtk"}).status, 2);

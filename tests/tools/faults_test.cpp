@@ -138,7 +138,7 @@ protected:
         if (order.name == "resume" && outcome.status != 0) expect_still_resumable(where);
     }
 
-    /// What was there, and what has its final name.
+    /// Earlier files, and files with their final name.
     void expect_untouched(const std::string& where) {
         for (const std::string& name : kept_) EXPECT_TRUE(read(name) == contents_[name]) << name << " is not what it was: " << where;
         for (const char* name : {"new.h5", "state.h5"})
@@ -210,7 +210,7 @@ TEST_F(Faults, NothingIsWrittenWithoutALock) {
     }
 }
 
-TEST_F(Faults, AListWithoutScenesSaysThatNoneCanBeRead) {
+TEST_F(Faults, AListWithoutScenesReportsThatNoneCanBeRead) {
     const Outcome outcome = run({"list", "scenes"}, environment("read", 1, true));
     EXPECT_EQ(outcome.status, 0);
     EXPECT_THAT(outcome.out, testing::StartsWith("none: no folder of ready scenes can be read; "));

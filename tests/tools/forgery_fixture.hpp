@@ -16,7 +16,7 @@ enum class Forged { record, state, table };
 /// Markup, escape sequences, formulas: what names and texts are replaced with.
 [[nodiscard]] std::string hostile_text(std::uint64_t number);
 
-/// Changes a file in place: shapes, types, links, missing and swollen data, numbers that are none, hostile names and texts. States keep a
+/// Changes a file in place: shapes, types, links, missing and swollen data, invalid numbers, hostile names and texts. States keep a
 /// right hash, rows of tables their check. @return what was done
 std::string forge(const std::string& path, Forged kind, std::uint64_t seed);
 

@@ -173,7 +173,7 @@ protected:
         std::filesystem::copy_file(folder_ / "good.h5", folder_ / "bad.h5", std::filesystem::copy_options::overwrite_existing);
         change_record((folder_ / "bad.h5").string(), change);
     }
-    /// Peak memory of a command, which must end with an error that says `why` [MB].
+    /// Peak memory of a command, which must end with an error that contains `why` [MB].
     double refused(const Words& words, const std::string& why) const {
         const Outcome outcome = run(words);
         EXPECT_EQ(outcome.status, 1) << testing::PrintToString(words);

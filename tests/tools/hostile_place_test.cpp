@@ -35,7 +35,7 @@ TEST_F(HostilePlace, ReportsALimitOfFileSizesAsAnError) {
     EXPECT_THAT(run.err, HasSubstr("File too large"));
 }
 
-TEST_F(HostilePlace, SaysThatStandardOutputIsClosed) {
+TEST_F(HostilePlace, ReportsThatStandardOutputIsClosed) {
     const Outcome outcome = shell("\\$CVTFLOW list scenes >&-");
     EXPECT_EQ(outcome.status, 1);
     EXPECT_EQ(outcome.err, "cvtflow: standard output: cannot write: it is closed\n");
@@ -97,7 +97,7 @@ TEST(CsvCell, IsWrittenAlikeByReports) {
     tasks::TuneResult result;
     result.outputs = {"slip"};
     result.choices.resize(1);
-    result.choices[0].standing = "requires detail.pins = \"halves\"";
+    result.choices[0].outcome = "requires detail.pins = \"halves\"";
     result.choices[0].worst = "=1+1";
     EXPECT_THAT(tune_csv(result), HasSubstr(",\"'=1+1\",0,\"requires detail.pins = \"\"halves\"\"\"\n"));
 }

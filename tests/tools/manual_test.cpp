@@ -14,7 +14,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-/// A text as it stands in a manual page.
+/// A text as in a manual page.
 std::string hyphenated(std::string text) {
     for (std::size_t at = text.find('-'); at != std::string::npos; at = text.find('-', at + 2)) text.insert(at, "\\");
     return text;

@@ -1,4 +1,4 @@
-/// What the program answers to a command that is nearly right, and what it warns of.
+/// Answers of the program to a command that is nearly right, and its warnings.
 
 #include <gmock/gmock.h>
 

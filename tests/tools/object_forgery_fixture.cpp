@@ -48,7 +48,7 @@ Shape shape_of(hid_t file, const std::string& path) {
     return shape;
 }
 
-/// The same type in another shape.
+/// A dataset of the same type in another shape.
 template <class Change>
 void reshape(hid_t file, const std::string& path, const Change& change) {
     Shape shape = shape_of(file, path);

@@ -218,7 +218,7 @@ TEST_F(PlotCommand, TwoLossesNeverLookTheSame) {
     EXPECT_EQ(styles.size(), entries);
 }
 
-TEST_F(PlotCommand, SaysHowAChannelIsRecordedThatExists) {
+TEST_F(PlotCommand, ReportsHowAChannelIsRecordedThatExists) {
     const Outcome outcome = run({"plot", "run.h5", "shaft_1/slip"});
     EXPECT_EQ(outcome.status, 2);
     EXPECT_EQ(outcome.err,
@@ -231,7 +231,7 @@ TEST_F(PlotCommand, ReadsTablesWithSemicolonsAndDecimalCommas) {
     EXPECT_THAT(read("p.csv"), HasSubstr(",10.5,0.1,"));
 }
 
-TEST_F(PlotCommand, SaysWhatIsWrong) {
+TEST_F(PlotCommand, ReportsWhatIsWrong) {
     write("cases.csv", table);
     write("twice.csv", "status,load_torque,start_ratio,tip_angle,slip_mean\nok,1,1,1,1\nok,1,1,2,2\n");
     const auto complains = [&](const std::vector<std::string>& words, int status, const std::string& text) {
@@ -252,7 +252,7 @@ TEST_F(PlotCommand, SaysWhatIsWrong) {
     complains({"run.h5", "-o", "none/p.svg"}, 1, "none/p.svg: cannot create: the folder 'none' does not exist");
 }
 
-TEST_F(PlotCommand, WithoutTheProgramForPngTellsWhatToInstall) {
+TEST_F(PlotCommand, WithoutTheProgramForPngReportsWhatToInstall) {
     const Outcome outcome = run({"plot", "run.h5", "-o", "p.png"}, {"PATH=" + folder_.string()});
     EXPECT_EQ(outcome.status, 1);
     EXPECT_THAT(outcome.err, HasSubstr("librsvg2-bin"));

@@ -1,5 +1,5 @@
 #pragma once
-/// What a power cut leaves of the files that a program has written (tests/faults/power.c writes down how).
+/// Remains of the files that a program has written, after a power cut (tests/faults/power.c records the writes).
 
 #include <cstdint>
 #include <filesystem>
@@ -21,8 +21,8 @@ struct Change {
 /// @param folder  changes outside of it are left out
 [[nodiscard]] std::vector<Change> read_power_log(const std::filesystem::path& log, const std::filesystem::path& folder);
 
-/// What a system owes: dropped keeps nothing that was not synced, names only with their folder. journalled is what file systems do: a sync
-/// brings all names before it to disk as well, later ones follow in their order, and of unsynced bytes some pages.
+/// Guarantee of a system: dropped keeps nothing that was not synced, names only with their folder. journalled is the behaviour of file
+/// systems: a sync brings all names before it to disk as well, later ones follow in their order, and of unsynced bytes some pages.
 enum class Disk { dropped, journalled };
 
 /// Puts into `folder` what the first `count` changes leave on disk.

@@ -1,5 +1,5 @@
-/// Power cuts: what was not synced is lost, or part of it. A run and a sweep go on from what is left to the bits of an undisturbed one, or,
-/// of a run, say clearly that they cannot, and nothing has a final name that is not whole.
+/// Power cuts: unsynced data are lost, or part of them. A run or sweep resumes from the rest, and its results are bitwise those of an
+/// undisturbed one; or a run reports clearly that it cannot resume. Only complete files have a final name.
 
 #include <gmock/gmock.h>
 
@@ -31,7 +31,7 @@ protected:
         return read_power_log(folder_ / "changes", work_);
     }
 
-    /// What was there before the program ran stays.
+    /// Removes all files but those that were there before the program ran.
     void clear_work() const {
         const std::vector<std::filesystem::directory_entry> all(std::filesystem::directory_iterator(work_), {});
         for (const auto& entry : all) {
@@ -39,10 +39,10 @@ protected:
         }
     }
 
-    /// Goes on after `cuts` cuts at random moments, every other one of each kind.
-    /// @param go_on  whether the result is there and the same; if not, why: what it was refused with
-    template <class GoOn>
-    void cut_and_go_on(const std::vector<Change>& changes, int cuts, const GoOn& go_on) {
+    /// Resumes after `cuts` cuts at random moments, every other one of each kind.
+    /// @param resume  status 0 if the result is there and the same; else the message of the refusal
+    template <class Resume>
+    void cut_and_resume(const std::vector<Change>& changes, int cuts, const Resume& resume) {
         std::mt19937 chance(17);
         for (int cut = 0; cut < cuts; ++cut) {
             const std::size_t count = chance() % (changes.size() + 1);
@@ -50,7 +50,7 @@ protected:
             clear_work();
             cut_power(changes, count, disk, work_, chance);
             SCOPED_TRACE("cut " + std::to_string(cut) + " after " + std::to_string(count) + " of " + std::to_string(changes.size()));
-            const Outcome outcome = go_on();
+            const Outcome outcome = resume();
             same_ += outcome.status == 0;
             if (outcome.status == 0) continue;
             EXPECT_EQ(disk, Disk::journalled) << "refused what was synced: " << outcome.err;
@@ -58,18 +58,18 @@ protected:
             EXPECT_TRUE(outcome.err.starts_with("cvtflow: ")) << outcome.err;
             std::printf("refused: %s", outcome.err.c_str());
         }
-        std::printf("%d power cuts: %d the same bits (%d of them went on from a checkpoint or table), %d refused\n", cuts, same_, went_on_,
-                    cuts - same_);
+        std::printf("%d power cuts: %d the same bits (%d of them continued from a checkpoint or table), %d refused\n", cuts, same_,
+                    continued_, cuts - same_);
     }
 
     void single_run(int cuts);
     void sweep(int cuts);
 
     const std::filesystem::path work_ = folder_ / "work";
-    int same_ = 0, went_on_ = 0;
+    int same_ = 0, continued_ = 0;
 };
 
-/// What a record holds of its run: rows, the last state, how it ended.
+/// Contents of a record: rows, the last state, how the run ended.
 std::string contents_of(const std::filesystem::path& record) {
     const engine::RunReader reader(record.string());
     engine::Hash hash;
@@ -82,11 +82,11 @@ void PowerCut::single_run(int cuts) {
     const std::vector<std::string> order = run_to_be_ended("run.h5");
     const std::vector<Change> changes = logged(order + std::vector<std::string>{"--checkpoint-every", "3 ms"});
     const std::string whole = contents_of(work_ / "run.h5");
-    cut_and_go_on(changes, cuts, [&] {
+    cut_and_resume(changes, cuts, [&] {
         Outcome outcome;
         if (std::filesystem::exists(work_ / "run.checkpoint.h5")) {
             outcome = run_at_work({"resume", "run.checkpoint.h5", "-q"});
-            went_on_ += outcome.status == 0;
+            continued_ += outcome.status == 0;
         } else if (!std::filesystem::exists(work_ / "run.h5")) {
             outcome = run_at_work(order);
         }
@@ -103,13 +103,13 @@ void PowerCut::sweep(int cuts) {
     const std::vector<std::string> order{"batch", "sweep.toml", "-o", "out"};
     const std::vector<Change> changes = logged(order + std::vector<std::string>{"--checkpoint-every", "5 ms", "--threads", "2"});
     const std::string whole = hash_in(run_at_work(order).out);
-    cut_and_go_on(changes, cuts, [&] {
+    cut_and_resume(changes, cuts, [&] {
         const bool begun = std::filesystem::exists(work_ / "out" / "cases.h5");
         const Outcome outcome = run_at_work(order);
         if (outcome.status == 0) {
             EXPECT_EQ(hash_in(outcome.out), whole) << outcome.err;
         }
-        went_on_ += begun && outcome.status == 0;
+        continued_ += begun && outcome.status == 0;
         return outcome;
     });
     EXPECT_EQ(same_, cuts);  // rows of a torn table are found without HDF5
@@ -117,12 +117,12 @@ void PowerCut::sweep(int cuts) {
 
 TEST_F(PowerCut, OfARunLeavesWhatLeadsToTheSameBits) {
     single_run(20);
-    EXPECT_GE(went_on_, 5);
+    EXPECT_GE(continued_, 5);
 }
 
 TEST_F(PowerCut, OfASweepLeavesWhatLeadsToTheSameBits) {
     sweep(20);
-    EXPECT_GE(went_on_, 5);
+    EXPECT_GE(continued_, 5);
 }
 
 using NightlyPowerCut = PowerCut;

@@ -69,7 +69,7 @@ protected:
     Outcome run(const std::vector<std::string>& arguments, const std::vector<std::string>& environment = {}) const;
     /// run() with the scene tiny, settling and running for 20 us; a fraction of a second.
     Outcome run_briefly(const std::vector<std::string>& more = {}) const;
-    /// What run() draws on a terminal of that width, stdout included.
+    /// Output of run() on a terminal of that width, stdout included.
     [[nodiscard]] std::string draw(const std::vector<std::string>& arguments, int columns) const;
     void write(const std::string& name, const std::string& text) const;
     [[nodiscard]] std::string read(const std::string& name) const;

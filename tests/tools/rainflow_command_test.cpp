@@ -57,7 +57,7 @@ TEST_F(RainflowOfARecord, HasATextATableAndAWindow) {
     EXPECT_THAT(run({"table", "run.h5", "--rainflow", "tight_tension", "--from", "1 s"}).out, HasSubstr("no outputs\n  no cycles\n"));
 }
 
-TEST_F(RainflowOfARecord, HasADamageEquivalentRangeAndSaysThatTheRecordIsShort) {
+TEST_F(RainflowOfARecord, HasADamageEquivalentRangeAndReportsThatTheRecordIsShort) {
     ASSERT_EQ(made_, 0);
     const Outcome json = run({"table", "run.h5", "--rainflow", "tight_tension", "--exponent", "3", "--json"});
     ASSERT_EQ(json.status, 0) << json.err;
@@ -72,7 +72,7 @@ TEST_F(RainflowOfARecord, HasADamageEquivalentRangeAndSaysThatTheRecordIsShort) 
     EXPECT_EQ(run({"table", "run.h5", "--rainflow", "tight_tension", "--exponent", "0"}).status, 2);
 }
 
-TEST_F(RainflowOfARecord, SaysWhatItCannotCount) {
+TEST_F(RainflowOfARecord, ReportsWhatItCannotCount) {
     ASSERT_EQ(made_, 0);
     const auto expect = [&](const std::vector<std::string>& more, int status, const std::string& why) {
         const Outcome outcome = run(std::vector<std::string>{"table", "run.h5"} + more);

@@ -42,7 +42,7 @@ TEST_F(ReportCommand, ContainsTheLicencesOfItsScripts) {
                                                               HasSubstr("JSON for Modern C++"), HasSubstr("Eigen"), HasSubstr("pybind11")));
 }
 
-TEST_F(ReportCommand, SaysWhatWasSimulatedAndWhatIsNotTheDefault) {
+TEST_F(ReportCommand, ReportsWhatWasSimulatedAndWhatIsNotTheDefault) {
     ASSERT_EQ(run({"report", "run.h5"}).status, 0);
     const std::string page = read("run.html");
     EXPECT_LT(page.find("class=\"status\""), page.find("What was simulated"));
@@ -85,7 +85,7 @@ TEST_F(ReportCommand, WarnsFirstOfWhatIsNotFinished) {
     EXPECT_THAT(read("cut.html"), HasSubstr("has no seal"));
 }
 
-TEST_F(ReportCommand, OfAMachineThatIsGoneSaysWhyThePageShowsNoChain) {
+TEST_F(ReportCommand, OfAMachineThatIsGoneReportsWhyThePageShowsNoChain) {
     change_record((folder_ / "run.h5").string(), [](hid_t file) { put_text(file, "/", "parameters", "[detail]\npins = \"whole\"\n"); });
     const Outcome outcome = run({"report", "run.h5"});
     EXPECT_EQ(outcome.status, 0);
@@ -112,7 +112,7 @@ TEST_F(ReportCommand, ShowsSeveralRecordsBesideEachOther) {
     EXPECT_THAT(read("both.html"), testing::AllOf(HasSubstr("<h3>run.h5</h3>"), HasSubstr("<h3>other.h5</h3>")));
 }
 
-TEST_F(ReportCommand, OfTwoRecordsTellsTheirDifferences) {
+TEST_F(ReportCommand, OfTwoRecordsShowsTheirDifferences) {
     ASSERT_EQ(run_briefly({"-o", "other.h5", "--set", "run.output_interval=1 us", "--set", "load.torque=8 N*m"}).status, 0);
     ASSERT_EQ(run({"report", "run.h5", "other.h5", "-o", "both.html"}).status, 0);
     const std::string page = read("both.html");
@@ -169,7 +169,7 @@ TEST_F(ReportCommand, OfTheShippedSweepHasMaps) {
     EXPECT_THAT(read("page.html"), testing::AllOf(HasSubstr("id=\"maps\""), HasSubstr("mean slip over load torque and clamping driven")));
 }
 
-TEST_F(ReportCommand, SaysWhatIsWrong) {
+TEST_F(ReportCommand, ReportsWhatIsWrong) {
     write("cases.csv", "case,status\n0,ok\n");
     write("other.csv", "a,b\n1,2\n");
     EXPECT_THAT(run({"report", "none.h5"}).err, HasSubstr("none.h5: No such file or directory"));

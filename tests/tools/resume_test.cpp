@@ -16,7 +16,7 @@ using testing::StartsWith;
 
 class Resume : public Program {
 protected:
-    /// Of a record that is being written; 0 before it can be read.
+    /// Number of rows of a record that is being written; 0 before it can be read.
     [[nodiscard]] std::size_t rows_in(const std::string& record) const {
         try {
             return engine::RunReader((folder_ / record).string()).rows();
@@ -36,8 +36,7 @@ protected:
         EXPECT_EQ(a.attribute("state_hash"), b.attribute("state_hash"));
         EXPECT_EQ(b.status(), "finished");
     }
-    /// Kills a run at so many random moments, goes on to the end, and compares with an undisturbed one. @return how often there was a
-    /// checkpoint to go on from
+    /// Kills a run at `kills` random moments, resumes it, and compares with an undisturbed one. @return how often there was a checkpoint
     [[nodiscard]] int killed_and_resumed(int kills) const;
 };
 
@@ -57,7 +56,7 @@ int Resume::killed_and_resumed(int kills) const {
             EXPECT_EQ(outcome.status, 0) << outcome.err;
             ++resumed;
         } else if (!exists("cut.h5")) {
-            EXPECT_EQ(run(run_to_be_ended("cut.h5") + Words{"--force"}).status, 0);  // killed before there was anything to go on from
+            EXPECT_EQ(run(run_to_be_ended("cut.h5") + Words{"--force"}).status, 0);  // killed before there was a checkpoint or record
         }
         expect_same("whole.h5", "cut.h5");
         EXPECT_FALSE(exists("cut.checkpoint.h5"));
@@ -73,7 +72,7 @@ using NightlyResume = Resume;
 
 TEST_F(NightlyResume, AfterAHundredKillsGivesTheUndisturbedRecord) { EXPECT_GE(killed_and_resumed(100), 25); }
 
-TEST_F(Resume, AfterCtrlCGoesOnWithTheRecord) {
+TEST_F(Resume, AfterCtrlCContinuesWithTheRecord) {
     ASSERT_EQ(run(run_to_be_ended("whole.h5") + Words{"--until", "0.6 ms"}).status, 0);
     Child child(run_to_be_ended("cut.h5") + Words{"--until", "0.6 ms", "--checkpoint-every", "1 h"}, folder_);
     ASSERT_TRUE(eventually([&] { return exists("cut.h5.part"); }));
@@ -143,7 +142,7 @@ TEST_F(Resume, LeavesNoHalfWrittenCheckpointBehind) {
     EXPECT_FALSE(exists("cut.checkpoint.h5.part"));
 }
 
-TEST_F(Resume, SaysWhatIsWrongWithTheFile) {
+TEST_F(Resume, ReportsWhatIsWrongWithTheFile) {
     EXPECT_EQ(run({"resume", "nothing.h5"}).err, "cvtflow: nothing.h5: No such file or directory\n");
     ASSERT_EQ(run({"settle", "tiny", "-q", "-o", "state.h5", "--time", "20us", "--set", "start.ramp_time=10us"}).status, 0);
     EXPECT_EQ(run({"resume", "state.h5"}).err, "cvtflow: state.h5: a state file, not a checkpoint: it has no integration_scalars\n");
@@ -151,8 +150,8 @@ TEST_F(Resume, SaysWhatIsWrongWithTheFile) {
     EXPECT_EQ(run({"resume", "empty"}).err, "cvtflow: empty: contains no sweep\n");
 }
 
-/// A checkpoint of a run that stopped while it settled (its record has no row yet), as it was sent by somebody: its name and the record
-/// that it names are theirs.
+/// A checkpoint of a run that stopped while it settled (its record has no row yet), sent by another user: its name and the record that it
+/// names are the sender's.
 class ForeignCheckpoint : public Resume {
 protected:
     ForeignCheckpoint() {
@@ -209,7 +208,7 @@ TEST_F(ForeignCheckpoint, ReplacesTheFinishedRecordOfAnotherRunOnlyWithForce) {
     EXPECT_FALSE(read("other.h5") == other);
 }
 
-TEST_F(Resume, GoesOnWithARunThatWasToReplaceAnother) {
+TEST_F(Resume, ContinuesWithARunThatWasToReplaceAnother) {
     ASSERT_EQ(run(run_to_be_ended("whole.h5")).status, 0);
     ASSERT_EQ(run(run_to_be_ended("cut.h5") + Words{"--until", "20 us"}).status, 0);
     ASSERT_EQ(run(run_to_be_ended("cut.h5") + Words{"--force", "--checkpoint-every", "1 h", "--set", "run.max_steps=500"}).status, 4);

@@ -17,11 +17,11 @@ using testing::Not;
 
 class RigidPins : public Program {
 protected:
-    static inline const Words level{"--detail", "rigid", "--set", "run.method=leapfrog-sweep", "--set", "run.step=2 us"};
+    static inline const Words level{"--detail", "rigid", "--set", "run.method=leapfrog-rigid", "--set", "run.step=2 us"};
     static inline const Words brief{"--until", "2 ms", "--set", "start.settling_time=1 ms", "--set", "start.ramp_time=1 ms"};
 
     [[nodiscard]] engine::RunReader record(const std::string& name) const { return engine::RunReader((folder_ / name).string()); }
-    /// Of the last row.
+    /// Value of a channel in the last row.
     [[nodiscard]] double last(const std::string& file, const std::string& channel) const { return record(file).channel(channel).back(); }
 };
 
@@ -37,7 +37,7 @@ TEST_F(RigidPins, AreCheckedWithTimeAndBytes) {
 TEST_F(RigidPins, RunSettleAndAreReportedPlottedAndExported) {
     const Outcome outcome = run(Words{"run", "tiny", "-o", "rigid.h5"} + level + brief);
     ASSERT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_THAT(outcome.out, AllOf(HasSubstr("leapfrog-sweep"), HasSubstr("energy balance"), Not(HasSubstr("unreliable"))));
+    EXPECT_THAT(outcome.out, AllOf(HasSubstr("leapfrog-rigid"), HasSubstr("energy balance"), Not(HasSubstr("unreliable"))));
     EXPECT_EQ(record("rigid.h5").status(), "finished");
     EXPECT_THAT(run({"info", "rigid.h5"}).out, HasSubstr("rigid"));
     EXPECT_EQ(run({"report", "rigid.h5"}).status, 0);
@@ -78,7 +78,7 @@ TEST_F(RigidPins, ResumeBitForBitAfterKills) {
 
 TEST_F(RigidPins, SweepIntoATable) {
     write("sweep.toml",
-          "[sweep]\nscene = \"tiny\"\n[set]\ndetail.pins = \"rigid\"\ndetail.order = 2\nrun.method = \"leapfrog-sweep\"\nrun.step = \"2 "
+          "[sweep]\nscene = \"tiny\"\n[set]\ndetail.pins = \"rigid\"\ndetail.order = 2\nrun.method = \"leapfrog-rigid\"\nrun.step = \"2 "
           "us\"\nrun.until = "
           "\"1 ms\"\nstart.settling_time = \"1 ms\"\nstart.ramp_time = \"1 ms\"\n[[axes]]\nkey = \"load.torque\"\nvalues = [\"6 N*m\", "
           "\"12 N*m\"]\n[outputs]\nscalars = [\"slip mean\", \"tight_tension max\"]\n[start]\nmode = \"settle\"\n");

@@ -28,7 +28,7 @@ protected:
     [[nodiscard]] std::string read_ready(const std::string& name) const {
         return read(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/" + name);
     }
-    /// What comes of a run that would take minutes, if it gets a signal once it has recorded something.
+    /// Outcome of a run that would take minutes, if it gets a signal once it has recorded something.
     [[nodiscard]] Outcome interrupted_by(int signal, const std::string& file) const {
         Child child({"run", "tiny", "-o", file, "--until", "1 s", "--set", "start.settling_time=20us", "--set", "start.ramp_time=10us"},
                     folder_);
@@ -56,7 +56,7 @@ TEST_F(Run, RecordsInResultsAndSumsUp) {
     EXPECT_EQ(record("results/tiny.h5").rows(), 3u);  // 0, 10, 20 us
 }
 
-TEST_F(Run, SaysThatClampingWasAboveItsLimit) {
+TEST_F(Run, ReportsThatClampingWasAboveItsLimit) {
     EXPECT_THAT(run_briefly({"--set", "wear.clamping_limit=[[0, 1], [0.1, 0.5]]"}).out,
                 HasSubstr("clamping exceeds wear.clamping_limit at its slip speed in 100 % of the time"));
     EXPECT_THAT(run_briefly({"--set", "wear.clamping_limit=[[0, 1e6], [0.1, 1e6]]"}).out, testing::Not(HasSubstr("clamping_limit")));
@@ -94,7 +94,7 @@ TEST_F(Run, SumsUpWhatThePumpTakes) {
     EXPECT_THAT(outcome.out, HasSubstr("efficiency with pump"));
 }
 
-TEST_F(Run, TellsTransitionsOfSettlingBesideItsOwn) {
+TEST_F(Run, ReportsTransitionsOfSettlingBesideItsOwn) {
     // Clamped while it settles, for 50 us: tips come to the sheaves then.
     const Outcome outcome = run({"run", "tiny", "-o", "none", "--until", "5us", "--set", "start.settling_time=50us", "--set",
                                  "start.ramp_time=10us", "--set", "run.output_interval=5us"});
@@ -103,7 +103,7 @@ TEST_F(Run, TellsTransitionsOfSettlingBesideItsOwn) {
                                                     "settling [1-9][0-9]* detected, [1-9][0-9]* steps truncated, [0-9]+ suppressed\n"));
 }
 
-TEST_F(Run, TellsItsProgressInPlainLinesWhereThereIsNoTerminal) {
+TEST_F(Run, ReportsItsProgressInPlainLinesWhereThereIsNoTerminal) {
     const Outcome outcome = run_briefly({"-o", "none"});
     EXPECT_THAT(outcome.err, StartsWith("settling: 50 %, t = -10 us, "));
     EXPECT_THAT(outcome.err, AllOf(HasSubstr("\nsettling: 100 %, t = 0 s, "), HasSubstr("\nrunning: 50 %, t = 10 us of 20 us, ")));
@@ -168,7 +168,7 @@ TEST_F(Run, ReplacesNoRecordWhoseNameWasGiven) {
     EXPECT_NE(read("r.h5"), before) << "its date, at least";
 }
 
-TEST_F(Run, ReplacesTheRecordOfADefaultNameAndSaysSo) {
+TEST_F(Run, ReplacesTheRecordOfADefaultNameAndReportsIt) {
     EXPECT_THAT(run_briefly().err, testing::Not(HasSubstr("replaced")));
     const Outcome again = run_briefly();
     EXPECT_EQ(again.status, 0);
@@ -229,7 +229,7 @@ TEST_F(Run, BeginsWithTheStateFileOfItsScene) {
     EXPECT_THAT(run({"check", "settled.toml"}).out, HasSubstr("state file " + folder_.string() + "/state.h5"));
 }
 
-TEST_F(Run, OfAnotherDetailDropsTheStateFileAndSaysSo) {
+TEST_F(Run, OfAnotherDetailDropsTheStateFileAndReportsIt) {
     write_settled_scene();
     const Outcome outcome = run({"run", "settled.toml", "--detail", "rigid"});
     EXPECT_EQ(outcome.status, 0);

@@ -109,14 +109,14 @@ TEST_F(Streams, AReadThatFailsIsAnErrorAndNotTheEndOfTheFile) {
         {{"batch", "csv.toml", "--dry-run"}, "axis.csv\" cannot be read: Input/output error"},
     };
     for (const auto& [arguments, message] : readers) {
-        bool told = false;
-        for (int n = 1; n <= 100 && !told; ++n) {  // what is mapped where is read first
+        bool found = false;
+        for (int n = 1; n <= 100 && !found; ++n) {  // what is mapped where is read first
             const Outcome outcome = run(arguments, {"LD_PRELOAD=" CVTFLOW_FAULTS, "CVTFLOW_FAULT=read:" + std::to_string(n)});
             const bool here = outcome.err.find(message) != std::string::npos;
-            told |= here;
+            found |= here;
             EXPECT_EQ(outcome.status, outcome.err.empty() ? 0 : 1) << n << ": " << outcome.err;
         }
-        EXPECT_TRUE(told) << message;
+        EXPECT_TRUE(found) << message;
     }
 }
 #endif

@@ -17,7 +17,7 @@ protected:
         GTEST_SKIP() << "a sanitizer's runtime has to be loaded before any other library";
 #endif
     }
-    /// Where every call of pthread_create is refused while so many threads live.
+    /// Environment in which every call of pthread_create is refused while `threads` threads live.
     [[nodiscard]] static std::vector<std::string> at_most(int threads) {
 #ifdef CVTFLOW_FAULTS
         return {"LD_PRELOAD=" CVTFLOW_FAULTS, "CVTFLOW_FAULT=threads:" + std::to_string(threads), "OMP_WAIT_POLICY=passive"};
@@ -38,7 +38,7 @@ protected:
     }
 };
 
-TEST_F(FewThreads, EveryExecutorRunsOnWhatThereIsAndSaysSo) {
+TEST_F(FewThreads, EveryExecutorRunsOnWhatThereIsAndReportsIt) {
     const std::string expected = hash_in(run_on("serial", 1).out);
     ASSERT_NE(expected, "none");
     for (const engine::ExecutorRow& row : engine::executors()) {
@@ -73,7 +73,7 @@ TEST_F(FewThreads, ASweepRunsItsCasesAndWritesItsRowsOnOneThread) {
     EXPECT_THAT(run({"table", "out"}).out, HasSubstr("3 of 3 cases"));
 }
 
-TEST_F(FewThreads, ProfileSaysThatItCannotMeasure) {
+TEST_F(FewThreads, ProfileReportsThatItCannotMeasure) {
     const Outcome outcome = run(
         {"profile", "tiny", "--schedules", "barrier:fused", "--threads", "2", "--steps", "2", "--rounds", "1", "--neighbours", "0,1", "-q"},
         at_most(0));

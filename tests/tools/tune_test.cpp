@@ -60,7 +60,7 @@ TEST_F(Tune, EndsWithItsOwnStatusWhereItsBudgetIsUsedUp) {
     EXPECT_NE(strict.status, 0) << strict.out;
 }
 
-TEST_F(Tune, SaysWhatIsWrongWithItsArguments) {
+TEST_F(Tune, ReportsWhatIsWrongWithItsArguments) {
     EXPECT_THAT(run({"tune", "tiny"}).err, HasSubstr("--accuracy is required"));
     const Outcome share = run({"tune", "tiny", "--accuracy", "80 %"});
     EXPECT_EQ(share.status, 2);
@@ -105,7 +105,7 @@ TEST_F(Tune, SweepsWithAnAccuracyCarryTheirErrorsAndSayWhereTheyMissIt) {
     EXPECT_EQ(hash_in(again.out), hash_in(outcome.out));
     for (const auto& entry : std::filesystem::directory_iterator(folder_ / "out")) {  // as if the corners had misled it
         if (entry.path().extension() == ".tuning")
-            tasks::keep_tuning(folder_ / "out", entry.path().stem().string(), {{"rigid", "leapfrog-sweep"}, 0.0, 0.001});
+            tasks::keep_tuning(folder_ / "out", entry.path().stem().string(), {{"rigid", "leapfrog-rigid"}, 0.0, 0.001});
     }
     std::filesystem::remove(folder_ / "out" / "cases.h5");
     const Outcome missed = batch({"-q"});

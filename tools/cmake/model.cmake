@@ -1,6 +1,7 @@
-# The kernels, one source for every instruction set; which one runs is chosen at the start of a run (model/basis/isa.hpp).
+# The kernels, one source for every instruction set; which one runs is chosen at the start of a run (model/kernels/available_isas.hpp).
 # Whatever is not in an unnamed namespace would be shared between them by the linker: tests/architecture looks at their symbols.
-set(kernel_sources model/kernels/chain_kernels.cpp model/kernels/friction_kernels.cpp model/kernels/single_kernels.cpp model/kernels/rigid_kernels.cpp)
+set(kernel_sources model/kernels/chain_kernels.cpp model/kernels/friction_kernels.cpp model/kernels/single_kernels.cpp
+  model/kernels/native_kernels.cpp model/rigid/rigid_kernels.cpp)
 if(CVTFLOW_ONE_LANE)   # the stand-in of bench/one_lane, as the program's baseline
   list(REMOVE_ITEM kernel_sources model/kernels/chain_kernels.cpp)
   add_library(cvtflow_one_lane OBJECT model/kernels/chain_kernels.cpp)
@@ -11,7 +12,7 @@ if(CVTFLOW_ONE_LANE)   # the stand-in of bench/one_lane, as the program's baseli
   list(APPEND kernel_parts cvtflow_one_lane)
 endif()
 set(CVTFLOW_KERNEL_ROWS "")
-set(CVTFLOW_RIGID_KERNEL_ROWS "")
+set(CVTFLOW_KERNEL_DECLARATIONS "")
 if(CVTFLOW_FMA)
   set(CVTFLOW_FUSES true)
 else()
@@ -22,14 +23,15 @@ foreach(isa ${isas})
   target_link_libraries(cvtflow_kernels_${isa} PRIVATE cvtflow_flags)
   target_compile_options(cvtflow_kernels_${isa} PRIVATE ${flags_of_${isa}} $<$<CONFIG:Debug>:-O2>)
   set_target_properties(cvtflow_kernels_${isa} PROPERTIES CVTFLOW_CONTRACTS ${CVTFLOW_FMA} CVTFLOW_KERNELS ON)
-  string(APPEND CVTFLOW_KERNEL_ROWS "        {Isa::${isa}, chain_kernels<Isa::${isa}>, friction_kernels<Isa::${isa}>, single_kernels<Isa::${isa}>},\n")
-  string(APPEND CVTFLOW_RIGID_KERNEL_ROWS "        {Isa::${isa}, rigid_kernels<Isa::${isa}>},\n")
+  string(APPEND CVTFLOW_KERNEL_DECLARATIONS "template <>\nKernels native_kernels<Isa::${isa}>(int order) noexcept;\n"
+    "template <>\nRigidKernels rigid_kernels<Isa::${isa}>() noexcept;\n")
+  string(APPEND CVTFLOW_KERNEL_ROWS "        {Isa::${isa}, native_kernels<Isa::${isa}>, rigid_kernels<Isa::${isa}>},\n")
   list(APPEND kernel_parts cvtflow_kernels_${isa})
 endforeach()
 configure_file(model/kernels/compiled_kernels.cpp.in ${PROJECT_BINARY_DIR}/compiled_kernels.cpp @ONLY)
 
 file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/model/*.cpp)
-list(FILTER sources EXCLUDE REGEX "/model/kernels/([a-z]+/)?[a-z]+_kernels\\.cpp$")
+list(FILTER sources EXCLUDE REGEX "/model/.*_kernels\\.cpp$")
 add_library(cvtflow_model STATIC ${sources})
 target_link_libraries(cvtflow_model PUBLIC cvtflow_flags cvtflow_arch)
 cvtflow_in_groups(cvtflow_model)

@@ -37,7 +37,7 @@ std::string changes(const std::vector<std::string>& before, const std::vector<st
 }
 
 constexpr std::string_view tolerance_key = "run.tolerance";
-/// What a tolerance on the command line sets beside itself.
+/// Setting that a tolerance on the command line implies.
 constexpr std::string_view by_tolerance = "run.step_control=error";
 
 /// Rewrites a message in terms of the command line: shortcuts were turned into settings.

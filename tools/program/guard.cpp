@@ -29,7 +29,7 @@ std::string_view name_in_messages = "cvtflow";
 engine::Cancellation interrupted;
 double asked = 0.0;  // [s]
 
-constexpr double insisting = 0.5;  ///< one wish may come several times: to the process, to its group, from its parent [s]
+constexpr double insisting = 0.5;  ///< a request may arrive several times: to the process, to its group, from its parent [s]
 
 extern "C" void on_interrupt(int signal) {
     timespec time{};

@@ -27,9 +27,9 @@ bool is_state_of(const std::string& name, const std::string& file) {
         return file.ends_with(".part");
     }
     const std::string line = fmt::format("\nname = {}\n", tasks::toml_text(name));
-    const auto text = [&saved](std::string_view wanted) -> const std::string* {
+    const auto text = [&saved](std::string_view key) -> const std::string* {
         for (const engine::Attribute& attribute : saved.attributes) {
-            if (attribute.name == wanted) return std::get_if<std::string>(&attribute.value);
+            if (attribute.name == key) return std::get_if<std::string>(&attribute.value);
         }
         return nullptr;
     };
@@ -114,7 +114,7 @@ bool is_checkpoint(const std::string& file) {
 }
 
 void require_checkpoint_place(const std::string& path, const std::string& record, const std::vector<std::filesystem::path>& inputs) {
-    const engine::Permit permit(path, {.inputs = inputs, .force = true});  // what is there is looked at below
+    const engine::Permit permit(path, {.inputs = inputs, .force = true});  // an existing file is checked below
     const auto place = [](const std::string& name) { return std::filesystem::absolute(name).lexically_normal(); };
     for (const char* suffix : {"", ".part", ".before"}) {
         if (!record.empty() && (place(path) == place(record + suffix) || place(path + suffix) == place(record))) {

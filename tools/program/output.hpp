@@ -1,5 +1,5 @@
 #pragma once
-/// What commands write: which existing files it may replace, marks in pages and pictures, folders of results.
+/// Output of commands: which existing files it may replace, marks in pages and pictures, folders of results.
 
 #include <filesystem>
 #include <string>
@@ -28,7 +28,7 @@ inline constexpr const char* force_meaning = "Replace existing output files";
 /// The inputs that a command line names: files, and the tables of folders.
 [[nodiscard]] std::vector<std::filesystem::path> read_files(const std::vector<std::string>& files);
 
-/// Text that a page or picture carries in its head: it tells what made it, of which scene or sweep. @param kind "page", "picture"
+/// Text in the head of a page or picture: the program that made it, and its scene or sweep. @param kind "page", "picture"
 [[nodiscard]] std::string mark_of(std::string_view kind, std::string_view of);
 /// A page or picture (HTML, SVG, XML) with its mark as a comment behind its first tag.
 [[nodiscard]] std::string marked(std::string text, const std::string& mark);

@@ -13,7 +13,7 @@
 #include "engine/base/provenance.hpp"
 #include "engine/base/text.hpp"
 #include "engine/record/run/schema.hpp"
-#include "model/basis/isa.hpp"
+#include "model/kernels/available_isas.hpp"
 #include "tasks/scene/ready_scenes.hpp"
 #include "tools/program/guard.hpp"
 

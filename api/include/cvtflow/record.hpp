@@ -1,7 +1,7 @@
 #pragma once
-/// What runs and sweeps have left on disk. Files are opened at once and read when asked; they may still be written to, or be what a killed
-/// run left. Every failure is an Error (record) that names the file. One object is used by one thread at a time, since HDF5 is not safe
-/// beyond that: nor are two objects from two threads at once.
+/// Files that runs and sweeps have written. A file is opened at once and read on request; it may still be growing, or come from a killed
+/// run. Every failure is an Error (record) that names the file. HDF5 is not thread-safe: only one thread at a time may use an object, or
+/// two of them.
 
 #include <cstddef>
 #include <cstdint>
@@ -39,7 +39,7 @@ public:
 
     /// "finished", "running" (also of a killed run), "unreliable", or what ended the run.
     [[nodiscard]] const std::string& status() const noexcept;
-    /// Of the whole file: scene, method, versions, balance.
+    /// Attributes of the whole file: scene, method, versions, balance.
     [[nodiscard]] RecordAttributes attributes() const;
     [[nodiscard]] std::vector<Column> channels() const;
     /// Number of rows when the file was opened.

@@ -1,5 +1,5 @@
 #pragma once
-/// What is simulated: an immutable description that any number of simulations and threads may share.
+/// Description of a simulation. It is immutable: any number of simulations and threads may share it.
 
 #include <initializer_list>
 #include <memory>

@@ -31,8 +31,8 @@
 namespace cvtflow {
 inline namespace v0 {
 
-/// What a host may set between steps; a set value replaces the scene's table from then on. A far end turns on from its present angle with
-/// the speed that is set; setting its angle as well keeps a host's sum of angles and the simulation's together.
+/// Inputs that a host may set between steps. A set value replaces the scene's table from then on. A far end turns on from its present angle
+/// with the speed that is set; setting its angle as well keeps a host's sum of angles and the simulation's together.
 enum class Input : int {
     clamping_driving = 0,  ///< S_1 [N], ≥ 0; not with hydraulics.mode = "pressure"
     clamping_driven = 1,   ///< S_2 [N], ≥ 0; likewise

@@ -29,9 +29,10 @@ public:
 
     [[nodiscard]] const std::string& name() const noexcept;
     [[nodiscard]] long cases() const noexcept;
-    /// Runs the cases that are not in the folder's table yet, on so many threads (0: as many as the process may use), and waits for them. A
-    /// sweep that was stopped or killed continues. Results do not depend on threads or interruptions.
-    /// A sweep with [accuracy] is tuned first and verified in the end; its table has the errors in columns `error_of_...`.
+    /// Runs the cases that are not in the folder's table yet, and waits for them. A sweep that was stopped or killed continues. Results do
+    /// not depend on threads or interruptions. A sweep with [accuracy] is tuned first and verified in the end; its table has the errors in
+    /// columns `error_of_...`.
+    /// @param threads 0: as many as the process may use
     /// @param progress called after each case, by one worker at a time
     /// @return whether all cases are in the table `folder`/cases.h5; false after cancel()
     /// @throws Error (record) for folders and tables; (state) for results of another sweep, program version or start state, or if the first

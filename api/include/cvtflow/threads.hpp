@@ -10,10 +10,10 @@ inline namespace v0 {
 ///                   simulations and threads of their own.
 ///   present(slots)  On the oneTBB arena in which advance_to() is called (the host writes arena.execute([&] { simulation.advance_to(t);
 ///   })),
-///                   on so many of its threads, the caller included. The caller runs no task of the host meanwhile (isolated). Threads of
+///                   on `slots` of its threads, the caller included. The caller runs no task of the host meanwhile (isolated). Threads of
 ///                   this arena that wait for other work may take part and stay until advance_to() is over: give an arena that is there
 ///                   for it, or use own().
-///   own(threads)    On an arena of the simulation's own with so many threads, the caller included; 0: as many as the process may use.
+///   own(threads)    On an arena of the simulation's own with `threads` threads, the caller included; 0: as many as the process may use.
 ///                   The host's tasks never run inside, ours never outside.
 class Threads {
 public:

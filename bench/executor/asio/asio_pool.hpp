@@ -5,9 +5,9 @@
 
 namespace cvtflow::bench {
 
-/// Threads that run one io_context; the calling thread is the first of them. Asio knows no graph: a counter per task says when it is ready,
-/// and whoever finishes the last task of a cycle asks the controller. Handlers lie in memory of the run, one place per task, so that
-/// nothing is allocated while it lasts. Threads that the system refuses to start are done without.
+/// Threads that run one io_context; the calling thread is the first of them. Asio has no graphs: a counter per task shows when it is ready,
+/// and the thread that finishes the last task of a cycle calls the controller. Handlers are in memory of the run, one place per task, so
+/// that nothing is allocated while it lasts. The pool runs without threads that the system refuses to start.
 class AsioPool final : public engine::RunningExecutor {
 public:
     explicit AsioPool(const engine::ExecutorOptions& options) : engine::RunningExecutor(options) {}

@@ -14,7 +14,7 @@ using namespace engine;
 
 namespace {
 
-/// What OpenMP has to be told of a graph: for each task an address that stands for its result, and the tasks before it.
+/// Dependences of a graph for OpenMP: for each task an address that represents its result, and the tasks before it.
 class Dependences {
 public:
     explicit Dependences(const TaskGraph& graph) : results_(static_cast<std::size_t>(graph.size())), before_(results_.size()) {

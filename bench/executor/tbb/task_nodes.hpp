@@ -21,7 +21,7 @@ public:
     /// Tasks of the cycle run, in the order of their edges.
     void start(int cycle) { starts_[static_cast<std::size_t>(cycle)].try_put(Message()); }
 
-    /// `end` receives a message from each task of the cycle that nobody waits for.
+    /// `end` receives a message from each task of the cycle without successors.
     void order_before(int cycle, oneapi::tbb::flow::receiver<Message>& end);
 
 private:

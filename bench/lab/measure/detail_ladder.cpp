@@ -18,7 +18,7 @@ namespace {
 constexpr int rounds = 7;
 constexpr double round_length = 2e-3;  ///< [s]
 
-/// Of this thread [s]: what others do on the machine does not count.
+/// Processor time of this thread [s]: other load on the machine does not count.
 double processor_time() {
     timespec now{};
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);

@@ -21,8 +21,8 @@ tasks::FrozenStart settled_start(const tasks::Scene& scene, bool settle, const s
                         scene.name, what));
     }
     if (simulation.needs_settling()) {
-        tasks::SilentObserver nobody;
-        const tasks::Fault fault = simulation.advance({.until = 0.0}, nobody, catch_interrupts());
+        tasks::SilentObserver silent;
+        const tasks::Fault fault = simulation.advance({.until = 0.0}, silent, catch_interrupts());
         if (fault) throw tasks::SettlingFault(fault);
     }
     return tasks::frozen_start(simulation);

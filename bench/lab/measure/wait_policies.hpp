@@ -20,7 +20,7 @@ struct WaitPolicy {
 /// All of them; the first changes nothing.
 [[nodiscard]] std::vector<WaitPolicy> wait_policies();
 
-/// What a child measured.
+/// Measurements of a child process.
 struct PolicyResult {
     std::string name;
     std::string csv_rows;         ///< without a heading

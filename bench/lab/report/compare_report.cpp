@@ -87,7 +87,8 @@ void add_watch(ChoiceColumns& columns, const std::string& prefix, Of of) {
 
 /// Result of a long run; nullptr without one.
 const Confirmed* long_run(const ComparedChoice& c) {
-    return c.verdict.confirmed && c.verdict.confirmed->ran && !c.verdict.confirmed->run.fault ? &*c.verdict.confirmed : nullptr;
+    return c.front_result.confirmed && c.front_result.confirmed->ran && !c.front_result.confirmed->run.fault ? &*c.front_result.confirmed
+                                                                                                             : nullptr;
 }
 
 void add_front(ChoiceColumns& columns, double confirm) {
@@ -99,18 +100,19 @@ void add_front(ChoiceColumns& columns, double confirm) {
                 return long_run(c) != nullptr ? fmt::format("{:.3f} %", 100.0 * (long_run(c)->*error)) : "";
             }};
     };
-    const auto standing = [](const ComparedChoice& c) { return c.verdict.standing(); };
-    columns.push_back({"front", "front", [](const ComparedChoice& c) { return c.verdict.front; },
-                       [](const ComparedChoice& c) { return c.verdict.front ? "*" : ""; }, Align::left});
-    columns.push_back(
-        {"stable_step", "stable to", [](const ComparedChoice& c) { return c.verdict.stable_step; },
-         [](const ComparedChoice& c) { return std::isfinite(c.verdict.stable_step) ? time_text(c.verdict.stable_step) : "any"; }});
+    const auto outcome = [](const ComparedChoice& c) { return c.front_result.outcome(); };
+    columns.push_back({"front", "front", [](const ComparedChoice& c) { return c.front_result.front; },
+                       [](const ComparedChoice& c) { return c.front_result.front ? "*" : ""; }, Align::left});
+    columns.push_back({"stable_step", "stable to", [](const ComparedChoice& c) { return c.front_result.stable_step; },
+                       [](const ComparedChoice& c) {
+                           return std::isfinite(c.front_result.stable_step) ? time_text(c.front_result.stable_step) : "any";
+                       }});
     columns.push_back(far("long_slip_off", "slip off", &Confirmed::slip_error));
     columns.push_back(far("long_losses_off", "losses off", &Confirmed::loss_error));
     add_watch(columns, "long_", [](const ComparedChoice& c) {
         return long_run(c) != nullptr ? watch_json(long_run(c)->run.fault, long_run(c)->run.watch) : ordered_json::object();
     });
-    columns.push_back({"standing", "over " + time_text(confirm), standing, standing, Align::left});
+    columns.push_back({"standing", "over " + time_text(confirm), outcome, outcome, Align::left});
 }
 
 ChoiceColumns columns_of(const ComparedChoice& first, const CompareSetting& setting) {
@@ -142,7 +144,7 @@ double ComparedChoice::median() const {
 
 tasks::TradeoffPoint ComparedChoice::point() const {
     const double force = std::max(errors.axial_force, errors.tension);
-    return {choice, verdict.objection.empty() ? force : std::numeric_limits<double>::infinity(), median()};
+    return {choice, front_result.objection.empty() ? force : std::numeric_limits<double>::infinity(), median()};
 }
 
 std::string compare_table(const std::vector<ComparedChoice>& choices, const CompareSetting& setting) {

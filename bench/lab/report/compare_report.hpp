@@ -14,15 +14,15 @@
 
 namespace cvtflow::bench {
 
-/// What --front finds out about a choice.
-struct FrontVerdict {
+/// Result of --front for a choice.
+struct FrontResult {
     double stable_step = 0.0;  ///< up to which the method is stable [s]; infinite: any
     std::optional<Confirmed> confirmed;
     std::string objection;  ///< reason against it, whatever its errors; empty: none
     bool front = false;
 
     /// "confirmed", the objection, or empty: not confirmed.
-    [[nodiscard]] std::string standing() const { return !objection.empty() ? objection : confirmed ? "confirmed" : ""; }
+    [[nodiscard]] std::string outcome() const { return !objection.empty() ? objection : confirmed ? "confirmed" : ""; }
 };
 
 /// One choice of method and step.
@@ -33,7 +33,7 @@ struct ComparedChoice {
     TrajectoryErrors errors;
     double pin_error = std::numeric_limits<double>::quiet_NaN();  ///< of the pin's axial force [1]
     std::vector<double> seconds;                                  ///< wall time per simulated second, of each round
-    FrontVerdict verdict;
+    FrontResult front_result;
 
     [[nodiscard]] double median() const;
     [[nodiscard]] double mean_step() const { return run.simulated / static_cast<double>(std::max(1L, run.counters.steps)); }
@@ -41,7 +41,7 @@ struct ComparedChoice {
     [[nodiscard]] tasks::TradeoffPoint point() const;
 };
 
-/// What was measured, and how.
+/// Settings of the measurement.
 struct CompareSetting {
     std::string scene;
     std::string reference, duration, interval;  ///< as given

@@ -102,7 +102,7 @@ std::string granularity_json(const Granularity& result, const GranularityOptions
                       {"options",
                        {{"levels", options.levels},
                         {"work", options.work},
-                        {"patience", options.patience},
+                        {"patience", options.timeout},
                         {"rounds", options.rounds},
                         {"pin", options.pin}}},
                       {"processors", {{"requested", result.requested}, {"calibrated", result.calibrated}, {"crowded", result.crowded()}}},

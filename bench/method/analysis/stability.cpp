@@ -22,7 +22,7 @@ public:
 
     [[nodiscard]] Complex factor(Complex z) { return run(z, 1.0, -1); }
 
-    /// What a unit error made in one stage has become at the step's end.
+    /// Factor of an error of one stage at the end of the step.
     [[nodiscard]] Complex error_factor(Complex z, int stage) { return run(z, 0.0, stage); }
 
     /// Largest |Y| of all stages in the last run.

@@ -19,7 +19,7 @@
 
 namespace cvtflow::bench {
 
-/// What a fitted method shall be stable for, in units of h λ.
+/// Region for which a fitted method shall be stable, in units of h λ.
 struct FitRequest {
     double real = 200.0;          ///< L: the real interval [-L, 0]
     double imaginary = 2.0;       ///< W: |z| up to W with at least the damping ratio below
@@ -42,7 +42,7 @@ inline constexpr double min_fitted_real = 5.0;        ///< [1]
 inline constexpr double max_fitted_real = 8000.0;     ///< [1]
 inline constexpr double max_fitted_imaginary = 50.0;  ///< [1]
 
-/// The fitted method of so many stages; nothing if none meets the request.
+/// The fitted method with `stages` stages; nothing if none meets the request.
 /// @throws std::invalid_argument if the request or the stages are outside the limits
 [[nodiscard]] std::optional<FittedMethod> fit(const FitRequest& request, int stages);
 /// The one with the fewest stages; nothing if max_fitted_stages do not do.

@@ -16,7 +16,7 @@ namespace {
 constexpr long double damping_2 = 0.13L;
 constexpr long double first_bump = 3.15L;
 
-/// Of order 4: a ripple of 0.90 and a bump of 0.945 for every degree.
+/// Damping of order 4: a ripple of 0.90 and a bump of 0.945 for every degree.
 constexpr long double damping_4 = 0.2L;
 [[nodiscard]] long double first_bump_4(long double square) { return 14.06L + 50.0L / square + 390.0L / (square * square); }
 
@@ -90,7 +90,7 @@ using Taylor = std::array<long double, 5>;
 /// The second, third and fourth derivative of R at 0, less 1.
 using Defects = std::array<long double, 3>;
 
-/// Of the zeros at hand; sets recurrence and scale such that R'(0) = 1.
+/// Defects of the present zeros. Sets recurrence and scale such that R'(0) = 1.
 Defects defects(NearOptimalPolynomial& p) {
     orthogonalise(p);
     const Taylor at = expansion(p, p.origin);

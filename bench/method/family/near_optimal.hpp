@@ -33,7 +33,7 @@ struct NearOptimalPolynomial {
 
     /// |R| ≤ 1 on [-real_length(), 0]; beyond the first bump, |R| < 0.97 from degree 10 on.
     [[nodiscard]] double real_length() const noexcept { return static_cast<double>(scale * (1.0L + origin)); }
-    /// R(z); z [1]
+    /// R(z).
     [[nodiscard]] long double value(long double z) const noexcept;
     /// P as stages: g_j = P_j(x)/P_j(a) for y' = z y.
     [[nodiscard]] std::vector<RecurrenceRow> recurrence() const;
@@ -42,9 +42,9 @@ struct NearOptimalPolynomial {
 inline constexpr int min_near_optimal = 5;
 inline constexpr int max_near_optimal = 400;
 
-/// Of order 2. @throws std::invalid_argument outside the limits above
+/// The polynomial of order 2. @throws std::invalid_argument outside the limits above
 [[nodiscard]] NearOptimalPolynomial near_optimal_polynomial(int degree);
-/// Of order 4. @throws std::invalid_argument outside the limits above
+/// The polynomial of order 4. @throws std::invalid_argument outside the limits above
 [[nodiscard]] NearOptimalPolynomial near_optimal_polynomial_of_order_4(int degree);
 
 /// State slot that holds g_j, j ≥ 1: three take turns.

@@ -23,7 +23,7 @@ inline constexpr double max_rkc_damping = 100.0;   ///< [1]
 /// @throws std::invalid_argument outside the limits above
 [[nodiscard]] StagePlan rkc(int stages, double damping = rkc_damping);
 
-/// What a name such as "rkc-s37" or "rkc-s37-e10" asks for; nothing if it is no such name or out of the limits.
+/// Method of a name such as "rkc-s37" or "rkc-s37-e10"; nothing if it is no such name or out of the limits.
 [[nodiscard]] std::optional<StagePlan> rkc_by_name(std::string_view name);
 
 /// Length of its real interval. damping [1]

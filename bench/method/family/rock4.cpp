@@ -17,14 +17,14 @@ namespace {
 
 using Real = long double;
 
-/// Elementary weights by rooted tree: none; •; [•]; [• •], [[•]]; [• • •], [• [•]], [[• •]], [[[•]]]. Those of the exact flow are
+/// Elementary weights by rooted tree: none; •; [•]; [• •], [[•]]; [• • •], [• [•]], [[• •]], [[[•]]]. The weights of the exact flow are
 /// 1/density.
 using Series = std::array<Real, 9>;
 
-/// Of h f(g), g a state.
+/// Weights of h f(g), g a state.
 Series slope_of(const Series& g) noexcept { return {0.0L, 1.0L, g[1], g[1] * g[1], g[2], g[1] * g[1] * g[1], g[1] * g[2], g[3], g[4]}; }
 
-/// Of the last stage of a recurrence, as it is rounded.
+/// Weights of the last stage of a recurrence, as it is rounded.
 Series series_of(std::span<const RecurrenceRow> rows) noexcept {
     Series before{1.0L}, now{1.0L};
     for (const auto& [slope, older] : rows) {
@@ -37,7 +37,7 @@ Series series_of(std::span<const RecurrenceRow> rows) noexcept {
     return now;
 }
 
-/// What the finish must satisfy on its own: sums over its stages, c times and d = Σ a c.
+/// Order conditions of the finish by itself: sums over its stages, c times and d = Σ a c.
 struct Moments {
     Real b, bc, bcc, bd;        ///< orders 1 to 3
     Real bccc, bcd, bacc, bad;  ///< order 4; Σ b a c², Σ b a d

@@ -18,7 +18,7 @@ public:
     [[nodiscard]] bool full() const noexcept { return count_ == most_; }
     [[nodiscard]] int count() const noexcept { return count_; }
 
-    /// x ← B⁻¹ B_0 x. @param from leave out the updates before this one; x [m/s]
+    /// x ← B⁻¹ B_0 x. @param x [m/s]   @param from leave out the updates before this one
     void apply(double* x, int from = 0) const noexcept;
     /// After a step s = λ d that turned the residual r into r⁺:  u = (s - w)/(s·w), w = B⁻¹ (r⁺ - r). Ignored if s·w vanishes or no room is
     /// left.
@@ -26,7 +26,7 @@ public:
 
     /// The updates, appended to `memory` / taken back from its front. @return what is left
     void save(std::vector<double>& memory) const;
-    [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< memory [what save() wrote]
+    [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< @param memory from save()
 
 private:
     int unknowns_, most_, count_ = 0;

@@ -33,8 +33,9 @@ constexpr NewtonVariant variants[] = {
      .options = {.matrix = NewtonMatrix::every_iteration, .exact = true, .start = NewtonStart::euler, .backtracking = false}},
 };
 
-/// Of methods that do not take rigid pins, whose accelerations depend on three neighbours each side: exact Jacobians and friction solved
-/// for in slips are made for halves, whose depend on one. Nor do they know that an eccentric flank moves as its shaft turns.
+/// The requirement that a machine misses, empty if none. Accelerations of rigid pins depend on three neighbours on each side; exact
+/// Jacobians and friction solved for in slips are made for halves, which depend on one. They also ignore that an eccentric flank moves as
+/// its shaft turns.
 [[nodiscard]] std::string_view missing_halves(const model::Parameters& parameters) noexcept {
     if (parameters.detail.pins != model::PinDetail::halves) return "detail.pins = \"halves\"";
     return parameters.imperfection.runout == 0.0 ? "" : "imperfection.runout = 0";
@@ -52,7 +53,7 @@ constexpr NewtonVariant variants[] = {
             .missing = missing_halves};
 }
 
-/// Those that are not stable along the whole imaginary axis; all others have no limit.
+/// Reach of plans that are not stable along the whole imaginary axis; all others have no limit.
 [[nodiscard]] MethodReach reach_of(const LinearPlan& plan) {
     if (plan.name == std::string_view("w-x3")) return {.oscillation = 0.32108161697505255};
     if (plan.name == std::string_view("w-x4")) return {.oscillation = 0.62531112751049522};

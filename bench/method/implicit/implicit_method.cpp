@@ -12,7 +12,7 @@ namespace {
 /// Shares of a Jacobian: coarse tasks, some more than there are cores in a workstation.
 constexpr int max_batches = 32;
 
-/// Stands in saved numbers for a link that touches no shaft.
+/// Represents a link that touches no shaft in saved numbers.
 constexpr int no_shaft = -1;
 
 /// Fields of these cycles, numbered behind those of the step graph. Units: link, batch or chunk.

@@ -1,6 +1,6 @@
 #pragma once
-/// What all methods that solve with the whole state share: the Jacobian, the matrix of a stage, and the cycles that evaluate, factorise and
-/// solve in parallel.
+/// Parts that all methods that solve with the whole state share: the Jacobian, the matrix of a stage, and the cycles that evaluate,
+/// factorise and solve in parallel.
 ///
 ///     jacobian    [batch] ─► corner                                     columns by differences, or exact derivatives link by link
 ///     factor      eliminate[chunk] ─► join                              I - θ D - θ² K at the base point
@@ -31,8 +31,7 @@ public:
 
     void add_tasks(engine::TaskGraph& graph) override;
     /// Stiff accelerations make no good interpolants.
-    [[nodiscard]] bool retakes() const noexcept override { return true; }
-    [[nodiscard]] Fault fault() const noexcept override { return {FaultKind::non_finite, w_.step.time + w_.step.h, {}, 0.0, 0.0}; }
+    [[nodiscard]] AtTransition at_transition() const noexcept override { return AtTransition::repeat; }
 
     // Bodies of the cycles.
     virtual void prepare(int first, int last) noexcept = 0;
@@ -49,6 +48,7 @@ public:
     void backward(int chunk) noexcept;
 
 protected:
+    [[nodiscard]] Fault not_finite() const noexcept { return {FaultKind::non_finite, w_.step.time + w_.step.h, {}, 0.0, 0.0}; }
     /// Evaluate cycle at Σ factor states[slot], at time + c h, into slope slot `slope`; kept in state slot `keep` if ≥ 0.
     [[nodiscard]] int evaluate(std::span<const engine::Term> states, double c, int slope, int keep = -1) noexcept;
     /// Ends that cycle.

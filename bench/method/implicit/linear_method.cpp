@@ -47,47 +47,28 @@ LinearMethod::LinearMethod(Workspace& workspace, const LinearPlan& plan)
 
 double LinearMethod::theta() const noexcept { return plan_.stages[stage_].gamma * w_.step.h; }
 
-NextCycle LinearMethod::begin() {
-    stage_ = 0;
-    return begin_stage();
-}
-
-NextCycle LinearMethod::begin_stage() noexcept {
-    at_ = At::evaluate;
-    return evaluate(states_[stage_], times_.stage[stage_], stage_slope);
-}
-
-NextCycle LinearMethod::next() {
-    switch (at_) {
-        case At::evaluate: close_evaluate(); return after_evaluation();
-        case At::jacobian: return begin_factor();
-        case At::factor:
-            if (!matrix_.sound()) return NextCycle::failed();
-            at_ = At::prepare;
-            return prepare_cycle;
-        case At::prepare: return begin_solve();
-        case At::solve: return finish_stage();
+CycleSequence LinearMethod::step() {
+    for (stage_ = 0; stage_ < plan_.stages.size(); ++stage_) {
+        co_yield evaluate(states_[stage_], times_.stage[stage_], stage_slope);
+        close_evaluate();
+        const bool known = has_jacobian_ && time_of_jacobian_ == w_.step.time;  // of the same step, retaken from the same state
+        if (stage_ == 0 && !known) {
+            has_jacobian_ = true;
+            time_of_jacobian_ = w_.step.time;
+            co_yield take_jacobian(0.0, 0, stage_slope);
+        }
+        if (stage_ == 0 || theta() != theta_) {
+            co_yield factorise(theta());
+            if (!matrix_.sound()) co_return not_finite();
+        }
+        co_yield prepare_cycle;
+        prepare_tail();
+        ++solves_;
+        co_yield solve_cycle;
+        finish_stage();
     }
-    return NextCycle::failed();
-}
-
-/// A step that is retaken begins at the same state: its Jacobian stays.
-NextCycle LinearMethod::after_evaluation() noexcept {
-    const bool at_hand = has_jacobian_ && time_of_jacobian_ == w_.step.time;
-    if (stage_ == 0 && !at_hand) {
-        has_jacobian_ = true;
-        time_of_jacobian_ = w_.step.time;
-        at_ = At::jacobian;
-        return take_jacobian(0.0, 0, stage_slope);
-    }
-    if (stage_ == 0 || theta() != theta_) return begin_factor();
-    at_ = At::prepare;
-    return prepare_cycle;
-}
-
-NextCycle LinearMethod::begin_factor() noexcept {
-    at_ = At::factor;
-    return factorise(theta());
+    w_.step.row = {result_, {}, -1, -1, 1.0};
+    co_return {};
 }
 
 /// r_q = θ v + γ Σ c u over a range of coordinates.
@@ -138,13 +119,6 @@ void LinearMethod::prepare_tail() noexcept {
     }
 }
 
-NextCycle LinearMethod::begin_solve() noexcept {
-    prepare_tail();
-    at_ = At::solve;
-    ++solves_;
-    return solve_cycle;
-}
-
 void LinearMethod::finish(int first, int last) noexcept {
     for (int link = first; link < last; ++link) {
         double* u = state(static_cast<int>(stage_) + 1) + w_.layout().link_begin(link);
@@ -156,15 +130,12 @@ void LinearMethod::finish(int first, int last) noexcept {
     }
 }
 
-NextCycle LinearMethod::finish_stage() noexcept {
+void LinearMethod::finish_stage() noexcept {
     double* u = state(static_cast<int>(stage_) + 1) + q_tail_;
     for (int k = 0; k < border_size_; ++k) u[half_ + k] = border(solution_)[k];
     for (int k = 0; k < half_; ++k) u[k] = *(right_q_.end() - half_ + k) + theta() * border(solution_)[k];
     const int ledger = w_.layout().ledger_begin();
     coordinates_right(ledger, w_.layout().size() - ledger, state(static_cast<int>(stage_) + 1) + ledger);
-    if (++stage_ < plan_.stages.size()) return begin_stage();
-    w_.step.row = {result_, {}, -1, -1, 1.0};
-    return NextCycle::done();
 }
 
 std::string LinearMethod::report() const {
@@ -219,7 +190,7 @@ ProgramStability linear_stability(const LinearPlan& plan) {
 
 ProgramStability trapezoidal_stability() {
     const auto factor = [](Complex z) { return (1.0 + 0.5 * z) / (1.0 - 0.5 * z); };
-    // What an iteration leaves of the residual is damped as much as the implicit half.
+    // The residual that an iteration leaves is damped as much as the implicit half.
     const auto figures = [factor](double decay) { return StageFigures{1.0, 1.0 / (1.0 + 0.5 * decay), std::abs(factor(-decay))}; };
     return {TestEquation::linear,
             [factor](double x, double y) {

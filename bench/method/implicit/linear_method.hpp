@@ -19,8 +19,7 @@ public:
     /// State slots of a workspace for this plan: the start and one increment per stage. One slope slot beside the controller's.
     [[nodiscard]] static int state_slots(const LinearPlan& plan) noexcept { return static_cast<int>(plan.stages.size()) + 1; }
 
-    [[nodiscard]] NextCycle begin() override;
-    [[nodiscard]] NextCycle next() override;
+    [[nodiscard]] CycleSequence step() override;
     void restart() noexcept override { has_jacobian_ = false; }
     [[nodiscard]] std::string report() const override;
 
@@ -28,14 +27,9 @@ public:
     void finish(int first, int last) noexcept override;
 
 private:
-    enum class At { evaluate, jacobian, factor, prepare, solve };
     static constexpr int stage_slope = 1;
 
-    NextCycle begin_stage() noexcept;
-    NextCycle after_evaluation() noexcept;
-    NextCycle begin_factor() noexcept;
-    NextCycle begin_solve() noexcept;
-    NextCycle finish_stage() noexcept;
+    void finish_stage() noexcept;
     void coordinates_right(int begin, int size, double* out) const noexcept;  ///< out [coordinates]
     void prepare_link(int link) noexcept;
     void prepare_tail() noexcept;
@@ -45,7 +39,6 @@ private:
     const LinearTimes times_;
     std::vector<std::vector<engine::Term>> states_, rights_;  ///< [stage] in state slots
     std::vector<engine::Term> result_;
-    At at_ = At::evaluate;
     std::size_t stage_ = 0;
     bool has_jacobian_ = false;
     double time_of_jacobian_ = 0.0;  ///< [s]

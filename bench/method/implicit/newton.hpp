@@ -31,7 +31,7 @@ struct NewtonOptions {
     double tolerance = 1e-7;  ///< residual as the speed of one link that had all of its energy [m/s]
 };
 
-/// What happened so far. All monotone.
+/// Counters of the solves so far. All monotone.
 struct NewtonStatistics {
     long steps = 0;  ///< solved for, retaken ones included
     long iterations = 0;

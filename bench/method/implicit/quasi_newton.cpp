@@ -31,14 +31,13 @@ void TrapezoidalMethod::broyden_direction() noexcept {
 }
 
 /// Squares of the change over what each row sees.
-NextCycle TrapezoidalMethod::begin_update() noexcept {
+int TrapezoidalMethod::begin_update() noexcept {
     const ContactMap contacts{w_.tips.phases.data(), w_.links.loads.data()};
     squares_[0] = squares_[1] = 0.0;
     for (int link = 0; link < w_.layout().links; ++link) {
         if (const auto shaft = contacts.shaft(link)) squares_[*shaft] += square(velocities(change_, link), size_);
     }
     squares_[2] = square(border(change_), border_size_);
-    at_ = At::update;
     return update_cycle;
 }
 

@@ -18,7 +18,7 @@ constexpr double shortest = 1.0 / 256.0, shortest_with_old = 1.0 / 8.0;
 /// A matrix is given up when the residual falls by less than this factor, once it has had some iterations to show what it can: few if it is
 /// kept over steps, many if it is of this step.
 constexpr double poor_contraction = 0.5;
-constexpr int patience_with_old = 3, patience_with_new = 10;
+constexpr int iterations_with_old = 3, iterations_with_new = 10;
 constexpr int max_updates = 30;
 
 }  // namespace
@@ -63,56 +63,62 @@ void TrapezoidalMethod::load(std::span<const double> memory) {
     if (has_jacobian_) static_cast<void>(load_factors(broyden_.load(memory)));
 }
 
-NextCycle TrapezoidalMethod::begin() {
+CycleSequence TrapezoidalMethod::step() {
+    if (!knows_start_slope()) {
+        terms_[0] = {0, 1.0};
+        co_yield evaluate({terms_, 1}, 0.0, start_slope);
+        close_evaluate();
+        start_slope_ = true;
+    }
+    end_slope_ = direction_ = renew_ = false;
+    first_ = predicting_ = true;
+    co_yield prepare_cycle;  // v⁺ = v, or v + h a
+    start_tail();
+    predicting_ = false;
+    for (double lambda = 0.0;;) {
+        co_yield evaluate_trial(lambda);
+        close_evaluate();
+        co_yield prepare_cycle;
+        const double norm = residual_norm();
+        if (!first_ && !falls(norm) && options_.backtracking) {
+            if (!shorten()) co_return give_up();
+            lambda = first_ ? 0.0 : 0.5 * lambda_;
+            continue;
+        }
+        accept_trial(norm);
+        if (end_slope_) co_return {};
+        if (!std::isfinite(norm) || iterations_ >= options_.max_iterations) co_return give_up();
+        const Matrix matrix = next_matrix();
+        if (matrix == Matrix::new_jacobian) co_yield new_jacobian();
+        if (matrix == Matrix::update) {
+            co_yield begin_update();
+            update_corner();
+        }
+        if (matrix != Matrix::stays) co_yield factorise(theta());
+        if (matrix != Matrix::stays && !matrix_.sound()) co_return give_up();
+        ++solves_;
+        co_yield solve_cycle;
+        finish_solve();
+        lambda = 1.0;
+    }
+}
+
+/// Of a step that is taken again, shorter, or that begins where the last one has ended. Counts the step.
+bool TrapezoidalMethod::knows_start_slope() noexcept {
     ++statistics_.steps;
     iterations_ = 0;
     refreshed_ = false;
-    const bool again = start_slope_ && w_.step.time == time_of_start_;  // retaken, only shorter
+    const bool again = start_slope_ && w_.step.time == time_of_start_;
     time_of_start_ = w_.step.time;
-    if (again) return predict();
-    if (std::exchange(end_slope_, false)) {
-        std::swap(w_.slopes[trial_slope], w_.slopes[start_slope]);
-        start_slope_ = true;
-        return predict();
-    }
-    at_ = At::start_slope;
-    terms_[0] = {0, 1.0};
-    return evaluate({terms_, 1}, 0.0, start_slope);
-}
-
-NextCycle TrapezoidalMethod::next() {
-    switch (at_) {
-        case At::start_slope:
-            close_evaluate();
-            start_slope_ = true;
-            return predict();
-        case At::predict: start_tail(); return evaluate_trial(0.0);
-        case At::evaluate:
-            close_evaluate();
-            at_ = At::residual;
-            return prepare_cycle;
-        case At::residual: return judge();
-        case At::jacobian: return begin_factor();
-        case At::update: update_corner(); return begin_factor();
-        case At::factor: return matrix_.sound() ? begin_solve() : give_up();
-        case At::solve: return finish_solve();
-    }
-    return NextCycle::failed();
-}
-
-NextCycle TrapezoidalMethod::predict() noexcept {
-    end_slope_ = false;
-    first_ = true;
-    direction_ = false;
-    renew_ = false;
-    at_ = At::predict;
-    return prepare_cycle;
+    if (again) return true;
+    if (!std::exchange(end_slope_, false)) return false;
+    std::swap(w_.slopes[trial_slope], w_.slopes[start_slope]);
+    return start_slope_ = true;
 }
 
 /// Trial = iterate + λ increment, into the trial's slot.
-NextCycle TrapezoidalMethod::evaluate_trial(double lambda) noexcept {
+int TrapezoidalMethod::evaluate_trial(double lambda) noexcept {
     lambda_ = lambda;
-    at_ = At::evaluate;
     terms_[0] = {iterate_, 1.0};
     terms_[1] = {increment_slot, lambda};
     const std::span<const engine::Term> terms(terms_, first_ ? 1 : 2);
@@ -121,7 +127,7 @@ NextCycle TrapezoidalMethod::evaluate_trial(double lambda) noexcept {
 
 void TrapezoidalMethod::prepare(int first, int last) noexcept {
     for (int link = first; link < last; ++link) {
-        if (at_ == At::predict) {
+        if (predicting_) {
             start_link(link);
         } else {
             residual_of_link(link);
@@ -129,18 +135,25 @@ void TrapezoidalMethod::prepare(int first, int last) noexcept {
     }
 }
 
-/// Start of the iteration: v⁺ = v, or v + h a.
-NextCycle TrapezoidalMethod::judge() noexcept {
+double TrapezoidalMethod::residual_norm() noexcept {
     double energy = residual_of_tail();
     for (const double part : energies_) energy += part;
-    const double norm = std::isfinite(energy) ? std::sqrt(energy / link_mass_) : HUGE_VAL;
-    const bool falls = norm <= (1.0 - 1e-4 * lambda_) * norm_ || norm <= options_.tolerance;
-    if (first_ || falls || !options_.backtracking) return accept_trial(norm);
-    ++statistics_.backtracks;
-    return lambda_ > (since_jacobian_ == 0 ? shortest : shortest_with_old) ? evaluate_trial(0.5 * lambda_) : stuck();
+    return std::isfinite(energy) ? std::sqrt(energy / link_mass_) : HUGE_VAL;
 }
 
-NextCycle TrapezoidalMethod::accept_trial(double norm) noexcept {
+bool TrapezoidalMethod::falls(double norm) const noexcept { return norm <= (1.0 - 1e-4 * lambda_) * norm_ || norm <= options_.tolerance; }
+
+/// The residual of the trial does not fall. @return whether a shorter part of the step is to be tried, or (first_) a new Jacobian at the
+/// iterate, if the one at hand is not of it
+bool TrapezoidalMethod::shorten() noexcept {
+    ++statistics_.backtracks;
+    if (lambda_ > (since_jacobian_ == 0 ? shortest : shortest_with_old)) return true;
+    if (since_jacobian_ == 0) return false;
+    return refreshed_ = renew_ = first_ = true;
+}
+
+/// The trial becomes the iterate; the last one, if its residual is small enough (end_slope_).
+void TrapezoidalMethod::accept_trial(double norm) noexcept {
     std::swap(iterate_, trial_);
     if (!std::exchange(first_, false)) {
         ++iterations_;
@@ -149,52 +162,36 @@ NextCycle TrapezoidalMethod::accept_trial(double norm) noexcept {
         for (std::size_t k = 0; k < change_.size(); ++k) change_[k] = lambda_ * step_[k];
     }
     norm_ = norm;
-    if (!std::isfinite(norm)) return give_up();
-    if (norm <= options_.tolerance) {
-        end_slope_ = true;
-        return finish_step();
-    }
-    if (iterations_ >= options_.max_iterations) return give_up();
-    return std::exchange(renew_, false) ? begin_jacobian() : iterate();
+    end_slope_ = std::isfinite(norm) && norm <= options_.tolerance;
+    if (end_slope_) finish_step();
 }
 
-/// The matrix of the next iteration, by the variant's rule.
-NextCycle TrapezoidalMethod::iterate() noexcept {
+/// By the variant's rule.
+TrapezoidalMethod::Matrix TrapezoidalMethod::next_matrix() noexcept {
+    if (std::exchange(renew_, false)) return Matrix::new_jacobian;
     const bool by_rule =
         options_.matrix == NewtonMatrix::every_iteration || (options_.matrix == NewtonMatrix::once_per_step && iterations_ == 0);
-    if (by_rule || !has_jacobian_) return begin_jacobian();
-    const int patience = keeps_over_steps() ? patience_with_old : patience_with_new;
-    const bool poor = since_jacobian_ > 0 && iterations_ >= patience && contraction_ > poor_contraction;
+    if (by_rule || !has_jacobian_) return Matrix::new_jacobian;
+    const int iterations_to_show = keeps_over_steps() ? iterations_with_old : iterations_with_new;
+    const bool poor = since_jacobian_ > 0 && iterations_ >= iterations_to_show && contraction_ > poor_contraction;
     refreshed_ = refreshed_ || poor;
-    if (poor || (options_.matrix == NewtonMatrix::broyden && broyden_.full())) return begin_jacobian();
-    if (options_.matrix == NewtonMatrix::schubert && direction_) return begin_update();
-    if (std::abs(theta_ - theta()) <= 1e-9 * theta()) return begin_solve();  // the grid of times rounds
+    if (poor || (options_.matrix == NewtonMatrix::broyden && broyden_.full())) return Matrix::new_jacobian;
+    if (options_.matrix == NewtonMatrix::schubert && direction_) return Matrix::update;
+    if (std::abs(theta_ - theta()) <= 1e-9 * theta()) return Matrix::stays;  // the grid of times rounds
     broyden_.clear();
     direction_ = false;
-    return begin_factor();
+    return Matrix::factorise;
 }
 
-NextCycle TrapezoidalMethod::begin_jacobian() noexcept {
+int TrapezoidalMethod::new_jacobian() noexcept {
     has_jacobian_ = true;
     direction_ = false;
     since_jacobian_ = 0;
     broyden_.clear();
-    at_ = At::jacobian;
     return take_jacobian(1.0, iterate_, trial_slope);
 }
 
-NextCycle TrapezoidalMethod::begin_factor() noexcept {
-    at_ = At::factor;
-    return factorise(theta());
-}
-
-NextCycle TrapezoidalMethod::begin_solve() noexcept {
-    at_ = At::solve;
-    ++solves_;
-    return solve_cycle;
-}
-
-NextCycle TrapezoidalMethod::finish_solve() noexcept {
+void TrapezoidalMethod::finish_solve() noexcept {
     if (options_.matrix == NewtonMatrix::broyden) broyden_direction();
     direction_ = true;
     step_ = solution_;
@@ -205,7 +202,6 @@ NextCycle TrapezoidalMethod::finish_solve() noexcept {
         out[half_ + k] = border(solution_)[k];
         if (k < half_) out[k] = theta() * border(solution_)[k];
     }
-    return evaluate_trial(1.0);
 }
 
 /// Increment of the state from that of the velocities.
@@ -220,23 +216,17 @@ void TrapezoidalMethod::finish(int first, int last) noexcept {
     }
 }
 
-/// No share of the step makes the residual fall: a new Jacobian, if the one at hand is not of this iterate.
-NextCycle TrapezoidalMethod::stuck() noexcept {
-    if (since_jacobian_ == 0) return give_up();
-    refreshed_ = true;
-    renew_ = first_ = true;
-    return evaluate_trial(0.0);
-}
-
-NextCycle TrapezoidalMethod::give_up() noexcept {
-    if (!std::isfinite(norm_)) return NextCycle::failed();
+/// The best iterate is used, and counted, unless it is no number.
+Fault TrapezoidalMethod::give_up() noexcept {
+    if (!std::isfinite(norm_)) return not_finite();
     ++statistics_.unconverged;
     statistics_.worst = std::max(statistics_.worst, norm_);
     has_jacobian_ = false;
-    return finish_step();
+    finish_step();
+    return {};
 }
 
-NextCycle TrapezoidalMethod::finish_step() noexcept {
+void TrapezoidalMethod::finish_step() noexcept {
     const int ledger = w_.layout().ledger_begin();
     for (int k = ledger; k < w_.layout().size(); ++k)
         state(iterate_)[k] = state(0)[k] + theta() * (slope(start_slope)[k] + slope(trial_slope)[k]);
@@ -245,7 +235,6 @@ NextCycle TrapezoidalMethod::finish_step() noexcept {
     statistics_.most = std::max<long>(statistics_.most, iterations_);
     terms_[0] = {iterate_, 1.0};
     w_.step.row = {{terms_, 1}, {}, -1, -1, 1.0};
-    return NextCycle::done();
 }
 
 std::string TrapezoidalMethod::report() const { return text(statistics()); }

@@ -21,13 +21,12 @@ public:
 
     TrapezoidalMethod(Workspace& workspace, const NewtonOptions& options);
 
-    [[nodiscard]] NextCycle begin() override;
-    [[nodiscard]] NextCycle next() override;
+    [[nodiscard]] CycleSequence step() override;
     void restart() noexcept override;
-    void transition() noexcept override { start_slope_ = end_slope_ = false; }  // a kept Jacobian may still serve
+    void phases_changed() noexcept override { start_slope_ = end_slope_ = false; }  // a kept Jacobian may still serve
     /// Slope at the end of the last step; with a matrix that is kept over steps, its Jacobian and updates.
     void save(std::vector<double>& memory) const override;
-    void load(std::span<const double> memory) override;  ///< memory [what save() wrote]
+    void load(std::span<const double> memory) override;  ///< @param memory from save()
 
     void prepare(int first, int last) noexcept override;
     void finish(int first, int last) noexcept override;
@@ -38,23 +37,23 @@ public:
 
 private:
     static constexpr int trial_slope = 1, start_slope = 2;  ///< slots of slopes
-    enum class At { start_slope, predict, evaluate, residual, jacobian, update, factor, solve };
+    /// What is done to the matrix before an iteration.
+    enum class Matrix { stays, new_jacobian, update, factorise };
 
     [[nodiscard]] double theta() const noexcept { return 0.5 * w_.step.h; }
     [[nodiscard]] bool keeps_over_steps() const noexcept { return options_.matrix >= NewtonMatrix::frozen; }
-    NextCycle predict() noexcept;
-    NextCycle evaluate_trial(double lambda) noexcept;  ///< lambda [1]
-    NextCycle judge() noexcept;
-    NextCycle accept_trial(double norm) noexcept;  ///< norm [m/s]
-    NextCycle iterate() noexcept;
-    NextCycle begin_jacobian() noexcept;
-    NextCycle begin_factor() noexcept;
-    NextCycle begin_update() noexcept;
-    NextCycle begin_solve() noexcept;
-    NextCycle finish_solve() noexcept;
-    NextCycle stuck() noexcept;
-    NextCycle give_up() noexcept;
-    NextCycle finish_step() noexcept;
+    [[nodiscard]] bool knows_start_slope() noexcept;
+    [[nodiscard]] int evaluate_trial(double lambda) noexcept;  ///< lambda [1]
+    [[nodiscard]] double residual_norm() noexcept;             ///< [m/s]
+    [[nodiscard]] bool falls(double norm) const noexcept;      ///< norm [m/s]
+    [[nodiscard]] bool shorten() noexcept;
+    void accept_trial(double norm) noexcept;  ///< norm [m/s]
+    [[nodiscard]] Matrix next_matrix() noexcept;
+    [[nodiscard]] int new_jacobian() noexcept;
+    [[nodiscard]] int begin_update() noexcept;
+    void finish_solve() noexcept;
+    [[nodiscard]] Fault give_up() noexcept;
+    void finish_step() noexcept;
     void start_link(int link) noexcept;
     void residual_of_link(int link) noexcept;
     void start_tail() noexcept;
@@ -68,7 +67,7 @@ private:
     const double link_mass_;  ///< [kg]
     NewtonStatistics statistics_;
     Broyden broyden_;
-    At at_ = At::predict;
+    bool predicting_ = false;      ///< a prepare cycle makes the start of the iteration, not a residual
     int iterate_ = 1, trial_ = 3;  ///< state slots; slot 2 holds the increment
     engine::Term terms_[2]{};
     double time_of_start_ = 0.0;  ///< [s]
@@ -77,7 +76,7 @@ private:
     bool has_jacobian_ = false;
     bool renew_ = false;      ///< the iterate is evaluated once more for a new Jacobian
     bool first_ = true;       ///< the trial is the start of the iteration
-    bool direction_ = false;  ///< step_ belongs to the matrix at hand
+    bool direction_ = false;  ///< step_ belongs to the present matrix
     bool refreshed_ = false;  ///< a Jacobian beyond the rule in this step
     int iterations_ = 0, since_jacobian_ = 0;
     double norm_ = 0.0, lambda_ = 1.0,

@@ -39,7 +39,7 @@ void TrapezoidalMethod::residual_of_link(int link) noexcept {
     energies_[static_cast<std::size_t>(link)] = link_energy(r);
 }
 
-/// The same behind the links; the integral has no energy. @return its energy
+/// Residual of the unknowns behind the links; the integral has no energy. @return its energy
 double TrapezoidalMethod::residual_of_tail() noexcept {
     double energy = 0.0;
     for (int k = 0; k < border_size_; ++k) {

@@ -1,6 +1,6 @@
 #pragma once
-/// The elements of model/force at one point - a plate, a point of a joint, a tip - over numbers with derivatives. What they depend on there
-/// is the same for every order of the axis, so they are compiled once for all.
+/// The elements of model/force at one point - a plate, a point of a joint, a tip - over numbers with derivatives. Their arguments are the
+/// same for every order of the axis, so they are compiled once.
 
 #include "bench/method/jacobian/dual_lanes.hpp"
 #include "bench/method/product_names.hpp"
@@ -45,7 +45,7 @@ using PointOfJoint = JointTerms<0, eleven>;
     return terms;
 }
 
-/// What a tip does to its link and to its sheave.
+/// Effect of a tip on its link and on its sheave.
 struct TipEffect {
     TipAction<Lanes<two_dozen>> action{};
     TipReaction<Lanes<two_dozen>> reaction{};

@@ -71,7 +71,7 @@ requires(W < 0) struct Lanes<W> {
     }
     friend Lanes abs(const Lanes& a) noexcept { return a.value < 0.0 ? -a : a; }
 
-    /// A function of this number. value: the function's; derivative [1]
+    /// A function of this number. @param result its value   @param derivative its derivative
     [[nodiscard]] Lanes mapped(double result, double derivative) const noexcept {
         Lanes out;
         out.value = result;

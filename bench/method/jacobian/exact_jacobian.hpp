@@ -1,6 +1,6 @@
 #pragma once
 /// The Jacobian exactly, by forward differentiation where forces are made - at a plate, a point of a joint, a tip - and by the chain rule
-/// from there to coordinates. Of a kink, the side on which the state lies counts.
+/// from there to coordinates. At a kink, the side on which the state lies counts.
 
 #include <array>
 #include <vector>

@@ -1,5 +1,5 @@
 #pragma once
-/// What joints add to the rows of a link: the element of model/force, over numbers with derivatives.
+/// Contributions of joints to the rows of a link: the element of model/force, over numbers with derivatives.
 
 #include "bench/method/jacobian/dual_elements.hpp"
 #include "bench/method/jacobian/link_rows.hpp"

@@ -1,5 +1,5 @@
 #pragma once
-/// What tips add to the rows of a link and of the pulleys: the element of model/force, over numbers with derivatives.
+/// Contributions of tips to the rows of a link and of the pulleys: the element of model/force, over numbers with derivatives.
 
 #include <cstring>
 

@@ -1,4 +1,4 @@
-/// Arnoldi's method; the other half of engine/linear/eigenvalues.hpp.
+#include "bench/method/linear/arnoldi.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/SparseCore>
@@ -6,7 +6,6 @@
 #include <cmath>
 #include <random>
 
-#include "bench/method/linear/eigenvalues.hpp"
 #include "bench/method/product_names.hpp"
 
 namespace cvtflow::bench {
@@ -108,7 +107,7 @@ double last_component(const RowMajor& hessenberg, std::complex<double> value) {
     return last / std::sqrt(real.squaredNorm() + imaginary.squaredNorm());
 }
 
-/// Those left of the border and the pair that oscillates fastest.
+/// Eigenvalues left of the border, and the pair that oscillates fastest.
 Eigenvalues selected(const Eigenvalues& values, double left_of) {
     const auto fastest = std::max_element(values.begin(), values.end(),
                                           [](const auto& a, const auto& b) { return std::abs(a.imag()) < std::abs(b.imag()); });

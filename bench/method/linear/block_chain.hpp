@@ -38,15 +38,17 @@ public:
     /// @return false if a pivot vanished
     [[nodiscard]] bool eliminate() noexcept;
 
-    /// What the run adds to the right separator's row: [on right (size) | on left (size) | on active], rows `stride` apart, size rows.
+    /// Contribution of the run to the right separator's row: [on right (size) | on left (size) | on active], rows `stride` apart, size
+    /// rows.
     [[nodiscard]] const double* right_row() const noexcept { return right_row_.data(); }
     [[nodiscard]] int stride() const noexcept { return 2 * size_ + active_; }
-    /// What it adds to the outer rows (left separator, then active border rows), size + active of them: [on right | on left | on active].
+    /// Its contribution to the outer rows (left separator, then active border rows), size + active of them: [on right | on left | on
+    /// active].
     [[nodiscard]] const double* outer_rows() const noexcept { return outer_sum_.data(); }
 
     /// Forward substitution of f [count × size].
     void forward(const double* f) noexcept;
-    /// What it adds to the right-hand side of the right separator [size], and of the outer rows [size + active].
+    /// Its contribution to the right-hand side of the right separator [size], and of the outer rows [size + active].
     [[nodiscard]] const double* right_part() const noexcept { return right_part_.data(); }
     [[nodiscard]] const double* outer_part() const noexcept { return outer_part_.data(); }
     /// Interior unknowns [count × size] from those around. @param y active border unknowns [active]

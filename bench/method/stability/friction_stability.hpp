@@ -12,7 +12,7 @@ extern const Kick rkc_kick;
 inline constexpr double rkc_kick_damping = 10.0;  ///< [1]
 
 [[nodiscard]] ProgramStability leapfrog_stability(const Kick& kick);
-/// Of sweeps over contacts that have converged: friction by backward Euler on velocities.
+/// Stability with converged sweeps over contacts: friction by backward Euler on velocities.
 [[nodiscard]] ProgramStability backward_euler_leapfrog_stability();
 
 }  // namespace cvtflow::bench

@@ -28,7 +28,7 @@ struct LinkKick {
     double mean_time = 0.0;      ///< mean time of it, from the middle
 };
 
-/// Friction of the step at hand.
+/// Friction of the present step.
 class Kicker {
 public:
     virtual ~Kicker() = default;

@@ -34,7 +34,7 @@ struct GrowthSettings {
     int restarts = 3;       ///< with the eigenvector found so far, while growth is found but uncertain
 };
 
-/// The same result every time. @param start first direction; of another length: one that has a share of everything
+/// Deterministic. @param start first direction; of another length: one that has a share of everything
 [[nodiscard]] Growth fastest_growth(int size, const LinearMap& map, const std::vector<double>& start, const GrowthSettings& settings = {});
 
 }  // namespace cvtflow::bench

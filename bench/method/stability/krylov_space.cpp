@@ -19,7 +19,7 @@ namespace {
 
 constexpr double nothing_lost = 0.7;  ///< of a direction's length in what is orthogonal to the others: rounding has not grown
 
-/// Of a Hessenberg matrix; empty: the iteration does not converge.
+/// Eigenvalues of a Hessenberg matrix; empty: the iteration does not converge.
 [[nodiscard]] std::vector<std::complex<double>> eigenvalues_of(const Eigen::MatrixXd& hessenberg) {
     Eigen::RealSchur<Eigen::MatrixXd> schur;
     schur.computeFromHessenberg(hessenberg, Eigen::MatrixXd(), false);

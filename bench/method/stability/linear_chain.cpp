@@ -18,7 +18,7 @@ using ReadVector = Eigen::Map<const Eigen::VectorXd>;
 using WriteVector = Eigen::Map<Eigen::VectorXd>;
 using Entries = std::vector<Eigen::Triplet<double>>;
 
-/// So many times the usual saturation speeds: no contact slides.
+/// Factor on the usual saturation speeds with which no contact slides.
 constexpr double all_stick = 1e4;
 
 [[nodiscard]] std::array<model::Friction*, 3> frictions_of(model::Parameters& parameters) {
@@ -95,7 +95,7 @@ struct Derivatives {
     return {assembled(layout, jacobian, bench::With::position), assembled(layout, jacobian, bench::With::velocity)};
 }
 
-/// With friction coefficients and saturation speeds so many times as large.
+/// Derivatives with friction coefficients and saturation speeds multiplied by these factors.
 [[nodiscard]] Derivatives derivatives_with(const model::Variator& variator, model::Parameters parameters, const FrozenStart& start,
                                            double coefficient, double speed) {
     for (model::Friction* friction : frictions_of(parameters)) {

@@ -10,12 +10,12 @@ namespace {
 constexpr double finest = 0.01, finer = 1.01;
 constexpr double min_decay = 1e-2, decay_ratio = 1.15;  ///< grid of decays
 
-/// Calls `look` with decays from min_decay to the longest one.
-template <class Look>
-void over_decays(const ProgramStability& method, Look look) {
+/// Calls `visit` with decays from min_decay to the longest one.
+template <class Visit>
+void over_decays(const ProgramStability& method, Visit visit) {
     const double longest = std::min(method.longest_decay, far_away);
-    for (double decay = min_decay; decay < longest; decay *= decay_ratio) look(decay);
-    look(longest);
+    for (double decay = min_decay; decay < longest; decay *= decay_ratio) visit(decay);
+    visit(longest);
 }
 
 }  // namespace

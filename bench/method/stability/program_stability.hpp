@@ -13,7 +13,7 @@ enum class TestEquation {
     linear,      ///< u' = λ u with its exact Jacobian; x = Re h λ, y = Im h λ
 };
 
-/// What a step makes of a quantity that decays with h c or -h λ.
+/// Effect of a step on a quantity that decays with h c or -h λ.
 struct StageFigures {
     double growth = 0.0;  ///< largest value in a stage, for 1 at the start [1]
     double gain = 0.0;    ///< largest value at the end, for an error of 1 in one stage: what a kink of the law leaves [1]
@@ -29,10 +29,10 @@ struct ProgramStability {
     TestEquation equation;
     /// Spectral radius of one step among equal ones, history included; infinite where the method refuses to step. x [1], y [1]
     std::function<double(double x, double y)> radius;
-    /// @param decay h c or -h λ, > 0, where the method steps; decay [1]
+    /// @param decay h c or -h λ, > 0, where the method steps
     std::function<StageFigures(double decay)> stages;
     double longest_decay;  ///< up to which the method steps; infinite if it always does [1]
-    /// Of methods for the oscillator: largest h δ of an explicit damping δ that is no friction, where nothing oscillates [1].
+    /// For methods for the oscillator: largest h δ of an explicit damping δ that is no friction, where nothing oscillates [1].
     double longest_damping = std::numeric_limits<double>::infinity();
     /// Limit of an oscillator with any friction up to `stiffest` beside another with just that much, which decides how many stages a step
     /// takes. Empty where the friction of others makes no difference. stiffest [1]
@@ -50,7 +50,7 @@ inline constexpr double far_away = 1e6;
 [[nodiscard]] double reach(const ProgramStability& method, double x, double y, double along_x, double along_y,
                            double enough = std::numeric_limits<double>::infinity());
 
-/// Of a method for the oscillator.
+/// Limit of a method for the oscillator.
 [[nodiscard]] FrictionLimit limit_with_any_friction(const ProgramStability& method);
 
 /// The largest of each over decays up to the method's longest or far_away, on a logarithmic grid; `left` at its end.

@@ -46,7 +46,7 @@ StepLimitBound::StepLimitBound(const model::Variator& variator, const Method& me
     imaginary_reach_ = bench::stability_reach(method.plan(), {-ray_damping, std::sqrt(1.0 - ray_damping * ray_damping)}, stable_growth);
 }
 
-int StepLimitBound::look(double t, const double* state, const model::Phase* phases) {
+int StepLimitBound::update(double t, const double* state, const model::Phase* phases) {
     if (!takes_friction_apart_ && real_reach_ == 0.0) return 0;
     const int evaluations = bound_.estimate(t, state, phases);
     limit_ = judged();
@@ -83,7 +83,7 @@ StepLimit StepLimitBound::of_oscillator() const {
 StepLimit estimated_step_limit(const model::Variator& variator, const Method& method, double t, const double* state,
                                const model::Phase* phases) {
     StepLimitBound bound(variator, method);
-    bound.look(t, state, phases);
+    bound.update(t, state, phases);
     return bound.limit();
 }
 

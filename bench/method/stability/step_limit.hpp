@@ -14,7 +14,7 @@
 
 namespace cvtflow::bench {
 
-/// What does not let a step be longer.
+/// Reason why a step cannot be longer.
 enum class StepLimiter {
     nothing,          ///< linear stability sets no limit
     oscillation,      ///< the fastest one
@@ -26,8 +26,8 @@ enum class StepLimiter {
 struct StepLimit {
     double step = std::numeric_limits<double>::infinity();  ///< longest stable one [s]
     StepLimiter by = StepLimiter::nothing;
-    double oscillation = 0.0;  ///< what grows first beyond it oscillates so fast [rad/s]
-    double friction = 0.0;     ///< and is damped so much by friction [1/s]
+    double oscillation = 0.0;  ///< frequency of the disturbance that grows first beyond it [rad/s]
+    double friction = 0.0;     ///< its damping by friction [1/s]
     double in_pulleys = 0.0;   ///< share of its kinetic energy in shafts and sheaves; not set by StepLimitBound
 };
 
@@ -35,25 +35,25 @@ struct StepLimit {
 [[nodiscard]] std::string text_of(const StepLimit& limit);
 
 /// A quick estimate from the fastest oscillation and the fastest decay (SpectralBound), each as if it had the worst of the other, along the
-/// chain. It does not know what shafts, sheaves and cylinders do (calibrate()). It keeps its directions: the first look takes about a
-/// hundred evaluations of the right-hand side, later ones a dozen.
+/// chain. It ignores the pulleys (calibrate()). The vectors of the power iteration persist: about 100 evaluations of the right-hand side
+/// the first time, 12 later.
 class StepLimitBound {
 public:
     /// `variator` must outlive it. @throws std::invalid_argument for a name that is no method's
     StepLimitBound(const model::Variator& variator, const Method& method);
 
-    /// Looks at a state with its phases held: serial, deterministic. [layout.size()]
+    /// Updates the estimate at a state with its phases held: serial, deterministic. [layout.size()]
     /// @return evaluations of the right-hand side that it took
-    int look(double t, const double* state, const model::Phase* phases);
-    /// From the last estimate.
+    int update(double t, const double* state, const model::Phase* phases);
+    /// The last estimate.
     [[nodiscard]] const StepLimit& limit() const noexcept { return limit_; }
-    /// At the state of the last look the limit was really this (predicted_step_limit()): it, and what later looks say, are taken so many
-    /// times as long. [s]
+    /// Sets the true limit at the state of the last update (predicted_step_limit()). This estimate and later ones are multiplied by its
+    /// ratio to the estimate. [s]
     void calibrate(double known) noexcept;
 
     /// Directions and limit, for checkpoints. load() returns what follows in memory.
     void save(std::vector<double>& memory) const;
-    [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< memory [what save() wrote]
+    [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< @param memory from save()
 
 private:
     [[nodiscard]] StepLimit judged() const;
@@ -68,7 +68,7 @@ private:
     StepLimit limit_;
 };
 
-/// The limit at one state, estimated: StepLimitBound made, looked with and thrown away. t [s], state [unknowns]
+/// The estimated limit at one state, by a temporary StepLimitBound. t [s], state [unknowns]
 [[nodiscard]] StepLimit estimated_step_limit(const model::Variator& variator, const Method& method, double t, const double* state,
                                              const model::Phase* phases);
 

@@ -1,6 +1,5 @@
 #pragma once
-/// What one step of a method makes of small disturbances, written down once more from the method's definition: to be compared with what the
-/// code does.
+/// Effect of one step of a method on small disturbances, written down a second time from the method's definition, to compare with the code.
 
 #include <memory>
 
@@ -30,7 +29,7 @@ protected:
 
 [[nodiscard]] std::unique_ptr<StepMap> table_step(const LinearChain& chain, const engine::CompiledPlan& plan);
 [[nodiscard]] std::unique_ptr<StepMap> leapfrog_step(const LinearChain& chain, const Kick& kick);
-/// Of sweeps over contacts that have converged: friction by backward Euler on velocities.
+/// Step with converged sweeps over contacts: friction by backward Euler on velocities.
 [[nodiscard]] std::unique_ptr<StepMap> backward_euler_leapfrog_step(const LinearChain& chain);
 [[nodiscard]] std::unique_ptr<StepMap> implicit_step(const LinearChain& chain, const LinearPlan& plan);
 [[nodiscard]] std::unique_ptr<StepMap> trapezoidal_step(const LinearChain& chain);

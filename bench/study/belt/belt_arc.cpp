@@ -16,7 +16,7 @@ constexpr double kilo = 1e3, milli = 1e-3;
 /// Where friction falls with the speed, a belt without inertia has several insets on a finer mesh. With 24 to 96 nodes slip changes by 2 %.
 constexpr int nodes_under_law = 96;
 
-/// Of a mean over a normal distribution with deviation 1: Gauss and Hermite's seven nodes.
+/// Quadrature of a mean over a normal distribution with deviation 1: Gauss and Hermite's seven nodes.
 struct Quadrature {
     double deviation, weight;
 };
@@ -79,7 +79,7 @@ double BeltArcSolver::yielding_inset(double axial) const {
     return 0.5 * (2.0 * root * root / cos_ + force * bar_) * cos_ / sin_;
 }
 
-/// Of friction at a sliding speed [m/s].
+/// Friction coefficient at a sliding speed [m/s].
 double BeltArcSolver::coefficient(double speed) const { return law_ ? friction_ * law_->by_speed.at(speed) : friction_; }
 
 /// Forces of a belt that slides like this, while pins vibrate across. reduced: tension without centrifugal part [N]; pace: of the speed
@@ -159,7 +159,7 @@ BeltArcSolver::Unknowns BeltArcSolver::converge(Unknowns u, const Ends& ends) co
     throw std::domain_error("friction cannot carry this difference of tensions");
 }
 
-/// Of an arc without a difference of tensions: an even axial force.
+/// First guess: an arc without a difference of tensions, with an even axial force.
 BeltArcSolver::Unknowns BeltArcSolver::guess(const Ends& ends) const {
     const double per_force = 2.0 * sin_ / (cos_ * pulley_.wrap);  // tension by clamping force
     const double clamping = ends.entry_given ? (ends.first - weight_) / per_force : ends.first;

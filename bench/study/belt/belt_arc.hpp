@@ -11,7 +11,7 @@
 
 namespace cvtflow::bench {
 
-/// What theory leaves out on request, to measure what each of them explains.
+/// Parts of the theory that can be left out, to measure the effect of each.
 struct BeltParts {
     bool tilting_sheaves = true;   ///< sheaves tilt about the shaft: the groove opens as a sine over the arc
     bool yielding_pins = true;     ///< pins shorten and tips flatten under their axial force
@@ -67,7 +67,7 @@ private:
     struct Sums {
         double clamping, difference, middle, side;  ///< [N]
     };
-    /// What an arc has to satisfy: entry tension or clamping force, and difference of tensions [N].
+    /// Conditions of an arc: entry tension or clamping force, and difference of tensions [N].
     struct Ends {
         double first, difference;
         bool entry_given;

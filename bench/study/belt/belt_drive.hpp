@@ -16,7 +16,7 @@ struct BeltPoint {
     double growth = 0.0;  ///< of the driving radius, dR_1/dt [m/s]
 };
 
-/// What theory has there.
+/// Result of the theory.
 struct BeltDrive {
     std::array<BeltPulley, 2> pulley;
     std::array<BeltArc, 2> arc;

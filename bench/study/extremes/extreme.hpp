@@ -1,6 +1,6 @@
 #pragma once
-/// The edges of every parameter, as a catalogue: each row says what is run and what may come of it. A row is judged at several methods and
-/// levels of detail; either the result is right within a bound, or the program says why not.
+/// The edges of every parameter, as a catalogue: each row contains a run and its allowed endings. A row is judged at several methods and
+/// levels of detail; either the result is right within a bound, or the program states why not.
 
 #include <optional>
 #include <span>
@@ -12,12 +12,12 @@
 
 namespace cvtflow::bench {
 
-/// What may come of a row.
+/// Possible endings of a row.
 enum class Ending {
     right,      ///< finite, energy balance and agreement with half the step within the row's bound
     refused,    ///< the scene is not accepted, with a message
     fault,      ///< ended by a named fault within the steps of the row
-    announced,  ///< not right, but the step is beyond what the method is stable for here, and the program says so before it runs
+    announced,  ///< not right, but the step exceeds the stability limit here, and the program reports that before it runs
     wrong,      ///< none of these
 };
 
@@ -31,16 +31,16 @@ struct Extreme {
     std::vector<tasks::FaultKind> faults{};  ///< that may be among `allowed`; empty: any
     /// Largest relative error of the energy balance, and ten times less strict of the state against half the step.
     double bound = 1e-3;
-    /// What leapfrogs may be off in the energy balance on top, and ten times that against half the step: their energy is that of a
-    /// neighbouring system and swings about ours by (h omega)^2 / 4, and they are behind by (h omega)^2 / 24 of the angle, 0.1 rad after
-    /// 100 steps of h omega = 0.28.
+    /// Additional error of the energy balance that leapfrogs are allowed, and ten times that against half the step. Their energy is that of
+    /// a neighbouring system and swings about ours by (h omega)^2 / 4, and they lag by (h omega)^2 / 24 of the angle, 0.1 rad after 100
+    /// steps of h omega = 0.28.
     double swing = 0.0;
     double step = 0.0;  ///< [s]; 0: 50 ns, or a tenth of what is stable if that is less: the stiffest mode may hold all the energy
     long steps = 200;
     bool geometric = false;  ///< begins with the geometric start even where the settled state of `tiny` would fit
     /// Changes the start. Called with a simulation that stands at it. step [s]
     void (*prepare)(const tasks::Simulation& simulation, double step, tasks::IntegrationState& start) = nullptr;
-    long min_transitions = 0;  ///< that must happen for the row to mean what it says
+    long min_transitions = 0;  ///< without which the row proves nothing
     bool nightly = false;
 };
 

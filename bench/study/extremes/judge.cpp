@@ -66,7 +66,8 @@ double distance(const std::vector<double>& a, const std::vector<double>& b) {
 
 double length(const std::vector<double>& a) { return distance(a, std::vector<double>(a.size())); }
 
-/// Of the energy that passed or is there; a thousandth of the whole counts as passed, so that a system at rest need not balance rounding.
+/// Residual over the energy that passed or is stored; a thousandth of the whole counts as passed, so that a system at rest need not balance
+/// rounding.
 double imbalance(const Account& before, const Account& after) {
     const double error = (after.energy - before.energy) - (after.put_in - before.put_in) + (after.lost - before.lost);
     const double passed = after.passed - before.passed + std::abs(after.energy - before.energy);
@@ -157,7 +158,7 @@ private:
     return std::isfinite(stable) && stable > 0.0 ? std::min(usual_step, 0.1 * stable) : usual_step;
 }
 
-/// What is wrong with a run that came to its end, or nothing.
+/// Objection to a complete run; empty: none.
 [[nodiscard]] std::string objection(const Extreme& row, const ExtremeCase& result, long transitions) {
     const double bound = row.bound + (result.method.starts_with("leapfrog") ? row.swing : 0.0);
     if (result.balance > bound) return fmt::format("energy balance {:.2g}, bound {:.2g}", result.balance, bound);
@@ -237,18 +238,18 @@ namespace {
 
 }  // namespace
 
-ExtremeVerdict ExtremeJudge::judge(const Extreme& row) {
-    ExtremeVerdict verdict{&row, {}, true};
+ExtremeResult ExtremeJudge::judge(const Extreme& row) {
+    ExtremeResult result{&row, {}, true};
     for (const Level& level : levels_) {
         for (const char* method : methods) {
-            verdict.cases.push_back(run(row, level, method));
-            verdict.passed = verdict.passed && allowed(row, verdict.cases.back());
+            result.cases.push_back(run(row, level, method));
+            result.passed = result.passed && allowed(row, result.cases.back());
         }
     }
-    return verdict;
+    return result;
 }
 
-std::string ExtremeVerdict::outcome() const {
+std::string ExtremeResult::outcome() const {
     std::string text;
     for (const Ending ending : {Ending::right, Ending::refused, Ending::fault, Ending::announced, Ending::wrong}) {
         std::vector<const ExtremeCase*> like;

@@ -1,5 +1,5 @@
 #pragma once
-/// Runs a row of the catalogue of extremes and says what came of it.
+/// Runs a row of the catalogue of extremes and returns its result.
 
 #include <memory>
 #include <string>
@@ -24,7 +24,7 @@ struct ExtremeCase {
     double wall = 0.0;         ///< [s]
 };
 
-struct ExtremeVerdict {
+struct ExtremeResult {
     const Extreme* row = nullptr;
     std::vector<ExtremeCase> cases;
     bool passed = false;
@@ -41,7 +41,7 @@ public:
     ExtremeJudge(const ExtremeJudge&) = delete;
     ExtremeJudge& operator=(const ExtremeJudge&) = delete;
 
-    [[nodiscard]] ExtremeVerdict judge(const Extreme& row);
+    [[nodiscard]] ExtremeResult judge(const Extreme& row);
 
 private:
     struct Level;

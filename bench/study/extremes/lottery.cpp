@@ -94,7 +94,7 @@ LotteryMachine machine_of_defaults(Urn& urn, Scene& scene) {
 
 constexpr std::string_view ready_scenes_drawn[] = {"baseline", "low", "overdrive"};
 
-/// A ready scene with its state, and what somebody tries out with it.
+/// A ready scene with its state, and a variation of it.
 LotteryMachine machine_of_ready_scene(Urn& urn, Scene& scene) {
     LotteryMachine machine{std::string(urn.one_of(ready_scenes_drawn)), {}};
     scene = read_scene(find_scene(machine.scene));
@@ -204,7 +204,7 @@ public:
     void output(double time, const Workspace& w, const Counters&) override { sample(time, w); }
     [[nodiscard]] bool samples(double time) const noexcept override { return means.due(time); }
     void sample(double time, const Workspace& w) override {
-        means.add(eye_.observe(time, w.states[0], w.tips.phases.data()), w.energy.sums(time), w.pin_period());
+        means.add(eye_.observe(time, w.state(), w.tips.phases.data()), w.energy.sums(time), w.pin_period());
     }
     void transition(const TransitionRecord&) override {}
     RunMeans means;

@@ -1,6 +1,5 @@
 #pragma once
-/// Machines drawn by chance, run with what a user gets who sets nothing: whoever prints `finished` must be right, whoever is not must say
-/// so.
+/// Machines drawn by chance, run with default settings: a run that is reported as `finished` must be accurate.
 
 #include <cstdint>
 #include <string>
@@ -15,7 +14,7 @@ struct LotteryRules {
     std::string detail;            ///< level of all machines; empty: as drawn
     double settling_time = 20e-3;  ///< [s]
     double duration = 20e-3;       ///< [s]
-    double refinement = 4.0;       ///< what it is compared with takes steps so many times shorter [1]
+    double refinement = 4.0;       ///< factor by which steps of the comparison are shorter [1]
     double tolerance = 0.01;       ///< of slip and losses [1]
     double min_slip = 5e-4;  ///< slip below this is compared with this: 1 % of it are 5e-6, less than speeds of shafts are measured to [1]
 };
@@ -27,12 +26,12 @@ struct LotteryMachine {
 
 /// Machine `number`. Two of three: every physical parameter but lengths and angles within a factor of 2 of its default, clamping
 /// 5 … 80 kN, 500 … 6000 rpm, ratio 2.4, 1 or 0.417, up to 0.9 of the torque that friction carries, any level of detail, both friction
-/// laws, both contact laws of joints. One of three: a ready scene with its state, of which one or two physical parameters are drawn. Of
-/// some the chain is another one (mixed pitches, thickness, joint radius, plates), and the load is zero, is reversed, or jumps.
-/// The same for the same seed everywhere.
+/// laws, both contact laws of joints. One of three: a ready scene with its state, of which one or two physical parameters are drawn. Some
+/// have another chain (mixed pitches, thickness, joint radius, plates), and a load that is zero, is reversed, or jumps. A seed gives the
+/// same machines everywhere.
 [[nodiscard]] LotteryMachine lottery_machine(std::uint64_t seed, long number);
 
-/// What came of a machine.
+/// Result of a machine.
 struct LotteryTicket {
     long number = 0;
     std::string detail;
@@ -50,7 +49,7 @@ struct LotteryTicket {
     /// Relative differences.
     [[nodiscard]] double slip_error(const LotteryRules& rules) const noexcept;
     [[nodiscard]] double loss_error() const noexcept;
-    /// Whether losses agree with the comparison, and slip, unless a note says that nothing is transferred.
+    /// Whether losses agree with the comparison, and slip, unless a note states that no torque is transferred.
     [[nodiscard]] bool right(const LotteryRules& rules) const noexcept;
     /// Whether it kept the promise: right, or not called finished.
     [[nodiscard]] bool honest(const LotteryRules& rules) const noexcept { return status != "finished" || right(rules); }
@@ -61,7 +60,7 @@ struct LotteryTicket {
 /// Settles and runs a machine with defaults, and once more with shorter steps.
 [[nodiscard]] LotteryTicket play(std::uint64_t seed, long number, const LotteryRules& rules);
 
-/// Machines first … first + count - 1, on so many threads.
+/// Machines first … first + count - 1, on `threads` threads.
 [[nodiscard]] std::vector<LotteryTicket> play_all(std::uint64_t seed, long first, long count, int threads, const LotteryRules& rules);
 
 }  // namespace cvtflow::bench

@@ -99,7 +99,7 @@ void add_number_rows(std::vector<Extreme>& rows) {
     }
 }
 
-/// Every number of the physics at both ends of its range, alone. What comes of it may be anything that has a name.
+/// Every number of the physics at both ends of its range, alone. Any ending with a name is allowed.
 void add_limit_rows(std::vector<Extreme>& rows) {
     for (const Parameter& parameter : parameter_table()) {
         const std::string_view section = parameter.section();

@@ -47,7 +47,7 @@ Settings heavier(double factor) {
                   factor);
 }
 
-/// A belt of so many pins around two equal pulleys that leave each other room.
+/// A belt of `pins` pins around two equal pulleys with a gap between them.
 /// @param pitch [m]
 Settings belt(int pins, double pitch) {
     const double length = pitch * pins;

@@ -23,7 +23,7 @@ using Clock = std::chrono::steady_clock;
 
 double passed(Clock::time_point since) { return std::chrono::duration<double>(Clock::now() - since).count(); }
 
-/// What a task works on: a line of its own.
+/// Data of a task: a separate cache line.
 struct alignas(128) Grain {
     double value = 1.0;
     long length = 0;  ///< iterations
@@ -37,8 +37,8 @@ void grind(void* context, int item) noexcept {
     own.value = x;
 }
 
-/// Time of an iteration on a processor of our own: the least of many tries [s]. Called as executors call it: where the compiler sees that
-/// nobody reads the result it leaves the work out.
+/// Time of an iteration on a processor of our own: the least of many tries [s]. Called as executors call it: a compiler that sees that the
+/// result is unused omits the work.
 double iteration_time() {
     const engine::TaskGraph graph = stencil_graph(1, 1);
     Grain probe{1.0, 20000};
@@ -51,17 +51,17 @@ double iteration_time() {
     return least / static_cast<double>(probe.length);
 }
 
-/// Cycles until the work is done or patience is over; those of the first millisecond bring threads together and do not count.
+/// Cycles until the work is done or the timeout has passed; those of the first millisecond bring threads together and do not count.
 class WorkedCycles final : public engine::Controller {
 public:
-    WorkedCycles(long cycles, double patience) : requested_(cycles), patience_(patience) {}
+    WorkedCycles(long cycles, double timeout) : requested_(cycles), timeout_(timeout) {}
     int next() noexcept override {
         constexpr double arrival = 1e-3;
         if (done_ < 0 && passed(begin_) < arrival) return 0;
         if (done_ < 0) begin_ = Clock::now();
         ++done_;
         const double seconds = passed(begin_);
-        if (done_ < requested_ && (done_ == 0 || seconds < patience_)) return 0;
+        if (done_ < requested_ && (done_ == 0 || seconds < timeout_)) return 0;
         per_cycle_ = seconds / static_cast<double>(done_);
         return stop;
     }
@@ -69,7 +69,7 @@ public:
 
 private:
     long requested_, done_ = -1;
-    double patience_, per_cycle_ = 0.0;
+    double timeout_, per_cycle_ = 0.0;
     Clock::time_point begin_ = Clock::now();
 };
 
@@ -128,11 +128,11 @@ std::vector<Setting> settings(const GranularityOptions& options) {
 }
 
 /// Time of a cycle's work in a bare loop [s].
-double bare_cycle(Setting& setting, double patience) {
+double bare_cycle(Setting& setting, double timeout) {
     const auto order = setting.graph->topological(0);
     const auto begin = Clock::now();
     long cycles = 0;
-    while (cycles < setting.cycles && (cycles == 0 || passed(begin) < patience)) {
+    while (cycles < setting.cycles && (cycles == 0 || passed(begin) < timeout)) {
         for (const int task : order) setting.graph->call(task)(setting.grains.data());
         ++cycles;
     }
@@ -144,9 +144,9 @@ using Times = std::vector<std::vector<std::vector<double>>>;
 
 void measure_round(std::vector<Setting>& all, const std::vector<Contender>& executors, const GranularityOptions& options, Times& times) {
     for (std::size_t s = 0; s < all.size(); ++s) {
-        all[s].bare.push_back(bare_cycle(all[s], options.patience));
+        all[s].bare.push_back(bare_cycle(all[s], options.timeout));
         for (std::size_t e = 0; e < executors.size(); ++e) {
-            WorkedCycles controller(all[s].cycles, options.patience);
+            WorkedCycles controller(all[s].cycles, options.timeout);
             executors[e].executor->run(*all[s].graph, all[s].grains.data(), controller);
             times[s][e].push_back(controller.per_cycle());
             executors[e].executor->release_threads();

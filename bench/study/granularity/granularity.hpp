@@ -2,9 +2,9 @@
 /// How short tasks may be: efficiency of executors against the length of a task, as Task Bench does it (Slaughter et al., SC20), on our
 /// graph.
 ///
-/// A cycle is a stencil as a chain's segments make it: levels of so many tasks, each of which waits for itself and its two neighbours of
-/// the level before, in a ring. Between cycles the controller is asked, as in a step. Every task does the same arithmetic, which depends on
-/// itself. The total work of a measurement is the same for every length, so that short tasks are many.
+/// A cycle is a stencil like that of a chain's segments: levels of equally many tasks, each of which waits for itself and its two
+/// neighbours of the level before, in a ring. Between cycles the controller is called, as in a step. Every task does the same arithmetic,
+/// which depends on itself. The total work of a measurement is the same for every length, so that short tasks are many.
 
 #include <functional>
 #include <limits>
@@ -24,14 +24,14 @@ struct GranularityOptions {
     std::vector<int> tasks{1, 2, 4, 8, 16, 32, 64};  ///< of a level
     std::vector<double> lengths{0.1e-6, 0.2e-6, 0.5e-6, 1e-6, 2e-6, 5e-6, 10e-6, 20e-6, 50e-6, 100e-6};  ///< of a task, ascending [s]
     int levels = 8;                                                                                      ///< of a cycle
-    double work = 4e-3;       ///< of a measurement, all tasks together [s]
-    double patience = 20e-3;  ///< a measurement ends after that long even if work is left [s]
+    double work = 4e-3;      ///< of a measurement, all tasks together [s]
+    double timeout = 20e-3;  ///< a measurement ends after that long even if work is left [s]
     int rounds = 5;
     engine::Wait wait = engine::Wait::balanced;
     bool pin = false;
 };
 
-/// One executor on levels of so many tasks of one length.
+/// One executor on levels of tasks of one length.
 struct GranularityPoint {
     std::string executor;
     int threads = 1;
@@ -59,7 +59,7 @@ struct Granularity {
 /// The stencil. @throws std::invalid_argument unless both are positive
 [[nodiscard]] engine::TaskGraph stencil_graph(int levels, int tasks);
 
-/// Levels of whole tasks, shared evenly by so many threads, over the time of all tasks one after the other [1].
+/// Time of a level of whole tasks, shared evenly by the threads, over the time of all tasks one after the other [1].
 [[nodiscard]] double ideal_share(int tasks, int threads) noexcept;
 
 /// Minimum effective task granularity: the length from which on the efficiency is at least `share`, interpolated in the logarithm of the

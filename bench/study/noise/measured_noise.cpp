@@ -6,7 +6,7 @@
 #include <complex>
 #include <numbers>
 
-#include "tasks/run/channels.hpp"
+#include "tasks/channel/channels.hpp"
 #include "tasks/run/simulation.hpp"
 
 namespace cvtflow::bench {
@@ -24,10 +24,10 @@ public:
 
     void output(double time, const Workspace& w, const Counters& counters) override {
         if (complete) return;
-        const model::Observation& now = observer_.observe(time, w.states[0], w.tips.phases.data());
+        const model::Observation& now = observer_.observe(time, w.state(), w.tips.phases.data());
         const Instant instant{now, w, counters, 0, observer_};
         const auto& bearing = observer_.forces().bearing;
-        turn(w.states[0]);
+        turn(w.state());
         times.push_back(time);
         values.push_back({bearing[0].force[0], bearing[0].force[1], bearing[1].force[0], bearing[1].force[1], instant.chain_torque(0),
                           instant.chain_torque(1)});

@@ -31,7 +31,7 @@ public:
     /// @param powers one signal's, of each sequence
     void weigh(const std::vector<PitchSequence>& sequences, const std::vector<OrderPowers>& powers);
 
-    /// Shuffled. The same for a seed everywhere.
+    /// The sequence shuffled. A seed gives the same order everywhere.
     [[nodiscard]] PitchSequence random(std::mt19937_64& random) const;
     /// The largest tonality of the signals that the closed form expects [dB].
     [[nodiscard]] double expected(const PitchSequence& sequence) const;

@@ -5,8 +5,7 @@
 
 namespace cvtflow::bench {
 
-/// That many threads of this process spin as long as this lives: neighbours on a shared machine. They are not oneTBB's, so that no
-/// scheduler knows of them.
+/// Keeps `count` threads spinning, to emulate other load on a shared machine. They are not oneTBB's, so that no scheduler knows of them.
 class BusyNeighbours {
 public:
     /// Zero or less: none.

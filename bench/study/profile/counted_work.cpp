@@ -18,7 +18,7 @@ using namespace tasks;
 
 namespace {
 
-constexpr long steps = 256;  // of the recording: some cycles run only every so many steps
+constexpr long steps = 256;  // of the recording: some cycles do not run in every step
 
 /// Tasks of a step with so many segments.
 struct CountedStep {
@@ -42,7 +42,7 @@ std::vector<double> runs_per_step(const engine::TaskGraph& graph, const std::vec
     return runs;
 }
 
-/// Of tasks in cycles that ran [instructions]; 0: the cycle did not run.
+/// Work of tasks in cycles that ran [instructions]; 0: the cycle did not run.
 std::vector<double> work_of(const Simulation& simulation, const std::vector<double>& runs) {
     const engine::TaskGraph& graph = simulation.graph();
     void* const context = const_cast<Workspace*>(&simulation.workspace());  // only a child process runs the tasks

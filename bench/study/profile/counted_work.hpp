@@ -26,7 +26,7 @@ struct WorkRow {
     double step_claimed = 1.0;  ///< if threads claim tasks [1]
 };
 
-/// Of all tasks of a stage, as one segment.
+/// Work of all tasks of a stage, as one segment.
 struct StageWork {
     std::string stage;
     double instructions = 0.0;  ///< per step
@@ -38,7 +38,7 @@ struct CountedWork {
     double step = 0.0;              ///< length of the last step [s]
 };
 
-/// Least time in which so many threads run a cycle, if each takes the next task that is ready: list scheduling in the graph's order.
+/// Least time in which `threads` threads run a cycle, if each takes the next task that is ready: list scheduling in the graph's order.
 /// @param work of every task of the graph   @return in units of the work
 [[nodiscard]] double makespan(const engine::TaskGraph& graph, int cycle, std::span<const double> work, int threads);
 

@@ -17,7 +17,7 @@ namespace {
 
 using PieceClock = std::chrono::steady_clock;
 
-/// What one thread did.
+/// Work of a thread.
 struct alignas(128) Pieces {
     long count = 0;
     double least = 1e9;  ///< time of the quickest piece [s]

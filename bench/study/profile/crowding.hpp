@@ -3,9 +3,9 @@
 
 namespace cvtflow::bench {
 
-/// Processors that so many threads get, from the work that they do for `seconds`: each counts short pieces of arithmetic, and the number of
-/// pieces times the time of the quickest is the time that its thread had a processor of full speed to itself. `threads` on a quiet machine;
-/// less where others run, where a host takes time away, or where there are fewer processors. [1]
+/// Number of processors that threads get, from the work that they do for `seconds`: each counts short pieces of arithmetic, and the number
+/// of pieces times the time of the quickest is the time that its thread had a processor of full speed to itself. `threads` on a quiet
+/// machine; less where others run, where a host takes time away, or where there are fewer processors. [1]
 /// @throws std::runtime_error if the system has no threads for it
 [[nodiscard]] double processors_got(int threads, double seconds);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// What an executor's synchronisation costs, apart from any chain.
+/// Cost of an executor's synchronisation, apart from any chain.
 
 #include "tasks/schedule/schedule.hpp"
 

@@ -37,10 +37,10 @@ struct Samples {
 /// One turn; the first calibrates, the second warms up.
 void turn(ScheduleTrial& lane, Samples& samples, const MeasureOptions& options, int round, const BusyNeighbours& neighbours) {
     const double before = neighbours.processor_seconds();
-    const TrialSample sample = lane.trial->run(samples.steps, options.patience);
+    const TrialSample sample = lane.trial->run(samples.steps, options.timeout);
     const double neighbours_cpu = neighbours.processor_seconds() - before;
     samples.steps = options.steps > 0 ? options.steps : steps_within(options.round_seconds, sample.per_step());
-    const bool slow = sample.wall > options.patience || sample.per_step() * static_cast<double>(samples.steps) > options.patience;
+    const bool slow = sample.wall > options.timeout || sample.per_step() * static_cast<double>(samples.steps) > options.timeout;
     if (round > 0 || slow) samples.add(sample, neighbours_cpu);
     if (slow) samples.dropped = fmt::format("dropped: {} steps took {:.1f} s", sample.steps, sample.wall);
 }
@@ -63,7 +63,7 @@ void cycle_turn(ScheduleTrial& lane) {
     lane.bare.push_back(bare_barrier_cycle(lane.result.schedule.threads, 0.5 * cycle_seconds));
 }
 
-/// Medians over the rounds in which all threads came; if they mostly did not, the cost says nothing and `active` says why.
+/// Medians over the rounds in which all threads came; if they mostly did not, the cost means nothing and `active` gives the reason.
 void sum_up_cycles(ScheduleTrial& lane) {
     std::vector<double> seconds, active;
     for (const CycleCost& cost : lane.cycles) {
@@ -91,7 +91,7 @@ std::vector<std::string> hash_differences(const std::vector<ScheduleResult>& res
     return lines;
 }
 
-std::vector<ScheduleTrial> start_lanes(const Scene& scene, const std::vector<Schedule>& schedules, double patience,
+std::vector<ScheduleTrial> start_lanes(const Scene& scene, const std::vector<Schedule>& schedules, double timeout,
                                        std::uint64_t& short_hash) {
     std::vector<ScheduleTrial> lanes;
     for (const Schedule& schedule : schedules) {
@@ -103,7 +103,7 @@ std::vector<ScheduleTrial> start_lanes(const Scene& scene, const std::vector<Sch
         lane.result.hash = lane.trial->simulation().hash();
         lane.result.hash_steps = first_steps;
         if (lanes.empty()) short_hash = lane.result.hash;
-        if (lanes.empty() || sample.per_step() * more_steps < patience) {
+        if (lanes.empty() || sample.per_step() * more_steps < timeout) {
             lane.trial->run(more_steps);
             lane.result.hash = lane.trial->simulation().hash();
             lane.result.hash_steps += more_steps;

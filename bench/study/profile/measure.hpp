@@ -1,6 +1,6 @@
 #pragma once
 /// Schedules measured alternately in one process: A B C A B C …, so that a noisy minute hits all alike; medians over rounds.
-/// Rounds go on from where the last one ended, so a fast schedule gets further in simulated time: some microseconds, over which a step's
+/// A round continues where the last one ended, so a fast schedule gets further in simulated time: some microseconds, over which a step's
 /// cost hardly changes.
 
 #include <cstdint>
@@ -19,12 +19,12 @@ struct MeasureOptions {
     int rounds = 5;                        ///< besides one that warms up
     double round_seconds = 0.06;           ///< steps of a round are chosen to take about that long [s]
     long steps = 0;                        ///< steps of a round; 0: chosen
-    double patience = 2.0;                 ///< a schedule with a longer round is dropped [s]
+    double timeout = 2.0;                  ///< a schedule with a longer round is dropped [s]
     std::vector<int> neighbours{0, 1, 2};  ///< busy threads beside; ascending, 0 first
     bool predict_crowded = false;          ///< predictions also where others are busy
 };
 
-/// One schedule beside so many busy neighbours.
+/// One schedule beside a number of busy neighbours.
 struct LoadResult {
     int neighbours = 0;
     Spread step;                ///< [s]
@@ -78,13 +78,13 @@ struct ScheduleTrial {
 /// Builds the trials, runs 4 steps of each and, unless they were slow, 36 more, and keeps the hashes.
 /// @param short_hash [out] of the first schedule after 4 steps
 [[nodiscard]] std::vector<ScheduleTrial> start_lanes(const tasks::Scene& scene, const std::vector<tasks::Schedule>& schedules,
-                                                     double patience, std::uint64_t& short_hash);
+                                                     double timeout, std::uint64_t& short_hash);
 
 /// Stages of all lanes' graphs.
 [[nodiscard]] StageTable stages_of(const std::vector<ScheduleTrial>& lanes);
 
-/// Alternating rounds beside so many neighbours. The first lane is the reference of speed-ups. Without neighbours every turn is followed by
-/// some cycles of the executor by itself and of a bare barrier.
+/// Alternating rounds beside `neighbours` busy threads. The first lane is the reference of speed-ups. Without neighbours every turn is
+/// followed by some cycles of the executor by itself and of a bare barrier.
 void measure_load(std::vector<ScheduleTrial>& lanes, const MeasureOptions& options, int neighbours);
 
 /// A recorded trial beside the unrecorded one, alternating; keeps the recorded round of median length.

@@ -1,5 +1,5 @@
 #pragma once
-/// What a number of threads can bring: three curves and a model of the critical path. Pure functions of measured costs.
+/// Speed-up by a number of threads: three curves and a model of the critical path. Pure functions of measured costs.
 
 #include <span>
 #include <vector>
@@ -19,9 +19,9 @@ enum class MeetingLaw {
     logarithmic,  ///< passed on as in a tree: fixed + log2(M) x growth
 };
 
-/// What a step of the fused assembly is made of [s].
+/// Parts of a step of the fused assembly [s].
 struct PathCosts {
-    int lanes = 1;                 ///< kernels take so many neighbouring links at a time: a group costs the same whether it is full or not
+    int lanes = 1;                 ///< neighbouring links that kernels take at a time: a group costs the same whether it is full or not
     double free = 0.0;             ///< evaluation of a lane of a group that touches nothing
     double touching = 0.0;         ///< evaluation of a lane of a group with a tip on a sheave
     double border = 0.0;           ///< per segment and evaluation: joints and stage states of its two neighbours
@@ -38,14 +38,14 @@ struct PathCosts {
     double other_cycles = 0.0;  ///< per step, besides evaluations and one detection: location, truncation
 };
 
-/// Per cycle, on so many threads; none on one.
+/// Cost of a meeting per cycle, on `threads` threads; none on one.
 [[nodiscard]] double meeting(const PathCosts& costs, int threads, MeetingLaw law) noexcept;
 
-/// Mean of the largest of so many independent normal numbers of mean 0 and variance 1 (Blom's approximation): what the slowest of M equal
-/// tasks takes more.
+/// Mean of the largest of `count` independent normal numbers of mean 0 and variance 1 (Blom's approximation): the delay of the slowest of
+/// equal tasks.
 [[nodiscard]] double expected_largest(int count) noexcept;
 
-/// Step time of these segments on so many threads, each with a contiguous share of them: every cycle takes its slowest thread, the
+/// Step time of these segments on `threads` threads, each with a contiguous share of them: every cycle takes its slowest thread, the
 /// controller, and, with more than one thread, the meeting. A method's own tasks are spread by links, evenly. A single thread with a single
 /// segment knows no stretch, border or jitter: that is the reference of speed-ups.
 /// @param touching of each link, whether it touches
@@ -63,7 +63,7 @@ struct SegmentCost {
     double seconds = 0.0;  ///< [s]
 };
 
-/// What a segment costs, in lanes. @param touching of each link of the chain
+/// Cost of a segment, in lanes. @param touching of each link of the chain
 [[nodiscard]] SegmentCost lanes_of(const tasks::Segment& segment, const std::vector<bool>& touching, int lanes);
 
 /// Least squares for `free`, `touching` and `border`. Costs that the samples cannot tell apart (no touching link anywhere) become equal.
@@ -89,11 +89,10 @@ struct SpeedUpRow {
     double high = 1.0;       ///< if the law is logarithmic and no task is ever late [1]
 };
 
-/// A cache line from another chiplet or socket takes about so many times as long as one from a neighbouring core (typical of present
-/// machines; an assumption). far [1]
+/// Time of a cache line from another chiplet or socket over that from a neighbouring core (typical of present machines; an assumption). [1]
 inline constexpr double far = 3.0;
 
-/// For M = 1 … most, up to one link per segment. @param measured number of threads up to which the synchronisation was measured;
+/// For M = 1 … most, up to one link per segment. @param measured number of threads up to which the synchronisation was measured   @param
 /// serial_share [1]
 [[nodiscard]] std::vector<SpeedUpRow> speed_up_curves(const PathCosts& costs, double serial_share, const std::vector<bool>& touching,
                                                       int measured = 2, int most = 64);

@@ -44,7 +44,7 @@ struct SegmentSamples {
     std::vector<double> jitter;  ///< [s per square root of links]
 };
 
-/// Adds the evaluation tasks of a recorded serial run with so many segments.
+/// Adds the evaluation tasks of a recorded serial run with `segments` segments.
 void sample_segments(const Scene& scene, int segments, const MeasureOptions& options, SegmentSamples& samples, ProfileModel& model) {
     Schedule schedule;
     schedule.segments = segments;

@@ -1,5 +1,5 @@
 #pragma once
-/// What the critical-path model is made of, measured, and its predictions for what else was measured.
+/// Measured parts of the critical-path model, and its predictions for the other measurements.
 
 #include "bench/study/profile/measure.hpp"
 #include "bench/study/profile/model.hpp"

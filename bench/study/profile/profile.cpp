@@ -161,7 +161,7 @@ Profile profile_schedules(const Scene& scene, const std::vector<Schedule>& sched
     calibrate(profile, threads);
     say("starting, comparing states");
     std::uint64_t short_hash = 0;
-    std::vector<ScheduleTrial> lanes = start_lanes(scene, schedules, options.patience, short_hash);
+    std::vector<ScheduleTrial> lanes = start_lanes(scene, schedules, options.timeout, short_hash);
     profile.stages = stages_of(lanes);
     for (const int neighbours : options.neighbours) {
         say(fmt::format("timing beside {} busy neighbours", neighbours));

@@ -30,15 +30,15 @@ struct Profile {
     double load_before = 0.0;              ///< the system's load average of the last minute; -1: unknown
     double load_after = 0.0;
 
-    /// Fused schedule with the best speed-up on so many threads; nullptr: none was measured.
+    /// Fused schedule with the best speed-up on `threads` threads; nullptr: none was measured.
     [[nodiscard]] const ScheduleResult* best_fused(int threads) const noexcept;
     double calibrated = -1.0;  ///< least that calibrations before, amid and after got of processors_requested(); -1: none [1]
 
     /// Processors that the hungriest schedule kept busy, and how many it could have.
     [[nodiscard]] double processors_got() const noexcept;
     [[nodiscard]] int processors_requested() const noexcept;
-    /// Whether it, or the calibration, got less than nine tenths: what threads bring cannot be seen on such a machine. (Waiting threads
-    /// burn time too, which only a calibration tells apart.)
+    /// Whether it, or the calibration, got less than nine tenths: the benefit of threads cannot be measured on such a machine. (Waiting
+    /// threads use processor time too, which only a calibration distinguishes.)
     [[nodiscard]] bool crowded() const noexcept;
     /// Whether the method runs cycles besides evaluations, detection and transitions: the model does not describe them.
     [[nodiscard]] bool own_cycles() const noexcept;

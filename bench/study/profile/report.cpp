@@ -26,7 +26,7 @@ std::string_view wait_name(engine::Wait wait) {
     return wait == engine::Wait::spin ? "spin" : wait == engine::Wait::passive ? "passive" : "balanced";
 }
 
-/// Of the OpenMP runtimes, which read it when they are loaded.
+/// Environment variable of the OpenMP runtimes, which read it when they are loaded.
 std::string environment(const char* name) {
     const char* value = std::getenv(name);
     return value != nullptr ? value : "";
@@ -192,7 +192,7 @@ std::string profile_json(const Scene& scene, const MeasureOptions& options, cons
     for (const ScheduleResult& result : profile.results) results.push_back(result_json(result, profile.stages));
     ordered_json json{{"scene", scene.name}, {"provenance", provenance_json()}};
     json["options"] = {
-        {"rounds", options.rounds}, {"round_seconds", options.round_seconds}, {"steps", options.steps}, {"patience", options.patience}};
+        {"rounds", options.rounds}, {"round_seconds", options.round_seconds}, {"steps", options.steps}, {"patience", options.timeout}};
     json["environment"] = {{"OMP_WAIT_POLICY", environment("OMP_WAIT_POLICY")},
                            {"GOMP_SPINCOUNT", environment("GOMP_SPINCOUNT")},
                            {"KMP_BLOCKTIME", environment("KMP_BLOCKTIME")}};

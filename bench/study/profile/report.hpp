@@ -1,6 +1,5 @@
 #pragma once
-/// A profile as CSV, JSON and trace, with all that tells where its numbers come from. Tables for people:
-/// tools/program/text/profile_text.hpp.
+/// A profile as CSV, JSON and trace, with the origin of its numbers. Tables for people: bench/lab/text/profile_text.hpp.
 
 #include <string>
 

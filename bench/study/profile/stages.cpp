@@ -15,12 +15,12 @@ constexpr std::size_t behind_tasks = 3;  // controller, wait, exit
 
 /// The first of a name's letters that no row has yet, in capitals if possible; then any.
 [[nodiscard]] char free_letter(const std::string& name, const std::vector<StageRow>& rows) {
-    std::string wishes;
-    for (const char c : name) wishes += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-    wishes += name + "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789";
-    for (const char wish : wishes) {
-        const bool taken = std::any_of(rows.begin(), rows.end(), [&](const StageRow& row) { return row.letter == wish; });
-        if (std::isalnum(static_cast<unsigned char>(wish)) != 0 && !taken) return wish;
+    std::string letters;
+    for (const char c : name) letters += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    letters += name + "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789";
+    for (const char letter : letters) {
+        const bool taken = std::any_of(rows.begin(), rows.end(), [&](const StageRow& row) { return row.letter == letter; });
+        if (std::isalnum(static_cast<unsigned char>(letter)) != 0 && !taken) return letter;
     }
     return '?';
 }
@@ -134,7 +134,7 @@ double RecordedPass::serial_share() const noexcept {
 
 namespace {
 
-/// Row of every task, so that names are looked up once.
+/// Row of every task, so that each name is searched for once.
 std::vector<std::size_t> rows_of_tasks(const engine::TaskGraph& graph, const StageTable& stages) {
     std::vector<std::size_t> rows;
     for (int task = 0; task < graph.size(); ++task) rows.push_back(stages.row(graph.task(task).stage_name()));

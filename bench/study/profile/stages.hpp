@@ -15,8 +15,8 @@ struct StageRow {
     bool task;
 };
 
-/// What a thread does, a row each: entering the run, the stages of tasks as their graphs name them, controller, waiting, leaving.
-/// No list of stages is kept anywhere: a method that adds cycles of its own to a graph has named its stages by that.
+/// Activities of a thread, a row each: entering the run, the stages of tasks as their graphs name them, controller, waiting, leaving. There
+/// is no list of stages: a method that adds cycles to a graph names their stages there.
 class StageTable {
 public:
     StageTable();

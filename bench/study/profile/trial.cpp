@@ -18,17 +18,17 @@ double seconds_since(Clock::time_point begin) { return std::chrono::duration<dou
 /// Ends a run that takes too long.
 class DeadlineObserver final : public RunObserver {
 public:
-    explicit DeadlineObserver(double patience) : patience_(patience) {}
+    explicit DeadlineObserver(double timeout) : timeout_(timeout) {}
     [[nodiscard]] const engine::Cancellation& cancellation() const noexcept { return cancellation_; }
     [[nodiscard]] double waited() const { return seconds_since(begin_); }
 
 private:
     void output(double, const Workspace&, const Counters&) override {
-        if (waited() > patience_) cancellation_.request();
+        if (waited() > timeout_) cancellation_.request();
     }
     void transition(const TransitionRecord&) override {}
 
-    double patience_;
+    double timeout_;
     Clock::time_point begin_ = Clock::now();
     engine::Cancellation cancellation_;
 };
@@ -44,9 +44,9 @@ double processor_seconds() {
 
 Trial::Trial(const Scene& scene, const Schedule& schedule, engine::StampRecorder* recorder) : simulation_(scene, schedule, recorder) {}
 
-TrialSample Trial::run(long steps, double patience) {
+TrialSample Trial::run(long steps, double timeout) {
     const double cpu = processor_seconds();
-    DeadlineObserver observer(patience);
+    DeadlineObserver observer(timeout);
     const bool anew = !begun_ || simulation_.needs_settling();
     const Counters before = anew ? Counters{} : simulation_.counters();
     const Fault fault = simulation_.advance({.steps = steps, .anew = anew, .max_wall = 0.0}, observer, observer.cancellation());

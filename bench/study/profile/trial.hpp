@@ -7,7 +7,7 @@
 
 namespace cvtflow::bench {
 
-/// What so many steps took.
+/// Time of a number of steps.
 struct TrialSample {
     double wall = 0.0;  ///< [s]
     double cpu = 0.0;   ///< processor time of the whole process, all threads [s]
@@ -22,10 +22,10 @@ public:
     /// @throws as Simulation
     Trial(const tasks::Scene& scene, const tasks::Schedule& schedule, engine::StampRecorder* recorder = nullptr);
 
-    /// Goes on for so many steps, or fewer if they take longer than `patience` [s]; that is looked at once per output interval. What a run
-    /// does once, the search for its automatic step, is in the first call alone (before a start has settled: in every call).
+    /// Takes `steps` further steps, or fewer if they take longer than `timeout` [s], which is checked once per output interval. The search
+    /// for the automatic step, which a run does once, is in the first call only (before a start has settled: in every call).
     /// @throws SimulationError if the simulation ends by itself: there is nothing to measure then
-    TrialSample run(long steps, double patience = 3600.0);
+    TrialSample run(long steps, double timeout = 3600.0);
 
     [[nodiscard]] const tasks::Simulation& simulation() const noexcept { return simulation_; }
 

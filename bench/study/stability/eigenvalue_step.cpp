@@ -30,7 +30,7 @@ public:
     /// The first eigenvalue whose mode grows.
     [[nodiscard]] std::optional<Complex> growing(double h) {
         for (const Complex& value : values_) {
-            // Of a consistent method, R(z) = exp(z) + O(z²): what is slow enough cannot grow by more than is tolerated.
+            // A consistent method has R(z) = exp(z) + O(z²): a slow disturbance cannot grow by more than is tolerated.
             if (h * std::norm(value) < 0.5 * growth_rate_tolerance) continue;
             const double rate = std::log(std::abs(factor_(h * value))) / h;
             if (!(rate <= std::max(value.real(), 0.0) + growth_rate_tolerance)) return value;

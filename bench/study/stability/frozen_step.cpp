@@ -14,7 +14,7 @@ using namespace tasks;
 
 namespace {
 
-/// What errors are measured of.
+/// Solution whose errors are measured.
 struct Solution {
     std::vector<double> positions, velocities, axial_force, tension;
 };

@@ -1,6 +1,6 @@
 #pragma once
-/// Steps with phases held: no events, no outputs, one thread. What the local error of a method is measured with, since across a transition
-/// no method has its order.
+/// Steps with phases held: no events, no outputs, one thread. They measure the local error of a method, because no method has its order
+/// across a transition.
 
 #include <span>
 #include <vector>
@@ -15,8 +15,8 @@ class FrozenStepper {
 public:
     /// `variator` and `phases` must outlive the stepper.
     FrozenStepper(const model::Variator& variator, const engine::StagePlan& plan, std::span<const model::Phase> phases);
-    /// From now on the state stands still unless it is disturbed: its drift is subtracted from every slope and time is held at t. What is
-    /// left, u' = f(t, y + u) - f(t, y), shows whether small disturbances die out. Nothing is linearised. t [s]
+    /// From now on the state is constant unless it is disturbed: its drift is subtracted from every slope and time is held at t. The
+    /// remaining equation, u' = f(t, y + u) - f(t, y), shows whether small disturbances decay. Nothing is linearised. t [s]
     void hold(double t, const std::vector<double>& state);
     /// Takes `steps` steps of length h from time t. @param state [layout.size()], replaced
     void advance(double t, double h, int steps, std::vector<double>& state);

@@ -12,9 +12,9 @@ struct MeasuredLimit {
     double step = 0.0;     ///< longest stable one; infinite if longest_tried is [s]
     bool refused = false;  ///< longer ones are not unstable: the method does not take them
 };
-/// Unstable is a step after which disturbances of three states in a row have grown: at one alone a contact may come to its kink within the
-/// step, which is not what linear stability speaks of.
-/// @param expected where to begin to look [s]; infinite: at lengths up to longest_tried
+/// A step is unstable if disturbances of three states in a row grow: at a single state a contact may reach its kink within the step, which
+/// linear stability does not cover.
+/// @param expected where the search begins [s]; infinite: at lengths up to longest_tried
 [[nodiscard]] MeasuredLimit measured_step_limit(const tasks::Scene& scene, std::string_view method, const tasks::FrozenStart& start,
                                                 double expected);
 

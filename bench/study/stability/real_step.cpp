@@ -17,7 +17,7 @@ constexpr double held_disturbances[] = {1e-7, 1e-6, 1e-5, 1e-8, 1e-9};  ///< [m/
 [[nodiscard]] Scene with_method(Scene scene, std::string_view method) {
     scene.run.method = bench::in_double_precision(method);  // a disturbance drowns in the rounding of floats
     scene.run.step_control = StepControl::fixed;
-    scene.run.step = scene.run.output_interval;  // any that is not automatic; hold() says which is taken
+    scene.run.step = scene.run.output_interval;  // any that is not automatic; hold() sets the step that is taken
     scene.run.schedule = "serial";
     return scene;
 }
@@ -33,7 +33,7 @@ void hold(IntegrationState& state, double h) {
     std::fill(state.changed.begin(), state.changed.end(), state.time);
 }
 
-/// What counts as one: a velocity of 1 m/s, and the way that it makes in a step.
+/// Unit of a disturbance: a velocity of 1 m/s, and the distance that it covers in a step.
 [[nodiscard]] std::vector<double> scale_of_state(const model::ChainLayout& at, double h) {
     std::vector<double> scale(static_cast<std::size_t>(at.size()), 1.0);
     for (int link = 0; link < at.links; ++link) std::fill_n(scale.begin() + at.link_begin(link), at.link_size(), h);
@@ -63,11 +63,11 @@ RealStep::RealStep(const Scene& scene, std::string_view method, const FrozenStar
 /// A step on, in place.
 bool RealStep::take(IntegrationState& state) {
     hold(state, h_);
-    SilentObserver nobody;
+    SilentObserver silent;
     const engine::Cancellation never;
     try {
         simulation_.restore(state);
-        const Fault fault = simulation_.advance({.steps = 1}, nobody, never);
+        const Fault fault = simulation_.advance({.steps = 1}, silent, never);
         if (fault.kind != FaultKind::max_steps) return false;
     } catch (const std::exception&) {
         return false;  // a method that finds no polynomial

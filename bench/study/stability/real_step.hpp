@@ -1,6 +1,6 @@
 #pragma once
-/// What one step makes of small disturbances, found by taking it, from a state and from one next to it. Phases are held. Methods with
-/// stages in single precision take the same step in double: how far they are stable does not depend on it, and what is small is seen.
+/// Effect of one step on small disturbances, measured by taking it from a state and from one next to it. Phases are held. Methods with
+/// stages in single precision take the same step in double: their stability does not depend on it, and small disturbances are resolved.
 
 #include <string_view>
 #include <vector>
@@ -62,7 +62,7 @@ public:
     HeldStep(const model::Variator& variator, const engine::StagePlan& plan, const tasks::FrozenStart& start);
 
     bool prepare(double h) override;  ///< h [s]
-    /// The state at hand with another size of disturbances: small enough for the kinks, large enough for rounding.
+    /// The present state with another size of disturbances: small enough for the kinks, large enough for rounding.
     bool move_on() override { return ++trial_ < trials; }
     int size() const noexcept override { return static_cast<int>(scale_.size()); }
     std::vector<double> mixed_start() const override;

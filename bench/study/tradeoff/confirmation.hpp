@@ -57,7 +57,7 @@ public:
     [[nodiscard]] Confirmed check(std::span<const std::string> settings);
     /// The run alone, whatever its step.
     [[nodiscard]] LongRun run(std::span<const std::string> settings) const;
-    /// What speaks against it, stability apart.
+    /// Objections to it, without stability.
     [[nodiscard]] Confirmed judged(const LongRun& run) const;
 
     [[nodiscard]] const LongRun& reference() const noexcept { return reference_; }

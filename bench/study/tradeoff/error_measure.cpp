@@ -33,7 +33,7 @@ public:
 
     void output(double time, const Workspace& workspace, const Counters&) override {
         const auto started = Clock::now();
-        const model::Observation& seen = observer_.observe(time, workspace.states[0], workspace.tips.phases.data());
+        const model::Observation& seen = observer_.observe(time, workspace.state(), workspace.tips.phases.data());
         watch.add(seen, workspace);
         if (time > begin_)
             add(time, seen);
@@ -59,7 +59,7 @@ private:
     void note_sides(const Workspace& workspace) {
         const model::ChainLayout& at = workspace.layout();
         for (int link = 0; link < at.links; ++link)
-            into_.side.push_back(workspace.states[0][at.link_begin(link) + at.x(model::End::rear, 0)]);
+            into_.side.push_back(workspace.state()[at.link_begin(link) + at.x(model::End::rear, 0)]);
     }
 
     model::Observer observer_;

@@ -1,5 +1,5 @@
 #pragma once
-/// What a run costs and how far it is from a run with a tight step: the two axes of every work-precision picture.
+/// Cost of a run and its error against a run with a tight step: the two axes of every work-precision picture.
 /// A run is a scene and settings ("run.method=dumka3-p5", "run.step=2us", …); nothing here knows what kind of method that is.
 
 #include <optional>
@@ -14,7 +14,7 @@
 
 namespace cvtflow::bench {
 
-/// What errors are measured of, at the output times of one run; the start is not among them.
+/// Data whose errors are measured, at the output times of one run; the start is not among them.
 struct Trajectory {
     std::vector<double> times;                     ///< [outputs] [s]
     std::vector<std::vector<double>> axial_force;  ///< [outputs][4 links] of each tip [N]
@@ -71,14 +71,12 @@ struct ErrorReport {
 /// @throws std::invalid_argument if the reference ended early or its output times differ
 [[nodiscard]] ErrorReport compare(const Trajectory& run, const Trajectory& reference);
 
-/// Where and how often runs are looked at. The default interval is a whole number of 1, 1.5, 2, 3, 4 and 6 us: such steps are used as they
-/// are.
+/// Where and how often runs are observed. The default interval is a multiple of 1, 1.5, 2, 3, 4 and 6 us: such steps are used unchanged.
 struct MeasureSettings {
     double duration = 120e-6;                                                 ///< from the scene's start [s]
     double interval = 12e-6;                                                  ///< between outputs [s]
     std::vector<std::string> reference{"run.method=rk4", "run.step=12.5ns"};  ///< settings of the reference
-    /// Automatic steps look at the spectrum often in the beginning: what they cost is measured over this, if it is longer than `duration`
-    /// [s].
+    /// Automatic steps estimate the spectrum often in the beginning: their cost is measured over this, if it is longer than `duration` [s].
     double steady = 4e-3;
     std::optional<engine::SavedState> start = {};  ///< where runs begin; nothing: the scene's state file
 };

@@ -14,31 +14,31 @@
 /// Once only. The tasks of a cycle are cut into one share per worker: of every level its part, level by level. The right to run the k-th
 /// task of a share in sequence s is the compare-and-swap that makes taken[share] = (s, k + 1). Its modifications are totally ordered and
 /// never decrease, so it succeeds once for each (s, k). Sequence s is over only when all n tasks are claimed and finished, hence every
-/// share that has tasks stands at (s, full) or later: a worker that slept since it read (s, cycle) finds nothing left to claim, however
-/// stale its first look at `taken` was, because a compare-and-swap never succeeds on a stale value. It then reads `open` anew.
+/// share that has tasks is at (s, full) or later: a worker that slept since it read (s, cycle) finds nothing left to claim, however stale
+/// its first value of `taken` was, because a compare-and-swap never succeeds on a stale value. It then reads `open` again.
 ///
-/// After its predecessors. A task is claimed by a worker that has seen s in the stamps of all its predecessors. A stamp is stored behind
-/// its task by whoever ran it, as a release, and seen as an acquire, so everything that the predecessors read or wrote lies behind the
-/// task; so does what their predecessors did, because whoever ran them had seen their stamps. Sequences are never reused, so nothing is
-/// reset: a stamp below s is of an earlier cycle, one above s says that s is over, and then the claim fails.
+/// After its predecessors. A task is claimed by a worker that has seen s in the stamps of all its predecessors. A stamp is stored after its
+/// task by the worker that ran it, as a release, and seen as an acquire, so everything that the predecessors read or wrote happens before
+/// the task; so does everything that their predecessors did, because the workers that ran them had seen their stamps. Sequences are never
+/// reused, so nothing is reset: a stamp below s is of an earlier cycle, one above s means that s is over, and then the claim fails.
 ///
 /// Seen by all. A worker enters sequence s by an acquire of `open` that reads the opener's release, so relaxed order suffices for
-/// claims: they settle who, not what is visible. Each worker subtracts its finished tasks from `unfinished` by acquire-release; these
-/// read-modify-writes form one release sequence, so whoever reaches 0 has everything that was read or written in s behind it, runs the
-/// controller alone, and hands all of it on by the release of `open`. It also may write `unfinished` plainly: every subtraction of
-/// s has happened, and none of s + 1 can before `open` is stored.
+/// claims: they determine the worker, not visibility. Each worker subtracts its finished tasks from `unfinished` by acquire-release; these
+/// read-modify-writes form one release sequence, so the worker that reaches 0 comes after everything that was read or written in s, runs
+/// the controller alone, and publishes all of it by the release of `open`. It also may write `unfinished` plainly: every subtraction of s
+/// has happened, and none of s + 1 can before `open` is stored.
 ///
-/// Progress. Nobody waits for a worker, only for a task that somebody has claimed and is running, or for the last finisher: of all tasks
-/// that nobody has claimed, one of the lowest level is the first of its share, and its predecessors are claimed; whoever waits looks at
-/// all shares until all tasks are claimed. A worker that loses its processor to others leaves for a while (ContentionBackoff), the
-/// last one at work never: at_work_ falls from n to n - 1 by a compare-and-swap only if n > 1.
+/// Progress. A worker never waits for another worker, only for a task that is claimed and running, or for the last finisher: of all
+/// unclaimed tasks, one of the lowest level is the first of its share, and its predecessors are claimed; a waiting worker checks all shares
+/// until all tasks are claimed. A worker that loses its processor to others leaves for a while (ContentionBackoff), the last one at work
+/// never: at_work_ falls from n to n - 1 by a compare-and-swap only if n > 1.
 ///
-/// Who looks where. What two workers hand to and fro costs 0.1 … 0.3 µs a line. Within a cycle that is the stamp of a task and its data
-/// (which is why the claim is another line: nobody else touches it as long as all keep pace), and the stamps of a worker and level lie
-/// on lines of their own. A worker that waits for its own next task looks at the claims of others after a while, and goes on doing so at
-/// once as long as that finds something, as it does where somebody is away.
+/// Cache lines. A line that two workers exchange costs 0.1 … 0.3 µs. Within a cycle these are the stamp of a task and its data. The claim
+/// is therefore on another line, which no other worker touches as long as all keep pace, and the stamps of a worker and level are on
+/// separate lines. A worker that waits for its own next task checks the claims of others after a while, and continues to do so at once as
+/// long as it finds tasks there, as it does while a worker is away.
 ///
-/// tests/engine/executor/tbb/resident_board_test.cpp runs all interleavings of small cases, and finds each of these orders to be needed.
+/// tests/engine/executor/tbb/resident_board_test.cpp runs all interleavings of small cases, and finds that each of these orders is needed.
 
 #include <array>
 #include <atomic>
@@ -60,7 +60,7 @@ struct BoardMachine {
     using Atomic = std::atomic<Value>;
     using Waiter = Backoff;
     static constexpr std::size_t numbers_together = apart / sizeof(std::uint64_t);  // on a line of their own
-    static constexpr int patience = 50;  // polls of a worker's own tasks before it checks those of others, about 1 us
+    static constexpr int max_polls = 50;  // polls of a worker's own tasks before it checks those of others, about 1 us
 
     /// Whether a worker is at work, or leaves its processor to others for a while.
     class Presence {
@@ -98,7 +98,7 @@ public:
     /// @throws std::length_error for more than a million cycles or tasks per cycle and worker
     ResidentBoardOn(Run& run, const ExecutorOptions& options, int first);
 
-    /// Takes part until the controller says stop. Worker numbers are 0 … threads - 1, at most one thread works under each.
+    /// Takes part until the controller returns stop. Worker numbers are 0 … threads - 1, at most one thread works under each.
     void work(int worker) noexcept;
 
 private:
@@ -119,7 +119,7 @@ private:
     struct alignas(apart) Count {
         Atomic<int> value{0};
     };
-    /// Of tasks of one worker and level.
+    /// Stamps of tasks of one worker and level.
     struct alignas(apart) Stamps {
         std::array<Atomic<std::uint64_t>, Machine::numbers_together> values{};
     };
@@ -148,7 +148,7 @@ private:
     [[nodiscard]] bool ready(const Place& place, std::uint64_t sequence) const noexcept;
     [[nodiscard]] Head head(int owner, std::uint64_t open, std::uint64_t taken) const noexcept;
     [[nodiscard]] bool run_share(int worker, int owner, std::uint64_t open, std::uint64_t& ran) noexcept;
-    [[nodiscard]] bool may_go_on(int worker, std::uint64_t open, int& patience) const noexcept;
+    [[nodiscard]] bool may_resume(int worker, std::uint64_t open, int& polls_left) const noexcept;
     [[nodiscard]] std::uint64_t run_all(int worker, std::uint64_t open, typename Machine::Waiter& waiter) noexcept;
     [[nodiscard]] std::uint64_t finish(int worker, std::uint64_t open, typename Machine::Waiter& waiter) noexcept;
     std::uint64_t open_cycle(std::uint64_t sequence, int cycle) noexcept;
@@ -275,17 +275,17 @@ bool ResidentBoardOn<Machine>::run_share(int worker, int owner, std::uint64_t op
     }
 }
 
-/// Whether a task of the open cycle is ready, or all are taken. Looks at others' shares once its patience with its own is at an end.
+/// Whether a task of the open cycle is ready, or all are taken. Checks others' shares after `polls_left` polls of its own.
 template <class Machine>
-bool ResidentBoardOn<Machine>::may_go_on(int worker, std::uint64_t open, int& patience) const noexcept {
+bool ResidentBoardOn<Machine>::may_resume(int worker, std::uint64_t open, int& polls_left) const noexcept {
     const auto head_of = [&](int owner) noexcept {
         return head(owner, open, taken_[static_cast<std::size_t>(owner)].value.load(std::memory_order_relaxed));
     };
     const Head own = head_of(worker);
     if (own == Head::ready) return true;
     bool blocked = own == Head::blocked;
-    if (blocked && patience > 0) {
-        --patience;
+    if (blocked && polls_left > 0) {
+        --polls_left;
         return false;
     }
     for (int owner = 0; owner < workers_; ++owner) {
@@ -311,13 +311,13 @@ std::uint64_t ResidentBoardOn<Machine>::run_all(int worker, std::uint64_t open, 
             if (!left) return ran;
             if (ran > own) continue;
         }
-        int patience = Machine::patience;
-        waiter.until([&]() noexcept { return may_go_on(worker, open, patience); });
-        helps = patience == 0;
+        int polls_left = Machine::max_polls;
+        waiter.until([&]() noexcept { return may_resume(worker, open, polls_left); });
+        helps = polls_left == 0;
     }
 }
 
-/// Takes part in the open cycle. Returns the open word to go on with: the next one if this worker was the last finisher and opened it,
+/// Takes part in the open cycle. Returns the open word to continue with: the next one if this worker was the last finisher and opened it,
 /// else the same.
 template <class Machine>
 std::uint64_t ResidentBoardOn<Machine>::finish(int worker, std::uint64_t open, typename Machine::Waiter& waiter) noexcept {

@@ -36,7 +36,7 @@ Seal inspect_seal(const InputFile& file) {
     std::uint64_t length = 0, own = 0;
     std::memcpy(&length, found.data() + 8, sizeof length);
     std::memcpy(&own, found.data() + 24, sizeof own);
-    // What does not agree with itself is no seal: it may be anything at the end of a file.
+    // Inconsistent bytes are no seal: they may be any end of a file.
     if (std::memcmp(found.data(), seal_mark.data(), seal_mark.size()) != 0 || own != Checksum().add(std::span(found).first(24)).value())
         return Seal::none;
     if (length != file.size() - seal_size) return Seal::broken;

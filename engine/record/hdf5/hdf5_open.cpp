@@ -20,6 +20,7 @@
 #include "engine/base/text.hpp"
 #include "engine/record/hdf5/hdf5_handle.hpp"
 #include "engine/record/hdf5/hdf5_series.hpp"
+#include "engine/record/run/schema.hpp"
 
 namespace cvtflow::engine::hdf5 {
 
@@ -63,7 +64,7 @@ Handle open_closed_or_live(const std::string& path) {
     throw_damaged(path, reason);
 }
 
-/// What people call a file of that format.
+/// Name of a file of that format in messages.
 std::string name_of_kind(const std::string& format) {
     if (format == "cvtflow run") return "record of a run";
     if (format == "cvtflow state") return "state file";
@@ -86,9 +87,9 @@ void require_kind(hid_t file, const std::string& path, const FileKind& kind) {
 }
 
 /// The file that was checked; another one may have taken its name since.
-Handle open_that(const std::string& path, const InputFile& looked_at) {
+Handle open_that(const std::string& path, const InputFile& checked) {
     Handle file = open_closed_or_live(path);
-    if (!looked_at.same_as(descriptor_of(file.id()))) throw Failure("the file was replaced while it was opened");
+    if (!checked.same_as(descriptor_of(file.id()))) throw Failure("the file was replaced while it was opened");
     return file;
 }
 
@@ -136,8 +137,6 @@ namespace cvtflow::engine {
 
 namespace {
 
-bool files_are_tried = false;  // set by a program's main(), before there are threads
-
 /// Exit status of a child.
 constexpr int out_of_memory = 3, has_a_message = 4;
 
@@ -167,10 +166,10 @@ void limit_child() {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
 }
 
-/// What HDF5 refuses, the parent must not try: after an error in the middle of a list, HDF5 frees pointers that it has never set, which
-/// ends one process and not the other.
+/// Inspects the file. The parent must not open a file that HDF5 rejects here: after an error in the middle of a list, HDF5 frees pointers
+/// that it has never set, which ends one process and not the other.
 [[noreturn]] void be_the_child(const std::function<void()>& inspect, int to_parent) {
-    files_are_tried = false;
+    try_files_first(false);
     int status = 0;
     try {
         limit_child();
@@ -179,14 +178,14 @@ void limit_child() {
         status = out_of_memory;
     } catch (const hdf5::Failure& failure) {
         const std::string_view text = failure.what();
-        const ssize_t told = write(to_parent, text.data(), std::min<std::size_t>(text.size(), PIPE_BUF));
-        status = told > 0 ? has_a_message : 0;
+        const ssize_t written = write(to_parent, text.data(), std::min<std::size_t>(text.size(), PIPE_BUF));
+        status = written > 0 ? has_a_message : 0;
     } catch (...) {  // the parent reports the same error
     }
     _exit(status);
 }
 
-/// What was written into a pipe whose other end is closed.
+/// Text that was written into a pipe whose other end is closed.
 [[nodiscard]] std::string text_in(int pipe) {
     std::string text(PIPE_BUF, '\0');
     const ssize_t size = read(pipe, text.data(), text.size());
@@ -195,8 +194,6 @@ void limit_child() {
 }
 
 }  // namespace
-
-void try_files_first() noexcept { files_are_tried = true; }
 
 namespace hdf5 {
 namespace {
@@ -238,7 +235,7 @@ void inspect_everything(hid_t file) {
 }
 
 void inspect_in_child(const std::function<void()>& inspect) {
-    if (!files_are_tried || !single_threaded()) return;
+    if (!files_are_tried() || !single_threaded()) return;
     int ends[2];
     if (pipe2(ends, O_CLOEXEC) != 0) return;
     const pid_t child = fork();

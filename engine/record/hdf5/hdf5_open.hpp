@@ -1,8 +1,8 @@
 #pragma once
 /// Internal to engine/record: opens files for reading, with errors that a user can act on, after a child process has inspected them.
 ///
-/// HDF5 1.10.8 trusts metadata with valid checksums, which a forged file can have: some such files make it crash, or run for ever. What a
-/// child has survived, its parent survives, since both see the same bytes; what it was refused, the parent does not try.
+/// HDF5 1.10.8 trusts metadata with valid checksums, which a forged file can have: some such files make it crash, or run for ever. The
+/// parent opens a file only if a child could: both see the same bytes.
 
 #include <functional>
 #include <string>

@@ -135,7 +135,7 @@ void Series::require_extent(int max_rank) {
     width_ = sizes[1];
 }
 
-/// Data lie in the file itself, and there is as much of them as the extent says: a file of some kilobytes can promise terabytes of fill
+/// Checks that the data are in the file itself and as long as the extent requires: a file of some kilobytes can promise terabytes of fill
 /// values.
 void Series::require_storage(hid_t file) {
     const std::string what = "cannot read '" + path_ + "'";
@@ -155,7 +155,7 @@ void Series::require_storage(hid_t file) {
     const std::size_t row = width_ * cell;
     row_bytes_ = std::max(row, width_ * sizeof(double));
     if (rows_ > bytes_on_disk(file) * inflation(creation.id(), what) / row)
-        fail("it says " + std::to_string(rows_) + " rows of " + std::to_string(row) + " bytes, for which the file is too small");
+        fail("it claims " + std::to_string(rows_) + " rows of " + std::to_string(row) + " bytes, for which the file is too small");
 }
 
 void Series::read(hid_t type, std::size_t first, std::size_t count, void* memory, std::size_t bytes) const {

@@ -10,12 +10,12 @@
 
 namespace cvtflow::engine::hdf5 {
 
-/// What one extendible dataset is made of.
+/// Properties of an extendible dataset.
 struct SeriesShape {
     std::string path;       ///< "/channels/links/tension"
     hid_t type = -1;        ///< of one element, in memory and in the file
     std::size_t width = 1;  ///< elements per row
-    bool flat = true;       ///< [rows]; otherwise [rows, width]
+    bool flat = true;       ///< shape [rows], else [rows, width]
     int deflate = 0;        ///< 0…9
     std::size_t chunk = 1;  ///< rows per chunk
 };
@@ -30,7 +30,7 @@ struct SeriesShape {
 /// Failure.
 void append_rows(hid_t dataset, hid_t type, std::size_t width, std::size_t before, std::size_t rows, const void* data);
 
-/// What an element must be.
+/// Required type of elements.
 enum class Cells { reals, bytes, records };  ///< float64; 8-bit integers; compounds of 8-byte numbers and texts
 
 /// A dataset of an untrusted file: nothing is trusted or allocated that the file's size does not allow.
@@ -46,7 +46,7 @@ public:
     /// Elements per row; 1 if the rank is 1.
     [[nodiscard]] std::size_t width() const noexcept { return width_; }
     [[nodiscard]] int rank() const noexcept { return rank_; }
-    /// Of all rows in memory, as numbers of 8 bytes or as they are in the file, whichever is more.
+    /// Size of all rows in memory, as numbers of 8 bytes or as in the file, whichever is larger.
     [[nodiscard]] std::uint64_t bytes() const noexcept { return rows_ * row_bytes_; }
 
     /// Copies rows first … first + count - 1, converted to `type`. Throws Failure if they are not all there, or damaged.
@@ -68,8 +68,8 @@ private:
     int rank_ = 1;
 };
 
-/// What readers of one file may take together: of some kilobytes deflate makes gigabytes, and a dataset can have a thousand names. What we
-/// write takes as much memory as it takes on disk; four times as much, and 16 MiB more, allow for what others have compressed.
+/// Memory that readers of one file may take together: deflate expands some kilobytes to gigabytes, and a dataset can have a thousand names.
+/// Our files take as much memory as on disk; four times as much, and 16 MiB more, allow for files that others have compressed.
 class ReadBudget {
 public:
     explicit ReadBudget(hid_t file) : left_(4 * bytes_on_disk(file) + (std::uint64_t{16} << 20U)) {}

@@ -19,7 +19,8 @@ struct RowsWritten {
     std::size_t count = 0;
     std::uint64_t sum = 0;
 
-    /// @param values one row; time and phases, where there are any, go with it; time [s], values [columns]
+    /// Adds a row, with its time and phases if it has any.
+    /// @param time [s]   @param values [columns]
     void add(double time, std::span<const double> values, std::span<const std::uint8_t> phases = {}) noexcept;
     bool operator==(const RowsWritten&) const = default;
 };

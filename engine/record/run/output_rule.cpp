@@ -35,7 +35,7 @@ std::string head_of(const std::string& path) {
     }
 }
 
-/// What HDF5 leaves of a file that it has created and not yet flushed: no row of a run, whose file is flushed before the first.
+/// Whether HDF5 created the file and has not flushed it yet: it contains no row, because a run flushes its file before the first one.
 bool is_unflushed(const std::string& path) {
     const std::string head = head_of(path);
     return !head.empty() && head.find_first_not_of('\0') == std::string::npos;
@@ -103,8 +103,8 @@ bool is_owned(const OutputRule& rule, const std::string& file) {
     }
 }
 
-/// What a killed writer left beside the name: the .part of its file, or the .before of a record that was being continued. A live one is
-/// found by PartFile.
+/// Checks a file that a killed writer may have left beside the name: the .part of its file, or the .before of a record that was being
+/// continued. PartFile detects a live writer.
 void require_free_part(const std::string& part, const OutputRule& rule) {
     std::error_code absent;
     if (rule.force || !fs::exists(part, absent) || fs::file_size(part, absent) == 0 || being_written(part)) return;
@@ -112,7 +112,7 @@ void require_free_part(const std::string& part, const OutputRule& rule) {
     if (rows && !rule.repeats)
         throw RecordError(part + ": already exists: rows of a run that was killed (cvtflow info shows them); " + rule.advice);
     if (rule.repeats && is_unflushed(part)) return;
-    if (part.ends_with(".before")) return;  // nobody writes there but resume, which asks for itself
+    if (part.ends_with(".before")) return;  // only resume writes there, and it checks by itself
     if (is_owned(rule, part) || (!rows && hdf5_version(part) == 3 && format_of(part).value_or("cvtflow run") == "cvtflow run")) return;
     throw RecordError(part + ": already exists and is not a " + rule.what + "; " + rule.advice);
 }
@@ -174,8 +174,8 @@ bool is_state_file(const std::string& file) {
 
 namespace {
 
-/// What a power cut leaves of a table before its first rows: some of its pages, in any order. HDF5 can read none of it, nor has it a seal,
-/// and no page says that it is a record.
+/// Whether a power cut left only some pages of a table, in any order, before its first rows. HDF5 cannot read it, it has no seal, and no
+/// page states that it is a record.
 bool is_torn_beginning(const std::string& part) {
     return part.ends_with(".part") && !torn_while_growing(part, "cvtflow run") && torn_while_growing(part, "HDF");
 }
@@ -205,7 +205,7 @@ void write_device(const std::string& path, std::string_view bytes) {
     const int device = open(path.c_str(), O_WRONLY | O_TRUNC | O_NONBLOCK | O_CLOEXEC | O_NOCTTY);
     const auto fail = [&](int reason) {
         if (device >= 0) ::close(device);
-        throw RecordError(path + ": cannot write: " + (reason == ENXIO ? "nobody reads from this pipe" : std::strerror(reason)));
+        throw RecordError(path + ": cannot write: " + (reason == ENXIO ? "no process reads from this pipe" : std::strerror(reason)));
     };
     if (device < 0) fail(errno);
     fcntl(device, F_SETFL, fcntl(device, F_GETFL) & ~O_NONBLOCK);

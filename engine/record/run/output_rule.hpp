@@ -19,24 +19,24 @@ namespace cvtflow::engine {
 /// Whether an existing file is of the kind that is written, and of the same scene, run or sweep.
 using IsOwn = std::function<bool(const std::string& file)>;
 
-/// What a writer says about the file that it is about to write. As it is: a new file, nothing may be there.
+/// A writer's rule for the file that it is about to write. By default: a new file; nothing may exist under its name.
 struct OutputRule {
     std::string what = "file that may be replaced";  ///< in messages: "FILE: already exists and is not a WHAT"
     IsOwn own = nullptr;                             ///< none: no file is
     std::vector<std::filesystem::path> inputs = {};  ///< never replaced, under whatever name; empty paths count as none
-    bool force = false;                              ///< whether other files may be replaced, as --force says
+    bool force = false;                              ///< whether other files may be replaced (--force)
     bool named = false;                              ///< the user chose the name: without `force` even a file of its own stays
     bool repeats = false;  ///< what a killed writer left in FILE.part is made again, bit for bit: rows in it need no `force`
     bool devices = false;  ///< devices and pipes are written as by a shell's `>`
     std::string advice = "--force replaces it";
 };
 
-/// The permission to write a file under a name. It stays valid for whoever holds it: a file that was permitted once may be written again.
+/// The permission to write a file under a name. It stays valid as long as it exists: a file that was permitted once may be written again.
 class Permit {
 public:
-    /// Of no file.
+    /// Permits no file.
     Permit() = default;
-    /// Of a new file.
+    /// Permits a new file.
     Permit(const std::string& path);
     /// Asked before the work whose result goes there.
     /// @throws RecordError: an input; another file without `force`; a folder, a symbolic link, a device, pipe or socket; a missing folder;
@@ -55,7 +55,7 @@ private:
     bool device_ = false, replaces_ = false;
 };
 
-/// What is under a name and can never be replaced: "a symbolic link; name its target" …; empty: nothing, or a plain file.
+/// An object under a name that can never be replaced: "a symbolic link; name its target" …; empty: nothing, or a plain file.
 [[nodiscard]] std::string other_than_file(const std::string& path);
 
 /// Whether a file is a record of which the attribute of that name is this text.

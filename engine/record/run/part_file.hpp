@@ -70,7 +70,7 @@ private:
 /// Whether a PartFile is open on it: in another process, or here.
 [[nodiscard]] bool being_written(const std::string& part);
 
-/// The files of a run that goes on.
+/// Files of a run that is resumed.
 struct FormerFiles {
     IsOwn own;             ///< whether a file is the run's; it may throw for one that cannot be read
     IsOwn yields;          ///< whether a finished file of another run is the one that this run was permitted to replace when it began

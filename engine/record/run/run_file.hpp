@@ -23,7 +23,7 @@
 
 namespace cvtflow::engine {
 
-/// What a run records. Names must be unique within their kind; "time" is taken; '/' in a channel's name makes groups.
+/// Contents of a record. Names must be unique within their kind; "time" is taken; '/' in a channel's name makes groups.
 struct RunContents {
     std::vector<ChannelInfo> channels{};
     std::size_t state_size = 0;   ///< unknowns; 0: no /states

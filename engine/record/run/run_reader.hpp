@@ -34,7 +34,7 @@ public:
     [[nodiscard]] bool sealed() const noexcept;
     /// "finished", "running" (also of a killed run), "interrupted", or what ended the run.
     [[nodiscard]] const std::string& status() const noexcept;
-    /// Of the whole file, by name; without format, format_version and status.
+    /// Attributes of the whole file, by name; without format, format_version and status.
     [[nodiscard]] const std::vector<Attribute>& attributes() const noexcept;
     [[nodiscard]] std::optional<Attribute> attribute(std::string_view name) const;
 

@@ -1,5 +1,5 @@
 #pragma once
-/// What a record is made of, in words of any simulation: channels, tables, attributes; and what a program settles about HDF5.
+/// Contents of a record of any simulation: channels, tables, attributes; and the settings of HDF5 for a program.
 
 #include <cstdint>
 #include <stdexcept>
@@ -60,17 +60,18 @@ template <class Value>
 }
 
 /// From now on a child process checks every file first while this process has a single thread, so that a forged file that makes HDF5
-/// crash is an error like others. For programs of our own: hosts may be in the way of a fork. (hdf5_open.cpp)
-void try_files_first() noexcept;
+/// crash is an error like others. For programs of our own: hosts may be in the way of a fork.
+/// @param tried false: not any more, in the child itself
+void try_files_first(bool tried = true) noexcept;
+[[nodiscard]] bool files_are_tried() noexcept;
 
 /// Provenance as attributes "program_version", "commit", "compiler", "build_type", "instruction_set", "cpu", "cores", "os", "date",
 /// and "hdf5_version".
 [[nodiscard]] std::vector<Attribute> attributes_of(const Provenance& provenance);
 
-/// HDF5 is to close nothing at exit: every file is closed where that can be reported, and one that could not be (a full disk) would be
-/// tried again there, which ends in a crash after the last message; after a damaged file it may find no end ("HDF5: infinite loop closing
-/// library"). To be called before anything else of this folder, by a program, not by a library in a host, which may have files that HDF5 is
-/// to close.
+/// Disables HDF5's exit handler, which crashes if a file could not be closed (disk full), or may not end after a damaged file ("HDF5:
+/// infinite loop closing library"). Files are closed before, where errors are reported. Call it before anything else of this folder, from
+/// programs only: a library's host may have files that HDF5 has to close.
 void disable_hdf5_atexit() noexcept;
 
 }  // namespace cvtflow::engine

@@ -21,7 +21,7 @@ bool is_own(const Attribute& attribute) {
     return std::find(own_attributes.begin(), own_attributes.end(), attribute.name) != own_attributes.end();
 }
 
-/// Of all that a state holds. Lengths are hashed too, so that nothing can pass from one text to the next.
+/// Hash of all contents of a state. Lengths are hashed too, so that no character can move from one text to the next.
 std::string hash_of(const SavedState& saved) {
     Hash hash;
     const auto add_text = [&hash](std::string_view text) { hash.add(static_cast<std::uint64_t>(text.size())).add(text); };

@@ -85,7 +85,7 @@ CaseColumn key_column(const Axis& axis, std::size_t key) {
             static_cast<int>(std::min<std::size_t>(width, 256))};
 }
 
-/// Of a scalar's error where a case has been verified.
+/// Column of a scalar's error in verified cases.
 CaseColumn error_column(const Scalar& scalar) {
     return {std::string(error_prefix) + scalar.column, "1", scalar.text + ": relative error against the reference run; NaN: not verified"};
 }
@@ -117,7 +117,7 @@ engine::RowLayout result_layout(const Sweep& sweep) {
     columns.push_back({"start_state", "", "hash of the state that the case began with; none: it settled by itself", Type::text, 16});
     for (const auto& [name, what] : {std::pair{"steps", "accepted steps"},
                                      {"evaluations", "evaluations of the right-hand side"},
-                                     {"transitions", "changes of phase of tips; at rigid pins 0, not counted"},
+                                     {"transitions", "changes of phase of tips"},
                                      {"truncated", "steps cut at a transition"},
                                      {"settling_evaluations", "evaluations while settling"}}) {
         columns.push_back({name, "1", what, Type::integer});

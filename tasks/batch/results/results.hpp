@@ -111,8 +111,8 @@ private:
 /// With what every mark begins.
 inline constexpr std::string_view mark_of_a_sweep = "rows of the sweep ";
 
-/// Says in a line what a table is of, as an attribute whose text is found in the file's bytes: a hash of what the results depend on, the
-/// shard and the columns. Tables of equal marks hold rows of the same sweep.
+/// Identifies a table in a line, as an attribute whose text is found in the file's bytes: a hash of everything that the results depend on,
+/// the shard and the columns. Tables of equal marks contain rows of the same sweep.
 void set_mark(engine::CaseTable& table);
 
 /// The rows of a table that was growing when power went. @param begin  that sweep's, without rows, marked

@@ -64,7 +64,7 @@ struct Source {
 constexpr Source sources[] = {{"program", "program"}, {"start_states", "content of start.state"}, {"records", "outputs.records"}};
 constexpr std::string_view mixture = "; ";
 
-/// Of the states that cases name: that of the scene, or those of an axis.
+/// Hash of the start states that cases name: the one of the scene, or those of an axis.
 std::string start_states_of(const Sweep& sweep) {
     if (sweep.start != StartMode::scene) return "none";
     std::vector<Scene> scenes;

@@ -26,7 +26,7 @@ void remove_case_files(const std::filesystem::path& checkpoints, const std::file
 /// Notes in a table without rows what this program would fill it from. @throws as saved_start
 void set_origin(engine::CaseTable& table, const Sweep& sweep);
 
-/// Of the rows of a table that was recovered: versions of the program in them.
+/// Sets the attribute `program` of a recovered table to the versions in its rows.
 void set_programs_of_rows(engine::CaseTable& table);
 
 /// Refuses to join rows of different origin, in a line that names what differs; or, if that is `mixed` knowingly, notes both in `there`.

@@ -1,5 +1,5 @@
 #pragma once
-/// What varies in a sweep: keys of the scene and the values that they take together, row by row; read from a table of [[axes]].
+/// Variations of a sweep: keys of the scene and the values that they take together, row by row; read from a table of [[axes]].
 
 #include <filesystem>
 #include <string>

@@ -45,7 +45,7 @@ public:
     /// As written, white space tidied.
     [[nodiscard]] std::string text() const { return written_ + (how_.empty() ? "" : " " + how_) + (when_.empty() ? "" : " " + when_); }
 
-    /// What is wrong, or nothing.
+    /// Defect of the text; empty: none.
     std::string read(ScalarTerm& out) {
         std::string wrong = read_element();
         if (wrong.empty()) wrong = read_channel();

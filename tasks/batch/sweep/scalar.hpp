@@ -1,12 +1,12 @@
 #pragma once
-/// What a case of a sweep is reduced to: a channel and how its course becomes one number, or a quotient of two such. `slip mean`,
+/// A number to which a case of a sweep is reduced: a channel and how its course becomes one number, or a quotient of two such. `slip mean`,
 /// `sheaves/axial_force[2] max`, `tips/axial_force[*] max` (of all elements), `ratio at 1 ms`, `shaft_2/chain_torque mean /
 /// shaft_1/chain_torque mean`.
 
 #include <string>
 #include <vector>
 
-#include "tasks/run/channels.hpp"
+#include "tasks/channel/channels.hpp"
 #include "tasks/scene/toml_tree.hpp"
 
 namespace cvtflow::tasks {
@@ -60,7 +60,7 @@ struct Reducer {
 
     /// For checkpoints: load() returns the rest of the memory. @throws std::invalid_argument for a malformed memory
     void save(std::vector<double>& memory) const;
-    [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< memory [what save() wrote]
+    [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< @param memory from save()
 };
 
 }  // namespace cvtflow::tasks

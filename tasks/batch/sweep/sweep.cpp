@@ -285,14 +285,13 @@ private:
             }
         }
         if (sweep_.accuracy.target > 0.0 && sweep_.start == StartMode::shared)
-            problems_.push_back(
-                {{}, "accuracy: start.mode \"shared\" starts cases from a state in which none of them has settled; use \"settle\""});
+            problems_.push_back({{}, "accuracy: start.mode \"shared\" starts from an unsettled state; use \"settle\""});
         outputs_within_run();
         start_takes_accuracy();
         if (!Method::find(method_of(sweep_.scene))) problems_.push_back({{}, "run.method: " + no_method(sweep_.scene.run.method)});
     }
 
-    /// What lies beyond the end of a case is not a finite number, and the case is undefined.
+    /// Outputs beyond the end of a case are not finite, and the case would be undefined.
     void outputs_within_run() {
         double end = sweep_.scene.run.until;
         for (const Axis& axis : sweep_.axes) {
@@ -327,7 +326,7 @@ private:
                              "[accuracy] (remove sweep.detail and detail.*), or let cases settle (start.mode = \"settle\")"});
     }
 
-    /// What is found for the accuracy cannot be an axis as well.
+    /// Keys that [accuracy] chooses cannot be axes as well.
     void tunable(std::string_view key) {
         const bool found = key.starts_with("detail.") || key == "run.method" || key.starts_with("run.step");
         if (sweep_.accuracy.target > 0.0 && found)

@@ -53,7 +53,7 @@ struct Sweep {
 [[nodiscard]] Sweep read_sweep(const std::filesystem::path& path,
                                const std::function<std::filesystem::path(const std::string&)>& find_scene);
 
-/// What is wrong with a case's values taken together; empty if nothing.
+/// Contradictions between a case's values; empty: none.
 [[nodiscard]] std::string violations(const Scene& scene);
 
 /// The scene of a case by itself: without a state where the case settles. @throws as saved_start

@@ -39,7 +39,7 @@ struct SweepKey {
 /// Whether a word belongs to sweeps: "sweep", or "sweep." and something.
 [[nodiscard]] bool names_sweep(std::string_view word) noexcept;
 
-/// What `cvtflow explain` prints of a key ("sweep.axes.key"), of a table's keys ("sweep.axes") or of all ("sweep").
+/// Text of `cvtflow explain` for a key ("sweep.axes.key"), of a table's keys ("sweep.axes") or of all ("sweep").
 /// @throws SceneError  unknown key, with the key that was probably meant
 [[nodiscard]] std::string explain_sweep(std::string_view word);
 

@@ -169,53 +169,42 @@ void FrictionLeapfrog<Number>::restart() noexcept {
 }
 
 template <class Number>
-NextCycle FrictionLeapfrog<Number>::begin() {
+CycleSequence FrictionLeapfrog<Number>::step() {
+    begin();                                          // q ← q + h/2 v: the middle of the step
+    if (w_.layout().ledger) co_yield evaluate_cycle;  // its losses need the forces with friction
+    co_yield record_kick_cycle;                       // there: contacts, and all forces but friction
+    if (const Fault fault = choose_table()) co_return fault;
+    while (stage_ < table_->plan.stages()) co_yield next_stages();  // v under friction and these forces
+    co_yield finish_kick_cycle;                                     // q ← q + h/2 v
+    frame_.end(w_.sheave_forces());                                 // the pulleys by the forces of the tips
+    co_return {};
+}
+
+template <class Number>
+void FrictionLeapfrog<Number>::begin() {
     if (frame_.is_new()) {
         frame_.turn_over();
         system_.turn_over();
     }
     frame_.begin();
     w_.step.end_state_ready = true;
-    if (!w_.layout().ledger) {
-        state_ = State::recording;
-        return record_kick_cycle;
-    }
-    state_ = State::evaluating;  // accounts need the forces with friction
-    return evaluate_cycle;
+    stage_ = 0;
 }
 
+/// By the spectral radius of friction, estimated now and then. @return why no table reaches so far
 template <class Number>
-NextCycle FrictionLeapfrog<Number>::next() {
-    switch (state_) {
-        case State::evaluating: state_ = State::recording; return record_kick_cycle;
-        case State::recording: return start_kick();
-        case State::finishing: frame_.end(w_.sheave_forces()); return NextCycle::done();
-        case State::stages: break;
-    }
-    if (stage_ < table_->plan.stages()) return start_stages();
-    state_ = State::finishing;
-    return finish_kick_cycle;
-}
-
-template <class Number>
-NextCycle FrictionLeapfrog<Number>::start_kick() {
+Fault FrictionLeapfrog<Number>::choose_table() {
     if (steps_ % steps_between_estimates == 0) radius_ = system_.spectral_radius(w_, steps_ == 0 ? first_iterations : next_iterations);
     ++steps_;
     table_ = tables_.reaching(margin * radius_ * w_.step.h);
-    if (table_ == nullptr) {
-        fault_ = std::isfinite(radius_)
-                     ? Fault{FaultKind::too_stiff, w_.step.time, {}, radius_ * w_.step.h, tables_.longest_reach() / margin}
-                     : Fault{FaultKind::non_finite, w_.step.time, first_not_finite(w_), 0.0, 0.0};
-        return NextCycle::failed();
-    }
-    state_ = State::stages;
-    stage_ = 0;
-    return start_stages();
+    if (table_ != nullptr) return {};
+    if (!std::isfinite(radius_)) return {FaultKind::non_finite, w_.step.time, first_not_finite(w_), 0.0, 0.0};
+    return {FaultKind::too_stiff, w_.step.time, {}, radius_ * w_.step.h, tables_.longest_reach() / margin};
 }
 
-/// As many of the stages that are left as a cycle has.
+/// As many of the stages that are left as a cycle has. @return that cycle
 template <class Number>
-NextCycle FrictionLeapfrog<Number>::start_stages() {
+int FrictionLeapfrog<Number>::next_stages() noexcept {
     const RoundCycles::Cycle cycle = kick_cycles.longest(table_->plan.stages() - stage_);
     for (int k = 0; k < cycle.rounds; ++k, ++stage_) {
         const KickRow row = table_->row(stage_);

@@ -67,16 +67,14 @@ public:
 
     FrictionLeapfrog(Workspace& workspace, const Kick& kick);
 
-    [[nodiscard]] NextCycle begin() override;
-    [[nodiscard]] NextCycle next() override;
+    [[nodiscard]] CycleSequence step() override;
     void add_tasks(engine::TaskGraph& graph) override;
     void repartitioned() override { system_.repartition(w_.partition); }
-    [[nodiscard]] bool retakes() const noexcept override { return true; }
+    [[nodiscard]] AtTransition at_transition() const noexcept override { return AtTransition::repeat; }
     void restart() noexcept override;
-    void transition() noexcept override {}  // history stays good: nothing jumps
+    void phases_changed() noexcept override {}  // history stays good: nothing jumps
     void save(std::vector<double>& memory) const override;
     void load(std::span<const double> memory) override;  ///< memory [what save() wrote]
-    [[nodiscard]] Fault fault() const noexcept override { return fault_; }
 
     [[nodiscard]] std::optional<std::size_t> bytes() const noexcept override { return system_.bytes(); }
 
@@ -90,22 +88,19 @@ private:
         KickRow row{};
         double extrapolation = 0.0;  ///< of G, in units of the difference between the last two [1]
     };
-    enum class State { evaluating, recording, stages, finishing };
-
-    NextCycle start_kick();
-    NextCycle start_stages();
+    void begin();
+    [[nodiscard]] Fault choose_table();
+    [[nodiscard]] int next_stages() noexcept;
 
     Workspace& w_;
     LeapfrogFrame frame_;
     FrictionSystem<Number> system_;
     const KickTables tables_;
-    const KickTable* table_ = nullptr;  ///< of the step at hand
-    State state_ = State::evaluating;
+    const KickTable* table_ = nullptr;                 ///< of the step at hand
     int stage_ = 0;                                    ///< the first that is in no cycle yet
     std::array<Stage, RoundCycles::most> together_{};  ///< of the cycle at hand
     long steps_ = 0;
     double radius_ = 0.0;  ///< spectral radius of friction [1/s]
-    Fault fault_;
 };
 
 }  // namespace cvtflow::tasks

@@ -12,7 +12,7 @@ namespace cvtflow::tasks {
 template <class Number>
 KickSystem<Number>::KickSystem(const Workspace& w, std::vector<int> rows, std::vector<std::size_t> outlasting,
                                const std::vector<int>& edges)
-    : friction_(w.variator.chain(), w.parameters.detail.stick_slip),
+    : friction_(model::make_friction(w.variator.chain(), w.parameters.detail.stick_slip)),
       contact_edges_(model::ContactFieldOf<Number>(w.variator.chain()).components.count()),
       edges_(edges.begin(), edges.end()),
       rows_(std::move(rows)),

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "model/contact/contact_field.hpp"
+#include "model/contact/friction_operator.hpp"
 #include "tasks/method/friction/segment_columns.hpp"
 #include "tasks/step/workspace.hpp"
 

@@ -41,7 +41,7 @@ constexpr double sweeps_at_usual_speeds = 2.0, min_sweeps = 3.0, max_sweeps = 12
 }  // namespace
 
 std::string_view missing_for_sweeps(const model::Parameters& parameters) noexcept {
-    if (parameters.detail.pins == model::PinDetail::rigid) return "";
+    if (parameters.detail.pins == model::PinDetail::rigid) return "detail.pins = \"halves\"";
     return parameters.detail.friction == model::FrictionLaw::piecewise ? "" : "detail.friction = \"piecewise\"";
 }
 
@@ -231,7 +231,18 @@ void SweepLeapfrog<Number>::restart() noexcept {
 }
 
 template <class Number>
-NextCycle SweepLeapfrog<Number>::begin() {
+CycleSequence SweepLeapfrog<Number>::step() {
+    begin();                                          // q ← q + h/2 v: the middle of the step
+    if (w_.layout().ledger) co_yield evaluate_cycle;  // its losses need the forces with friction
+    co_yield record_sweep_cycle;                      // there: contacts, and all forces but friction
+    while (pass_ < passes_) co_yield next_passes();   // friction of joints, plates and tips; then v, q ← q + h/2 v
+    finish();                                         // the pulleys by the forces of the tips
+    co_return {};
+}
+
+/// A new step, or the last one again, shorter.
+template <class Number>
+void SweepLeapfrog<Number>::begin() {
     if (frame_.is_new()) {
         cold_ = !frame_.continues();
         if (w_.step.h > nominal_ || std::abs(w_.step.h - begun_length_) < same_length * begun_length_) nominal_ = w_.step.h;
@@ -244,31 +255,21 @@ NextCycle SweepLeapfrog<Number>::begin() {
     w_.step.end_state_ready = true;
     pass_ = 0;
     passes_ = 1 + (cold_ ? first_sweeps : sweeps_);
-    state_ = w_.layout().ledger ? State::evaluating : State::recording;
-    if (w_.layout().ledger) return evaluate_cycle;  // accounts need the forces with friction
-    return record_sweep_cycle;
 }
 
+/// As many of the passes that are left as a cycle has. @return that cycle
 template <class Number>
-NextCycle SweepLeapfrog<Number>::next() {
-    if (state_ == State::evaluating) {
-        state_ = State::recording;
-        return record_sweep_cycle;
-    }
-    state_ = State::sweeping;
-    if (pass_ < passes_) return next_passes();
-    frame_.end(w_.sheave_forces());
-    system_.end();
-    return NextCycle::done();
-}
-
-/// As many of the passes that are left as a cycle has.
-template <class Number>
-NextCycle SweepLeapfrog<Number>::next_passes() {
+int SweepLeapfrog<Number>::next_passes() noexcept {
     const RoundCycles::Cycle cycle = sweep_cycles.longest(passes_ - pass_);
     begun_ = pass_;
     pass_ += cycle.rounds;
     return cycle.number;
+}
+
+template <class Number>
+void SweepLeapfrog<Number>::finish() {
+    frame_.end(w_.sheave_forces());
+    system_.end();
 }
 
 template <class Number>

@@ -91,16 +91,16 @@ public:
     /// For parameters with nothing missing_for_sweeps().
     explicit SweepLeapfrog(Workspace& workspace);
 
-    [[nodiscard]] NextCycle begin() override;
-    [[nodiscard]] NextCycle next() override;
+    [[nodiscard]] CycleSequence step() override;
     void add_tasks(engine::TaskGraph& graph) override;
     void repartitioned() override { system_.repartition(w_.partition); }
-    [[nodiscard]] bool retakes() const noexcept override { return true; }
     /// Contact begins with no force at all; only with stick and slip the phase decides a force.
-    [[nodiscard]] bool keeps_steps() const noexcept override { return !w_.parameters.detail.stick_slip; }
+    [[nodiscard]] AtTransition at_transition() const noexcept override {
+        return w_.parameters.detail.stick_slip ? AtTransition::repeat : AtTransition::at_end;
+    }
     [[nodiscard]] long observation_stride() const noexcept override { return 12; }
     void restart() noexcept override;
-    void transition() noexcept override {}  // forces stay good: that of a tip that has just landed is zero
+    void phases_changed() noexcept override {}  // forces stay good: that of a tip that has just landed is zero
     void save(std::vector<double>& memory) const override;
     void load(std::span<const double> memory) override;  ///< memory [what save() wrote]
 
@@ -112,16 +112,15 @@ public:
     void book(int item) noexcept;   ///< losses by friction in an observe cycle, after all else; item 0
 
 private:
-    enum class State { evaluating, recording, sweeping };
-
-    NextCycle next_passes();
+    void begin();
+    [[nodiscard]] int next_passes() noexcept;
+    void finish();
     void add_booking(engine::TaskGraph& graph);
 
     Workspace& w_;
     LeapfrogFrame frame_;
     SweepSystem<Number> system_;
-    const int sweeps_;  ///< of a step
-    State state_ = State::evaluating;
+    const int sweeps_;           ///< of a step
     int pass_ = 0;               ///< the first that is in no cycle yet
     int passes_ = 0;             ///< of the step at hand
     int begun_ = 0;              ///< the first pass of the cycle at hand

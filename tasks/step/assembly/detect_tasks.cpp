@@ -77,7 +77,7 @@ void check_middle(Workspace& w, int link, const double* end, SegmentResult& verd
     const int begin = layout.link_begin(link);
     const double *start = w.states[0] + begin, *slope = w.slopes[0] + begin;
     const auto slope_at = [&](int k) noexcept {
-        if (!w.step.secant) return slope[k];
+        if (!w.step.slopes_from_states()) return slope[k];
         return k < size ? start[size + k] : (end[k] - start[k]) / w.step.h;
     };
     for (int k = 0; k < layout.link_block(); ++k)
@@ -168,7 +168,7 @@ void detect_segment(void* workspace, int segment) noexcept {
         engine::combine(w.step.row, w.step.h, w.slots(), layout.link_begin(own.first),
                         layout.link_begin(own.last - 1) + layout.link_block(), w.end_state + layout.link_begin(own.first));
     }
-    if (w.step.secant) make_secants(w, own);
+    if (w.step.slopes_from_states()) make_secants(w, own);
     if (w.step.estimate_error) estimate_errors(w, own, w.windows[at(segment)].data());
     const double* end = end_blocks(w, segment);
     if (layout.pulley_size != 0) {
@@ -184,7 +184,8 @@ void detect_segment(void* workspace, int segment) noexcept {
         check_contact(w, link, probe, verdict);
         if (is_far(w, link, probe)) continue;
         find_due(w, link, verdict);
-        if (!w.step.kept && near_contact(w, link)) check_middle(w, link, end + (link - own.first) * layout.link_block(), verdict);
+        if (w.step.at_transition != AtTransition::at_end && near_contact(w, link))
+            check_middle(w, link, end + (link - own.first) * layout.link_block(), verdict);
     }
 }
 

@@ -93,7 +93,7 @@ void change_phases(Workspace& w, int link, const TipIndicator* tips, SegmentResu
     for (int corner = 0; corner < model::tips_per_link; ++corner) {
         const std::size_t tip = at(model::tips_per_link * link + corner);
         Phase to = w.rule.next(w.tips.phases[tip], tips[corner]);
-        if (to == w.tips.phases[tip] && w.step.secant && static_cast<int>(tip) == w.step.due.tip)
+        if (to == w.tips.phases[tip] && w.step.slopes_from_states() && static_cast<int>(tip) == w.step.due.tip)
             to = w.step.due.to;  // retaken: there but for the error of the search
         if (to == w.tips.phases[tip] || !may_change(w, static_cast<int>(tip))) continue;
         w.tips.phases[tip] = to;

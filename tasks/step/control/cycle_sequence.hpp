@@ -1,5 +1,6 @@
 #pragma once
 /// A coroutine that yields cycles of the task graph: serial code between cycles reads from top to bottom although an executor calls it.
+/// The integration is one, and each step of a method another.
 
 #include <coroutine>
 #include <cstddef>
@@ -9,11 +10,16 @@
 #include <utility>
 
 #include "engine/executor/executor.hpp"
+#include "tasks/step/fault.hpp"
+
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic ignored "-Wmismatched-new-delete"  // without optimisation: promise_type's new has an owner, its delete needs none
+#endif
 
 namespace cvtflow::tasks {
 
-/// Memory of one coroutine's frame, kept for the next one: runs of a simulation follow each other, and only the first allocates. A second
-/// one at the same time has memory of its own. Outlives the coroutines in it.
+/// Memory of one coroutine's frame, kept for the next one: runs of a simulation and steps of a method follow each other, and only the
+/// first allocates. A second one at the same time has memory of its own. Outlives the coroutines in it.
 class FrameMemory {
 public:
     [[nodiscard]] static void* take(std::size_t bytes, FrameMemory* kept) {
@@ -48,11 +54,13 @@ private:
     bool taken_ = false;
 };
 
-/// Suspended at its start and after each `co_yield cycle`. Its frame is in the FrameMemory of the object whose member the coroutine is.
+/// Suspended at its start and after each `co_yield cycle`; ends with `co_return fault`, an empty one if all is well. Its frame is in the
+/// FrameMemory of the object whose member the coroutine is.
 class CycleSequence {
 public:
     struct promise_type {
         int cycle = engine::Controller::stop;
+        Fault fault;
         std::exception_ptr thrown;
 
         template <class Owner, class... Arguments>
@@ -67,7 +75,7 @@ public:
             cycle = next;
             return {};
         }
-        void return_void() noexcept {}
+        void return_value(const Fault& end) noexcept { fault = end; }
         void unhandled_exception() noexcept { thrown = std::current_exception(); }
     };
 
@@ -84,6 +92,8 @@ public:
         if (!handle_.done()) handle_.resume();
         return handle_.done() ? engine::Controller::stop : handle_.promise().cycle;
     }
+    /// Why the coroutine has ended; empty: nothing went wrong.
+    [[nodiscard]] const Fault& fault() const noexcept { return handle_.promise().fault; }
     /// Rethrows the exception that ended the coroutine, if any.
     void rethrow() const {
         if (handle_.promise().thrown) std::rethrow_exception(handle_.promise().thrown);

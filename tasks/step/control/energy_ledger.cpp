@@ -79,6 +79,12 @@ void EnergyLedger::restart(long stride) noexcept {
 void EnergyLedger::step(const model::Variator& variator, double begin, const double* from, double end, const double* to) noexcept {
     const model::ChainLayout& at = variator.layout();
     m_.steps += 1.0;
+    if (counted_) {
+        m_.work = account_.work;
+        m_.impulse = account_.impulse;
+        m_.couplings = account_.couplings;
+        return;
+    }
     if (at.pulley_size == 0 || !on_) return;
     const model::PulleyModel& pulleys = variator.pulleys();
     const auto inputs = [&](double t, const double* tail) { return pulleys.inputs(t, tail); };
@@ -148,19 +154,24 @@ void EnergyLedger::add_noise(double power, double spacing) noexcept {
     p = {power, p[0], p[1], p[2]};
 }
 
-void EnergyLedger::book(double time, const StepAccount& account, std::optional<double> pin_period) noexcept {
-    if (!on_ || (m_.samples > 0.0 && time <= m_.sampled)) return;
+void EnergyLedger::sample_counted(double time, double pin_period) noexcept {
+    m_.pin_period = pin_period;
+    take_counted(time);
+}
+
+/// Nothing was sampled, so nothing has noise but the shock of a start, which steps do not resolve.
+void EnergyLedger::take_counted(double time) noexcept {
+    if (!on_ || !counted_ || (m_.samples > 0.0 && time <= m_.sampled)) return;
     const double spacing = time - m_.sampled;
-    for (std::size_t k = 0; k < account.lost.size() && m_.samples > 0.0; ++k) m_.power[k] = (account.lost[k] - m_.loss[k]) / spacing;
-    m_.loss = account.lost;
-    if (time < 0.0) add_noise(total(m_.power), spacing);  // the shock of a start, which steps do not resolve
-    m_.work = account.work;
-    m_.impulse = account.impulse;
-    m_.couplings = account.couplings;
+    for (std::size_t k = 0; k < account_.lost.size() && m_.samples > 0.0; ++k) m_.power[k] = (account_.lost[k] - m_.loss[k]) / spacing;
+    m_.loss = account_.lost;
+    if (time < 0.0) add_noise(total(m_.power), spacing);
+    m_.work = account_.work;
+    m_.impulse = account_.impulse;
+    m_.couplings = account_.couplings;
     for (std::size_t k = 0; k < m_.work.size(); ++k) m_.through += std::max(0.0, m_.work[k] - m_.work_sampled[k]);
-    m_.stored = account.stored;
+    m_.stored = account_.stored;
     m_.max_stored = std::max(m_.max_stored, m_.stored);
-    if (pin_period) m_.pin_period = *pin_period;
     close_sample(time);
 }
 
@@ -218,6 +229,7 @@ EnergySums EnergyLedger::sums(double time) const noexcept {
 }
 
 void EnergyLedger::output(double time, const std::array<double, 2>& momentum) noexcept {
+    take_counted(time);
     if (m_.outputs > 0.0) m_.chain_torque = torque_since_output(time, momentum);
     m_.impulse_output = m_.impulse;
     m_.momentum_output = momentum;

@@ -67,8 +67,8 @@ struct CouplingSums {
     std::array<double, 2> work{}, dissipated{};  ///< [J]
 };
 
-/// What a method counts itself, in every step: sums since the integration began, and what is stored now.
-struct StepAccount {
+/// Energies that a method counts itself, in every step: sums since the integration began, and what is stored now.
+struct EnergyAccount {
     std::array<double, model::loss_kinds> lost{};  ///< [J]
     model::WorkRates work{};                       ///< by input [J]
     std::array<double, 2> impulse{};               ///< of the torques from outside on both shafts [N·m·s]
@@ -87,24 +87,23 @@ public:
     void keep(bool on) noexcept { on_ = on; }
     /// Inputs have been changed from outside: losses are sampled densely for a while, unless that has just been so. time [s]
     void inputs_changed(double time) noexcept;
+    /// A method counts works and losses itself, from its restart() on and in every step. @return where
+    [[nodiscard]] EnergyAccount& count() noexcept {
+        counted_ = true;
+        return account_;
+    }
+    /// Whether one does: no losses need to be sampled, and they have no noise.
+    [[nodiscard]] bool counted() const noexcept { return counted_; }
     /// A step has been taken. @param from, to states behind the links at its ends, which begin at pulley_begin(); begin [s], from
     /// [unknowns], end [s], to [unknowns]
     void step(const model::Variator& variator, double begin, const double* from, double end, const double* to) noexcept;
-    /// The same by a method that counts works and losses itself.
-    void step(const StepAccount& account) noexcept {
-        m_.steps += 1.0;
-        m_.work = account.work;
-        m_.impulse = account.impulse;
-        m_.couplings = account.couplings;
-    }
     /// Whether losses should be sampled before the next step. time [s]
     [[nodiscard]] bool due(double time) const noexcept;
     /// What an observe cycle has found. @param links, pulleys their losses and energies, kinetic energy included
     /// @param pin_period time that a pin takes to the place of the next one; 0: none [s]
     void sample(double time, const model::Account& links, const model::Account& pulleys, double pin_period) noexcept;
-    /// What a method has counted itself, which has no noise but in the shock of a start that settles. time [s]   @param pin_period as for
-    /// sample(); absent: as before
-    void book(double time, const StepAccount& account, std::optional<double> pin_period) noexcept;
+    /// The same from what a method has counted. time [s], pin_period [s]
+    void sample_counted(double time, double pin_period) noexcept;
     /// An output is due: closes the interval since the last one. @param momentum of the shafts [N·m·s]
     void output(double time, const std::array<double, 2>& momentum) noexcept;
 
@@ -157,6 +156,7 @@ private:
     /// Sums one pin period before `time` [s], or at the first output kept; some must be.
     [[nodiscard]] EnergySums sums_before(double time) const noexcept;
     void add_noise(double power, double spacing) noexcept;
+    void take_counted(double time) noexcept;  ///< [s]
     void close_sample(double time) noexcept;
     void close_window() noexcept;
 
@@ -188,7 +188,8 @@ private:
     Memory m_{};
     model::Inputs inputs_;  ///< at the end of the last step
     bool known_ = false;
-    bool on_ = true;
+    bool on_ = true, counted_ = false;
+    EnergyAccount account_;
     double stride_ = 24.0;  ///< steps between samples [1]
 };
 

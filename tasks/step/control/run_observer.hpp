@@ -27,9 +27,6 @@ void visit_counters(AnyCounters& counters, Visitor& visitor) {
         visitor("counter", *count);
 }
 
-/// In place of a count where pins are rigid: their tips touch and leave within steps that are searched for no transition.
-inline constexpr std::string_view transitions_not_counted = "not counted at rigid pins";
-
 /// One change of a tip's phase, as recorded.
 struct TransitionRecord {
     double time;  ///< [s]

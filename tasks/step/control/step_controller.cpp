@@ -49,6 +49,7 @@ StepController::StepController(Workspace& workspace, std::unique_ptr<StepMethod>
     w_.step.dwell = dwell_steps * grid_.step;
     w_.step.evaluations = 0;
     method_.restart();  // a run does not depend on what ran before it
+    method_.load({});
     w_.energy.restart(method_.observation_stride());
     if (settings.choice != nullptr) settings.choice->restart();
     probe_start();
@@ -77,15 +78,14 @@ StepController::StepController(Workspace& workspace, StepMethod& method, const S
     w_.energy.load(from.energy, method_.observation_stride());
     if (settings.choice != nullptr) settings.choice->load(from.step_choice);
     w_.step.evaluations = from.counters.evaluations;
+    w_.phases_changed();
     method_.restart();
     std::span<const double> memory(from.method);
     errors_.load(memory);
     method_.load(memory);
-    w_.phases_changed();
 }
 
 void StepController::save(IntegrationState& state) const {
-    show_state();
     state.started = true;
     state.time = w_.step.time;
     state.begin = settings_.begin;
@@ -98,7 +98,7 @@ void StepController::save(IntegrationState& state) const {
     if (settings_.choice != nullptr) settings_.choice->save(state.step_choice);
     state.outputs = outputs_;
     state.counters = counters_;
-    state.state.assign(w_.states[0], w_.states[0] + w_.layout().size());
+    state.state.assign(w_.state(), w_.state() + w_.layout().size());
     state.phases = w_.tips.phases;
     state.changed = w_.tips.changed;
     state.before = w_.tips.before;
@@ -108,36 +108,39 @@ void StepController::save(IntegrationState& state) const {
 
 /// The integration. Each co_yield runs one cycle of the task graph on all segments; everything else is serial.
 CycleSequence StepController::integrate() {
-    while (!(fault_ = check_precision())) {
-        if (w_.energy.due(w_.step.time) && !book_energy(true)) {
-            prepare_observation();
-            co_yield observe_cycle;
+    const AtTransition at_transition = w_.step.at_transition;
+    for (;;) {
+        if (const Fault fault = check_precision()) co_return fault;
+        if (w_.energy.due(w_.step.time)) {
+            if (prepare_observation()) co_yield observe_cycle;
             sample_energy();
         }
-        if (deliver_output() || (fault_ = check_budget())) co_return;
+        if (deliver_output()) co_return {};
+        if (const Fault fault = check_budget()) co_return fault;
         plan_step();
         bool cut = false;  // the step ends at a transition
         while (true) {     // twice or more: after a rejection shorter, or up to the transition
-            NextCycle cycle = method_.begin();
-            for (; cycle.is_cycle(); cycle = method_.next()) co_yield cycle.cycle();
-            if (has_failed(cycle)) co_return;
-            if (method_.inner() != nullptr) break;
+            CycleSequence step = method_.step();
+            for (int cycle = step.next(); cycle != stop; cycle = step.next()) co_yield cycle;
+            step.rethrow();
+            if (step.fault()) co_return step.fault();
+            if (at_transition == AtTransition::inside) break;
             prepare_detection();
             co_yield detect_cycle;
             const bool accurate = errors_.accepts(cut);
-            if ((fault_ = accurate ? transitions_.check(counters_) : reject())) co_return;
+            if (const Fault fault = accurate ? transitions_.check(counters_) : reject()) co_return fault;
             if (!accurate) continue;
-            if (!cut && (!transitions_.due() || w_.step.kept)) break;
+            if (!cut && (!transitions_.due() || at_transition == AtTransition::at_end)) break;
             transitions_.complete_start_slopes();
             if (cut) break;
-            if (!method_.retakes()) {
+            if (at_transition == AtTransition::interpolate) {
                 transitions_.prepare_end_slope();
                 co_yield evaluate_cycle;
                 transitions_.close_end_slope();
             }
             co_yield locate_cycle;
             cut = transitions_.locate();
-            if (!cut || !method_.retakes() || w_.step.theta <= 0.0) break;
+            if (!cut || at_transition == AtTransition::interpolate || w_.step.theta <= 0.0) break;
             shorten_to_transition();
         }
         if (cut) co_yield prepare_truncation();
@@ -164,43 +167,31 @@ Fault StepController::check_budget() const {
     return {};
 }
 
-void StepController::prepare_observation() {
+/// The sheaves for an observe cycle. @return false: losses and energies are known without one
+bool StepController::prepare_observation() {
+    if (w_.energy.counted()) return false;
     if (w_.layout().pulley_size != 0) w_.variator.pulleys().motions(w_.states[0] + w_.layout().pulley_begin(), w_.pulleys.observed_sheaves);
-}
-
-/// Of a method that counts works and losses itself. @returns false for all others
-bool StepController::book_energy(bool with_period) {
-    InnerState* inner = method_.inner();
-    if (inner == nullptr) return false;
-    if (with_period) inner->show();
-    w_.energy.book(w_.step.time, inner->account(), with_period ? std::optional(w_.pin_period()) : std::nullopt);
     return true;
 }
 
-void StepController::sample_energy() { w_.energy.sample(w_.step.time, w_.observed_links(), w_.observed_pulleys(), w_.pin_period()); }
+void StepController::sample_energy() {
+    if (w_.energy.counted()) return w_.energy.sample_counted(w_.step.time, w_.pin_period());
+    w_.energy.sample(w_.step.time, w_.observed_links(), w_.observed_pulleys(), w_.pin_period());
+}
 
 /// Delivers an output if one is due; true at the end of the integration.
 bool StepController::deliver_output() {
     counters_.evaluations = w_.step.evaluations;
     const bool due = w_.step.time == grid_.here() && grid_.at_output(outputs_);
     const bool over = w_.step.time >= settings_.until - 1e-9 * settings_.output_interval;
-    if (due || over) show_state();
     if (due) {  // not where a call ends: no result depends on that
-        (void)book_energy(false);
         w_.energy.output(w_.step.time, w_.shaft_momentum());
         w_.warm(w_.step.time);
     }
     if (due || over) observer_.output(w_.step.time, w_, counters_);
     if (due) ++outputs_;
-    if (!due && !over && observer_.samples(w_.step.time)) {
-        show_state();
-        observer_.sample(w_.step.time, w_);
-    }
+    if (!due && !over && observer_.samples(w_.step.time)) observer_.sample(w_.step.time, w_);
     return over;
-}
-
-void StepController::show_state() const {
-    if (InnerState* inner = method_.inner()) inner->show();
 }
 
 void StepController::plan_step() {
@@ -210,9 +201,8 @@ void StepController::plan_step() {
 
 /// Length of automatic steps, at the start of a leg: shorter as soon as needed, longer only if the gain is worth it.
 void StepController::choose_step() {
-    show_state();
     const double longest = std::min(method_.longest_step(settings_.choice->longest()),
-                                    settings_.choice->longest(w_.step.time, w_.states[0], w_.tips.phases.data()));
+                                    settings_.choice->longest(w_.step.time, w_.state(), w_.tips.phases.data()));
     StepGrid next = grid_;
     next.divide(longest);
     const bool longer = next.step > grid_.step;
@@ -238,17 +228,11 @@ void StepController::propose_step() {
 /// The step is repeated, shorter. Only slots have changed.
 Fault StepController::reject() {
     ++counters_.rejected;
-    method_.rejected();
     const double shortest = shortest_step * settings_.step;
     if (errors_.proposal() < shortest) return {FaultKind::step_size, w_.step.time, {}, errors_.proposal(), shortest};
     if (const Fault spent = check_budget()) return spent;
     propose_step();
     return {};
-}
-
-bool StepController::has_failed(NextCycle cycle) {
-    if (cycle.has_failed()) fault_ = method_.fault();
-    return cycle.has_failed();
 }
 
 void StepController::prepare_detection() {
@@ -261,11 +245,10 @@ void StepController::accept() {
     if (reaches_grid_point_) grid_.pass();
     w_.step.time = reaches_grid_point_ ? grid_.here() : w_.step.time + w_.step.h;
     ++counters_.steps;
-    if (InnerState* inner = method_.inner()) return w_.energy.step(inner->account());
     w_.energy.step(w_.variator, begin, w_.states[0] + w_.layout().pulley_begin(), w_.step.time, w_.end_state + w_.layout().pulley_begin());
     std::swap(w_.states[0], w_.end_state);
     std::swap(w_.tips.before, w_.tips.after);
-    if (w_.step.kept && transitions_.due()) transitions_.change_at_end(observer_, counters_);
+    transitions_.change_at_end(observer_, counters_);
 }
 
 void StepController::shorten_to_transition() {

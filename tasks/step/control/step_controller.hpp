@@ -69,7 +69,7 @@ public:
     /// State of the integration once next() has returned stop. Allocates nothing if `state` has held one of the same size before.
     void save(IntegrationState& state) const;
 
-    [[nodiscard]] const Fault& fault() const noexcept { return fault_; }
+    [[nodiscard]] const Fault& fault() const noexcept { return integration_.fault(); }
     [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
     [[nodiscard]] double time() const noexcept { return w_.step.time; }
     /// Step in use: settings.step, or what was chosen, or a little less, so that it divides the output interval; the longest one if the
@@ -92,15 +92,12 @@ private:
     [[nodiscard]] CycleSequence integrate();
     [[nodiscard]] Fault check_precision() const;
     [[nodiscard]] Fault check_budget() const;
-    void prepare_observation();
-    [[nodiscard]] bool book_energy(bool with_period);
-    void show_state() const;
+    [[nodiscard]] bool prepare_observation();
     void sample_energy();
     [[nodiscard]] bool deliver_output();
     void plan_step();
     void choose_step();
     void propose_step();
-    [[nodiscard]] bool has_failed(NextCycle cycle);
     void prepare_detection();
     [[nodiscard]] Fault reject();
     void accept();
@@ -121,7 +118,6 @@ private:
     bool reaches_grid_point_ = true;  ///< the proposed step ends at the next grid point
     long outputs_ = 0;                ///< outputs delivered
     Counters counters_;
-    Fault fault_;
     std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
     CycleSequence integration_;
 };

@@ -7,16 +7,15 @@
 
 namespace cvtflow::tasks {
 
-TransitionSearch::TransitionSearch(Workspace& workspace, StepMethod& method) : w_(workspace), method_(method), secant_(method.retakes()) {
-    w_.step.secant = secant_;
-    w_.step.kept = method.keeps_steps();
+TransitionSearch::TransitionSearch(Workspace& workspace, StepMethod& method) : w_(workspace), method_(method) {
+    w_.step.at_transition = method.at_transition();
 }
 
 void TransitionSearch::prepare_detection() {
     const model::ChainLayout& at = w_.layout();
     engine::combine(w_.step.row, w_.step.h, w_.slots(), at.pulley_begin(), at.size(), w_.end_state + at.pulley_begin());
     if (at.pulley_size != 0) w_.variator.pulleys().motions(w_.end_state + at.pulley_begin(), w_.pulleys.end_sheaves);
-    if (secant_) make_secants();
+    if (w_.step.slopes_from_states()) make_secants();
 }
 
 /// Slopes behind the links at both ends of a step from its states there: velocities, and one mean acceleration.
@@ -47,7 +46,7 @@ Fault TransitionSearch::check(Counters& counters) {
 }
 
 void TransitionSearch::complete_start_slopes() {
-    if (!secant_) return;  // slopes[0] is the slope that the method has evaluated
+    if (!w_.step.slopes_from_states()) return;  // slopes[0] is the slope that the method has evaluated
     const model::ChainLayout& at = w_.layout();
     const int half = at.link_size();
     for (int link = 0; link < at.links; ++link) {
@@ -92,6 +91,8 @@ void TransitionSearch::truncate(RunObserver& observer, Counters& counters) {
 }
 
 void TransitionSearch::change_at_end(RunObserver& observer, Counters& counters) {
+    if (w_.step.at_transition == AtTransition::inside && w_.tips.have_changed) report_changes(observer, counters);
+    if (w_.step.at_transition != AtTransition::at_end || !due_) return;
     std::copy(w_.tips.phases.begin(), w_.tips.phases.end(), w_.tips.phases_before.begin());
     for (std::size_t tip = 0; tip < w_.tips.phases.size(); ++tip) {
         model::Phase& phase = w_.tips.phases[tip];
@@ -104,7 +105,7 @@ void TransitionSearch::change_at_end(RunObserver& observer, Counters& counters) 
 }
 
 void TransitionSearch::report_changes(RunObserver& observer, Counters& counters) {
-    method_.transition();
+    method_.phases_changed();
     w_.phases_changed();
     for (std::size_t tip = 0; tip < w_.tips.phases.size(); ++tip) {
         if (w_.tips.phases[tip] == w_.tips.phases_before[tip]) continue;

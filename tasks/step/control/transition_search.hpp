@@ -27,7 +27,8 @@ public:
     void prepare_truncation();
     /// After it: the state at the cut is the current one. Reports every tip that has changed to `observer`.
     void truncate(RunObserver& observer, Counters& counters);
-    /// After a step that is kept has been accepted: tips that are due change their phase. Reports them to `observer`.
+    /// After an uncut step has been accepted: tips that are due change their phase, or have done so inside the step. Reports them to
+    /// `observer`.
     void change_at_end(RunObserver& observer, Counters& counters);
 
 private:
@@ -36,7 +37,6 @@ private:
 
     Workspace& w_;
     StepMethod& method_;
-    const bool secant_;  ///< the method retakes steps: slopes are made from the states at both ends
     bool due_ = false;
 };
 

@@ -26,7 +26,7 @@ TEST(Hash, ReadsDoublesAsLittleEndianBytes) {
     EXPECT_EQ(state_hash(std::array{1.0}), Hash{}.add(std::span<const std::uint8_t>(one)).value());
 }
 
-TEST(Hash, TellsNegativeZeroFromZeroAndSeesOrder) {
+TEST(Hash, DistinguishesNegativeZeroFromZeroAndSeesOrder) {
     EXPECT_NE(state_hash(std::array{0.0}), state_hash(std::array{-0.0}));
     EXPECT_NE(state_hash(std::array{1.0, 2.0}), state_hash(std::array{2.0, 1.0}));
 }

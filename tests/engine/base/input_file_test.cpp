@@ -22,7 +22,7 @@ std::string refusal(const std::string& path, std::uint64_t most = 1'000'000, dou
     return "none";
 }
 
-TEST_F(InputFileTest, IsReadToItsEnd) {
+TEST_F(InputFileTest, IsReadCompletely) {
     const std::string text(100'000, 'x');
     std::ofstream(path("text")) << text;
     EXPECT_EQ(read_text_input(path("text"), 1'000'000), text);
@@ -35,7 +35,7 @@ TEST_F(InputFileTest, LosesItsByteOrderMark) {
 
 TEST_F(InputFileTest, MayBeNoPipeNoDeviceAndNoFolder) {
     ASSERT_EQ(mkfifo(path("pipe").c_str(), 0600), 0);
-    EXPECT_EQ(refusal(path("pipe")), "not a regular file");  // nobody writes: opening it would wait for ever
+    EXPECT_EQ(refusal(path("pipe")), "not a regular file");  // without a writer, opening it would wait for ever
     EXPECT_EQ(refusal("/dev/zero"), "not a regular file");
     EXPECT_EQ(refusal(path("")), "a folder, not a file");
     EXPECT_EQ(refusal(path("absent")), "No such file or directory");

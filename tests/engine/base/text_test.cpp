@@ -25,7 +25,7 @@ TEST(ErrorText, OfFilesIsPathAndReason) {
     EXPECT_EQ(text_of([] { std::filesystem::create_directories("/proc/self/here"); }), "/proc/self/here: No such file or directory");
 }
 
-TEST(ErrorText, OfWhatOnlyAMistakeOfOursCanCauseSaysSo) {
+TEST(ErrorText, OfAnInternalErrorStatesThat) {
     const std::vector<int> empty;
     EXPECT_TRUE(text_of([&] { (void)empty.at(3); }).starts_with("an error in this program, please report it (vector::_M_range_check"));
 }

@@ -37,7 +37,7 @@ BoardScenario::BoardScenario(const BoardCase& what)
     for (std::size_t cell = 0; cell <= what.before.size(); ++cell) static_cast<void>(Interleavings::now().add_cell());
 }
 
-std::string BoardScenario::verdict() {
+std::string BoardScenario::fault() {
     const std::string wrong = wrong_;
     return wrong.empty() && !over_ ? "cycles are missing:" : wrong;
 }

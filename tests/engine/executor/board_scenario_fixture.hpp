@@ -1,5 +1,5 @@
 #pragma once
-/// A graph on a board of resident workers of the model machine (interleaving_fixture.hpp), with everything that may go wrong looked at.
+/// A graph on a board of resident workers of the model machine (interleaving_fixture.hpp), with a check of everything that may go wrong.
 
 #include <memory>
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace cvtflow::engine::test {
 
-/// What is run: a graph, and its cycles one after the other.
+/// A graph, and its cycles to run one after the other.
 struct BoardCase {
     std::string name;
     std::vector<int> cycles;
@@ -20,7 +20,7 @@ struct BoardCase {
     /// Adds a task to the last cycle, or to a new one.
     int add(int cycle, const std::vector<int>& predecessors);
 };
-/// Widths of the levels of one cycle, every task waiting for all of the level before; run so many times.
+/// Widths of the levels of one cycle, every task waiting for all of the level before; run `times` times.
 [[nodiscard]] BoardCase layers(const std::vector<int>& widths, std::size_t times);
 /// Two cycles in turns: of a task, and of two tasks and one behind them.
 [[nodiscard]] BoardCase turns();
@@ -29,9 +29,9 @@ struct BoardCase {
 /// whatever runs too early, twice, or without seeing what it should is a race or is counted.
 class BoardScenario : public Scenario, public Controller {
 public:
-    [[nodiscard]] std::string verdict() final;
+    [[nodiscard]] std::string fault() final;
     int next() noexcept final;
-    /// Of all tasks; the context of their run is the scenario.
+    /// Body of all tasks; the context of their run is the scenario.
     static void body(void* scenario, int task) noexcept { static_cast<BoardScenario*>(scenario)->run_task(task); }
 
 protected:
@@ -61,7 +61,7 @@ private:
     Board board_;
 };
 
-/// All interleavings of a case on a board. Of `options.workers` workers that the board expects the last `missing` never come.
+/// All interleavings of a case on a board. The last `missing` of the `options.workers` workers that the board expects never come.
 template <class Board>
 [[nodiscard]] Interleavings::Outcome explore(const BoardCase& what, Interleavings::Options options, int missing = 0) {
     const int expected = options.workers;

@@ -18,9 +18,9 @@ TEST(Cancellation, AsksUntilTheAnswerIsYes) {
     EXPECT_FALSE(cancel.requested());
 }
 
-TEST(Cancellation, AsksNobodyWhereThereIsNone) {
-    const std::function<bool()> nobody;
-    Cancellation cancel(nobody);
+TEST(Cancellation, AsksNoFunctionWhereThereIsNone) {
+    const std::function<bool()> none;
+    Cancellation cancel(none);
     EXPECT_FALSE(cancel.requested());
     cancel.request();
     EXPECT_TRUE(cancel.requested());

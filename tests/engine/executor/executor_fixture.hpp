@@ -44,7 +44,7 @@ public:
     [[nodiscard]] long cycles() const noexcept { return epoch_; }
     /// Tasks that ran too early or twice in a cycle, or not at all when a cycle had ended.
     [[nodiscard]] long faults() const noexcept { return faults_.load(); }
-    /// A cycle named once, after so many others.
+    /// A cycle named once, after `cycles` others.
     void name_after(long cycles, int cycle) { odd_after_ = cycles, odd_cycle_ = cycle; }
     /// Each task takes that long [ns].
     void task_time(long nanoseconds) { task_time_ = nanoseconds; }
@@ -74,7 +74,7 @@ private:
     long task_time_ = 0;
 };
 
-/// What a world of these cycles comes to when it is run serially.
+/// Hash of a serial run of a world of these cycles.
 [[nodiscard]] std::uint64_t serial_hash(const std::vector<std::vector<int>>& cycles, long count, unsigned seed = 1);
 
 /// Cycles that all tests of agreement run: one task, fewer tasks than threads, several levels, many tasks.
@@ -90,7 +90,7 @@ struct Case {
 [[nodiscard]] std::vector<Case> all_cases();
 /// The catalogue, the parallel ones with 2 threads.
 [[nodiscard]] std::vector<Case> pairs();
-/// The same without serial.
+/// Parallel cases only.
 [[nodiscard]] std::vector<Case> parallel_pairs();
 [[nodiscard]] std::string case_name(const testing::TestParamInfo<Case>& info);
 void PrintTo(const Case& which, std::ostream* stream);

@@ -1,4 +1,4 @@
-/// What every executor promises, for every number of threads. (No source file of its own: the promise is executor.hpp.)
+/// Guarantees of every executor, for every number of threads. (No source file of its own: executor.hpp states them.)
 
 #include <gtest/gtest.h>
 
@@ -105,7 +105,7 @@ TEST_P(Executors, AskAgainAfterCyclesWithoutTasks) {
 
 /// Runtimes that may allocate now and then while a run lasts, with what we grant them; all else allocates when a run begins and never
 /// while it lasts. Messages of flow graphs come from oneTBB's pool, which grows when memory is freed by another thread than the one that
-/// took it; std_par's chunks as well. OpenMP allocates every explicit task and what tells its dependences, LLVM's every parallel loop.
+/// took it; std_par's chunks as well. OpenMP allocates every explicit task and its dependences, LLVM's every parallel loop.
 long granted(const ExecutorRow& row, long cycles) {
     if (row.name == "flow_messages" || row.name == "flow_per_cycle" || row.name == "std_par") return cycles / 10;
     if (row.name == "omp_tasks") return 100 * cycles;

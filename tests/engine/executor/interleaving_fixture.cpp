@@ -35,7 +35,7 @@ Interleavings::Outcome Interleavings::explore(const Options& options, const Make
 }
 
 void Interleavings::run_one() {
-    depth_ = 0, operations_ = 0, asleep_ = 0, running_ = nobody;
+    depth_ = 0, operations_ = 0, asleep_ = 0, running_ = no_worker;
     left_ = pruned_ = false;
     stores_.clear();
     cells_.clear();
@@ -49,21 +49,21 @@ void Interleavings::run_one() {
     if (pruned_ || left_) return;
     ++outcome_.interleavings;
     outcome_.longest = std::max(outcome_.longest, operations_);
-    if (std::string verdict = scenario_->verdict(); !verdict.empty()) outcome_.fault = verdict + story();
+    if (std::string fault = scenario_->fault(); !fault.empty()) outcome_.fault = fault + story();
 }
 
 /// Runs a worker up to its first operation.
 void Interleavings::begin(int worker) {
     Worker& own = workers_[static_cast<std::size_t>(worker)];
-    own.clock.fill(0), own.view.fill(0), own.looked.fill(0);
+    own.clock.fill(0), own.view.fill(0), own.seen.fill(0);
     own.clock[static_cast<std::size_t>(worker)] = 1;
-    own.looks = 0, own.absences = 0;
+    own.read = 0, own.absences = 0;
     getcontext(&own.context);
     own.context.uc_stack.ss_sp = own.stack.data();
     own.context.uc_stack.ss_size = own.stack.size();
     own.context.uc_link = nullptr;
     makecontext(&own.context, reinterpret_cast<void (*)()>(&Interleavings::entry), 1, static_cast<unsigned>(worker));  // NOLINT
-    running_ = nobody - 1 - worker;                                                                                    // it begins
+    running_ = no_worker - 1 - worker;                                                                                 // it begins
     swapcontext(&main_, &own.context);
 }
 
@@ -98,7 +98,7 @@ bool Interleavings::enabled(int worker) const {
         case Pending::Kind::change: return stores_[static_cast<std::size_t>(of.pending.atomic)].back().value != of.pending.old;
         case Pending::Kind::rest:
             for (int atomic = 0; atomic < static_cast<int>(stores_.size()); ++atomic) {
-                if ((of.pending.seen & bit(atomic)) != 0 && newest(atomic) > of.looked[static_cast<std::size_t>(atomic)]) return true;
+                if ((of.pending.seen & bit(atomic)) != 0 && newest(atomic) > of.seen[static_cast<std::size_t>(atomic)]) return true;
             }
             return false;
         case Pending::Kind::load:
@@ -130,7 +130,7 @@ bool Interleavings::may_leave() {
     return true;
 }
 
-/// @return -1: nothing is left to try, or all have ended, or nobody can go on
+/// @return -1: nothing is left to try, or all have ended, or none can continue
 int Interleavings::choose_worker() {
     if (depth_ == choices_.size()) {
         Choice choice{true, {}, 0, asleep_};
@@ -155,7 +155,7 @@ int Interleavings::choose_worker() {
     return chosen;
 }
 
-/// The running worker stands before an operation, or has ended: whoever is chosen goes on.
+/// The running worker is before an operation, or has ended: the chosen one continues.
 void Interleavings::pass_on() {
     Worker& own = self();
     const int next = choose_worker();
@@ -172,7 +172,7 @@ void Interleavings::pass_on() {
 
 void Interleavings::announce(Pending pending) {
     if (running_ < 0) {  // a worker that begins
-        const auto worker = static_cast<std::size_t>(nobody - 1 - running_);
+        const auto worker = static_cast<std::size_t>(no_worker - 1 - running_);
         workers_[worker].pending = pending;
         swapcontext(&workers_[worker].context, &main_);
     } else {

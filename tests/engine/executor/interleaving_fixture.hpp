@@ -24,19 +24,19 @@ namespace cvtflow::engine::test {
 class Scenario {
 public:
     virtual ~Scenario() = default;
-    /// What a worker does. Allocates nothing: an interleaving that is left early leaves it where it is.
+    /// Work of a worker. Allocates nothing: an interleaving that is left early leaves it where it is.
     virtual void work(int worker) noexcept = 0;
     /// Called when all workers have ended: what is wrong; empty: nothing.
-    [[nodiscard]] virtual std::string verdict() = 0;
+    [[nodiscard]] virtual std::string fault() = 0;
 };
 
-/// Where a call stands; std::source_location, which clang 14 does not have.
+/// Place of a call; std::source_location, which clang 14 does not have.
 struct Place {
     const char* function;
     unsigned line;
 };
 
-/// An operation by where it stands in the sources.
+/// An operation by its place in the sources.
 struct Site {
     enum class Kind { load, store, add, swap };
     std::string place;  ///< "function:line"
@@ -44,7 +44,7 @@ struct Site {
     bool orders;  ///< anything but itself
 };
 
-/// What is done to the program to see whether it is missed.
+/// Changes of the program that a test must detect.
 enum class Sabotage {
     none,
     relaxed,  ///< the operation orders nothing
@@ -70,12 +70,12 @@ public:
     };
     using Make = std::function<std::unique_ptr<Scenario>()>;
 
-    /// Runs all interleavings, up to the first fault: a race, a wrong verdict, workers that wait for ever.
+    /// Runs all interleavings, up to the first fault: a race, a wrong result, workers that wait for ever.
     [[nodiscard]] static Outcome explore(const Options& options, const Make& make);
     /// The exploration that is under way.
     [[nodiscard]] static Interleavings& now() noexcept { return *now_; }
 
-    // What atomics do. `order` decides what becomes visible.
+    // Operations of atomics. `order` determines visibility.
     [[nodiscard]] int add_atomic(std::uint64_t value);
     std::uint64_t load(int atomic, std::memory_order order, const Place& where);
     void store(int atomic, std::uint64_t value, std::memory_order order, const Place& where);
@@ -86,7 +86,7 @@ public:
     /// Waits until something was stored that the worker's loads since its last rest have not seen; from then on they see it.
     void rest();
 
-    /// One of so many possibilities; all come in turn.
+    /// One of `possibilities`; all come in turn.
     [[nodiscard]] int pick(int possibilities);
     /// A worker that may go away once more does; asked for possibilities.
     [[nodiscard]] bool may_leave();
@@ -100,7 +100,7 @@ private:
     using View = std::array<std::uint16_t, max_atomics>;  ///< [atomic] the oldest store that may be seen
     struct Store {
         std::uint64_t value = 0;
-        Clock clock{};  ///< handed to whoever acquires
+        Clock clock{};  ///< handed to the acquiring worker
         View view{};
     };
     struct Cell {
@@ -112,15 +112,15 @@ private:
         enum class Kind { load, modify, change, rest, ended } kind = Kind::load;
         int atomic = -1;
         std::uint64_t old = 0;
-        std::uint64_t seen = 0;  ///< rest: bits of the atomics that were looked at
+        std::uint64_t seen = 0;  ///< rest: bits of the atomics that were read
     };
     struct Worker {
         ucontext_t context{};
         std::vector<char> stack;
         Clock clock{};
         View view{};
-        View looked{};  ///< newest store that was seen since the last rest
-        std::uint64_t looks = 0;
+        View seen{};  ///< newest store that was seen since the last rest
+        std::uint64_t read = 0;
         Pending pending{};
         int absences = 0;
     };
@@ -167,7 +167,7 @@ private:
     void replace(int atomic, std::uint64_t value, std::memory_order order, Sabotage sabotage);
     [[nodiscard]] std::size_t pick_store(int atomic, const std::function<bool(std::uint64_t)>& allowed);
 
-    static constexpr int nobody = -1;
+    static constexpr int no_worker = -1;
 
     static inline Interleavings* now_ = nullptr;
 
@@ -181,7 +181,7 @@ private:
 
     ucontext_t main_{};
     std::array<Worker, max_workers> workers_;
-    int running_ = nobody;
+    int running_ = no_worker;
     bool left_ = false, pruned_ = false;
     unsigned asleep_ = 0;
     long operations_ = 0;
@@ -190,7 +190,7 @@ private:
     std::vector<Deed> deeds_;
 };
 
-/// What a board stands on (engine/executor/tbb/resident_board.hpp), of that machine.
+/// Machine of a board (engine/executor/tbb/resident_board.hpp) in this model.
 struct ModelMachine {
     template <class Value>
     class Atomic {
@@ -221,7 +221,7 @@ struct ModelMachine {
         int id_;
     };
     static constexpr std::size_t numbers_together = 1;
-    static constexpr int patience = 0;
+    static constexpr int max_polls = 0;
     struct Waiter {
         explicit Waiter(const ExecutorOptions& /*options*/) {}
         template <class Value>

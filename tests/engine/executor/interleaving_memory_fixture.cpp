@@ -1,4 +1,4 @@
-/// What atomics and cells do on the machine of interleaving_fixture.hpp.
+/// Atomics and cells of the machine of interleaving_fixture.hpp.
 
 #include <algorithm>
 #include <cstdlib>
@@ -30,8 +30,8 @@ std::uint64_t Interleavings::see(int atomic, std::size_t which, bool acquires) {
     const auto a = static_cast<std::size_t>(atomic);
     const Store& store = stores_[a][which];
     own.view[a] = std::max(own.view[a], static_cast<std::uint16_t>(which));
-    own.looked[a] = static_cast<std::uint16_t>(which);
-    own.looks |= bit(atomic);
+    own.seen[a] = static_cast<std::uint16_t>(which);
+    own.read |= bit(atomic);
     if (acquires) join(own.clock, store.clock), join(own.view, store.view);
     deeds_.push_back({running_, " sees atomic ", atomic, store.value});
     return store.value;
@@ -66,7 +66,7 @@ std::uint64_t Interleavings::load(int atomic, std::memory_order order, const Pla
 }
 
 void Interleavings::store(int atomic, std::uint64_t value, std::memory_order order, const Place& where) {
-    if (running_ == nobody) {
+    if (running_ == no_worker) {
         stores_[static_cast<std::size_t>(atomic)].back().value = value;
         return;
     }
@@ -108,11 +108,11 @@ std::uint64_t Interleavings::change(int atomic, std::uint64_t old, const Place& 
 
 void Interleavings::rest() {
     Worker& own = self();
-    announce({Pending::Kind::rest, -1, 0, own.looks});
+    announce({Pending::Kind::rest, -1, 0, own.read});
     for (std::size_t atomic = 0; atomic < stores_.size(); ++atomic) {
-        if ((own.looks & bit(static_cast<int>(atomic))) != 0) own.view[atomic] = static_cast<std::uint16_t>(stores_[atomic].size() - 1);
+        if ((own.read & bit(static_cast<int>(atomic))) != 0) own.view[atomic] = static_cast<std::uint16_t>(stores_[atomic].size() - 1);
     }
-    own.looks = 0;
+    own.read = 0;
 }
 
 int Interleavings::add_cell() {

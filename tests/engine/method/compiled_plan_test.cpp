@@ -47,7 +47,7 @@ TEST(CompiledPlan, UnsoundPlansAreRejected) {
     EXPECT_THROW(CompiledPlan{plan}, std::invalid_argument);
 }
 
-/// A chain of Euler substeps over two state slots: what the largest stabilised schemes look like.
+/// A chain of Euler substeps over two state slots, the form of the largest stabilised schemes.
 TEST(CompiledPlan, CarriesLongLowStorageSchemes) {
     constexpr int substeps = 324;
     StagePlan plan{"chain", "", "", 3, 3, {{{{0, 1.0}}, {}, -1, 0}}, {}, {}};

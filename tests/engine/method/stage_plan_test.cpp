@@ -16,7 +16,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-/// What validate() says about the two half Euler steps after one change.
+/// Message of validate() about the two half Euler steps after one change.
 std::string complaint(const std::function<void(StagePlan&)>& change) {
     StagePlan plan = test::two_half_euler_steps();
     change(plan);

@@ -68,7 +68,7 @@ TEST_F(TornTable, LosesTheRowOfWhichAnyByteHasChangedAndNoOther) {
     EXPECT_EQ(found(), (std::vector<std::int64_t>{0, 1, 2, 3}));
 }
 
-TEST_F(TornTable, IsSearchedToItsEndWhereverRowsLie) {
+TEST_F(TornTable, IsSearchedCompletelyWhereverRowsLie) {
     const auto* rows = reinterpret_cast<const char*>(table_.rows.data());
     const std::size_t size = table_.layout.bytes();
     for (std::size_t before = 0; before <= size; ++before) {  // rows at every place about the end of a mebibyte, and at the file's end

@@ -46,7 +46,7 @@ Objects objects_of(hid_t file) {
     return objects;
 }
 
-/// What a dataset may be made of that no reader expects.
+/// A type of elements that no reader expects.
 hid_t odd_type(Dice& dice) {
     const hid_t plain[] = {H5T_IEEE_F32LE,  H5T_IEEE_F64BE,      H5T_STD_I8LE, H5T_STD_U64BE,  H5T_NATIVE_LDOUBLE,
                            H5T_STD_REF_OBJ, H5T_STD_REF_DSETREG, H5T_STD_B8LE, H5T_IEEE_F64LE, H5T_STD_U8LE};
@@ -79,7 +79,7 @@ struct Plan {
     hid_t creation = -1;
 };
 
-/// What there is at a path: its shape and type, from which a liar departs.
+/// Shape and type of the dataset at a path, from which a forgery departs.
 Plan plan_of(hid_t file, const std::string& path) {
     Plan plan;
     const hid_t dataset = H5Dopen2(file, path.c_str(), H5P_DEFAULT), space = H5Dget_space(dataset);

@@ -30,7 +30,7 @@ constexpr bool instrumented = false;
 
 enum class Fate { unread, ok, refused, memory, crash, hang };
 
-/// What a child says of the mutant at hand, for its parent to read after its death.
+/// Notes of a child on the present mutant, for its parent to read after its death.
 struct Notes {
     long next = 0;
     Mutation mutation{};

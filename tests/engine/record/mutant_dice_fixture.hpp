@@ -1,5 +1,5 @@
 #pragma once
-/// What is drawn for a mutant of an HDF5 file.
+/// Random choices for a mutant of an HDF5 file.
 
 #include <hdf5.h>
 

@@ -21,7 +21,7 @@ inline void end_after(const TimeLimits& limits) noexcept {
     setitimer(ITIMER_REAL, &clock, nullptr);
 }
 
-/// What ended a process that was too late, from its status (128 + signal).
+/// Whether a process used up its processor time, from its status (128 + signal).
 [[nodiscard]] inline bool took_its_processor_time(int status) noexcept { return status == 128 + SIGPROF; }
 [[nodiscard]] inline bool took_its_clock_time(int status) noexcept { return status == 128 + SIGALRM; }
 

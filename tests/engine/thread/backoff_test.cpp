@@ -81,7 +81,7 @@ TEST(Backoff, LeavesTheProcessorToOthersIfPassive) {
 
 using namespace std::chrono_literals;
 
-/// A worker whose uses of the processor are told, one window after the other.
+/// A worker with given uses of the processor, one window after the other.
 class RetreatOf : public testing::Test {
 protected:
     bool window(std::chrono::nanoseconds wall, std::chrono::nanoseconds lost, int taken_away) {
@@ -100,7 +100,7 @@ protected:
 };
 
 TEST_F(RetreatOf, AWorkerWithAProcessorOfItsOwnStays) {
-    for (int i = 0; i < 100; ++i) ASSERT_FALSE(window(2ms, 20us, 1)) << "a short interruption is nobody's neighbour";
+    for (int i = 0; i < 100; ++i) ASSERT_FALSE(window(2ms, 20us, 1)) << "a short interruption is no other load";
 }
 
 TEST_F(RetreatOf, ALostSliceIsSeenInTheNextWindow) {

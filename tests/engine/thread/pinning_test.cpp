@@ -34,7 +34,7 @@ TEST(Pin, KeepsTheThreadOnOneProcessorAndLetsGo) {
     EXPECT_TRUE(CPU_EQUAL(&after, &before));
 }
 
-TEST(Pin, DoesNothingUnlessWanted) {
+TEST(Pin, DoesNothingUnlessRequested) {
     const cpu_set_t before = mask_of(0);
     const Pin pin(false, Processors(), 0);
     const cpu_set_t now = mask_of(0);
@@ -55,7 +55,7 @@ int narrowed_now(const cpu_set_t& all) {
     return count;
 }
 
-/// Those that stay so: one that was joined is listed with its last mask until the system has taken it away.
+/// Number of threads that stay narrowed: one that was joined is listed with its last mask until the system has taken it away.
 int narrowed(const cpu_set_t& all) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(2);
     while (narrowed_now(all) != 0 && std::chrono::steady_clock::now() < end) std::this_thread::yield();

@@ -15,7 +15,7 @@ TEST(WorkerGrant, TriesThreadsAndLetsThemGo) {
     EXPECT_EQ(test::thread_count(), before);
 }
 
-TEST(WorkerGrant, GivesWhatIsWantedWhereThereIsNoShortageAndTriesOnlyWhatIsNew) {
+TEST(WorkerGrant, GivesTheRequestedThreadsWithoutShortageAndTriesOnlyNewOnes) {
     forget_workers();
     {
         const WorkerGrant first(3), second(2);  // side by side: three workers in all

@@ -66,7 +66,7 @@ TEST_F(CompareFront, NeverRecommendsAStepBeyondStabilityHoweverExactItIsOverASho
 }
 
 TEST_F(CompareFront, LeavesOutWhatTheWatchRejects) {
-    // dopri54 looks at the error of its steps and not at stability, so a loose tolerance is not seen beforehand.
+    // dopri54 controls the error of its steps and not stability, so a loose tolerance is not detected beforehand.
     const Outcome outcome = run({"compare", "control", "--front", "leapfrog-chebyshev@auto", "dopri54@auto~1", "-q", "--reference",
                                  "rk4@25ns", "--rounds", "1", "--confirm", "2ms"});
     EXPECT_EQ(outcome.status, 0) << outcome.err;

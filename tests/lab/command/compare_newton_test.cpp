@@ -37,7 +37,7 @@ TEST_F(CompareNewton, KeepsFaultsInTheirRow) {
     EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  euler@4us .* lost +lost "));
 }
 
-TEST_F(CompareNewton, ARunSaysHowNewtonFared) {
+TEST_F(CompareNewton, ARunReportsHowNewtonFared) {
     const Outcome outcome =
         run({"run", "tiny", "--method", "trapezoidal-frozen", "--step", "1us", "--until", "10us", "--set", "start.settling_time=20us",
              "--set", "start.ramp_time=10us", "--set", "run.output_interval=10us", "--set", "run.schedule=serial", "-o", "t.h5"});

@@ -33,7 +33,7 @@ TEST_F(GranularityCommand, ComparesExecutorsAndLeavesFiles) {
     EXPECT_THAT(read("out/granularity.svg"), HasSubstr("METG(50 %) [us]"));
 }
 
-TEST_F(GranularityCommand, SaysWhatItDoesNotKnow) {
+TEST_F(GranularityCommand, ReportsWhatItDoesNotKnow) {
     const Outcome unknown = run({"granularity", "--executors", "flaw"});
     EXPECT_EQ(unknown.status, 1);
     EXPECT_THAT(unknown.err, HasSubstr("there is no executor 'flaw' (did you mean \"flow\"?)"));

@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "engine/method/catalogue.hpp"
-#include "tasks/run/channels.hpp"
+#include "tasks/channel/channels.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tests/tools/program_fixture.hpp"
 
@@ -102,7 +102,7 @@ TEST_F(LabCommands, WriteAsJsonWhatTheyMeasure) {
                                 "detail_baseline.json");
     EXPECT_EQ(detail["variants"].size(), 13u);
     EXPECT_EQ(detail["variants"].back()["mass_scaling"], 3.0);
-    EXPECT_TRUE(detail["variants"][0]["thrust_ratio"].is_null()) << "it was not looked for";
+    EXPECT_TRUE(detail["variants"][0]["thrust_ratio"].is_null()) << "it was not searched for";
 }
 
 TEST_F(LabCommands, DetailNeedsAStateOfFullDetailAndItsDialsFree) {

@@ -23,10 +23,10 @@ namespace {
 using testing::ContainsRegex;
 using testing::HasSubstr;
 
-/// What a cell is to come to: its exit status and a part of what it prints, on stdout if it is done and on stderr if it is refused.
+/// Expected result of a cell: its exit status and a part of its output, on stdout if it is done and on stderr if it is refused.
 struct Expected {
     int status;
-    std::string says;
+    std::string output;
 };
 
 /// One command line for any method.
@@ -50,10 +50,10 @@ Words run_words(const std::string& method) {
     return Words{"run", "tiny", "--method", method, "--step", "100ns", "--until", "2us"} + state + outputs;
 }
 
-Expected done(const std::string& says) { return {0, says}; }
+Expected done(const std::string& output) { return {0, output}; }
 
-/// Euler's rule makes energy of every oscillation, with any step: its runs come to their end and are called what they are.
-Expected done_or_unreliable(const std::string& method, const std::string& says) { return {method == "euler" ? unreliable : 0, says}; }
+/// Euler's rule makes energy of every oscillation, with any step: its runs finish and are reported as unreliable.
+Expected done_or_unreliable(const std::string& method, const std::string& output) { return {method == "euler" ? unreliable : 0, output}; }
 std::string ended(const std::string& method) {
     return method == "euler" ? "tiny: unreliable at t = 2e-06 s\n" : "tiny: finished at t = 2e-06 s\n";
 }
@@ -64,7 +64,7 @@ bool chooses_tables(const std::string& method) {
     return is_program(method) && bench::analysis_of(*tasks::find_program(method)).stability == nullptr;
 }
 
-/// What only cvtflow does, which does not know the method.
+/// Result of cvtflow only, which does not have the method.
 Expected refused_or(const std::string& method, int status, const Expected& otherwise) {
     return tasks::belongs_to_laboratory(method) ? Expected{status, method + " belongs to the laboratory: cvtflow-lab run"} : otherwise;
 }
@@ -196,28 +196,29 @@ const std::vector<Row> rows{
 
 /// Scenes and methods on the command line, as the commands' own help has it.
 bool takes_a_method(const std::string& help) {
-    const auto says = [&](const char* word) { return help.find(word) != std::string::npos; };
-    return says("--method") || says("METHOD") || says("run.method") || says("--set ") || says("SWEEP") || says("Checkpoint of a run");
+    const auto mentions = [&](const char* word) { return help.find(word) != std::string::npos; };
+    return mentions("--method") || mentions("METHOD") || mentions("run.method") || mentions("--set ") || mentions("SWEEP") ||
+           mentions("Checkpoint of a run");
 }
 
 class MatrixOfMethods : public Program {
 protected:
     MatrixOfMethods() { run({"settle", "tiny", "-q", "-o", "state.h5", "--time", "20us", "--set", "start.ramp_time=10us"}); }
 
-    /// Runs one cell and says what came of it: "ok", "refused: …" or what is wrong.
+    /// Runs one cell. @return "ok", "refused: …" or the defect
     std::string cell(const Row& row, const std::string& method) const {
         const Outcome outcome = Child(row.words(method), folder_, {}, limit).wait();
         const Expected expected = row.expected(method);
         const bool ran = expected.status == 0 || expected.status == unreliable;
         const std::string& where = ran ? outcome.out : outcome.err;
         EXPECT_EQ(outcome.status, expected.status) << row.name() << " with " << method << "\n" << outcome.err;
-        EXPECT_THAT(where, HasSubstr(expected.says)) << row.name() << " with " << method << "\n" << outcome.err;
+        EXPECT_THAT(where, HasSubstr(expected.output)) << row.name() << " with " << method << "\n" << outcome.err;
         EXPECT_THAT(outcome.out, testing::Not(ContainsRegex("[ -]nan|[ -]inf[ \n]"))) << row.name() << " with " << method;
         if (!ran && expected.status != incomplete) {
             EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
             EXPECT_EQ(outcome.out, "") << row.name() << " with " << method;
         }
-        const bool right = outcome.status == expected.status && where.find(expected.says) != std::string::npos;
+        const bool right = outcome.status == expected.status && where.find(expected.output) != std::string::npos;
         return !right                          ? "WRONG"
                : expected.status == unreliable ? "unreliable"
                : ran                           ? "ok"

@@ -99,7 +99,7 @@ TEST_F(ProfileCommand, PredictsNothingOnACrowdedMachine) {
     EXPECT_THAT(outcome.err, HasSubstr("cvtflow-lab: c.csv: not written: no prediction: calibration got 0."));
 }
 
-TEST_F(ProfileCommand, SaysWhatItDoesNotKnow) {
+TEST_F(ProfileCommand, ReportsWhatItDoesNotKnow) {
     const Outcome outcome = run({"profile", "tiny", "--schedules", "flaw"});
     EXPECT_EQ(outcome.status, 1);
     EXPECT_THAT(outcome.err, HasSubstr("there is no executor 'flaw' (did you mean \"flow\"?)"));

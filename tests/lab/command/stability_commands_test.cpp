@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/method/catalogue.hpp"
-#include "tasks/run/channels.hpp"
+#include "tasks/channel/channels.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tests/tools/program_fixture.hpp"
 
@@ -20,7 +20,7 @@ using testing::StartsWith;
 
 class StabilityCommands : public Program {};
 
-TEST_F(StabilityCommands, SpectrumTellsExtentBandsAndTheLongestStep) {
+TEST_F(StabilityCommands, SpectrumReportsExtentBandsAndTheLongestStep) {
     const Outcome outcome = run(std::vector<std::string>{"spectrum", "tiny", "--extremal", "-q", "-o", "s"} + brief_settling);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_THAT(outcome.out, StartsWith("tiny: eigenvalues of the Jacobian at t = 0 s, piecewise friction, "));

@@ -1,4 +1,4 @@
-/// What is known of every method of the catalogue, against what the program derives from its table.
+/// Known figures of every method of the catalogue, against those that the program derives from its table.
 
 #include <gtest/gtest.h>
 
@@ -25,8 +25,8 @@ struct Figures {
     double real;       ///< reach along the negative real axis
     double imaginary;  ///< along the imaginary axis; negative: none to speak of
     bool reuses;       ///< the last stage is the result
-    /// Of order conditions. The tables of long DUMKA3 polynomials are less exact, SERK2 sums weights of up to 300, and fitted methods meet
-    /// the one condition of order 3 that is no condition on R only nearly.
+    /// Tolerance of order conditions. The tables of long DUMKA3 polynomials are less exact, SERK2 sums weights of up to 300, and fitted
+    /// methods meet the one condition of order 3 that is no condition on R only nearly.
     double residual = 1e-13;
 };
 
@@ -151,7 +151,7 @@ TEST(MethodFigures, DeclaredOrdersAndReachesAreDerived) {
     EXPECT_TRUE(find_method("rk4")->reach && find_method("dumka3-p13")->reach);
 }
 
-/// What the product says of names that it does not have.
+/// Message of the product for names that it does not have.
 TEST(MethodFigures, NamesOfTheLaboratoryAreKnownToTheProduct) {
     const std::set<std::string> product{"rk4", "heun", "euler", "dopri54", "dumka3", "leapfrog-chebyshev", "leapfrog-sweep"};
     for (const std::string& name : tasks::method_names())

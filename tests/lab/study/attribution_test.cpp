@@ -47,13 +47,13 @@ TEST(Attribution, SharesOfStiffEigenvaluesSumToOne) {
 }
 
 TEST(Attribution, TriesKindsAloneAndOneAfterTheOther) {
-    std::vector<std::string> told;
+    std::vector<std::string> activities;
     const Attribution found =
-        attribute(brief_scene().parameters, brief_start(), -1e6, [&](const std::string& what) { told.push_back(what); });
+        attribute(brief_scene().parameters, brief_start(), -1e6, [&](const std::string& what) { activities.push_back(what); });
     std::vector<std::string> contacts;
     for (const SlowedSpectrum& slowed : found.slowed) contacts.push_back(slowed.contacts);
     EXPECT_THAT(contacts, testing::ElementsAre("", "joints", "plates", "tips", "joints, plates", "joints, plates, tips"));
-    EXPECT_EQ(told.size(), 9u);
+    EXPECT_EQ(activities.size(), 9u);
     EXPECT_LT(extent_of(found.slowed.back().values).decay, 0.25 * extent_of(found.slowed.front().values).decay);
 }
 

@@ -14,27 +14,27 @@ using namespace tasks;
 namespace {
 
 std::vector<double> after(MethodRun& run, double duration) {
-    SilentObserver nobody;
+    SilentObserver silent;
     const engine::Cancellation never;
-    EXPECT_FALSE(run.run(brief_start(), duration, 50e-9, 10e-6, nobody, never));
-    const double* state = run.workspace().states[0];
+    EXPECT_FALSE(run.run(brief_start(), duration, 50e-9, 10e-6, silent, never));
+    const double* state = run.workspace().state();
     return {state, state + brief_start().state.size()};
 }
 
-/// Twice, from where a simulation stood; that went on as well.
+/// Runs twice from the state of a simulation, which also continues.
 void expect_same(const std::string& method, const std::string& step, double seconds) {
     Scene scene = brief_scene();
     set_values(scene, std::vector<std::string>{"run.method=" + method, "run.step=" + step});
     Simulation whole(scene);
-    SilentObserver nobody;
+    SilentObserver silent;
     const engine::Cancellation never;
-    ASSERT_FALSE(whole.advance({.until = 0.0}, nobody, never));
+    ASSERT_FALSE(whole.advance({.until = 0.0}, silent, never));
     const FrozenStart start = frozen_start(whole);
-    ASSERT_FALSE(whole.advance({.until = 400e-6}, nobody, never));
+    ASSERT_FALSE(whole.advance({.until = 400e-6}, silent, never));
     MethodRun run(scene.parameters, method);
     for (int again = 0; again < 2; ++again) {
-        ASSERT_FALSE(run.run(start, 400e-6, seconds, 10e-6, nobody, never));
-        EXPECT_TRUE(std::equal(whole.state(), whole.state() + start.state.size(), run.workspace().states[0])) << method;
+        ASSERT_FALSE(run.run(start, 400e-6, seconds, 10e-6, silent, never));
+        EXPECT_TRUE(std::equal(whole.state(), whole.state() + start.state.size(), run.workspace().state())) << method;
         EXPECT_EQ(run.counters().steps, whole.counters().steps) << method;
         EXPECT_EQ(run.step(), whole.step()) << method;
     }

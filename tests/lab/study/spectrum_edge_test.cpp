@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/method/linear/eigenvalues.hpp"
+#include "bench/method/linear/arnoldi.hpp"
 #include "bench/study/spectrum.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tests/tasks/brief_start_fixture.hpp"

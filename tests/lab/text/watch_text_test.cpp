@@ -1,4 +1,4 @@
-/// What the watch over a run says shows in every command that compares runs, and automatic steps are a choice in each.
+/// Every command that compares runs shows the watch over a run, and offers automatic steps.
 
 #include <gmock/gmock.h>
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "model/contact/contact_field.hpp"
+#include "model/contact/friction_operator.hpp"
 #include "model/variator/variator.hpp"
 #include "tests/oracle/oracle_cases.hpp"
 
@@ -33,7 +33,7 @@ std::vector<double> friction_of(const Parameters& p, const oracle::RandomState& 
     EvaluationScratch scratch(at);
     fill_window(variator, random.state.data(), scratch);
     if (at.pulley_size != 0) variator.pulleys().motions(random.state.data() + at.pulley_begin(), scratch.sheaves);
-    const FrictionOperator friction(variator.chain(), p.detail.stick_slip);
+    const FrictionOperator friction = make_friction(variator.chain(), p.detail.stick_slip);
     ContactField field(variator.chain());
     Columns frictionless(size, at.links + 2), slope(size, at.links + 2);
     friction.record({0, at.links, scratch.window.data(), scratch.sheaves, random.phases.data()}, {}, field, frictionless,

@@ -1,4 +1,4 @@
-/// What turns beyond a shaft: couplings of both shafts, and the governor of shaft 2. (model/EQUATIONS.md section 8)
+/// Inertias beyond a shaft: couplings of both shafts, and the governor of shaft 2. (model/EQUATIONS.md section 8)
 
 #include <gtest/gtest.h>
 

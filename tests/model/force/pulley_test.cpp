@@ -214,7 +214,7 @@ TEST(Inputs, LoadGrowsWithSpeedAndItsSquareAgainstTheTravel) {
     EXPECT_NEAR(pulleys.inputs(0.0, block.data()).load_torque, -(10.0 - 18.0 - 32.4), 1e-12);
 }
 
-/// What one-dimensional theory has as the torque that slips: 2 mu S r/cos(beta).
+/// Slipping torque of one-dimensional theory: 2 mu S r/cos(beta).
 TEST(Inputs, ClampingBySafetyCarriesThatManyTimesTheLoad) {
     Parameters p;
     p.clamping.safety = 1.5;

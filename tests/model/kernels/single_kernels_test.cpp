@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "model/contact/contact_field.hpp"
+#include "model/contact/friction_operator.hpp"
 #include "model/variator/variator.hpp"
 #include "tests/oracle/oracle_cases.hpp"
 
@@ -24,7 +24,7 @@ public:
           variator_(p, isa),
           scratch_(variator_.layout()),
           start_(random_.state),
-          friction_(variator_.chain(), p.detail.stick_slip),
+          friction_(make_friction(variator_.chain(), p.detail.stick_slip)),
           field_(variator_.chain()),
           single_field_(variator_.chain()) {
         fill_window(variator_, random_.state.data(), scratch_);

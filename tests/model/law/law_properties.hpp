@@ -1,5 +1,5 @@
 #pragma once
-/// What every friction law owes: checked for all laws of the catalogue, and for the toy of the recipe.
+/// Properties of every friction law: checked for all laws of the catalogue, and for the toy of the recipe.
 
 #include <gtest/gtest.h>
 

@@ -156,7 +156,7 @@ struct Scaled {
 
 constexpr double factor = 30.0;
 
-/// Of x and y, and of z, at every level of detail.
+/// Checks of x and y, and of z, at every level of detail.
 template <class Check>
 void for_every_direction(const Check& check) {
     for_every_detail([&]<int P>(Parameters p) {

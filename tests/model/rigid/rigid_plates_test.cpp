@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "model/rigid/rigid_chain.hpp"
-#include "tests/model/rigid/plain_pins_fixture.hpp"
+#include "tests/oracle/oracle_cases.hpp"
 
 namespace cvtflow::model {
 namespace {
@@ -15,7 +15,7 @@ Parameters chain_of(int pins, FrictionLaw law) {
     Parameters p;
     p.chain.pins = pins;
     p.detail.friction = law;
-    return test::with_rigid_pins(p);
+    return oracle::with_rigid_pins(p);
 }
 
 /// Velocities, forces and kept sliding speeds without any order; a quarter of the links does not pull.

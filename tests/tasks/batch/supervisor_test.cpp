@@ -24,7 +24,7 @@ protected:
     Supervisor() : rows_(static_cast<char*>(mmap(nullptr, 64, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0))) {}
     ~Supervisor() override { munmap(rows_, 64); }
 
-    /// What a child does: two cases side by side until all are done. `die` may end the process.
+    /// Work of a child: two cases side by side until all are done. `die` may end the process.
     int work(const SweepPart& part, const std::function<void(long)>& die) {
         if (part.only) {
             EXPECT_NE(part.attempt, 0);

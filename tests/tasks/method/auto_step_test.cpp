@@ -22,8 +22,7 @@ namespace {
 /// Shares of oscillation and damping add up, which gives away half where both are of other motions; and the step has its margin.
 constexpr double given_away = 2.0 / AutoStep::margin;
 
-/// Where damping was not looked at, disturbances grew by 0.14 to 9 a step. What grows by less has a frequency of its own that a step
-/// changes.
+/// Without regard to damping, disturbances grew by 0.14 to 9 a step. Slower growth belongs to frequencies that a step changes.
 constexpr double noticeable_growth = 1e-2;
 
 class AutoStepOn : public testing::TestWithParam<const char*> {};

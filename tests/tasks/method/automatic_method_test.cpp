@@ -1,4 +1,4 @@
-/// What run.method = "auto" is, by detail and friction law; and that it is resolved wherever a method is named.
+/// Meaning of run.method = "auto", by detail and friction law; it is resolved wherever a method is named.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -20,8 +20,8 @@ std::string automatic_with(const std::vector<std::string>& settings) {
 TEST(AutomaticMethod, IsChosenByDetailAndFrictionLaw) {
     EXPECT_EQ(automatic_with({}), "leapfrog-sweep");
     EXPECT_EQ(automatic_with({"detail.order=3", "detail.plates=each", "detail.joint_points=8"}), "leapfrog-sweep");
-    EXPECT_EQ(automatic_with({"detail.pins=rigid", "detail.order=2"}), "leapfrog-sweep");
-    EXPECT_EQ(automatic_with({"detail.pins=rigid", "detail.order=2", "detail.friction=smoothed"}), "leapfrog-sweep");
+    EXPECT_EQ(automatic_with({"detail.pins=rigid", "detail.order=2"}), "leapfrog-rigid");
+    EXPECT_EQ(automatic_with({"detail.pins=rigid", "detail.order=2", "detail.friction=smoothed"}), "leapfrog-rigid");
     EXPECT_EQ(automatic_with({"detail.friction=smoothed"}), "leapfrog-chebyshev");
     EXPECT_EQ(automatic_with({"detail.stick_slip=true"}), "leapfrog-chebyshev");
 }
@@ -51,15 +51,15 @@ TEST(AutomaticMethod, NamesThatAreGivenStay) {
     EXPECT_EQ(resolved_method("no such method", {}), "no such method") << "refused where methods are made";
 }
 
-/// Bit for bit what the method gives that it stands for, and known by that name.
+/// Results are bitwise those of the method that it represents, and are known by that name.
 TEST(AutomaticMethod, IsResolvedOnceWhenASimulationIsMade) {
     const engine::Cancellation unstopped;
-    SilentObserver nobody;
+    SilentObserver silent;
     Simulation automatic(claims::ready_scene("baseline", {"run.method=auto", "run.schedule=serial"}));
     Simulation named(claims::ready_scene("baseline", {"run.method=leapfrog-sweep", "run.schedule=serial"}));
     EXPECT_EQ(automatic.method_name(), "leapfrog-sweep");
-    ASSERT_FALSE(automatic.advance({.until = 50e-6}, nobody, unstopped));
-    ASSERT_FALSE(named.advance({.until = 50e-6}, nobody, unstopped));
+    ASSERT_FALSE(automatic.advance({.until = 50e-6}, silent, unstopped));
+    ASSERT_FALSE(named.advance({.until = 50e-6}, silent, unstopped));
     EXPECT_EQ(automatic.hash(), named.hash());
 }
 

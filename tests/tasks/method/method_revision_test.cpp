@@ -1,4 +1,4 @@
-/// Checkpoints guard methods that are programs by a revision. What each of them computes is recorded here.
+/// Checkpoints guard methods that are programs by a revision. The results of each are recorded here.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

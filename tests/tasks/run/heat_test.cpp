@@ -58,7 +58,7 @@ TEST(SimulationHeat, ContinuesBitForBitFromAnIntegrationState) {
     EXPECT_EQ(other.workspace().heat.film(), whole.workspace().heat.film());
 }
 
-/// What warmed one run must not warm the next one.
+/// The heat of one run must not warm the next one.
 TEST(SimulationHeat, BeginsAnewWithAReset) {
     const Scene scene = warming_scene();
     Simulation fresh(scene), used(scene);

@@ -161,7 +161,7 @@ RunMeans rising_means(double rise, double noise) {
     return means;
 }
 
-/// What moves by more than 1 % is no mean to 1 %. The swing of pins and scatter from period to period are not a movement.
+/// A value that moves by more than 1 % has no mean to 1 %. The swing of pins and scatter from period to period are not a movement.
 TEST(RunMeans, AreUnsteadyWhereOneStillMovesByMoreThanAPerCent) {
     EXPECT_EQ(names_of(rising_means(0.0, 0.0)), "");
     EXPECT_EQ(names_of(rising_means(0.005, 0.0)), "");
@@ -210,7 +210,7 @@ class Watching final : public RunObserver {
 public:
     explicit Watching(const Simulation& simulation) : eye_(simulation.variator()) {}
     void output(double time, const Workspace& workspace, const Counters&) override {
-        watch.add(eye_.observe(time, workspace.states[0], workspace.tips.phases.data()), workspace);
+        watch.add(eye_.observe(time, workspace.state(), workspace.tips.phases.data()), workspace);
     }
     void transition(const TransitionRecord&) override {}
     RunWatch watch;
@@ -250,7 +250,7 @@ TEST(RunWatch, CallsAStepBeyondStabilityUnreliable) {
     const RunVerdict wrong = watched({"run.method=rk4", "run.step=2us"}, 600e-6);
     EXPECT_FALSE(wrong.reliable());
     EXPECT_EQ(wrong.status({}), "unreliable");
-    EXPECT_EQ(wrong.status({FaultKind::penetration, 0.0, 0, 0.0, 0.0}), "penetration") << "a fault says more";
+    EXPECT_EQ(wrong.status({FaultKind::penetration, 0.0, 0, 0.0, 0.0}), "penetration") << "a fault is more specific";
 }
 
 TEST(RunWatch, LossesDoNotDependOnWhereTheLastSampleLay) {

@@ -32,7 +32,7 @@ TEST(CsvText, SemicolonsSeparateAndCommasAreDecimal) {
     EXPECT_EQ(cells_of(" 0,25 ; \"a;b\"", ';'), (std::vector<std::string>{"0.25", "a;b"}));
 }
 
-/// What is doubtful in a file of one column beside the time, or "".
+/// Doubtful number in a file of one column beside the time, or "".
 std::string doubt(const std::string& numbers) {
     std::string text = "# measured\nt;x";
     for (const char c : numbers) text += c == ' ' ? std::string("\n0;") : std::string(1, c);

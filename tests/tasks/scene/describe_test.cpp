@@ -15,7 +15,7 @@ namespace cvtflow::tasks {
 
 namespace {
 
-TEST(Explain, SaysMeaningUnitRangeDefaultAndSource) {
+TEST(Explain, StatesMeaningUnitRangeDefaultAndSource) {
     EXPECT_EQ(explain("tip.angle"),
               "tip.angle\n"
               "  Angle of the sheave's flank: half the wedge angle.\n"

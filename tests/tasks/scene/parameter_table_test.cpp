@@ -67,7 +67,7 @@ TEST(ParameterTable, NumbersHaveAUnitWithANameAndOthersHaveNone) {
     }
 }
 
-TEST(ParameterTable, EveryRowSaysMeaningAndSource) {
+TEST(ParameterTable, EveryRowStatesMeaningAndSource) {
     for (const Parameter& parameter : parameter_table()) {
         EXPECT_TRUE(parameter.meaning.ends_with('.')) << parameter.key;
         EXPECT_FALSE(parameter.source.empty()) << parameter.key;

@@ -31,7 +31,7 @@ constexpr std::array<const char*, 8> text_mutations{"bits", "bytes", "cut", "dou
 enum class Reading { none, scene, refused, memory, raw };
 constexpr std::size_t readings = 5;
 
-/// What a child has done, for its parent to read after its death.
+/// Results of a child, for its parent to read after its death.
 struct Tally {
     long next = 0;
     TextMutation mutation{};

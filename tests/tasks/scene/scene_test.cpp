@@ -268,7 +268,7 @@ TEST(DetailPresets, FineIsTheDefault) {
     EXPECT_EQ(scene.parameters.detail, model::Detail{});
 }
 
-TEST(DetailPresets, WithStatesThatDoNotFitDifferInAKeyThatSaysSo) {
+TEST(DetailPresets, WithStatesThatDoNotFitDifferInAStateKey) {
     const auto described = [](const Scene& scene) {
         std::string text;
         for (const std::string_view key : state_keys()) text += value_text(*find_parameter(key), scene) + " ";

@@ -142,7 +142,7 @@ TEST(Units, DimensionsHaveNames) {
     EXPECT_THROW((void)dimension_of("furlong"), std::invalid_argument);
 }
 
-TEST(Units, AngleTellsRotationFromFrequency) {
+TEST(Units, AngleDistinguishesRotationFromFrequency) {
     EXPECT_NE(dimension_of("rad/s"), dimension_of("Hz"));
     EXPECT_NE(dimension_of("N*m/rad"), dimension_of("N*m"));
 }

@@ -16,7 +16,7 @@ namespace {
 /// Time per cycle of a candidate at a time [s].
 using Machine = std::function<double(int candidate, double time)>;
 
-/// What a run of so many cycles took, and what it would have taken with the first candidate only.
+/// Time of a run of a number of cycles, and its time with the first candidate only.
 struct Invented {
     double seconds = 0.0, serial = 0.0;
     long decisions_late = 0;  ///< windows in which the chosen candidate was not the fastest
@@ -31,7 +31,7 @@ Invented run(
         const double cycles = std::max(1.0, std::ceil(chooser.window() / cost));
         outcome.seconds += cycles * cost;
         outcome.serial += cycles * serial;
-        chooser.took({cycles * cost, cost, touching(outcome.seconds)});
+        chooser.record({cycles * cost, cost, touching(outcome.seconds)});
     }
     return outcome;
 }

@@ -33,12 +33,12 @@ Scene settled(const std::vector<std::string>& settings = {}) {
 ChooserOptions restless() {
     ChooserOptions options;
     options.window = options.turn = 0.0;
-    options.regret = 1e9;
+    options.max_trial_share = 1e9;
     options.first_period = options.longest_period = 0.0;
     return options;
 }
 
-/// What ThreadSanitizer understands.
+/// Executor that ThreadSanitizer understands.
 std::string parallel() { return engine::test::thread_sanitizer ? "barrier" : "flow"; }
 
 std::vector<Schedule> mixed() {
@@ -53,7 +53,7 @@ std::vector<Schedule> mixed() {
 struct RunnerOutcome {
     std::uint64_t hash;
     Counters counters;
-    long rests, moves;
+    long pauses, repartitions;
 };
 
 RunnerOutcome runner_outcome(const Scene& scene, const std::vector<Schedule>& candidates, const ChooserOptions& options) {
@@ -61,7 +61,7 @@ RunnerOutcome runner_outcome(const Scene& scene, const std::vector<Schedule>& ca
     const engine::Cancellation never;
     Simulation simulation(scene, candidates, options);
     EXPECT_FALSE(simulation.advance({.until = scene.run.until}, quiet, never));
-    return {simulation.hash(), simulation.counters(), simulation.runner().rests(), simulation.runner().moves()};
+    return {simulation.hash(), simulation.counters(), simulation.runner().pause_count(), simulation.runner().repartition_count()};
 }
 
 TEST(ScheduleRunner, ChangingTheScheduleEveryFewStepsDoesNotChangeTheBits) {
@@ -70,8 +70,8 @@ TEST(ScheduleRunner, ChangingTheScheduleEveryFewStepsDoesNotChangeTheBits) {
         const RunnerOutcome serial = runner_outcome(scene, {Schedule{}}, {});
         const RunnerOutcome changing = runner_outcome(scene, mixed(), restless());
         EXPECT_GT(serial.counters.detected, 0) << "the run should cross transitions";
-        EXPECT_EQ(serial.rests, 0);
-        EXPECT_GT(changing.rests, serial.counters.steps / 12);  // every four to eight steps
+        EXPECT_EQ(serial.pauses, 0);
+        EXPECT_GT(changing.pauses, serial.counters.steps / 12);  // every four to eight steps
         EXPECT_EQ(changing.hash, serial.hash);
         EXPECT_EQ(changing.counters, serial.counters);
     }
@@ -84,7 +84,7 @@ TEST(ScheduleRunner, BordersFollowTheLinksThatTouch) {
     ChooserOptions options;
     options.window = 0.0;
     const RunnerOutcome moved = runner_outcome(scene, balanced, options);
-    EXPECT_GT(moved.moves, 0);
+    EXPECT_GT(moved.repartitions, 0);
     EXPECT_EQ(moved.hash, runner_outcome(scene, {Schedule{}}, {}).hash);
 }
 
@@ -104,7 +104,7 @@ void expect_bits_with_changing_segments(const std::vector<std::string>& methods)
             EXPECT_EQ(simulation.advance({.steps = 30}, quiet, never).kind, FaultKind::max_steps) << method;
             if (candidates.size() == 1) expected = simulation.hash();
             EXPECT_EQ(simulation.hash(), expected) << method;
-            EXPECT_EQ(simulation.runner().rests() > 0, candidates.size() > 1);
+            EXPECT_EQ(simulation.runner().pause_count() > 0, candidates.size() > 1);
         }
     }
 }
@@ -120,7 +120,7 @@ class QuietAllocations final : public RunObserver {
 public:
     void watch(const Simulation& simulation) { simulation_ = &simulation; }
     void output(double, const Workspace&, const Counters&) override {
-        const long rests = simulation_->runner().rests(), now = engine::test::allocation_count();
+        const long rests = simulation_->runner().pause_count(), now = engine::test::allocation_count();
         if (outputs_ > 1 && rests == rests_) quiet_ += 1, allocations_ += now - before_;
         ++outputs_;
         rests_ = rests;
@@ -145,7 +145,7 @@ TEST(ScheduleRunner, AllocatesNothingBetweenRests) {
     counter.watch(simulation);
     const engine::Cancellation never;
     EXPECT_FALSE(simulation.advance({.until = scene.run.until}, counter, never));
-    EXPECT_GT(simulation.runner().rests(), 3);
+    EXPECT_GT(simulation.runner().pause_count(), 3);
     EXPECT_GT(counter.quiet_, 10);
     EXPECT_EQ(counter.allocations_, 0);
 }
@@ -163,7 +163,7 @@ TEST(ScheduleRunner, EndsWhenAskedWhileSchedulesChange) {
     EXPECT_EQ(simulation.advance({.until = 1.0, .anew = true}, quiet, at_once).kind, FaultKind::cancelled);
 }
 
-TEST(ScheduleRunner, SaysWhatItCameTo) {
+TEST(ScheduleRunner, ReportsItsChoice) {
     const Scene scene = settled();
     SilentObserver quiet;
     const engine::Cancellation never;
@@ -172,7 +172,7 @@ TEST(ScheduleRunner, SaysWhatItCameTo) {
     EXPECT_EQ(brief.runner().text(), "serial (auto; the run was too short to try others)");
     EXPECT_EQ(Simulation(scene, Schedule{"barrier", {Assembly::staged}, 5, 2}).runner().text(), "barrier, staged, 5 segments, 2 threads");
     ChooserOptions options = restless();
-    options.gain = options.edge = 1e9;  // nothing can bring that
+    options.gain = options.min_lead = 1e9;  // nothing can bring that
     Simulation longer(scene, std::vector<Schedule>{Schedule{}, {"barrier", {Assembly::fused}, 2, 2}}, options);
     EXPECT_EQ(longer.advance({.steps = 200, .anew = true}, quiet, never).kind, FaultKind::max_steps);
     EXPECT_THAT(longer.runner().text(), AllOf(StartsWith("serial (auto: "),

@@ -174,7 +174,7 @@ TEST(Schedule, BalancedSegmentsCostAboutTheSame) {
     }
 }
 
-TEST(Schedule, BalancingIsWorthWhatTheLongestSegmentSays) {
+TEST(Schedule, BalancingIsWorthItByTheLongestSegment) {
     std::vector<model::Phase> phases(4 * 12, model::Phase::free);
     for (int link = 0; link < 4; ++link) phases[static_cast<std::size_t>(4 * link + 3)] = model::Phase::touching;
     const LinkCosts costs{1.0, 2.0};

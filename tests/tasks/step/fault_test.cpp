@@ -1,4 +1,4 @@
-/// Runs that cannot go on say what, when and where.
+/// Runs that cannot continue report what, when and where.
 
 #include "tasks/step/fault.hpp"
 
@@ -120,7 +120,7 @@ TEST(Faults, EachHasANameAndAMessage) {
     EXPECT_FALSE(static_cast<bool>(Fault{}));
 }
 
-TEST(FaultText, SaysWhatBlewUpAndWhichStepIsLost) {
+TEST(FaultText, ReportsWhatBlewUpAndWhichStepIsLost) {
     EXPECT_EQ(
         (Fault{FaultKind::blow_up, 1e-3, 7, 2.5e4, 1e4}).message(),
         "pin 7 moves at 2.5e+04 m/s at t = 0.001 s (limit 1e+04 m/s, faster than sound in steel): the step is too long for this scene");

@@ -59,7 +59,7 @@ Course undisturbed(const Scene& scene) {
     return {simulation.hash(), settling, simulation.counters(), observer.times, observer.transitions};
 }
 
-/// At every output the simulation is thrown away; another one goes on from a checkpoint on disk.
+/// At every output the simulation is thrown away; another one continues from a checkpoint on disk.
 Course from_file_to_file(const Scene& scene, int segments) {
     const std::string file = (std::filesystem::temp_directory_path() / ("cvtflow_checkpoint_" + std::to_string(getpid()) + ".h5")).string();
     Pauser observer(true);
@@ -118,12 +118,12 @@ void expect_the_same_course(const std::vector<std::string>& methods) {
     EXPECT_GT(2 * usable, static_cast<int>(methods.size()));
 }
 
-TEST(IntegrationState, OfAMethodGoesOnFromACheckpointBitForBit) {
+TEST(IntegrationState, OfAMethodContinuesFromACheckpointBitForBit) {
     expect_the_same_course(cvtflow::test::sample(method_names(), 12, "checkpoints"));
 }
-TEST(NightlyIntegrationState, OfEveryMethodGoesOnFromACheckpointBitForBit) { expect_the_same_course(method_names()); }
+TEST(NightlyIntegrationState, OfEveryMethodContinuesFromACheckpointBitForBit) { expect_the_same_course(method_names()); }
 
-TEST(IntegrationState, GoesOnWithStickAndSlipLedgerAndControl) {
+TEST(IntegrationState, ContinuesWithStickAndSlipLedgerAndControl) {
     Scene scene = tiny();
     scene.parameters.detail.stick_slip = true;
     scene.parameters.ledger = true;

@@ -52,7 +52,7 @@ struct TwoReaders final : RunObserver {
     void output(double now, const Workspace& w, const Counters& c) override {
         all.output(now, w, c);
         late.output(now, w, c);
-        const model::Observation& seen = eye.observe(now, w.states[0], w.tips.phases.data());
+        const model::Observation& seen = eye.observe(now, w.state(), w.tips.phases.data());
         time.push_back(now);
         slip.push_back(seen.slip);
         tight.push_back(seen.tight);
@@ -105,7 +105,7 @@ TEST(RelativeError, IsTheDistanceOverTheLengthOfTheReference) {
     EXPECT_DOUBLE_EQ(error.value(), 0.1);
 }
 
-TEST(RelativeError, IsNeverANumberThatLooksGoodWhereThereIsNone) {
+TEST(RelativeError, IsInfiniteForAZeroReferenceAndNumbersThatAreNotFinite) {
     EXPECT_EQ(relative_error(Numbers{0.0, 0.0}, Numbers{0.0, 0.0}), 0.0);
     EXPECT_EQ(relative_error(Numbers{1.0}, Numbers{0.0}), INFINITY);
     EXPECT_EQ(relative_error(Numbers{NAN}, Numbers{1.0}), INFINITY);

@@ -11,7 +11,7 @@ namespace {
 
 const engine::Cancellation uncancelled;
 
-/// Of `baseline` with settings, at rigid.
+/// Whether means of `baseline` with settings, at rigid, are unsteady.
 bool unsteady(const std::vector<std::string>& settings) {
     Scene scene = read_scene(find_scene("baseline"));
     set_values(scene, settings);
@@ -76,7 +76,7 @@ TEST(OperatingPoints, HoldEveryTableAtItsEndsAndTheOthersAsTheyBegin) {
     }
 }
 
-TEST(OperatingPoints, ThatNobodyHasSeenLieBetweenThoseEnds) {
+TEST(OperatingPoints, ThatAreUnseenLieBetweenThoseEnds) {
     const Scene scene = with({"load.torque=[[0, 10], [1, 16], [2, 4]]"});
     const auto points = unseen_points(scene, {}, 20, 7);
     double low = 1e9, high = 0.0;

@@ -96,7 +96,7 @@ TEST_F(TunedScenes, OfOtherUnknownsBeginWithTheStateThatWasMeasured) {
     fs::remove(state);
     std::ofstream(state) << "mine";
     EXPECT_TRUE(Simulation(tuned_scene(scene, any, folder_, never).scene, Schedule{}).needs_settling());
-    EXPECT_EQ(fs::file_size(state), 4u) << "no state: somebody else's";
+    EXPECT_EQ(fs::file_size(state), 4u) << "not a state: the file of another program";
 }
 
 TEST_F(TunedScenes, AreMeasuredAnewWhereWhatIsKeptIsDamagedOrForeign) {
@@ -130,8 +130,8 @@ TEST_F(TunedScenes, SayWhatWasNearestWhereNothingIsAccurateEnough) {
     result.accuracy = 0.01;
     result.choices.resize(2);
     result.choices[0] = {
-        .choice = {"medium", "rk4"}, .tried = true, .errors = {0.3}, .worst = "start", .standing = "slip off by 30 % at start"};
-    result.choices[1].standing = "budget used up";
+        .choice = {"medium", "rk4"}, .tried = true, .errors = {0.3}, .worst = "start", .outcome = "slip off by 30 % at start"};
+    result.choices[1].outcome = "budget used up";
     try {
         static_cast<void>(tuned_text(test::settled_tiny(), result, ""));
         FAIL();

@@ -1,4 +1,4 @@
-/// What a tuner chooses holds at operating points that it has not tried: at most one in twenty misses the target.
+/// Choices of a tuner hold at operating points that it has not tried: at most one in twenty misses the target.
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ struct Tally {
     long points = 0, missed = 0;
 };
 
-/// Tunes and looks at so many points more; what came out on stdout.
+/// Tunes, tries further points, and prints the results on stdout.
 void try_unseen(Tuner& tuner, const std::vector<OperatingPoint>& points, double accuracy, const std::string& name, Tally& tally) {
     const TuneResult result = tuner.tune(accuracy);
     if (!result.chosen) {

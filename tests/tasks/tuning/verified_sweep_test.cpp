@@ -52,12 +52,12 @@ TEST_F(VerifiedSweeps, CarryTheErrorsOfTheCasesThatWereRunAgain) {
     EXPECT_EQ(tuned.result->points, (std::vector<std::string>{"case 0", "case 3"})) << "the ends of the only axis";
     EXPECT_TRUE(run(tuned.sweep).finished);
     EXPECT_THAT(verify_sweep(asked, tuned, out(), go_on_, {}), testing::IsEmpty());
-    const SweepVerdict verdict = sweep_verdict(table());
-    EXPECT_EQ(verdict.verified, 3);
-    EXPECT_EQ(verdict.missed, 0) << verdict.text();
-    EXPECT_TRUE(verdict.held());
-    EXPECT_THAT(verdict.scalars, testing::ElementsAre("tight_tension_mean", "slack_tension_mean"));
-    EXPECT_GT(verdict.worst[0], 0.0) << "a tuned run is not the reference";
+    const SweepVerification verification = sweep_verification(table());
+    EXPECT_EQ(verification.verified, 3);
+    EXPECT_EQ(verification.missed, 0) << verification.text();
+    EXPECT_TRUE(verification.held());
+    EXPECT_THAT(verification.scalars, testing::ElementsAre("tight_tension_mean", "slack_tension_mean"));
+    EXPECT_GT(verification.worst[0], 0.0) << "a tuned run is not the reference";
     const engine::CaseTable all = engine::read_cases(table());
     EXPECT_EQ(all.attribute("accuracy_target"), "0.2");
     EXPECT_EQ(all.attribute("accuracy_choice"), tuned.kept.choice.text());
@@ -76,7 +76,7 @@ TEST_F(VerifiedSweeps, BeginWithAStateOfAnotherDetail) {
     EXPECT_THAT(tuned.result->left_out, testing::Each(testing::Not(testing::HasSubstr("case "))));
     EXPECT_TRUE(run(tuned.sweep).finished);
     EXPECT_THAT(verify_sweep(asked, tuned, out(), go_on_, {}), testing::IsEmpty());
-    EXPECT_EQ(sweep_verdict(table()).missed, 0);
+    EXPECT_EQ(sweep_verification(table()).missed, 0);
 }
 
 TEST_F(VerifiedSweeps, AreTunedOnceAndAloneDecideWhatIsRun) {
@@ -91,27 +91,27 @@ TEST_F(VerifiedSweeps, AreTunedOnceAndAloneDecideWhatIsRun) {
 }
 
 TEST_F(VerifiedSweeps, MissTheirTargetWhereMoreThanOneCaseInTwentyDoes) {
-    SweepVerdict verdict{0.01, {"slip_mean"}, {0.02}, 20, 1};
-    EXPECT_TRUE(verdict.held());
-    verdict.missed = 2;
-    EXPECT_FALSE(verdict.held());
-    EXPECT_EQ(verdict.text(), "20 cases verified, 2 beyond 1 %; at most: slip_mean 2 %");
+    SweepVerification verification{0.01, {"slip_mean"}, {0.02}, 20, 1};
+    EXPECT_TRUE(verification.held());
+    verification.missed = 2;
+    EXPECT_FALSE(verification.held());
+    EXPECT_EQ(verification.text(), "20 cases verified, 2 beyond 1 %; at most: slip_mean 2 %");
 }
 
-TEST_F(VerifiedSweeps, FindOutWhereATableIsNotAsAccurateAsItSays) {
+TEST_F(VerifiedSweeps, DetectATableThatMissesItsAccuracy) {
     Sweep asked = sweep(three);
     asked.scalars.resize(1);
-    TunedSweep coarse{asked, {{"rigid", "leapfrog-sweep"}, 0.0, 0.0}, std::nullopt};
+    TunedSweep coarse{asked, {{"rigid", "leapfrog-rigid"}, 0.0, 0.0}, std::nullopt};
     coarse.sweep.accuracy.target = 0.03;  // after 2 ms of settling, references of other steps differ by 0.35 %
     Sweep strict = asked;
     strict.accuracy.target = 0.03;
     coarse.sweep.scene = chosen_scene(asked.scene, coarse.kept.choice, 0.0);
     EXPECT_TRUE(run(coarse.sweep).finished);
     static_cast<void>(verify_sweep(strict, coarse, out(), go_on_, {}));
-    const SweepVerdict verdict = sweep_verdict(table());
-    EXPECT_EQ(verdict.verified, 3);
-    EXPECT_GE(verdict.missed, 2) << verdict.text() << ": with 24 pins rigid ones are off by more than 3 %";
-    EXPECT_FALSE(verdict.held());
+    const SweepVerification verification = sweep_verification(table());
+    EXPECT_EQ(verification.verified, 3);
+    EXPECT_GE(verification.missed, 2) << verification.text() << ": with 24 pins rigid ones are off by more than 3 %";
+    EXPECT_FALSE(verification.held());
 }
 
 TEST_F(VerifiedSweeps, DrawTheirCasesByASeed) {

@@ -1,4 +1,4 @@
-/// What killed and named runs leave, and what is left of it.
+/// Files that killed and named runs leave, and what later runs keep of them.
 
 #include <gmock/gmock.h>
 
@@ -59,8 +59,8 @@ TEST_F(Replacement, ResumeReplacesARecordOnlyIfItsRunWasToReplaceIt) {
     EXPECT_EQ(run({"resume", "k.checkpoint.h5", "-q", "--set", "run.max_steps=0"}).status, 0);
 }
 
-/// M6: what a checkpoint stands for is in no finished record.
-TEST_F(Replacement, KeepsACheckpointWhoseRunCanStillGoOn) {
+/// M6: the state of a checkpoint is in no finished record.
+TEST_F(Replacement, KeepsACheckpointWhoseRunCanStillContinue) {
     const std::string checkpoint = read("k.checkpoint.h5");
     const double time = tasks::read_checkpoint((folder_ / "k.checkpoint.h5").string()).integration.time;
     ASSERT_GT(time, 1e-6);

@@ -1,4 +1,4 @@
-/// What -o must not do to files of the user.
+/// Files of the user that -o must not change.
 
 #include <gmock/gmock.h>
 #include <sys/stat.h>

@@ -20,7 +20,7 @@ protected:
     /// cut/ (the shards of another, which is sweep.toml and, with records, recorded.toml), scene.toml, numbers.csv, notes.txt.
     Replacement();
 
-    /// What each of the fourteen kinds is a copy of; nothing: it is made.
+    /// Original of which each of the fourteen kinds is a copy; empty: it is made.
     static const std::map<std::string, std::string>& kinds();
     /// Puts a file of a kind at the target, or at its .part. @return its path
     std::filesystem::path put(const std::string& kind, const std::string& target) const;

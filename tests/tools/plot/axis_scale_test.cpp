@@ -9,9 +9,9 @@ namespace {
 
 using testing::ElementsAre;
 
-std::vector<std::string> labels(const AxisScale& scale, int wanted) {
+std::vector<std::string> labels(const AxisScale& scale, int count) {
     std::vector<std::string> texts;
-    for (const Tick& tick : scale.ticks(wanted)) {
+    for (const Tick& tick : scale.ticks(count)) {
         if (!tick.label.empty()) texts.push_back(tick.label);
     }
     return texts;
@@ -34,7 +34,7 @@ TEST(AxisScale, DecadesAreEquallyLongOnALogarithmicAxis) {
     EXPECT_DOUBLE_EQ(scale.place(1e-6), 0.5);
 }
 
-TEST(AxisScale, SymlogIsOddAndGoesOnSmoothlyWhereItsLinearPartEnds) {
+TEST(AxisScale, SymlogIsOddAndContinuesSmoothlyWhereItsLinearPartEnds) {
     const AxisScale scale({"", Scale::symlog, 1e3, -1e6, 1e6}, {});
     EXPECT_DOUBLE_EQ(scale.place(0.0), 0.5);
     for (const double value : {1.0, 999.0, 1001.0, 1e5}) EXPECT_NEAR(scale.place(value) - 0.5, 0.5 - scale.place(-value), 1e-15);

@@ -60,7 +60,7 @@ TEST(Field, ColoursBecomeBrighter) {
     for (int k = 0; k < 20; ++k) EXPECT_LT(brightness(heat_colour(0.05 * k)), brightness(heat_colour(0.05 * (k + 1))));
 }
 
-TEST(Field, StandsInThePictureWithItsLegend) {
+TEST(Field, IsInThePictureWithItsLegend) {
     Plot plot;
     plot.fields = {plane()};
     const std::string text = svg(plot);

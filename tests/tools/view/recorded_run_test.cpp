@@ -33,8 +33,8 @@ TEST_F(RunDifferences, AreNoneBetweenARecordAndItself) {
     }
 }
 
-/// The same simulation with outputs half as often and for three quarters of the time: equal where both have a row; between them, half the
-/// sum of its neighbours, which is linear interpolation.
+/// One simulation twice, the second with outputs half as often and for three quarters of the time: equal where both have a row; between
+/// them, half the sum of its neighbours, which is linear interpolation.
 TEST_F(RunDifferences, AreTakenAtTheRowsOfTheFirstWithinTheTimeThatBothHave) {
     const RecordedRun a = recorded("a", {"--set", "run.output_interval=1 us"});
     const RecordedRun b = recorded("b", {"--set", "run.output_interval=2 us", "--until", "14 us"});

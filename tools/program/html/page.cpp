@@ -59,7 +59,7 @@ std::string policy_of(const Page& page) {
         scripts.empty() ? " 'none'" : scripts);
 }
 
-/// Of the library that draws curves, where it is used.
+/// Style of the library that draws curves, if the page uses it.
 std::string_view style_of(const Page& page) {
     static constexpr std::string_view library = "dygraph.min.js";
     const bool used = std::find(page.scripts.begin(), page.scripts.end(), library) != page.scripts.end();

@@ -122,7 +122,7 @@ std::string figures(const RecordedRun& run) {
     return table("sortable", html(run.path()), {"channel", "unit", "mean", "mean of the last fifth", "least", "largest"}, rows);
 }
 
-/// What a channel of energies so far gained over the record, by kind. Empty if the record has none.
+/// Increase of each channel of accumulated energy over the record, by kind. Empty if the record has none.
 std::string energies(const RecordedRun& run) {
     std::string rows;
     for (const char* group : {"work", "dissipated", "hydraulics"}) {
@@ -302,7 +302,7 @@ std::string side_by_side(const RunDifference& d) {
                  {"channel", "unit", "A", "B", "B - A", "of A", "A, last fifth", "B", "B - A", "of A", "largest |B - A|", "at"}, rows);
 }
 
-/// Those that differ at all.
+/// Curves of the channels that differ.
 std::string curves_of_differences(const RunDifference& d) {
     std::string text, same;
     for (const ChannelDifference& each : d.channels) {

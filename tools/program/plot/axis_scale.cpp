@@ -113,18 +113,18 @@ bool AxisScale::within(double value) const noexcept {
     return at >= -1e-9 && at <= 1.0 + 1e-9;
 }
 
-std::vector<Tick> AxisScale::ticks(int wanted) const {
-    if (scale_ == Scale::linear) return round_numbers(wanted);
-    if (scale_ == Scale::symlog) return decades_of_both_signs(wanted);
-    return end_ - begin_ < 1.0 ? round_numbers(wanted) : decades(wanted);
+std::vector<Tick> AxisScale::ticks(int labels) const {
+    if (scale_ == Scale::linear) return round_numbers(labels);
+    if (scale_ == Scale::symlog) return decades_of_both_signs(labels);
+    return end_ - begin_ < 1.0 ? round_numbers(labels) : decades(labels);
 }
 
-std::vector<Tick> AxisScale::round_numbers(int wanted) const {
+std::vector<Tick> AxisScale::round_numbers(int labels) const {
     const double from = backward(begin_), to = backward(end_);
-    const double step = round_step((to - from) / std::max(1, wanted));
+    const double step = round_step((to - from) / std::max(1, labels));
     std::vector<Tick> ticks;
     const double first = std::ceil(from / step - 1e-9);
-    const int count = std::max(4 * wanted, 100);  // where numbers are larger than 2^53 steps, the next one may be the same
+    const int count = std::max(4 * labels, 100);  // where numbers are larger than 2^53 steps, the next one may be the same
     for (int k = 0; k < count && first + k <= to / step + 1e-9; ++k) {
         const double number = first + k;
         if (shows(number * step)) ticks.push_back({number * step, tick_label(number * step, step)});
@@ -132,27 +132,27 @@ std::vector<Tick> AxisScale::round_numbers(int wanted) const {
     return ticks;
 }
 
-std::vector<Tick> AxisScale::decades(int wanted) const {
+std::vector<Tick> AxisScale::decades(int labels) const {
     const int first = static_cast<int>(std::floor(begin_)), last = static_cast<int>(std::ceil(end_));
-    const int stride = std::max(1, static_cast<int>(std::ceil((end_ - begin_) / std::max(1, wanted))));
+    const int stride = std::max(1, static_cast<int>(std::ceil((end_ - begin_) / std::max(1, labels))));
     std::vector<Tick> ticks;
     for (int exponent = first; exponent <= last; ++exponent) {
         const double decade = std::pow(10.0, exponent);
         const bool labelled = ((exponent % stride) + stride) % stride == 0;
         if (within(decade)) ticks.push_back({decade, labelled ? power_of_ten(exponent) : ""});
         for (int digit = 2; digit <= 9 && stride == 1; ++digit) {
-            // Of few decades, 2 and 5 are read as well.
-            const bool read = (digit == 2 || digit == 5) && end_ - begin_ < 2.5;
-            if (within(digit * decade)) ticks.push_back({digit * decade, read ? multiple_of_ten(digit, exponent) : ""});
+            // If there are few decades, 2 and 5 have labels as well.
+            const bool has_label = (digit == 2 || digit == 5) && end_ - begin_ < 2.5;
+            if (within(digit * decade)) ticks.push_back({digit * decade, has_label ? multiple_of_ten(digit, exponent) : ""});
         }
     }
     return ticks;
 }
 
-std::vector<Tick> AxisScale::decades_of_both_signs(int wanted) const {
+std::vector<Tick> AxisScale::decades_of_both_signs(int labels) const {
     const int first = static_cast<int>(std::ceil(std::log10(linear_) - 1e-9));
     const int last = static_cast<int>(std::ceil(std::log10(linear_) + std::max(std::abs(begin_), std::abs(end_))));
-    const int stride = std::max(1, static_cast<int>(std::ceil((end_ - begin_) / std::max(1, wanted))));
+    const int stride = std::max(1, static_cast<int>(std::ceil((end_ - begin_) / std::max(1, labels))));
     std::vector<Tick> ticks;
     for (const bool negative : {true, false}) {
         for (int step = 0; step <= last - first; ++step) {

@@ -26,15 +26,15 @@ public:
     [[nodiscard]] double place(double value) const noexcept;
     /// The value at a place: the inverse of place().
     [[nodiscard]] double value(double place) const noexcept;
-    /// Ascending, between the ends. About `wanted` of them have labels.
-    [[nodiscard]] std::vector<Tick> ticks(int wanted) const;
+    /// Ascending, between the ends. About `labels` of them have labels.
+    [[nodiscard]] std::vector<Tick> ticks(int labels) const;
 
 private:
     [[nodiscard]] double forward(double value) const noexcept;
     [[nodiscard]] double backward(double image) const noexcept;
-    [[nodiscard]] std::vector<Tick> round_numbers(int wanted) const;
-    [[nodiscard]] std::vector<Tick> decades(int wanted) const;
-    [[nodiscard]] std::vector<Tick> decades_of_both_signs(int wanted) const;
+    [[nodiscard]] std::vector<Tick> round_numbers(int labels) const;
+    [[nodiscard]] std::vector<Tick> decades(int labels) const;
+    [[nodiscard]] std::vector<Tick> decades_of_both_signs(int labels) const;
     [[nodiscard]] bool within(double value) const noexcept;
 
     Scale scale_;

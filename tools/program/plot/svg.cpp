@@ -191,7 +191,7 @@ public:
     }
 
 private:
-    /// Of the frame: one document may hold several pictures.
+    /// Name of the frame: a document may contain several pictures.
     [[nodiscard]] std::string name() const {
         engine::Hash hash;
         for (const std::string& part : {plot_.title, plot_.subtitle, plot_.x.label, plot_.y.label}) hash.add(std::string_view(part));

@@ -22,7 +22,7 @@ namespace cvtflow::tools {
 /// Step of a record or state: "2 us", "auto (2 us)", "2.1 us (2 us taken)"; of files without the step that was taken "auto".
 /// @param setting run.step; 0: automatic [s]
 [[nodiscard]] std::string step_text(const std::vector<engine::Attribute>& attributes, double setting);
-/// The same of a record, which contains run.step.
+/// Step of a record, which contains run.step.
 [[nodiscard]] std::string step_text(const std::vector<engine::Attribute>& attributes);
 /// The scene that a file was made from, its start state not read; none if this program cannot read it.
 [[nodiscard]] std::optional<tasks::Scene> scene_in(const std::vector<engine::Attribute>& attributes, std::string_view name);

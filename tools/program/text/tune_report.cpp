@@ -61,7 +61,7 @@ std::vector<ReportColumn<Choice>> choice_columns(const std::vector<std::string>&
     columns.push_back(
         {"front", "front", [](const Choice& c) { return c.front; }, [](const Choice& c) { return c.front ? "*" : ""; }, Align::left});
     columns.push_back(text(
-        "standing", "standing", [](const Choice& c) { return c.standing; }, true));
+        "standing", "standing", [](const Choice& c) { return c.outcome; }, true));
     return columns;
 }
 
@@ -111,7 +111,7 @@ std::string tune_json(const tasks::TuneResult& result, const std::vector<UnseenP
                         {"errors", c.errors},
                         {"worst", c.worst},
                         {"front", c.front},
-                        {"standing", c.standing}});
+                        {"standing", c.outcome}});
     }
     for (const UnseenPoint& point : unseen) points.push_back({{"point", point.name}, {"errors", point.errors}, {"remark", point.remark}});
     return json_text({{"scene", result.scene},
@@ -144,7 +144,7 @@ std::string tune_picture(const tasks::TuneResult& result) {
         const double error = std::max(100.0 * c.error(), 1e-6);
         plot.series.push_back({.name = fmt::format("{}, {}, {}", detail_cell(c.choice), c.choice.method, step_cell(c)),
                                .points = {{c.seconds, error}},
-                               .mark = c.standing == "chosen" ? Mark::square : Mark::dot,
+                               .mark = c.outcome == "chosen" ? Mark::square : Mark::dot,
                                .colour = {}});
     }
     if (most > 0.0) {

@@ -27,7 +27,8 @@ struct ChainMotion {
     bool pulleys = false;
 };
 
-/// Of at most so many states, equally spaced among the recorded ones. Without pins if the record has no states or no readable scene.
+/// Motion over at most `max_states` states, equally spaced among the recorded ones. Without pins if the record has no states or no readable
+/// scene.
 [[nodiscard]] ChainMotion chain_motion(const RecordedRun& run, std::size_t max_states);
 
 /// Axial tip force over the angle about the shaft, mean over all states, with minimum and maximum.

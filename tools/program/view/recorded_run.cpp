@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "engine/base/text.hpp"
-#include "tasks/run/channels.hpp"
+#include "tasks/channel/channels.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/text/scene_text.hpp"
 #include "tools/program/text/text.hpp"

@@ -33,7 +33,7 @@ public:
     explicit RecordedRun(std::string path);
 
     [[nodiscard]] const std::string& path() const noexcept { return path_; }
-    /// Of its scene.
+    /// Name of its scene.
     [[nodiscard]] std::string name() const;
     [[nodiscard]] const engine::RunReader& reader() const noexcept { return reader_; }
     /// Empty if this program cannot read it.
@@ -83,7 +83,7 @@ private:
 struct MeanDifference {
     double a = 0.0, b = 0.0;  ///< in the unit of the channel
     [[nodiscard]] double absolute() const noexcept { return b - a; }
-    /// Of the magnitude of a; not a number where a is 0 [1].
+    /// b - a over the magnitude of a; not a number if a is 0 [1].
     [[nodiscard]] double relative() const noexcept;
 };
 

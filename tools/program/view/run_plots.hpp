@@ -31,7 +31,7 @@ struct Repetition {
 /// Links after which the pitches repeat; 1: all are equal. @param pitch [m], repeated cyclically over `links`
 [[nodiscard]] int pattern_length(const std::vector<double>& pitch, int links);
 
-/// What the record and its scene contain; pins first. Empty if the record does not contain the chain's speed.
+/// Repetitions in the record and its scene; pins first. Empty if the record does not contain the chain's speed.
 [[nodiscard]] std::vector<Repetition> repetitions(const RecordedRun& run);
 
 /// Vertical lines at the orders of the repetitions, as series for the legend, up to the order `end`.
@@ -41,12 +41,12 @@ struct Repetition {
 /// "order 1 = 1404 Hz; pitch pattern 0.5, round of the chain 0.0119, shaft 1 0.0237, shaft 2 0.0236".
 [[nodiscard]] std::string orders_text(const std::vector<Repetition>& all);
 
-/// Curves over time, a plot per unit; several runs in each. Of runs that are longer than 60 pin periods, means over these.
+/// Curves over time, a plot per unit; several runs in each. Runs longer than 60 pin periods are shown as means over pin periods.
 /// @param words channels and groups; none: the overview   @param every_output also of long runs
 /// @throws UsageError for a word that names nothing
 [[nodiscard]] std::vector<Plot> time_plots(const std::vector<RecordedRun>& runs, const std::vector<std::string>& words, bool every_output);
 
-/// Their amplitudes over orders of the pins that pass in the first run; over frequency where the record does not tell that.
+/// Their amplitudes over orders of the pins that pass in the first run; over frequency if the record does not contain them.
 [[nodiscard]] std::vector<Plot> order_plots(const std::vector<RecordedRun>& runs, const std::vector<std::string>& words);
 
 /// The way of the followed pin in the plane of the chain. @throws UsageError if a record does not have it
@@ -56,10 +56,10 @@ struct Repetition {
 /// @throws UsageError if it has none
 [[nodiscard]] Plot loss_plot(const RecordedRun& run, bool every_output);
 
-/// Points thinned so that a line through them looks the same: the least and the largest of each of `columns` stretches.
+/// Points thinned without visible change of a line through them: minimum and maximum of each of `columns` stretches.
 [[nodiscard]] std::vector<Point> thinned(const std::vector<Point>& points, std::size_t columns);
 
-/// What is drawn, as CSV: series, x, y, the labels of both axes.
+/// Contents of plots as CSV: series, x, y, the labels of both axes.
 [[nodiscard]] std::string csv(const std::vector<Plot>& plots);
 
 }  // namespace cvtflow::tools

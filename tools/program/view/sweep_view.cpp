@@ -123,8 +123,8 @@ std::vector<std::size_t> others(const SweepView& sweep, const std::set<std::size
     return found;
 }
 
-/// Those of the columns that tell the cases apart: one that only follows the others is left out.
-std::vector<std::size_t> telling(const SweepView& sweep, const std::vector<std::size_t>& columns) {
+/// Columns that distinguish the cases: a column that only follows the others is left out.
+std::vector<std::size_t> distinguishing(const SweepView& sweep, const std::vector<std::size_t>& columns) {
     std::vector<std::size_t> kept;
     std::vector<std::string> names(sweep.cells.size());
     for (const std::size_t c : columns) {
@@ -280,7 +280,7 @@ Plot sweep_curves(const SweepView& sweep, const std::string& x, const std::strin
     const std::size_t xc = numbers_of(sweep, x), yc = numbers_of(sweep, y);
     Chosen made = begin_plot(sweep, sweep.columns[xc], sweep.columns[yc],
                              fmt::format("{} over {}", title_of(sweep.columns[yc]), title_of(sweep.columns[xc])));
-    const std::vector<std::size_t> rest = telling(made.good, others(made.good, {xc, yc}));
+    const std::vector<std::size_t> rest = distinguishing(made.good, others(made.good, {xc, yc}));
     std::map<std::string, std::vector<Point>> curves;
     std::vector<std::string> order;
     for (std::size_t row = 0; row < made.good.cells.size(); ++row) {

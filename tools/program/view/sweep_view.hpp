@@ -28,7 +28,7 @@ struct SweepView {
     [[nodiscard]] double number(std::size_t row, std::size_t column) const;
     /// Keeps cases whose column has that value. @param condition "start.ratio=1"   @throws UsageError
     void keep(const std::string& condition);
-    /// Those that ended well; all if the table does not say.
+    /// Keeps cases that ended well; all if the table has no status.
     void keep_good();
 };
 

@@ -85,7 +85,7 @@ public:
     [[nodiscard]] const VtkMesh& mesh() const noexcept { return mesh_; }
     /// axial_force, bending_moment, tension, joint_force of cells; tip_force of points.
     [[nodiscard]] static std::vector<VtkArray> arrays();
-    /// Of an instant; the frame's memory is used again.
+    /// Fills the frame for an instant, reusing its memory.
     void show(double time, const double* state, const model::Phase* phases, VtkFrame& frame);
 
 private:
@@ -101,7 +101,7 @@ private:
     model::Parameters parameters_;
     model::Observer observer_;
     const model::Observation* now_ = nullptr;
-    std::vector<double> halves_;  ///< links of the state at hand, as those of halves
+    std::vector<double> halves_;  ///< links of the present state, as those of halves
     VtkMesh mesh_;
 };
 

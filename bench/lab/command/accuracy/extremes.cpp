@@ -19,8 +19,8 @@ struct ExtremesArguments {
     bool nightly = false, cases = false;
 };
 
-void print_cases(const ExtremeVerdict& verdict) {
-    for (const ExtremeCase& one : verdict.cases) {
+void print_cases(const ExtremeResult& result) {
+    for (const ExtremeCase& one : result.cases) {
         fmt::print("    {:<6} {:<18} {:<9} step {:.2g} s (stable {:.2g} s), {} steps, balance {:.1g}, half step {:.1g}, {:.2f} s  {}\n",
                    one.detail, one.method, ending_name(one.ending), one.step, one.stable_step, one.steps, one.balance, one.refinement,
                    one.wall, one.message);
@@ -33,11 +33,11 @@ ExitStatus extremes(const ExtremesArguments& arguments) {
     int rows = 0, failed = 0;
     for (const Extreme& row : bench::extremes()) {
         if ((!arguments.group.empty() && row.group != arguments.group) || (row.nightly && !arguments.nightly)) continue;
-        const ExtremeVerdict verdict = judge.judge(row);
+        const ExtremeResult result = judge.judge(row);
         ++rows;
-        failed += verdict.passed ? 0 : 1;
-        fmt::print("{:<10} {:<72} {:<6} {}\n", row.group, row.name, verdict.passed ? "ok" : "NOT OK", verdict.outcome());
-        if (arguments.cases) print_cases(verdict);
+        failed += result.passed ? 0 : 1;
+        fmt::print("{:<10} {:<72} {:<6} {}\n", row.group, row.name, result.passed ? "ok" : "NOT OK", result.outcome());
+        if (arguments.cases) print_cases(result);
         std::fflush(stdout);
     }
     fmt::print("{} rows, {} with an unexpected outcome\n", rows, failed);

@@ -48,13 +48,13 @@ ComparedChoice* next_candidate(std::vector<ComparedChoice>& choices) {
     std::vector<tasks::TradeoffPoint> points;
     for (const ComparedChoice& choice : choices) points.push_back(choice.point());
     std::vector<bool> requested = tasks::pareto_front(points);
-    for (std::size_t k = 0; k < choices.size(); ++k) choices[k].verdict.front = requested[k];
+    for (std::size_t k = 0; k < choices.size(); ++k) choices[k].front_result.front = requested[k];
     for (const double error : recommended_errors) {
         if (const auto best = tasks::recommended(points, error, tasks::tradeoff_safety)) requested[*best] = true;
     }
     ComparedChoice* cheapest = nullptr;
     for (std::size_t k = 0; k < choices.size(); ++k) {
-        if (!requested[k] || choices[k].verdict.confirmed) continue;
+        if (!requested[k] || choices[k].front_result.confirmed) continue;
         if (cheapest == nullptr || choices[k].median() < cheapest->median()) cheapest = &choices[k];
     }
     return cheapest;
@@ -70,24 +70,24 @@ ParetoFront::ParetoFront(const tasks::Scene& scene, const ConfirmSettings& setti
       confirmation_(scene, announced(settings, progress_), cancel) {}
 
 /// Rejects choices whose step is unstable, and those whose short run is unreliable.
-void ParetoFront::look_at_steps(std::vector<ComparedChoice>& choices) {
+void ParetoFront::judge_steps(std::vector<ComparedChoice>& choices) {
     progress_("largest stable steps");
     for (ComparedChoice& choice : choices) {
-        choice.verdict.stable_step = confirmation_.stable_step(choice.settings);
+        choice.front_result.stable_step = confirmation_.stable_step(choice.settings);
         if (confirmation_.beyond_stability(choice.settings))
-            choice.verdict.objection = "beyond stability";
+            choice.front_result.objection = "beyond stability";
         else if (!choice.run.fault && !choice.run.watch.reliable())
-            choice.verdict.objection = "unreliable";
+            choice.front_result.objection = "unreliable";
     }
 }
 
 void ParetoFront::judge(std::vector<ComparedChoice>& choices, CompareSetting& setting) {
-    look_at_steps(choices);
+    judge_steps(choices);
     for (ComparedChoice* choice = next_candidate(choices); choice != nullptr && !cancel_.requested(); choice = next_candidate(choices)) {
         progress_(fmt::format("{} over {}, about {} of wall time", choice->choice, time_text(duration_),
                               time_text(duration_ * choice->median())));
-        choice->verdict.confirmed = confirmation_.check(choice->settings);
-        choice->verdict.objection = choice->verdict.confirmed->objection;
+        choice->front_result.confirmed = confirmation_.check(choice->settings);
+        choice->front_result.objection = choice->front_result.confirmed->objection;
     }
     setting.front = true;
     setting.confirm = duration_;

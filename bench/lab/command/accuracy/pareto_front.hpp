@@ -31,11 +31,11 @@ public:
     ParetoFront(const tasks::Scene& scene, const ConfirmSettings& settings, const engine::Cancellation& cancel,
                 std::function<void(const std::string&)> progress);
 
-    /// Fills in the verdicts, and what the setting says of the confirmation.
+    /// Fills in the results of the choices, and the confirmation in the setting.
     void judge(std::vector<ComparedChoice>& choices, CompareSetting& setting);
 
 private:
-    void look_at_steps(std::vector<ComparedChoice>& choices);
+    void judge_steps(std::vector<ComparedChoice>& choices);
 
     const engine::Cancellation& cancel_;
     std::function<void(const std::string&)> progress_;

@@ -10,6 +10,7 @@
 #include "bench/lab/report/method/stability_report.hpp"
 #include "bench/method/analysis/stability.hpp"
 #include "bench/method/laboratory_methods.hpp"
+#include "bench/method/linear/arnoldi.hpp"
 #include "bench/method/stability/predicted_step.hpp"
 #include "bench/study/spectrum.hpp"
 #include "tasks/method/method.hpp"
@@ -96,7 +97,7 @@ void try_on(ProgramResult& result, const Ground& ground) {
     result.limit = limit;
 }
 
-std::vector<StabilityResult> look_at(const std::vector<engine::StagePlan>& plans, const StabilityArguments& arguments,
+std::vector<StabilityResult> analyse(const std::vector<engine::StagePlan>& plans, const StabilityArguments& arguments,
                                      const std::optional<Ground>& ground, OutputFolder& folder) {
     std::vector<StabilityResult> results;
     for (const engine::StagePlan& plan : plans) {
@@ -113,7 +114,7 @@ std::vector<StabilityResult> look_at(const std::vector<engine::StagePlan>& plans
     return results;
 }
 
-std::vector<ProgramResult> look_at(const std::vector<tasks::MethodProgram>& programs, const StabilityArguments& arguments,
+std::vector<ProgramResult> analyse(const std::vector<tasks::MethodProgram>& programs, const StabilityArguments& arguments,
                                    const std::optional<Ground>& ground, OutputFolder& folder) {
     std::vector<ProgramResult> results;
     for (const tasks::MethodProgram& program : programs) {
@@ -140,8 +141,8 @@ ExitStatus stability(const StabilityArguments& arguments) {
     OutputFolder folder(arguments.output);
     std::optional<Ground> ground;
     if (!arguments.scene.scene.empty()) ground = ground_of(arguments, !methods.plans.empty());
-    const std::vector<StabilityResult> tables = look_at(methods.plans, arguments, ground, folder);
-    const std::vector<ProgramResult> programs = look_at(methods.programs, arguments, ground, folder);
+    const std::vector<StabilityResult> tables = analyse(methods.plans, arguments, ground, folder);
+    const std::vector<ProgramResult> programs = analyse(methods.programs, arguments, ground, folder);
     folder.write("stability.json", json_of(tables, programs, arguments.scene.scene));
     if (!tables.empty()) fmt::print("{}{}", stability_table(tables), programs.empty() ? "" : "\n");
     fmt::print("{}{}{}", program_table(programs), limit_lines(programs), folder.written());

@@ -84,7 +84,7 @@ void add_rows(NoiseResult& result, int count, bool random, const tasks::Scene& s
     simulate(result, rows, scene, &NoiseRow::rigid, arguments);
 }
 
-/// What the closed form is weighted by: random sequences that were simulated.
+/// Weights the closed form by the random sequences that were simulated.
 void weigh(PitchSearch& search, const NoiseResult& result) {
     for (const auto signal : {&NoiseSpectrum::force, &NoiseSpectrum::torque}) {
         std::vector<PitchSequence> sequences;

@@ -71,7 +71,7 @@ MeasureOptions options_of(const ProfileArguments& arguments) {
     return options;
 }
 
-/// This command's words again, but for what the sweep says itself.
+/// Words of this command, without those that the sweep adds itself.
 std::vector<std::string> repeated(const ProfileArguments& arguments, const MeasureOptions& options) {
     std::vector<std::string> words{"profile",      arguments.scene.scene,
                                    "--steps",      fmt::format("{}", options.steps),
@@ -127,7 +127,7 @@ std::string write_files(const ProfileArguments& arguments, const tasks::Scene& s
 }
 
 /// Whether all requested results exist; prints a line for each missing one.
-ExitStatus verdict(const ProfileArguments& arguments, const Profile& result) {
+ExitStatus exit_status_of(const ProfileArguments& arguments, const Profile& result) {
     for (const std::string& line : result.differences) print_error(fmt::format("states differ: {}", line));
     const bool refused = !arguments.curves.empty() && !result.predicts();
     if (refused) print_error(fmt::format("{}: not written: no prediction: {}", arguments.curves, no_prediction_text(result)));
@@ -160,7 +160,7 @@ ExitStatus profile(const ProfileArguments& arguments) {
         fmt::print("\n{}", policies_text(policies));
     }
     fmt::print("{}", write_files(arguments, scene, options, result, policies));
-    return verdict(arguments, result);
+    return exit_status_of(arguments, result);
 }
 
 constexpr const char* profile_explanation =

@@ -7,7 +7,7 @@
 #include "bench/lab/command/command.hpp"
 #include "bench/study/profile/counted_work.hpp"
 #include "engine/base/provenance.hpp"
-#include "model/basis/isa.hpp"
+#include "model/kernels/available_isas.hpp"
 #include "tasks/scene/csv.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"

@@ -1,5 +1,5 @@
 #pragma once
-/// Stands in for model/basis/native_lanes.hpp where the kernels are compiled for comparison as plain scalar code: vectors of one lane.
+/// Replaces model/basis/native_lanes.hpp where the kernels are compiled for comparison as plain scalar code: vectors of one lane.
 
 #include "model/basis/isa.hpp"
 

@@ -34,7 +34,7 @@ TEST(JobPool, EndsWithWhatAJobThrows) {
             .run([&](int) { return next < 1000 ? std::optional(next++) : std::nullopt; },
                  [](int, long job) {
                      if (job == 3) throw std::runtime_error("job 3");
-                     // Of all the others: a second, longer than throwing takes.
+                     // All others together take a second, longer than throwing.
                      if (job > 3) std::this_thread::sleep_for(std::chrono::milliseconds(1));
                  });
     };
@@ -55,7 +55,7 @@ TEST(WriterThread, WritesEveryRowInOrderThoughFewMayWait) {
     for (int i = 0; i < 100; ++i) EXPECT_EQ(written[static_cast<std::size_t>(i)], i);
 }
 
-TEST(WriterThread, HandsItsErrorToWhoeverPostsOrFinishes) {
+TEST(WriterThread, HandsItsErrorToTheCallerThatPostsOrFinishes) {
     WriterThread writer(2, 1, [](std::span<const std::byte>) { throw std::runtime_error("full"); });
     const std::byte row{};
     EXPECT_THROW(

@@ -74,7 +74,7 @@ TEST_F(RunFileTest, GivesBackEveryRowAcrossManyChunksAndFlushes) {
     EXPECT_EQ(reader.last("links/tension"), (std::vector<double>{9990, 9991, 9992}));
 }
 
-TEST_F(RunFileTest, SaysInterruptedAndKeepsThePartIfItIsNotClosed) {
+TEST_F(RunFileTest, ReportsInterruptedAndKeepsThePartIfItIsNotClosed) {
     {
         RunFile file(path("out.h5"), example_contents());
         append_example(file, 3);
@@ -85,7 +85,7 @@ TEST_F(RunFileTest, SaysInterruptedAndKeepsThePartIfItIsNotClosed) {
     EXPECT_EQ(reader.channel("strand_tension"), std::vector<double>{3.0});
 }
 
-TEST_F(RunFileTest, SaysWhatEndedTheRun) {
+TEST_F(RunFileTest, ReportsWhatEndedTheRun) {
     {
         RunFile file(path("out.h5"), example_contents());
         file.set_status("fault: pin 12 left the sheave at t = 0.1 s");
@@ -132,7 +132,7 @@ TEST_F(RunFileTest, ReplacesAttributesLate) {
     EXPECT_EQ(reader.attribute("scene"), (Attribute{"scene", std::string("baseline")}));
 }
 
-TEST_F(RunFileTest, SaysWhyAFileCannotBeCreated) {
+TEST_F(RunFileTest, ReportsWhyAFileCannotBeCreated) {
     const auto create = [](const std::string& name, RunFileOptions options = {}) {
         return error_of([&] { RunFile(name, example_contents(), options); });
     };
@@ -341,7 +341,7 @@ void break_last_descriptor_of(const std::string& path) {
     }
 }
 
-TEST_F(RunWriterTest, SaysPathReasonAndWhatIsSavedIfTheDiskIsFull) {
+TEST_F(RunWriterTest, ReportsPathReasonAndWhatIsSavedIfTheDiskIsFull) {
     const int child = start_child([this] {
         RunFile file(path("out.h5"), example_contents(), {.flush_seconds = 1e9, .channel_rows = 100});
         limit_file_size(400'000);
@@ -356,7 +356,7 @@ TEST_F(RunWriterTest, SaysPathReasonAndWhatIsSavedIfTheDiskIsFull) {
     EXPECT_EQ(RunReader(path("out.h5.part")).status(), "interrupted");
 }
 
-TEST_F(RunWriterTest, GoesOnWithoutLossOnceThereIsRoomAgain) {
+TEST_F(RunWriterTest, ContinuesWithoutLossOnceThereIsRoomAgain) {
     const int child = start_child([this] {
         RunFile file(path("out.h5"), example_contents(), {.flush_seconds = 1e9, .channel_rows = 100});
         limit_file_size(400'000);

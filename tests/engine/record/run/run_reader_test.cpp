@@ -93,7 +93,7 @@ TEST_F(RunReaderTest, NamesWhatIsNotThere) {
     EXPECT_EQ(error_of([&] { (void)reader.table("events"); }), path("out.h5") + ": no table 'events'");
 }
 
-TEST_F(RunReaderTest, SaysWhyAFileCannotBeOpened) {
+TEST_F(RunReaderTest, ReportsWhyAFileCannotBeOpened) {
     EXPECT_EQ(opening(path("absent.h5")), path("absent.h5") + ": No such file or directory");
     EXPECT_EQ(opening(path("")), path("") + ": a folder, not a file");
     std::ofstream(path("text.h5")) << "time, tension\n";
@@ -102,7 +102,7 @@ TEST_F(RunReaderTest, SaysWhyAFileCannotBeOpened) {
     EXPECT_EQ(opening(path("nothing.h5")), path("nothing.h5") + ": not an HDF5 file");
 }
 
-TEST_F(RunReaderTest, SaysHowMuchOfATruncatedFileIsThere) {
+TEST_F(RunReaderTest, ReportsTheSizeOfATruncatedFile) {
     const std::string name = example();
     const auto size = fs::file_size(name) - seal_size;
     fs::resize_file(name, size / 2);
@@ -111,7 +111,7 @@ TEST_F(RunReaderTest, SaysHowMuchOfATruncatedFileIsThere) {
     EXPECT_THAT(opening(name), testing::StartsWith(name + ": damaged HDF5 file ("));
 }
 
-TEST_F(RunReaderTest, TellsOtherKindsOfFilesFromRuns) {
+TEST_F(RunReaderTest, DistinguishesOtherKindsOfFilesFromRuns) {
     H5Fclose(H5Fcreate(path("other.h5").c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT));
     EXPECT_EQ(opening(path("other.h5")), path("other.h5") + ": an HDF5 file, but not a record of a run");
     write_state(path("state.h5"), {});

@@ -88,7 +88,7 @@ TEST_F(StateFileTest, LeavesTheFormerFileIfTheDiskIsFull) {
     EXPECT_FALSE(fs::exists(path("s.h5.part")));
 }
 
-TEST_F(StateFileTest, SaysWhyAFileCannotBeWritten) {
+TEST_F(StateFileTest, ReportsWhyAFileCannotBeWritten) {
     EXPECT_EQ(error_of([&] { write_state(path("absent/s.h5"), {}); }),
               path("absent/s.h5") + ": cannot create: the folder '" + path("absent") + "' does not exist");
     EXPECT_EQ(error_of([&] {
@@ -97,7 +97,7 @@ TEST_F(StateFileTest, SaysWhyAFileCannotBeWritten) {
               path("s.h5") + ": the name 'time' is reserved (attribute)");
 }
 
-TEST_F(StateFileTest, SaysWhyAFileCannotBeRead) {
+TEST_F(StateFileTest, ReportsWhyAFileCannotBeRead) {
     EXPECT_EQ(reading(path("absent.h5")), path("absent.h5") + ": No such file or directory");
     {
         RunFile run(path("run.h5"), {});

@@ -20,7 +20,7 @@ double worst(const Settled& at, const bench::AccelerationJacobian& jacobian) {
 }
 
 TEST(ColouredJacobian, IsTheOneTakenColumnByColumn) {
-    // The same differences; only the way from a tip's reaction to a pulley's acceleration rounds differently, at 1e-16/ε of it.
+    // Both use equal differences; only the path from a tip's reaction to a pulley's acceleration rounds differently, at 1e-16/ε of it.
     const Settled settled;
     EXPECT_LT(worst(settled, coloured(settled, 1)), 1e-8);
 }

@@ -63,9 +63,9 @@ class EveryImplicitMethod : public testing::TestWithParam<std::string> {
 protected:
     static std::uint64_t hash(const Schedule& schedule) {
         Simulation simulation(brief(GetParam()), schedule);
-        SilentObserver nobody;
+        SilentObserver silent;
         const engine::Cancellation never;
-        EXPECT_FALSE(simulation.advance({.until = 0.0}, nobody, never)) << schedule.text();
+        EXPECT_FALSE(simulation.advance({.until = 0.0}, silent, never)) << schedule.text();
         return simulation.hash();
     }
 };
@@ -131,9 +131,9 @@ TEST(ImplicitMethods, RunAFreeRingAndRigidPulleysToo) {
         set_values(ring, std::vector<std::string>{std::string("run.method=") + method, "run.step=1us", "run.output_interval=4us"});
         for (const Scene& scene : {ring, brief(method, {"detail.pulleys=rigid", "detail.order=0"})}) {
             Simulation simulation(scene, Schedule{});
-            SilentObserver nobody;
+            SilentObserver silent;
             const engine::Cancellation never;
-            EXPECT_FALSE(simulation.advance({.until = 8e-6}, nobody, never)) << method;
+            EXPECT_FALSE(simulation.advance({.until = 8e-6}, silent, never)) << method;
         }
     }
 }

@@ -17,9 +17,9 @@ Scene tiny_with(const std::vector<std::string>& extra) {
 
 FrozenStart settled(const Scene& scene) {
     Simulation simulation(scene);
-    SilentObserver nobody;
+    SilentObserver silent;
     const engine::Cancellation never;
-    EXPECT_FALSE(simulation.advance({.until = 0.0}, nobody, never));
+    EXPECT_FALSE(simulation.advance({.until = 0.0}, silent, never));
     return frozen_start(simulation);
 }
 

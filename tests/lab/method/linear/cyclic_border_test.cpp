@@ -113,7 +113,7 @@ TEST(CyclicBorder, TheOrderInWhichChunksAreDoneChangesNoBit) {
     EXPECT_EQ(solved(problem, 5), solved(problem, 5, true));
 }
 
-TEST(CyclicBorder, SaysThatAMatrixIsSingular) {
+TEST(CyclicBorder, ReportsThatAMatrixIsSingular) {
     Problem problem(6, 3, 2, 5);
     problem.dense.block(0, 0, 3, problem.dense.cols()).setZero();
     CyclicBorder system(6, 3, 2, 2);

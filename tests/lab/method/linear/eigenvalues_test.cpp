@@ -5,6 +5,8 @@
 #include <cmath>
 #include <random>
 
+#include "bench/method/linear/arnoldi.hpp"
+
 namespace cvtflow::bench {
 namespace {
 

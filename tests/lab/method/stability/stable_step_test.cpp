@@ -54,7 +54,7 @@ TEST(StableStep, HasNoAnswerWhereTheStateIsNotFinite) {
     EXPECT_FALSE(step > 0.0 && std::isfinite(step));
 }
 
-TEST(StableStep, TellsStepsThatEndFromStepsThatBlowUp) {
+TEST(StableStep, DistinguishesStepsThatEndFromStepsThatBlowUp) {
     const auto owner = settled(small());
     const Simulation& start = *owner;
     const double stable = stable_step(start, "rk4");

@@ -13,26 +13,26 @@ using test::settled_tiny;
 
 namespace {
 
-TEST(StepLimitBound, SaysWhatLimitsALeapfrogAndGoesOnCheaply) {
+TEST(StepLimitBound, ReportsWhatLimitsALeapfrogAndContinuesCheaply) {
     const Simulation simulation(settled_tiny());
     const FrozenStart start = frozen_start(simulation);
     StepLimitBound bound(simulation.variator(), "leapfrog-chebyshev");
-    const int cold = bound.look(start.time, start.state.data(), start.phases.data());
+    const int cold = bound.update(start.time, start.state.data(), start.phases.data());
     const StepLimit first = bound.limit();
     EXPECT_EQ(first.by, StepLimiter::oscillation);
     EXPECT_GT(first.oscillation * first.step, 1.41);  // no friction makes it less
     EXPECT_LE(first.oscillation * first.step, 2.0);   // the leapfrog without friction
-    const int warm = bound.look(start.time, start.state.data(), start.phases.data());
+    const int warm = bound.update(start.time, start.state.data(), start.phases.data());
     RecordProperty("evaluations", std::to_string(cold) + " " + std::to_string(warm));
     EXPECT_LT(warm, cold / 2);
-    EXPECT_NEAR(bound.limit().step / first.step, 1.0, 0.05) << "power iterations go on";
+    EXPECT_NEAR(bound.limit().step / first.step, 1.0, 0.05) << "power iterations continue";
 }
 
 TEST(StepLimitBound, SetsNoLimitToMethodsThatSolveForTheWholeState) {
     const Simulation simulation(settled_tiny());
     const FrozenStart start = frozen_start(simulation);
     StepLimitBound bound(simulation.variator(), "trapezoidal-full");
-    EXPECT_EQ(bound.look(start.time, start.state.data(), start.phases.data()), 0);
+    EXPECT_EQ(bound.update(start.time, start.state.data(), start.phases.data()), 0);
     EXPECT_TRUE(std::isinf(bound.limit().step));
     EXPECT_THROW(StepLimitBound(simulation.variator(), "no method"), std::invalid_argument);
 }
@@ -41,26 +41,26 @@ TEST(StepLimitBound, IsScaledByWhatIsKnownBetter) {
     const Simulation simulation(settled_tiny());
     const FrozenStart start = frozen_start(simulation);
     StepLimitBound bound(simulation.variator(), "leapfrog-rkc");
-    bound.look(start.time, start.state.data(), start.phases.data());
+    bound.update(start.time, start.state.data(), start.phases.data());
     const double known = 0.5 * bound.limit().step;
     bound.calibrate(known);
     EXPECT_EQ(bound.limit().step, known);
-    bound.look(start.time, start.state.data(), start.phases.data());
-    EXPECT_NEAR(bound.limit().step / known, 1.0, 0.05) << "power iterations go on";
+    bound.update(start.time, start.state.data(), start.phases.data());
+    EXPECT_NEAR(bound.limit().step / known, 1.0, 0.05) << "power iterations continue";
 }
 
-TEST(StepLimitBound, GoesOnFromItsMemoryWithTheSameBits) {
+TEST(StepLimitBound, ContinuesFromItsMemoryWithTheSameBits) {
     const Simulation simulation(settled_tiny());
     const FrozenStart start = frozen_start(simulation);
     StepLimitBound bound(simulation.variator(), "leapfrog-rkc"), other(simulation.variator(), "leapfrog-rkc");
-    bound.look(start.time, start.state.data(), start.phases.data());
+    bound.update(start.time, start.state.data(), start.phases.data());
     std::vector<double> memory;
     bound.save(memory);
     memory.push_back(7.0);
     EXPECT_EQ(other.load(memory).size(), 1u);
     EXPECT_EQ(other.limit().step, bound.limit().step);
-    bound.look(start.time, start.state.data(), start.phases.data());
-    other.look(start.time, start.state.data(), start.phases.data());
+    bound.update(start.time, start.state.data(), start.phases.data());
+    other.update(start.time, start.state.data(), start.phases.data());
     EXPECT_EQ(other.limit().step, bound.limit().step);
 }
 
@@ -73,7 +73,7 @@ double oscillation_of(const char* mass_scaling) {
     const Simulation simulation(scene);
     const FrozenStart start = frozen_start(simulation);
     StepLimitBound bound(simulation.variator(), "leapfrog-sweep");
-    bound.look(start.time, start.state.data(), start.phases.data());
+    bound.update(start.time, start.state.data(), start.phases.data());
     return bound.limit().oscillation;
 }
 

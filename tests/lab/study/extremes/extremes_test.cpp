@@ -1,4 +1,5 @@
-/// At every edge the program gives a right answer or says why not. The rows and what may come of each are bench/study/extremes/*_rows.cpp.
+/// At every edge the program gives a right answer or states why not. The rows with their allowed endings are
+/// bench/study/extremes/*_rows.cpp.
 
 #include <gtest/gtest.h>
 
@@ -24,15 +25,15 @@ std::vector<Extreme> rows_of(const std::string& group, bool nightly) {
     return rows;
 }
 
-/// Judges rows; says everything about those that do not end as stated.
+/// Judges rows; reports all cases of those that do not end as stated.
 void judge_rows(const std::vector<Extreme>& rows) {
     ASSERT_FALSE(rows.empty());
     ExtremeJudge judge(tiny());
     for (const Extreme& row : rows) {
-        const ExtremeVerdict verdict = judge.judge(row);
-        EXPECT_TRUE(verdict.passed) << row.group << ", " << row.name << ": " << verdict.outcome();
-        for (const ExtremeCase& one : verdict.cases) {
-            if (!verdict.passed) ADD_FAILURE() << one.detail << ", " << one.method << ": " << ending_name(one.ending) << " " << one.message;
+        const ExtremeResult result = judge.judge(row);
+        EXPECT_TRUE(result.passed) << row.group << ", " << row.name << ": " << result.outcome();
+        for (const ExtremeCase& one : result.cases) {
+            if (!result.passed) ADD_FAILURE() << one.detail << ", " << one.method << ": " << ending_name(one.ending) << " " << one.message;
             EXPECT_FALSE(one.ending != Ending::right && one.message.empty()) << row.name << ": an end without a word";
         }
     }

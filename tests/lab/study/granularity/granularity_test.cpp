@@ -98,7 +98,7 @@ TEST(Granularity, TasksAreAsLongAsTheyAreSaidToBe) {
     options.tasks = {1};
     options.lengths = {20e-6};
     double least = 1.0;
-    for (int attempt = 0; attempt < 5; ++attempt) {  // a slice of somebody else's time may hit each
+    for (int attempt = 0; attempt < 5; ++attempt) {  // another process may disturb each
         const Granularity result = measure_granularity(options);
         least = std::min(least, result.points.at(0).ideal / (options.levels * options.lengths[0]));
     }

@@ -117,7 +117,7 @@ TEST(ProfileModel, FitFindsTheCostsOfLinks) {
     EXPECT_NEAR(costs.border, 0.06, 1e-12);
 }
 
-TEST(ProfileModel, LinksThatCannotBeToldApartCostTheSame) {
+TEST(ProfileModel, LinksThatCannotBeDistinguishedCostTheSame) {
     PathCosts costs;
     fit_links(std::vector<SegmentCost>{{3, 0, 3.5}, {5, 0, 5.5}}, costs);
     EXPECT_NEAR(costs.free, 1.0, 1e-12);

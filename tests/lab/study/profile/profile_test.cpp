@@ -35,7 +35,7 @@ TEST(ChosenSchedules, CombineThreadsAndSegments) {
 
 TEST(ChosenSchedules, WaitAndPinAsAsked) {
     const auto list = chosen_schedules(ready_tiny(), {.names = {"barrier"}, .threads = {2}, .wait = engine::Wait::spin, .pin = true});
-    EXPECT_EQ(list[0], Schedule{});  // serial waits for nobody
+    EXPECT_EQ(list[0], Schedule{});  // serial has no waiting
     EXPECT_EQ(list[1].wait, engine::Wait::spin);
     EXPECT_TRUE(list[1].pin);
 }
@@ -67,12 +67,12 @@ TEST(Profile, IsCrowdedIfItsCalibrationGotLessThanNineTenths) {
     EXPECT_FALSE(profile.predicts()) << "no model was made";
 }
 
-TEST(Trial, EndsWhenPatienceDoes) {
+TEST(Trial, EndsAtItsTimeout) {
     Trial trial(ready_tiny(), Schedule{});
     const TrialSample sample = trial.run(1000000, 0.001);
     EXPECT_LT(sample.steps, 1000000);
     EXPECT_GT(sample.wall, 0.001);
-    EXPECT_EQ(trial.run(3).steps, 3);  // and can go on
+    EXPECT_EQ(trial.run(3).steps, 3);  // and can continue
 }
 
 TEST(Profile, MeasuresAndFindsEqualStates) {
@@ -80,7 +80,7 @@ TEST(Profile, MeasuresAndFindsEqualStates) {
     options.rounds = 2;
     options.steps = 5;
     options.neighbours = {0, 1};
-    options.predict_crowded = true;  // whoever else runs here
+    options.predict_crowded = true;  // whatever else runs here
     const auto schedules = chosen_schedules(ready_tiny(), {.names = {"serial:staged", "flow:fused", "flow:staged"}, .threads = {2}});
     const Profile profile = profile_schedules(ready_tiny(), schedules, options);
     EXPECT_THAT(profile.differences, testing::IsEmpty());

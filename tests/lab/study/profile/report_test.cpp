@@ -66,7 +66,7 @@ TEST_F(Report, CsvHasARowPerScheduleAndLoadOfEqualWidth) {
     EXPECT_EQ(rows[3][7], "60.0000");  // median step [us]
 }
 
-TEST_F(Report, JsonTellsEverythingAndWhereItComesFrom) {
+TEST_F(Report, JsonContainsEverythingWithItsOrigin) {
     const auto json = nlohmann::json::parse(profile_json(scene_, {}, profile_));
     EXPECT_EQ(json["scene"], scene_.name);
     for (const char* key : {"compiler", "flags", "tbb", "openmp", "cores", "commit"}) EXPECT_TRUE(json["provenance"].contains(key)) << key;

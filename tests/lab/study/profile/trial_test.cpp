@@ -9,18 +9,18 @@ namespace cvtflow::bench {
 using namespace tasks;
 namespace {
 
-/// A run looks for its automatic step once, with a hundred evaluations or more; afterwards, every so often, with a few more.
-TEST(Trial, LooksForItsAutomaticStepOnceAsARunDoes) {
+/// A run searches for its automatic step once, with a hundred evaluations or more; afterwards, from time to time, with a few more.
+TEST(Trial, SearchesForItsAutomaticStepOnceAsARunDoes) {
     Trial trial(claims::ready_scene("baseline", {"run.method=leapfrog-chebyshev"}), Schedule{});
-    const auto looked = [&] { return trial.simulation().step_choice()->evaluations(); };
+    const auto evaluations = [&] { return trial.simulation().step_choice()->evaluations(); };
     EXPECT_EQ(trial.run(50).steps, 50);
-    const long first = looked();
+    const long first = evaluations();
     EXPECT_GT(first, 100);
     const TrialSample second = trial.run(200);
     EXPECT_EQ(second.steps, 200);
     EXPECT_GE(second.evaluations, 200);
-    EXPECT_GT(looked(), first) << "began again";
-    EXPECT_LT(looked(), 2 * first);
+    EXPECT_GT(evaluations(), first) << "began again";
+    EXPECT_LT(evaluations(), 2 * first);
 }
 
 TEST(Trial, CountsEveryCallsStepsBeforeAStartHasSettledToo) {

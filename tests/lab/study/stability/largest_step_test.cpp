@@ -1,4 +1,4 @@
-/// Predicted and measured largest stable steps. The same by hand: cvtflow-lab stability leapfrog-rkc … --scene baseline
+/// Predicted and measured largest stable steps. As a command: cvtflow-lab stability leapfrog-rkc … --scene baseline
 
 #include "bench/method/laboratory_methods.hpp"
 #include "bench/method/stability/predicted_step.hpp"
@@ -48,7 +48,7 @@ struct Place {
 /// unstable steps alternate) and rock4-s40 0.944 (in steps of 3 to 5 us contacts leave what was linearised).
 const std::set<std::pair<std::string, std::string>> known_misses{{"tiny", "rock2"}, {"tiny", "rock4-s40"}};
 
-/// What a person asked for: five hundredths.
+/// Requires agreement within five hundredths.
 void expect_agreement(const Place& place, const std::string& method) {
     const StepLimit predicted = predicted_step_limit(place.chain, method);
     const MeasuredLimit measured = measured_step_limit(place.scene, method, place.start, predicted.step);
@@ -56,7 +56,7 @@ void expect_agreement(const Place& place, const std::string& method) {
                                   text_of(predicted) + ", measured " + std::to_string(1e6 * measured.step) + " us");
     if (std::isinf(predicted.step)) {
         EXPECT_TRUE(std::isinf(measured.step)) << method << ": " << measured.step;
-    } else if (known_misses.contains({place.scene.name, method})) {  // mended ones are to be taken off the list
+    } else if (known_misses.contains({place.scene.name, method})) {  // remove corrected ones from the list
         EXPECT_GT(std::abs(measured.step / predicted.step - 1.0), 0.05) << place.scene.name << " " << method << ": " << text_of(predicted);
     } else {
         EXPECT_NEAR(measured.step / predicted.step, 1.0, 0.05) << place.scene.name << " " << method << ": " << text_of(predicted);
@@ -101,7 +101,7 @@ TEST(LargestStep, IsWhereTheGrowthOfAStepPassesOne) {
     EXPECT_GT(predicted_growth(tiny.chain, "leapfrog-rkc", 1.03 * limit), 1.0 + growth_factor_tolerance);
 }
 
-TEST(LargestStep, SaysThatLightSheavesSetIt) {
+TEST(LargestStep, ReportsThatLightSheavesSetIt) {
     const Place light(ready("control", {"pulley.sheave_mass=0.3 kg"})), usual(ready("control"));
     const StepLimit limit = predicted_step_limit(light.chain, "leapfrog-chebyshev");
     EXPECT_LT(limit.step, 0.9 * predicted_step_limit(usual.chain, "leapfrog-chebyshev").step);
@@ -139,7 +139,7 @@ void expect_all(const Place& place) {
 
 TEST(NightlyLargestStep, IsMeasuredAsPredictedForAllMethodsOnTheBaseline) { expect_all(Place(ready("baseline"))); }
 TEST(NightlyLargestStep, IsMeasuredAsPredictedForAllMethodsAtMediumDetail) { expect_all(Place(ready("control"))); }
-/// As the scene says: at rest after 10 ms. (At 1 ms, where the short test stands, tips still come to the sheaves, and contacts pass their
+/// Settled as in the scene, for 10 ms. (At 1 ms, as in the short test, tips still come to the sheaves, and contacts pass their
 /// kink within a measured step.)
 TEST(NightlyLargestStep, IsMeasuredAsPredictedForAllMethodsOnTheSmallestScene) {
     Scene tiny = ready("tiny");

@@ -31,7 +31,7 @@ TEST(MeasuredStep, IsWhatTheSpectrumPredictsWithinFivePercent) {
     }
 }
 
-TEST(MeasuredStep, SaysWhenTheLimitIsNotWhereItIsExpected) {
+TEST(MeasuredStep, ReportsWhenTheLimitIsNotWhereItIsExpected) {
     const model::Variator variator(brief_scene().parameters);
     const engine::StagePlan& rk4 = *engine::find_method("rk4");
     const MeasuredStep beyond = measured_stable_step(variator, rk4, brief_start(), 1e-9);

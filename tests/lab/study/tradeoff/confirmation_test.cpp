@@ -35,7 +35,7 @@ TEST(Confirmation, OfWhatIsRightObjectsToNothing) {
     EXPECT_EQ(confirm.check(Settings{"run.method=rk4", "run.step=100ns"}).objection, "");
 }
 
-TEST(Confirmation, SaysWhichReferenceItTookAndHowFarItAgreesWithItself) {
+TEST(Confirmation, ReportsWhichReferenceItTookAndHowFarItAgreesWithItself) {
     EXPECT_THAT(confirmation().reference_text(),
                 testing::ContainsRegex(
                     "^leapfrog-sweep at .* s \\(0\\.25 of its automatic step; twice that is off by .* in slip, .* in losses\\)$"));
@@ -56,7 +56,7 @@ TEST(Confirmation, DoesNotTryAStepBeyondStability) {
     EXPECT_FALSE(confirm.beyond_stability(Settings{"run.method=rk4", "run.step=auto"})) << "it chooses within the limit";
 }
 
-TEST(Confirmation, HearsTheWatchWhateverThePredictionSays) {
+TEST(Confirmation, HeedsTheWatchWhateverThePrediction) {
     const Confirmation confirm = confirmation();
     const Confirmed wrong = confirm.judged(confirm.run(Settings{"run.method=rk4", "run.step=2us"}));
     EXPECT_EQ(wrong.objection, "unreliable");

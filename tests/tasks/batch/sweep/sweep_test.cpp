@@ -131,7 +131,7 @@ TEST_F(SweepFile, SamplesStayInTheirBox) {
         << "half of a logarithmic interval lies below its geometric mean: 20 of 40, 4 standard deviations are 12.6";
 }
 
-TEST_F(SweepFile, TellsEveryMistakeWithItsPlace) {
+TEST_F(SweepFile, ReportsEveryMistakeWithItsPlace) {
     EXPECT_EQ(error("[sweep]\nscene = \"tny\"\n"), "s.toml:2:9: sweep.scene: " + std::string(CVTFLOW_SOURCE_DIR) +
                                                        "/scenes/tny.toml: cannot be read: No such file or directory");
     EXPECT_EQ(error(head + "[[axes]]\nkey = \"load.torqe\"\nvlues = [1]\n"),
@@ -267,7 +267,7 @@ TEST(BatchProgress, PredictsByThePaceAfterEveryWorkersFirstCase) {
     EXPECT_EQ(progress.left(), 0.0);
 }
 
-TEST(Reducer, ReducesAsItSays) {
+TEST(Reducer, ReducesAsItsTextStates) {
     std::vector<Problem> none;
     const std::map<std::string, double> expected{
         {"slip mean", 7.0 / 3.0}, {"slip min", 1.0},      {"slip max", 4.0},    {"slip rms", std::sqrt(7.0)},

@@ -17,8 +17,8 @@ const engine::Cancellation uncancelled;
 
 std::uint64_t leapfrog_hash(const std::vector<std::string>& settings) {
     Simulation simulation(claims::ready_scene("baseline", settings));
-    SilentObserver nobody;
-    EXPECT_FALSE(simulation.advance({.until = 60e-6}, nobody, uncancelled)) << settings.back();
+    SilentObserver silent;
+    EXPECT_FALSE(simulation.advance({.until = 60e-6}, silent, uncancelled)) << settings.back();
     EXPECT_GT(simulation.counters().steps, 29);
     return simulation.hash();
 }
@@ -88,8 +88,8 @@ TEST(FrictionLeapfrog, StagesOfACycleWaitForNeighboursOnly) {
 TEST(FrictionLeapfrog, StagesInSinglePrecisionDifferFromDoubleByRoundingAlone) {
     const auto state_after = [](const std::string& method) {
         Simulation simulation(claims::ready_scene("baseline", {"run.method=" + method, "run.step=2us", "run.schedule=serial"}));
-        SilentObserver nobody;
-        EXPECT_FALSE(simulation.advance({.until = 60e-6}, nobody, uncancelled)) << method;
+        SilentObserver silent;
+        EXPECT_FALSE(simulation.advance({.until = 60e-6}, silent, uncancelled)) << method;
         return std::vector<double>(simulation.state(), simulation.state() + simulation.variator().layout().size());
     };
     for (const std::string method : {"leapfrog-rkc", "leapfrog-chebyshev"}) {
@@ -104,11 +104,11 @@ TEST(FrictionLeapfrog, StagesInSinglePrecisionDifferFromDoubleByRoundingAlone) {
     }
 }
 
-TEST(FrictionLeapfrog, FrictionTooStiffForItIsAFaultThatSaysSo) {
+TEST(FrictionLeapfrog, FrictionTooStiffForItIsAFaultThatReportsIt) {
     Simulation simulation(
         claims::ready_scene("baseline", {"run.method=leapfrog-rkc", "run.step=2us", "run.schedule=serial", "joint.saturation_speed=1e-6"}));
-    SilentObserver nobody;
-    const Fault fault = simulation.advance({.until = 1e-5}, nobody, uncancelled);
+    SilentObserver silent;
+    const Fault fault = simulation.advance({.until = 1e-5}, silent, uncancelled);
     EXPECT_EQ(fault.kind, FaultKind::too_stiff);
     EXPECT_GT(fault.value, fault.limit);
     EXPECT_NE(fault.message().find("friction is too stiff for the step at t = "), std::string::npos) << fault.message();

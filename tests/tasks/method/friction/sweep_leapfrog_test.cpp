@@ -20,8 +20,8 @@ const engine::Cancellation unstopped;
 std::uint64_t hash_after(std::vector<std::string> settings, const std::vector<std::string>& more) {
     settings.insert(settings.end(), more.begin(), more.end());
     Simulation simulation(claims::ready_scene("baseline", settings));
-    SilentObserver nobody;
-    EXPECT_FALSE(simulation.advance({.until = 60e-6}, nobody, unstopped)) << settings.back();
+    SilentObserver silent;
+    EXPECT_FALSE(simulation.advance({.until = 60e-6}, silent, unstopped)) << settings.back();
     EXPECT_GT(simulation.counters().steps, 29);
     return simulation.hash();
 }
@@ -64,8 +64,8 @@ TEST(SweepLeapfrog, ItsGraphHasNoRaces) {
 TEST(SweepLeapfrog, BooksTheLossesOfItsForcesAndNotOfTheLaw) {
     Simulation simulation(claims::ready_scene("baseline", {"run.method=leapfrog-sweep", "run.step=2us", "tip.saturation_speed=1e-3",
                                                            "joint.saturation_speed=5e-4", "plate.saturation_speed=1e-3"}));
-    SilentObserver nobody;
-    ASSERT_FALSE(simulation.advance({.until = 2e-3}, nobody, unstopped));
+    SilentObserver silent;
+    ASSERT_FALSE(simulation.advance({.until = 2e-3}, silent, unstopped));
     EXPECT_LT(std::abs(simulation.energy().balance().relative()), 3e-3);
 }
 

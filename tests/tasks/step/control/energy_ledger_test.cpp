@@ -76,7 +76,7 @@ TEST(EnergyLedger, NoiseExcusesNoMoreThanAHundredthOfTheLossesWhereThereAreInput
     EXPECT_LT(balance.suspicion(), 1.0);
 }
 
-TEST(EnergyLedger, GoesOnFromItsMemoryBitByBit) {
+TEST(EnergyLedger, ContinuesFromItsMemoryBitByBit) {
     const EnergyLedger before = sampled(300.0, -297.0);
     std::vector<double> memory, again;
     before.save(memory);

@@ -63,7 +63,7 @@ TEST(StepControllerOutputs, TakeAThirdThatIsWrittenInThreeDigits) {
     }
 }
 
-/// Looks at each transition as it happens: how far from its threshold the tip is, against how far it moves in a whole step.
+/// Measures at each transition how far the tip is from its threshold, and how far it moves in a whole step.
 class CutWatcher final : public RunObserver {
 public:
     explicit CutWatcher(const Workspace& workspace) : w_(workspace) {}
@@ -99,7 +99,7 @@ TEST(StepControllerTransitions, CutTheStepWhereTheTipReachesItsThreshold) {
         ASSERT_GT(controller.counters().truncated, 100);
         ASSERT_EQ(watcher.slip_.empty(), !stick_slip);
         // Tips close at some mm/s or faster: 1e-10 m in a step, of which 1e-3 would do. The cut is within 1e-9 of the step and 1e-17 m of
-        // rounding (measured 2e-17 m and 3e-12 m/s). Those that were put off before (suppressed) are wherever they have got to by then.
+        // rounding (measured 2e-17 m and 3e-12 m/s). Transitions that were suppressed before are farther away by then.
         const auto exact = [](const std::vector<double>& misses, double limit) {
             return std::count_if(misses.begin(), misses.end(), [=](double m) { return m < limit; });
         };
@@ -108,7 +108,7 @@ TEST(StepControllerTransitions, CutTheStepWhereTheTipReachesItsThreshold) {
     }
 }
 
-TEST(StepControllerTransitions, PutOffWhileATipHasJustChangedAreMadeUpForAndTheRunGoesOn) {
+TEST(StepControllerTransitions, PutOffWhileATipHasJustChangedAreMadeUpForAndTheRunContinues) {
     model::Parameters p = tiny_parameters();
     Rig free_running(p);
     ASSERT_FALSE(free_running.run({settling_begin, settling_begin + 1e-4, 5e-8, 1e-5}));
@@ -146,7 +146,7 @@ TEST(StepControllerTransitions, AChatteringChainMakesProgress) {
 
 TEST(StepControllerTransitions, EveryCutChangesATipAlsoWhereTheStepIsTakenAgain) {
     // Here a tip is due that has kept its phase long enough by the end of the whole step, but not by the end of the one that is taken
-    // again: cut for it without changing it, and cut again, steps of 1e-14 s went on for ever.
+    // again: cut for it without changing it, and cut again, steps of 1e-14 s continued for ever.
     model::Parameters p = tiny_parameters();
     p.detail.stick_slip = true;
     p.start.settling_time = p.start.ramp_time = 5e-5;
@@ -178,7 +178,7 @@ Fault run_with(Rig& rig, const StepSettings& settings, RunObserver& observer, co
 void expect_good_state(Rig& rig) {
     for (int k = 0; k < rig.variator().layout().size(); ++k) ASSERT_TRUE(std::isfinite(rig.state()[k]));
     const double from = rig.time();
-    EXPECT_FALSE(rig.run({from, from + 1e-6, 5e-8, 1e-6})) << "it can go on";
+    EXPECT_FALSE(rig.run({from, from + 1e-6, 5e-8, 1e-6})) << "it can continue";
 }
 
 TEST(StepControllerBudgets, StepsAreCountedAndTheStateIsLeftGood) {

@@ -146,7 +146,7 @@ void add(std::string& file, T number) {
     for (std::size_t byte = 0; byte < sizeof number; ++byte) file += static_cast<char>(number >> 8 * byte & 0xFFu);
 }
 
-/// What local header and directory have in common: flags, method, time, date, sum, sizes, lengths.
+/// Facts that local header and directory have in common: flags, method, time, date, sum, sizes, lengths.
 void add_facts(std::string& file, const Packed& packed) {
     add<std::uint16_t>(file, 0x0800);  // names are UTF-8
     add<std::uint16_t>(file, packed.compressed ? Z_DEFLATED : 0);
@@ -195,7 +195,7 @@ std::string zip_file(const std::vector<ZipPart>& parts) {
     return file;
 }
 
-std::string fmu_bytes(const FmuArguments& arguments, const std::vector<FmuSystem>& systems, const tasks::Scene& wanted,
+std::string fmu_bytes(const FmuArguments& arguments, const std::vector<FmuSystem>& systems, const tasks::Scene& scene,
                       Simulation& simulation) {
     const bool third = arguments.version == 3;
     const std::vector<FmuVariable> variables = fmu_variables(simulation, arguments.choice, third);
@@ -206,8 +206,8 @@ std::string fmu_bytes(const FmuArguments& arguments, const std::vector<FmuSystem
     const std::string table = variables_text(variables);
     const std::string token = fmt::format(
         "{{{:016x}}}", engine::Hash().add(std::string_view(text)).add(std::string_view(state_bytes)).add(std::string_view(table)).value());
-    const FmuFacts facts{wanted.name,      identifier_of(wanted.name), token,           wanted.description,
-                         arguments.author, generation_date(),          wanted.run.until};
+    const FmuFacts facts{scene.name,       identifier_of(scene.name), token,          scene.description,
+                         arguments.author, generation_date(),         scene.run.until};
     std::vector<ZipPart> files{
         {"modelDescription.xml", third ? model_description_3(facts, variables) : model_description_2(facts, variables)}};
     for (const FmuSystem& system : systems)

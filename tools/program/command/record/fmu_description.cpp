@@ -28,7 +28,7 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-/// What an importer gets unless others are named; of them those that the scene has.
+/// Default outputs of an FMU. An FMU has those of them that its scene has.
 constexpr std::string_view usual_outputs[] = {
     "shaft_1/speed",    "shaft_2/speed", "shaft_1/torque", "shaft_1/chain_torque", "shaft_2/chain_torque", "shaft_1/clamping",
     "shaft_2/clamping", "ratio",         "slip",           "efficiency",           "loss/total",           "balance/suspicion"};
@@ -47,14 +47,15 @@ constexpr std::string_view usual_parameters[] = {"drive.inertia",
 
 [[nodiscard]] bool is_in(const Names& names, std::string_view name) { return std::find(names.begin(), names.end(), name) != names.end(); }
 
-/// The wanted names; `all` if that is the only one; the usual ones that are there if none is wanted. @param known  all that may be wanted
-Names chosen(const char* option, const Names& wanted, const Names& known, const Names& all, std::span<const std::string_view> usual) {
-    if (wanted == Names{"all"}) return all;
-    for (const std::string& name : wanted) {
+/// The requested names; all of them for "all"; the usual ones that the scene has if none is requested. @param known  all that may be
+/// requested
+Names chosen(const char* option, const Names& requested, const Names& known, const Names& all, std::span<const std::string_view> usual) {
+    if (requested == Names{"all"}) return all;
+    for (const std::string& name : requested) {
         if (is_in(known, name)) continue;
         throw UsageError(fmt::format("{}: the scene has no '{}'{}", option, name, engine::did_you_mean(engine::closest(name, known))));
     }
-    if (!wanted.empty()) return wanted;
+    if (!requested.empty()) return requested;
     Names kept;
     for (const std::string_view name : usual) {
         if (is_in(known, name)) kept.emplace_back(name);
@@ -74,7 +75,7 @@ double magnitude(double value) {
     return size > 0.0 && std::isfinite(size) ? std::pow(10.0, std::floor(std::log10(size))) : 0.0;
 }
 
-/// What people read a quantity in; empty where that is the SI unit, has an offset (K), or scenes do not know the unit (J, W).
+/// Display unit of a quantity; empty if that is the SI unit, has an offset (K), or scenes do not know the unit (J, W).
 std::string display_unit(const std::string& unit) {
     if (unit == "N*m" || unit == "J" || unit == "W" || unit == "K") return "";
     const auto usual = tasks::usual_units(unit);
@@ -106,7 +107,7 @@ const tasks::Parameter* key_of_input(std::string_view name) {
     return nullptr;
 }
 
-std::vector<FmuVariable> inputs(const Simulation& simulation, const Names& wanted) {
+std::vector<FmuVariable> inputs(const Simulation& simulation, const Names& requested) {
     std::vector<FmuVariable> rows;
     Names names;
     for (int number = 0; number <= static_cast<int>(Input::pressure_driven); ++number) {
@@ -124,12 +125,12 @@ std::vector<FmuVariable> inputs(const Simulation& simulation, const Names& wante
     }
     std::vector<std::string_view> usual;  // an importer that sets every input would hold an angle at its start value
     std::copy_if(names.begin(), names.end(), std::back_inserter(usual), [](const std::string& name) { return !name.ends_with("_angle"); });
-    const Names kept = chosen("--inputs", wanted, names, names, usual);
+    const Names kept = chosen("--inputs", requested, names, names, usual);
     std::erase_if(rows, [&](const FmuVariable& row) { return !is_in(kept, row.source); });
     return rows;
 }
 
-std::vector<FmuVariable> outputs(Simulation& simulation, const Names& wanted, bool arrays) {
+std::vector<FmuVariable> outputs(Simulation& simulation, const Names& requested, bool arrays) {
     Names names, scalars;
     for (std::size_t index = 0; index < simulation.channels(); ++index) {
         const ChannelInfo info = simulation.channel_info(index);
@@ -137,7 +138,7 @@ std::vector<FmuVariable> outputs(Simulation& simulation, const Names& wanted, bo
         if (info.width == 1) scalars.emplace_back(info.name);
     }
     std::vector<FmuVariable> rows;
-    for (const std::string& channel : chosen("--outputs", wanted, names, scalars, usual_outputs)) {
+    for (const std::string& channel : chosen("--outputs", requested, names, scalars, usual_outputs)) {
         const ChannelInfo info = simulation.channel_info(simulation.find_channel(channel));
         const std::span<const double> now = simulation.channel(channel);
         const double largest =
@@ -155,13 +156,13 @@ std::vector<FmuVariable> outputs(Simulation& simulation, const Names& wanted, bo
 }
 
 /// Numbers of the machine. Keys that determine the size of the state, the method or the run remain as exported.
-std::vector<FmuVariable> parameters(const Scene& scene, const Names& wanted) {
+std::vector<FmuVariable> parameters(const Scene& scene, const Names& requested) {
     Names keys;
     for (const tasks::Parameter& row : tasks::parameter_table()) {
         if (row.kind() == tasks::Kind::number && row.section() != "run" && row.section() != "start") keys.emplace_back(row.key);
     }
     std::vector<FmuVariable> rows;
-    for (const std::string& key : chosen("--parameters", wanted, keys, keys, usual_parameters)) {
+    for (const std::string& key : chosen("--parameters", requested, keys, keys, usual_parameters)) {
         const tasks::Parameter& row = *tasks::find_parameter(key);
         rows.push_back(
             {0, "parameter", key, std::string(row.unit), std::string(row.meaning), 1, engine::number_of(scene.value(key)).value(), key});
@@ -184,7 +185,7 @@ std::string type_attributes(const FmuVariable& row) {
     return text + (row.nominal > 0.0 ? attribute("nominal", number(row.nominal)) : "");
 }
 
-/// Of units of channels, too, which scenes do not know.
+/// Dimension of a unit, also of units of channels that scenes do not have.
 tasks::Dimension dimension_of(const std::string& unit) {
     if (unit == "J") return tasks::dimension_of("N*m");
     if (unit == "W") return tasks::dimension_of("N*m/s");
@@ -220,7 +221,8 @@ std::string head(const FmuFacts& facts, const char* version, const char* token) 
         attribute("author", facts.author), attribute("generationDateAndTime", facts.date));
 }
 
-/// Of the default experiment, which importers take unasked: long enough for a call to cost little beside the steps that it takes. [s]
+/// Communication step of the default experiment, which importers use by default. It is long, so that a call costs little beside its steps.
+/// [s]
 double communication_step(double until) { return until >= 0.05 ? 1e-3 : std::min(1e-4, until); }
 
 std::string middle(const FmuFacts& facts, const std::vector<FmuVariable>& variables) {

@@ -41,7 +41,7 @@ struct FmuChoice {
 struct FmuFacts {
     std::string name;         ///< of the scene
     std::string identifier;   ///< of the library inside: a name in C
-    std::string token;        ///< that tells this FMU from others
+    std::string token;        ///< unique to this FMU
     std::string description;  ///< one line
     std::string author;       ///< empty: not stated
     std::string date;         ///< of generation, UTC, ISO 8601; empty: unknown

@@ -113,7 +113,7 @@ std::string sweep_text(const std::string& path) {
     return text + columns.text(2);
 }
 
-/// Of the kind of file that it is.
+/// Text for the kind of the file.
 std::string info_text(const std::string& path) {
     if (std::filesystem::is_directory(path)) return sweep_text(path);
     constexpr std::string (*kinds[])(const std::string&) = {run_text, state_text, sweep_text};

@@ -56,7 +56,7 @@ std::string record_place(const ResumeArguments& arguments, const tasks::Checkpoi
     return arguments.output == "none" ? "" : arguments.output;
 }
 
-/// Where to go on. What is there is looked at by engine::set_aside: the run's own files, and the record that it was to replace.
+/// Place of the resumed record. Existing files, those of the run and the record that it was to replace, are checked by engine::set_aside.
 engine::Permit record_permit(const ResumeArguments& arguments, const tasks::Checkpoint& checkpoint, const tasks::Scene& scene) {
     std::vector<std::filesystem::path> inputs = input_files(scene);
     inputs.emplace_back(arguments.what);
@@ -78,7 +78,7 @@ std::string replacing_another(const std::string& file, const tasks::Checkpoint& 
     return file + ": the existing file is replaced";
 }
 
-tasks::Scene scene_to_go_on(const ResumeArguments& arguments, const tasks::Checkpoint& checkpoint) {
+tasks::Scene scene_to_resume(const ResumeArguments& arguments, const tasks::Checkpoint& checkpoint) {
     tasks::Scene scene =
         arguments.scene.empty() ? tasks::scene_of(checkpoint) : tasks::read_scene(find_scene(arguments.scene), tasks::StartState::ignored);
     std::vector<std::string> settings = arguments.settings;
@@ -88,7 +88,7 @@ tasks::Scene scene_to_go_on(const ResumeArguments& arguments, const tasks::Check
 }
 
 /// Runs the unfinished cases of a sweep, or of the shard whose folder is named.
-ExitStatus go_on_sweep(const ResumeArguments& arguments) {
+ExitStatus resume_sweep(const ResumeArguments& arguments) {
     tasks::BatchOptions options;
     options.folder = arguments.what;
     while (options.folder.size() > 1 && options.folder.back() == '/') options.folder.pop_back();
@@ -104,10 +104,10 @@ ExitStatus go_on_sweep(const ResumeArguments& arguments) {
     return run_sweep(load_sweep(sweep_of(arguments.what)), options, arguments.quiet);
 }
 
-ExitStatus go_on(const ResumeArguments& arguments) {
-    if (std::filesystem::is_directory(arguments.what)) return go_on_sweep(arguments);
+ExitStatus resume_run(const ResumeArguments& arguments) {
+    if (std::filesystem::is_directory(arguments.what)) return resume_sweep(arguments);
     const tasks::Checkpoint checkpoint = tasks::read_checkpoint(arguments.what);
-    const tasks::Scene scene = scene_to_go_on(arguments, checkpoint);
+    const tasks::Scene scene = scene_to_resume(arguments, checkpoint);
     ProgressDisplay display(arguments.quiet, scene.run.until);
     tasks::RunOptions options = display.options();
     options.file = record_permit(arguments, checkpoint, scene);
@@ -150,7 +150,7 @@ Action declare_resume(CLI::App& app) {
         "The record must be beside the checkpoint, or named with -o, and belong to this run; any other file is replaced only with "
         "--force.\n\n" +
         std::string(exit_status_help));
-    return [arguments] { return go_on(*arguments); };
+    return [arguments] { return resume_run(*arguments); };
 }
 
 }  // namespace cvtflow::tools

@@ -44,7 +44,8 @@ std::string checkpoint_path(const RunArguments& arguments, const tasks::Scene& s
     return beside(record.empty() ? scene.path.stem().string() : record, ".checkpoint.h5");
 }
 
-/// Checks the command line and the output paths before the work begins. A checkpoint beside the record belongs to a run that can go on.
+/// Checks the command line and the output paths before the work begins. A checkpoint beside the record belongs to a run that can be
+/// resumed.
 engine::Permit require_places(const RunArguments& arguments, const tasks::Scene& scene, const std::string& file) {
     const std::string checkpoint = checkpoint_path(arguments, scene, file);
     if (arguments.checkpoint_every) static_cast<void>(seconds_of("--checkpoint-every", *arguments.checkpoint_every));

@@ -59,7 +59,7 @@ bool verified(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, tasks::
     for (const std::string& remark : remarks) print_error("not verified: " + remark);
     const std::string file = report.folder + "/cases.h5";
     report.results_hash = engine::CaseReader(file).head().attribute("results_hash");
-    return say_verdict(asked.name, file, quiet) && (remarks.empty() || tasks::sweep_verdict(file).verified > 0);
+    return say_verification(asked.name, file, quiet) && (remarks.empty() || tasks::sweep_verification(file).verified > 0);
 }
 
 /// In the child.
@@ -154,7 +154,7 @@ std::string disk_text(const tasks::Sweep& sweep, const std::vector<long>& cases)
     double records = 0.0;
     for (const long number : cases) {
         sweep.apply_case(number, scene);
-        if (tasks::violations(scene).empty()) records += tasks::record_bytes(scene, model::ChainModel(scene.parameters));
+        if (tasks::violations(scene).empty()) records += tasks::record_bytes(scene, model::make_chain(scene.parameters));
     }
     return text + fmt::format(", up to {} of records", size_text(records));
 }
@@ -230,7 +230,7 @@ ExitStatus merge(const std::string& folder, bool partial, bool mixed) {
     }
     fmt::print("{}: {} of {} cases\n{}{}", report.file, report.rows, report.cases, tally_text(report.tally),
                field("results hash", report.results_hash));
-    const bool accurate = say_verdict(folder, report.file, false);
+    const bool accurate = say_verification(folder, report.file, false);
     return !whole ? ExitStatus::incomplete : accurate ? exit_status(report.tally) : ExitStatus::inaccurate;
 }
 
@@ -283,11 +283,12 @@ ExitStatus exit_status(const tasks::CaseTally& tally) noexcept {
     return tally.failed() == 0 ? ExitStatus::finished : ExitStatus::incomplete;
 }
 
-bool say_verdict(const std::string& name, const std::string& file, bool quiet) {
-    const tasks::SweepVerdict verdict = tasks::sweep_verdict(file);
-    if (!(verdict.target > 0.0)) return true;
-    if (!quiet || !verdict.held()) print_error(fmt::format("{}: {}{}", name, verdict.held() ? "" : "misses its target: ", verdict.text()));
-    return verdict.held();
+bool say_verification(const std::string& name, const std::string& file, bool quiet) {
+    const tasks::SweepVerification verification = tasks::sweep_verification(file);
+    if (!(verification.target > 0.0)) return true;
+    if (!quiet || !verification.held())
+        print_error(fmt::format("{}: {}{}", name, verification.held() ? "" : "misses its target: ", verification.text()));
+    return verification.held();
 }
 
 ExitStatus run_sweep(const tasks::Sweep& sweep, tasks::BatchOptions options, bool quiet) try {

@@ -10,10 +10,10 @@
 
 namespace cvtflow::tools {
 
-/// Of --mixed.
+/// Help of --mixed.
 inline constexpr const char* mixed_meaning = "Continue or join what another version of the program, or another start state, began";
 
-/// Of --keep-going.
+/// Help of --keep-going.
 inline constexpr const char* keep_going_meaning = "Continue a sweep if its first dozen cases all fail with the same message";
 
 /// The sweep whose results a folder contains. @throws SimulationError, engine::RecordError
@@ -24,14 +24,14 @@ ExitStatus run_sweep(const tasks::Sweep& sweep, tasks::BatchOptions options, boo
 
 /// Prints the verified errors of a table to stderr, if its sweep has a target accuracy; quiet: only if it is missed.
 /// @return whether the target is met, or there is none   @throws engine::RecordError
-bool say_verdict(const std::string& name, const std::string& file, bool quiet);
+bool say_verification(const std::string& name, const std::string& file, bool quiet);
 
 /// @throws UsageError for an unknown status
 void require_statuses(const std::string& option, const std::vector<std::string>& given);
 
 /// Lines of a summary: statuses, how many cases failed and with which messages, how many have which notes.
 [[nodiscard]] std::string tally_text(const tasks::CaseTally& tally);
-/// Of a sweep whose cases are all there: `finished` only if all are ok.
+/// Exit status of a complete sweep: `finished` only if all cases are ok.
 [[nodiscard]] ExitStatus exit_status(const tasks::CaseTally& tally) noexcept;
 
 }  // namespace cvtflow::tools

@@ -1,66 +1,19 @@
 #pragma once
-/// The chain as a function of ranges of links: accelerations, contact gaps, energies. Pure: no time step, no thread.
-///
-/// A *window* holds the states of links first-1 … last (one neighbour on each side), contiguous, link_block() numbers each:
-/// what a range [first, last) of links needs to know, wherever it comes from. With rigid pins it holds ChainLayout::halo() of them on each
-/// side.
+/// The chain as a function of ranges of links: accelerations, contact gaps, energies. Pure: no time step, no thread. Kernels take it for
+/// its constants; model/variator/chain.hpp makes one with the kernels of an instruction set.
 
 #include <memory>
-#include <span>
+#include <utility>
 
 #include "model/basis/isa.hpp"
-#include "model/force/account.hpp"
-#include "model/force/sheave_motion.hpp"
+#include "model/chain/chain_range.hpp"
 #include "model/machine/coefficients.hpp"
 #include "model/machine/link_inertia.hpp"
 
 namespace cvtflow::model {
 
-/// Reaction of a link's tips on the sheaves of its pulley. Only written for links with a touching tip.
-struct LinkLoad {
-    SheaveLoad load;
-    int shaft;  ///< 0 or 1: whose sheaves
-};
-
-/// A range of links and where its inputs are.
-struct ChainRange {
-    int first, last;              ///< [first, last)
-    const double* window;         ///< states of links first-1 … last, or more by the layout's halo [m, m/s]
-    const SheaveMotion* sheaves;  ///< [4] number 2 shaft + side; unused if the scene has no pulleys
-    const Phase* phases;          ///< [links * 4], of the whole chain
-    int shift = 1;                ///< column of a link in fields of contacts: its number + shift
-    bool ghosts = true;           ///< the range fills ghost columns where it holds the link that they repeat, links + 1 and 0 for instance
-};
-
-/// Contact of one link's tips with its sheaves, for transitions and faults.
-struct TipProbe {
-    double depth[tips_per_link];  ///< δ [m], negative: gap
-    double slip[tips_per_link];   ///< |v_t| [m/s], 0 if not requested
-    double radius;                ///< distance of the link's middle from its shaft's axis [m]
-};
-
-/// What one link carries, for observation. Tips are zero where none of the link's touches.
-struct LinkContact {
-    double tension;                ///< sum of its plates' elastic tensions [N]
-    double depth[tips_per_link];   ///< δ [m], negative: gap
-    double normal[tips_per_link];  ///< N [N]
-    double axial[tips_per_link];   ///< force of each tip on its sheave along z [N]
-};
-
 class ChainModel;
 class RigidChain;
-
-/// The block of one link where its neighbours are beside it, as far as contact of rigid pins needs them: one before, two behind. Halves
-/// need none: theirs is where it is.
-class NeighbourWindow {
-public:
-    /// @param state of the whole chain [unknowns]
-    [[nodiscard]] const double* of(const ChainLayout& layout, const double* state, int link) noexcept;
-
-private:
-    static constexpr int before = 1, blocks = before + 3;
-    double numbers_[blocks * max_link_block / 2];
-};
 
 /// The chain's functions of one order and one instruction set.
 struct ChainKernels {
@@ -72,8 +25,10 @@ struct ChainKernels {
 
 class ChainModel {
 public:
-    /// @param isa which kernels run; results do not depend on it
-    explicit ChainModel(const Parameters& parameters, Isa isa = chosen_isa());
+    /// @param kernels of the instruction set   @param rigid of rigid pins, else nullptr
+    ChainModel(Coefficients coefficients, const LinkInertia& inertia, Isa isa, const ChainKernels& kernels,
+               std::shared_ptr<const RigidChain> rigid)
+        : coefficients_(std::move(coefficients)), inertia_(inertia), isa_(isa), kernels_(kernels), rigid_(std::move(rigid)) {}
 
     [[nodiscard]] Isa isa() const noexcept { return isa_; }
 

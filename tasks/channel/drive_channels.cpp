@@ -1,7 +1,7 @@
 /// Channels of what drives the variator from outside: couplings, the impulse that a co-simulation exchanges, and hydraulics (cylinders,
 /// valves, pump: model/EQUATIONS.md section 8).
 
-#include "tasks/run/channels.hpp"
+#include "tasks/channel/channels.hpp"
 
 namespace cvtflow::tasks {
 
@@ -13,7 +13,7 @@ using model::HydraulicInstant;
 
 [[nodiscard]] model::CouplingState coupling(const Instant& now, int shaft) {
     const model::ChainLayout& at = now.workspace.layout();
-    return now.workspace.variator.pulleys().coupling(now.observation.time, now.workspace.states[0] + at.pulley_begin(), shaft);
+    return now.workspace.variator.pulleys().coupling(now.observation.time, now.workspace.state() + at.pulley_begin(), shaft);
 }
 
 Channel::Read twist(int shaft) {

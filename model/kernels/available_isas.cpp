@@ -1,7 +1,6 @@
-#include "model/basis/isa.hpp"
+#include "model/kernels/available_isas.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstdlib>
 #include <stdexcept>
 #include <string>
@@ -11,8 +10,6 @@
 namespace cvtflow::model {
 
 namespace {
-
-constexpr std::array<std::string_view, 3> names{"baseline", "avx2", "avx512"};
 
 /// Whether this processor (and its system) runs what `-march=x86-64-v3` and `-v4` compile.
 bool runs_here(Isa isa) {
@@ -36,8 +33,6 @@ std::string listed(const std::vector<Isa>& isas) {
 
 }  // namespace
 
-std::string_view name_of(Isa isa) noexcept { return names[static_cast<std::size_t>(isa)]; }
-
 std::vector<Isa> usable_isas() {
     std::vector<Isa> usable;
     for (const CompiledKernels& kernels : compiled_kernels()) {
@@ -51,7 +46,7 @@ Isa isa_named(std::string_view name) {
     const std::vector<Isa> usable = usable_isas();
     const auto found = std::find_if(usable.begin(), usable.end(), [&](Isa isa) { return name_of(isa) == name; });
     if (found != usable.end()) return *found;
-    const bool known = std::find(names.begin(), names.end(), name) != names.end();
+    const bool known = std::find(isa_names.begin(), isa_names.end(), name) != isa_names.end();
     throw std::invalid_argument("instruction set \"" + std::string(name) + "\" is " + (known ? "not available here" : "unknown") +
                                 " (have: " + listed(usable) + ")");
 }
@@ -64,13 +59,6 @@ Isa chosen_isa() {
         throw std::invalid_argument("this program was built for processors with " + std::string(name_of(compiled_kernels().front().isa)));
     }
     return isa_named(asked);
-}
-
-CompiledKernels kernels_of(Isa isa) {
-    for (const CompiledKernels& kernels : compiled_kernels()) {
-        if (kernels.isa == isa) return kernels;
-    }
-    throw std::invalid_argument("instruction set \"" + std::string(name_of(isa)) + "\" is not compiled in");
 }
 
 }  // namespace cvtflow::model

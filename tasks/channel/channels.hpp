@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "model/observe/observation.hpp"
-#include "tasks/scene/scene.hpp"
 #include "tasks/step/control/step_controller.hpp"
 
 namespace cvtflow::tasks {
@@ -60,6 +59,12 @@ struct Channel {
 /// What of the catalogue a record has: the usual ones and those that `names` ask for, where the machine has them.
 /// @param names of channels, or of groups such as "tips/*"
 [[nodiscard]] std::vector<const Channel*> chosen_channels(std::span<const std::string> names, const model::ChainLayout& layout);
+
+/// Names of the catalogue, in its order.
+[[nodiscard]] std::vector<std::string> channel_names();
+
+/// Unknown names of record.channels, in order.
+[[nodiscard]] std::vector<std::string> unknown_channels(std::span<const std::string> names);
 
 /// Energies, losses and works, their balance, counts of the run.
 [[nodiscard]] std::span<const Channel> energy_channels();

@@ -5,7 +5,7 @@
 #include <map>
 #include <numeric>
 
-#include "tasks/run/channels.hpp"
+#include "tasks/channel/channels.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
 
 namespace cvtflow::tasks {
@@ -43,7 +43,7 @@ public:
         fault = simulation_.advance({.until = scene.run.until}, *this, engine::Cancellation());
     }
     void output(double time, const Workspace& workspace, const Counters& counters) override {
-        const model::Observation& now = observer_.observe(time, workspace.states[0], workspace.tips.phases.data());
+        const model::Observation& now = observer_.observe(time, workspace.state(), workspace.tips.phases.data());
         const Instant instant{now, workspace, counters, pin_, observer_};
         ++outputs_;
         for (const Channel* channel : chosen_channels(all_, workspace.layout())) {
@@ -71,7 +71,7 @@ private:
         std::vector<double> tangential(static_cast<std::size_t>(named("tips/tangential_force").width(workspace.variator.chain())));
         named("tips/tangential_force").read(instant, tangential.data());
         for (std::size_t tip = 0; tip < tangential.size(); ++tip) {
-            const double* link = workspace.states[0] + workspace.layout().link_begin(static_cast<int>(tip / 4));
+            const double* link = workspace.state() + workspace.layout().link_begin(static_cast<int>(tip / 4));
             const std::size_t shaft = static_cast<std::size_t>(workspace.variator.chain().shaft_of(link));
             torque_[shaft] += tangential[tip] * instant.observation.radius[shaft];
         }

@@ -1,6 +1,6 @@
 /// Channels of energies, losses and works, of an instant and so far; whether their balance closes; counts of the run.
 
-#include "tasks/run/channels.hpp"
+#include "tasks/channel/channels.hpp"
 
 namespace cvtflow::tasks {
 
@@ -83,7 +83,7 @@ const Channel table_of_energies[] = {
      any_machine},
     {"run/steps", "1", "steps so far", count(&Counters::steps), any_machine},
     {"run/evaluations", "1", "evaluations of the right-hand side so far", count(&Counters::evaluations), any_machine},
-    {"run/transitions", "1", "transitions of phase so far; at rigid pins 0, not counted", count(&Counters::detected), any_machine},
+    {"run/transitions", "1", "transitions of phase so far", count(&Counters::detected), any_machine},
     {"run/truncated", "1", "steps cut at a transition so far", count(&Counters::truncated), any_machine},
     {"run/suppressed", "1", "transitions postponed because the tip had just changed", count(&Counters::suppressed), any_machine},
 };

@@ -1,4 +1,4 @@
-#include "tasks/run/channels.hpp"
+#include "tasks/channel/channels.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -61,7 +61,7 @@ void followed_axial(const Instant& now, double* out) {
 }
 void followed_position(const Instant& now, double* out) {
     const ChainLayout& at = now.workspace.layout();
-    const double* block = now.workspace.states[0] + at.link_begin(now.followed_pin);
+    const double* block = now.workspace.state() + at.link_begin(now.followed_pin);
     out[0] = block[at.x(model::End::rear, 0)];
     out[1] = block[at.y(model::End::rear, 0)];
     out[2] = block[at.z(model::End::rear)];

@@ -1,4 +1,4 @@
-#include "tasks/run/channels.hpp"
+#include "tasks/channel/channels.hpp"
 
 #include <gtest/gtest.h>
 
@@ -57,7 +57,7 @@ TEST(Channels, AllAreFiniteAndOfTheirWidthOnAFreeRing) {
 
 TEST(Channels, HaveNamesOfTheirOwnUnitsAndDescriptions) {
     std::set<std::string> names;
-    const model::ChainModel chain(tiny_parameters());
+    const model::ChainModel chain = model::make_chain(tiny_parameters());
     for (const Channel& channel : channels()) {
         EXPECT_TRUE(names.emplace(channel.name).second) << channel.name;
         EXPECT_FALSE(channel.unit.empty()) << channel.name;

@@ -1,4 +1,4 @@
-#include "model/basis/isa.hpp"
+#include "model/kernels/available_isas.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "model/law/friction.hpp"
-#include "tasks/run/channels.hpp"
+#include "tasks/channel/channels.hpp"
 
 namespace cvtflow::tasks {
 
@@ -167,7 +167,7 @@ void for_cells(const Instant& now, const Each& each) {
     for (std::size_t tip = 0; tip < f.tip_normal.size(); ++tip) {
         if (f.tip_normal[tip] <= 0.0) continue;
         const int link = static_cast<int>(tip) / model::tips_per_link;
-        const int shaft = chain.shaft_of(now.workspace.states[0] + chain.layout().link_begin(link));
+        const int shaft = chain.shaft_of(now.workspace.state() + chain.layout().link_begin(link));
         const int place = std::clamp(static_cast<int>((f.tip_radius[tip] - p.pulley.innermost) * per_radius), 0, wear_cells - 1);
         const int sheave = 2 * shaft + static_cast<int>(tip % 2);
         each(tip, static_cast<std::size_t>(wear_cells * sheave + place), f.tip_normal[tip], f.tip_sliding[tip]);

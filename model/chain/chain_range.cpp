@@ -1,0 +1,15 @@
+#include "model/chain/chain_range.hpp"
+
+#include <algorithm>
+
+namespace cvtflow::model {
+
+const double* NeighbourWindow::of(const ChainLayout& layout, const double* state, int link) noexcept {
+    if (!layout.rigid) return state + layout.link_begin(link);
+    const int block = layout.link_block();
+    for (int place = 0; place < blocks; ++place)
+        std::copy_n(state + layout.link_begin(layout.wrapped(link + place - before)), block, numbers_ + place * block);
+    return numbers_ + before * block;
+}
+
+}  // namespace cvtflow::model

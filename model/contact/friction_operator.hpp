@@ -1,0 +1,133 @@
+#pragma once
+/// Friction as an operator on velocities, with the kernels of one order and one instruction set.
+
+#include <type_traits>
+
+#include "model/contact/contact_field.hpp"
+#include "model/contact/friction_numbers.hpp"
+#include "model/contact/friction_stage.hpp"
+
+namespace cvtflow::model {
+
+class FrictionOperator;
+
+template <class Number>
+struct FrictionSweepOf;  // model/contact/sweep_step.hpp
+struct FrictionPowers;   // likewise
+
+/// Functions of implicit sweeps of one order and one instruction set, in the precision of the velocities.
+template <class Number>
+struct SweepKernels {
+    void (*sweep)(const FrictionOperator&, const ContactFieldOf<Number>&, const FrictionRangeOf<Number>&,
+                  const FrictionSweepOf<Number>&) noexcept = nullptr;
+    /// Of the kept forces at the range's velocities. powers [links of the range]
+    void (*powers)(const FrictionOperator&, const ContactFieldOf<Number>&, const FrictionRangeOf<Number>&, const ColumnsOf<Number>& kept,
+                   FrictionPowers* powers) noexcept = nullptr;
+};
+
+/// Functions of one order and one instruction set.
+struct FrictionKernels {
+    using Record = void (*)(const FrictionOperator&, const ChainRange&, const ContactDrift&, ContactField&, Columns&, LinkLoad*) noexcept;
+    using Evaluate = void (*)(const FrictionOperator&, const ContactField&, const FrictionRange&, const FrictionStage&) noexcept;
+    Record record;
+    Evaluate slopes, all_sticking;
+    SweepKernels<double> sweeps;
+};
+
+/// The same in single precision.
+struct SingleFrictionKernels {
+    using Record = void (*)(const FrictionOperator&, const ChainRange&, const ContactDrift&, const SinglePrecisionRecord&,
+                            LinkLoad*) noexcept;
+    using Evaluate = void (*)(const FrictionOperator&, const ContactFieldOf<float>&, const FrictionRangeOf<float>&,
+                              const FrictionStageOf<float>&) noexcept;
+    Record record = nullptr;
+    Evaluate slopes = nullptr, all_sticking = nullptr;
+    SweepKernels<float> sweeps;
+};
+
+/// Friction as a function of velocities, for fields that record() has written. Velocities, forces and slopes of links are
+/// [link_size()][stride] columns that begin at a range's first link - 1.
+class FrictionOperator {
+public:
+    /// model/variator/chain.hpp makes one with the kernels of the chain's instruction set.
+    FrictionOperator(const ChainModel& chain, bool by_phase, const FrictionKernels& kernels, const SingleFrictionKernels& single);
+
+    /// Numbers of scratch for a range of so many links.
+    template <class Number = double>
+    [[nodiscard]] int scratch_size(int links) const noexcept {
+        return scratch_rows(chain_.layout().lateral()) * joint_stride<Number>(links);
+    }
+    [[nodiscard]] static constexpr int scratch_rows(int lateral) noexcept { return 2 * lateral + 7; }
+
+    /// Columns of a row of scratch.
+    template <class Number = double>
+    [[nodiscard]] static constexpr int joint_stride(int links) noexcept {
+        constexpr int line = ColumnsOf<Number>::line;
+        return (links + line) / line * line + line;
+    }
+
+    /// Notes the contacts of the links of a range, replaces their reactions on the sheaves by those of the normal forces alone, and gives
+    /// the accelerations of the links by everything but friction, in one pass over them: to rows of `frictionless`, column = link +
+    /// range.shift. Ghost columns are written with the links that they repeat, if the range requires it.
+    /// @param loads of the range's first link on
+    void record(const ChainRange& range, const ContactDrift& drift, ContactField& field, Columns& frictionless,
+                LinkLoad* loads) const noexcept {
+        kernels_.record(*this, range, drift, field, frictionless, loads);
+    }
+    /// The same for friction in single precision.
+    void record(const ChainRange& range, const ContactDrift& drift, const SinglePrecisionRecord& start, LinkLoad* loads) const noexcept {
+        single_.record(*this, range, drift, start, loads);
+    }
+    /// slope = base + A⁻¹ friction(velocity) of links first … last - 1, and what the stage makes of it.
+    void slopes(const ContactField& field, const FrictionRange& range, const FrictionStage& stage) const noexcept {
+        kernels_.slopes(*this, field, range, stage);
+    }
+    void slopes(const ContactFieldOf<float>& field, const FrictionRangeOf<float>& range,
+                const FrictionStageOf<float>& stage) const noexcept {
+        single_.slopes(*this, field, range, stage);
+    }
+    /// slopes() for friction linearised where every contact sticks, about rest, and without base: the steepest the law can be.
+    void all_sticking(const ContactField& field, const FrictionRange& range, Columns& slope) const noexcept {
+        kernels_.all_sticking(*this, field, range, {nullptr, &slope});
+    }
+    void all_sticking(const ContactFieldOf<float>& field, const FrictionRangeOf<float>& range, ColumnsOf<float>& slope) const noexcept {
+        single_.all_sticking(*this, field, range, {nullptr, &slope});
+    }
+
+    template <class Number>
+    [[nodiscard]] const SweepKernels<Number>& sweeps() const noexcept {
+        if constexpr (std::is_same_v<Number, float>) {
+            return single_.sweeps;
+        } else {
+            return kernels_.sweeps;
+        }
+    }
+
+    [[nodiscard]] const ChainModel& chain() const noexcept { return chain_; }
+    /// Those of the chain without friction.
+    [[nodiscard]] const Coefficients& frictionless() const noexcept { return frictionless_; }
+    /// Whether the branch of the law is that of the tip's phase (detail.stick_slip).
+    [[nodiscard]] bool by_phase() const noexcept { return by_phase_; }
+    [[nodiscard]] const MirroredInverse& lateral_inverse() const noexcept { return numbers_.lateral; }
+    [[nodiscard]] const MirroredInverse& axial_inverse() const noexcept { return numbers_.axial; }
+    /// Constants in the precision of the velocities.
+    template <class Number>
+    [[nodiscard]] const FrictionNumbers<Number>& numbers() const noexcept {
+        if constexpr (std::is_same_v<Number, float>) {
+            return single_numbers_;
+        } else {
+            return numbers_;
+        }
+    }
+
+private:
+    const ChainModel& chain_;
+    Coefficients frictionless_;
+    FrictionNumbers<double> numbers_;
+    FrictionNumbers<float> single_numbers_;
+    bool by_phase_;
+    FrictionKernels kernels_;
+    SingleFrictionKernels single_;
+};
+
+}  // namespace cvtflow::model

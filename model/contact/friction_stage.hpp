@@ -1,0 +1,62 @@
+#pragma once
+/// Inputs and outputs of an evaluation of friction: a range of links with its velocities, and what is made of the accelerations.
+
+#include <array>
+#include <cstddef>
+
+#include "model/basis/columns.hpp"
+#include "model/parameters/chain_layout.hpp"
+
+namespace cvtflow::model {
+
+template <class Number>
+struct FrictionRangeOf {
+    int first, last;         ///< links [first, last)
+    const Number* velocity;  ///< [link_size()][stride] of links first - 1 … last
+    std::ptrdiff_t stride;   ///< of velocity
+    Number* scratch;         ///< FrictionOperator::scratch_size<Number>(last - first) [m/s, N]
+    const Phase* phases;     ///< [links * 4], of the whole chain
+    double time;             ///< of the velocities, from the middle of the step, in steps [1]
+    int shift = 1;           ///< column of a link in all fields but velocity: its number + shift
+};
+using FrictionRange = FrictionRangeOf<double>;
+
+/// Accelerations by everything but friction, linear in time: now + extrapolation (now - before). Columns over links (column = link + 1).
+template <class Number>
+struct FrictionBaseOf {
+    const ColumnsOf<Number>* now;
+    const ColumnsOf<Number>* before;
+    double extrapolation;  ///< share of the change since the last step [1]
+};
+
+/// Velocities that a table combines from others and from the slope just evaluated: Σ weight from + slope_weight slope, in this order.
+template <class Number>
+struct VelocityRowOf {
+    static constexpr std::size_t max_terms = 4;
+    std::array<const ColumnsOf<Number>*, max_terms> from{};
+    std::array<double, max_terms> weight{};  ///< [1]
+    std::size_t terms = 0;
+    double slope_weight = 0.0;        ///< [s]
+    ColumnsOf<Number>* to = nullptr;  ///< none of `from`, nor the columns evaluated
+
+    /// factor [1]
+    void add(const ColumnsOf<Number>& columns, double factor) noexcept {
+        from[terms] = &columns;
+        weight[terms++] = factor;
+    }
+};
+using VelocityRow = VelocityRowOf<double>;
+
+/// What an evaluation of friction is for: its slopes alone, or a row of a table. Columns over links (column = link + 1), all of the same
+/// shape.
+template <class Number>
+struct FrictionStageOf {
+    const FrictionBaseOf<Number>* base = nullptr;
+    ColumnsOf<Number>* slope = nullptr;           ///< may be absent from a row
+    const VelocityRowOf<Number>* next = nullptr;  ///< with base, or neither
+    double weight = 0.0;                          ///< of the tips' forces in impulses [1]
+    ColumnsOf<Number>* impulses = nullptr;        ///< [3 tips_per_link] rows: x, y, z of each tip
+};
+using FrictionStage = FrictionStageOf<double>;
+
+}  // namespace cvtflow::model

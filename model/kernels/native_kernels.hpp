@@ -1,0 +1,24 @@
+#pragma once
+/// Parts of the kernels of the instruction set that a source is compiled for.
+
+#include "model/basis/native_lanes.hpp"
+#include "model/kernels/kernels.hpp"
+
+namespace cvtflow::model {
+
+/// Each is specialised in the source of its name. @param order p, 0 … 3
+template <Isa isa>
+ChainKernels chain_kernels(int order) noexcept;
+template <Isa isa>
+FrictionKernels friction_kernels(int order) noexcept;
+template <Isa isa>
+SingleFrictionKernels single_kernels(int order) noexcept;
+
+template <>
+ChainKernels chain_kernels<compiled_isa>(int order) noexcept;
+template <>
+FrictionKernels friction_kernels<compiled_isa>(int order) noexcept;
+template <>
+SingleFrictionKernels single_kernels<compiled_isa>(int order) noexcept;
+
+}  // namespace cvtflow::model

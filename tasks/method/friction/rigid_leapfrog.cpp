@@ -1,0 +1,323 @@
+#include "tasks/method/friction/rigid_leapfrog.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <stdexcept>
+#include <utility>
+
+#include "tasks/step/assembly/segment_tasks.hpp"
+#include "tasks/step/step_graph.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+enum RigidCycle : int { rigid_cycle = method_cycles };
+/// Fields of these tasks, numbered behind those of the step graph. Unit: a pin.
+enum RigidField { motion = 1100, link_force, plate_force, tip_force, energies };
+
+/// Steps that differ by less, as a part of themselves, are of one length: they are differences of times, which are rounded.
+constexpr double equal_steps = 1e-8;
+/// Radii of pins are known to this without further work [m].
+constexpr double radius_error = 1e-4;
+
+[[nodiscard]] double least_inertia(const model::RigidCoefficients& c) noexcept { return std::min(c.mass, c.tilt_mass); }
+
+/// to = from + share * rates, term by term.
+template <class Values, class Rates>
+void advance(Values& to, const Values& from, double share, const Rates& rates) noexcept {
+    for (std::size_t k = 0; k < to.size(); ++k) to[k] = from[k] + share * rates[k];
+}
+
+}  // namespace
+
+RigidLeapfrog::RigidLeapfrog(Workspace& workspace)
+    : w_(workspace),
+      pins_(workspace.columns()),
+      account_(workspace.energy.count()),
+      alone_(workspace.layout().pulley_size == 0),
+      fastest_(0.5 * least_inertia(pins_.model.coefficients()) * fastest_pin * fastest_pin),
+      ledger_(pins_.ledger) {}
+
+void RigidLeapfrog::add_tasks(engine::TaskGraph& graph) {
+    const int pins = w_.layout().links;
+    const auto writes = [pins](int field) { return engine::Access{field, 0, pins, true}; };
+    const auto reads = [pins](int field) { return engine::Access{field, 0, pins, false}; };
+    const int tasks[] = {
+        graph.add({"links",
+                   rigid_cycle,
+                   engine::code_of<&RigidLeapfrog::links>(*this),
+                   0,
+                   {writes(motion), writes(link_force), writes(energies)}}),
+        graph.add({"plates",
+                   rigid_cycle,
+                   engine::code_of<&RigidLeapfrog::plates>(*this),
+                   0,
+                   {reads(motion), reads(link_force), writes(plate_force), writes(energies)}}),
+        graph.add({"tips",
+                   rigid_cycle,
+                   engine::code_of<&RigidLeapfrog::tips>(*this),
+                   0,
+                   {reads(motion), reads(link_force), reads(plate_force), writes(tip_force), writes(energies)}}),
+        graph.add({"kick",
+                   rigid_cycle,
+                   engine::code_of<&RigidLeapfrog::kick>(*this),
+                   0,
+                   {reads(link_force), writes(plate_force), reads(tip_force), writes(motion), writes(energies)}}),
+    };
+    for (int k = 0; k < 3; ++k) graph.order(tasks[k], tasks[k + 1]);
+}
+
+CycleSequence RigidLeapfrog::step() {
+    const double h = w_.step.h;
+    if (std::abs(0.5 * h - pins_.lead) > equal_steps * h) set_lead(0.5 * h);
+    drift_pulleys();       // x ← x + h v
+    co_yield rigid_cycle;  // x ← x + h v;  a = forces at x, with the friction that v + h a leaves;  v ← v + h a
+    kick_pulleys();        // v ← v + h a, a by the reactions of the tips
+    find_touching();
+    w_.columns_advanced();
+    ++w_.step.evaluations;
+    co_return is_suspect() ? find_fault() : Fault{};
+}
+
+void RigidLeapfrog::links(int) noexcept {
+    pins_.model.kernels().drift(kick_.step, pins_.columns);
+    pins_.model.link_forces(kick_, pins_.columns, pins_.forces);
+}
+
+void RigidLeapfrog::plates(int) noexcept { pins_.model.plate_friction(alone_ ? nullptr : sheaves_, kick_, pins_.columns, pins_.forces); }
+
+void RigidLeapfrog::tips(int) noexcept { pins_.model.tip_forces(alone_ ? nullptr : sheaves_, kick_, pins_.columns, pins_.forces); }
+
+void RigidLeapfrog::kick(int) noexcept {
+    pins_.model.sum_forces(kick_, pins_.columns, pins_.forces);
+    kick_pins();
+}
+
+void RigidLeapfrog::kick_pins() noexcept {
+    pins_kinetic_ = pins_.model.kernels().kick(pins_.model.coefficients(), kick_.step, pins_.columns);
+    pins_.columns.copy(model::Column::plate_friction, model::Column::plate_friction_before);
+    pins_.columns.copy(model::Column::plate_friction_moment, model::Column::plate_friction_moment_before);
+    pins_.columns.copy(model::Column::joint_friction, model::Column::joint_friction_before);
+}
+
+/// Friction of the velocities as they are stays in the columns, and the first step begins with it.
+void RigidLeapfrog::start() {
+    pins_.read(w_.state());
+    ledger_ = pins_.ledger;
+    shift_ = 0.0;
+    kick_ = {};
+    forget_touching();
+    if (!alone_) w_.variator.pulleys().motions(pins_.tail.data(), sheaves_);
+    pins_.model.accelerate(alone_ ? nullptr : sheaves_, pins_.columns, pins_.forces);
+    evaluate_pulleys(w_.step.time);
+    kick_pins();
+    pulley_kinetic_ = pulley_kinetic();
+    couple(w_.step.time, coupling_rates(w_.step.time));
+    half_way_ = {};
+    pins_kinetic_ += pulley_kinetic_;
+    count_energy({});
+    cold_ = false;
+}
+
+void RigidLeapfrog::drift_pulleys() noexcept {
+    kick_.step = w_.step.h;
+    std::vector<double>& tail = pins_.tail;
+    const auto size = static_cast<std::size_t>(w_.layout().pulley_size);
+    for (std::size_t k = 0; k < size; ++k) tail[k] += kick_.step * tail[size + k];
+    for (std::size_t k = pins_.kicked_end(); k < tail.size(); ++k) tail[k] += kick_.step * pins_.tail_slope[k];
+    if (!alone_) w_.variator.pulleys().motions(tail.data(), sheaves_);
+}
+
+void RigidLeapfrog::evaluate_pulleys(double time) noexcept {
+    if (alone_) return;
+    const model::PulleyModel& pulleys = w_.variator.pulleys();
+    inputs_ = pulleys.inputs(time, pins_.tail.data());
+    pulleys.slope(pins_.tail.data(), inputs_, pins_.forces.reaction.sheaves, pins_.tail_slope.data(), &pins_.forces.account);
+    std::copy_n(inputs_.control_rate.begin(), w_.layout().controls, pins_.tail_slope.begin() + w_.layout().pulley_block());
+}
+
+/// Powers of a kick are those of the mean of the velocities before and after.
+void RigidLeapfrog::kick_pulleys() noexcept {
+    const double time = w_.step.time + kick_.step, before = pulley_kinetic_;
+    evaluate_pulleys(time);
+    const std::array<double, 2> rates = coupling_rates(time);
+    model::WorkRates power{};
+    if (!alone_) power = w_.variator.pulleys().works(pins_.tail.data(), inputs_);
+    for (std::size_t k = static_cast<std::size_t>(w_.layout().pulley_size), end = pins_.kicked_end(); k < end; ++k)
+        pins_.tail[k] += kick_.step * pins_.tail_slope[k];
+    pulley_kinetic_ = pulley_kinetic();
+    pins_kinetic_ += 0.5 * (before + pulley_kinetic_);
+    couple(time, rates);
+    if (!alone_) {
+        const model::WorkRates after = w_.variator.pulleys().works(pins_.tail.data(), inputs_);
+        for (std::size_t k = 0; k < power.size(); ++k) power[k] = 0.5 * (power[k] + after[k]);
+    }
+    count_energy(power);
+}
+
+/// Half of the kick belongs to the step behind: account_ is of the coordinates, half_way_ of the velocities.
+void RigidLeapfrog::count_energy(const model::WorkRates& power) noexcept {
+    const std::array<double, 2> torque{inputs_.drive_torque, inputs_.load_torque};
+    const EnergyAccount from = half_way_;
+    const auto add = [&](double share, EnergyAccount& to) {
+        advance(to.lost, from.lost, share, pins_.forces.account.loss);
+        advance(to.work, from.work, share, power);
+        advance(to.impulse, from.impulse, share, torque);
+        advance(to.couplings.work, from.couplings.work, share, far_power_);
+        advance(to.couplings.dissipated, from.couplings.dissipated, share, twist_power_);
+    };
+    add(0.5 * kick_.step, account_);
+    add(kick_.step, half_way_);
+    pins_.lead = 0.5 * kick_.step;
+    std::array<double, model::energy_kinds> stored = pins_.forces.account.energy;
+    stored[static_cast<std::size_t>(model::Energy::kinetic)] = pins_kinetic_ + shift_;
+    account_.stored = std::accumulate(stored.begin(), stored.end(), 0.0);
+    if (ledger_.empty()) return;
+    for (std::size_t k = 0; k < model::loss_kinds; ++k) pins_.ledger[k] = ledger_[k] + account_.lost[k];
+    for (std::size_t k = 0; k < model::work_kinds; ++k)
+        pins_.ledger[model::loss_kinds + k] = ledger_[model::loss_kinds + k] + account_.work[k];
+}
+
+/// When the length of steps changes: velocities by what the mean of both lengths leaves out, by the forces of the last step.
+void RigidLeapfrog::set_lead(double lead) noexcept {
+    const double more = lead - pins_.lead;
+    shift_ += (lead * lead - pins_.lead * pins_.lead) * pins_.acceleration_energy();  // ½ v·M v' at the coordinates, with no work done
+    pins_.model.kernels().kick(pins_.model.coefficients(), more, pins_.columns);
+    for (std::size_t k = static_cast<std::size_t>(w_.layout().pulley_size), end = pins_.kicked_end(); k < end; ++k)
+        pins_.tail[k] += more * pins_.tail_slope[k];
+    pulley_kinetic_ = pulley_kinetic();
+    EnergyAccount& to = half_way_;
+    advance(to.couplings.work, to.couplings.work, more, far_power_);
+    advance(to.couplings.dissipated, to.couplings.dissipated, more, twist_power_);
+    advance(to.lost, to.lost, more, pins_.forces.account.loss);
+    if (!alone_) {
+        advance(to.work, to.work, more, w_.variator.pulleys().works(pins_.tail.data(), inputs_));
+        advance(to.impulse, to.impulse, more, std::array{inputs_.drive_torque, inputs_.load_torque});
+    }
+    pins_.lead = lead;
+}
+
+std::array<double, 2> RigidLeapfrog::coupling_rates(double time) const noexcept {
+    const model::PulleyModel& pulleys = w_.variator.pulleys();
+    std::array<double, 2> rates{};
+    for (int shaft = 0; shaft < 2 && !alone_; ++shaft) {
+        if (pulleys.coupled(shaft)) rates[at(shaft)] = pulleys.coupling(time, pins_.tail.data(), shaft).rate;
+    }
+    return rates;
+}
+
+void RigidLeapfrog::couple(double time, const std::array<double, 2>& rates) noexcept {
+    const model::PulleyModel& pulleys = w_.variator.pulleys();
+    const std::array<double, 2> torque{inputs_.drive_torque, inputs_.load_torque};
+    far_power_ = twist_power_ = {};
+    for (int shaft = 0; shaft < 2 && !alone_; ++shaft) {
+        if (!pulleys.coupled(shaft)) continue;
+        const std::size_t k = at(shaft);
+        const model::CouplingState now = pulleys.coupling(time, pins_.tail.data(), shaft);
+        far_power_[k] = torque[k] * pulleys.reference_speed(time, shaft);
+        twist_power_[k] = now.damping * rates[k] * 0.5 * (rates[k] + now.rate);  // the damper's torque is of the velocities before
+    }
+}
+
+double RigidLeapfrog::pulley_kinetic() const noexcept { return alone_ ? 0.0 : w_.variator.pulleys().kinetic(pins_.tail.data()); }
+
+/// The phases are compared with all tips after the next step.
+void RigidLeapfrog::forget_touching() noexcept {
+    for (int tip = 0; tip < model::rigid_tips; ++tip) std::fill_n(pins_.columns[model::Column::touching + tip], w_.layout().links, -1.0);
+}
+
+void RigidLeapfrog::find_touching() noexcept {
+    w_.tips.have_changed = false;
+    for (int tip = 0; tip < model::rigid_tips; ++tip) {
+        const double* normal = pins_.columns[model::Column::tip_normal + tip];
+        double* touching = pins_.columns[model::Column::touching + tip];
+        if (pins_.model.kernels().contact_changes(pins_.columns, tip) == 0.0) continue;
+        if (!std::exchange(w_.tips.have_changed, true)) w_.tips.phases_before = w_.tips.phases;
+        for (int pin = 0; pin < pins_.columns.padded(); ++pin) {
+            const double touches = normal[pin] > 0.0 ? 1.0 : 0.0;
+            if (std::exchange(touching[pin], touches) != touches && pin < w_.layout().links) set_phase(pin, tip, touches > 0.0);
+        }
+    }
+}
+
+/// Tips of a pin are those of its front half, the front of the link behind, and of its rear half, the rear of the link ahead.
+void RigidLeapfrog::set_phase(int pin, int tip, bool touches) noexcept {
+    const int link = tip < model::rigid_tips / 2 ? w_.layout().previous(pin) : pin;
+    const std::size_t number = at(model::tips_per_link * link + (tip + model::rigid_tips / 2) % model::rigid_tips);
+    const model::Phase phase = touches ? model::Phase::touching : model::Phase::free;
+    if (std::exchange(w_.tips.phases[number], phase) != phase) w_.tips.changed[number] = w_.step.time + w_.step.h;
+}
+
+/// Whether a pin may be where or as fast as none should be; false for almost all steps without one.
+bool RigidLeapfrog::is_suspect() const noexcept {
+    if (!(std::abs(pins_kinetic_) <= fastest_)) return true;
+    if (alone_) return false;
+    const model::RigidReaction& found = pins_.forces.reaction;
+    const model::Pulley& pulley = w_.parameters.pulley;
+    return found.deepest > w_.parameters.tip.deepest || found.innermost < pulley.innermost + radius_error ||
+           found.outermost > pulley.outermost - radius_error;
+}
+
+Fault RigidLeapfrog::find_fault() const {
+    const model::ChainLayout& at = w_.layout();
+    const double* y = w_.state();
+    SegmentResult result;
+    for (int pin = 0; pin < at.links && !result.fault; ++pin) check_motion(w_, pin, y + at.link_begin(pin), result);
+    if (result.fault || alone_) return result.fault;
+    model::SheaveMotion sheaves[4];
+    w_.variator.pulleys().motions(y + at.pulley_begin(), sheaves);
+    for (int link = 0; link < at.links && !result.fault; ++link) {
+        model::NeighbourWindow near;
+        model::TipProbe probe;
+        w_.variator.chain().probe(near.of(at, y, link), sheaves, false, probe);
+        check_contact(w_, link, probe, result);
+    }
+    return result.fault;
+}
+
+template <class Method, class Visitor>
+void RigidLeapfrog::visit(Method& m, const Visitor& visitor) {
+    const auto all = [&](auto&... arrays) { (visitor(arrays.data(), arrays.size()), ...); };
+    visitor(&m.pins_.lead, 1);
+    visitor(&m.pulley_kinetic_, 1);
+    visitor(&m.shift_, 1);
+    all(m.far_power_, m.twist_power_, m.pins_.tail, m.pins_.tail_slope, m.pins_.ledger, m.ledger_, m.pins_.forces.account.loss);
+    visitor(&m.inputs_.drive_torque, 1);
+    visitor(&m.inputs_.load_torque, 1);
+    visitor(m.inputs_.clamping.data(), 2);
+    const auto energies_of = [&](auto& account) {
+        all(account.lost, account.work, account.impulse, account.couplings.work, account.couplings.dissipated);
+        visitor(&account.stored, 1);
+    };
+    energies_of(m.account_);
+    energies_of(m.half_way_);
+    for (const auto& [first, last] : model::kept_columns) {
+        for (int c = static_cast<int>(first); c <= static_cast<int>(last); ++c)
+            visitor(m.pins_.columns[static_cast<model::Column>(c)], static_cast<std::size_t>(m.pins_.columns.pins()));
+    }
+}
+
+void RigidLeapfrog::save(std::vector<double>& memory) const {
+    memory.clear();
+    if (cold_) return;
+    visit(*this, [&](const double* numbers, std::size_t count) { memory.insert(memory.end(), numbers, numbers + count); });
+}
+
+void RigidLeapfrog::load(std::span<const double> memory) {
+    if (memory.empty()) return start();
+    std::size_t size = 0;
+    visit(*this, [&](const double*, std::size_t count) { size += count; });
+    if (memory.size() != size) throw std::invalid_argument("state of rigid pins: wrong size");
+    visit(*this, [&](double* numbers, std::size_t count) {
+        std::copy_n(memory.begin(), count, numbers);
+        memory = memory.subspan(count);
+    });
+    for (const auto& [first, last] : model::kept_columns) pins_.columns.wrap(first, last);
+    std::fill_n(pins_.columns[model::Column::written], pins_.columns.pins(), 1.0);
+    forget_touching();
+    cold_ = false;
+}
+
+}  // namespace cvtflow::tasks
