@@ -1,6 +1,8 @@
 #pragma once
-/// Links between rigid pins: pitch lines, rolling of the halves, forces of the pack of plates. (model/EQUATIONS.md section 11)
+/// Links between rigid pins: pitch lines, rolling of the halves, forces of the pack of plates. Tables of elements, beside those of pin
+/// halves: model/force/plates.hpp, joint.hpp, inner.hpp. (model/EQUATIONS.md section 11)
 
+#include "model/force/further_element.hpp"
 #include "model/rigid/rigid_kernels.hpp"
 #include "model/rigid/rigid_vectors.hpp"
 
@@ -52,6 +54,7 @@ inline void rolling_frames(const RigidCoefficients& c, RigidColumns& all) noexce
 struct LinkMotion {
     Plane t, n;                      ///< along the link, and k×t
     PinLanes inverse, turn;          ///< 1/|d| [1/m], turning rate [rad/s]
+    PinLanes length_rate;            ///< |d|' [m/s]
     PinLanes stretch, stretch_rate;  ///< ε [m]
     PinLanes yaw, yaw_rate;          ///< ψ: difference of the end displacements along the link [m]
     PinLanes roll, roll_rate;        ///< χ: across it [m]
@@ -88,7 +91,8 @@ struct LinkMotion {
     m.rise_rate = axial_parting(columns, Column::vz, Column::vslide, i);
     const PinLanes square(c.plate_square);
     m.stretch = (length - read(columns, Column::free_length, i)) + 0.5 * per_length * (square * m.roll * m.roll + m.rise * m.rise);
-    m.stretch_rate = dot(rate, m.t) + per_length * (square * m.roll * m.roll_rate + m.rise * m.rise_rate);
+    m.length_rate = dot(rate, m.t);
+    m.stretch_rate = m.length_rate + per_length * (square * m.roll * m.roll_rate + m.rise * m.rise_rate);
     const Plane sums = total(Column::p);
     m.lean = dot(sums, m.t);
     m.lean_across = dot(sums, m.n);
@@ -122,7 +126,9 @@ inline void link_force(const RigidCoefficients& c, const RigidKick& kick, const 
     const PinLanes shear = shear_stiffness * m.shear + shear_drag;
     const PinLanes bend = shear * (1.0 / c.half_length);
     const PinLanes turning = roll * m.yaw - yaw * m.roll + bend * m.lean_across - bow * m.bow_across;
-    write_plane(columns, Column::pull_x, i, (turning * m.inverse) * m.n - tension * m.t);
+    Plane pull = (turning * m.inverse) * m.n - tension * m.t;
+    FurtherElement::of_rigid_pins(m, i, pull, sums);
+    write_plane(columns, Column::pull_x, i, pull);
     write(columns, Column::pull_z, i, 2.0 * read(columns, Column::inverse_length, i) * shear - share * m.rise);
     write_plane(columns, Column::twist_x, i, PinLanes(-1.0) * (yaw * m.t + roll * m.n));
     write_plane(columns, Column::shear_x, i, bend * m.t);
