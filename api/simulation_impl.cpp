@@ -23,7 +23,7 @@ constexpr int max_threads = 1024;
 /// Who runs a simulation: one thread needs no executor but the plain loop.
 [[nodiscard]] tasks::Schedule schedule_of(const tasks::Scene& scene, Threads threads, int segments) {
     const int links = tasks::max_segments(scene.parameters);
-    const bool own = threads.way() == Threads::Way::own;
+    const bool own = threads.way() == Threads::Way::private_arena;
     if (threads.count() < (own ? 0 : 1) || threads.count() > max_threads) {
         throw Error(ErrorCode::argument,
                     "threads: " + std::to_string(threads.count()) + " is outside " + (own ? "[0, 1024]" : "[1, 1024]"));
@@ -35,7 +35,7 @@ constexpr int max_threads = 1024;
     tasks::Schedule schedule;
     schedule.threads = links == 1 ? 1 : threads.count() == 0 ? tasks::usable_threads() : threads.count();
     schedule.executor = schedule.threads == 1 ? "serial" : "flow";
-    schedule.present_arena = threads.way() == Threads::Way::present;
+    schedule.present_arena = threads.way() == Threads::Way::current_arena;
     schedule.segments = segments > 0 ? segments : std::min(schedule.threads, links);
     schedule.balanced = scene.run.partition == tasks::PartitionKind::balanced;
     schedule.assembly.kind = scene.run.assembly;

@@ -205,8 +205,8 @@ int main(int argc, char** argv) try {
     settled.advance_to(0.0);
     const cvtflow::State start = settled.state();
     const Way ways[] = {{"caller", cvtflow::Threads::caller()},
-                        {fmt::format("present({})", arguments.threads), cvtflow::Threads::present(arguments.threads)},
-                        {fmt::format("own({})", arguments.threads), cvtflow::Threads::own(arguments.threads)}};
+                        {fmt::format("present({})", arguments.threads), cvtflow::Threads::current_arena(arguments.threads)},
+                        {fmt::format("own({})", arguments.threads), cvtflow::Threads::private_arena(arguments.threads)}};
     fmt::print(
         "advance_to(1e-4) on {}, beside busy threads of the host; first steps and cancellations with the host idle; {} rounds "
         "each, {} processors\n",

@@ -10,8 +10,8 @@ namespace {
 
 [[nodiscard]] Threads threads_of(const cvtflow_options* options) {
     if (options == nullptr || options->way == CVTFLOW_CALLER) return Threads::caller();
-    if (options->way == CVTFLOW_PRESENT) return Threads::present(options->threads);
-    if (options->way == CVTFLOW_OWN) return Threads::own(options->threads);
+    if (options->way == CVTFLOW_CURRENT_ARENA) return Threads::current_arena(options->threads);
+    if (options->way == CVTFLOW_PRIVATE_ARENA) return Threads::private_arena(options->threads);
     throw Error(ErrorCode::argument, "way: there is no number " + std::to_string(options->way));
 }
 

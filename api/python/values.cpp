@@ -9,10 +9,11 @@ namespace {
 void bind_threads(py::module_& module) {
     py::class_<Threads>(module, "Threads", "Threads of a simulation; they do not affect results.")
         .def_static("caller", &Threads::caller, "The calling thread only.")
-        .def_static("present", &Threads::present, py::arg("slots"), "The oneTBB arena in which the call is made.")
-        .def_static("own", &Threads::own, py::arg("threads") = 0, "Threads of this simulation, the caller included; 0: all.")
+        .def_static("current_arena", &Threads::current_arena, py::arg("slots"), "The oneTBB arena in which the call is made.")
+        .def_static("private_arena", &Threads::private_arena, py::arg("threads") = 0,
+                    "Threads of this simulation, the caller included; 0: all.")
         .def_property_readonly(
-            "way", [](const Threads& threads) { return static_cast<int>(threads.way()); }, "0 caller, 1 present, 2 own.")
+            "way", [](const Threads& threads) { return static_cast<int>(threads.way()); }, "0 caller, 1 current_arena, 2 private_arena.")
         .def_property_readonly("count", &Threads::count, "Number of threads.");
 }
 

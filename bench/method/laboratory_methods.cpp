@@ -108,6 +108,7 @@ using Analyses = std::map<std::string, MethodAnalysis, std::less<>>;
         all["leapfrog-chebyshev" + std::string(end)] = of_kick(chebyshev_kick);
         all["leapfrog-sweep" + std::string(end)] = {backward_euler_leapfrog_stability, backward_euler_leapfrog_step};
     }
+    all["leapfrog-rigid"] = {rigid_leapfrog_stability, backward_euler_leapfrog_step};
     for (const NewtonVariant& variant : newton_variants()) all[variant.name] = {trapezoidal_stability, trapezoidal_step};
     for (const LinearPlan& plan : linear_plans())
         all[plan.name] = {[&plan] { return linear_stability(plan); },

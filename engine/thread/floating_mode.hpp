@@ -36,16 +36,16 @@ private:
 #endif
 };
 
-/// Gives the calling thread a mode, and its own back when destroyed.
+/// Sets a mode of the calling thread, and restores the previous one when destroyed.
 class FloatingScope {
 public:
     explicit FloatingScope(const FloatingMode& requested) noexcept { requested.adopt(); }
-    ~FloatingScope() { own_.adopt(); }
+    ~FloatingScope() { previous_.adopt(); }
     FloatingScope(const FloatingScope&) = delete;
     FloatingScope& operator=(const FloatingScope&) = delete;
 
 private:
-    FloatingMode own_;
+    FloatingMode previous_;
 };
 
 }  // namespace cvtflow::engine

@@ -1,5 +1,5 @@
 #pragma once
-/// What the kernels are compiled for: instruction sets, of which one runs, and polynomial orders of a pin's bending. Results are bitwise
+/// Variants of the kernels: instruction sets, of which one runs, and polynomial orders of a pin's bending. Results are bitwise
 /// the same for all instruction sets.
 
 #include <array>
@@ -11,14 +11,14 @@ namespace cvtflow::model {
 /// Ascending: a later one needs a newer processor. Other architectures than x86-64 have the baseline only (NEON on ARM).
 enum class Isa { baseline, avx2, avx512 };
 
-/// Doubles in one of its vectors: so many links side by side.
+/// Number of doubles in a vector of the set, which is the number of links side by side.
 [[nodiscard]] constexpr int lanes_of(Isa isa) noexcept { return isa == Isa::avx512 ? 8 : isa == Isa::avx2 ? 4 : 2; }
 inline constexpr std::array<std::string_view, 3> isa_names{"baseline", "avx2", "avx512"};
 [[nodiscard]] constexpr std::string_view name_of(Isa isa) noexcept { return isa_names[static_cast<std::size_t>(isa)]; }
 
 inline constexpr int max_order = 3;
 
-/// What make.operator()<P>() gives for P = order.
+/// Result of make.operator()<P>() for P = order.
 /// @param order 0 … max_order [1]
 template <class Make>
 constexpr auto of_order(int order, Make make) noexcept {

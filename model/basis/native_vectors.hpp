@@ -30,7 +30,7 @@ inline constexpr bool is_single = W > single_widths;
 /// Lanes of a width.
 template <int W>
 inline constexpr int lane_count = is_single<W> ? W - single_widths : W;
-/// What a lane of a width holds.
+/// Type of a lane of a width.
 template <int W>
 using NumberOf = std::conditional_t<is_single<W>, float, double>;
 /// The tag of half as many lanes.

@@ -35,7 +35,7 @@ public:
     [[nodiscard]] const Coefficients& coefficients() const noexcept { return coefficients_; }
     [[nodiscard]] const ChainLayout& layout() const noexcept { return coefficients_.layout; }
     [[nodiscard]] const LinkInertia& inertia() const noexcept { return inertia_; }
-    /// Of rigid pins, which are evaluated in one range and by one caller at a time; else nullptr.
+    /// The chain of rigid pins, which is evaluated in one range and by one caller at a time; nullptr with pin halves.
     [[nodiscard]] const RigidChain* rigid() const noexcept { return rigid_.get(); }
 
     /// Slopes [v | acceleration] of the links of a range, link_block() numbers each, to slope + (link - first) link_block();

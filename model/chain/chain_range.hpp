@@ -33,7 +33,7 @@ struct TipProbe {
     double radius;                ///< distance of the link's middle from its shaft's axis [m]
 };
 
-/// What one link carries, for observation. Tips are zero where none of the link's touches.
+/// Contact forces of a link, for observation. Tips are zero where none of the link's touches.
 struct LinkContact {
     double tension;                ///< sum of its plates' elastic tensions [N]
     double depth[tips_per_link];   ///< δ [m], negative: gap

@@ -13,12 +13,12 @@ struct ContactComponents {
 
     /// Frame of the link: t_x, t_y, 1/|d0|.
     static constexpr int frame_x = 0, frame_y = 1, inverse_length = 2;
-    /// Of one joint point; the joint is that of the link's rear pin.
+    /// Components of a joint point; the joint is that of the link's rear pin.
     struct Joint {
         static constexpr int normal_x = 0, normal_y = 1, lever_before = 2, lever_after = 3, friction_limit = 4, count = 5;
     };
-    /// Of one tip; sheave: velocity of the sheave where the tip touches (if relative: of the sheave against the tip); drift: its change
-    /// over the step, along with the tip.
+    /// Components of a tip; sheave: velocity of the sheave where the tip touches (if relative: of the sheave against the tip); drift: its
+    /// change over the step, along with the tip.
     struct Tip {
         static constexpr int normal = 0, lever_x = 3, lever_y = 4, sheave = 5, drift = 8, friction_limit = 11, least = 12, most = 13,
                              count = 14;

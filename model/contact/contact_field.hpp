@@ -1,6 +1,6 @@
 #pragma once
 /// Every friction contact of the chain with all frozen but velocities, laid out component by component so that lanes can run over links:
-/// [component][column], column = link + 1; column 0 repeats the last link, column links + 1 the first. Of pins in halves only.
+/// [component][column], column = link + 1; column 0 repeats the last link, column links + 1 the first. For pin halves only.
 ///
 /// In double precision velocities are what they are. In single precision they count from those at which the contacts were recorded, so that
 /// small differences of large velocities are taken in double precision, once a step; a field then also holds how contacts slide at those.

@@ -31,8 +31,8 @@ inline void multiply_ends(const MirroredInverseOf<Number>& inverse, const V* for
     }
 }
 
-/// W links side by side, in single precision if W says so: velocities then count from those at which contacts were recorded. Column numbers
-/// count from the first link of the range.
+/// W links side by side, in single precision if W is single: velocities then count from those at which contacts were recorded. Column
+/// numbers count from the first link of the range.
 template <int P, int W, bool Steepest>
 class FrictionLanes : protected FrictionTips<P, W, Steepest> {
     using Base = FrictionTips<P, W, Steepest>;

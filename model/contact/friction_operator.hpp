@@ -20,7 +20,7 @@ template <class Number>
 struct SweepKernels {
     void (*sweep)(const FrictionOperator&, const ContactFieldOf<Number>&, const FrictionRangeOf<Number>&,
                   const FrictionSweepOf<Number>&) noexcept = nullptr;
-    /// Of the kept forces at the range's velocities. powers [links of the range]
+    /// Powers of the kept forces at the range's velocities. powers [links of the range]
     void (*powers)(const FrictionOperator&, const ContactFieldOf<Number>&, const FrictionRangeOf<Number>&, const ColumnsOf<Number>& kept,
                    FrictionPowers* powers) noexcept = nullptr;
 };
@@ -34,7 +34,7 @@ struct FrictionKernels {
     SweepKernels<double> sweeps;
 };
 
-/// The same in single precision.
+/// FrictionKernels in single precision.
 struct SingleFrictionKernels {
     using Record = void (*)(const FrictionOperator&, const ChainRange&, const ContactDrift&, const SinglePrecisionRecord&,
                             LinkLoad*) noexcept;
@@ -52,7 +52,7 @@ public:
     /// model/variator/chain.hpp makes one with the kernels of the chain's instruction set.
     FrictionOperator(const ChainModel& chain, bool by_phase, const FrictionKernels& kernels, const SingleFrictionKernels& single);
 
-    /// Numbers of scratch for a range of so many links.
+    /// Number of scratch numbers for a range of `links` links.
     template <class Number = double>
     [[nodiscard]] int scratch_size(int links) const noexcept {
         return scratch_rows(chain_.layout().lateral()) * joint_stride<Number>(links);
@@ -74,7 +74,7 @@ public:
                 LinkLoad* loads) const noexcept {
         kernels_.record(*this, range, drift, field, frictionless, loads);
     }
-    /// The same for friction in single precision.
+    /// record() for friction in single precision.
     void record(const ChainRange& range, const ContactDrift& drift, const SinglePrecisionRecord& start, LinkLoad* loads) const noexcept {
         single_.record(*this, range, drift, start, loads);
     }
@@ -104,7 +104,7 @@ public:
     }
 
     [[nodiscard]] const ChainModel& chain() const noexcept { return chain_; }
-    /// Those of the chain without friction.
+    /// Coefficients of the chain without friction.
     [[nodiscard]] const Coefficients& frictionless() const noexcept { return frictionless_; }
     /// Whether the branch of the law is that of the tip's phase (detail.stick_slip).
     [[nodiscard]] bool by_phase() const noexcept { return by_phase_; }

@@ -47,7 +47,7 @@ struct VelocityRowOf {
 };
 using VelocityRow = VelocityRowOf<double>;
 
-/// What an evaluation of friction is for: its slopes alone, or a row of a table. Columns over links (column = link + 1), all of the same
+/// Purpose of an evaluation of friction: its slopes alone, or a row of a table. Columns over links (column = link + 1), all of the same
 /// shape.
 template <class Number>
 struct FrictionStageOf {

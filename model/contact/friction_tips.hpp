@@ -115,14 +115,14 @@ inline void over_groups(int first, int last, const Body& body) noexcept {
     if (own < last) body.template operator()<narrow>(own);
 }
 
-/// Of one tip: velocity along its sheave's surface, or force.
+/// Vector of one tip: velocity along its sheave's surface, or force.
 template <class V>
 struct AtTip {
     V x, y, z;
     [[nodiscard]] V square() const noexcept { return x * x + y * y + z * z; }
 };
 
-/// Of the tips at ξ = -1 and at ξ = 1.
+/// Vectors of the tips at ξ = -1 and at ξ = 1.
 template <class V>
 struct AtTips {
     AtTip<V> low, high;
@@ -133,7 +133,7 @@ struct AxisRows {
     int x, y, z;
 };
 
-/// W axes side by side, in single precision if W says so: velocities then count from those at which contacts were recorded.
+/// W axes side by side, in single precision if W is single: velocities then count from those at which contacts were recorded.
 template <int P, int W, bool Steepest>
 class FrictionTips : protected FrictionColumns<W> {
     using Base = FrictionColumns<W>;
@@ -240,7 +240,7 @@ private:
         return force;
     }
 
-    /// Of tips `low` and low + 1, whose slips have these squares.
+    /// Factors of tips `low` and low + 1, whose slips have these squares.
     [[nodiscard]] std::pair<V, V> factors(int own, int low, const V& first, const V& second) const noexcept {
         if (Steepest || numbers_.tip_law == nullptr) return plain_factors(own, low, first, second);
         const auto [a, b] = plain_factors(own, low, first, second);

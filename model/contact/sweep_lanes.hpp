@@ -21,7 +21,7 @@ public:
                 const ColumnsOf<Number>& kept_forces) noexcept
         : Base(friction, field, range), rows_{field.components.joint_points}, kept_forces_(kept_forces) {}
 
-    /// Of links first + own … + W - 1, at the velocities of the range. powers [links of the range]
+    /// Powers of links first + own … + W - 1, at the velocities of the range. powers [links of the range]
     void powers(int own, FrictionPowers* powers) const noexcept {
         const int lanes = Base::links_at(own);
         Number of_kind[3][static_cast<std::size_t>(lane_count<W>)];
@@ -48,7 +48,7 @@ protected:
         return Base::slip_of(own, g, x, y, rates);
     }
 
-    /// Of a kept share; shares turn with the link.
+    /// Force of a kept share; shares turn with the link.
     [[nodiscard]] AtTip<V> tip_force(int own, int corner) const noexcept {
         const int row = rows_.tip(corner);
         const V friction_limit = contact(field_.components.tip(corner) + Tip::friction_limit, own);
@@ -355,7 +355,7 @@ private:
         return Base::within_branch(own, corner, sliding);
     }
 
-    /// What the next step begins with.
+    /// Keeps the forces with which the next step begins.
     void keep_opening(int own) const noexcept {
         for (int row = 0; row < rows_.forces(); ++row) {
             const V now = share(row, own);

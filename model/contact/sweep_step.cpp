@@ -15,7 +15,7 @@ struct Response {
     const MirroredInverse& inverse;
     int size;
 
-    /// Of mode m to a force with these shares in the modes, on the same end or on the other one.
+    /// Response of mode m to a force with these shares in the modes, on the same end or on the other one.
     template <class Shares>
     [[nodiscard]] double mode(int m, bool same_end, const Shares& shares) const {
         double sum = 0.0;
@@ -25,7 +25,7 @@ struct Response {
         }
         return sum;
     }
-    /// Of the place with these shares to a force at that with those.
+    /// Response of the place with the shares `at` to a force at the place with the shares `from`.
     template <class At, class From>
     [[nodiscard]] double place(bool same_end, const At& at, const From& from) const {
         double sum = 0.0;
@@ -37,7 +37,7 @@ struct Response {
 [[nodiscard]] double low_end(int mode) { return mode % 2 == 0 ? 1.0 : -1.0; }
 [[nodiscard]] double high_end(int /*mode*/) { return 1.0; }
 
-/// Of one tip to forces, each as large as its own, at all four of its link in one direction.
+/// Response of one tip to forces, each as large as its own, at all four of its link in one direction.
 [[nodiscard]] double all_tips(const Response& response) {
     double sum = 0.0;
     for (const bool same_end : {true, false})

@@ -25,7 +25,7 @@ struct SweepRows {
     [[nodiscard]] constexpr int tip(int corner) const noexcept { return plates() + 2 + 3 * corner; }
     /// Rows so far.
     [[nodiscard]] constexpr int forces() const noexcept { return tip(tips_per_link); }
-    /// What the next step begins with instead of a row of the forces.
+    /// Row with which the next step begins instead of a row of the forces.
     [[nodiscard]] constexpr int opening(int row) const noexcept { return forces() + row; }
     /// Speed at which the tangent of a joint point's equation was taken last [m/s].
     [[nodiscard]] constexpr int joint_speed(int point) const noexcept { return 2 * forces() + point; }
@@ -47,7 +47,7 @@ struct SweepResponses {
     std::array<Number, max_joint_lanes> joint_tilt{};                              ///< of its e to the axial force at a point
     Number tip;                      ///< of a tip to forces at all tips of its link, each as large as its own
     Number plate_shift, plate_tilt;  ///< of the plates' z and e to their force and moment
-    Number link_shift, link_tilt;    ///< of either end's z and e to the plates' force and moment, over the step at hand
+    Number link_shift, link_tilt;    ///< of either end's z and e to the plates' force and moment, over the present step
 };
 
 /// Which part of a step.
@@ -71,7 +71,7 @@ struct FrictionSweepOf {
     ColumnsOf<Number>* impulses;           ///< [3 tips_per_link] rows: mean force on each tip, x, y, z [N]
 };
 
-/// What friction takes from a link, with the joint of its rear pin, by kind [W].
+/// Power that friction takes from a link, with the joint of its rear pin, by kind [W].
 struct FrictionPowers {
     double joint, plates, tips;
 };

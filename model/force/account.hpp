@@ -1,5 +1,5 @@
 #pragma once
-/// What an observing evaluation adds up besides forces: stored energies [J] and dissipated powers [W] by kind.
+/// Sums of an observing evaluation besides forces: stored energies [J] and dissipated powers [W] by kind.
 
 #include <array>
 #include <cstddef>

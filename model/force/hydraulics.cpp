@@ -65,7 +65,7 @@ HydraulicInstant HydraulicModel::instant(const double* unknowns, const std::arra
     return now;
 }
 
-/// What the valves take of the pump's flow. A pump that is short of it fills both cylinders in proportion, at the pressure that this takes.
+/// Flow that the valves take from the pump. A pump with less flow fills both cylinders in proportion, at the pressure that this takes.
 void HydraulicModel::share_flow(HydraulicInstant& now) const noexcept {
     const double displaced = per_radian_ * now.pump_speed;
     now.pump_flow = data_.pump_volumetric * displaced;

@@ -8,7 +8,7 @@
 
 namespace cvtflow::model {
 
-/// What a cylinder sees of its pulley.
+/// Motion of a cylinder with its pulley.
 struct CylinderMotion {
     double position = 0.0;  ///< y of the movable sheave toward the chain [m]
     double speed = 0.0;     ///< y' [m/s]

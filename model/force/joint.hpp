@@ -120,7 +120,7 @@ template <int W>
     return {elastic, (9.0 / 19.0) * elastic * pressed};
 }
 
-/// What each lane adds to a joint's force, in the order of its members.
+/// Contribution of each lane to a joint's force, in the order of its members.
 template <int P, int W>
 using JointTerms = std::array<Lanes<W>, JointForce<P>::rows>;
 
@@ -156,7 +156,7 @@ template <int W>
     return {pressing, square, j.friction.coefficient * pressing.normal * slip_factor_of_square<W>(j.friction, square)};
 }
 
-/// What the normal force and friction of a rolling contact add. @param friction_per_speed as of RollingForces, or Zero
+/// Contributions of the normal force and friction of a rolling contact. @param friction_per_speed as of RollingForces, or Zero
 template <int P, int W, class Real, class Points, class Friction>
 [[nodiscard, gnu::always_inline]] inline JointTerms<P, W> rolling_terms(const JointCoefficients& j, const JointFrames<Real>& frames,
                                                                         const Points& points, const JointMotion<W>& m,

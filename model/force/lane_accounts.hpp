@@ -46,7 +46,7 @@ private:
     std::array<V, energy_kinds> energy_;
 };
 
-/// What of lanes is booked: the sum where they are parts of one link, each by itself where they are links.
+/// Value of lanes for an account: the sum if they are parts of one link, each by itself if they are links.
 template <int W>
 [[nodiscard]] inline double booked(const Account*, const Lanes<W>& lanes) noexcept {
     return sum<W>(lanes);

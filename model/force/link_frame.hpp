@@ -15,7 +15,7 @@ namespace {
 template <int P>
 inline constexpr ChainLayout at{P};
 
-/// Of one link (Real: double) or of several side by side (Real: Lanes).
+/// Frame of one link (Real: double) or of several side by side (Real: Lanes).
 template <class Real>
 struct LinkFrameOf {
     Real tx, ty;          ///< t, unit vector from the rear to the front half; n = (-ty, tx), outward o = (ty, -tx)
@@ -96,13 +96,13 @@ struct AxisPoints {
     AxisPoints(const PointLanes<Most>& points, int first) noexcept : xi(load<W>(&points.position[static_cast<std::size_t>(first)])) {
         for (int m = 1; m <= P; ++m) basis[m] = load<W>(&points.basis[static_cast<std::size_t>(m)][static_cast<std::size_t>(first)]);
     }
-    /// Σ c_m P_m(ξ); c [coefficients of the axis]
+    /// Σ c_m P_m(ξ). @param c [coefficients of the axis]
     [[nodiscard]] Lanes<W> along(const double* c) const noexcept {
         Lanes<W> value(c[0]);
         for (int m = 1; m <= P; ++m) value += c[m] * basis[m];
         return value;
     }
-    /// What point forces give on each coordinate, before they are summed over the points: in the order of Difference.
+    /// Contributions of point forces to each coordinate, before they are summed over the points: in the order of Difference.
     /// @param terms [2P + 4]
     void spread(const Lanes<W>& fx, const Lanes<W>& fy, const Lanes<W>& fz, Lanes<W>* terms) const noexcept {
         terms[0] = fx;

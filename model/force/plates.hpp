@@ -70,7 +70,7 @@ inline void book_plates(const Real* books, Book account) noexcept {
     account->lose(Loss::plate_friction, books[2]);
 }
 
-/// What W plates of a link, or one plate of W links, add to the force on the front half, in the order of Difference.
+/// Contributions of W plates of a link, or of one plate of W links, to the force on the front half, in the order of Difference.
 /// @param slide plate_slide(), or Zero
 template <int P, int W, bool Observe, class Points, class Number, class Slide>
 [[nodiscard, gnu::always_inline]] inline std::array<Lanes<W>, plate_rows<P, Observe>> plate_terms(

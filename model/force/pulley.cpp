@@ -7,48 +7,23 @@
 
 namespace cvtflow::model {
 
-namespace {
-
-enum Freedom { ux = 0, uy = 1, tilt_x = 2, tilt_y = 3, axial = 4, turn = 5 };
-
-[[nodiscard]] std::size_t at(int index) noexcept { return static_cast<std::size_t>(index); }
-
-}  // namespace
-
 PulleyModel::PulleyModel(const Parameters& p) { adopt(p); }
 
 void PulleyModel::adopt(const Parameters& p) {
+    PulleyInputs::adopt(p);
     pulley_ = p.pulley;
     imperfection_ = p.imperfection;
-    drive_ = p.drive;
-    load_ = p.load;
-    clamping_ = p.clamping;
-    control_ = p.control;
-    hydraulics_.adopt(p.hydraulics);
-    start_ = p.start;
-    held_ = {};
-    size_ = layout_of(p).pulley_size;
     half_length_ = 0.5 * p.half.length;
-    gripping_ = 2.0 * p.tip.friction.coefficient / portable_cos(p.tip.angle);
-    narrowing_ = 0.5 * portable_cos(p.tip.angle) / portable_sin(p.tip.angle);
-    inertia_.clear();
-    supports_.clear();
-    add_holders();
-    reference_speed_ = drive_.mode != DriveMode::torque ? drive_.speed.largest_magnitude() : control_.reference_speed;
-    add_controllers();
-    if (size_ != 0) add_inertia();
-    if (!elastic()) return;
-    for (int shaft = 0; shaft < 2; ++shaft) {
-        add_bearings(shaft);
-        for (int side = 0; side < 2; ++side) add_attachment(shaft, side);
-    }
+    add_inertia({p.drive.inertia, p.load.inertia});
+    supports_.adopt(p);
 }
 
-void PulleyModel::add_inertia() {
-    const std::array<double, 2> added{drive_.inertia, load_.inertia};
+void PulleyModel::add_inertia(const std::array<double, 2>& added) {
+    inertia_.clear();
+    if (size() == 0) return;
     if (!elastic()) {
         for (int shaft = 0; shaft < 2; ++shaft)
-            inertia_.push_back(pulley_.shaft_polar_inertia + 2.0 * pulley_.sheave_polar_inertia + added[at(shaft)]);
+            inertia_.push_back(pulley_.shaft_polar_inertia + 2.0 * pulley_.sheave_polar_inertia + added[shaft]);
         inertia_.insert(inertia_.end(), 2, pulley_.sheave_mass);
         return;
     }
@@ -56,53 +31,14 @@ void PulleyModel::add_inertia() {
         const bool shaft = body < 2;
         const double mass = shaft ? pulley_.shaft_mass : pulley_.sheave_mass;
         const double tilt = shaft ? pulley_.shaft_tilt_inertia : pulley_.sheave_tilt_inertia;
-        const double polar = shaft ? pulley_.shaft_polar_inertia + added[at(body)] : pulley_.sheave_polar_inertia;
+        const double polar = shaft ? pulley_.shaft_polar_inertia + added[body] : pulley_.sheave_polar_inertia;
         inertia_.insert(inertia_.end(), {mass, mass, tilt, tilt, mass, polar});
     }
 }
 
-void PulleyModel::spring(std::array<int, 3> index, std::array<double, 3> factor, double stiffness, double mass) {
-    std::size_t terms = factor.size();
-    while (terms > 1 && factor[terms - 1] == 0.0) --terms;
-    supports_.push_back({index, factor, damped_spring(stiffness, mass, pulley_.damping_ratio), terms});
-}
-
-void PulleyModel::add_bearings(int shaft) {
-    const auto on = [&](int freedom) { return std::array<int, 3>{body_freedom(shaft, freedom), 0, 0}; };
-    constexpr std::array<double, 3> one{1.0, 0.0, 0.0};
-    spring(on(ux), one, pulley_.bearing_radial, pulley_.shaft_mass);
-    spring(on(uy), one, pulley_.bearing_radial, pulley_.shaft_mass);
-    spring(on(axial), one, pulley_.bearing_axial, pulley_.shaft_mass);
-    spring(on(tilt_x), one, pulley_.bearing_tilt, pulley_.shaft_tilt_inertia);
-    spring(on(tilt_y), one, pulley_.bearing_tilt, pulley_.shaft_tilt_inertia);
-}
-
-void PulleyModel::add_attachment(int shaft, int side) {
-    const int body = sheave_body(shaft, side);
-    const double z = side == 0 ? -half_length_ : half_length_;
-    const auto between = [&](int freedom) { return std::array<int, 3>{body_freedom(body, freedom), body_freedom(shaft, freedom), 0}; };
-    constexpr std::array<double, 3> difference{1.0, -1.0, 0.0};
-    auto radial_x = between(ux);
-    radial_x[2] = body_freedom(shaft, tilt_y);
-    spring(radial_x, {1.0, -1.0, -z}, pulley_.attachment_radial, pulley_.sheave_mass);
-    auto radial_y = between(uy);
-    radial_y[2] = body_freedom(shaft, tilt_x);
-    spring(radial_y, {1.0, -1.0, z}, pulley_.attachment_radial, pulley_.sheave_mass);
-    if (body != movable_body(shaft)) spring(between(axial), difference, pulley_.attachment_axial, pulley_.sheave_mass);
-    const double against_tilt = imperfect(shaft, side) ? imperfection_.attachment * pulley_.attachment_tilt : pulley_.attachment_tilt;
-    spring(between(tilt_x), difference, against_tilt, pulley_.sheave_tilt_inertia);
-    spring(between(tilt_y), difference, against_tilt, pulley_.sheave_tilt_inertia);
-    spring(between(turn), difference, pulley_.attachment_torsion, pulley_.sheave_polar_inertia);
-}
-
-double PulleyModel::opening(const double* coordinates, int shaft) const noexcept {
-    const double moved = coordinates[movable(shaft)];
-    return elastic() ? moved - coordinates[body_freedom(shaft, axial)] : moved;
-}
-
 void PulleyModel::motions(const double* block, SheaveMotion* sheaves) const noexcept {
     const double* q = block;
-    const double* v = block + size_;
+    const double* v = block + size();
     for (int shaft = 0; shaft < 2; ++shaft) {
         const double axis = shaft * pulley_.centre_distance;
         for (int side = 0; side < 2; ++side) {
@@ -132,7 +68,7 @@ std::array<double, 2> PulleyModel::eccentricity(double angle) const noexcept {
 
 WorkRates PulleyModel::works(const double* block, const Inputs& inputs) const noexcept {
     WorkRates rates{inputs.drive_torque * shaft_speed(block, 0), inputs.load_torque * shaft_speed(block, 1), 0.0};
-    for (int shaft = 0; shaft < 2; ++shaft) rates[2] -= movable_side(shaft) * inputs.clamping[at(shaft)] * opening(block + size_, shaft);
+    for (int shaft = 0; shaft < 2; ++shaft) rates[2] -= movable_side(shaft) * inputs.clamping[shaft] * opening(block + size(), shaft);
     return rates;
 }
 
@@ -140,45 +76,26 @@ WorkRates PulleyModel::work(const double* from, const double* to, const Inputs& 
     const auto turned = [&](int shaft) { return to[rotation(shaft)] - from[rotation(shaft)]; };
     WorkRates done{inputs.drive_torque * turned(0), inputs.load_torque * turned(1), 0.0};
     for (int shaft = 0; shaft < 2; ++shaft)
-        done[2] -= movable_side(shaft) * inputs.clamping[at(shaft)] * (opening(to, shaft) - opening(from, shaft));
+        done[2] -= movable_side(shaft) * inputs.clamping[shaft] * (opening(to, shaft) - opening(from, shaft));
     return done;
 }
 
 double PulleyModel::momentum(const double* block, int shaft) const noexcept {
-    const double* v = block + size_;
-    double sum = inertia_[at(rotation(shaft))] * v[rotation(shaft)];
+    const double* v = block + size();
+    double sum = inertia_[rotation(shaft)] * v[rotation(shaft)];
     if (!elastic()) return sum;
     for (int side = 0; side < 2; ++side) {
-        const int freedom = body_freedom(sheave_body(shaft, side), 5);
-        sum += inertia_[at(freedom)] * v[freedom];
+        const int freedom = sheave_rotation(shaft, side);
+        sum += inertia_[freedom] * v[freedom];
     }
     return sum;
-}
-
-void PulleyModel::add_supports(const double* block, double* force, Account* account) const noexcept {
-    double stored = 0.0, lost = 0.0;
-    for (const Support& s : supports_) {
-        double u = 0.0;
-        double rate = 0.0;
-        for (std::size_t k = 0; k < s.terms; ++k) {
-            u += s.factor[k] * block[s.index[k]];
-            rate += s.factor[k] * block[size_ + s.index[k]];
-        }
-        const double f = s.spring.stiffness * u + s.spring.damping * rate;
-        for (std::size_t k = 0; k < s.terms; ++k) force[s.index[k]] -= s.factor[k] * f;
-        stored += 0.5 * s.spring.stiffness * u * u;
-        lost += s.spring.damping * rate * rate;
-    }
-    if (account == nullptr) return;
-    account->store(Energy::supports, stored);
-    account->lose(Loss::supports, lost);
 }
 
 void PulleyModel::add_gyroscopic(const double* v, double* force) const noexcept {
     if (!elastic()) return;
     for (int body = 0; body < 6; ++body) {
         const int b = body_freedom(body, 0);
-        const double momentum = inertia_[at(b + turn)] * v[b + turn];
+        const double momentum = inertia_[b + turn] * v[b + turn];
         force[b + tilt_x] -= momentum * v[b + tilt_y];
         force[b + tilt_y] += momentum * v[b + tilt_x];
     }
@@ -186,8 +103,8 @@ void PulleyModel::add_gyroscopic(const double* v, double* force) const noexcept 
 
 void PulleyModel::add_clamping(const double* block, const Inputs& inputs, double* force, Account* account) const noexcept {
     for (int shaft = 0; shaft < 2; ++shaft) {
-        const double rate = opening(block + size_, shaft);
-        const double push = -movable_side(shaft) * inputs.clamping[at(shaft)] - pulley_.cylinder_damping * rate;
+        const double rate = opening(block + size(), shaft);
+        const double push = -movable_side(shaft) * inputs.clamping[shaft] - pulley_.cylinder_damping * rate;
         force[movable(shaft)] += push;
         if (elastic()) force[body_freedom(shaft, axial)] -= push;
         if (account != nullptr) account->lose(Loss::cylinder, pulley_.cylinder_damping * rate * rate);
@@ -198,9 +115,9 @@ void PulleyModel::add_clamping(const double* block, const Inputs& inputs, double
 void PulleyModel::add_chain(const double* block, const SheaveForces& chain, double* force) const noexcept {
     for (int shaft = 0; shaft < 2; ++shaft) {
         for (int side = 0; side < 2; ++side) {
-            const auto& load = chain[at(2 * shaft + side)];
+            const auto& load = chain[2 * shaft + side];
             if (elastic()) {
-                for (int freedom = 0; freedom < 6; ++freedom) force[body_freedom(sheave_body(shaft, side), freedom)] += load[at(freedom)];
+                for (int freedom = 0; freedom < 6; ++freedom) force[body_freedom(sheave_body(shaft, side), freedom)] += load[freedom];
             } else {
                 force[shaft] += load[turn];
                 if (sheave_body(shaft, side) == movable_body(shaft)) force[2 + shaft] += load[axial];
@@ -214,42 +131,30 @@ void PulleyModel::add_chain(const double* block, const SheaveForces& chain, doub
 
 void PulleyModel::slope(const double* block, const Inputs& inputs, const SheaveForces& chain, double* slope,
                         Account* account) const noexcept {
-    const double* v = block + size_;
-    double* force = slope + size_;
-    std::copy(v, v + size_, slope);
-    std::fill(force, force + size_, 0.0);
-    add_supports(block, force, account);
+    const double* v = block + size();
+    double* force = slope + size();
+    std::copy(v, v + size(), slope);
+    std::fill(force, force + size(), 0.0);
+    supports_.add(block, v, force, account);
     add_gyroscopic(v, force);
     add_clamping(block, inputs, force, account);
     add_chain(block, chain, force);
     force[rotation(0)] += inputs.drive_torque;
     force[rotation(1)] += inputs.load_torque;
-    for (int k = 0; k < size_; ++k) force[k] /= inertia_[at(k)];
+    for (int k = 0; k < size(); ++k) force[k] /= inertia_[k];
 }
 
 void PulleyModel::account(const double* block, Account& account) const noexcept {
     std::array<double, 36> unused{};
-    add_supports(block, unused.data(), &account);
+    supports_.add(block, block + size(), unused.data(), &account);
     add_clamping(block, {}, unused.data(), &account);
     account.store(Energy::kinetic, kinetic(block));
 }
 
 double PulleyModel::kinetic(const double* block) const noexcept {
     double energy = 0.0;
-    for (int k = 0; k < size_; ++k) energy += 0.5 * inertia_[at(k)] * block[size_ + k] * block[size_ + k];
+    for (int k = 0; k < size(); ++k) energy += 0.5 * inertia_[k] * block[size() + k] * block[size() + k];
     return energy;
-}
-
-/// A bearing is a support with one body alone.
-BearingLoad PulleyModel::sprung_bearing(const double* block, int shaft) const noexcept {
-    constexpr std::size_t radial_x = 0, radial_y = 1, tilt_about_x = 2, tilt_about_y = 3, along = 4;
-    std::array<double, 6> load{};
-    for (const Support& s : supports_) {
-        const int freedom = s.index[0] - body_freedom(shaft, 0);
-        if (s.factor[1] != 0.0 || freedom < 0 || freedom >= 6) continue;
-        load[static_cast<std::size_t>(freedom)] += s.spring.stiffness * block[s.index[0]] + s.spring.damping * block[size_ + s.index[0]];
-    }
-    return {{load[radial_x], load[radial_y], load[along]}, {load[tilt_about_x], load[tilt_about_y]}};
 }
 
 /// Virtual work: a sheave at z_s follows its shaft by u_x + τ_y z_s, u_y - τ_x z_s and τ. The cylinder pushes the movable sheave and the
@@ -257,7 +162,7 @@ BearingLoad PulleyModel::sprung_bearing(const double* block, int shaft) const no
 BearingLoad PulleyModel::held_bearing(const double* block, int shaft, const Inputs& inputs, const SheaveForces& chain) const noexcept {
     BearingLoad load;
     for (int side = 0; side < 2; ++side) {
-        const auto& [fx, fy, about_x, about_y, axial, turn] = chain[static_cast<std::size_t>(2 * shaft + side)];
+        const auto& [fx, fy, about_x, about_y, axial, turn] = chain[2 * shaft + side];
         const double z = side == 0 ? -half_length_ : half_length_;
         load.force[0] += fx;
         load.force[1] += fy;
@@ -265,13 +170,14 @@ BearingLoad PulleyModel::held_bearing(const double* block, int shaft, const Inpu
         load.moment[1] += about_y + z * fx;
         if (sheave_body(shaft, side) != movable_body(shaft)) load.force[2] += axial;
     }
-    const double rate = opening(block + size_, shaft);
-    load.force[2] += movable_side(shaft) * inputs.clamping[static_cast<std::size_t>(shaft)] + pulley_.cylinder_damping * rate;
+    const double rate = opening(block + size(), shaft);
+    load.force[2] += movable_side(shaft) * inputs.clamping[shaft] + pulley_.cylinder_damping * rate;
     return load;
 }
 
 std::array<BearingLoad, 2> PulleyModel::bearings(const double* block, const Inputs& inputs, const SheaveForces& chain) const noexcept {
-    if (elastic()) return {sprung_bearing(block, 0), sprung_bearing(block, 1)};
+    const double* v = block + size();
+    if (elastic()) return {supports_.bearing(block, v, 0), supports_.bearing(block, v, 1)};
     return {held_bearing(block, 0, inputs, chain), held_bearing(block, 1, inputs, chain)};
 }
 

@@ -1,94 +1,30 @@
-/// Inputs of the pulleys: drive, load, clamping and control. (model/EQUATIONS.md section 8)
+#include "model/force/pulley_inputs.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
-#include "model/force/pulley.hpp"
+#include "model/basis/portable_math.hpp"
 
 namespace cvtflow::model {
 
-void PulleyModel::add_holders() {
-    const std::array<double, 2> added{drive_.inertia, load_.inertia}, corner{drive_.governor_frequency, load_.governor_frequency};
-    for (std::size_t shaft = 0; shaft < 2; ++shaft) {
-        const double polar = pulley_.shaft_polar_inertia + 2.0 * pulley_.sheave_polar_inertia + added[shaft];
-        const double frequency = 2.0 * std::numbers::pi * corner[shaft];
-        governor_[shaft] = {polar * frequency * frequency, 2.0 * polar * frequency};
-    }
-    const auto as_spring = [](const Coupling& coupling) { return Spring{coupling.stiffness, coupling.damping}; };
-    holder_[0] = drive_.mode == DriveMode::coupling ? as_spring(drive_.coupling) : governor_[0];
-    holder_[1] = load_.mode == LoadMode::coupling ? as_spring(load_.coupling) : governor_[1];
-}
-
-double PulleyModel::reference_angle(double t, int shaft) const noexcept {
-    const ReferenceAngle& from = held_.reference[static_cast<std::size_t>(shaft)];
-    if (const auto& held = held_speed(shaft)) return from.angle + *held * (t - from.since);
-    const TimeTable& speed = speed_table(shaft);
-    return from.angle + (speed.integral(t) - (from.since == 0.0 ? 0.0 : speed.integral(from.since)));
-}
-
-double PulleyModel::reference_speed(double t, int shaft) const noexcept {
-    const auto& held = held_speed(shaft);
-    return held ? *held : speed_table(shaft).at(std::max(t, 0.0));
-}
-
-double PulleyModel::holding_torque(const Spring& by, double t, const double* block, int shaft) const noexcept {
-    const double angle = reference_angle(t, shaft) - block[rotation(shaft)];
-    const double speed = reference_speed(t, shaft) - shaft_speed(block, shaft);
-    return by.stiffness * angle + by.damping * speed;
-}
-
-double PulleyModel::drive_torque(double t, const double* block) const noexcept {
-    if (drive_.mode == DriveMode::torque) return held_.drive_torque ? *held_.drive_torque : drive_.torque.at(std::max(t, 0.0));
-    return holding_torque(held_.coupled ? holder_[0] : governor_[0], t, block, 0);
-}
-
-double PulleyModel::resisting_torque(double t, const double* block) const noexcept {
-    if (load_.mode != LoadMode::torque && held_.coupled) return -holding_torque(holder_[1], t, block, 1);
-    const double turning = shaft_speed(block, 1);
-    return (held_.load_torque ? *held_.load_torque : load_.torque.at(std::max(t, 0.0))) + load_.linear * turning +
-           load_.quadratic * turning * std::abs(turning);
-}
-
-void PulleyModel::couple(double t, const double* tail) noexcept {
-    const std::array<double, 2> carried{drive_torque(t, tail), -resisting_torque(t, tail)};
-    held_.coupled = true;
-    const std::array<bool, 2> taken_over{drive_.mode == DriveMode::coupling, load_.mode != LoadMode::torque};
-    for (int shaft = 0; shaft < 2; ++shaft) {
-        const auto k = static_cast<std::size_t>(shaft);
-        if (!taken_over[k]) continue;
-        const double damped = holder_[k].damping * (reference_speed(t, shaft) - shaft_speed(tail, shaft));
-        const double angle = tail[rotation(shaft)] + (carried[k] - damped) / holder_[k].stiffness;
-        held_.reference[k] = {t, angle, angle};
-    }
-}
-
-bool PulleyModel::coupled(int shaft) const noexcept {
-    return held_.coupled && (shaft == 0 ? drive_.mode == DriveMode::coupling : load_.mode == LoadMode::coupling);
-}
-
-CouplingState PulleyModel::coupling(double t, const double* block, int shaft) const noexcept {
-    if (!coupled(shaft)) return {};
-    const Spring& by = holder_[static_cast<std::size_t>(shaft)];
-    CouplingState now;
-    now.twist = reference_angle(t, shaft) - block[rotation(shaft)];
-    now.rate = reference_speed(t, shaft) - shaft_speed(block, shaft);
-    now.energy = 0.5 * by.stiffness * now.twist * now.twist;
-    now.damping = by.damping;
-    return now;
-}
-
-double PulleyModel::running_radius(const double* block, int shaft) const noexcept {
-    return pulley_.arc_position - narrowing_ * movable_side(shaft) * opening(block, shaft);
+void PulleyInputs::adopt(const Parameters& p) {
+    ShaftTorques::adopt(p);
+    clamping_ = p.clamping;
+    control_ = p.control;
+    hydraulics_.adopt(p.hydraulics);
+    start_ = p.start;
+    gripping_ = 2.0 * p.tip.friction.coefficient / portable_cos(p.tip.angle);
+    reference_speed_ = p.drive.mode != DriveMode::torque ? p.drive.speed.largest_magnitude() : p.control.reference_speed;
+    add_controllers();
 }
 
 /// Lower limit of the clamping force of the driven sheaves: carries the load with the given safety factor.
-double PulleyModel::driven_clamping(double table, double load, const double* block) const noexcept {
+double PulleyInputs::driven_clamping(double table, double load, const double* block) const noexcept {
     if (clamping_.safety == 0.0) return table;
     return std::max(table, clamping_.safety * std::abs(load) / (gripping_ * running_radius(block, 1)));
 }
 
-void PulleyModel::add_controllers() {
+void PulleyInputs::add_controllers() {
     controllers_ = controllers(control_);
     const bool by_driving = control_.quantity == ControlledQuantity::ratio;
     governing_[0] = {control_.quantity, by_driving ? 0u : 1u, control_.proportional, control_.integral, control_.authority};
@@ -96,7 +32,7 @@ void PulleyModel::add_controllers() {
     governing_[1] = {beside, 1, control_.driven_proportional, control_.driven_integral, control_.driven_authority};
 }
 
-double PulleyModel::control_error(const Governing& by, double now, double load, double built_up, const double* block) const noexcept {
+double PulleyInputs::control_error(const Governing& by, double now, double load, double built_up, const double* block) const noexcept {
     if (by.quantity == ControlledQuantity::safety) {  // what is missing to the force that carries the target multiple of the load
         const double required = control_.safety.at(now) * std::abs(load) / (gripping_ * running_radius(block, 1));
         const double larger = std::max(required, built_up);
@@ -104,22 +40,22 @@ double PulleyModel::control_error(const Governing& by, double now, double load, 
     }
     const double driving = shaft_speed(block, 0), driven = shaft_speed(block, 1);
     if (by.quantity == ControlledQuantity::ratio)
-        return (driving - (held_.ratio ? *held_.ratio : control_.ratio.at(now)) * driven) / reference_speed_;
+        return (driving - (held().ratio ? *held().ratio : control_.ratio.at(now)) * driven) / reference_speed_;
     const double geared = driving * running_radius(block, 0);
     return geared != 0.0 ? 1.0 - driven * running_radius(block, 1) / geared - control_.slip.at(now) : 0.0;
 }
 
-CylinderMotion PulleyModel::cylinder_motion(const double* block, int shaft) const noexcept {
+CylinderMotion PulleyInputs::cylinder_motion(const double* block, int shaft) const noexcept {
     const double side = -movable_side(shaft);
-    return {side * opening(block, shaft), side * opening(block + size_, shaft), shaft_speed(block, shaft)};
+    return {side * opening(block, shaft), side * opening(block + size(), shaft), shaft_speed(block, shaft)};
 }
 
-std::array<double, 2> PulleyModel::given_clamping(double now, const double* tail) const noexcept {
+std::array<double, 2> PulleyInputs::given_clamping(double now, const double* tail) const noexcept {
     if (hydraulics_.data().mode != HydraulicMode::pressure)
-        return {held_.driving ? *held_.driving : clamping_.driving.at(now), held_.driven ? *held_.driven : clamping_.driven.at(now)};
+        return {held().driving ? *held().driving : clamping_.driving.at(now), held().driven ? *held().driven : clamping_.driven.at(now)};
     const Hydraulics& of = hydraulics_.data();
-    const std::array<double, 2> pressure{held_.driving_pressure ? *held_.driving_pressure : of.driving.pressure.at(now),
-                                         held_.driven_pressure ? *held_.driven_pressure : of.driven.pressure.at(now)};
+    const std::array<double, 2> pressure{held().driving_pressure ? *held().driving_pressure : of.driving.pressure.at(now),
+                                         held().driven_pressure ? *held().driven_pressure : of.driven.pressure.at(now)};
     std::array<double, 2> force{};
     for (int shaft = 0; shaft < 2; ++shaft) {
         const auto k = static_cast<std::size_t>(shaft);
@@ -128,7 +64,7 @@ std::array<double, 2> PulleyModel::given_clamping(double now, const double* tail
     return force;
 }
 
-Inputs PulleyModel::inputs(double t, const double* tail) const noexcept {
+Inputs PulleyInputs::inputs(double t, const double* tail) const noexcept {
     Inputs in = requested(t, tail);
     if (!hydraulics_act()) return in;
     const HydraulicInstant now = hydraulics_of(t, tail, in);
@@ -137,28 +73,28 @@ Inputs PulleyModel::inputs(double t, const double* tail) const noexcept {
     return in;
 }
 
-HydraulicInstant PulleyModel::hydraulics_of(double t, const double* tail, const Inputs& requested) const noexcept {
+HydraulicInstant PulleyInputs::hydraulics_of(double t, const double* tail, const Inputs& requested) const noexcept {
     const Hydraulics& of = hydraulics_.data();
     const double pump = of.pump_ratio * std::abs(shaft_speed(tail, 0)) + of.pump_speed.at(std::max(t, 0.0));
     return hydraulics_.instant(oil(tail), {cylinder_motion(tail, 0), cylinder_motion(tail, 1)}, requested.clamping, pump);
 }
 
-HydraulicInstant PulleyModel::hydraulics(double t, const double* tail) const noexcept {
+HydraulicInstant PulleyInputs::hydraulics(double t, const double* tail) const noexcept {
     return hydraulics_act() ? hydraulics_of(t, tail, requested(t, tail)) : HydraulicInstant{};
 }
 
-HydraulicEnergy PulleyModel::hydraulic_energy(const double* tail) const noexcept {
+HydraulicEnergy PulleyInputs::hydraulic_energy(const double* tail) const noexcept {
     if (!hydraulics_act()) return {};
     return hydraulics_.energy(oil(tail), {cylinder_motion(tail, 0), cylinder_motion(tail, 1)});
 }
 
-void PulleyModel::fill_cylinders(double t, double* tail) const noexcept {
-    if (!hydraulics_.present() || size_ == 0) return;
+void PulleyInputs::fill_cylinders(double t, double* tail) const noexcept {
+    if (!hydraulics_.present() || size() == 0) return;
     const Inputs now = requested(t, tail);
-    hydraulics_.fill({cylinder_motion(tail, 0), cylinder_motion(tail, 1)}, now.clamping, tail + 2 * size_ + controllers_);
+    hydraulics_.fill({cylinder_motion(tail, 0), cylinder_motion(tail, 1)}, now.clamping, tail + 2 * size() + controllers_);
 }
 
-Inputs PulleyModel::requested(double t, const double* tail) const noexcept {
+Inputs PulleyInputs::requested(double t, const double* tail) const noexcept {
     const double now = std::max(t, 0.0);
     const double factor = ramp(start_, t);
     const double load = resisting_torque(t, tail);
@@ -171,7 +107,7 @@ Inputs PulleyModel::requested(double t, const double* tail) const noexcept {
         const Governing& by = governing_[static_cast<std::size_t>(k)];
         const auto limited = [&](double force) { return std::clamp(force, -by.authority, by.authority); };
         double& corrected = clamping[by.shaft];
-        const double built_up = by.integral * tail[2 * size_ + k];
+        const double built_up = by.integral * tail[2 * size() + k];
         const double error = control_error(by, now, load, std::max(0.0, corrected + limited(built_up)), tail);
         const double correction = by.proportional * error + built_up;
         const bool at_limit = std::abs(correction) > by.authority;

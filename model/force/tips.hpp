@@ -264,7 +264,7 @@ struct PhaseLanes {
     [[nodiscard]] Phase operator[](std::size_t lane) const noexcept { return first[static_cast<std::size_t>(stride) * lane]; }
 };
 
-/// Those of one link.
+/// Phases of one link.
 [[nodiscard]] inline PhaseLanes phases_of_link(const Phase* phases) noexcept {
     constexpr std::uint32_t stick_or_slip = 0x02020202;
     return {phases, 1, (phase_word(phases) & stick_or_slip) != 0, tips_per_link};
@@ -343,7 +343,7 @@ template <bool Observe, int W, int P, class Book>
     return {normal, friction};
 }
 
-/// What tips do to their links: force, tilting of the pins' ends, moment about z.
+/// Action of tips on their links: force, tilting of the pins' ends, moment about z.
 template <class Tips>
 struct TipAction {
     Vector3<Tips> total;

@@ -8,9 +8,9 @@
 
 namespace cvtflow::model {
 
-/// Those that this program contains and this processor runs, ascending; none if it was built for another one.
+/// Instruction sets that this program contains and this processor runs, ascending; none if it was built for another processor.
 [[nodiscard]] std::vector<Isa> usable_isas();
-/// What the environment's CVTFLOW_ISA names, else the last usable one.
+/// The set that the environment variable CVTFLOW_ISA names, else the last usable one.
 /// @throws std::invalid_argument if CVTFLOW_ISA names none, or one that is not usable, or if none is
 [[nodiscard]] Isa chosen_isa();
 /// The one named, "auto" for chosen_isa().

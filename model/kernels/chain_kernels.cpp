@@ -22,7 +22,7 @@ public:
     LaneProbe(const Coefficients& c, const SheaveMotion* sheaves, bool with_slip) noexcept
         : c_(c), sheaves_(sheaves), with_slip_(with_slip) {}
 
-    /// @param states blocks of `links` neighbouring links; states [unknowns]
+    /// @param states blocks of `links` neighbouring links [unknowns]
     void run(const double* states, int links, TipProbe* probes) const noexcept {
         for (int own = 0; own < links; own += W) group(states + own * at<P>.link_block(), std::min(W, links - own), probes + own);
     }

@@ -1,6 +1,6 @@
 #pragma once
-/// What one link, one joint and the tips of one link contribute, and the accelerations of a link: the same pieces whether a segment
-/// computes them in one pass (fused) or stage by stage (bench/staged), and therefore the same bits.
+/// Contributions of one link, one joint and the tips of one link, and the accelerations of a link. A segment uses the same pieces in one
+/// pass (fused) and stage by stage (bench/staged), so results are bitwise equal.
 
 #include <cmath>
 #include <cstring>
@@ -110,7 +110,7 @@ template <class Geometry, class Tips>
     return -(forces.normal * geometry.normal.z + forces.friction.z);
 }
 
-/// What the tips of a link carry, to a record of contacts. normal, friction.z, depth: lanes over tips
+/// Writes the forces of the tips of a link to a record of contacts. normal, friction.z, depth: lanes over tips
 template <class Geometry>
 inline void note_contact(const Geometry& geometry, const TipForces<TipLanes>& forces, LinkContact& contact) noexcept {
     geometry.depth.copy_to(contact.depth);

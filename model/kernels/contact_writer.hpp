@@ -63,7 +63,7 @@ public:
                   ContactFieldOf<Number>& field, ColumnsOf<Number>& frictionless) noexcept
         : c_(real), range_(range), drift_(drift), by_phase_(by_phase), field_(field), frictionless_(frictionless) {}
 
-    /// Of the field, for the links own, …
+    /// Rows of the field for the links own, …
     [[nodiscard]] Rows rows(int own, int count) const noexcept { return rows_of(field_.columns, own, count); }
 
     void frame(int own, int count, const LinkFrameOf<V>& frame) const noexcept {

@@ -47,7 +47,7 @@ inline void store_rows(const Lanes<W>* rows, const std::array<double*, W>& to, i
 }
 
 /// Sum of terms_at(0) … terms_at(count - 1) in the tree of sums() over `width` lanes: pairs that lie width/2 apart first. A pair is added
-/// up in registers; what is finished beside it waits in memory, a branch per level. What is missing counts as -0, which changes no bit.
+/// up in registers; what is finished beside it waits in memory, a branch per level. Missing terms count as -0, which changes no bit.
 /// @param width a power of two ≥ count, at most 16
 template <int W, std::size_t rows, class Body>
 [[gnu::always_inline]] inline void pairwise_sum(int count, int width, const Body& terms_at, std::array<Lanes<W>, rows>& total) noexcept {

@@ -59,7 +59,7 @@ struct TipLaw {
 /// The law of a scene; nullptr for one coefficient at all speeds and pressures.
 /// @param temperature of the oil, for the lubricated law [K]
 [[nodiscard]] std::shared_ptr<TipLaw> tip_law(const Parameters& parameters, double temperature);
-/// The same law at another temperature of the oil; allocates nothing. temperature [K]
+/// Changes a law to another temperature of the oil; allocates nothing. temperature [K]
 void warm(TipLaw& law, const Parameters& parameters, double temperature) noexcept;
 
 /// Dynamic viscosity by Vogel's equation through both given points [Pa·s]. temperature [K]

@@ -7,10 +7,10 @@
 ///
 ///     key                 factor                                  laws
 ///     detail.friction     s(v/v0), of all contacts                FrictionLaws: PiecewiseLaw, SmoothedLaw
-///     tip.friction_law    by speed and pressure, of tips alone    TipLaw: constant (none), table, lubricated (friction.cpp: tip_law_of)
+///     tip.friction_law    by speed and pressure, of tips alone    TipLaw: constant (none), table, lubricated (tip_law())
 ///
-/// A law of the first kind is a struct with these functions; `FrictionLaws` lists them. What a curve holds of a law comes from the first
-/// three. One of the second kind is a table: a function that fills TipLaw::by_speed, whatever its formula.
+/// A law of the first kind is a struct with these functions; `FrictionLaws` lists them. A curve takes its numbers from the
+/// first three. One of the second kind is a table: a function that fills TipLaw::by_speed, whatever its formula.
 
 #include <utility>
 
@@ -28,10 +28,10 @@ struct PiecewiseLaw {
     [[nodiscard]] static double proportional(double /*d*/) noexcept { return 1.0; }
     /// v/v0 from which s = 1 [1].
     [[nodiscard]] static double full(double /*d*/) noexcept { return 1.0; }
-    /// FrictionCurve::shape; v0 [m/s].
+    /// FrictionCurve::shape. v0 [m/s]
     [[nodiscard]] static double shape(double /*d*/, double /*v0*/) noexcept { return 0.0; }
 
-    /// What the secant divides by, > 0. speed ≥ 0 [m/s]
+    /// Divisor of the secant, > 0. speed ≥ 0 [m/s]
     template <int W>
     [[nodiscard]] static Lanes<W> divisor(const FrictionCurve& curve, const Lanes<W>& speed) noexcept {
         return larger<W>(speed, Lanes<W>(curve.proportional_speed));
@@ -201,7 +201,7 @@ template <int W>
     return sum;
 }
 
-/// The same from v² [m²/s²]; constant below a µm/s, where a root has no slope.
+/// speed_factor() from v² [m²/s²]; constant below a µm/s, where a root has no slope.
 template <int W>
 [[nodiscard]] inline Lanes<W> speed_factor_of_square(const TipLaw& law, const Lanes<W>& square) noexcept {
     return speed_factor<W>(law, sqrt(larger<W>(square, Lanes<W>(1e-12))));
@@ -215,7 +215,7 @@ template <int W>
 
 /// Sliding speed v ≥ slowest that solves v + b m(v) = w, with the law's factor m: two steps of Newton's method from the smallest solution
 /// that is possible. Where friction falls so fast that there are several, steps are bounded and the first branch is kept.
-/// @param braking b: by how much friction of its full strength slows the contact [m/s]   @param speed w, without friction [m/s]
+/// @param braking b: speed that the contact loses by friction of its full strength [m/s]   @param speed w, without friction [m/s]
 template <int W>
 [[nodiscard]] inline Lanes<W> braked_speed(const TipLaw& law, const Lanes<W>& braking, const Lanes<W>& speed,
                                            const Lanes<W>& slowest) noexcept {

@@ -6,7 +6,7 @@
 
 namespace cvtflow::model {
 
-/// What decides the phase of one tip.
+/// Quantities that determine the phase of one tip.
 struct TipIndicator {
     double depth;  ///< δ [m]
     double slip;   ///< |v_t| [m/s]

@@ -22,7 +22,7 @@ public:
     [[nodiscard]] bool enabled() const noexcept { return heat_.enabled; }
     [[nodiscard]] double pulleys() const noexcept { return m_.pulleys; }  ///< [K]
     [[nodiscard]] double oil() const noexcept { return m_.oil; }          ///< [K]
-    /// Of the film between tips and sheaves: mean of both [K].
+    /// Temperature of the film between tips and sheaves: mean of both [K].
     [[nodiscard]] double film() const noexcept { return 0.5 * (m_.pulleys + m_.oil); }
     [[nodiscard]] double given() const noexcept { return m_.given; }  ///< by the losses since t = 0 [J]
     [[nodiscard]] double taken() const noexcept { return m_.taken; }  ///< by ambient since t = 0 [J]

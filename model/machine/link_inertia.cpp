@@ -14,7 +14,7 @@ namespace {
 template <class Real>
 class Cholesky {
 public:
-    /// Of the lower triangle. @param rows of the matrix
+    /// Decomposes the lower triangle. @param rows of the matrix
     Cholesky(const double* rows, int size) noexcept : size_(size) {
         for (int column = 0; column < size; ++column) {
             for (int row = column; row < size; ++row) {
@@ -117,7 +117,7 @@ void scale_relative(Matrix& matrix, int bodies, double factor) {
     }
 }
 
-/// Of a link or a rigid pin. @param b, c blocks B and C
+/// Inertia of a link or a rigid pin. @param b, c blocks B and C
 [[nodiscard]] LinkInertia inertia_of(const Matrix& b, const Matrix& c) {
     LinkInertia inertia;
     inertia.lateral = invert(b);

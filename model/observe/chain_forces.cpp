@@ -13,7 +13,7 @@ namespace {
 
 [[nodiscard]] std::size_t place(int number) noexcept { return static_cast<std::size_t>(number); }
 
-/// What is read of a state, and where the forces go.
+/// A state to read, and the forces to write.
 struct ForceReading {
     const ChainModel& chain;
     const double* state;
@@ -153,7 +153,7 @@ void show_plates(const RigidChain& chain, int link, ChainForces& forces) {
     forces.plate_tension[at_entry(2 * link + 1)] = 0.5 * (tension + difference);
 }
 
-/// What the links press the halves of a pin together by, across and along the bisector of their pitch lines.
+/// Forces by which the links press the halves of a pin together, across and along the bisector of their pitch lines.
 void show_joint(const RigidChain& chain, int pin, ChainForces& forces) {
     const RigidColumns& columns = chain.columns();
     const PlaneVector before = plane(columns, Column::pull_x, pin - 1), after = plane(columns, Column::pull_x, pin);

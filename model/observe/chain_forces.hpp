@@ -41,8 +41,8 @@ struct Creep {
     double power = 0.0;            ///< Σ μ N g v_θ², of both pulleys: lost by sliding along the circumference, ≥ 0 [W]
 };
 
-/// Of rigid pins: what the chain's last evaluation has found, which must have been of this state.
-/// Serial, about a third of an evaluation of the chain; sums are in the order of the links. state [unknowns], sheaves [4], phases [4 links]
+/// Creep of the chain. With rigid pins it is that of the chain's last evaluation, which must have been of this state. Serial, about a third
+/// of an evaluation of the chain; sums are in the order of the links. state [unknowns], sheaves [4], phases [4 links]
 [[nodiscard]] Creep observe_creep(const ChainModel& chain, const double* state, const SheaveMotion* sheaves, const Phase* phases) noexcept;
 
 }  // namespace cvtflow::model

@@ -63,7 +63,7 @@ private:
     void observe_pulleys(double t, const double* state, const Phase* phases) noexcept;  ///< t [s], state [unknowns]
     void observe_strands(const double* state, const Phase* phases) noexcept;            ///< state [unknowns]
     void observe_radii(const double* state, const Phase* phases) noexcept;              ///< state [unknowns]
-    void observe_slip(const double* state, const Phase* phases) noexcept;               ///< after the pulleys; state [unknowns]
+    void observe_slip(const double* state, const Phase* phases) noexcept;               ///< after the pulleys. state [unknowns]
     [[nodiscard]] double kinetic(const double* state) const noexcept;                   ///< state [unknowns]
 
     const Variator& variator_;

@@ -33,7 +33,7 @@ struct Reach {
     return {stretch * s, {xx * rate.x + xy * rate.y, xy * rate.x + yy * rate.y}};
 }
 
-/// What of a pin is where in a state.
+/// Reads the coordinates of a pin in a state.
 struct PinReading {
     const ChainLayout& at;
     const double* state;

@@ -63,7 +63,7 @@ struct ChainLayout {
     [[nodiscard]] constexpr int y(End end, int m) const noexcept { return (bodies() + place(end)) * lateral() + m; }
     [[nodiscard]] constexpr int z(End end) const noexcept { return 2 * (bodies() * lateral() + place(end)); }
     [[nodiscard]] constexpr int e(End end) const noexcept { return z(end) + 1; }
-    /// Of a rigid pin, instead of e: ζ = z of the front half - z of the rear half.
+    /// Coordinate of a rigid pin instead of e: ζ = z of the front half - z of the rear half.
     [[nodiscard]] constexpr int slide() const noexcept { return z(End::rear) + 1; }
 
     /// Neighbours on each side on which the forces on a block depend, and those on which contact of its tips depends.

@@ -35,7 +35,7 @@ struct SpeedTable {
     bool operator==(const SpeedTable&) const = default;
 };
 
-/// What makes the clamping forces: nothing in between; cylinders, from forces or from pressures that are requested.
+/// Origin of the clamping forces: inputs without hydraulics; cylinders, from forces or from pressures that are requested.
 enum class HydraulicMode { none, force, pressure };
 
 /// Cylinder of a movable sheave: a ring-shaped piston that turns with its shaft.
@@ -87,11 +87,11 @@ enum class JointLaw { linear, palmgren };
 enum class DriveMode { speed, torque, coupling };
 enum class LoadMode { torque, speed, coupling };
 enum class ControlledQuantity { ratio, slip, safety };
-/// What a second controller holds, by S_2 beside ratio control by S_1.
+/// Quantity that a second controller keeps, by S_2 beside ratio control by S_1.
 enum class DrivenControl { none, slip, safety };
 enum class StartLayout { belt, ring };
 
-/// What is resolved at all. Absent detail is absent from the state vector.
+/// Resolved detail. Absent detail is absent from the state vector.
 struct Detail {
     PinDetail pins = PinDetail::halves;      ///< two halves that roll in contact; one body whose halves roll by constraint
     int order = 3;                           ///< p, Legendre order of the axis of a pin half, 0…3
@@ -187,7 +187,7 @@ struct Heat {
     bool operator==(const Heat&) const = default;
 };
 
-/// What wear is made of the recorded loads of tips, and the limit of clamping over slip.
+/// Parameters of wear from the recorded loads of tips, and the limit of clamping over slip.
 struct Wear {
     double coefficient = 1e-17;               ///< Archard's, volume per force and way [m²/N]
     SpeedTable clamping_limit{{0.0}, {0.0}};  ///< largest clamping force over the slip speed; one value of 0: none [N]
@@ -225,7 +225,7 @@ struct Coupling {
     bool operator==(const Coupling&) const = default;
 };
 
-/// What a machine has that its drawing has not.
+/// Imperfections of a machine, which its drawing does not show.
 struct Imperfection {
     double misalignment = 0.0;              ///< of pulley 2 along its axis, towards +z [m]
     Sheave sheave = Sheave::driving_fixed;  ///< the one with run-out or another attachment

@@ -130,14 +130,14 @@ inline void clear_tips(RigidColumns& columns) noexcept {
     columns.clear(Column::tip_stiffness_front, Column::tip_moment_rear, 0, all);
     columns.clear(Column::tip_force_x, Column::tip_radius + (rigid_tips - 1), 0, all);
 }
-/// Those of a block that reached beyond the last pin belong to the first pins.
+/// Moves the numbers of a block that reached beyond the last pin to the first pins.
 inline void unwrap_tips(RigidColumns& columns, int beyond) noexcept {
     columns.unwrap(Column::tip_depth, Column::tip_moment_rear, beyond);
     columns.unwrap(Column::tip_force_x, Column::tip_radius + (rigid_tips - 1), beyond);
 }
 
-/// Calls press(block) for blocks that have all near pins. One that reaches beyond the last pin goes on with copies of the first ones.
-/// @return how many of those
+/// Calls press(block) for blocks that have all near pins. A block that reaches beyond the last pin continues with copies of the first ones.
+/// @return number of copies
 template <class Press>
 [[nodiscard]] inline int over_near_pins(RigidColumns& columns, const Press& press) noexcept {
     const int pins = columns.pins(), begin = first_near_pin(columns[Column::near], pins);

@@ -28,7 +28,7 @@ public:
     /// Accelerations of the pins into the columns acceleration_x …, at coordinates and velocities of the columns.
     /// @param sheaves [4], nullptr: there are no pulleys
     void accelerate(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
-    /// The same with friction of the velocities as they are, which no step before has left anything of.
+    /// accelerate() with friction of the present velocities, without memory of a step before.
     void accelerate(const SheaveMotion* sheaves, RigidColumns& columns, RigidForces& forces) const noexcept;
 
     // Parts of accelerate(), one after the other.
@@ -37,7 +37,7 @@ public:
     void tip_forces(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
     void sum_forces(const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
 
-    /// Of a coordinate or velocity in the columns, per one of a state.
+    /// Scale of a coordinate or velocity in the columns, over that of a state.
     [[nodiscard]] double scale(int k) const noexcept { return k < 6 ? 1.0 : coefficients_.bend_share; }
     /// Columns of coordinates and velocities from and to blocks of a state. @param blocks [pins * layout().link_block()]
     void read(const double* blocks, RigidColumns& columns) const noexcept;
@@ -71,7 +71,7 @@ public:
     /// The functions of a ChainModel that has a RigidChain.
     [[nodiscard]] static ChainKernels kernels() noexcept;
 
-    /// Evaluates all pins. What is found is valid until the next evaluation.
+    /// Evaluates all pins. Results are valid until the next evaluation.
     /// @param blocks of all pins [pins * link_block]   @param sheaves [4], unused without pulleys
     void evaluate(const double* blocks, const SheaveMotion* sheaves) const noexcept;
     [[nodiscard]] const RigidColumns& columns() const noexcept { return columns_; }

@@ -48,7 +48,7 @@ struct RigidCoefficients {
     std::shared_ptr<TipLaw> tip_law;  ///< nullptr: none
     double middle;                    ///< a/2 [m]
 
-    /// Of coordinate number k [kg].
+    /// Inertia of coordinate number k [kg].
     [[nodiscard]] constexpr double inertia(int k) const noexcept {
         return k < 3 ? mass : k < 5 ? tilt_mass : k < 6 ? slide_mass : bend_mass;
     }

@@ -16,7 +16,7 @@ struct RigidKick {
     [[nodiscard]] constexpr bool implicit() const noexcept { return step > 0.0; }
 };
 
-/// What tips do to the sheaves, how near they are to where contact ends to be described, and how they creep.
+/// Reactions on the sheaves, extreme depths and radii (for faults), and creep.
 struct RigidReaction {
     SheaveForces sheaves{};
     double deepest = -1e300;    ///< depth of a tip [m]

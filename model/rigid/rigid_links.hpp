@@ -65,7 +65,8 @@ struct LinkMotion {
     PinLanes bow_across;             ///< and across it [m]
 };
 
-/// Of the halves of link i along z: the front half of pin i+1 against the rear half of pin i. @param mean, slide columns of z and ζ
+/// Displacement of the halves of link i along z: the front half of pin i+1 against the rear half of pin i. @param mean, slide columns of z
+/// and ζ
 [[nodiscard, gnu::always_inline]] inline PinLanes axial_parting(const RigidView& columns, Column mean, Column slide, int i) noexcept {
     return read(columns, mean, i + 1) - read(columns, mean, i) + 0.5 * (read(columns, slide, i + 1) + read(columns, slide, i));
 }
@@ -194,7 +195,7 @@ inline void joint_forces(const RigidCoefficients& c, const RigidKick& kick, Rigi
     account.store(Energy::inner, bent.value());
 }
 
-/// What link i does to the pins at its ends in the plane: forces of its halves and the moment on its pitch line.
+/// Action of link i on the pins at its ends in the plane: forces of its halves and the moment on its pitch line.
 [[nodiscard, gnu::always_inline]] inline Plane link_thrust(const RigidView& columns, int i) noexcept {
     const Plane normal = turned(read_plane(columns, Column::line_x, i));
     const Plane lean = read_plane(columns, Column::offset_moment_x, i) + read_plane(columns, Column::offset_moment_x, i + 1);

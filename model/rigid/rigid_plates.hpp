@@ -24,7 +24,7 @@ struct RingShares {
 
     [[nodiscard]] int begin(int lane) const noexcept { return links * lane / rigid_lanes; }
     [[nodiscard]] int absent(int lane) const noexcept { return rows - (begin(lane + 1) - begin(lane)); }
-    /// Calls visit(place in the rows, link). Of a chain that is repeated, links behind the last one are their columns' copies.
+    /// Calls visit(place in the rows, link). In a chain that is repeated, links after the last one are copies in the columns.
     template <class Visit>
     void for_links(const Visit& visit) const noexcept {
         for (int lane = 0; lane < rigid_lanes; ++lane) {
@@ -49,7 +49,7 @@ template <int by, int W = rigid_lanes>
 struct LaneRing {
     PinLanes free, behind, ahead;
 
-    /// The same of lanes twice as far away.
+    /// The ring of lanes at twice the distance.
     template <int by>
     [[nodiscard]] LaneRing halved() const noexcept {
         const PinLanes to = neighbour<-by>(ahead), from = neighbour<by>(behind);
@@ -66,9 +66,9 @@ struct LaneRing {
 };
 
 /// Friction P of all links, (1 + aF (4 - β_i - β_{i+1})) P_i - aF (β_i P_{i-1} + β_{i+1} P_{i+1}) = B_i around the ring: F friction per
-/// sliding speed (ring_grip), B friction if no link's friction changed the sliding (ring_push), β_i by how much the halves of pin i hold
-/// together (ring_tie_…), a of a pin's speed per force over the step [m/s/N]. Each lane eliminates its links but the last, P_r = rub +
-/// behind P_{last of the lane before} + ahead P_{r+1}; what is left has one unknown per lane.
+/// sliding speed (ring_grip), B friction if no link's friction changed the sliding (ring_push), β_i the degree to which the halves of pin i
+/// stick together (ring_tie_…), a of a pin's speed per force over the step [m/s/N]. Each lane eliminates its links but the last, P_r = rub
+/// + behind P_{last of the lane before} + ahead P_{r+1}; the remaining system has one unknown per lane.
 inline void solve_ring(const RingShares& shares, double a, const RigidView& columns) noexcept {
     const PinLanes absent = shares.absent_rows();
     const int last = (shares.rows - 1) * rigid_lanes;
@@ -123,13 +123,13 @@ inline void solve_friction(double step_per_mass, RigidColumns& columns) noexcept
     columns.wrap(Column::plate_friction, Column::plate_friction);
 }
 
-/// By how much faster than the pins the plates at +z slide, and those at -z slower, as both pins lengthen [m/s].
+/// Sliding speed that the lengthening of both pins adds at the plates at +z, and subtracts at those at -z [m/s].
 [[nodiscard]] inline PinLanes plate_parting(const RigidCoefficients& c, const RigidView& columns, int i) noexcept {
     return c.plate_reach * (read(columns, Column::lengthening, i + 1) - read(columns, Column::lengthening, i));
 }
 
-/// How much of what the motion since the last step adds to the tips' normal forces friction along the pins counts with. Of the rest, h²
-/// tip_stiffness/m is the factor by which pins that plates hold swing to and fro: at most 4 for any step that a leapfrog is stable with.
+/// Share of the change of the tips' normal forces since the last step that friction along the pins takes into account. With the rest, pins
+/// that plates hold oscillate with the factor h² tip_stiffness/m, at most 4 for any stable step of a leapfrog.
 constexpr double expected_share = 0.75;
 
 /// Velocities of the pins and of their halves on each other along z, and the halves' grip, before plates rub. Forces of the tips are those
@@ -172,7 +172,7 @@ inline void joint_friction_expected(const RigidCoefficients& c, const RigidKick&
     }
 }
 
-/// The same with the tips' forces of this step.
+/// Updates the friction of the joints with the tips' forces of this step.
 inline void joint_friction(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all, Account& account) noexcept {
     const RigidView columns(all);
     PinSum lost(columns);
@@ -189,13 +189,13 @@ inline void joint_friction(const RigidCoefficients& c, const RigidKick& kick, Ri
     account.lose(Loss::joint_friction, lost.value());
 }
 
-/// Of the friction of plates and of the other half on ζ.
+/// Force on ζ by the friction of plates and of the other half.
 [[nodiscard, gnu::always_inline]] inline PinLanes friction_on_slide(const RigidView& columns, int i) noexcept {
     return -(0.5 * (read(columns, Column::plate_friction, i - 1) + read(columns, Column::plate_friction, i)) +
              read(columns, Column::joint_friction, i));
 }
 
-/// By how much the sliding speed of link i grows by the friction of the links, over the step per mass.
+/// Change of the sliding speed of link i by the friction of the links, over the step per mass.
 [[nodiscard, gnu::always_inline]] inline PinLanes slowing(const RigidView& columns, int i) noexcept {
     const PinLanes friction = read(columns, Column::plate_friction, i), behind = read(columns, Column::joint_coupling, i),
                    ahead = read(columns, Column::joint_coupling, i + 1);
@@ -204,7 +204,7 @@ inline void joint_friction(const RigidCoefficients& c, const RigidKick& kick, Ri
 }
 
 /// Plates of neighbouring links rub along the pin that they share, and its halves on each other. The sliding speeds that a step leaves
-/// behind are kept for the next one. What the pins' lengthening loses is counted with the tips that do its work.
+/// behind are kept for the next one. The loss by the pins' lengthening is counted with the tips that do its work.
 inline void plate_friction(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all, Account& account) noexcept {
     const RigidView columns(all);
     PinSum lost(columns);
@@ -245,7 +245,7 @@ inline void plate_friction(const RigidCoefficients& c, const RigidKick& kick, Ri
     joint_friction_expected(c, kick, all);
 }
 
-/// What this step's tips change in the moment on pitch line i, as a force on pin i+1.
+/// Change of the moment on pitch line i by this step's tips, as a force on pin i+1.
 [[nodiscard, gnu::always_inline]] inline Plane moment_thrust(const RigidView& columns, int i) noexcept {
     const PinLanes change = read(columns, Column::tip_moment, i) - read(columns, Column::tip_moment_before, i);
     return (change * read(columns, Column::line_inverse, i)) * turned(read_plane(columns, Column::line_x, i));

@@ -15,7 +15,8 @@ struct RigidState {
     void read(const double* y);
     /// The state at the time of the coordinates. @param y [unknowns]
     void write(double* y) const noexcept;
-    /// The unknowns that a kick changes behind the pulleys' coordinates end here: velocities and integrals. Those of the hydraulics drift.
+    /// The unknowns that a kick changes behind the pulleys' coordinates end here: velocities and integrals. Unknowns of the hydraulics
+    /// drift.
     [[nodiscard]] std::size_t kicked_end() const noexcept;
     /// Kinetic energy that the accelerations of the pins would have as velocities, ½ a·M a [J/s²].
     [[nodiscard]] double acceleration_energy() const noexcept;
@@ -29,7 +30,7 @@ struct RigidState {
     double lead = 0.0;                     ///< by which velocities are ahead [s]
 };
 
-/// What the pins keep from step to step: first and last of columns that follow each other.
+/// Columns that the pins keep from step to step: first and last of those that follow each other.
 inline constexpr Column kept_columns[][2] = {{Column::x, Column::vbend_y},
                                              {Column::stretch_damping_force, Column::bend_damping_force_across},
                                              {Column::rolling_moment, Column::rolling_moment},

@@ -213,7 +213,7 @@ template <int W>
     to[5] += cross(tip.point, f.friction);
 }
 
-/// Of both tips of a half, over the stiffness of a tip per η.
+/// Response of both tips of a half, over the stiffness of a tip per η.
 template <int W>
 struct AxialResponse {
     Lanes<W> stiffness{0.0};  ///< against moving along z

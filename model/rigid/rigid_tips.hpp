@@ -12,7 +12,7 @@
 namespace cvtflow::model {
 namespace {
 
-/// What tips store and lose: of each pin of a group, added up over groups.
+/// Energy and losses of tips: of each pin of a group, added up over groups.
 template <int W>
 struct TipAccount {
     Lanes<W> energy{0.0};                               ///< [J]
@@ -91,7 +91,7 @@ public:
         account.damping += here * damped;
     }
 
-    /// By how much velocities of the pins grow in the step if friction stays as it was.
+    /// Predicts the changes of the pins' velocities in the step if friction stays constant.
     [[gnu::always_inline]] void predict() noexcept {
         if (!implicit) return;
         RigidTipForces<W> total;
@@ -232,7 +232,7 @@ private:
     RigidSlip<W> begin_[rigid_tips];  ///< sliding velocities at the beginning of the step
 };
 
-/// What the tips of a whole chain add up to.
+/// Sums over the tips of a whole chain.
 template <int W>
 class TipSums {
 public:

@@ -15,8 +15,8 @@ namespace {
 
 using PinLanes = Lanes<rigid_lanes>;
 
-/// What tips compute with in a step: floats, behind differences of places and velocities that are taken in doubles. Twice as many pins side
-/// by side, as each waits for roots and divisions most of the time.
+/// Numbers of tips in a step: floats, after differences of places and velocities in doubles. Twice as many pins side by side, as each waits
+/// for roots and divisions most of the time.
 inline constexpr int rigid_singles = singles<2 * rigid_lanes>;
 
 template <int W>
@@ -101,7 +101,7 @@ template <int from, int W = rigid_lanes>
     }
 }
 
-/// Of pins i - 1 … i + 6, given those of pins i - 8 … i - 1 and i … i + 7.
+/// Vectors of pins i - 1 … i + 6, given those of pins i - 8 … i - 1 and i … i + 7.
 [[nodiscard, gnu::always_inline]] inline Plane shifted_by_one_pin(const Plane& before, const Plane& now) noexcept {
     return {lanes_across<rigid_lanes - 1>(before.x, now.x), lanes_across<rigid_lanes - 1>(before.y, now.y)};
 }

@@ -1,6 +1,6 @@
 #pragma once
-/// What the halves and the ends of pins side by side give to the place and the motion of their tips, in blocks of pins. Places are taken in
-/// doubles once for each half and each end; what is left for a tip is small against them. (model/EQUATIONS.md section 11)
+/// Contributions of the halves and ends of pins to the place and the motion of their tips, in blocks of pins side by side. Places are
+/// computed in doubles once for each half and each end; the rest for a tip is small against them. (model/EQUATIONS.md section 11)
 
 #include <algorithm>
 #include <array>
@@ -40,7 +40,7 @@ public:
     PinBlocks(RigidColumns& columns, const Blocks& own) noexcept : columns_(columns), view_(columns), own_(own) {}
 
 protected:
-    /// Entries of a column for all pins, or for those so many before or behind them.
+    /// Entries of a column for all pins, or for the pins `offset` after them.
     [[nodiscard, gnu::always_inline]] D read_pins(Column c, int offset = 0) const noexcept {
         if constexpr (blocks == 1) {
             return read(view_, c, own_[0].first + offset);
@@ -185,7 +185,7 @@ template <int W>
     }
 }
 
-/// What the tips of pins side by side begin with, read from the columns.
+/// Initial values of the tips of pins side by side, read from the columns.
 template <int W>
 class RigidTipMotion : protected PinBlocks<W> {
 protected:

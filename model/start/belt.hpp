@@ -38,7 +38,7 @@ public:
     [[nodiscard]] double side_at(double s) const noexcept;
     /// Smallest s' > s whose point has the given distance (chord) from the point at s. The chord must be shorter than the arcs' radii.
     [[nodiscard]] double advance(double s, double chord) const noexcept;
-    /// The same if the point at s is known. @param point at s before, at s' behind
+    /// advance() if the point at s is known. @param point at s before the call, at s' after it
     [[nodiscard]] double advance(double s, double chord, Point& point) const noexcept;
 
 private:

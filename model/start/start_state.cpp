@@ -28,7 +28,7 @@ void for_every_half(const ChainLayout& at, std::vector<double>& state, const Put
     }
 }
 
-/// Of a half, or of a rigid pin in the middle between both.
+/// Place of a half, or of a rigid pin in the middle between both.
 [[nodiscard]] Point place_of(const ChainLayout& at, const PlacedChain& chain, End end, std::size_t pin) {
     if (at.rigid) return 0.5 * (chain.front[pin] + chain.rear[pin]);
     return (end == End::rear ? chain.rear : chain.front)[pin];

@@ -32,7 +32,7 @@ Channel::Read list(List Observation::*member) {
     };
 }
 
-/// Of the instant where no output lies before it.
+/// Efficiency since the last output, or of the instant if there is none before.
 void efficiency(const Instant& now, double* out) {
     *out = now.workspace.energy.efficiency(now.observation.time);
     if (std::isfinite(*out)) return;

@@ -12,7 +12,7 @@
 
 namespace cvtflow::tasks {
 
-/// What a channel may read at an output time.
+/// Data that a channel may read at an output time.
 struct Instant {
     const model::Observation& observation;
     const Workspace& workspace;
@@ -20,7 +20,7 @@ struct Instant {
     int followed_pin;
     model::Observer& observer;  ///< of the observation: evaluates forces where a channel needs them
 
-    /// Of the chain on the sheaves of shaft 0 or 1: mean since the last output, of the instant where there is none before [N·m].
+    /// Torque of the chain on the sheaves of shaft 0 or 1: mean since the last output, of the instant where there is none before [N·m].
     [[nodiscard]] double chain_torque(std::size_t shaft) const noexcept;
 };
 
@@ -28,7 +28,7 @@ struct Channel {
     using Width = std::function<int(const model::ChainModel&)>;
     using Read = std::function<void(const Instant&, double* values)>;
 
-    /// What differs from a usual channel, which every run of a machine with pulleys records; combined by |.
+    /// Differences to a usual channel, which every run of a machine with pulleys records; combined by |.
     enum Trait : unsigned {
         usual = 0,
         any_machine = 1,                ///< of a ring of links without pulleys also
@@ -56,7 +56,7 @@ struct Channel {
 /// All there are: those of channels.cpp, of energy_channels.cpp, and those on demand of force_channels.cpp and drive_channels.cpp.
 [[nodiscard]] std::span<const Channel> channels();
 
-/// What of the catalogue a record has: the usual ones and those that `names` ask for, where the machine has them.
+/// Channels of a record: the usual ones and those in `names`, where the machine has them.
 /// @param names of channels, or of groups such as "tips/*"
 [[nodiscard]] std::vector<const Channel*> chosen_channels(std::span<const std::string> names, const model::ChainLayout& layout);
 

@@ -71,7 +71,7 @@ Channel::Read safety_factor(std::size_t shaft) {
     };
 }
 
-/// Of the slower part against the faster one on its pulley, in the flow of power from shaft 1 to shaft 2.
+/// Slip of the slower part against the faster one on its pulley, in the flow of power from shaft 1 to shaft 2.
 void slip_of_driving(const Instant& now, double* out) {
     const double shaft = now.observation.speed[0];
     *out = shaft != 0.0 ? 1.0 - now.observation.pin_speed[0] / shaft : undefined;

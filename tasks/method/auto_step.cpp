@@ -50,9 +50,9 @@ namespace {
 constexpr double accurate_growth = 0.15;
 
 /// Least number of steps in which a pin takes the place of the next one. A pin strikes its sheave, and rolls in its joint, within a few
-/// hundredths of that time. Of 400 machines of the lottery with rigid pins 23 were off by more than 1 % in losses, by 3.7 % at most; with
-/// this limit 13, by 1.6 % at most. At 2000 rpm a pin takes 120 to 170 steps of 5 us. With halves machine 25 (5900 rpm, ratio 0.417) lost
-/// 1.6 % too little in 100 steps per pin, 0.5 % in 140, 0.1 % in 200; at 2000 rpm a pin takes 270 steps of 2 us and more.
+/// hundredths of that time. Without this limit, 23 of 400 machines of the lottery with rigid pins were off by more than 1 % in losses, by
+/// 3.7 % at most; with it 13, by 1.6 % at most. At 2000 rpm a pin takes 120 to 170 steps of 5 us. With halves machine 25 (5900 rpm, ratio
+/// 0.417) lost 1.6 % too little in 100 steps per pin, 0.5 % in 140, 0.1 % in 200; at 2000 rpm a pin takes 270 steps of 2 us and more.
 constexpr double steps_per_rigid_pin = 100.0, steps_per_pin_of_halves = 150.0;
 
 /// Longest stable step of an oscillation ω with an explicit damping δ. A leapfrog that takes the damping at velocities extrapolated to the
@@ -85,8 +85,8 @@ AutoStep::AutoStep(const model::Variator& variator, const model::Parameters& par
     for (const MovedPart part : {MovedPart::links, MovedPart::pulleys}) damped_parts_.emplace_back(*frictionless_, part);
 }
 
-/// What damps most need not be what oscillates fastest, and is taken to be. Links and pulleys each by themselves: their fastest motions are
-/// far apart.
+/// Treats the strongest damping as if it acted on the fastest oscillation, which need not be so. Links and pulleys are estimated
+/// separately: their fastest motions are far apart.
 double AutoStep::damped_step(double time, const double* state, const model::Phase* phases) noexcept {
     double step = forever;
     for (SpectralBound& part : damped_parts_) {

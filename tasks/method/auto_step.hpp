@@ -15,14 +15,14 @@
 
 namespace cvtflow::tasks {
 
-/// Of any method of the catalogue; of tables that declare none computed once per name.
+/// Reach of any method of the catalogue; for tables that declare none it is computed once per name.
 [[nodiscard]] MethodReach reach_of(const Method& method);
 
 /// The longest step that is ever chosen for a method where steps are automatic: what the error of its friction allows (decisions 75, 96)
 /// [s].
 [[nodiscard]] double longest_automatic_step(const Method& method, const model::Parameters& parameters);
 
-/// What does not let a step be longer.
+/// Reason why a step cannot be longer.
 enum class StepLimiter {
     nothing,      ///< linear stability sets no limit
     oscillation,  ///< stability at the fastest one
@@ -33,8 +33,8 @@ enum class StepLimiter {
 };
 
 /// The largest step of a method at a state with which small disturbances die out and are right: within its linear stability by the margin
-/// of AutoStep, for contacts as they are at rest, and within its accuracy. What a larger step computes is not to be relied on; with a
-/// smaller one the error of friction may still decide.
+/// of AutoStep, for contacts as they are at rest, and within its accuracy. Results of a larger step are not reliable; with a smaller one
+/// the error of friction may still be too large.
 struct LargestStep {
     double step = std::numeric_limits<double>::infinity();  ///< [s]
     StepLimiter by = StepLimiter::nothing;
@@ -46,10 +46,10 @@ struct LargestStep {
 class AutoStep final : public StepChoice {
 public:
     /// Share of the stable step that is taken. The spectrum is estimated from below, to some per cent, and changes between two estimates;
-    /// friction beside an oscillation is not the worst one. DECISIONS 75 has what was measured.
+    /// friction beside an oscillation is not the worst one. Measurements: DECISIONS 75.
     static constexpr double margin = 0.85;
-    /// The same where friction takes no stability away: the limit is that of the whole linearised step to half a per cent, and what is left
-    /// is that of the spectrum.
+    /// Share if friction does not reduce stability: the limit is that of the whole linearised step to half a per cent, and the rest covers
+    /// the spectrum.
     static constexpr double sharp_margin = 0.9;
     /// Time between two estimates of the spectrum [s]; shorter at the start, when tips reach the sheaves and loads rise:
     /// whenever the time since the beginning has doubled.
@@ -67,23 +67,24 @@ public:
     [[nodiscard]] LargestStep largest() const noexcept;
     /// Its step [s]; infinite: no limit.
     [[nodiscard]] double stable_step() const noexcept { return largest().step; }
-    /// Evaluations of the right-hand side that looking has taken.
+    /// Right-hand-side evaluations used by the estimates.
     [[nodiscard]] long evaluations() const noexcept { return evaluations_; }
     [[nodiscard]] const SpectralBound& bound() const noexcept { return bound_; }
 
     void save(std::vector<double>& memory) const override;
-    void load(std::span<const double> memory) override;  ///< memory [what save() wrote]
+    void load(std::span<const double> memory) override;  ///< @param memory from save()
 
 private:
-    /// Of the leapfrog of rigid pins: the row of links sets its limit, which hardly moves; in that of tables friction counts [s].
+    /// look_interval of the leapfrog of rigid pins: the row of links sets its limit, which hardly changes; that of tables depends on
+    /// friction [s].
     static constexpr double rigid_look_interval = 20e-3;
 
     [[nodiscard]] double damped_step(double time, const double* state, const model::Phase* phases) noexcept;
 
     MethodReach reach_;
     double longest_;         ///< of all steps [s]
-    double interval_;        ///< between two looks, in the long run [s]
-    bool keeps_directions_;  ///< damped_parts_ begin with the directions of the last look: of rigid pins
+    double interval_;        ///< between two estimates, in the long run [s]
+    bool keeps_directions_;  ///< damped_parts_ begin with the directions of the last estimate: rigid pins
     SpectralBound bound_;
     std::unique_ptr<const model::Variator> frictionless_;      ///< the machine without friction, where damping has a limit of its own
     bool friction_matters_ = true;                             ///< for the stability of oscillations with damping

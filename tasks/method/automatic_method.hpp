@@ -21,7 +21,7 @@ struct AutomaticChoice {
 /// The first row that suits is taken; the last suits every machine.
 [[nodiscard]] std::span<const AutomaticChoice> automatic_choices() noexcept;
 
-/// `method` itself, or what it stands for with these parameters if it is automatic_method.
+/// `method` itself, or the method that automatic_method represents with these parameters.
 [[nodiscard]] std::string_view resolved_method(std::string_view method, const model::Parameters& parameters);
 
 }  // namespace cvtflow::tasks

@@ -1,5 +1,5 @@
 #pragma once
-/// A method of the catalogue, looked up once.
+/// A method of the catalogue, found once.
 
 #include <memory>
 #include <optional>
@@ -27,9 +27,9 @@ public:
     /// The table of stages; of a program, one that has its slots and one stage: what a workspace needs.
     [[nodiscard]] const engine::StagePlan& plan() const noexcept { return plan_; }
 
-    /// Of the right-hand side in one step without transitions, the first step excepted; 0: it varies.
+    /// Evaluations of the right-hand side in a step without transitions, except the first step; 0: it varies.
     [[nodiscard]] int evaluations_per_step() const;
-    /// Of a step, so that its error can be reported or decide (run.step_control).
+    /// Whether the method estimates the local error of a step (run.step_control = "report" or "error").
     [[nodiscard]] bool estimates_error() const noexcept {
         return program_ != nullptr ? program_->estimates_error : plan_.error.has_value();
     }

@@ -1,5 +1,5 @@
 #pragma once
-/// The list of all methods: tables of stages (engine/method), and programs with cycles of their own. method.hpp looks one up.
+/// The list of all methods: tables of stages (engine/method), and programs with cycles of their own. method.hpp finds one.
 
 #include <functional>
 #include <limits>
@@ -21,7 +21,7 @@ public:
     using std::invalid_argument::invalid_argument;
 };
 
-/// The longest automatic step with pin halves [s]. What friction leaves of a step is of first order (2 us: slip off by 1 to 3 % on one
+/// The longest automatic step with pin halves [s]. The error of friction is of first order in the step (2 us: slip off by 1 to 3 % on one
 /// machine in twenty of `cvtflow-lab lottery`).
 inline constexpr double usual_longest_step = 1.5e-6;
 
@@ -33,7 +33,7 @@ struct MethodReach {
     double oscillation = unlimited;  ///< largest h ω of an elastic oscillation, whatever the friction beside it [1]
     double decay = unlimited;        ///< largest h |λ| of friction and damping [1]
     double accurate = unlimited;     ///< largest h ω that it does not damp much more than the chain does itself [1]
-    /// Of methods that take friction apart, without any: h ω without damping, and h δ of a damping δ without oscillation. [1]
+    /// Methods that split friction, without friction: limit of h ω for an undamped oscillation, and of h δ for pure damping. [1]
     double frictionless = unlimited, damping = unlimited;
 
     /// Whether friction is taken apart from all other forces, so that oscillation and damping have limits of their own.
@@ -55,14 +55,14 @@ struct MethodProgram {
     double longest_step = usual_longest_step;  ///< that is chosen where steps are automatic, with pin halves [s]
     bool estimates_error = false;              ///< of a step: StepMethod::error_power() is not 0
     int revision = 1;  ///< raised whenever a step computes otherwise, so that no checkpoint of the former method is continued
-    /// What it needs that parameters do not have, as a setting; empty: it takes them.
+    /// Setting that it requires and parameters do not have; empty: none.
     std::string_view (*missing)(const model::Parameters& parameters) = [](const model::Parameters&) { return std::string_view(); };
 
     /// Why it cannot be used with these parameters: "method 'sw2' requires detail.pins = "halves""; empty: it can.
     [[nodiscard]] std::string objection(const model::Parameters& parameters) const;
 };
 
-/// What a program knows beyond the product (bench/method).
+/// Methods that a program adds to those of the product (bench/method).
 struct FurtherMethods {
     engine::FurtherTables tables;
     std::vector<MethodProgram> (*programs)();                        ///< asked when first needed
@@ -73,7 +73,7 @@ void add_methods(const FurtherMethods& further);
 
 /// All programs, each under a name of its own.
 [[nodiscard]] const std::vector<MethodProgram>& method_programs();
-/// The reach that a table declares, or else derived. @throws std::logic_error if nobody can derive it
+/// The reach that a table declares, or else derived. @throws std::logic_error without a function that derives it
 [[nodiscard]] engine::StageReach reach_of_table(const engine::StagePlan& plan);
 /// nullptr if the name is unknown.
 [[nodiscard]] const MethodProgram* find_program(std::string_view name);

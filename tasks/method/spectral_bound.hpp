@@ -40,7 +40,7 @@ public:
     }
     /// The vectors of the iterations, for checkpoints. load() returns the rest of the memory.
     void save(std::vector<double>& memory) const;
-    [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< memory [what save() wrote]
+    [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< @param memory from save()
 
 private:
     /// Direction and growth of one power iteration.

@@ -12,13 +12,13 @@ namespace cvtflow::tasks {
 /// Keeps an estimate of the spectrum up to date: at the start, every tenth of a millisecond, after a rejected step.
 class SpectralMethod : public StageMethod {
 public:
-    /// Extents of the spectrum are taken so many times as large, for what estimates from below and changes within a tenth of a millisecond.
+    /// Factors on the extents of the spectrum, because it is estimated from below and changes within a tenth of a millisecond.
     static constexpr double real_margin = 1.2, imaginary_margin = 1.15;  ///< [1]
 
     void restart() noexcept override;
-    [[nodiscard]] double longest_step(double wanted) final;  ///< wanted [s]
+    [[nodiscard]] double longest_step(double wanted) final;  ///< [s]
     void save(std::vector<double>& memory) const override;
-    void load(std::span<const double> memory) override;                         ///< memory [what save() wrote]
+    void load(std::span<const double> memory) override;                         ///< @param memory from save()
     [[nodiscard]] long observation_stride() const noexcept final { return 8; }  // of a dozen evaluations and more each
 
 protected:
@@ -26,7 +26,7 @@ protected:
 
     /// use() a plan that is stable for a step of this length. h [s]
     virtual void choose(double h) = 0;
-    /// As longest_step(), with the estimate up to date. wanted [s]
+    /// As longest_step(), with the estimate up to date. [s]
     [[nodiscard]] virtual double longest(double wanted) = 0;
 
     [[nodiscard]] double real() const noexcept { return real_margin * bound_.real(); }
@@ -52,11 +52,11 @@ struct PolynomialRange {
 /// Ascending.
 using Ladder = std::vector<PolynomialRange>;
 [[nodiscard]] Ladder dumka3_ladder();
-/// The lowest rung that reaches so far along the real axis, or the last one. real [1]
+/// The first polynomial whose reach along the real axis is at least `real`, or the last one. real [1]
 [[nodiscard]] std::size_t rung_for(const Ladder& ladder, double real) noexcept;
 
-/// The lowest rung that is stable on the real axis; where steps are free, also the rule of DUMKA3: one rung lower with a shorter step if
-/// that is cheaper per time. A free step is also kept within the imaginary reach, which the published rule ignores. Source of the
+/// The first polynomial that is stable on the real axis; where steps are free, also the rule of DUMKA3: the one before it with a shorter
+/// step if that is cheaper per time. A free step is also kept within the imaginary reach, which the published rule ignores. Source of the
 /// rule: A. A. Medovikov's program; High order explicit methods for parabolic equations, BIT 38 (1998) 372-390.
 class LadderMethod final : public SpectralMethod {
 public:
@@ -64,7 +64,7 @@ public:
 
 protected:
     void choose(double h) override;                        ///< h [s]
-    [[nodiscard]] double longest(double wanted) override;  ///< wanted [s]
+    [[nodiscard]] double longest(double wanted) override;  ///< [s]
 
 private:
     Ladder rungs_;

@@ -136,7 +136,7 @@ struct FieldReader {
     }
 };
 
-/// Of what gives a checkpoint's numbers their meaning.
+/// Hash of everything that gives a checkpoint's numbers their meaning.
 [[nodiscard]] std::string fingerprint_of(const Checkpoint& c) {
     engine::Hash hash;
     for (const std::string* text : {&c.scene, &c.method_hash, &c.slope_hash})

@@ -15,7 +15,7 @@
 
 namespace cvtflow::tasks {
 
-/// What a run reports of itself beside its integration.
+/// Data that a run reports beside its integration.
 struct RunHistory {
     bool settled = false;  ///< whether it began with settling
     Counters settling;
@@ -47,7 +47,7 @@ struct Checkpoint {
     std::string slope_hash;   ///< of the right-hand side at the state: another model, or the same one rounded differently, gives another
     IntegrationState integration;
     RunHistory history;
-    std::vector<double> recorder;  ///< RunRecorder::position() [what save() wrote]
+    std::vector<double> recorder;  ///< from RunRecorder::position()
 };
 
 /// The guards for a simulation of this scene at `state`.
@@ -77,7 +77,7 @@ void remove_checkpoint(const std::string& path);
 /// @throws SimulationError, a line per difference:
 ///     run.checkpoint.h5: this is no checkpoint of the scene:
 ///       chain.pins = 24, the checkpoint has 84
-/// @param mixed  whether another version of the program may go on
+/// @param mixed  whether another version of the program may continue
 void require_same(const std::string& path, const Checkpoint& checkpoint, const Scene& scene, const model::Variator& variator,
                   bool mixed = false);
 

@@ -39,7 +39,7 @@ public:
     void sample(double time, const Workspace& workspace) override { recorder_.sample(time, workspace); }
     void transition(const TransitionRecord& record) override { recorder_.transition(record); }
 
-    /// The present part of the run, from the present state to its end. @param until end of a part that is not settling
+    /// Runs the present part of the run from the present state until it is complete. @param until end of a part that is not settling
     [[nodiscard]] Fault go(double until, const engine::Cancellation& cancel, RunReport& report) {
         Simulation& s = simulation_;
         recorder_.begin_part(s.needs_settling() ? -scene_.parameters.start.settling_time : report.begin, s.needs_settling() ? 0.0 : until);
@@ -96,7 +96,7 @@ void warn_if_unstable(const Scene& scene, const RunOptions& options, const Simul
                     report.step, simulation.method_name(), report.stable_step, simulation.automatic_step()));
 }
 
-/// A run that ended before its checkpoint would count as finished, and nobody could go on with it. @throws SimulationError
+/// A run that ended before its checkpoint would count as finished, and could not be resumed. @throws SimulationError
 void require_rest(const std::string& file, const Checkpoint& from, const Scene& scene) {
     if (scene.run.until >= from.integration.time * (1.0 - 1e-12)) return;
     throw SimulationError(fmt::format("{}: run.until = {} s is before the checkpoint, which is at t = {} s; it can only be continued", file,

@@ -1,5 +1,5 @@
 #pragma once
-/// A whole run of a scene: settle if needed, integrate, record, sum up. What `cvtflow run` does, as a function.
+/// A whole run of a scene: settle if needed, integrate, record, sum up. The work of `cvtflow run`, as a function.
 
 #include <functional>
 #include <optional>
@@ -34,8 +34,8 @@ struct RunOptions {
 };
 
 /// Runs the scene to run.until. A fault ends the run with what was recorded so far on file and is part of the report.
-/// A run that ends early (cancelled, budget) leaves a checkpoint if it may. A finished one takes its checkpoint away, if the record
-/// contains what it stands for.
+/// A run that ends early (cancelled, budget) writes a checkpoint if RunOptions::checkpoint is set. A finished one deletes its checkpoint,
+/// if the record contains its state.
 /// @throws SimulationError (also if the run would end before its checkpoint), engine::RecordError, std::invalid_argument before the run;
 /// engine::RecordError during it (disk full)
 [[nodiscard]] RunReport run_scene(const Scene& scene, const RunOptions& options);

@@ -121,7 +121,7 @@ std::span<const double> MeanCurve::load(std::span<const double> memory) {
 namespace {
 
 constexpr std::size_t max_blocks = 8, min_blocks = 4;
-/// Of Student's distribution, two-sided 95 %, for two blocks less than there are.
+/// Quantiles of Student's distribution, two-sided 95 %, by number n of blocks: n - 2 degrees of freedom.
 constexpr double student[max_blocks + 1] = {0, 0, 0, 0, 4.30, 3.18, 2.78, 2.57, 2.45};
 constexpr double min_trend_slip = 5e-4;     ///< slips below are compared with this [1]
 constexpr double min_share_of_tight = 0.1;  ///< likewise a slack strand, with a share of the tight one
@@ -138,7 +138,7 @@ constexpr std::string_view quantities[] = {"ratio", "thrust ratio", "tight tensi
              mean(Mean::friction_slip), (end.energy.lost() - begin.energy.lost()) / (end.time - begin.time)}};
 }
 
-/// What a quantity is compared with, by its mean over the window and that of the tight strand.
+/// Scale of a quantity, from its mean over the window and that of the tight strand.
 [[nodiscard]] double scale_of(std::size_t quantity, double mean, double tight) noexcept {
     if (quantity == 3) return std::max(std::abs(mean), min_share_of_tight * std::abs(tight));
     return quantity == 4 || quantity == 5 ? std::max(std::abs(mean), min_trend_slip) : std::abs(mean);
@@ -224,7 +224,7 @@ constexpr NoteKind kinds[] = {
     return balance.samples < min_samples ? 0.0 : balance.honest();
 }
 
-/// What inputs brought [J].
+/// Energy from the inputs [J].
 [[nodiscard]] double input(const EnergySums& before, const EnergySums& after) noexcept {
     double in = 0.0;
     for (std::size_t k = 0; k < after.work.size(); ++k) in += std::max(0.0, after.work[k] - before.work[k]);

@@ -74,7 +74,7 @@ public:
 
     /// For checkpoints: continues bitwise. load() returns the rest of the memory. @throws std::invalid_argument for a malformed memory
     void save(std::vector<double>& memory) const;
-    [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< memory [what save() wrote]
+    [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< @param memory from save()
 
 private:
     static constexpr std::size_t max_points = 2000;
@@ -92,7 +92,7 @@ struct MeanTrend {
     double change = 0.0;       ///< of the line from the begin to the end of the window [1]
     double uncertainty = 0.0;  ///< of that, 95 % [1]
 
-    /// What it has changed by at least [1].
+    /// Smallest change that is certain [1].
     [[nodiscard]] double least() const noexcept;
 };
 
@@ -145,7 +145,7 @@ public:
     [[nodiscard]] SpanMeans all() const { return span(0.0, 1.0); }
     [[nodiscard]] SpanMeans first_fifth() const { return span(0.0, 0.2); }
     [[nodiscard]] SpanMeans last_fifth() const { return span(0.8, 1.0); }
-    /// What is odd about them. @param balance of the run   @param pulleys whether there are any: else only its losses can be odd
+    /// Notes on unusual results. @param balance of the run   @param pulleys whether there are any: else only losses are checked
     [[nodiscard]] std::vector<Note> notes(const EnergyBalance& balance, bool pulleys = true) const;
     /// Their names, blank between them, in `names`.
     void name_notes(const EnergyBalance& balance, std::string& names) const;
@@ -200,7 +200,7 @@ class RunWatch {
 public:
     /// An output, the first one included.
     void add(const model::Observation& now, const Workspace& workspace);
-    /// @param ledger of the run   @param before suspicion of what it began with; before [1]
+    /// @param ledger of the run   @param before suspicion of its start state [1]
     [[nodiscard]] RunVerdict verdict(const EnergyLedger& ledger, double before = 0.0) const;
     /// Whether add() is needed at this time, between outputs. time [s]
     [[nodiscard]] bool due(double time) const noexcept { return begun_ && means_.due(time); }

@@ -27,7 +27,7 @@ public:
     [[nodiscard]] const std::string& run() const noexcept { return run_; }
     /// Position of the record and the means, for a checkpoint; all of it is on disk then.
     [[nodiscard]] std::vector<double> position();
-    /// Goes on from there, with the rows of the record that options.from names.
+    /// Continues from there, with the rows of the record that options.from names.
     void restore(const std::vector<double>& position);
     /// Ends the record with what happened, completes the means.
     void finish(RunReport& report);

@@ -120,7 +120,7 @@ std::string transitions_text(const Counters& c) {
     return fmt::format("{} detected, {} steps truncated, {} suppressed", c.detected, c.truncated, c.suppressed);
 }
 
-/// What was asked about local errors and what came out; empty if nothing was.
+/// Local errors and step-size control, as text; empty for StepControl::fixed.
 std::string error_lines(const RunReport& r) {
     if (r.step_control == StepControl::fixed || r.local_errors.steps == 0) return {};
     std::string text = fmt::format("  local error         largest {:.2e}, mean {:.2e}", r.local_errors.largest, r.local_errors.mean());

@@ -1,5 +1,5 @@
 #pragma once
-/// What a run reports of itself: mean values, energy balance, what it took; and its summary as text.
+/// Report of a run: mean values, energy balance, cost; and its summary as text.
 
 #include <string>
 #include <vector>
@@ -56,7 +56,7 @@ struct RunReport : RunHistory {
     [[nodiscard]] bool beyond_stability() const noexcept { return !step_setting.automatic() && step > stable_step && stable_step > 0.0; }
 };
 
-/// Of the coupled shafts, as they are now.
+/// Reports of the coupled shafts, as they are now.
 [[nodiscard]] std::vector<CouplingReport> couplings_of(const Simulation& simulation);
 
 /// One line about a balance that does not close.

@@ -49,7 +49,7 @@ inline constexpr double start_misfit_tolerance = 0.01;
 inline constexpr std::string_view program_attribute = "program";
 /// Empty if the state does not contain it.
 [[nodiscard]] std::string_view program_of(const engine::SavedState& saved);
-/// Of everything that a run which begins with the state depends on.
+/// Hash of everything that a run depends on which begins with the state.
 [[nodiscard]] std::uint64_t content_hash(const engine::SavedState& saved) noexcept;
 /// @param unfit  unfit_text() of the state that the scene names
 /// @throws SimulationError if the scene has no time to settle instead
@@ -58,7 +58,7 @@ void require_time_to_settle(const Scene& scene, const std::string& unfit);
 /// @throws as saved_start
 [[nodiscard]] std::shared_ptr<const engine::SavedState> fitting_start(const Scene& scene);
 
-/// What differs between a scene's machine and the one that a state was settled with, one line each.
+/// Differences between a scene's machine and the one that a state was settled with, one line each.
 [[nodiscard]] std::vector<std::string> start_differences(const engine::SavedState& saved, const Scene& scene);
 
 }  // namespace cvtflow::tasks

@@ -106,12 +106,12 @@ Simulation::~Simulation() = default;
 
 namespace {
 
-/// What is left of a budget that is used up: 0 would be none [s].
+/// Rest of a budget that is used up: 0 would mean no budget [s].
 constexpr double shortest_budget = 1e-9;
 
 constexpr std::size_t ledger_size = model::loss_kinds + model::work_kinds;
 
-/// The phase in the words of the scene at hand: without stick and slip a tip just touches; with them, a start finds which of both.
+/// The phase in terms of the present scene: without stick and slip a tip just touches; with them, a start finds which of both.
 [[nodiscard]] model::Phase adopted(std::uint8_t saved, bool stick_slip) {
     const auto phase = static_cast<model::Phase>(saved);
     if (phase == model::Phase::free || (phase == model::Phase::touching) == !stick_slip) return phase;

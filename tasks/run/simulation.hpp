@@ -93,15 +93,15 @@ public:
     [[nodiscard]] const model::Variator& variator() const noexcept { return workspace_->variator; }
     [[nodiscard]] const double* state() const noexcept { return workspace_->state(); }
     [[nodiscard]] const std::vector<model::Phase>& phases() const noexcept { return workspace_->tips.phases; }
-    /// Of the part at hand, or of the last one: settling, or the run.
+    /// Counters of the present part, or of the last one: settling, or the run.
     [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
-    /// Works, losses and balance of the part at hand: settling, or the run.
+    /// Works, losses and balance of the present part: settling, or the run.
     [[nodiscard]] const EnergyLedger& energy() const noexcept { return workspace_->energy; }
     /// The largest EnergyLedger::suspicion() of settling and run: above 1 the results are wrong.
     [[nodiscard]] double suspicion() const noexcept { return std::max(rest_.settling_suspicion, workspace_->energy.suspicion()); }
     /// false: keeps no energies from the next run on, for measurements of what that costs.
     void keep_energies(bool on) noexcept { workspace_->energy.keep(on); }
-    /// What chooses steps, with what it found last; nullptr: run.step is given.
+    /// Choice of automatic steps, with its last estimate; nullptr: run.step is given.
     [[nodiscard]] const AutoStep* step_choice() const noexcept { return choice_.get(); }
     /// The automatic step at the present state, independent of run.step [s].
     [[nodiscard]] double automatic_step() const;
@@ -119,8 +119,8 @@ public:
     [[nodiscard]] double step() const noexcept { return step_; }
     /// Hash of state and phases: equal for every number of segments, threads and schedule.
     [[nodiscard]] std::uint64_t hash() const noexcept;
-    /// What differs between this scene and the one that the state file was settled with, one line each, and whether the state therefore
-    /// was not taken; empty if nothing.
+    /// Differences between this scene and the one that the state file was settled with, one line each, and whether the state therefore was
+    /// not taken; empty if none.
     [[nodiscard]] const std::vector<std::string>& start_differences() const noexcept { return start_differences_; }
 
     /// The present state as a file for start.state.

@@ -393,8 +393,8 @@ const std::vector<Parameter>& rows() {
      "model choice", [](Scene& s) -> Slot { return &s.state_file; }},
 
     {"run.method", "", 0, 0, {},
-     "Integration method, a name from the catalogue; auto: by detail and friction law, leapfrog-sweep for pin halves with the piecewise "
-     "law, otherwise leapfrog-chebyshev (cvtflow list methods).",
+     "Integration method, a name from the catalogue; auto: by detail and friction law, leapfrog-rigid for rigid pins, leapfrog-sweep "
+     "for pin halves with the piecewise law, otherwise leapfrog-chebyshev (cvtflow list methods).",
      "model choice", [](Scene& s) -> Slot { return &s.run.method; }},
     {"run.step", "s", 1e-12, 1e-2, {},
      "Time step; with run.step_control = \"error\" the longest one. auto: 0.85 of the stability limit, evaluated every ms (cvtflow check).",

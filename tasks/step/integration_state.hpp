@@ -29,16 +29,16 @@ struct IntegrationState {
     std::vector<model::TipIndicator> before;  ///< [4 links] depth and slip of the tips now
     double settling_suspicion = 0.0;          ///< EnergyLedger::suspicion() at the end of settling [1]
     double settling_residual = 0.0;           ///< relative residual of the energy balance then
-    std::vector<double> energy;               ///< works, losses and balance so far (EnergyLedger) [what EnergyLedger::save() wrote]
+    std::vector<double> energy;               ///< works, losses and balance so far, from EnergyLedger::save()
     std::vector<double> step_choice;          ///< memory of the automatic step, from save(); empty for given steps
-    std::vector<double> heat;       ///< temperatures and what they balance, from HeatBalance::save(); empty without [what save() wrote]
+    std::vector<double> heat;                 ///< temperatures and what they balance, from HeatBalance::save(); empty without
     std::vector<double> couplings;  ///< [6] reference angles of both shafts since couplings took over: since, angle, zero; empty: not yet
-    std::vector<double> method;     ///< what else a method remembers from step to step; empty for one-step methods [what save() wrote]
+    std::vector<double> method;     ///< memory of a method, from StepMethod::save(); empty for one-step methods
 
     bool operator==(const IntegrationState&) const = default;
     /// Reason why this state is invalid for every scene (counts, lengths, phases); nullptr if valid.
     [[nodiscard]] const char* unsound() const noexcept;
-    /// Of every field, bit by bit.
+    /// Hash of all fields, bit by bit.
     [[nodiscard]] std::uint64_t hash() const noexcept;
 };
 

@@ -18,9 +18,9 @@ struct Segment {
 
 class Partition {
 public:
-    /// Where segments of kernels with so many links side by side begin: at multiples of this, as do vectors and sums of reactions. With
-    /// vectors of eight lanes half a vector is good enough: two threads need five and six of them either way, and what costs by the link is
-    /// better balanced (40 and 44 links instead of 48 and 36).
+    /// Segments begin at multiples of this number of links for kernels with `lanes` links side by side, as do vectors and sums of
+    /// reactions. With vectors of eight lanes half a vector is good enough: two threads need five and six of them either way, and costs per
+    /// link are better balanced (40 and 44 links instead of 48 and 36).
     [[nodiscard]] static int grain(int lanes) noexcept { return std::min(lanes, model::links_per_sum); }
 
     /// `segments` runs of equal length, up to `grain` links; they begin at multiples of it, as long as there are enough of those.

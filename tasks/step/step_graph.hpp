@@ -141,7 +141,7 @@ private:
 
 /// Observation of one segment at the step's start: the same in every assembly.
 void add_observe_task(engine::TaskGraph& graph, const Workspace& workspace, int segment);
-/// What profiles call the three cycles about transitions.
+/// Name of the three cycles about transitions in profiles.
 inline constexpr const char* transition_stage = "transition";
 
 /// Detection, location and truncation of one segment: the same in every assembly.

@@ -43,10 +43,10 @@ public:
     /// Longest step that the method can take now, at most `wanted` [s]. Called before a step of free length.
     [[nodiscard]] virtual double longest_step(double wanted) { return wanted; }
 
-    /// What it remembers from step to step beside the workspace's state, phases and times of their changes, for checkpoints: load() after
+    /// Its memory from step to step beside the workspace's state, phases and times of their changes, for checkpoints: load() after
     /// restart() continues bitwise from where save() was called. Empty for methods without memory.
     virtual void save(std::vector<double>& memory) const { memory.clear(); }
-    /// memory [what save() wrote]; empty: a run begins at the workspace's state
+    /// @param memory from save(); empty: a run begins at the workspace's state
     virtual void load(std::span<const double> memory) { (void)memory; }
     /// Steps between two observations of losses and energies, so that these cost about a hundredth of the steps. The default is that of a
     /// leapfrog, whose step costs as much as five evaluations.
@@ -55,7 +55,7 @@ public:
     [[nodiscard]] virtual std::optional<std::size_t> bytes() const noexcept { return {}; }
     /// Counters of the method since its construction, one line for the summary of a run; may be empty.
     [[nodiscard]] virtual std::string report() const { return {}; }
-    /// Of step().
+    /// Memory for the frame of step().
     [[nodiscard]] FrameMemory* frame_memory() const noexcept { return &frame_; }
 
 protected:
@@ -64,12 +64,13 @@ protected:
     StepMethod& operator=(const StepMethod&) = delete;
 
 private:
-    mutable FrameMemory frame_;
+    static constexpr std::size_t frame_bytes = 2048;  ///< more than any step() has
+
+    mutable FrameMemory frame_{frame_bytes};
 };
 
 /// Ends an evaluation of the right-hand side whose links are done: slope of everything behind the links, and counts it.
-/// @param tail state behind the links   @param slope whole slope vector; time [s], tail [unknowns behind the links], slope [unknowns, per
-/// second]
+/// @param time [s]   @param tail state behind the links   @param slope whole slope vector
 void close_evaluation(Workspace& workspace, double time, const double* tail, const model::SheaveForces& chain, double* slope) noexcept;
 
 /// The next numbers of a memory (StepMethod::save), which comes from files and hosts and may be anything; it then begins behind
@@ -96,7 +97,7 @@ public:
     void phases_changed() noexcept override { StageMethod::restart(); }
     [[nodiscard]] std::optional<std::size_t> bytes() const noexcept override { return 0; }  // all stages are in the workspace
     void save(std::vector<double>& memory) const override;
-    void load(std::span<const double> memory) override;  ///< memory [what save() wrote]
+    void load(std::span<const double> memory) override;  ///< @param memory from save()
     [[nodiscard]] std::optional<engine::PlanStep> error_row() const noexcept override;
     [[nodiscard]] int error_power() const noexcept override { return error_power_; }
     [[nodiscard]] long observation_stride() const noexcept override { return std::max(1L, 100L / w_.plan.stages()); }
@@ -116,7 +117,7 @@ private:
 
     void prepare_stage(const engine::PlanStep& stage);
     void bring_slope() noexcept;
-    /// Of the slope at the state: a step that was rejected has left it in slot 0.
+    /// Place of the slope at the state: a step that was rejected has left it in slot 0.
     [[nodiscard]] SlopeAt slope_now() const noexcept { return w_.step.time == begun_ ? SlopeAt::start : slope_at_; }
 
     Workspace& w_;

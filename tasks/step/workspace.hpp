@@ -22,14 +22,14 @@ namespace cvtflow::tasks {
 /// Stages, slots, links and tips are counted in int; the standard library indexes by size_t.
 [[nodiscard]] inline std::size_t at(int index) noexcept { return static_cast<std::size_t>(index); }
 
-/// A transition of one tip within the step at hand.
+/// A transition of one tip within the present step.
 struct Transition {
     double theta = 2.0;                    ///< share of the step at which it is due; > 1: none
     int tip = -1;                          ///< 4 link + 2 end + side
     model::Phase to = model::Phase::free;  ///< what it becomes
 };
 
-/// What one segment found in a detect, locate or truncate cycle.
+/// Result of a segment in a detect, locate or truncate cycle.
 struct alignas(64) SegmentResult {
     Fault fault;
     Transition first;      ///< earliest transition of the segment's tips
@@ -38,7 +38,7 @@ struct alignas(64) SegmentResult {
     bool pending = false;  ///< some tip has to be located
 };
 
-/// What becomes of a step in which tips are due to change their phase.
+/// Treatment of a step in which tips are due to change their phase.
 enum class AtTransition {
     interpolate,  ///< it is cut there: on the cubic through both ends and their slopes, of which slopes[0] must hold that at the start
     repeat,       ///< it is taken again up to there, found by positions and velocities at both ends
@@ -46,7 +46,7 @@ enum class AtTransition {
     inside        ///< the method has changed the phases itself: nothing is searched for
 };
 
-/// The step at hand; written by the controller between cycles, read by every task.
+/// The present step; written by the controller between cycles, read by every task.
 struct StepInput {
     double time = 0.0;             ///< t at the step's start [s]
     double h = 0.0;                ///< its length [s]
@@ -69,7 +69,7 @@ struct StepInput {
     [[nodiscard]] bool slopes_from_states() const noexcept { return at_transition != AtTransition::interpolate; }
 };
 
-/// What cycles find of links: written by the link's segment (Field::load, account, link_error), added up by the controller in one order.
+/// Results of each link: written by the link's segment (Field::load, account, link_error), summed by the controller in a fixed order.
 struct LinkFields {
     std::vector<model::LinkLoad> loads;  ///< [links]
     std::vector<model::SheaveSum>
@@ -87,10 +87,10 @@ struct TipState {
     std::vector<model::TipIndicator> after;   ///< [4 links] at its end
     std::vector<model::TipProbe> probes;      ///< [links] the same with the links' radii
     std::vector<double> changed;              ///< [4 links] time of the last change of phase [s]
-    bool have_changed = false;                ///< in the step at hand (AtTransition::inside)
+    bool have_changed = false;                ///< in the present step (AtTransition::inside)
 };
 
-/// What an assembly of the laboratory keeps in a workspace (FurtherAssembly).
+/// Memory of an assembly of the laboratory in a workspace (FurtherAssembly).
 class AssemblyMemory {
 public:
     virtual ~AssemblyMemory() = default;
@@ -98,7 +98,7 @@ public:
     virtual void phases_changed() noexcept = 0;
 };
 
-/// What is behind the links, written by the controller.
+/// State behind the links: pulleys, control and ledger; written by the controller.
 struct PulleyFields {
     std::vector<double> tail;                   ///< [tail_size()] stage state
     model::SheaveMotion sheaves[4]{};           ///< of the stage
@@ -138,18 +138,18 @@ public:
     EnergyLedger energy;                             ///< works, losses and balance so far, written by the controller
     model::HeatBalance heat;                         ///< temperatures, changed at outputs by the controller
     std::unique_ptr<AssemblyMemory> further;         ///< of the assembly that the laboratory adds; nullptr in the product
-    bool sums_missing = false;                       ///< evaluate cycles of the assembly at hand do not fill links.sums
+    bool sums_missing = false;                       ///< evaluate cycles of the present assembly do not fill links.sums
 
     [[nodiscard]] const model::ChainLayout& layout() const noexcept { return variator.layout(); }
-    /// y at the step's start, for whoever observes, saves or judges it; between two cycles only. Columns are written to it when somebody
-    /// asks. @return [layout.size()]
+    /// y at the step's start, to observe, save or judge it; between two cycles only. A call copies the columns to it. @return
+    /// [layout.size()]
     [[nodiscard]] const double* state() const noexcept;
     /// The state of rigid pins in columns, for a method that steps them there: it is the state from the next columns_advanced() on.
     [[nodiscard]] model::RigidState& columns();
     /// nullptr: no method has asked for them.
     [[nodiscard]] const model::RigidState* rigid_pins() const noexcept { return columns_.get(); }
     void columns_advanced() noexcept { columns_ahead_ = true; }
-    /// The same for whoever sets it from outside, between two runs; then call StepMethod::restart.
+    /// y to set from outside, between two runs; then call StepMethod::restart.
     [[nodiscard]] double* state_to_set() noexcept {
         static_cast<void>(state());
         return states[0];

@@ -12,10 +12,10 @@
 
 namespace cvtflow::tasks {
 
-void RelativeError::add(std::span<const double> is, std::span<const double> should) noexcept {
-    for (std::size_t i = 0; i < should.size(); ++i) {
-        difference_ += (is[i] - should[i]) * (is[i] - should[i]);
-        reference_ += should[i] * should[i];
+void RelativeError::add(std::span<const double> is, std::span<const double> expected) noexcept {
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+        difference_ += (is[i] - expected[i]) * (is[i] - expected[i]);
+        reference_ += expected[i] * expected[i];
     }
 }
 
@@ -30,14 +30,14 @@ double RelativeError::value() const noexcept {
     return std::isfinite(value) ? value : std::numeric_limits<double>::infinity();
 }
 
-double relative_error(std::span<const double> is, std::span<const double> should) noexcept {
+double relative_error(std::span<const double> is, std::span<const double> expected) noexcept {
     RelativeError error;
-    error.add(is, should);
+    error.add(is, expected);
     return error.value();
 }
 
-double relative_difference(double is, double should, double least) noexcept {
-    return std::abs(is - should) / std::max(std::abs(should), least);
+double relative_difference(double is, double expected, double least) noexcept {
+    return std::abs(is - expected) / std::max(std::abs(expected), least);
 }
 
 namespace {
@@ -62,8 +62,8 @@ constexpr Figure figure_rows[] = {
 
 std::span<const Figure> figures() noexcept { return figure_rows; }
 
-double TunedOutput::error(double is, double should) const noexcept {
-    const double error = relative_difference(is, should, least);
+double TunedOutput::error(double is, double expected) const noexcept {
+    const double error = relative_difference(is, expected, least);
     return std::isnan(error) ? std::numeric_limits<double>::infinity() : error;
 }
 

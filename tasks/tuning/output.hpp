@@ -12,12 +12,12 @@
 
 namespace cvtflow::tasks {
 
-/// The one definition of a relative error: ‖is - should‖/‖should‖, Euclidean, over all numbers that are added. Whatever the documents print
-/// of a method's error is made by it.
+/// The one definition of a relative error: ‖is - expected‖/‖expected‖, Euclidean, over all numbers that are added. Whatever the documents
+/// print of a method's error is made by it.
 class RelativeError {
 public:
-    /// Adds numbers of one instant or quantity, in any unit. @param is, should equally long
-    void add(std::span<const double> is, std::span<const double> should) noexcept;
+    /// Adds numbers of one instant or quantity, in any unit. @param is, expected equally long
+    void add(std::span<const double> is, std::span<const double> expected) noexcept;
     /// Adds the sums of another one.
     void add(const RelativeError& other) noexcept;
 
@@ -31,11 +31,11 @@ private:
 /// Errors of slip are relative to at least this value: creep below a ten-thousandth is treated as zero.
 inline constexpr double min_slip = 1e-4;
 
-/// |is - should| over |should|, or over `least` where that is less: the error of a single figure, such as a mean. is, should, least [the
-/// same unit]
-[[nodiscard]] double relative_difference(double is, double should, double least) noexcept;
+/// |is - expected| over |expected|, or over `least` where that is less: the error of a single figure, such as a mean. is, expected, least
+/// [the same unit]
+[[nodiscard]] double relative_difference(double is, double expected, double least) noexcept;
 
-[[nodiscard]] double relative_error(std::span<const double> is, std::span<const double> should) noexcept;
+[[nodiscard]] double relative_error(std::span<const double> is, std::span<const double> expected) noexcept;
 
 /// Values that figures are read from: means over the outputs of the part of a run that counts.
 struct FigureMeans {
@@ -50,7 +50,7 @@ struct Figure {
     double (*read)(const FigureMeans& means);
     bool needs_pulleys;
     bool usual;                                         ///< part of the default outputs
-    double least = std::numeric_limits<double>::min();  ///< an error is |is - should| over |should|, or over this where that is less
+    double least = std::numeric_limits<double>::min();  ///< an error is |is - expected| over |expected|, or over this where that is less
 };
 /// All there are.
 [[nodiscard]] std::span<const Figure> figures() noexcept;
@@ -62,7 +62,7 @@ struct TunedOutput {
     const Figure* figure = nullptr;                     ///< nullptr: the scalar
     Scalar scalar{};
 
-    [[nodiscard]] double error(double is, double should) const noexcept;  ///< relative [1]. is, should [unit of the output]
+    [[nodiscard]] double error(double is, double expected) const noexcept;  ///< relative [1]. is, expected [unit of the output]
 };
 
 /// Outputs by their names; none: the usual figures that the machine has.

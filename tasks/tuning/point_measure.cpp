@@ -294,11 +294,11 @@ PointRun PointMeasure::trial(const TuneChoice& choice, double duration) {
     return run;
 }
 
-std::vector<double> PointMeasure::errors(const PointRun& run, const PointRun& should) const {
+std::vector<double> PointMeasure::errors(const PointRun& run, const PointRun& expected) const {
     std::vector<double> errors;
     for (std::size_t i = 0; i < outputs_.size(); ++i) {
         const bool lost = !run.objection.empty() || run.values.size() != outputs_.size();
-        errors.push_back(lost ? std::numeric_limits<double>::infinity() : outputs_[i].error(run.values[i], should.values[i]));
+        errors.push_back(lost ? std::numeric_limits<double>::infinity() : outputs_[i].error(run.values[i], expected.values[i]));
     }
     return errors;
 }

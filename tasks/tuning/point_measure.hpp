@@ -124,7 +124,7 @@ public:
     [[nodiscard]] const std::string& reference_text() const noexcept { return reference_text_; }
 
     /// Relative error of every output; infinite where the run has none.
-    [[nodiscard]] std::vector<double> errors(const PointRun& run, const PointRun& should) const;
+    [[nodiscard]] std::vector<double> errors(const PointRun& run, const PointRun& expected) const;
     [[nodiscard]] const OperatingPoint& point() const noexcept { return point_; }
 
 private:

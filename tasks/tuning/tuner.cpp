@@ -252,16 +252,16 @@ std::string TuneResult::why_none() const {
 
 std::vector<double> Tuner::errors_at(const TuneChoice& choice, OperatingPoint point, double accuracy, std::string& why) {
     PointMeasure measure(std::move(point), finest_, outputs_, cancel_);
-    const PointRun* should = measure.reference(reference_share * accuracy);
+    const PointRun* reference = measure.reference(reference_share * accuracy);
     throw_if_cancelled();
-    if (should == nullptr) {
+    if (reference == nullptr) {
         why = measure.objection();
         return {};
     }
     const PointRun run = measure.run(choice);
     throw_if_cancelled();
     why = run.objection;
-    return measure.errors(run, *should);
+    return measure.errors(run, *reference);
 }
 
 engine::SavedState Tuner::settled_state(const TuneChoice& choice) {

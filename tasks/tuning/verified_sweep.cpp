@@ -89,15 +89,15 @@ namespace {
 std::vector<double> errors_of(const Sweep& sweep, long number, const engine::RowLayout& layout, std::span<const std::byte> row,
                               std::span<const TunedOutput> outputs, const engine::Cancellation& cancel, std::string& why) {
     PointMeasure measure(point_of_case(sweep, number), std::string(detail_presets().back().name), outputs, cancel);
-    const PointRun* should = measure.reference(reference_share * sweep.accuracy.target);
+    const PointRun* reference = measure.reference(reference_share * sweep.accuracy.target);
     if (cancel.requested()) throw SimulationError("interrupted");
-    if (should == nullptr) {
+    if (reference == nullptr) {
         why = fmt::format("case {}: {}", number, measure.objection());
         return {};
     }
     PointRun is;
     for (const Scalar& scalar : sweep.scalars) is.values.push_back(layout.real(row, layout.column(scalar.column)));
-    return measure.errors(is, *should);
+    return measure.errors(is, *reference);
 }
 
 using ErrorsByCase = std::map<long, std::vector<double>>;

@@ -73,7 +73,7 @@ protected:
 TEST_F(Allocations, AreNotMadeInACycleOfAHost) {
     for (const char* level : {"rigid", "medium", "fine", "full"}) expect_none(level, Simulation(at_level(level), Threads::caller()));
     expect_none("fine, rk4", Simulation(at_level("fine", "rk4"), Threads::caller()));
-    expect_none("fine, two threads", Simulation(at_level("fine"), Threads::own(2)), true);
+    expect_none("fine, two threads", Simulation(at_level("fine"), Threads::private_arena(2)), true);
 }
 
 TEST_F(Allocations, AreNotMadeForCallbacks) {

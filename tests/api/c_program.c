@@ -223,12 +223,12 @@ static void check_rigid_pins(const cvtflow_scene* scene) {
     cvtflow_options options = CVTFLOW_INIT(cvtflow_options);
     const double* values = NULL;
     size_t channel = 0, width = 0;
-    options.way = CVTFLOW_OWN;
+    options.way = CVTFLOW_PRIVATE_ARENA;
     options.threads = 2;
     CHECK(cvtflow_scene_with_detail(scene, "rigid", &level, NULL) == CVTFLOW_OK);
     CHECK(cvtflow_scene_with(level, settings, 2, &rigid, NULL) == CVTFLOW_OK);
     CHECK(cvtflow_create(rigid, &options, &simulation, NULL) == CVTFLOW_OK);
-    CHECK(strcmp(cvtflow_method(simulation), "leapfrog-sweep") == 0);
+    CHECK(strcmp(cvtflow_method(simulation), "leapfrog-rigid") == 0);
     CHECK(cvtflow_advance_to(simulation, -2.9e-4, NULL) == CVTFLOW_OK);
     check_states(simulation);
     CHECK(cvtflow_channel_find(simulation, "tight_tension", &channel, NULL) == CVTFLOW_OK);
@@ -295,7 +295,7 @@ int main(int argc, char** argv) {
     check_rigid_pins(scene);
     if (argc > 2) check_a_record(argv[2]);
     check_destruction(scene);
-    options.way = CVTFLOW_OWN;
+    options.way = CVTFLOW_PRIVATE_ARENA;
     options.threads = 2;
     CHECK(cvtflow_create(scene, &options, &simulation, NULL) == CVTFLOW_OK);
     cvtflow_scene_release(scene); /* the simulation keeps what it needs */

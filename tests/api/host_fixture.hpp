@@ -26,7 +26,7 @@ inline constexpr bool address_sanitizer = false;
 /// On the caller alone, and on threads of the simulation's own where they can be checked.
 inline std::vector<Threads> ways() {
     if (thread_sanitizer) return {Threads::caller()};
-    return {Threads::caller(), Threads::own(2)};
+    return {Threads::caller(), Threads::private_arena(2)};
 }
 
 /// 24 pins; settles for 0.3 ms only: cheap, and full of transitions.

@@ -53,7 +53,7 @@ std::uint64_t run_in(const Library& library) {
     cvtflow_simulation* simulation = nullptr;
     const std::array settings{"start.settling_time=0.2 ms", "start.ramp_time=0.2 ms", "run.step=100 ns"};
     cvtflow_options options = CVTFLOW_INIT(cvtflow_options);
-    options.way = CVTFLOW_OWN;
+    options.way = CVTFLOW_PRIVATE_ARENA;
     options.threads = 2;
     std::uint64_t hash = 0;
     if (FROM(library, cvtflow_scene_read)(scene_file.c_str(), &scene, &message) == CVTFLOW_OK &&

@@ -89,7 +89,7 @@ TEST(HostProcess, NoneIsStartedBeforeTheFirstStepAndNoneLeftAfterShutdown) {
     const long before = threads();
     const Scene scene = tiny();
     {
-        Simulation simulation(scene, Threads::own(2)), serial(scene);
+        Simulation simulation(scene, Threads::private_arena(2)), serial(scene);
         EXPECT_EQ(threads(), before);
         serial.advance_to(-2.9e-4);
         EXPECT_EQ(threads(), before);
@@ -106,7 +106,7 @@ TEST(HostProcess, StepsAfterShutdownStartNewThreads) {
     const std::uint64_t expected = serial_hash(scene, -2.9e-4);
     for (int round = 0; round < 5; ++round) {
         {
-            Simulation simulation(scene, Threads::own(3));
+            Simulation simulation(scene, Threads::private_arena(3));
             simulation.advance_to(-2.9e-4);
             EXPECT_EQ(simulation.hash(), expected);
         }
@@ -118,7 +118,7 @@ TEST(HostProcess, StepsAfterShutdownStartNewThreads) {
 TEST(HostProcess, ShutdownReportsWhenOthersKeepTheWorkers) {
     if (!alone()) return;
     oneapi::tbb::task_scheduler_handle hosts{oneapi::tbb::attach{}};  // a host that uses oneTBB and is not done with it
-    Simulation simulation(tiny(), Threads::own(2));
+    Simulation simulation(tiny(), Threads::private_arena(2));
     simulation.advance_to(-2.9e-4);
     EXPECT_FALSE(shutdown());
     EXPECT_TRUE(oneapi::tbb::finalize(hosts, std::nothrow));
@@ -127,7 +127,7 @@ TEST(HostProcess, ShutdownReportsWhenOthersKeepTheWorkers) {
 TEST(HostProcess, AForkBeforeTheFirstStepIsHarmless) {
     const Scene scene = tiny();
     EXPECT_EQ(in_child([&] {
-                  Simulation simulation(scene, Threads::own(2));
+                  Simulation simulation(scene, Threads::private_arena(2));
                   const std::uint64_t expected = serial_hash(scene, -2.9e-4);
                   return in_child([&] {
                       simulation.advance_to(-2.9e-4);
@@ -140,7 +140,7 @@ TEST(HostProcess, AForkBeforeTheFirstStepIsHarmless) {
 TEST(HostProcess, AForkAfterThreadedStepsIsAClearErrorAndTheCallerAloneCanContinue) {
     const Scene scene = tiny();
     EXPECT_EQ(in_child([&] {
-                  Simulation simulation(scene, Threads::own(2));
+                  Simulation simulation(scene, Threads::private_arena(2));
                   simulation.advance_to(-2.9e-4);
                   return in_child([&] {
                       const ErrorCode code = code_of([&] { simulation.advance_to(-2.8e-4); });

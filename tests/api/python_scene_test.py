@@ -200,7 +200,7 @@ class Faces(unittest.TestCase):
             (simulation.channels.info["shaft_1/torque"], ["cvtflow.Column", "name='shaft_1/torque'", "unit='N*m'", "width=1"]),
             (tiny(), ["cvtflow.Scene tiny", "24 pins", "until 0.001 s"]),
             (simulation, ["cvtflow.Simulation of tiny at -0.000299 s", "unknowns"]),
-            (cvtflow.Threads.own(2), ["cvtflow.Threads", "count=2"]),
+            (cvtflow.Threads.private_arena(2), ["cvtflow.Threads", "count=2"]),
             (cvtflow.Scene.keys()["run.until"], ["cvtflow.KeyInfo run.until", "default 0.005 s, 1e-09 to 10000 s; The run"]),
             (cvtflow.Scene.keys()["drive.mode"], ["default speed, one of speed, torque, coupling; Shaft 1"]),
             (simulation.state(), [f"cvtflow.State: {len(simulation.state().bytes())} bytes"]),

@@ -89,7 +89,7 @@ class Results(unittest.TestCase):
 
     def test_bits_do_not_depend_on_calls_threads_or_pickling(self):
         whole = hash_at(-2.5e-4)
-        parts = cvtflow.Simulation(tiny(), cvtflow.Threads.own(2))
+        parts = cvtflow.Simulation(tiny(), cvtflow.Threads.private_arena(2))
         for number in range(1, 51):
             parts.advance_to(-3e-4 + number * 1e-6)
         self.assertEqual(parts.hash(), whole)

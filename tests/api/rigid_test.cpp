@@ -7,7 +7,7 @@ namespace {
 
 TEST(HostRigidPins, GiveTheSameBitsForEveryWayOfRunningAndContinued) {
     const Scene scene = tiny({"detail.pins=rigid", "detail.order=2", "run.method=leapfrog-rigid", "run.step=1 us"});
-    Simulation whole(scene), pieces(scene, Threads::own(2)), restored(scene);
+    Simulation whole(scene), pieces(scene, Threads::private_arena(2)), restored(scene);
     whole.advance_to(2e-5);
     for (int k = -30; k <= 2; ++k) pieces.advance_to(1e-5 * k);
     EXPECT_EQ(pieces.hash(), whole.hash());

@@ -35,7 +35,7 @@ TEST(HostSimulation, GivesTheSameBitsForEveryWayOfRunning) {
     Simulation serial(scene);
     serial.advance_to(1e-5);
     for (const int segments : {0, 3, 24}) {
-        for (const Threads threads : {Threads::caller(), Threads::own(2), Threads::own(3), Threads::present(2)}) {
+        for (const Threads threads : {Threads::caller(), Threads::private_arena(2), Threads::private_arena(3), Threads::current_arena(2)}) {
             Simulation other(scene, threads, segments);
             other.advance_to(-1e-4);
             other.advance_to(1e-5);
@@ -57,7 +57,7 @@ TEST(HostSimulation, ContinuesBitwiseFromAStateThatWasPutBack) {
         EXPECT_EQ(simulation.state(), saved);
         simulation.advance_to(1e-5);
         EXPECT_EQ(simulation.hash(), expected) << saved_at;
-        Simulation other(scene, Threads::own(2));  // and in another simulation, run another way
+        Simulation other(scene, Threads::private_arena(2));  // and in another simulation, run another way
         other.set_state(State::from_bytes(saved.bytes()));
         other.advance_to(1e-5);
         EXPECT_EQ(other.hash(), expected) << saved_at;
@@ -192,7 +192,7 @@ TEST(HostSimulation, CallsBackAfterTheStepsThatReachAnInterval) {
 
 TEST(HostSimulation, CallbacksMayDoEverythingButStepTheirOwnSimulation) {
     const Scene scene = tiny();
-    Simulation simulation(scene, Threads::own(2)), other(scene);
+    Simulation simulation(scene, Threads::private_arena(2)), other(scene);
     int calls = 0;
     simulation.on_output(1e-4, [&](Simulation& self) {
         ++calls;
@@ -249,7 +249,7 @@ TEST(HostSimulation, MayEndWithTheCallbackThatHoldsIt) {
 }
 
 TEST(HostSimulation, ExceptionsOfCallbacksReachTheCaller) {
-    Simulation simulation(tiny(), Threads::own(2));
+    Simulation simulation(tiny(), Threads::private_arena(2));
     simulation.on_output(1e-4, [](Simulation&) { throw std::string("from the host"); });
     EXPECT_THROW(simulation.advance_to(0.0), std::string);
     EXPECT_NEAR(simulation.time(), -2e-4, 1e-9);
@@ -263,7 +263,7 @@ TEST(HostSimulation, ExceptionsOfCallbacksReachTheCaller) {
 TEST(HostSimulation, LeavesTheFloatingPointEnvironmentAsItFoundIt) {
     Simulation plain(tiny());
     plain.advance_to(-1e-4);
-    Simulation simulation(tiny(), Threads::own(2));
+    Simulation simulation(tiny(), Threads::private_arena(2));
     std::fesetround(FE_UPWARD);
     feenableexcept(FE_DIVBYZERO | FE_INVALID | FE_OVERFLOW);
     const unsigned denormals = __builtin_ia32_stmxcsr() | 0x8040;  // flushed to zero, as hosts of audio and games set it
@@ -300,8 +300,8 @@ TEST(HostSimulation, ReportsWhatIsWrongWithScenesAndArguments) {
     EXPECT_EQ(error_of([] { static_cast<void>(Scene::ready("baselin")); }), "no scene 'baselin' (did you mean 'baseline'?)");
     EXPECT_EQ(tiny().value("chain.pins"), "24");
     EXPECT_EQ(code_of([] { static_cast<void>(tiny().value("chain.pin")); }), ErrorCode::argument);
-    EXPECT_EQ(error_of([] { Simulation(tiny(), Threads::own(-1)); }), "threads: -1 is outside [0, 1024]");
-    EXPECT_EQ(error_of([] { Simulation(tiny(), Threads::present(0)); }), "threads: 0 is outside [1, 1024]");
+    EXPECT_EQ(error_of([] { Simulation(tiny(), Threads::private_arena(-1)); }), "threads: -1 is outside [0, 1024]");
+    EXPECT_EQ(error_of([] { Simulation(tiny(), Threads::current_arena(0)); }), "threads: 0 is outside [1, 1024]");
     EXPECT_EQ(error_of([] { Simulation(tiny(), Threads::caller(), 25); }), "segments: 25 is outside [0, 24], the links of this chain");
     Simulation simulation(tiny());
     EXPECT_EQ(code_of([&] { simulation.advance_to(std::nan("")); }), ErrorCode::argument);
@@ -323,7 +323,7 @@ void come_and_go(int count) {
     std::size_t in_use = 0;
     long workers = 0;
     for (int k = 0; k < count; ++k) {
-        Simulation simulation(scene, k % 2 == 0 ? Threads::caller() : Threads::own(2));
+        Simulation simulation(scene, k % 2 == 0 ? Threads::caller() : Threads::private_arena(2));
         if (k % 4 < 2) simulation.step();
         if (k == count / 5) in_use = mallinfo2().uordblks;
         if (k == count / 5) workers = threads();

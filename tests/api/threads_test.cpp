@@ -47,7 +47,7 @@ TEST(HostThreads, EightThreadsWithFourSimulationsEachGetTheSerialHash) {
 
 TEST(HostThreads, ASimulationMayWanderFromThreadToThread) {
     const Scene scene = tiny();
-    Simulation simulation(scene, Threads::own(2));
+    Simulation simulation(scene, Threads::private_arena(2));
     for (int k = 1; k <= 5; ++k) std::jthread([&] { simulation.advance_to(-3e-4 + 1e-5 * k); });
     EXPECT_EQ(simulation.hash(), hash_of_serial_run(scene, -2.5e-4));
 }
@@ -102,7 +102,7 @@ TEST(HostThreads, AWishBeforeTheCallCountsForTheNextOne) {
 TEST(HostThreads, AHostArenaUnderLoadDoesNotMix) {
     const Scene scene = tiny();
     const std::uint64_t expected = hash_of_serial_run(scene, -2.8e-4);
-    for (const Threads threads : {Threads::present(2), Threads::own(2)}) {
+    for (const Threads threads : {Threads::current_arena(2), Threads::private_arena(2)}) {
         oneapi::tbb::task_arena arena(2);
         std::atomic<bool> stop = false;
         std::atomic<int> moonlighting = 0;
@@ -142,7 +142,7 @@ TEST(HostThreads, OneSimulationPerTaskOfAHostsParallelLoop) {
     const std::uint64_t expected = hash_of_serial_run(scene, -2.9e-4);
     std::atomic<int> right = 0;
     oneapi::tbb::parallel_for(0, 12, [&](int k) {
-        const Threads ways[] = {Threads::caller(), Threads::own(2), Threads::present(2)};
+        const Threads ways[] = {Threads::caller(), Threads::private_arena(2), Threads::current_arena(2)};
         Simulation simulation(scene, ways[k % 3]);
         simulation.advance_to(-2.9e-4);
         right += simulation.hash() == expected ? 1 : 0;
@@ -156,7 +156,7 @@ TEST(HostThreads, AHostThatUsesOpenMp) {
     int right = 0;
 #pragma omp parallel for num_threads(4) reduction(+ : right)
     for (int k = 0; k < 8; ++k) {
-        Simulation simulation(scene, k % 2 == 0 ? Threads::caller() : Threads::own(2));
+        Simulation simulation(scene, k % 2 == 0 ? Threads::caller() : Threads::private_arena(2));
         simulation.advance_to(-2.9e-4);
         right += simulation.hash() == expected ? 1 : 0;
     }

@@ -21,7 +21,7 @@ struct Promise {
 
 /// Promise for pin halves (README).
 const Promise halves{{"run.method=leapfrog-chebyshev-double", "run.step=714.2857 ns"}, 2e-3, 5e-5, 1e-3};
-/// Of rigid pins, against half of their step of first order: 5 us add up to 2.2 % to slip, half of that is left between the two.
+/// Promise for rigid pins, against half of their step of first order: 5 us add up to 2.2 % to slip, half of that is left between the two.
 const Promise rigid{{"run.method=leapfrog-rigid", "run.step=2.5 us"}, 1.1e-2, 2e-4, 1e-3};
 
 RunReport run_with(const std::string& scene, std::vector<std::string> settings, const std::vector<std::string>& more) {

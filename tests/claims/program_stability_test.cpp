@@ -44,7 +44,8 @@ TEST(ProgramStability, ReachIsWhatTheCatalogueDeclares) {
 
 /// h ω of a leapfrog: 2.
 TEST(ProgramStability, OscillationIsLimitedAsByTheExplicitPart) {
-    EXPECT_EQ(programs_for(TestEquation::oscillator).size(), 6U) << "with stages by RKC and Chebyshev, with sweeps, and each in double";
+    EXPECT_EQ(programs_for(TestEquation::oscillator).size(), 7U)
+        << "with stages by RKC and Chebyshev, with sweeps, each also in double; rigid pins";
     for (const MethodProgram& program : programs_for(TestEquation::oscillator))
         EXPECT_NEAR(bench::reach(bench::analysis_of(program).stability(), 0.0, 0.0, 1.0, 0.0), 2.0, 0.04) << program.name;
 }
@@ -54,7 +55,7 @@ TEST(ProgramStability, OscillationIsLimitedAsByTheExplicitPart) {
 /// with R near 0: 2. Backward Euler (sweeps) holds G: 2 (2 + y).
 TEST(ProgramStability, FrictionLowersTheLimitOfSome) {
     const std::vector<std::pair<std::string, double>> known{
-        {"leapfrog-rkc", std::sqrt(3.0)}, {"leapfrog-chebyshev", std::sqrt(2.0)}, {"leapfrog-sweep", 2.0}};
+        {"leapfrog-rkc", std::sqrt(3.0)}, {"leapfrog-chebyshev", std::sqrt(2.0)}, {"leapfrog-sweep", 2.0}, {"leapfrog-rigid", 2.0}};
     for (const auto& [name, oscillation] : known)
         EXPECT_NEAR(bench::limit_with_any_friction(stability(name)).oscillation, oscillation, 0.01 * oscillation) << name;
 }

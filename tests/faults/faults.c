@@ -32,7 +32,7 @@ static int family = -1, lasting, counting;
 static long nth;
 
 /* Before anything else of the program; allocates nothing. */
-__attribute__((constructor)) static void read_wish(void) {
+__attribute__((constructor)) static void read_setting(void) {
     const char* setting = getenv("CVTFLOW_FAULT");
     const char* colon = setting != NULL ? strchr(setting, ':') : NULL;
     for (int k = 0; colon != NULL && k < FAMILIES; ++k) {

@@ -131,7 +131,7 @@ std::vector<DetailCase> imperfect_cases() {
     return cases;
 }
 
-/// Rigid pins: all of their details on chains of 84 pins, of two pitches, and of few.
+/// All details of rigid pins, for 84 pins with one and with two pitches, and for few pins.
 std::vector<DetailCase> rigid_pin_cases() {
     std::vector<DetailCase> cases;
     const auto add = [&](const std::string& name, const model::Parameters& base) {
@@ -157,7 +157,7 @@ std::vector<DetailCase> rigid_pin_cases() {
     return cases;
 }
 
-/// Rigid pins of which something is uncommon: a ring of few, one plate per link, halves that yield more than their tips, large clearances.
+/// Uncommon rigid pins: a ring of five, one plate per link, halves that yield more or less than their tips, heavy damping, an overdrive.
 std::vector<DetailCase> rare_rigid_pin_cases() {
     const model::Parameters base = oracle::with_rigid_pins({});
     std::vector<DetailCase> cases{{"ring_of_5", base},    {"one_plate", base},     {"soft_halves", base},

@@ -95,7 +95,7 @@ struct Layer {
         return guess;
     }
 
-    /// Lays all links, returns by how much the chain is longer than the path.
+    /// Lays all links. @return excess of the length of the chain over that of the path
     Real march(const BeltPath& path) {
         along.assign(1, 0.0L);
         for (int link = 0; link < links(); ++link) along.push_back(next_pin(path, link, along.back()));

@@ -32,7 +32,7 @@ private:
     Real entry_[2] = {};  ///< polar angles at which the arcs begin
 };
 
-/// What the chain shall have when laid out.
+/// Targets of the chain that is laid out.
 struct ChainTargets {
     std::vector<Real> depth;    ///< of joint i [m]
     std::vector<Real> lean;     ///< turn of joint i's contact normal from the bisector [rad]

@@ -71,7 +71,7 @@ Matrix rigid_inertia(const System& system) {
     return matrix;
 }
 
-/// What is left of a matrix when the translations of halves are eliminated is the inertia of motion relative to them: it counts
+/// The rest of a matrix after elimination of the translations of halves is the inertia of motion relative to them: it counts
 /// `mass_scaling` times.
 Matrix link_inertia(const System& system) {
     const auto& layout = system.layout;

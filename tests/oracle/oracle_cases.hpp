@@ -21,7 +21,7 @@ model::Parameters small_scene();
 std::vector<Case> all_details(const model::Parameters& base);
 /// All combinations of order, plates and pulleys, with mass scaling.
 std::vector<Case> slowed_pins(const model::Parameters& base);
-/// The same machine with rigid pins.
+/// The machine of these parameters with rigid pins.
 model::Parameters with_rigid_pins(model::Parameters parameters);
 /// Rigid pins: all combinations of pulleys, friction laws and mass scaling; a law of tips for each of the piecewise ones.
 std::vector<Case> rigid_details(const model::Parameters& base);

@@ -55,7 +55,7 @@ FarEnds far_ends(const model::Parameters& parameters, std::span<const double> st
 Result right_hand_side(const model::Parameters& parameters, double t, std::span<const double> state, std::span<const model::Phase> phases,
                        const FarEnds* far = nullptr);
 
-/// The same with the oracle's full precision, for numerical derivatives. Skips the inertia solve (slope left empty) on request.
+/// Right-hand side with the oracle's full precision, for numerical derivatives. Skips the inertia solve (slope left empty) on request.
 ResultOf<Real> exact_right_hand_side(const model::Parameters& parameters, double t, std::span<const Real> state,
                                      std::span<const model::Phase> phases, bool with_slope = true, const FarEnds* far = nullptr);
 

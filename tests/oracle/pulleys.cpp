@@ -121,7 +121,7 @@ std::array<Real, 2> governor(const System& system, int shaft, Real frequency) {
     return {inertia * omega * omega, 2.0L * inertia * omega};
 }
 
-/// What holds shaft 2 once couplings have taken over: stiffness and damping.
+/// Stiffness and damping that hold shaft 2 once couplings have taken over.
 std::array<Real, 2> load_holder(const System& system) {
     const auto& load = system.parameters.load;
     if (load.mode == model::LoadMode::coupling) return {load.coupling.stiffness, load.coupling.damping};
@@ -167,7 +167,7 @@ struct Controller {
     [[nodiscard]] int shaft() const { return holds() == Holds::ratio ? 0 : 1; }
     [[nodiscard]] Real authority() const { return second() ? of().driven_authority : of().authority; }
     [[nodiscard]] Real integral_part() const { return (second() ? of().driven_integral : of().integral) * system.control_integral[number]; }
-    /// What S_2 lacks of the force that carries the required multiple of the load, of the larger of both.
+    /// Difference between the force that carries the required multiple of the load and S_2, over the larger of both.
     [[nodiscard]] Real safety_error() const {
         const auto& p = system.parameters;
         const Real carried_per_force = 2.0L * p.tip.friction.coefficient * radius_by_position(system, 1) / std::cos(Real{p.tip.angle});

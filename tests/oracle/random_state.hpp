@@ -18,7 +18,7 @@ struct RandomState {
 /// depths of a few µm, stretched plates, some joints beyond their clearance, tips in the arcs 5–15 µm deep in the sheaves (with one pitch;
 /// with mixed pitches the deepest is so), all coordinates disturbed by µm and all velocities by some cm/s. Phases touch where tips are
 /// deep, with about one in ten flipped. Rigid pins have no joint depths, some links that push, tilts of some 10 µm and phases as deep as
-/// their tips are. The same seed gives the same state on every machine.
+/// their tips are. A seed gives the same state on every machine.
 RandomState random_state(const model::Parameters& parameters, std::uint64_t seed);
 
 }  // namespace cvtflow::oracle

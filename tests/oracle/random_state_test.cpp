@@ -1,5 +1,5 @@
 #include "tests/oracle/oracle_cases.hpp"
-#include "tests/oracle/rigid_forces.hpp"
+#include "tests/oracle/rigid_pins.hpp"
 
 #include <gtest/gtest.h>
 

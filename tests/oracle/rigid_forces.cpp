@@ -93,7 +93,7 @@ struct Element {
 
 Real in_series(Real a, Real b) { return 1.0L / (1.0L / a + 1.0L / b); }
 
-/// Of the deflections in their order.
+/// Elements of the deflections, in their order.
 std::array<Element, 5> link_elements(const PinLink& link) {
     const auto& p = link.chain.system.parameters;
     const PinNumbers& n = link.chain.numbers;

@@ -21,7 +21,7 @@ PitchLine pitch_line(const RigidPin& from, const RigidPin& to) {
     return line;
 }
 
-/// Of the halves between two pitch lines.
+/// Rolling of the halves between two pitch lines.
 Rolling rolling_between(const model::Parameters& parameters, const PitchLine& before, const PitchLine& after) {
     const Real arm = Real{parameters.joint.radius} - parameters.half.width / 2.0L;
     const Vec2 both = before.t + after.t, both_rate = before.turning * before.n + after.turning * after.n;

@@ -92,7 +92,7 @@ struct System {
     [[nodiscard]] int controllers() const { return layout.controls % model::hydraulic_unknowns; }
 };
 
-/// What all force laws add to.
+/// Sums of all force laws.
 struct Totals {
     std::vector<LinkForce> link;
     std::vector<RigidPinForce> pin;

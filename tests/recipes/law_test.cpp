@@ -38,7 +38,7 @@ struct RationalLaw {
     }
 };
 
-/// What FrictionCurve's constructor makes of a law in the program's list.
+/// Curve that FrictionCurve's constructor makes for a law in the program's list.
 FrictionCurve rational(double v0) {
     FrictionCurve curve({0.09, v0}, {});
     curve.proportional_speed = 1e-30 * v0;

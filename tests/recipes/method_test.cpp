@@ -11,7 +11,7 @@
 namespace cvtflow::recipes {
 namespace {
 
-/// What a file of engine/method/table holds: one function. Ralston's method, with the smallest error bound of all of order 2 and two
+/// A file of engine/method contains one function like this. Ralston's method, with the smallest error bound of all of order 2 and two
 /// stages.
 engine::StagePlan ralston() {
     return engine::butcher_plan("ralston", "order 2 with the smallest error bound", "Ralston, Math. Comp. 16 (1962) 431-437", {{2.0 / 3.0}},

@@ -11,7 +11,7 @@
 namespace cvtflow::recipes {
 namespace {
 
-/// The member stands for a new one of the parameters.
+/// The member represents a new one of the parameters.
 const tasks::Parameter toy_length{
     "half.toy_length", "m", 1e-3, 0.1, {}, "Length of nothing, for a recipe.", "recipe", [](tasks::Scene& s) -> tasks::Slot {
         return &s.parameters.half.length;

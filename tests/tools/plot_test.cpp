@@ -207,7 +207,7 @@ TEST_F(PlotCommand, PanelsBelowOneAnotherHaveTheirTimeAtTheSamePlace) {
     EXPECT_EQ(places.size(), 1U);
 }
 
-TEST_F(PlotCommand, TwoLossesNeverLookTheSame) {
+TEST_F(PlotCommand, TwoLossesNeverHaveTheSameStyle) {
     ASSERT_EQ(run({"plot", "run.h5", "--losses", "-o", "p.svg"}).status, 0);
     const std::string text = read("p.svg");
     static const std::regex entry("<g transform=[^>]*><path d=\"M-12 0h24\" ([^/]*)/>");

@@ -61,9 +61,9 @@ typedef struct cvtflow_message {
 
 /* Who does the work; see threads.hpp. */
 typedef enum cvtflow_way {
-    CVTFLOW_CALLER = 0,  /* the calling thread alone */
-    CVTFLOW_PRESENT = 1, /* the oneTBB arena in which the call is made */
-    CVTFLOW_OWN = 2      /* an arena of its own */
+    CVTFLOW_CALLER = 0,        /* the calling thread alone */
+    CVTFLOW_CURRENT_ARENA = 1, /* the oneTBB arena in which the call is made */
+    CVTFLOW_PRIVATE_ARENA = 2  /* an arena of the simulation */
 } cvtflow_way;
 
 typedef struct cvtflow_options {

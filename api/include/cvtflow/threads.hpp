@@ -6,22 +6,21 @@ inline namespace v0 {
 
 /// Three ways to run. No way starts a thread before the first step.
 ///
-///   caller()        Everything on the thread that calls advance_to(). Nothing to share, nothing to wait for: for hosts that have many
-///                   simulations and threads of their own.
-///   present(slots)  On the oneTBB arena in which advance_to() is called (the host writes arena.execute([&] { simulation.advance_to(t);
-///   })),
-///                   on `slots` of its threads, the caller included. The caller runs no task of the host meanwhile (isolated). Threads of
-///                   this arena that wait for other work may take part and stay until advance_to() is over: give an arena that is there
-///                   for it, or use own().
-///   own(threads)    On an arena of the simulation's own with `threads` threads, the caller included; 0: as many as the process may use.
-///                   The host's tasks never run inside, ours never outside.
+///   caller()                Everything on the thread that calls advance_to(). Nothing to share, nothing to wait for: for hosts that have
+///                           many simulations and threads of their own.
+///   current_arena(slots)    On the oneTBB arena in which advance_to() is called (the host writes
+///                           arena.execute([&] { simulation.advance_to(t); })), on `slots` of its threads, the caller included. The caller
+///                           runs no task of the host meanwhile (isolated). Threads of this arena that wait for other work may take part
+///                           and stay until advance_to() is over: give an arena that is there for it, or use private_arena().
+///   private_arena(threads)  On an arena of the simulation with `threads` threads, the caller included; 0: as many as the process may use.
+///                           The host's tasks never run inside, ours never outside.
 class Threads {
 public:
-    enum class Way { caller, present, own };
+    enum class Way { caller, current_arena, private_arena };
 
     [[nodiscard]] static constexpr Threads caller() noexcept { return {Way::caller, 1}; }
-    [[nodiscard]] static constexpr Threads present(int slots) noexcept { return {Way::present, slots}; }
-    [[nodiscard]] static constexpr Threads own(int threads = 0) noexcept { return {Way::own, threads}; }
+    [[nodiscard]] static constexpr Threads current_arena(int slots) noexcept { return {Way::current_arena, slots}; }
+    [[nodiscard]] static constexpr Threads private_arena(int threads = 0) noexcept { return {Way::private_arena, threads}; }
 
     [[nodiscard]] constexpr Way way() const noexcept { return way_; }
     [[nodiscard]] constexpr int count() const noexcept { return count_; }

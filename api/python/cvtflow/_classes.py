@@ -66,7 +66,7 @@ def _fields(self):
 
 
 def _threads(way, count):
-    return (lambda _: Threads.caller(), Threads.present, Threads.own)[way](count)
+    return (lambda _: Threads.caller(), Threads.current_arena, Threads.private_arena)[way](count)
 
 
 def _restore(text, state, way, count, segments):

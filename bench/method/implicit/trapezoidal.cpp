@@ -103,7 +103,7 @@ CycleSequence TrapezoidalMethod::step() {
     }
 }
 
-/// Of a step that is taken again, shorter, or that begins where the last one has ended. Counts the step.
+/// Whether the slope at the start is known: the step is taken again, shorter, or begins where the last one has ended. Counts the step.
 bool TrapezoidalMethod::knows_start_slope() noexcept {
     ++statistics_.steps;
     iterations_ = 0;
@@ -144,7 +144,7 @@ double TrapezoidalMethod::residual_norm() noexcept {
 bool TrapezoidalMethod::falls(double norm) const noexcept { return norm <= (1.0 - 1e-4 * lambda_) * norm_ || norm <= options_.tolerance; }
 
 /// The residual of the trial does not fall. @return whether a shorter part of the step is to be tried, or (first_) a new Jacobian at the
-/// iterate, if the one at hand is not of it
+/// iterate, if the present one is not of it
 bool TrapezoidalMethod::shorten() noexcept {
     ++statistics_.backtracks;
     if (lambda_ > (since_jacobian_ == 0 ? shortest : shortest_with_old)) return true;

@@ -37,7 +37,7 @@ public:
 
 private:
     static constexpr int trial_slope = 1, start_slope = 2;  ///< slots of slopes
-    /// What is done to the matrix before an iteration.
+    /// Change of the matrix before an iteration.
     enum class Matrix { stays, new_jacobian, update, factorise };
 
     [[nodiscard]] double theta() const noexcept { return 0.5 * w_.step.h; }

@@ -22,9 +22,9 @@ struct ExtremalEigenvalues {
     int dimension = 0;      ///< of the Krylov space in the end; as large as the matrix: nothing was saved
 };
 
-/// Eigenvalues at the edge of the spectrum, by Arnoldi's method with twofold orthogonalisation: the space grows until all that were asked
-/// for have settled. Uses that most entries are zero. The same result every time: the start vector is fixed.
-/// Source: Saad, Numerical Methods for Large Eigenvalue Problems, 6.2; the last component of Ritz vectors by Hyman's recurrence.
+/// Eigenvalues at the edge of the spectrum, by Arnoldi's method with twofold orthogonalisation: the space grows until all requested ones
+/// have settled. Uses that most entries are zero. Deterministic: the start vector is fixed. Source: Saad, Numerical Methods for Large
+/// Eigenvalue Problems, 6.2; the last component of Ritz vectors by Hyman's recurrence.
 [[nodiscard]] ExtremalEigenvalues extremal_eigenvalues(std::vector<double> matrix, int size, const ExtremalOptions& options);
 
 }  // namespace cvtflow::bench

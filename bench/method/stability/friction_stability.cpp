@@ -128,4 +128,24 @@ ProgramStability backward_euler_leapfrog_stability() {
     return stability;
 }
 
+namespace {
+
+/// Largest modulus of the eigenvalues of a step with this trace and determinant.
+[[nodiscard]] double spectral_radius(double trace, double determinant) {
+    const double discriminant = 0.25 * trace * trace - determinant;
+    return discriminant < 0.0 ? std::sqrt(determinant) : 0.5 * std::abs(trace) + std::sqrt(discriminant);
+}
+
+}  // namespace
+
+/// q ← q + v, v ← (v - ω² q)/(1 + c). Dampers take the velocity before the step: -1 is an eigenvalue at h δ = 2.
+ProgramStability rigid_leapfrog_stability() {
+    const auto radius = [](double x, double y) { return spectral_radius(1.0 + (1.0 - x * x) / (1.0 + y), 1.0 / (1.0 + y)); };
+    constexpr double longest_damping = 2.0;
+    ProgramStability stability{TestEquation::oscillator, radius, [](double decay) { return stage_figures(backward_euler_kick, decay); },
+                               std::numeric_limits<double>::infinity(), longest_damping};
+    stability.beside = [](double) { return FrictionLimit{2.0, 0.0}; };  // h²ω² = 4 + 2 h c
+    return stability;
+}
+
 }  // namespace cvtflow::bench

@@ -14,5 +14,7 @@ inline constexpr double rkc_kick_damping = 10.0;  ///< [1]
 [[nodiscard]] ProgramStability leapfrog_stability(const Kick& kick);
 /// Stability with converged sweeps over contacts: friction by backward Euler on velocities.
 [[nodiscard]] ProgramStability backward_euler_leapfrog_stability();
+/// Of rigid pins: one implicit kick, all of it at the coordinates.
+[[nodiscard]] ProgramStability rigid_leapfrog_stability();
 
 }  // namespace cvtflow::bench

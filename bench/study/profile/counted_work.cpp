@@ -20,7 +20,7 @@ namespace {
 
 constexpr long steps = 256;  // of the recording: some cycles do not run in every step
 
-/// Tasks of a step with so many segments.
+/// Tasks of a step with a number of segments.
 struct CountedStep {
     std::vector<double> all;       ///< by number of threads - 1: time of all tasks [instructions per step]
     std::vector<double> parallel;  ///< of parallel ones

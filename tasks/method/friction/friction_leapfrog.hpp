@@ -6,9 +6,10 @@
 ///     v ← friction and G over h, by a table of stages
 ///     q ← q + h/2 v
 ///
-/// Friction is stiff, so velocities follow whatever it is tied to, and what is held constant over the step makes them late by half a step.
-/// Two things are therefore let go on within it: the sheaves' surface under a tip turns with the tip (a tenth of the saturation speed in 1
-/// µs), and G(t) = G + (t/h - 1/2) ΔG, with ΔG its change since the step before, which leaves the impulse of G and so the leapfrog alone.
+/// Friction is stiff, so velocities follow the surfaces that it acts on, and a quantity that is constant over the step delays them by half
+/// a step. Two quantities therefore change within it: the sheaves' surface under a tip turns with the tip (a tenth of the saturation speed
+/// in 1 µs), and G(t) = G + (t/h - 1/2) ΔG, with ΔG its change since the step before, which leaves the impulse of G and so the leapfrog
+/// alone.
 
 #include <array>
 #include <span>
@@ -22,8 +23,8 @@
 namespace cvtflow::tasks {
 
 /// The friction of a step: velocities of all links under friction and constant accelerations, everything else frozen, as a small system of
-/// ordinary differential equations that a table of stages integrates inside the step, by segments. What the stages add to a link's
-/// velocities in single precision is rounded to 6e-8 of itself.
+/// ordinary differential equations that a table of stages integrates inside the step, by segments. Increments of a link's velocities in
+/// single precision are rounded to 6e-8 of themselves.
 template <class Number>
 class FrictionSystem : public KickSystem<Number> {
 public:
@@ -45,7 +46,7 @@ public:
 
     /// Memory between steps: forces of the last step, and the vectors of power iterations.
     void save(std::vector<double>& memory) const;
-    void load(std::span<const double> memory);  ///< memory [what save() wrote]
+    void load(std::span<const double> memory);  ///< @param memory from save()
 
 private:
     using Base = KickSystem<Number>;
@@ -74,7 +75,7 @@ public:
     void restart() noexcept override;
     void phases_changed() noexcept override {}  // history stays good: nothing jumps
     void save(std::vector<double>& memory) const override;
-    void load(std::span<const double> memory) override;  ///< memory [what save() wrote]
+    void load(std::span<const double> memory) override;  ///< @param memory from save()
 
     [[nodiscard]] std::optional<std::size_t> bytes() const noexcept override { return system_.bytes(); }
 
@@ -96,9 +97,9 @@ private:
     LeapfrogFrame frame_;
     FrictionSystem<Number> system_;
     const KickTables tables_;
-    const KickTable* table_ = nullptr;                 ///< of the step at hand
+    const KickTable* table_ = nullptr;                 ///< of the present step
     int stage_ = 0;                                    ///< the first that is in no cycle yet
-    std::array<Stage, RoundCycles::most> together_{};  ///< of the cycle at hand
+    std::array<Stage, RoundCycles::most> together_{};  ///< of the present cycle
     long steps_ = 0;
     double radius_ = 0.0;  ///< spectral radius of friction [1/s]
 };

@@ -15,8 +15,8 @@ constexpr const char* ours = "this project (tasks/method/friction)";
     return parameters.detail.pins != model::PinDetail::rigid ? "" : "detail.pins = \"halves\"";
 }
 
-/// Of a leapfrog without friction: h ω < 2; damping acts at the velocity v + (v - v before)/2 in the middle, as by Adams and Bashforth, and
-/// -1 is an eigenvalue at h δ = 1.
+/// Reach of a leapfrog without friction: h ω < 2; damping acts at the velocity v + (v - v before)/2 in the middle, as by Adams and
+/// Bashforth, and -1 is an eigenvalue at h δ = 1.
 constexpr double frictionless_reach = 2.0000000000002398, damping_reach = 1.0;
 
 /// Over 20 ms on every ready scene slip is right to 0.2 % and the energy balance to 1e-3 of the losses (decision 96); stability allows

@@ -33,7 +33,7 @@ typename KickSystem<Number>::Fields KickSystem<Number>::make_fields(int width) c
     return fields;
 }
 
-/// Fields and edges for all segments. Those of whole lines serve when borders move a little.
+/// Fields and edges for all segments. Widths are whole lines, so that fields stay large enough when borders move a little.
 template <class Number>
 void KickSystem<Number>::make_room() {
     constexpr int line = Columns::line;

@@ -1,7 +1,7 @@
 #pragma once
-/// What leapfrogs do by segments before and after friction has acted inside a step, whatever solves for it: contacts and all other forces
-/// are recorded in the middle of the step; loads, velocities and coordinates are given back at its end. Columns of fields that outlast a
-/// step move with the borders of segments.
+/// Work of leapfrogs by segments before and after friction inside a step, for any solver of friction: contacts and all other forces are
+/// recorded in the middle of the step; loads, velocities and coordinates are returned at its end. Columns of fields that outlast a step
+/// move with the borders of segments.
 
 #include <span>
 #include <vector>
@@ -18,7 +18,7 @@ class KickSystem {
 public:
     /// Memory of segments, after every change of the partition.
     void repartition(const Partition& partition);
-    /// What outlasts a step becomes that of the step before.
+    /// Data that outlast a step become those of the step before.
     void turn_over() noexcept { now_ = 1 - now_; }
     /// Memory that a step touches [B]: no room for what borders move through, nothing that is computed on demand.
     [[nodiscard]] std::size_t bytes() const noexcept;
@@ -32,7 +32,7 @@ protected:
     /// Fields of every system: velocities at the step's end, mean forces of the tips' friction, velocities at the step's start.
     enum Common : std::size_t { result, impulses, start, first_own };
 
-    /// What a segment's tasks write and read. Column = link + shift of the segment.
+    /// Data that a segment's tasks write and read. Column = link + shift of the segment.
     struct Fields {
         int width;  ///< columns
         model::ContactFieldOf<Number> contacts;

@@ -1,9 +1,9 @@
 #pragma once
-/// What leapfrogs with friction inside the step share: the step outside friction.
+/// The part of the step outside friction, which leapfrogs with friction inside the step share.
 ///
 ///     q ← q + h/2 v;   velocities extrapolated to the middle, where contacts and all other forces are taken;   …;   q ← q + h/2 v
 ///
-/// and what is kept from the step before: its mean acceleration, the motion of the sheaves in its middle, its length; and the cycles of
+/// and data of the step before: its mean acceleration, the motion of the sheaves in its middle, its length; and the cycles of
 /// tasks in which friction is solved for.
 
 #include <array>
@@ -26,11 +26,11 @@ public:
 
     /// There is no step before.
     void restart() noexcept;
-    /// Whether the step that begins follows another or none; else it is the same step once more, only shorter.
+    /// False if the step that begins repeats the last one with a shorter length.
     [[nodiscard]] bool is_new() const noexcept { return w_.step.time != begun_ || !continues_; }
     /// Whether there is a step before the one that begins.
     [[nodiscard]] bool continues() const noexcept { return continues_; }
-    /// Of a new step, before begin(): what the step before has left becomes history.
+    /// Called for a new step, before begin(): data of the step before become history.
     void turn_over();
     /// workspace.step.row for the middle of the step, and the sheaves there.
     void begin();
@@ -42,26 +42,25 @@ public:
     [[nodiscard]] double rise() const noexcept { return rise_; }
 
     void save(std::vector<double>& memory) const;
-    /// memory [what save() wrote]
-    /// @returns what of the memory is not its own
+    /// @param memory from save()   @return the rest of the memory
     [[nodiscard]] std::span<const double> load(std::span<const double> memory);
 
 private:
     void extrapolate();
 
     Workspace& w_;
-    bool continues_ = false;      ///< there is a step before the one at hand
-    double begun_ = -1e300;       ///< where the step at hand began [s]
-    double length_ = 0.0;         ///< of the step at hand [s]
+    bool continues_ = false;      ///< there is a step before the present one
+    double begun_ = -1e300;       ///< where the present step began [s]
+    double length_ = 0.0;         ///< of the present step [s]
     double length_before_ = 0.0;  ///< of the one before, 0: none [s]
     double rise_ = 0.0;           ///< [1]
     model::ContactDrift drift_;
     model::SheaveMotion sheaves_before_[4]{};
 };
 
-/// Cycles of the graph that take several rounds of friction (stages, passes) one after the other. A segment's round waits for the round
-/// before of itself and of those whose velocities it reads. What it hands over has two places in turn, so that a round writes not what its
-/// neighbours read meanwhile.
+/// Cycles of the graph that take several rounds of friction (stages, passes) one after the other. A segment's round waits for its own
+/// previous round and those of the segments whose velocities it reads. Its output has two places in turn, so that a round does not
+/// overwrite what its neighbours read.
 class RoundCycles {
 public:
     static constexpr int count = 4, most = 8;

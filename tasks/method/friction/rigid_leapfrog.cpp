@@ -35,8 +35,8 @@ void advance(Values& to, const Values& from, double share, const Rates& rates) n
 RigidLeapfrog::RigidLeapfrog(Workspace& workspace)
     : w_(workspace),
       pins_(workspace.columns()),
+      pulleys_(workspace.variator, pins_),
       account_(workspace.energy.count()),
-      alone_(workspace.layout().pulley_size == 0),
       fastest_(0.5 * least_inertia(pins_.model.coefficients()) * fastest_pin * fastest_pin),
       ledger_(pins_.ledger) {}
 
@@ -72,12 +72,10 @@ void RigidLeapfrog::add_tasks(engine::TaskGraph& graph) {
 CycleSequence RigidLeapfrog::step() {
     const double h = w_.step.h;
     if (std::abs(0.5 * h - pins_.lead) > equal_steps * h) set_lead(0.5 * h);
-    drift_pulleys();       // x ← x + h v
+    kick_.step = h;
+    pulleys_.drift(h);     // x ← x + h v
     co_yield rigid_cycle;  // x ← x + h v;  a = forces at x, with the friction that v + h a leaves;  v ← v + h a
-    kick_pulleys();        // v ← v + h a, a by the reactions of the tips
-    find_touching();
-    w_.columns_advanced();
-    ++w_.step.evaluations;
+    finish();              // the pulleys by the reactions of the tips: v ← v + h a; energies; phases
     co_return is_suspect() ? find_fault() : Fault{};
 }
 
@@ -86,9 +84,9 @@ void RigidLeapfrog::links(int) noexcept {
     pins_.model.link_forces(kick_, pins_.columns, pins_.forces);
 }
 
-void RigidLeapfrog::plates(int) noexcept { pins_.model.plate_friction(alone_ ? nullptr : sheaves_, kick_, pins_.columns, pins_.forces); }
+void RigidLeapfrog::plates(int) noexcept { pins_.model.plate_friction(pulleys_.sheaves(), kick_, pins_.columns, pins_.forces); }
 
-void RigidLeapfrog::tips(int) noexcept { pins_.model.tip_forces(alone_ ? nullptr : sheaves_, kick_, pins_.columns, pins_.forces); }
+void RigidLeapfrog::tips(int) noexcept { pins_.model.tip_forces(pulleys_.sheaves(), kick_, pins_.columns, pins_.forces); }
 
 void RigidLeapfrog::kick(int) noexcept {
     pins_.model.sum_forces(kick_, pins_.columns, pins_.forces);
@@ -96,7 +94,7 @@ void RigidLeapfrog::kick(int) noexcept {
 }
 
 void RigidLeapfrog::kick_pins() noexcept {
-    pins_kinetic_ = pins_.model.kernels().kick(pins_.model.coefficients(), kick_.step, pins_.columns);
+    kinetic_ = pins_.model.kernels().kick(pins_.model.coefficients(), kick_.step, pins_.columns);
     pins_.columns.copy(model::Column::plate_friction, model::Column::plate_friction_before);
     pins_.columns.copy(model::Column::plate_friction_moment, model::Column::plate_friction_moment_before);
     pins_.columns.copy(model::Column::joint_friction, model::Column::joint_friction_before);
@@ -109,70 +107,38 @@ void RigidLeapfrog::start() {
     shift_ = 0.0;
     kick_ = {};
     forget_touching();
-    if (!alone_) w_.variator.pulleys().motions(pins_.tail.data(), sheaves_);
-    pins_.model.accelerate(alone_ ? nullptr : sheaves_, pins_.columns, pins_.forces);
-    evaluate_pulleys(w_.step.time);
+    pulleys_.place();
+    pins_.model.accelerate(pulleys_.sheaves(), pins_.columns, pins_.forces);
+    pulleys_.start(w_.step.time);
     kick_pins();
-    pulley_kinetic_ = pulley_kinetic();
-    couple(w_.step.time, coupling_rates(w_.step.time));
     half_way_ = {};
-    pins_kinetic_ += pulley_kinetic_;
     count_energy({});
     cold_ = false;
 }
 
-void RigidLeapfrog::drift_pulleys() noexcept {
-    kick_.step = w_.step.h;
-    std::vector<double>& tail = pins_.tail;
-    const auto size = static_cast<std::size_t>(w_.layout().pulley_size);
-    for (std::size_t k = 0; k < size; ++k) tail[k] += kick_.step * tail[size + k];
-    for (std::size_t k = pins_.kicked_end(); k < tail.size(); ++k) tail[k] += kick_.step * pins_.tail_slope[k];
-    if (!alone_) w_.variator.pulleys().motions(tail.data(), sheaves_);
-}
-
-void RigidLeapfrog::evaluate_pulleys(double time) noexcept {
-    if (alone_) return;
-    const model::PulleyModel& pulleys = w_.variator.pulleys();
-    inputs_ = pulleys.inputs(time, pins_.tail.data());
-    pulleys.slope(pins_.tail.data(), inputs_, pins_.forces.reaction.sheaves, pins_.tail_slope.data(), &pins_.forces.account);
-    std::copy_n(inputs_.control_rate.begin(), w_.layout().controls, pins_.tail_slope.begin() + w_.layout().pulley_block());
-}
-
-/// Powers of a kick are those of the mean of the velocities before and after.
-void RigidLeapfrog::kick_pulleys() noexcept {
-    const double time = w_.step.time + kick_.step, before = pulley_kinetic_;
-    evaluate_pulleys(time);
-    const std::array<double, 2> rates = coupling_rates(time);
-    model::WorkRates power{};
-    if (!alone_) power = w_.variator.pulleys().works(pins_.tail.data(), inputs_);
-    for (std::size_t k = static_cast<std::size_t>(w_.layout().pulley_size), end = pins_.kicked_end(); k < end; ++k)
-        pins_.tail[k] += kick_.step * pins_.tail_slope[k];
-    pulley_kinetic_ = pulley_kinetic();
-    pins_kinetic_ += 0.5 * (before + pulley_kinetic_);
-    couple(time, rates);
-    if (!alone_) {
-        const model::WorkRates after = w_.variator.pulleys().works(pins_.tail.data(), inputs_);
-        for (std::size_t k = 0; k < power.size(); ++k) power[k] = 0.5 * (power[k] + after[k]);
-    }
-    count_energy(power);
+void RigidLeapfrog::finish() noexcept {
+    count_energy(pulleys_.kick(w_.step.time + kick_.step, kick_.step));
+    find_touching();
+    w_.columns_advanced();
+    ++w_.step.evaluations;
 }
 
 /// Half of the kick belongs to the step behind: account_ is of the coordinates, half_way_ of the velocities.
 void RigidLeapfrog::count_energy(const model::WorkRates& power) noexcept {
-    const std::array<double, 2> torque{inputs_.drive_torque, inputs_.load_torque};
+    kinetic_ += pulleys_.kinetic();
     const EnergyAccount from = half_way_;
     const auto add = [&](double share, EnergyAccount& to) {
         advance(to.lost, from.lost, share, pins_.forces.account.loss);
         advance(to.work, from.work, share, power);
-        advance(to.impulse, from.impulse, share, torque);
-        advance(to.couplings.work, from.couplings.work, share, far_power_);
-        advance(to.couplings.dissipated, from.couplings.dissipated, share, twist_power_);
+        advance(to.impulse, from.impulse, share, pulleys_.torque());
+        advance(to.couplings.work, from.couplings.work, share, pulleys_.far_power());
+        advance(to.couplings.dissipated, from.couplings.dissipated, share, pulleys_.twist_power());
     };
     add(0.5 * kick_.step, account_);
     add(kick_.step, half_way_);
     pins_.lead = 0.5 * kick_.step;
     std::array<double, model::energy_kinds> stored = pins_.forces.account.energy;
-    stored[static_cast<std::size_t>(model::Energy::kinetic)] = pins_kinetic_ + shift_;
+    stored[static_cast<std::size_t>(model::Energy::kinetic)] = kinetic_ + shift_;
     account_.stored = std::accumulate(stored.begin(), stored.end(), 0.0);
     if (ledger_.empty()) return;
     for (std::size_t k = 0; k < model::loss_kinds; ++k) pins_.ledger[k] = ledger_[k] + account_.lost[k];
@@ -185,43 +151,17 @@ void RigidLeapfrog::set_lead(double lead) noexcept {
     const double more = lead - pins_.lead;
     shift_ += (lead * lead - pins_.lead * pins_.lead) * pins_.acceleration_energy();  // ½ v·M v' at the coordinates, with no work done
     pins_.model.kernels().kick(pins_.model.coefficients(), more, pins_.columns);
-    for (std::size_t k = static_cast<std::size_t>(w_.layout().pulley_size), end = pins_.kicked_end(); k < end; ++k)
-        pins_.tail[k] += more * pins_.tail_slope[k];
-    pulley_kinetic_ = pulley_kinetic();
+    pulleys_.advance(more);
     EnergyAccount& to = half_way_;
-    advance(to.couplings.work, to.couplings.work, more, far_power_);
-    advance(to.couplings.dissipated, to.couplings.dissipated, more, twist_power_);
+    advance(to.couplings.work, to.couplings.work, more, pulleys_.far_power());
+    advance(to.couplings.dissipated, to.couplings.dissipated, more, pulleys_.twist_power());
     advance(to.lost, to.lost, more, pins_.forces.account.loss);
-    if (!alone_) {
-        advance(to.work, to.work, more, w_.variator.pulleys().works(pins_.tail.data(), inputs_));
-        advance(to.impulse, to.impulse, more, std::array{inputs_.drive_torque, inputs_.load_torque});
+    if (!pulleys_.absent()) {
+        advance(to.work, to.work, more, pulleys_.works());
+        advance(to.impulse, to.impulse, more, pulleys_.torque());
     }
     pins_.lead = lead;
 }
-
-std::array<double, 2> RigidLeapfrog::coupling_rates(double time) const noexcept {
-    const model::PulleyModel& pulleys = w_.variator.pulleys();
-    std::array<double, 2> rates{};
-    for (int shaft = 0; shaft < 2 && !alone_; ++shaft) {
-        if (pulleys.coupled(shaft)) rates[at(shaft)] = pulleys.coupling(time, pins_.tail.data(), shaft).rate;
-    }
-    return rates;
-}
-
-void RigidLeapfrog::couple(double time, const std::array<double, 2>& rates) noexcept {
-    const model::PulleyModel& pulleys = w_.variator.pulleys();
-    const std::array<double, 2> torque{inputs_.drive_torque, inputs_.load_torque};
-    far_power_ = twist_power_ = {};
-    for (int shaft = 0; shaft < 2 && !alone_; ++shaft) {
-        if (!pulleys.coupled(shaft)) continue;
-        const std::size_t k = at(shaft);
-        const model::CouplingState now = pulleys.coupling(time, pins_.tail.data(), shaft);
-        far_power_[k] = torque[k] * pulleys.reference_speed(time, shaft);
-        twist_power_[k] = now.damping * rates[k] * 0.5 * (rates[k] + now.rate);  // the damper's torque is of the velocities before
-    }
-}
-
-double RigidLeapfrog::pulley_kinetic() const noexcept { return alone_ ? 0.0 : w_.variator.pulleys().kinetic(pins_.tail.data()); }
 
 /// The phases are compared with all tips after the next step.
 void RigidLeapfrog::forget_touching() noexcept {
@@ -252,8 +192,8 @@ void RigidLeapfrog::set_phase(int pin, int tip, bool touches) noexcept {
 
 /// Whether a pin may be where or as fast as none should be; false for almost all steps without one.
 bool RigidLeapfrog::is_suspect() const noexcept {
-    if (!(std::abs(pins_kinetic_) <= fastest_)) return true;
-    if (alone_) return false;
+    if (!(std::abs(kinetic_) <= fastest_)) return true;
+    if (pulleys_.absent()) return false;
     const model::RigidReaction& found = pins_.forces.reaction;
     const model::Pulley& pulley = w_.parameters.pulley;
     return found.deepest > w_.parameters.tip.deepest || found.innermost < pulley.innermost + radius_error ||
@@ -265,7 +205,7 @@ Fault RigidLeapfrog::find_fault() const {
     const double* y = w_.state();
     SegmentResult result;
     for (int pin = 0; pin < at.links && !result.fault; ++pin) check_motion(w_, pin, y + at.link_begin(pin), result);
-    if (result.fault || alone_) return result.fault;
+    if (result.fault || pulleys_.absent()) return result.fault;
     model::SheaveMotion sheaves[4];
     w_.variator.pulleys().motions(y + at.pulley_begin(), sheaves);
     for (int link = 0; link < at.links && !result.fault; ++link) {
@@ -281,12 +221,9 @@ template <class Method, class Visitor>
 void RigidLeapfrog::visit(Method& m, const Visitor& visitor) {
     const auto all = [&](auto&... arrays) { (visitor(arrays.data(), arrays.size()), ...); };
     visitor(&m.pins_.lead, 1);
-    visitor(&m.pulley_kinetic_, 1);
     visitor(&m.shift_, 1);
-    all(m.far_power_, m.twist_power_, m.pins_.tail, m.pins_.tail_slope, m.pins_.ledger, m.ledger_, m.pins_.forces.account.loss);
-    visitor(&m.inputs_.drive_torque, 1);
-    visitor(&m.inputs_.load_torque, 1);
-    visitor(m.inputs_.clamping.data(), 2);
+    all(m.pins_.ledger, m.ledger_, m.pins_.forces.account.loss);
+    RigidPulleys::visit(m.pulleys_, visitor);
     const auto energies_of = [&](auto& account) {
         all(account.lost, account.work, account.impulse, account.couplings.work, account.couplings.dissipated);
         visitor(&account.stored, 1);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "model/rigid/rigid_state.hpp"
+#include "tasks/method/friction/rigid_pulleys.hpp"
 #include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {
@@ -28,7 +29,7 @@ public:
     void restart() noexcept override { cold_ = true; }
     void phases_changed() noexcept override {}
     void save(std::vector<double>& memory) const override;
-    void load(std::span<const double> memory) override;  ///< memory [what save() wrote]; empty: starts from the workspace's state
+    void load(std::span<const double> memory) override;  ///< @param memory from save(); empty: starts from the workspace's state
     [[nodiscard]] std::optional<std::size_t> bytes() const noexcept override { return sizeof(*this); }
 
     // Bodies of tasks.
@@ -39,18 +40,13 @@ public:
 
 private:
     void start();
-    void set_lead(double lead) noexcept;     ///< velocities ahead of coordinates by a time [s]
-    void drift_pulleys() noexcept;           ///< coordinates of the pulleys, and the motion of their sheaves
-    void kick_pins() noexcept;               ///< velocities by accelerations, over the step
-    void kick_pulleys() noexcept;            ///< velocities of the pulleys by the reactions of the tips
-    void evaluate_pulleys(double) noexcept;  ///< slope of the pulleys at a time [s]
-    void find_touching() noexcept;           ///< phases of tips: touching where they press
+    void set_lead(double lead) noexcept;  ///< velocities ahead of coordinates by a time [s]
+    void kick_pins() noexcept;            ///< velocities by accelerations, over the step
+    void finish() noexcept;               ///< pulleys, energies and phases of the tips
+    void find_touching() noexcept;        ///< phases of tips: touching where they press
     void forget_touching() noexcept;
     void set_phase(int pin, int tip, bool touches) noexcept;
-    void couple(double time, const std::array<double, 2>& rates) noexcept;  ///< powers of the couplings [s], [rad/s] before the kick
-    [[nodiscard]] std::array<double, 2> coupling_rates(double time) const noexcept;  ///< [rad/s], zero where no coupling acts
-    [[nodiscard]] double pulley_kinetic() const noexcept;                            ///< [J]
-    void count_energy(const model::WorkRates& power) noexcept;
+    void count_energy(const model::WorkRates& power) noexcept;  ///< [W]
     [[nodiscard]] bool is_suspect() const noexcept;
     [[nodiscard]] Fault find_fault() const;
     /// Calls visitor(numbers, count) for all that the next step depends on. @tparam Method this class, const or not
@@ -59,18 +55,15 @@ private:
 
     Workspace& w_;
     model::RigidState& pins_;
+    RigidPulleys pulleys_;
     EnergyAccount& account_;
-    EnergyAccount half_way_;  ///< account_ in the middle of the last step
-    const bool alone_;        ///< there are no pulleys
-    const double fastest_;    ///< kinetic energy with which no pin can be too fast [J]
-    model::RigidKick kick_;   ///< of the step
-    model::SheaveMotion sheaves_[4]{};
-    model::Inputs inputs_;
-    double pins_kinetic_ = 0.0, pulley_kinetic_ = 0.0;   ///< [J]
-    double shift_ = 0.0;                                 ///< of the kinetic energy by all changes of the lead so far [J]
-    std::array<double, 2> far_power_{}, twist_power_{};  ///< of the couplings' far ends and dampers, in the last kick [W]
-    std::vector<double> ledger_;                         ///< of the state at the start [J]
-    bool cold_ = true;                                   ///< the state is in the workspace's slot
+    EnergyAccount half_way_;      ///< account_ in the middle of the last step
+    const double fastest_;        ///< kinetic energy with which no pin can be too fast [J]
+    model::RigidKick kick_;       ///< of the step
+    double kinetic_ = 0.0;        ///< of the velocities around the last kick [J]
+    double shift_ = 0.0;          ///< of the kinetic energy by all changes of the lead so far [J]
+    std::vector<double> ledger_;  ///< of the state at the start [J]
+    bool cold_ = true;            ///< the state is in the workspace's slot
 };
 
 }  // namespace cvtflow::tasks

@@ -31,7 +31,7 @@ public:
     [[nodiscard]] const Segment& segment(int number) const noexcept { return segments_[static_cast<std::size_t>(number)]; }
     /// Columns of a segment's fields, ghosts included, and those before the first link.
     [[nodiscard]] int count(int number) const noexcept { return first + segment(number).size() + 1; }
-    /// What is added to the number of a segment's link for its column.
+    /// Offset from the number of a segment's link to its column.
     [[nodiscard]] int shift(int number) const noexcept { return first - segment(number).first; }
     /// One before its links and one behind them.
     [[nodiscard]] std::span<const GhostColumn> ghosts(int segment) const noexcept {
@@ -43,14 +43,14 @@ private:
     std::vector<GhostColumn> ghosts_;  ///< [segments][2]
 };
 
-/// What segments hand over of one field: its first and its last column, packed.
+/// Data of one field that segments exchange: its first and its last column, packed.
 template <class Number>
 class SegmentEdges {
 public:
     SegmentEdges() = default;
     explicit SegmentEdges(int rows);
 
-    /// Room for so many segments. Allocates only if there were never so many.
+    /// Makes room for `segments` segments. Allocates only if there were fewer before.
     void make_room(int segments);
     [[nodiscard]] std::size_t bytes() const noexcept { return packed_.size() * sizeof(Number); }
     /// Copies a segment's first and last column of its field.

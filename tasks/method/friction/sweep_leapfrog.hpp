@@ -21,7 +21,7 @@
 
 namespace cvtflow::tasks {
 
-/// What sweeps need that parameters do not have, as a setting: pin halves, and a friction law without a rounded corner. Empty: nothing.
+/// Setting that sweeps require and parameters do not have: pin halves, or a friction law without a rounded corner. Empty: none.
 [[nodiscard]] std::string_view missing_for_sweeps(const model::Parameters& parameters) noexcept;
 /// Whether sweeps are the automatic choice: parameters have what they need, tips have no phases stick and slip (whose losses were not
 /// compared), and friction does not saturate at so low a speed that more sweeps would be needed than a step has.
@@ -36,11 +36,11 @@ public:
 
     /// Memory of segments, after every change of the partition.
     void repartition(const Partition& partition);
-    /// There was no step before: no contact has a force.
+    /// Sets all contact forces to zero (no previous step).
     void restart() noexcept;
-    /// What follows is one step. @param nominal its length if nothing had cut it short [s]
+    /// Begins a step. @param nominal its length if nothing had cut it short [s]
     void begin(double step, double nominal) noexcept;
-    /// It has been taken.
+    /// Ends the step.
     void end() noexcept { losses_ = Losses::to_be_found; }
 
     // Bodies of tasks: each touches the columns of one segment only, and reads what its neighbours have handed over.
@@ -53,9 +53,9 @@ public:
     /// Losses by friction in the accounts of an observe cycle become what the forces of the last step have done; while all is at rest.
     void book(Workspace& workspace) noexcept;
 
-    /// What outlasts a step: its forces, and their losses.
+    /// Data that outlast a step: its forces, and their losses.
     void save(std::vector<double>& memory) const;
-    void load(std::span<const double> memory);  ///< memory [what save() wrote]
+    void load(std::span<const double> memory);  ///< @param memory from save()
 
 private:
     using Base = KickSystem<Number>;
@@ -64,7 +64,7 @@ private:
     enum class Losses { none, to_be_found, known };
     /// Fields: accelerations by everything but friction; velocities; forces of this step and of the one before (see now_).
     enum Own : std::size_t { base = Base::first_own, velocity, kept };
-    /// Of forces, and of velocities after passes of even and of odd number.
+    /// Edges of forces, and of velocities after passes of even and of odd number.
     enum Edges : std::size_t { kept_edges, velocity_edges };
 
     [[nodiscard]] static std::vector<int> rows_of_fields(const Workspace& workspace);
@@ -102,7 +102,7 @@ public:
     void restart() noexcept override;
     void phases_changed() noexcept override {}  // forces stay good: that of a tip that has just landed is zero
     void save(std::vector<double>& memory) const override;
-    void load(std::span<const double> memory) override;  ///< memory [what save() wrote]
+    void load(std::span<const double> memory) override;  ///< @param memory from save()
 
     [[nodiscard]] std::optional<std::size_t> bytes() const noexcept override { return system_.bytes(); }
 
@@ -122,11 +122,11 @@ private:
     SweepSystem<Number> system_;
     const int sweeps_;           ///< of a step
     int pass_ = 0;               ///< the first that is in no cycle yet
-    int passes_ = 0;             ///< of the step at hand
-    int begun_ = 0;              ///< the first pass of the cycle at hand
+    int passes_ = 0;             ///< of the present step
+    int begun_ = 0;              ///< the first pass of the present cycle
     double begun_length_ = 0.0;  ///< of the step before, as it was begun [s]
     double nominal_ = 0.0;       ///< of steps that nothing cuts short: the longest, or the last that was as long as the one before [s]
-    bool cold_ = true;           ///< the step at hand has none before it
+    bool cold_ = true;           ///< the present step has none before it
 };
 
 }  // namespace cvtflow::tasks

@@ -32,7 +32,7 @@ void report(SegmentResult& verdict, FaultKind kind, double time, int pin, double
     return beyond <= magnitude;
 }
 
-/// Whether no link of a segment can have anything that check_motion() finds: a look at all numbers of the step's end at once.
+/// Whether no link of a segment can have a fault that check_motion() finds: a check of all numbers of the step's end at once.
 [[nodiscard]] bool all_sound(const Workspace& w, const Segment& own) noexcept {
     return within(w.end_state + w.layout().link_begin(own.first), own.size() * w.layout().link_block(), fastest_pin);
 }

@@ -23,7 +23,7 @@ void for_each_run(const model::ChainLayout& layout, const Segment& own, int halo
     }
 }
 
-/// What workspace.step.row combines for a segment's links and a halo.
+/// Combines the states and slopes of workspace.step.row for a segment's links and a halo.
 void combine_window(const Workspace& w, const Segment& own, int halo, double* window) noexcept {
     const model::ChainLayout& layout = w.layout();
     const int block = layout.link_block();

@@ -1,13 +1,13 @@
 #pragma once
-/// What one segment does in each cycle: bodies of tasks (context is the workspace, item the segment), and what they read of links, their
-/// neighbours and their tips.
+/// Work of a segment in each cycle: bodies of tasks (context is the workspace, item the segment), and the data of links, their neighbours
+/// and their tips that they read.
 
 #include "tasks/step/workspace.hpp"
 
 namespace cvtflow::tasks {
 
-/// Stage state of a segment's links and of the layout's halo on each side, as workspace.step.row combines it. @param window room for them;
-/// window [unknowns]
+/// Stage state of a segment's links and of the layout's halo on each side, as workspace.step.row combines it. @param window room for them
+/// [unknowns]
 void fill_window(Workspace& workspace, const Segment& own, double* window) noexcept;
 
 /// The window of a given state vector, such as the end of the step.
@@ -50,7 +50,7 @@ inline void indicate(const Workspace& w, const double* state, const model::Sheav
     show(probe, tips);
 }
 
-/// Whether a tip may change in this step: it will have kept its phase for the dwell time. The same answer however the step is cut.
+/// Whether a tip may change in this step: it will have kept its phase for the dwell time. The answer does not depend on cuts of the step.
 [[nodiscard]] inline bool may_change(const Workspace& w, int tip) noexcept {
     return w.step.search_until - w.tips.changed[at(tip)] >= w.step.dwell;
 }

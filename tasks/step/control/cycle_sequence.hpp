@@ -22,6 +22,10 @@ namespace cvtflow::tasks {
 /// first allocates. A second one at the same time has memory of its own. Outlives the coroutines in it.
 class FrameMemory {
 public:
+    FrameMemory() = default;
+    /// With room for a frame from the beginning [B].
+    explicit FrameMemory(std::size_t bytes) : memory_(static_cast<std::byte*>(::operator new(bytes))), bytes_(bytes) {}
+
     [[nodiscard]] static void* take(std::size_t bytes, FrameMemory* kept) {
         if (kept != nullptr && kept->taken_) kept = nullptr;
         const std::size_t needed = bytes + sizeof(Head);

@@ -48,7 +48,7 @@ double EnergyBalance::honest() const noexcept { return share_of_losses * loss + 
 
 namespace {
 
-/// What noise of samples may excuse, over the losses. A start that settles begins with a shock, and forgets it.
+/// Residual that noise of samples may explain, over the losses. A start that settles begins with a shock, which does not count.
 [[nodiscard]] double noise_share(const EnergyBalance& balance, bool settling) noexcept {
     if (settling || balance.through <= 0.0) return noise_share_without;
     return std::min(noise_share_with_inputs * std::sqrt(std::max(1.0, noise_span / balance.span)), noise_share_without);

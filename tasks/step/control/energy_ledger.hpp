@@ -2,9 +2,9 @@
 /// Where the energy of an integration goes: works of the inputs, losses by kind, what is stored, and whether they agree.
 ///
 /// Works are exact sums over all steps: mean input times displacement. Losses are powers of the contact and damping laws at the states
-/// that the method produced, sampled every so many steps and integrated by the trapezoidal rule; they are no negative of
-/// the works, so that a method that makes energy, or destroys it, cannot balance them. A window of time whose balance could be off by
-/// the noise of sampling alone puts the run in doubt: in the next one samples lie closer. (DECISIONS 74)
+/// that the method produced, sampled at regular intervals of steps and integrated by the trapezoidal rule. They are computed independently
+/// of the works. A method that creates or destroys energy therefore shows a residual. After a window of time whose residual could be noise
+/// of sampling alone, samples are closer in the next one. (DECISIONS 74)
 
 #include <array>
 #include <optional>
@@ -53,7 +53,7 @@ struct EnergySums {
     [[nodiscard]] static EnergySums between(const EnergySums& from, const EnergySums& to, double time) noexcept;
     /// 1 - losses/input from `before` to here, input: the works of those inputs that brought energy; not a number without input.
     [[nodiscard]] double efficiency_since(const EnergySums& before) const noexcept;
-    /// The same with further works and losses in that time [J]. Works are then those of the shafts: what clamps is fed by the further ones.
+    /// Efficiency with further works and losses in that time [J]. Works are then those of the shafts: the further ones feed the clamping.
     [[nodiscard]] double efficiency_since(const EnergySums& before, double further_work, double further_loss) const noexcept;
 };
 
@@ -62,7 +62,7 @@ struct FurtherPowers {
     double input = 0.0, lost = 0.0;
 };
 
-/// Of the couplings of both shafts so far: work of their far ends, and what they have dissipated.
+/// Energies of the couplings of both shafts so far: work of their far ends, and their losses.
 struct CouplingSums {
     std::array<double, 2> work{}, dissipated{};  ///< [J]
 };
@@ -94,15 +94,14 @@ public:
     }
     /// Whether one does: no losses need to be sampled, and they have no noise.
     [[nodiscard]] bool counted() const noexcept { return counted_; }
-    /// A step has been taken. @param from, to states behind the links at its ends, which begin at pulley_begin(); begin [s], from
-    /// [unknowns], end [s], to [unknowns]
+    /// Adds a step. @param begin, end of the step [s]   @param from, to states behind the links there, which begin at pulley_begin()
     void step(const model::Variator& variator, double begin, const double* from, double end, const double* to) noexcept;
     /// Whether losses should be sampled before the next step. time [s]
     [[nodiscard]] bool due(double time) const noexcept;
-    /// What an observe cycle has found. @param links, pulleys their losses and energies, kinetic energy included
+    /// Adds the sample of an observe cycle. @param links, pulleys their losses and energies, kinetic energy included
     /// @param pin_period time that a pin takes to the place of the next one; 0: none [s]
     void sample(double time, const model::Account& links, const model::Account& pulleys, double pin_period) noexcept;
-    /// The same from what a method has counted. time [s], pin_period [s]
+    /// Adds a sample from the account that a method counts. time [s], pin_period [s]
     void sample_counted(double time, double pin_period) noexcept;
     /// An output is due: closes the interval since the last one. @param momentum of the shafts [N·m·s]
     void output(double time, const std::array<double, 2>& momentum) noexcept;
@@ -111,27 +110,28 @@ public:
     [[nodiscard]] EnergySums sums(double time) const noexcept;
     /// From the beginning to the last sample.
     [[nodiscard]] EnergyBalance balance() const noexcept;
-    /// |residual| over its tolerance, the largest of all windows, of the one at hand and of the whole; > 1: the results are wrong.
+    /// |residual| over its tolerance, the largest of all windows, of the present one and of the whole; > 1: the results are wrong.
     [[nodiscard]] double suspicion() const noexcept;
     [[nodiscard]] bool reliable() const noexcept { return suspicion() <= 1.0; }
 
     /// Mean torque of the chain on the sheaves of each shaft since the output before `time`, which is now: their change of momentum less
-    /// the outside's impulse [N·m]. Not a number at the first output and before. It changes nothing: where a host reads has no effect.
+    /// the outside's impulse [N·m]. Not a number at the first output and before. Does not change the ledger: results do not depend on when
+    /// a host calls it.
     /// @param time [s]   @param momentum of the shafts now [N·m·s]
     [[nodiscard]] std::array<double, 2> chain_torque(double time, const std::array<double, 2>& momentum) const noexcept;
     /// 1 - losses/input over the last whole pin period up to now, over less where a run has not lasted so long; not a number at the first
     /// output and before. time: now [s]
     [[nodiscard]] double efficiency(double time) const noexcept;
-    /// The same with powers that have lasted as long. time: now [s]
+    /// Efficiency with further powers that have lasted as long. time: now [s]
     [[nodiscard]] double efficiency(double time, const FurtherPowers& further) const noexcept;
 
     [[nodiscard]] const CouplingSums& couplings() const noexcept { return m_.couplings; }
-    /// Of drive and load on their shafts so far [N·m·s].
+    /// Impulse of drive and load on their shafts so far [N·m·s].
     [[nodiscard]] const std::array<double, 2>& impulse() const noexcept { return m_.impulse; }
 
     /// For checkpoints: continues bitwise.
     void save(std::vector<double>& memory) const;
-    /// memory [what save() wrote]
+    /// @param memory from save()
     /// @throws std::invalid_argument for a malformed memory
     void load(std::span<const double> memory, long stride);
 
@@ -150,7 +150,7 @@ private:
                 const model::Inputs& mean) noexcept;         ///< begin, end [s], from, to [unknowns behind the links]
     [[nodiscard]] EnergySums& past(double number) noexcept;  ///< output `number` of those kept, the oldest is 0
     [[nodiscard]] const EnergySums& past(double number) const noexcept;
-    [[nodiscard]] double outputs_before(double time) const noexcept;  ///< of those kept; time [s]
+    [[nodiscard]] double outputs_before(double time) const noexcept;  ///< time [s]
     /// Number of the last output kept that lies a pin period or more before `time` [s]; 0 where none does.
     [[nodiscard]] double period_begin(double time) const noexcept;
     /// Sums one pin period before `time` [s], or at the first output kept; some must be.
@@ -166,7 +166,7 @@ private:
         double jumped;                                          ///< when inputs or the state jumped last, the beginning included [s]
         std::array<double, model::loss_kinds> power, loss;      ///< [W], [J]
         std::array<double, 4> powers;                           ///< of the last samples, the last one first, for the noise of sampling [W]
-        double stored, max_stored, noise, through, pin_period;  ///< [J]; pin_period [s]
+        double stored, max_stored, noise, through, pin_period;  ///< [J], pin_period in s
         model::WorkRates work, work_sampled;
         std::array<double, 2> impulse, impulse_output, momentum_output;  ///< [N·m·s]
         std::array<double, 2> chain_torque;                              ///< [N·m]
@@ -182,7 +182,7 @@ private:
     /// Calls visitor(name, numbers) for each field. `memory` is a Memory or a const one.
     template <class AnyMemory, class Visitor>
     static void visit(AnyMemory& memory, Visitor&& visitor);
-    /// Of names, lengths and order of the fields: memories of another layout are refused.
+    /// Hash of names, lengths and order of the fields: memories of another layout are refused.
     [[nodiscard]] static double layout() noexcept;
 
     Memory m_{};

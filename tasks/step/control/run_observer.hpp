@@ -1,5 +1,5 @@
 #pragma once
-/// What a caller sees of a running integration: outputs, transitions, counters.
+/// Observation of a running integration by its caller: outputs, transitions, counters.
 
 #include <string_view>
 
@@ -8,7 +8,7 @@
 
 namespace cvtflow::tasks {
 
-/// What happened so far. All monotone.
+/// Counters so far. All monotone.
 struct Counters {
     long steps = 0;        ///< accepted steps, truncated ones included
     long evaluations = 0;  ///< of the right-hand side

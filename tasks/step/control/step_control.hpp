@@ -16,7 +16,7 @@ enum class StepControl {
     error,   ///< up to run.step, so that the local error stays below the tolerance
 };
 
-/// What counts as an error of 1: coordinates (elastic deformations are micrometres) and velocities (friction saturates at some mm/s).
+/// Size of an error of 1: coordinates (elastic deformations are micrometres) and velocities (friction saturates at some mm/s).
 struct ErrorScale {
     double coordinate = 1e-6;  ///< [m]
     double velocity = 1e-3;    ///< [m/s], the tips' saturation speed
@@ -39,10 +39,10 @@ public:
     /// error [1], step [s]
     [[nodiscard]] bool judge(double error, double step) noexcept;
 
-    /// What it remembers, for checkpoints.
+    /// Size of its memory, for checkpoints.
     static constexpr std::size_t memory_size = 3;
     [[nodiscard]] std::array<double, memory_size> save() const noexcept { return {proposal_, previous_, rejected_ ? 1.0 : 0.0}; }
-    /// memory [what save() wrote]
+    /// @param memory from save()
     void load(std::span<const double> memory) noexcept {
         proposal_ = memory[0];
         previous_ = memory[1];
@@ -72,7 +72,7 @@ public:
     virtual void restart() noexcept = 0;
     /// For checkpoints: continues bitwise.
     virtual void save(std::vector<double>& memory) const = 0;
-    virtual void load(std::span<const double> memory) = 0;  ///< memory [what save() wrote]
+    virtual void load(std::span<const double> memory) = 0;  ///< @param memory from save()
 
 protected:
     StepChoice() = default;
@@ -80,7 +80,7 @@ protected:
     StepChoice& operator=(const StepChoice&) = default;
 };
 
-/// What decides the length of steps and the end of a run.
+/// Settings for the length of steps and the end of a run.
 struct StepSettings {
     double begin = 0.0;  ///< [s]
     double until = 0.0;  ///< [s]

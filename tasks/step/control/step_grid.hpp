@@ -14,12 +14,12 @@ struct StepGrid {
     long legs_per_output = 1;
     long steps_per_leg = 1;
     double step = 0.0;        ///< [s]
-    long leg = 0, point = 0;  ///< legs passed, and points of the leg at hand
+    long leg = 0, point = 0;  ///< legs passed, and points of the present leg
 
     /// Steps of at most this length [s].
     void divide(double longest) noexcept;
     [[nodiscard]] double leg_length() const noexcept { return output_interval / static_cast<double>(legs_per_output); }
-    /// When the point at hand, or the next one, is due [s].
+    /// When the present point, or the next one, is due [s].
     [[nodiscard]] double here() const noexcept { return time(leg, point); }
     [[nodiscard]] double next() const noexcept { return point + 1 < steps_per_leg ? time(leg, point + 1) : time(leg + 1, 0); }
     [[nodiscard]] bool at_output(long outputs) const noexcept { return point == 0 && leg == outputs * legs_per_output; }

@@ -8,9 +8,12 @@ namespace cvtflow::tasks {
 namespace {
 
 TEST(MethodChoice, WhatProgramsSayOfTheirErrorIsWhatTheyDo) {
-    const Scene scene = read_scene(CVTFLOW_SOURCE_DIR "/scenes/tiny.toml");
+    const Scene halves = read_scene(CVTFLOW_SOURCE_DIR "/scenes/tiny.toml");
+    Scene rigid = halves;
+    apply_detail(rigid, "rigid");
     int estimating = 0;
     for (const MethodProgram& program : method_programs()) {
+        const Scene& scene = program.objection(halves.parameters).empty() ? halves : rigid;
         Workspace workspace(scene.parameters, Method(program.name).plan(), Partition::equal(scene.parameters.chain.pins, 1));
         EXPECT_EQ(Method(program.name).estimates_error(), Method(program.name).at_work(workspace)->error_power() != 0) << program.name;
         estimating += program.estimates_error;

@@ -39,7 +39,7 @@ protected:
     }
     [[nodiscard]] std::string out() const { return (folder_ / "out").string(); }
     [[nodiscard]] std::string table() const { return out() + "/cases.h5"; }
-    const engine::Cancellation go_on_;
+    const engine::Cancellation not_cancelled_;
     std::filesystem::path folder_;
 };
 
@@ -47,11 +47,11 @@ constexpr const char* three = "[accuracy]\ntarget = \"20 %\"\nverify = 3\n";
 
 TEST_F(VerifiedSweeps, CarryTheErrorsOfTheCasesThatWereRunAgain) {
     const Sweep asked = sweep(three);
-    const TunedSweep tuned = tuned_sweep(asked, out(), go_on_, {});
+    const TunedSweep tuned = tuned_sweep(asked, out(), not_cancelled_, {});
     ASSERT_TRUE(tuned.result);
     EXPECT_EQ(tuned.result->points, (std::vector<std::string>{"case 0", "case 3"})) << "the ends of the only axis";
     EXPECT_TRUE(run(tuned.sweep).finished);
-    EXPECT_THAT(verify_sweep(asked, tuned, out(), go_on_, {}), testing::IsEmpty());
+    EXPECT_THAT(verify_sweep(asked, tuned, out(), not_cancelled_, {}), testing::IsEmpty());
     const SweepVerification verification = sweep_verification(table());
     EXPECT_EQ(verification.verified, 3);
     EXPECT_EQ(verification.missed, 0) << verification.text();
@@ -71,21 +71,21 @@ TEST_F(VerifiedSweeps, BeginWithAStateOfAnotherDetail) {
                            "\"load.torque\"\nvalues = [140, 150]\n[outputs]\nscalars = [\"tight_tension mean\"]\n"
                            "[accuracy]\ntarget = \"20 %\"\nverify = 1\n";
     const Sweep asked = read_sweep(file, find_scene);
-    const TunedSweep tuned = tuned_sweep(asked, out(), go_on_, {});
+    const TunedSweep tuned = tuned_sweep(asked, out(), not_cancelled_, {});
     ASSERT_TRUE(tuned.result);
     EXPECT_THAT(tuned.result->left_out, testing::Each(testing::Not(testing::HasSubstr("case "))));
     EXPECT_TRUE(run(tuned.sweep).finished);
-    EXPECT_THAT(verify_sweep(asked, tuned, out(), go_on_, {}), testing::IsEmpty());
+    EXPECT_THAT(verify_sweep(asked, tuned, out(), not_cancelled_, {}), testing::IsEmpty());
     EXPECT_EQ(sweep_verification(table()).missed, 0);
 }
 
 TEST_F(VerifiedSweeps, AreTunedOnceAndAloneDecideWhatIsRun) {
     const Sweep asked = sweep(three);
-    const TunedSweep first = tuned_sweep(asked, out(), go_on_, {}), second = tuned_sweep(asked, out(), go_on_, {});
+    const TunedSweep first = tuned_sweep(asked, out(), not_cancelled_, {}), second = tuned_sweep(asked, out(), not_cancelled_, {});
     EXPECT_FALSE(second.result) << "as kept in the folder of the results";
     EXPECT_EQ(second.sweep.definition(), first.sweep.definition());
     EXPECT_NE(sweep("").definition(), first.sweep.definition());
-    const TunedSweep elsewhere = tuned_sweep(asked, (folder_ / "elsewhere").string(), go_on_, {});
+    const TunedSweep elsewhere = tuned_sweep(asked, (folder_ / "elsewhere").string(), not_cancelled_, {});
     EXPECT_TRUE(elsewhere.result);
     EXPECT_EQ(elsewhere.sweep.definition(), first.sweep.definition()) << "shards on other machines find the same";
 }
@@ -107,7 +107,7 @@ TEST_F(VerifiedSweeps, DetectATableThatMissesItsAccuracy) {
     strict.accuracy.target = 0.03;
     coarse.sweep.scene = chosen_scene(asked.scene, coarse.kept.choice, 0.0);
     EXPECT_TRUE(run(coarse.sweep).finished);
-    static_cast<void>(verify_sweep(strict, coarse, out(), go_on_, {}));
+    static_cast<void>(verify_sweep(strict, coarse, out(), not_cancelled_, {}));
     const SweepVerification verification = sweep_verification(table());
     EXPECT_EQ(verification.verified, 3);
     EXPECT_GE(verification.missed, 2) << verification.text() << ": with 24 pins rigid ones are off by more than 3 %";

@@ -111,7 +111,7 @@ TEST(Svg, ShadesARegionWhereItsConditionHolds) {
     plot.x = {"x", Scale::linear, 1.0, -1.0, 1.0};
     plot.y = {"y", Scale::linear, 1.0, -1.0, 1.0};
     plot.series.clear();
-    plot.regions = {{"disc", [](double x, double y) { return x * x + y * y <= 0.25; }, "#abc"}};
+    plot.regions = {{"circle", [](double x, double y) { return x * x + y * y <= 0.25; }, "#abc"}};
     const std::string text = svg(plot);
     const std::regex run(R"(M([0-9.]+) ([0-9.]+)H([0-9.]+)V([0-9.]+)H[0-9.]+z)");
     std::smatch frame;
@@ -122,7 +122,7 @@ TEST(Svg, ShadesARegionWhereItsConditionHolds) {
         area += (std::stod((*match)[3]) - std::stod((*match)[1])) * 1.5;  // rows overlap a little
     const double share = area / (std::stod(frame[3]) * std::stod(frame[4]));
     EXPECT_NEAR(share, 3.14159 * 0.25 / 4.0, 0.01 * share);
-    EXPECT_THAT(text, HasSubstr(">disc</text>"));
+    EXPECT_THAT(text, HasSubstr(">circle</text>"));
     EXPECT_TRUE(well_formed(text));
 }
 

@@ -112,9 +112,6 @@ ExitStatus work(const WorkArguments& arguments) {
     segments.erase(std::unique(segments.begin(), segments.end()), segments.end());
     if (segments.back() > links) throw UsageError(fmt::format("--segments {}: the chain has {} links", segments.back(), links));
     const CountedWork counted = count_work(scene, segments, progress);
-    if (counted.stages.empty())
-        throw UsageError(fmt::format("{}: a step of {} with rigid pins is not made of tasks; tools/check/cost counts whole steps",
-                                     scene.name, tasks::method_of(scene)));
     const std::vector<WorkRow>& rows = counted.rows;
     const std::string kernels(model::name_of(model::chosen_isa()));
     OutputFolder folder(arguments.output);

@@ -13,6 +13,7 @@
 #include "tasks/batch/sweep/sweep.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tests/engine/allocation_fixture.hpp"
+#include "tests/engine/graph/race_check_fixture.hpp"
 #include "tests/oracle/oracle_cases.hpp"
 #include "tests/tasks/method/friction/rigid_run_fixture.hpp"
 #include "tests/tasks/tiny_fixture.hpp"
@@ -113,7 +114,7 @@ std::vector<oracle::Case> stepped_machines() {
     return cases;
 }
 
-/// What is stored changes by works minus losses: within 1e-3 of the losses of 20 ms after the jolt of the start.
+/// Stored energy changes by works minus losses: within 1e-3 of the losses of 20 ms after the jolt of the start.
 TEST(RigidLeapfrog, EnergyBalanceCloses) {
     for (const oracle::Case& one : stepped_machines()) {
         SCOPED_TRACE(one.name);
@@ -204,6 +205,32 @@ TEST(RigidLeapfrog, PressesEveryTipThatIsInsideItsSheave) {
     }
 }
 
+/// The graph without the order of a pair of tasks.
+engine::TaskGraph without(const engine::TaskGraph& whole, int before, int after) {
+    engine::TaskGraph graph;
+    for (int task = 0; task < whole.size(); ++task) graph.add(whole.task(task));
+    for (int task = 0; task < whole.size(); ++task) {
+        for (const int successor : whole.successors(task)) {
+            if (task != before || successor != after) graph.order(task, successor);
+        }
+    }
+    graph.freeze();
+    return graph;
+}
+
+TEST(RigidLeapfrog, TasksDoNotRaceAndEveryOrderIsNeeded) {
+    const RigidRun run(oracle::with_rigid_pins(oracle::small_scene()));
+    EXPECT_TRUE(engine::race_check(run.graph()).empty());
+    int orders = 0;
+    for (int task = 0; task < run.graph().size(); ++task) {
+        for (const int successor : run.graph().successors(task)) {
+            ++orders;
+            EXPECT_FALSE(engine::race_check(without(run.graph(), task, successor)).empty()) << run.graph().task(task).name;
+        }
+    }
+    EXPECT_EQ(orders, 3);
+}
+
 TEST(RigidLeapfrog, StepsAllocateNothing) {
     const Parameters p = oracle::with_rigid_pins(oracle::small_scene());
     RigidRun run(p);
@@ -216,7 +243,7 @@ TEST(RigidLeapfrog, StepsAllocateNothing) {
 /// Steps of the pins alone between resting sheaves.
 TEST(RigidLeapfrog, EveryInstructionSetHasTheSameBits) {
     const Parameters p = oracle::with_rigid_pins({});
-    const StartState start = start_state(p);
+    const model::StartState start = start_state(p);
     std::vector<std::vector<double>> ends;
     for (const Isa isa : usable_isas()) {
         const Variator variator(p, isa);
@@ -285,17 +312,17 @@ Scene rigid_tiny(const std::vector<std::string>& settings = {}) {
 }
 
 void settle_tiny(Simulation& simulation) {
-    SilentObserver nobody;
-    ASSERT_FALSE(simulation.advance({.until = 0.0}, nobody, never_cancelled));
+    SilentObserver silent;
+    ASSERT_FALSE(simulation.advance({.until = 0.0}, silent, never_cancelled));
     ASSERT_EQ(simulation.time(), 0.0);
 }
 
 TEST(RigidRuns, DoesNotDependOnWhereCallsEnd) {
     Simulation whole(rigid_tiny()), parts(rigid_tiny());
-    SilentObserver nobody;
+    SilentObserver silent;
     for (Simulation* simulation : {&whole, &parts}) settle_tiny(*simulation);
-    ASSERT_FALSE(whole.advance({.until = 2e-3}, nobody, never_cancelled));
-    for (int k = 1; k <= 8; ++k) ASSERT_FALSE(parts.advance({.until = 0.25e-3 * k}, nobody, never_cancelled));
+    ASSERT_FALSE(whole.advance({.until = 2e-3}, silent, never_cancelled));
+    for (int k = 1; k <= 8; ++k) ASSERT_FALSE(parts.advance({.until = 0.25e-3 * k}, silent, never_cancelled));
     EXPECT_EQ(whole.hash(), parts.hash());
     EXPECT_EQ(whole.counters().steps, parts.counters().steps);
 }
@@ -303,11 +330,11 @@ TEST(RigidRuns, DoesNotDependOnWhereCallsEnd) {
 TEST(RigidRuns, ResumesBitForBitInAnotherSimulation) {
     Simulation one(rigid_tiny());
     settle_tiny(one);
-    SilentObserver nobody;
-    ASSERT_FALSE(one.advance({.until = 1e-3}, nobody, never_cancelled));
+    SilentObserver silent;
+    ASSERT_FALSE(one.advance({.until = 1e-3}, silent, never_cancelled));
     Simulation other(rigid_tiny());
     other.restore(one.integration_state());
-    for (Simulation* simulation : {&one, &other}) ASSERT_FALSE(simulation->advance({.until = 2e-3}, nobody, never_cancelled));
+    for (Simulation* simulation : {&one, &other}) ASSERT_FALSE(simulation->advance({.until = 2e-3}, silent, never_cancelled));
     EXPECT_EQ(one.integration_state().hash(), other.integration_state().hash());
 }
 
@@ -324,9 +351,9 @@ TEST(RigidRuns, FinishesWhatScenesHaveWithAClosedBalance) {
     for (const std::vector<std::string>& settings : scenes) {
         SCOPED_TRACE(settings.front());
         Simulation simulation(rigid_tiny(settings));
-        SilentObserver nobody;
+        SilentObserver silent;
         if (simulation.needs_settling()) settle_tiny(simulation);
-        const Fault fault = simulation.advance({.until = 4e-3}, nobody, never_cancelled);
+        const Fault fault = simulation.advance({.until = 4e-3}, silent, never_cancelled);
         EXPECT_FALSE(fault) << fault.message();
         EXPECT_LE(simulation.suspicion(), 1.0);
     }
@@ -345,8 +372,8 @@ TEST(RigidRuns, WritesItsLossesIntoTheLedger) {
         return sum;
     };
     const double before = ledger();
-    SilentObserver nobody;
-    ASSERT_FALSE(simulation.advance({.until = 2e-3}, nobody, never_cancelled));
+    SilentObserver silent;
+    ASSERT_FALSE(simulation.advance({.until = 2e-3}, silent, never_cancelled));
     const double lost = simulation.energy().sums(simulation.time()).lost();
     EXPECT_GT(lost, 0.0);
     EXPECT_NEAR(ledger() - before, lost, 1e-12 * lost);
@@ -354,8 +381,8 @@ TEST(RigidRuns, WritesItsLossesIntoTheLedger) {
 
 TEST(RigidRuns, NamesTimeAndPinOfAFault) {
     Simulation simulation(rigid_tiny({"tip.deepest=1 um"}));
-    SilentObserver nobody;
-    const Fault fault = simulation.advance({.until = 0.0}, nobody, never_cancelled);
+    SilentObserver silent;
+    const Fault fault = simulation.advance({.until = 0.0}, silent, never_cancelled);
     EXPECT_EQ(fault.kind, FaultKind::penetration);
     EXPECT_TRUE(fault.pin.has_value());
     EXPECT_GT(fault.value, 1e-6);
@@ -364,8 +391,8 @@ TEST(RigidRuns, NamesTimeAndPinOfAFault) {
 
 TEST(RigidRuns, FindsStepsThatAreTooLong) {
     Simulation simulation(rigid_tiny({"run.step=9 us", "run.output_interval=90 us"}));
-    SilentObserver nobody;
-    const Fault fault = simulation.advance({.until = 0.0}, nobody, never_cancelled);
+    SilentObserver silent;
+    const Fault fault = simulation.advance({.until = 0.0}, silent, never_cancelled);
     EXPECT_TRUE(fault || simulation.suspicion() > 1.0);
 }
 

@@ -48,6 +48,7 @@ public:
     [[nodiscard]] const EnergyAccount& energies() { return workspace_.energy.count(); }
     [[nodiscard]] const model::Variator& variator() const { return workspace_.variator; }
     [[nodiscard]] StepMethod& method() { return *step_method_; }
+    [[nodiscard]] const engine::TaskGraph& graph() const { return graph_; }
 
 private:
     struct OneStep final : engine::Controller {

@@ -33,7 +33,8 @@ struct Choice {
 
 constexpr std::array choices{
     Choice{"leapfrog-sweep",
-           "one evaluation of all forces a step, friction solved for contact by contact; piecewise friction law, or rigid pins"},
+           "one evaluation of all forces a step, friction solved for contact by contact; pin halves, piecewise friction law"},
+    Choice{"leapfrog-rigid", "one evaluation of all forces a step, friction solved for where it acts; rigid pins, every friction law"},
     Choice{"leapfrog-chebyshev", "one evaluation of all forces a step, friction in stages of its own; pin halves, every friction law"},
     Choice{"dumka3", "explicit, steps by local error (run.step_control = \"error\"); the spectrum determines the number of stages"},
     Choice{"dumka3-p5", "explicit, fixed steps, 2 us at full detail: friction is not split off; a sixth of the cost of rk4"},
