@@ -3,11 +3,14 @@
 /// Lanes run over the integration points of the line.
 ///
 ///                 pin halves (EQUATIONS.md section 5)     rigid pins (sections 10 and 11)                 energy          loss
-///     normal N    line_contact(), normal_force()          joint_forces() in model/rigid/rigid_links.hpp:  Energy::joints, Loss::joint_damping,
-///                                                         a constraint, compliance in series with plates  Energy::plates  Loss::plate_damping
-///     rolling     friction of a contact that slides       joint_forces(): moment by the strip's width     none            Loss::joint_friction
-///     sliding     rolling_forces(), along the pin too     joint_friction() in rigid_plates.hpp: along it  none            Loss::joint_friction
-///     clearance   clearance_force()                       none: halves roll without sliding               Energy::joints  Loss::joint_damping
+///     normal N    line_contact(), normal_force()          joint_forces() in model/rigid/rigid_links.hpp:  Energy::joints,
+///     Loss::joint_damping,
+///                                                         a constraint, compliance in series with plates  Energy::plates
+///                                                         Loss::plate_damping
+///     rolling     friction of a contact that slides       joint_forces(): moment by the strip's width     none Loss::joint_friction
+///     sliding     rolling_forces(), along the pin too     joint_friction() in rigid_plates.hpp: along it  none Loss::joint_friction
+///     clearance   clearance_force()                       none: halves roll without sliding               Energy::joints
+///     Loss::joint_damping
 
 #include <cmath>
 

@@ -3,9 +3,9 @@
 ///
 ///                 pin halves (EQUATIONS.md section 6)     rigid pins (section 11)                         energy          loss
 ///     depth δ     tip_geometry()                          place_tip() in model/rigid/rigid_tip.hpp        none            none
-///     normal N    tip_pressing(): K δ^1.5 (1 + χ δ')      rigid_normal_force(): in series with k_e of     Energy::tips    Loss::tip_damping
+///     normal N    tip_pressing(): K δ^1.5 (1 + χ δ')      rigid_normal_force(): in series with k_e of     Energy::tips Loss::tip_damping
 ///                                                         half a pin
-///     friction    tip_forces(): μ N g(|v|) v              TipGroup::friction() in rigid_tips.hpp: solved  none            Loss::tip_friction
+///     friction    tip_forces(): μ N g(|v|) v              TipGroup::friction() in rigid_tips.hpp: solved  none Loss::tip_friction
 ///                                                         at the tip within a step
 ///
 /// The formulas of halves are written once, for two ways to arrange tips:
