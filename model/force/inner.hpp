@@ -1,11 +1,12 @@
 #pragma once
 /// Elasticity inside a link: extension and bending of its two halves, bending, shear and torsion of its plate pack.
+/// Parts of both chains, sections of model/EQUATIONS.md; rigid pins are in model/rigid/:
 ///
-///                 pin halves (EQUATIONS.md section 3)     rigid pins (section 11)                         energy          loss
-///     pack        plate_pack(): yaw, shear, torsion       link_force() in model/rigid/rigid_links.hpp     Energy::pack    Loss::inner
-///     bow         in the plates, one by one               link_force(): of plates between bent pins       Energy::pack    Loss::inner
-///     bending     bending(): modes 2 … p of each half     bend_pin(): one shape of both halves            Energy::inner   Loss::inner
-///     extension   element_force() of e                    in series with Hertz's contact of tips, no mass Energy::tips    none
+///                pin halves (section 3)  rigid pins (section 11)          energy         loss
+///     pack       plate_pack()            rigid_links.hpp: link_force()    Energy::pack   Loss::inner
+///     bow        none: single plates     link_force(), between bent pins  Energy::pack   Loss::inner
+///     bending    bending()               bend_pin(), one shape            Energy::inner  Loss::inner
+///     extension  element_force() of e    none: in series with the tips    Energy::inner  Loss::inner
 ///
 /// Each is a spring k with damper c of a deflection u: E = k u²/2 [J], F = k u + c u' [N, N·m], loss c u'² [W].
 

@@ -1,16 +1,13 @@
 #pragma once
 /// The rolling joint of a pin: the two halves pressed together along a line, friction in the contact, clearance of the plate opening.
 /// Lanes run over the integration points of the line.
+/// Parts of both chains, sections of model/EQUATIONS.md; rigid pins are in model/rigid/:
 ///
-///                 pin halves (EQUATIONS.md section 5)     rigid pins (sections 10 and 11)                 energy          loss
-///     normal N    line_contact(), normal_force()          joint_forces() in model/rigid/rigid_links.hpp:  Energy::joints,
-///     Loss::joint_damping,
-///                                                         a constraint, compliance in series with plates  Energy::plates
-///                                                         Loss::plate_damping
-///     rolling     friction of a contact that slides       joint_forces(): moment by the strip's width     none Loss::joint_friction
-///     sliding     rolling_forces(), along the pin too     joint_friction() in rigid_plates.hpp: along it  none Loss::joint_friction
-///     clearance   clearance_force()                       none: halves roll without sliding               Energy::joints
-///     Loss::joint_damping
+///                pin halves (section 5)  rigid pins (10, 11)                 energy          loss
+///     normal     normal_force()          rigid_links.hpp: joint_forces()     Energy::joints  Loss::joint_damping
+///     rolling    rolling_forces()        joint_forces()                                      Loss::joint_friction
+///     sliding    rolling_forces()        rigid_plates.hpp: joint_friction()                  Loss::joint_friction
+///     clearance  clearance_force()       none: no sliding in the plane       Energy::joints  Loss::joint_damping
 
 #include <cmath>
 

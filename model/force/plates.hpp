@@ -1,12 +1,10 @@
 #pragma once
 /// Plates of a link: elastic bars between the two halves, with friction against axial sliding. Lanes run over the plates, or over links.
+/// Parts of both chains, sections of model/EQUATIONS.md; rigid pins are in model/rigid/:
 ///
-///                 pin halves (EQUATIONS.md section 4)     rigid pins (section 11)                         energy          loss
-///     stretch ε   plate_stretch(), plate_terms()          link_force() in model/rigid/rigid_links.hpp,    Energy::plates
-///     Loss::plate_damping
-///                                                         in series with the joint
-///     friction    plate_slide(): P = μ max(T, 0) g(v) v   plate_friction() in rigid_plates.hpp: of all    none Loss::plate_friction
-///                                                         links at once in a step, as pins do not yield
+///               pin halves (section 4)  rigid pins (section 11)                         energy          loss
+///     stretch   plate_stretch()         rigid_links.hpp: link_force(), joint in series  Energy::plates  Loss::plate_damping
+///     friction  plate_slide()           rigid_plates.hpp: plate_friction()                              Loss::plate_friction
 ///
 /// T = k ε + c ε': tension of a plate [N]; v: sliding along the pins [m/s]; g: model/law/friction_laws.hpp [s/m].
 

@@ -1,12 +1,11 @@
 #pragma once
 /// Forces between the tips of a link and the sheaves, sphere against torus: Hertz contact with friction.
+/// Parts of both chains, sections of model/EQUATIONS.md; rigid pins are in model/rigid/:
 ///
-///                 pin halves (EQUATIONS.md section 6)     rigid pins (section 11)                         energy          loss
-///     depth δ     tip_geometry()                          place_tip() in model/rigid/rigid_tip.hpp        none            none
-///     normal N    tip_pressing(): K δ^1.5 (1 + χ δ')      rigid_normal_force(): in series with k_e of     Energy::tips Loss::tip_damping
-///                                                         half a pin
-///     friction    tip_forces(): μ N g(|v|) v              TipGroup::friction() in rigid_tips.hpp: solved  none Loss::tip_friction
-///                                                         at the tip within a step
+///               pin halves (section 6)  rigid pins (section 11)               energy        loss
+///     depth     tip_geometry()          rigid_tip.hpp: place_tip()
+///     normal    tip_pressing()          rigid_tip.hpp: rigid_normal_force()   Energy::tips  Loss::tip_damping
+///     friction  tip_forces()            rigid_tips.hpp: TipGroup::friction()                Loss::tip_friction
 ///
 /// The formulas of halves are written once, for two ways to arrange tips:
 ///

@@ -141,6 +141,23 @@ TEST_P(ForceRecipe, PowerIsChangeOfEnergyAndLoss) {
     EXPECT_GT(account[Loss::inner], 1e-3 * lost);
 }
 
+/// Accelerations of a link by one of its coordinates, by differences of the oracle.
+std::vector<double> oracle_column(const model::Parameters& p, const oracle::RandomState& random, int begin, int size, int coordinate) {
+    const auto moved = [&](Real by) {
+        std::vector<Real> y(random.state.begin(), random.state.end());
+        y[static_cast<std::size_t>(begin + coordinate)] += by;
+        return oracle::exact_right_hand_side(p, 0.0, y, random.phases).slope;
+    };
+    constexpr Real step = 1e-9L;  // m
+    const auto up = moved(step), down = moved(-step);
+    std::vector<double> column(static_cast<std::size_t>(size));
+    for (int row = 0; row < size; ++row) {
+        const std::size_t place = static_cast<std::size_t>(begin + size + row);
+        column[static_cast<std::size_t>(row)] = static_cast<double>((up[place] - down[place]) / (2.0L * step));
+    }
+    return column;
+}
+
 /// Halves: the exact Jacobian. Rigid pins have none: bench/method/jacobian takes differences of their kernels.
 TEST_P(ForceRecipe, JacobianAgreesWithDifferencesOfTheOracle) {
     model::Parameters p = machine();
@@ -157,21 +174,6 @@ TEST_P(ForceRecipe, JacobianAgreesWithDifferencesOfTheOracle) {
         differences = bench::difference_jacobian(variator, 0.0, random.state, random.phases);
     else
         bench::ExactJacobian(variator).links(random.state.data(), random.phases.data(), 0, at.links, exact);
-    const auto column_of = [&](int coordinate) {
-        const auto moved = [&](Real by) {
-            std::vector<Real> y(random.state.begin(), random.state.end());
-            y[static_cast<std::size_t>(begin + coordinate)] += by;
-            return oracle::exact_right_hand_side(p, 0.0, y, random.phases).slope;
-        };
-        constexpr Real step = 1e-9L;  // m
-        const auto up = moved(step), down = moved(-step);
-        std::vector<double> column(static_cast<std::size_t>(size));
-        for (int row = 0; row < size; ++row) {
-            const std::size_t place = static_cast<std::size_t>(begin + size + row);
-            column[static_cast<std::size_t>(row)] = static_cast<double>((up[place] - down[place]) / (2.0L * step));
-        }
-        return column;
-    };
     const auto entry = [&](int row, int column) {
         if (GetParam() != rigid) return exact.link(2, bench::Near::same, bench::With::position)[row * size + column];
         return differences[static_cast<std::size_t>(begin + column) * static_cast<std::size_t>(at.size()) +
@@ -180,9 +182,9 @@ TEST_P(ForceRecipe, JacobianAgreesWithDifferencesOfTheOracle) {
     double error = 0.0, most = 0.0, change = 0.0;
     for (int column = 0; column < size; ++column) {
         oracle::further_element() = {add_to_halves, add_to_rigid_link};
-        const auto expected = column_of(column);
+        const auto expected = oracle_column(p, random, begin, size, column);
         oracle::further_element() = {};
-        const auto without = column_of(column);
+        const auto without = oracle_column(p, random, begin, size, column);
         for (int row = 0; row < size; ++row) {
             const std::size_t place = static_cast<std::size_t>(row);
             error = std::max(error, std::abs(entry(row, column) - expected[place]));
