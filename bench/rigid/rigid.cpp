@@ -220,12 +220,12 @@ void print_parts(const tasks::Scene& scene) {
     model::Inputs inputs;
     std::vector<double> slope(static_cast<std::size_t>(model.layout().pulley_block()));
     fmt::print("part,us\n");
-    time_part("lines", [&] { k.lines(columns); });
-    time_part("roll", [&] { k.roll(c, columns); });
-    time_part("links", [&] { k.links(c, kick, columns, forces.account); });
-    time_part("lean", [&] { k.lean(c, kick, columns, forces.account); });
-    time_part("gather", [&] { k.gather(columns); });
-    time_part("rub", [&] { k.rub(c, kick, columns, forces.account); });
+    time_part("pitch_lines", [&] { k.pitch_lines(columns); });
+    time_part("rolling_frames", [&] { k.rolling_frames(c, columns); });
+    time_part("link_forces", [&] { k.link_forces(c, kick, columns, forces.account); });
+    time_part("joint_forces", [&] { k.joint_forces(c, kick, columns, forces.account); });
+    time_part("sum_link_forces", [&] { k.sum_link_forces(columns); });
+    time_part("plate_friction", [&] { k.plate_friction(c, kick, columns, forces.account); });
     time_part("tips", [&] { k.tips(c, sheaves, kick, columns, forces.reaction, forces.account); });
     time_part("moments", [&] { k.moments(columns); });
     time_part("accelerate", [&] { k.accelerate(c, columns); });

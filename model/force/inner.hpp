@@ -1,8 +1,17 @@
 #pragma once
 /// Elasticity inside a link: extension and bending of its two halves, bending, shear and torsion of its plate pack.
-/// (model/EQUATIONS.md section 3)
+/// Parts of both chains, sections of model/EQUATIONS.md; rigid pins are in model/rigid/:
+///
+///                pin halves (section 3)  rigid pins (section 11)          energy         loss
+///     pack       plate_pack()            rigid_links.hpp: link_force()    Energy::pack   Loss::inner
+///     bow        none: single plates     link_force(), between bent pins  Energy::pack   Loss::inner
+///     bending    bending()               bend_pin(), one shape            Energy::inner  Loss::inner
+///     extension  element_force() of e    none: in series with the tips    Energy::inner  Loss::inner
+///
+/// Each is a spring k with damper c of a deflection u: E = k u²/2 [J], F = k u + c u' [N, N·m], loss c u'² [W].
 
 #include "model/basis/lanes.hpp"
+#include "model/force/further_element.hpp"
 #include "model/force/lane_accounts.hpp"
 #include "model/force/link_frame.hpp"
 #include "model/machine/coefficients.hpp"
@@ -162,6 +171,7 @@ template <int P, bool Observe, class Kind, class Real, class Book>
         f[e] -= element_force<Observe>(c.extension, q[e], v[e], Energy::inner, account);
     }
     if constexpr (P >= 2) moment += bending<P, Observe>(c, frame, q, v, f, account);
+    FurtherElement::of_halves<P, Observe>(frame, v, f, moment, account);
     return moment;
 }
 

@@ -1,6 +1,13 @@
 #pragma once
 /// The rolling joint of a pin: the two halves pressed together along a line, friction in the contact, clearance of the plate opening.
-/// Lanes run over the integration points of the line. (model/EQUATIONS.md section 5)
+/// Lanes run over the integration points of the line.
+/// Parts of both chains, sections of model/EQUATIONS.md; rigid pins are in model/rigid/:
+///
+///                pin halves (section 5)  rigid pins (10, 11)                 energy          loss
+///     normal     normal_force()          rigid_links.hpp: joint_forces()     Energy::joints  Loss::joint_damping
+///     rolling    rolling_forces()        joint_forces()                                      Loss::joint_friction
+///     sliding    rolling_forces()        rigid_plates.hpp: joint_friction()                  Loss::joint_friction
+///     clearance  clearance_force()       none: no sliding in the plane       Energy::joints  Loss::joint_damping
 
 #include <cmath>
 

@@ -1,6 +1,12 @@
 #pragma once
 /// Plates of a link: elastic bars between the two halves, with friction against axial sliding. Lanes run over the plates, or over links.
-/// (model/EQUATIONS.md section 4)
+/// Parts of both chains, sections of model/EQUATIONS.md; rigid pins are in model/rigid/:
+///
+///               pin halves (section 4)  rigid pins (section 11)                         energy          loss
+///     stretch   plate_stretch()         rigid_links.hpp: link_force(), joint in series  Energy::plates  Loss::plate_damping
+///     friction  plate_slide()           rigid_plates.hpp: plate_friction()                              Loss::plate_friction
+///
+/// T = k ε + c ε': tension of a plate [N]; v: sliding along the pins [m/s]; g: model/law/friction_laws.hpp [s/m].
 
 #include "model/force/account.hpp"
 #include "model/force/link_frame.hpp"

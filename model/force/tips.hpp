@@ -1,6 +1,13 @@
 #pragma once
-/// Forces between the tips of a link and the sheaves, sphere against torus: Hertz contact with friction. The formulas are written once, for
-/// two ways to arrange tips: (model/EQUATIONS.md section 6)
+/// Forces between the tips of a link and the sheaves, sphere against torus: Hertz contact with friction.
+/// Parts of both chains, sections of model/EQUATIONS.md; rigid pins are in model/rigid/:
+///
+///               pin halves (section 6)  rigid pins (section 11)               energy        loss
+///     depth     tip_geometry()          rigid_tip.hpp: place_tip()
+///     normal    tip_pressing()          rigid_tip.hpp: rigid_normal_force()   Energy::tips  Loss::tip_damping
+///     friction  tip_forces()            rigid_tips.hpp: TipGroup::friction()                Loss::tip_friction
+///
+/// The formulas of halves are written once, for two ways to arrange tips:
 ///
 ///     FourTips    the tips of one link in four lanes: rear-, rear+, front-, front+ (side -z, +z)
 ///     OneTip<W>   the tip at the same corner of W links

@@ -3,7 +3,14 @@
 /// and so for numbers with derivatives, too. All start with the slope 1/v0 and are concave. The factors of a tip's law by speed and by
 /// pressure are at the end. The bits are the same for every number of lanes. (model/EQUATIONS.md section 7)
 ///
-/// A law is a struct with these functions; `FrictionLaws` lists them. A curve takes its numbers from the first three.
+/// Force of a contact: μ N · s(v/v0) · by speed · by pressure. Two keys of a scene choose its factors:
+///
+///     key                 factor                                  laws
+///     detail.friction     s(v/v0), of all contacts                FrictionLaws: PiecewiseLaw, SmoothedLaw
+///     tip.friction_law    by speed and pressure, of tips alone    TipLaw: constant (none), table, lubricated (tip_law())
+///
+/// A law of the first kind is a struct with these functions; `FrictionLaws` lists them. A curve takes its numbers from the
+/// first three. One of the second kind is a table: a function that fills TipLaw::by_speed, whatever its formula.
 
 #include <utility>
 

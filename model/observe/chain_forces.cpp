@@ -128,16 +128,17 @@ struct PlaneVector {
 void show_tips(const RigidChain& chain, int link, ChainForces& forces) {
     for (int tip = 0; tip < tips_per_link; ++tip) {
         const std::size_t n = at_entry(tips_per_link * link + tip);
-        forces.tip_normal[n] = chain.of_tip(Column::normal, link, tip);
-        forces.tip_tangential[n] = -chain.of_tip(Column::round, link, tip);
-        forces.tip_radial[n] = chain.of_tip(Column::outward, link, tip);
-        const double round = chain.of_tip(Column::round, link, tip), flank = chain.of_tip(Column::flank, link, tip);
-        forces.tip_sliding[n] = chain.of_tip(Column::sliding, link, tip);
+        forces.tip_normal[n] = chain.of_tip(Column::tip_normal, link, tip);
+        forces.tip_tangential[n] = -chain.of_tip(Column::tip_tangential, link, tip);
+        forces.tip_radial[n] = chain.of_tip(Column::sheave_outward, link, tip);
+        const double round = chain.of_tip(Column::tip_tangential, link, tip), flank = chain.of_tip(Column::tip_radial, link, tip);
+        forces.tip_sliding[n] = chain.of_tip(Column::tip_slip, link, tip);
         forces.tip_power[n] = std::sqrt(round * round + flank * flank) * forces.tip_sliding[n];
-        forces.tip_radius[n] = chain.of_tip(Column::reach, link, tip);
+        forces.tip_radius[n] = chain.of_tip(Column::tip_radius, link, tip);
     }
     for (int end = 0; end < 2; ++end) {  // both tips press on a half, whose middle carries the mean
-        const double minus = chain.of_tip(Column::axial, link, 2 * end), plus = chain.of_tip(Column::axial, link, 2 * end + 1);
+        const double minus = chain.of_tip(Column::sheave_axial, link, 2 * end),
+                     plus = chain.of_tip(Column::sheave_axial, link, 2 * end + 1);
         forces.half_axial[at_entry(2 * link + end)] = -0.5 * (std::abs(minus) + std::abs(plus));
     }
 }

@@ -12,8 +12,8 @@ namespace {
 
 /// Largest normal force of each pin's tips in the last step [N].
 [[nodiscard]] inline PinLanes last_pressing(const RigidColumns& columns, int first) noexcept {
-    PinLanes most = read(columns, Column::normal, first);
-    for (int tip = 1; tip < rigid_tips; ++tip) most = larger<rigid_lanes>(most, read(columns, Column::normal + tip, first));
+    PinLanes most = read(columns, Column::tip_normal, first);
+    for (int tip = 1; tip < rigid_tips; ++tip) most = larger<rigid_lanes>(most, read(columns, Column::tip_normal + tip, first));
     return most;
 }
 
@@ -50,13 +50,13 @@ public:
             return select_greater<W>(middle.x, V(c.middle), V(pulleys[1].*number), V(pulleys[0].*number));
         };
         const auto size = [](const PlaneV& v) { return abs(v.x) + abs(v.y); };
-        const PlaneV axis{of(&PulleyBounds::x), of(&PulleyBounds::y)}, apart = V(0.5) * read_rounded(Column::part_x);
+        const PlaneV axis{of(&PulleyBounds::x), of(&PulleyBounds::y)}, apart = V(0.5) * read_rounded(Column::offset_x);
         const PlaneV arm = (middle - axis) + V(c.bend_lever) * bend;
         const PlaneV front = arm + apart + V(c.outward) * outward(-1), rear = arm - apart + V(c.outward) * outward(0);
         const V radius = sqrt(smaller<W>(dot(front, front), dot(rear, rear))), tilt = of(&PulleyBounds::tilt);
         const V rise =
-            V(c.outward / c.half_length) * (size(end) + V(c.bend_slope) * size(bend)) + V(0.5) * abs(as<W>(read_pins(Column::slide)));
-        const V z = as<W>(read_pins(Column::z)), low = z - of(&PulleyBounds::low), high = of(&PulleyBounds::high) - z;
+            V(c.outward / c.half_length) * (size(end) + V(c.bend_slope) * size(bend)) + V(0.5) * abs(convert<W>(read_pins(Column::slide)));
+        const V z = convert<W>(read_pins(Column::z)), low = z - of(&PulleyBounds::low), high = of(&PulleyBounds::high) - z;
         const V beside = V(c.lever) * size(end) + of(&PulleyBounds::apart), off = larger<W>(abs(low), abs(high)) + V(c.radius * c.cosine);
         const V a = radius - beside - tilt * (off + rise) - V(c.touching_radius);
         const V h = smaller<W>(low, high) - rise - tilt * (radius + beside);
@@ -65,7 +65,7 @@ public:
 
 private:
     [[nodiscard, gnu::always_inline]] PlaneV read_rounded(Column first, int offset = 0) const noexcept {
-        return as<W>(read_plane_of(first, offset));
+        return convert<W>(read_plane_of(first, offset));
     }
     [[nodiscard, gnu::always_inline]] PlaneV outward(int line) const noexcept {
         const PlaneV t = read_rounded(Column::line_x, line);
@@ -107,9 +107,9 @@ inline void find_near_pins(const RigidCoefficients& c, const SheaveMotion* sheav
 
 /// Tips' numbers of pins that are no longer near become zeros; those of a block that reached beyond the last pin belong to the first ones.
 inline void finish_near_pins(RigidColumns& columns, int beyond) noexcept {
-    constexpr Column last = Column::flank + (rigid_tips - 1);
-    columns.unwrap(Column::tip_stiffness_front, Column::tip_rear, beyond);
-    columns.unwrap(Column::tip_x, last, beyond);
+    constexpr Column last = Column::tip_radial + (rigid_tips - 1);
+    columns.unwrap(Column::tip_stiffness_front, Column::tip_moment_rear, beyond);
+    columns.unwrap(Column::tip_force_x, last, beyond);
     const PinLanes now(1.0), no(0.0);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const PinLanes written = read(columns, Column::written, i), kept = select_greater<rigid_lanes>(written, now, now, no);
@@ -117,8 +117,8 @@ inline void finish_near_pins(RigidColumns& columns, int beyond) noexcept {
         if (all_at_most<rigid_lanes>(smaller<rigid_lanes>(written, now) - kept, 0.0)) continue;
         for (int pin = i; pin < std::min(i + rigid_lanes, columns.pins()); ++pin) {
             if (columns[Column::written][pin] != 0.0) continue;
-            columns.clear(Column::tip_stiffness_front, Column::tip_rear, pin, 1);
-            columns.clear(Column::tip_x, last, pin, 1);
+            columns.clear(Column::tip_stiffness_front, Column::tip_moment_rear, pin, 1);
+            columns.clear(Column::tip_force_x, last, pin, 1);
         }
     }
 }
@@ -126,14 +126,14 @@ inline void finish_near_pins(RigidColumns& columns, int beyond) noexcept {
 /// Tips' numbers of velocities as they are, as of pins that are far from any sheave.
 inline void clear_tips(RigidColumns& columns) noexcept {
     const int all = columns.padded() + rigid_lanes;
-    for (int tip = 0; tip < rigid_tips; ++tip) std::fill_n(columns[Column::depth + tip], all, far_depth);
-    columns.clear(Column::tip_stiffness_front, Column::tip_rear, 0, all);
-    columns.clear(Column::tip_x, Column::reach + (rigid_tips - 1), 0, all);
+    for (int tip = 0; tip < rigid_tips; ++tip) std::fill_n(columns[Column::tip_depth + tip], all, far_depth);
+    columns.clear(Column::tip_stiffness_front, Column::tip_moment_rear, 0, all);
+    columns.clear(Column::tip_force_x, Column::tip_radius + (rigid_tips - 1), 0, all);
 }
 /// Moves the numbers of a block that reached beyond the last pin to the first pins.
 inline void unwrap_tips(RigidColumns& columns, int beyond) noexcept {
-    columns.unwrap(Column::depth, Column::tip_rear, beyond);
-    columns.unwrap(Column::tip_x, Column::reach + (rigid_tips - 1), beyond);
+    columns.unwrap(Column::tip_depth, Column::tip_moment_rear, beyond);
+    columns.unwrap(Column::tip_force_x, Column::tip_radius + (rigid_tips - 1), beyond);
 }
 
 /// Calls press(block) for blocks that have all near pins. A block that reaches beyond the last pin continues with copies of the first ones.
@@ -152,7 +152,7 @@ template <class Press>
         if (pin + rigid_lanes > pins) {
             beyond = pin + rigid_lanes - pins;
             columns.wrap(Column::force_x, Column::force_bend_y);
-            columns.wrap(Column::normal, Column::flank + (rigid_tips - 1));
+            columns.wrap(Column::tip_normal, Column::tip_radial + (rigid_tips - 1));
         }
         for (int lane = pin; lane < pin + rigid_lanes; ++lane) written[lane < pins ? lane : lane - pins] = 2.0;
         press(PinBlock{pin, rigid_lanes});

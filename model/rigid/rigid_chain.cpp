@@ -75,11 +75,11 @@ double RigidChain::kinetic() const noexcept { return model_.kernels().kick(model
 void RigidChain::show_contacts(LinkContact* contacts) const noexcept {
     for (int link = 0; link < model_.layout().links; ++link) {
         LinkContact& contact = contacts[link];
-        contact.tension = columns_[Column::tension][link] - columns_[Column::stretch_drag][link];
+        contact.tension = columns_[Column::tension][link] - columns_[Column::stretch_damping_force][link];
         for (int tip = 0; tip < tips_per_link; ++tip) {
-            contact.depth[tip] = of_tip(Column::depth, link, tip);
-            contact.normal[tip] = of_tip(Column::normal, link, tip);
-            contact.axial[tip] = of_tip(Column::axial, link, tip);
+            contact.depth[tip] = of_tip(Column::tip_depth, link, tip);
+            contact.normal[tip] = of_tip(Column::tip_normal, link, tip);
+            contact.axial[tip] = of_tip(Column::sheave_axial, link, tip);
         }
     }
 }
@@ -96,8 +96,8 @@ void RigidChain::probe(const double* states, int links, const SheaveMotion* shea
             for (int pin = 0; pin <= rigid_lanes; ++pin)
                 strip_[Column::x + k][pin] = scale * states[(first + std::min(pin, count + 2) - 1) * at.link_block() + place];
         }
-        model_.kernels().lines(strip_);
-        model_.kernels().roll(model_.coefficients(), strip_);
+        model_.kernels().pitch_lines(strip_);
+        model_.kernels().rolling_frames(model_.coefficients(), strip_);
         alignas(64) double depth[rigid_tips][rigid_lanes];
         model_.kernels().depths(model_.coefficients(), sheaves, strip_, depth[0]);
         for (int link = 0; link < count; ++link) {
@@ -130,33 +130,33 @@ void RigidModel::accelerate(const SheaveMotion* sheaves, const RigidKick& kick, 
 void RigidModel::link_forces(const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
     f.account = {};
     columns.wrap(Column::x, Column::vbend_y);
-    kernels_.lines(columns);
+    kernels_.pitch_lines(columns);
     columns.wrap(Column::line_x, Column::line_turn);
-    kernels_.roll(coefficients_, columns);
-    columns.wrap(Column::bisector_x, Column::part_vy);
-    kernels_.links(coefficients_, kick, columns, f.account);
+    kernels_.rolling_frames(coefficients_, columns);
+    columns.wrap(Column::bisector_x, Column::offset_vy);
+    kernels_.link_forces(coefficients_, kick, columns, f.account);
     columns.wrap(Column::pull_x, Column::bow_y);
-    kernels_.lean(coefficients_, kick, columns, f.account);
-    columns.wrap(Column::lean_x, Column::bend_moment);
-    kernels_.gather(columns);
+    kernels_.joint_forces(coefficients_, kick, columns, f.account);
+    columns.wrap(Column::offset_moment_x, Column::bend_moment);
+    kernels_.sum_link_forces(columns);
 }
 
 void RigidModel::plate_friction(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
-    if (sheaves != nullptr && !kick.implicit()) kernels_.lengthen(coefficients_, sheaves, columns);
+    if (sheaves != nullptr && !kick.implicit()) kernels_.axial_rates(coefficients_, sheaves, columns);
     columns.wrap(Column::lengthening, Column::lengthening);
-    kernels_.rub(coefficients_, kick, columns, f.account);
-    columns.wrap(Column::joint, Column::joint);
+    kernels_.plate_friction(coefficients_, kick, columns, f.account);
+    columns.wrap(Column::joint_friction, Column::joint_friction);
 }
 
 void RigidModel::tip_forces(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
     f.reaction = {};
     if (sheaves == nullptr) return;
     kernels_.tips(coefficients_, sheaves, kick, columns, f.reaction, f.account);
-    columns.wrap(Column::tip_lean_x, Column::tip_rear);
+    columns.wrap(Column::tip_offset_moment_x, Column::tip_moment_rear);
 }
 
 void RigidModel::sum_forces(const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
-    kernels_.settle(coefficients_, kick, columns, f.account);
+    kernels_.joint_friction(coefficients_, kick, columns, f.account);
     kernels_.moments(columns);
     columns.wrap(Column::tip_moment, Column::tip_moment_before);
     kernels_.accelerate(coefficients_, columns);
@@ -190,7 +190,7 @@ void RigidModel::write(const RigidColumns& columns, double* blocks) const noexce
 }
 
 void RigidModel::acceleration(const RigidColumns& columns, int pin, double* of_pin) const noexcept {
-    for (int k = 0; k < rigid_coordinates; ++k) of_pin[rigid_place(layout_, k)] = columns[Column::force_x + k][pin] / scale(k);
+    for (int k = 0; k < rigid_coordinates; ++k) of_pin[rigid_place(layout_, k)] = columns[Column::acceleration_x + k][pin] / scale(k);
 }
 
 }  // namespace cvtflow::model

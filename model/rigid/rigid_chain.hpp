@@ -25,7 +25,7 @@ public:
     /// Columns with the constants of the links; everything else is zero.
     [[nodiscard]] RigidColumns columns() const;
 
-    /// Accelerations of the pins into the columns force_x … force_bend_y, at coordinates and velocities of the columns.
+    /// Accelerations of the pins into the columns acceleration_x …, at coordinates and velocities of the columns.
     /// @param sheaves [4], nullptr: there are no pulleys
     void accelerate(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
     /// accelerate() with friction of the present velocities, without memory of a step before.

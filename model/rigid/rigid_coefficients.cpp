@@ -97,11 +97,11 @@ void RigidCoefficients::fill(const Parameters& parameters, RigidColumns& columns
         const LinkKind& kind = c.kind(link);
         columns[Column::free_length][link] = kind.free_length;
         columns[Column::inverse_length][link] = kind.inverse_length;
-        columns[Column::yaw][link] = pack + square * kind.bending.stiffness;
+        columns[Column::yaw_stiffness][link] = pack + square * kind.bending.stiffness;
         columns[Column::yaw_damping][link] = pull.damping * plate_square + square * kind.bending.damping;
-        columns[Column::shear][link] = kind.shear.stiffness;
+        columns[Column::shear_stiffness][link] = kind.shear.stiffness;
         columns[Column::shear_damping][link] = kind.shear.damping;
-        columns[Column::torsion][link] = square * kind.torsion.stiffness;
+        columns[Column::torsion_stiffness][link] = square * kind.torsion.stiffness;
         columns[Column::torsion_damping][link] = square * kind.torsion.damping;
     }
     columns.wrap(Column::free_length, Column::torsion_damping);

@@ -10,8 +10,8 @@ namespace cvtflow::model {
 
 template <>
 RigidKernels rigid_kernels<compiled_isa>() noexcept {
-    return {pitch_lines,   roll_halves, link_forces,     lean_halves, gather_links, lengthen_pins, rub_plates,     press_tips,
-            settle_joints, tip_moments, accelerate_pins, drift_pins,  kick_pins,    tip_depths,    contact_changes};
+    return {pitch_lines,    rolling_frames, link_forces,     joint_forces, sum_link_forces, axial_rates, plate_friction, press_tips,
+            joint_friction, tip_moments,    accelerate_pins, drift_pins,   kick_pins,       tip_depths,  contact_changes};
 }
 
 }  // namespace cvtflow::model

@@ -30,27 +30,27 @@ struct RigidReaction {
 /// Each function reads and writes columns of all pins; the caller renews the copies of neighbours in between.
 struct RigidKernels {
     /// Pitch lines from coordinates and velocities.
-    void (*lines)(RigidColumns& columns) noexcept;
-    /// Rolling of the halves from the pitch lines.
-    void (*roll)(const RigidCoefficients& c, RigidColumns& columns) noexcept;
+    void (*pitch_lines)(RigidColumns& columns) noexcept;
+    /// Directions and offsets of the halves that roll on each other, from the pitch lines.
+    void (*rolling_frames)(const RigidCoefficients& c, RigidColumns& columns) noexcept;
     /// Forces of links; adds energies and losses.
-    void (*links)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
-    /// A g of the links' forces and resistance to rolling.
-    void (*lean)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
-    /// Generalised forces of the links on the pins.
-    void (*gather)(RigidColumns& columns) noexcept;
-    /// Rates at which pins lengthen, of velocities as they are. @param sheaves [4]
-    void (*lengthen)(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns) noexcept;
+    void (*link_forces)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
+    /// Bending of the pins, normal force and rolling resistance of their joints, and A g of the links' forces.
+    void (*joint_forces)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
+    /// Sum of the links' forces on each pin, per coordinate.
+    void (*sum_link_forces)(RigidColumns& columns) noexcept;
+    /// Rates at which pins lengthen along their axes, of velocities as they are. @param sheaves [4]
+    void (*axial_rates)(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns) noexcept;
     /// Friction of plates along the pins, which lengthen meanwhile: in a step, as they did in the last one.
-    void (*rub)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
+    void (*plate_friction)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
     /// Normal forces and friction of the tips. @param sheaves [4]
     void (*tips)(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
                  RigidReaction& reaction, Account& account) noexcept;
     /// Friction of the halves of a pin on each other, behind the tips.
-    void (*settle)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
+    void (*joint_friction)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
     /// Moments of the tips on the pitch lines.
     void (*moments)(RigidColumns& columns) noexcept;
-    /// All forces added up: accelerations into the columns `force_x` …
+    /// Accelerations by the sum of all forces.
     void (*accelerate)(const RigidCoefficients& c, RigidColumns& columns) noexcept;
     /// Coordinates by velocities over a time [s].
     void (*drift)(double step, RigidColumns& columns) noexcept;

@@ -1,6 +1,8 @@
 #pragma once
-/// Links between rigid pins: pitch lines, rolling of the halves, forces of the pack of plates. (model/EQUATIONS.md section 11)
+/// Links between rigid pins: pitch lines, rolling of the halves, forces of the pack of plates. Tables of elements, beside those of pin
+/// halves: model/force/plates.hpp, joint.hpp, inner.hpp. (model/EQUATIONS.md section 11)
 
+#include "model/force/further_element.hpp"
 #include "model/rigid/rigid_kernels.hpp"
 #include "model/rigid/rigid_vectors.hpp"
 
@@ -28,10 +30,10 @@ struct Rolling {
 };
 
 [[nodiscard]] inline Rolling read_rolling(const RigidView& columns, int i) noexcept {
-    return {read_plane(columns, Column::bisector_x, i), read(columns, Column::along, i), read(columns, Column::across, i)};
+    return {read_plane(columns, Column::bisector_x, i), read(columns, Column::rolling_along, i), read(columns, Column::rolling_across, i)};
 }
 
-inline void roll_halves(const RigidCoefficients& c, RigidColumns& all) noexcept {
+inline void rolling_frames(const RigidCoefficients& c, RigidColumns& all) noexcept {
     const RigidView columns(all);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const Plane behind = read_plane(columns, Column::line_x, i - 1), ahead = read_plane(columns, Column::line_x, i);
@@ -41,10 +43,10 @@ inline void roll_halves(const RigidCoefficients& c, RigidColumns& all) noexcept 
         const Rolling rolling{inverse * both, along, across};
         const Plane rate = read(columns, Column::line_turn, i - 1) * turned(behind) + read(columns, Column::line_turn, i) * turned(ahead);
         write_plane(columns, Column::bisector_x, i, rolling.bisector);
-        write(columns, Column::along, i, along);
-        write(columns, Column::across, i, across);
-        write_plane(columns, Column::part_x, i, along * both);
-        write_plane(columns, Column::part_vx, i, rolling * rate);
+        write(columns, Column::rolling_along, i, along);
+        write(columns, Column::rolling_across, i, across);
+        write_plane(columns, Column::offset_x, i, along * both);
+        write_plane(columns, Column::offset_vx, i, rolling * rate);
     }
 }
 
@@ -52,6 +54,7 @@ inline void roll_halves(const RigidCoefficients& c, RigidColumns& all) noexcept 
 struct LinkMotion {
     Plane t, n;                      ///< along the link, and k×t
     PinLanes inverse, turn;          ///< 1/|d| [1/m], turning rate [rad/s]
+    PinLanes length_rate;            ///< |d|' [m/s]
     PinLanes stretch, stretch_rate;  ///< ε [m]
     PinLanes yaw, yaw_rate;          ///< ψ: difference of the end displacements along the link [m]
     PinLanes roll, roll_rate;        ///< χ: across it [m]
@@ -73,8 +76,8 @@ struct LinkMotion {
     const auto total = [&](Column of) { return read_plane(columns, of, i + 1) + read_plane(columns, of, i); };
     const PinLanes per_length = read(columns, Column::inverse_length, i), per_half(1.0 / c.half_length), two_per = 2.0 * per_length;
     LinkMotion m;
-    const Plane d = difference(Column::x) + PinLanes(0.5) * total(Column::part_x);
-    const Plane rate = difference(Column::vx) + PinLanes(0.5) * total(Column::part_vx);
+    const Plane d = difference(Column::x) + PinLanes(0.5) * total(Column::offset_x);
+    const Plane rate = difference(Column::vx) + PinLanes(0.5) * total(Column::offset_vx);
     const PinLanes length = sqrt(dot(d, d));
     m.inverse = 1.0 / length;
     m.t = m.inverse * d;
@@ -89,7 +92,8 @@ struct LinkMotion {
     m.rise_rate = axial_parting(columns, Column::vz, Column::vslide, i);
     const PinLanes square(c.plate_square);
     m.stretch = (length - read(columns, Column::free_length, i)) + 0.5 * per_length * (square * m.roll * m.roll + m.rise * m.rise);
-    m.stretch_rate = dot(rate, m.t) + per_length * (square * m.roll * m.roll_rate + m.rise * m.rise_rate);
+    m.length_rate = dot(rate, m.t);
+    m.stretch_rate = m.length_rate + per_length * (square * m.roll * m.roll_rate + m.rise * m.rise_rate);
     const Plane sums = total(Column::p);
     m.lean = dot(sums, m.t);
     m.lean_across = dot(sums, m.n);
@@ -110,9 +114,9 @@ struct LinkSums {
 
 inline void link_force(const RigidCoefficients& c, const RigidKick& kick, const RigidView& columns, int i, LinkSums& sums) noexcept {
     const LinkMotion m = link_motion(c, columns, i);
-    const PinLanes yaw_stiffness = read(columns, Column::yaw, i), yaw_damping = read(columns, Column::yaw_damping, i);
-    const PinLanes shear_stiffness = read(columns, Column::shear, i), shear_damping = read(columns, Column::shear_damping, i);
-    const PinLanes torsion = read(columns, Column::torsion, i), torsion_damping = read(columns, Column::torsion_damping, i);
+    const PinLanes yaw_stiffness = read(columns, Column::yaw_stiffness, i), yaw_damping = read(columns, Column::yaw_damping, i);
+    const PinLanes shear_stiffness = read(columns, Column::shear_stiffness, i), shear_damping = read(columns, Column::shear_damping, i);
+    const PinLanes torsion = read(columns, Column::torsion_stiffness, i), torsion_damping = read(columns, Column::torsion_damping, i);
     const PinLanes stretch_drag = c.pull.damping * m.stretch_rate, yaw_drag = yaw_damping * m.yaw_rate;
     const PinLanes torsion_drag = torsion_damping * m.roll_rate, shear_drag = shear_damping * m.shear_rate;
     const PinLanes bow_drag = c.bow.damping * m.bow_rate, bow = c.bow.stiffness * m.bow + bow_drag;
@@ -123,7 +127,9 @@ inline void link_force(const RigidCoefficients& c, const RigidKick& kick, const 
     const PinLanes shear = shear_stiffness * m.shear + shear_drag;
     const PinLanes bend = shear * (1.0 / c.half_length);
     const PinLanes turning = roll * m.yaw - yaw * m.roll + bend * m.lean_across - bow * m.bow_across;
-    write_plane(columns, Column::pull_x, i, (turning * m.inverse) * m.n - tension * m.t);
+    Plane pull = (turning * m.inverse) * m.n - tension * m.t;
+    FurtherElement::of_rigid_pins(m, i, pull, sums);
+    write_plane(columns, Column::pull_x, i, pull);
     write(columns, Column::pull_z, i, 2.0 * read(columns, Column::inverse_length, i) * shear - share * m.rise);
     write_plane(columns, Column::twist_x, i, PinLanes(-1.0) * (yaw * m.t + roll * m.n));
     write_plane(columns, Column::shear_x, i, bend * m.t);
@@ -132,11 +138,11 @@ inline void link_force(const RigidCoefficients& c, const RigidKick& kick, const 
     sums.plates.add(i, 0.5 * c.pull.stiffness * m.stretch * m.stretch);
     sums.pack.add(i, 0.5 * (yaw_stiffness * m.yaw * m.yaw + torsion * m.roll * m.roll + shear_stiffness * m.shear * m.shear +
                             c.bow.stiffness * m.bow * m.bow));
-    sums.damping.add(i, drag_power(kick, columns, Column::stretch_drag, i, stretch_drag, m.stretch_rate));
-    sums.inner.add(i, drag_power(kick, columns, Column::yaw_drag, i, yaw_drag, m.yaw_rate) +
-                          drag_power(kick, columns, Column::torsion_drag, i, torsion_drag, m.roll_rate) +
-                          drag_power(kick, columns, Column::shear_drag, i, shear_drag, m.shear_rate) +
-                          drag_power(kick, columns, Column::bow_drag, i, bow_drag, m.bow_rate));
+    sums.damping.add(i, drag_power(kick, columns, Column::stretch_damping_force, i, stretch_drag, m.stretch_rate));
+    sums.inner.add(i, drag_power(kick, columns, Column::yaw_damping_force, i, yaw_drag, m.yaw_rate) +
+                          drag_power(kick, columns, Column::torsion_damping_force, i, torsion_drag, m.roll_rate) +
+                          drag_power(kick, columns, Column::shear_damping_force, i, shear_drag, m.shear_rate) +
+                          drag_power(kick, columns, Column::bow_damping_force, i, bow_drag, m.bow_rate));
 }
 
 inline void link_forces(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all, Account& account) noexcept {
@@ -163,12 +169,12 @@ inline void link_forces(const RigidCoefficients& c, const RigidKick& kick, Rigid
     write_plane(columns, Column::force_bend_x, i, PinLanes(-1.0) * (travel * along + height * across));
     write(columns, Column::bend_moment, i, 0.5 * (height * u - travel * v));
     stored.add(i, 0.5 * (c.travel.stiffness * u * u + c.height.stiffness * v * v));
-    lost.add(i, drag_power(kick, columns, Column::bend_drag_along, i, u_drag, u_rate) +
-                    drag_power(kick, columns, Column::bend_drag_across, i, v_drag, v_rate));
+    lost.add(i, drag_power(kick, columns, Column::bend_damping_force_along, i, u_drag, u_rate) +
+                    drag_power(kick, columns, Column::bend_damping_force_across, i, v_drag, v_rate));
 }
 
 /// Halves that are pressed together by N resist rolling, as if a share of the strip of contact slid.
-inline void lean_halves(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all, Account& account) noexcept {
+inline void joint_forces(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all, Account& account) noexcept {
     const RigidView columns(all);
     PinSum lost(columns), bent(columns), inner(columns);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
@@ -180,9 +186,9 @@ inline void lean_halves(const RigidCoefficients& c, const RigidKick& kick, Rigid
         const PinLanes strip = c.rolling_arm * sqrt(pressing), slip = strip * bending;
         const PinLanes friction =
             c.joint_friction.coefficient * pressing * slip_factor_of_square<rigid_lanes>(c.joint_friction, slip * slip) * slip;
-        write_plane(columns, Column::lean_x, i, rolling * half);
-        write(columns, Column::pressing, i, pressing);
-        lost.add(i, drag_power(kick, columns, Column::rolling, i, strip * friction, bending));
+        write_plane(columns, Column::offset_moment_x, i, rolling * half);
+        write(columns, Column::joint_normal, i, pressing);
+        lost.add(i, drag_power(kick, columns, Column::rolling_moment, i, strip * friction, bending));
     }
     account.lose(Loss::joint_friction, lost.value());
     account.lose(Loss::inner, inner.value());
@@ -192,18 +198,18 @@ inline void lean_halves(const RigidCoefficients& c, const RigidKick& kick, Rigid
 /// Action of link i on the pins at its ends in the plane: forces of its halves and the moment on its pitch line.
 [[nodiscard, gnu::always_inline]] inline Plane link_thrust(const RigidView& columns, int i) noexcept {
     const Plane normal = turned(read_plane(columns, Column::line_x, i));
-    const Plane lean = read_plane(columns, Column::lean_x, i) + read_plane(columns, Column::lean_x, i + 1);
-    const PinLanes moment = dot(normal, lean) + read(columns, Column::rolling, i + 1) - read(columns, Column::rolling, i) +
+    const Plane lean = read_plane(columns, Column::offset_moment_x, i) + read_plane(columns, Column::offset_moment_x, i + 1);
+    const PinLanes moment = dot(normal, lean) + read(columns, Column::rolling_moment, i + 1) - read(columns, Column::rolling_moment, i) +
                             read(columns, Column::bend_moment, i + 1) + read(columns, Column::bend_moment, i) +
                             read(columns, Column::tip_moment, i);
     return read_plane(columns, Column::pull_x, i) + (moment * read(columns, Column::line_inverse, i)) * normal;
 }
 
-inline void gather_links(RigidColumns& all) noexcept {
+inline void sum_link_forces(RigidColumns& all) noexcept {
     const RigidView columns(all);
     Plane last{0.0, 0.0};  // of the eight links before
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-        const Plane ahead = link_thrust(columns, i), behind = i == 0 ? link_thrust(columns, -1) : one_back(last, ahead);
+        const Plane ahead = link_thrust(columns, i), behind = i == 0 ? link_thrust(columns, -1) : shifted_by_one_pin(last, ahead);
         last = ahead;
         write_plane(columns, Column::force_x, i, behind - ahead);
         const PinLanes front = read(columns, Column::pull_z, i - 1), rear = -read(columns, Column::pull_z, i);

@@ -75,43 +75,43 @@ inline void solve_ring(const RingShares& shares, double a, const RigidView& colu
     PinLanes rub(0.0), behind(1.0), ahead(0.0);
     PinLanes first_rub(0.0), first_behind(0.0), first_ahead(1.0);  // P of a lane's first link by those of both last ones
     for (int at = 0, row = 0; at < last; at += rigid_lanes, ++row) {
-        const PinLanes number(row), grip = read(columns, Column::ring_grip, at), coupling = PinLanes(a) * grip;
-        const PinLanes back = coupling * read(columns, Column::ring_tie_behind, at),
-                       on = coupling * read(columns, Column::ring_tie_ahead, at);
+        const PinLanes number(row), grip = read(columns, Column::ring_secant, at), coupling = PinLanes(a) * grip;
+        const PinLanes back = coupling * read(columns, Column::ring_coupling_rear, at),
+                       on = coupling * read(columns, Column::ring_coupling_front, at);
         const PinLanes inverse = 1.0 / ((1.0 + 4.0 * coupling - back - on) - back * ahead);  // each row waits for this
-        rub = (read(columns, Column::ring_push, at) + back * rub) * inverse;
+        rub = (read(columns, Column::ring_rhs, at) + back * rub) * inverse;
         behind = select_greater<rigid_lanes>(absent, number, behind, back * behind * inverse);
         ahead = on * inverse;
         first_rub += first_ahead * rub;
         first_behind += select_greater<rigid_lanes>(absent, number, PinLanes(0.0), first_ahead * behind);
         first_ahead = select_greater<rigid_lanes>(absent, number, first_ahead, first_ahead * ahead);
-        write(columns, Column::ring_rub, at, rub);
-        write(columns, Column::ring_behind, at, behind);
-        write(columns, Column::ring_ahead, at, ahead);
+        write(columns, Column::ring_solution, at, rub);
+        write(columns, Column::ring_lower, at, behind);
+        write(columns, Column::ring_upper, at, ahead);
     }
-    const PinLanes grip = read(columns, Column::ring_grip, last), coupling = PinLanes(a) * grip;
-    const PinLanes back = coupling * read(columns, Column::ring_tie_behind, last),
-                   on = coupling * read(columns, Column::ring_tie_ahead, last);
+    const PinLanes grip = read(columns, Column::ring_secant, last), coupling = PinLanes(a) * grip;
+    const PinLanes back = coupling * read(columns, Column::ring_coupling_rear, last),
+                   on = coupling * read(columns, Column::ring_coupling_front, last);
     const PinLanes inverse = 1.0 / (1.0 + 4.0 * coupling - back * (1.0 + ahead) - on * (1.0 + neighbour<1>(first_behind)));
-    const PinLanes free = read(columns, Column::ring_push, last) + back * rub + on * neighbour<1>(first_rub);
+    const PinLanes free = read(columns, Column::ring_rhs, last) + back * rub + on * neighbour<1>(first_rub);
     PinLanes next = LaneRing{free * inverse, back * behind * inverse, on * neighbour<1>(first_ahead) * inverse}.solution();
     const PinLanes before = neighbour<-1>(next);
-    write(columns, Column::ring_rub, last, next);
+    write(columns, Column::ring_solution, last, next);
     for (int at = last - rigid_lanes; at >= 0; at -= rigid_lanes) {
-        next = read(columns, Column::ring_rub, at) + read(columns, Column::ring_behind, at) * before +
-               read(columns, Column::ring_ahead, at) * next;
-        write(columns, Column::ring_rub, at, next);
+        next = read(columns, Column::ring_solution, at) + read(columns, Column::ring_lower, at) * before +
+               read(columns, Column::ring_upper, at) * next;
+        write(columns, Column::ring_solution, at, next);
     }
 }
 
 /// Friction of the velocities that the step leaves behind, by the friction per speed that the last step has left.
 inline void solve_friction(double step_per_mass, RigidColumns& columns) noexcept {
     const RingShares shares(columns.pins());
-    columns.wrap(Column::rub_push, Column::rub_grip);
-    double *push = columns[Column::ring_push], *grip = columns[Column::ring_grip], *rub = columns[Column::rub];
-    double *behind = columns[Column::ring_tie_behind], *ahead = columns[Column::ring_tie_ahead];
-    const double *push_of = columns[Column::rub_push], *grip_of = columns[Column::rub_grip], *rub_in = columns[Column::ring_rub];
-    const double* tie_of = columns[Column::joint_tie];
+    columns.wrap(Column::plate_rhs, Column::plate_secant);
+    double *push = columns[Column::ring_rhs], *grip = columns[Column::ring_secant], *rub = columns[Column::plate_friction];
+    double *behind = columns[Column::ring_coupling_rear], *ahead = columns[Column::ring_coupling_front];
+    const double *push_of = columns[Column::plate_rhs], *grip_of = columns[Column::plate_secant], *rub_in = columns[Column::ring_solution];
+    const double* tie_of = columns[Column::joint_coupling];
     shares.for_links([&](int place, int link) {
         push[place] = push_of[link];
         grip[place] = grip_of[link];
@@ -120,7 +120,7 @@ inline void solve_friction(double step_per_mass, RigidColumns& columns) noexcept
     });
     solve_ring(shares, step_per_mass, RigidView(columns));
     shares.for_links([&](int place, int link) { rub[link] = rub_in[place]; });
-    columns.wrap(Column::rub, Column::rub);
+    columns.wrap(Column::plate_friction, Column::plate_friction);
 }
 
 /// Sliding speed that the lengthening of both pins adds at the plates at +z, and subtracts at those at -z [m/s].
@@ -134,7 +134,7 @@ constexpr double expected_share = 0.75;
 
 /// Velocities of the pins and of their halves on each other along z, and the halves' grip, before plates rub. Forces of the tips are those
 /// of the last step and what is expected to be added since.
-inline void drive_pins(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all) noexcept {
+inline void free_slips(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all) noexcept {
     const RigidView columns(all);
     const PinLanes half_step(0.5 * expected_share * kick.step), per_slide(kick.step / c.slide_mass), per_mass(kick.step / c.mass);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
@@ -144,102 +144,105 @@ inline void drive_pins(const RigidCoefficients& c, const RigidKick& kick, RigidC
             return half_step * (read(columns, Column::tip_loading_front + half, i) - stiffness * speed);
         };
         const PinLanes front = half_change(0, along + 0.5 * apart), rear = half_change(1, along - 0.5 * apart);
-        const PinLanes on_slide = read(columns, Column::tip_slide, i) + (front - rear);
-        const PinLanes on_pin = read(columns, Column::force_z, i) + read(columns, Column::tip_z, i) + 2.0 * (front + rear);
+        const PinLanes on_slide = read(columns, Column::tip_force_slide, i) + (front - rear);
+        const PinLanes on_pin = read(columns, Column::force_z, i) + read(columns, Column::tip_force_z, i) + 2.0 * (front + rear);
         const PinLanes drive = apart + per_slide * (read(columns, Column::force_slide, i) + on_slide);
-        const PinLanes speed = kick.implicit() ? read(columns, Column::joint_speed, i) : abs(drive);
+        const PinLanes speed = kick.implicit() ? read(columns, Column::joint_slip, i) : abs(drive);
         const PinLanes grip =
-            c.joint_friction.coefficient * read(columns, Column::pressing, i) * slip_factor<rigid_lanes>(c.joint_friction, speed);
+            c.joint_friction.coefficient * read(columns, Column::joint_normal, i) * slip_factor<rigid_lanes>(c.joint_friction, speed);
         const PinLanes held = grip / (1.0 + per_slide * grip);
-        write(columns, Column::axial_drive, i, along + per_mass * on_pin);
-        write(columns, Column::tip_slide_expected, i, on_slide);
-        write(columns, Column::joint_drive, i, drive);
-        write(columns, Column::joint_grip, i, held);
-        write(columns, Column::joint_tie, i, per_slide * held);
+        write(columns, Column::axial_free_speed, i, along + per_mass * on_pin);
+        write(columns, Column::tip_force_slide_expected, i, on_slide);
+        write(columns, Column::joint_free_slip, i, drive);
+        write(columns, Column::joint_secant, i, held);
+        write(columns, Column::joint_coupling, i, per_slide * held);
     }
-    all.wrap(Column::joint_drive, Column::tip_slide_expected);
+    all.wrap(Column::joint_free_slip, Column::tip_force_slide_expected);
 }
 
 /// Friction of the halves of a pin on each other along it, behind that of the plates on both and with the tips' forces as expected.
-inline void rub_joints(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all) noexcept {
+inline void joint_friction_expected(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all) noexcept {
     const RigidView columns(all);
     const PinLanes per_slide(kick.step / c.slide_mass);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-        const PinLanes plates = 0.5 * (read(columns, Column::rub, i - 1) + read(columns, Column::rub, i));
-        const PinLanes drive = read(columns, Column::joint_drive, i) - per_slide * plates;
-        write(columns, Column::joint_drive, i, drive);
-        write(columns, Column::joint, i, read(columns, Column::joint_grip, i) * drive);
+        const PinLanes plates = 0.5 * (read(columns, Column::plate_friction, i - 1) + read(columns, Column::plate_friction, i));
+        const PinLanes drive = read(columns, Column::joint_free_slip, i) - per_slide * plates;
+        write(columns, Column::joint_free_slip, i, drive);
+        write(columns, Column::joint_friction, i, read(columns, Column::joint_secant, i) * drive);
     }
 }
 
 /// Updates the friction of the joints with the tips' forces of this step.
-inline void settle_joints(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all, Account& account) noexcept {
+inline void joint_friction(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all, Account& account) noexcept {
     const RigidView columns(all);
     PinSum lost(columns);
     const PinLanes per_slide(kick.step / c.slide_mass);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-        const PinLanes change = read(columns, Column::tip_slide, i) - read(columns, Column::tip_slide_expected, i);
-        const PinLanes drive = read(columns, Column::joint_drive, i) + per_slide * change;
-        const PinLanes friction = read(columns, Column::joint_grip, i) * drive;
-        const PinLanes acting = kick.implicit() ? 0.5 * (friction + read(columns, Column::joint_before, i)) : friction;
+        const PinLanes change = read(columns, Column::tip_force_slide, i) - read(columns, Column::tip_force_slide_expected, i);
+        const PinLanes drive = read(columns, Column::joint_free_slip, i) + per_slide * change;
+        const PinLanes friction = read(columns, Column::joint_secant, i) * drive;
+        const PinLanes acting = kick.implicit() ? 0.5 * (friction + read(columns, Column::joint_friction_before, i)) : friction;
         lost.add(i, acting * read(columns, Column::vslide, i));
-        write(columns, Column::joint, i, friction);
-        write(columns, Column::joint_speed, i, abs(drive - per_slide * friction));
+        write(columns, Column::joint_friction, i, friction);
+        write(columns, Column::joint_slip, i, abs(drive - per_slide * friction));
     }
     account.lose(Loss::joint_friction, lost.value());
 }
 
 /// Force on ζ by the friction of plates and of the other half.
 [[nodiscard, gnu::always_inline]] inline PinLanes friction_on_slide(const RigidView& columns, int i) noexcept {
-    return -(0.5 * (read(columns, Column::rub, i - 1) + read(columns, Column::rub, i)) + read(columns, Column::joint, i));
+    return -(0.5 * (read(columns, Column::plate_friction, i - 1) + read(columns, Column::plate_friction, i)) +
+             read(columns, Column::joint_friction, i));
 }
 
 /// Change of the sliding speed of link i by the friction of the links, over the step per mass.
 [[nodiscard, gnu::always_inline]] inline PinLanes slowing(const RigidView& columns, int i) noexcept {
-    const PinLanes friction = read(columns, Column::rub, i), behind = read(columns, Column::joint_tie, i),
-                   ahead = read(columns, Column::joint_tie, i + 1);
-    return behind * (read(columns, Column::rub, i - 1) + friction) + ahead * (friction + read(columns, Column::rub, i + 1)) -
-           4.0 * friction;
+    const PinLanes friction = read(columns, Column::plate_friction, i), behind = read(columns, Column::joint_coupling, i),
+                   ahead = read(columns, Column::joint_coupling, i + 1);
+    return behind * (read(columns, Column::plate_friction, i - 1) + friction) +
+           ahead * (friction + read(columns, Column::plate_friction, i + 1)) - 4.0 * friction;
 }
 
 /// Plates of neighbouring links rub along the pin that they share, and its halves on each other. The sliding speeds that a step leaves
 /// behind are kept for the next one. The loss by the pins' lengthening is counted with the tips that do its work.
-inline void rub_plates(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all, Account& account) noexcept {
+inline void plate_friction(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all, Account& account) noexcept {
     const RigidView columns(all);
     PinSum lost(columns);
-    drive_pins(c, kick, all);
+    free_slips(c, kick, all);
     const PinLanes per_mass(kick.step / c.mass);
-    const auto parted = [&](int i) { return 0.5 * (1.0 - read(columns, Column::joint_tie, i)) * read(columns, Column::joint_drive, i); };
+    const auto parted = [&](int i) {
+        return 0.5 * (1.0 - read(columns, Column::joint_coupling, i)) * read(columns, Column::joint_free_slip, i);
+    };
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const PinLanes capacity = (0.5 * c.plate_friction.coefficient) * positive_part<rigid_lanes>(read(columns, Column::tension, i));
         const PinLanes parting = plate_parting(c, columns, i);
         const PinLanes drive =
-            read(columns, Column::axial_drive, i + 1) - read(columns, Column::axial_drive, i) + parted(i + 1) + parted(i);
+            read(columns, Column::axial_free_speed, i + 1) - read(columns, Column::axial_free_speed, i) + parted(i + 1) + parted(i);
         const auto grip_at = [&](const PinLanes& now, Column kept) {
             return capacity * slip_factor<rigid_lanes>(c.plate_friction, kick.implicit() ? read(columns, kept, i) : abs(now));
         };
-        const PinLanes low = grip_at(drive - parting, Column::rub_speed_low), high = grip_at(drive + parting, Column::rub_speed_high);
+        const PinLanes low = grip_at(drive - parting, Column::plate_slip_low), high = grip_at(drive + parting, Column::plate_slip_high);
         const PinLanes push = low * (drive - parting) + high * (drive + parting);
-        write(columns, Column::rub_grip, i, low + high);
-        write(columns, Column::rub_grip_high, i, high);
-        write(columns, Column::rub_drive, i, drive);
-        write(columns, Column::rub_push, i, push);
-        if (!kick.implicit()) write(columns, Column::rub, i, push);
+        write(columns, Column::plate_secant, i, low + high);
+        write(columns, Column::plate_secant_high, i, high);
+        write(columns, Column::plate_free_slip, i, drive);
+        write(columns, Column::plate_rhs, i, push);
+        if (!kick.implicit()) write(columns, Column::plate_friction, i, push);
     }
     if (kick.implicit()) solve_friction(kick.step / c.mass, all);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-        const PinLanes friction = read(columns, Column::rub, i), parting = plate_parting(c, columns, i);
+        const PinLanes friction = read(columns, Column::plate_friction, i), parting = plate_parting(c, columns, i);
         const PinLanes speed = axial_parting(columns, Column::vz, Column::vslide, i);
-        lost.add(i, (kick.implicit() ? 0.5 * (friction + read(columns, Column::rub_before, i)) : friction) * speed);
-        const PinLanes slide = read(columns, Column::rub_drive, i) + per_mass * slowing(columns, i);
-        const PinLanes high = read(columns, Column::rub_grip_high, i);
-        write(columns, Column::rub_spread, i, 2.0 * (high * (slide + parting)) - friction);
-        write(columns, Column::rub_speed_low, i, abs(slide - parting));
-        write(columns, Column::rub_speed_high, i, abs(slide + parting));
+        lost.add(i, (kick.implicit() ? 0.5 * (friction + read(columns, Column::plate_friction_before, i)) : friction) * speed);
+        const PinLanes slide = read(columns, Column::plate_free_slip, i) + per_mass * slowing(columns, i);
+        const PinLanes high = read(columns, Column::plate_secant_high, i);
+        write(columns, Column::plate_friction_moment, i, 2.0 * (high * (slide + parting)) - friction);
+        write(columns, Column::plate_slip_low, i, abs(slide - parting));
+        write(columns, Column::plate_slip_high, i, abs(slide + parting));
     }
     account.lose(Loss::plate_friction, lost.value());
-    all.wrap(Column::rub, Column::rub_spread);
-    rub_joints(c, kick, all);
+    all.wrap(Column::plate_friction, Column::plate_friction_moment);
+    joint_friction_expected(c, kick, all);
 }
 
 /// Change of the moment on pitch line i by this step's tips, as a force on pin i+1.
@@ -253,18 +256,20 @@ inline void accelerate_pins(const RigidCoefficients& c, RigidColumns& all) noexc
     const PinLanes per_mass(1.0 / c.mass), per_tilt(1.0 / c.tilt_mass), per_slide(1.0 / c.slide_mass), per_bend(1.0 / c.bend_mass);
     Plane last{0.0, 0.0};  // of the eight links before
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-        const Plane ahead = moment_thrust(columns, i), behind = i == 0 ? moment_thrust(columns, -1) : one_back(last, ahead);
+        const Plane ahead = moment_thrust(columns, i), behind = i == 0 ? moment_thrust(columns, -1) : shifted_by_one_pin(last, ahead);
         last = ahead;
-        const Plane force = read_plane(columns, Column::force_x, i) + read_plane(columns, Column::tip_x, i) + behind - ahead;
-        const PinLanes rubbing = read(columns, Column::rub, i) - read(columns, Column::rub, i - 1);
-        write_plane(columns, Column::force_x, i, per_mass * force);
-        write(columns, Column::force_z, i, per_mass * (read(columns, Column::force_z, i) + read(columns, Column::tip_z, i) + rubbing));
-        write_plane(columns, Column::force_p, i,
-                    per_tilt * (read_plane(columns, Column::force_p, i) + read_plane(columns, Column::tip_p, i)));
-        write_plane(columns, Column::force_bend_x, i,
-                    per_bend * (read_plane(columns, Column::force_bend_x, i) + read_plane(columns, Column::tip_bend_x, i)));
-        write(columns, Column::force_slide, i,
-              per_slide * (read(columns, Column::force_slide, i) + read(columns, Column::tip_slide, i) + friction_on_slide(columns, i)));
+        const Plane force = read_plane(columns, Column::force_x, i) + read_plane(columns, Column::tip_force_x, i) + behind - ahead;
+        const PinLanes rubbing = read(columns, Column::plate_friction, i) - read(columns, Column::plate_friction, i - 1);
+        write_plane(columns, Column::acceleration_x, i, per_mass * force);
+        write(columns, Column::acceleration_z, i,
+              per_mass * (read(columns, Column::force_z, i) + read(columns, Column::tip_force_z, i) + rubbing));
+        write_plane(columns, Column::acceleration_p, i,
+                    per_tilt * (read_plane(columns, Column::force_p, i) + read_plane(columns, Column::tip_force_p, i)));
+        write_plane(columns, Column::acceleration_bend_x, i,
+                    per_bend * (read_plane(columns, Column::force_bend_x, i) + read_plane(columns, Column::tip_force_bend_x, i)));
+        write(columns, Column::acceleration_slide, i,
+              per_slide *
+                  (read(columns, Column::force_slide, i) + read(columns, Column::tip_force_slide, i) + friction_on_slide(columns, i)));
     }
 }
 
@@ -283,7 +288,7 @@ inline double kick_pins(const RigidCoefficients& c, double step, RigidColumns& a
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         PinLanes of_pins(0.0);
         for (int k = 0; k < rigid_coordinates; ++k) {
-            const PinLanes before = read(columns, Column::vx + k, i), v = before + step * read(columns, Column::force_x + k, i);
+            const PinLanes before = read(columns, Column::vx + k, i), v = before + step * read(columns, Column::acceleration_x + k, i);
             of_pins += (0.5 * c.inertia(k)) * (before * v);
             write(columns, Column::vx + k, i, v);
         }

@@ -23,7 +23,7 @@ void RigidState::write(double* y) const noexcept {
     const ChainLayout& at = model.layout();
     model.write(columns, y);
     for (int k = 0; k < rigid_coordinates; ++k) {
-        const double* acceleration = columns[Column::force_x + k];
+        const double* acceleration = columns[Column::acceleration_x + k];
         double* v = y + at.link_size() + rigid_place(at, k);
         for (int pin = 0; pin < at.links; ++pin) v[at.link_begin(pin)] -= lead * acceleration[pin] / model.scale(k);
     }
@@ -42,7 +42,7 @@ double RigidState::acceleration_energy() const noexcept {
     const RigidCoefficients& c = model.coefficients();
     double sum = 0.0;
     for (int k = 0; k < rigid_coordinates; ++k) {
-        const double *a = columns[Column::force_x + k], mass = c.inertia(k);
+        const double *a = columns[Column::acceleration_x + k], mass = c.inertia(k);
         for (int pin = 0; pin < c.pins; ++pin) sum += 0.5 * mass * a[pin] * a[pin];
     }
     return sum;

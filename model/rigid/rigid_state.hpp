@@ -32,16 +32,16 @@ struct RigidState {
 
 /// Columns that the pins keep from step to step: first and last of those that follow each other.
 inline constexpr Column kept_columns[][2] = {{Column::x, Column::vbend_y},
-                                             {Column::stretch_drag, Column::bend_drag_across},
-                                             {Column::rolling, Column::rolling},
-                                             {Column::force_x, Column::force_bend_y},
-                                             {Column::rub, Column::rub_speed_high},
-                                             {Column::joint, Column::joint_speed},
+                                             {Column::stretch_damping_force, Column::bend_damping_force_across},
+                                             {Column::rolling_moment, Column::rolling_moment},
+                                             {Column::acceleration_x, Column::acceleration_bend_y},
+                                             {Column::plate_friction, Column::plate_slip_high},
+                                             {Column::joint_friction, Column::joint_slip},
                                              {Column::tip_stiffness_front, Column::tip_loading_rear},
                                              {Column::tip_moment, Column::tip_moment},
-                                             {Column::tip_z, Column::tip_z},
-                                             {Column::tip_slide, Column::tip_slide},
+                                             {Column::tip_force_z, Column::tip_force_z},
+                                             {Column::tip_force_slide, Column::tip_force_slide},
                                              {Column::lengthening, Column::lengthening},
-                                             {Column::normal, Column::flank + (rigid_tips - 1)}};
+                                             {Column::tip_normal, Column::tip_radial + (rigid_tips - 1)}};
 
 }  // namespace cvtflow::model

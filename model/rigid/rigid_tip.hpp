@@ -62,7 +62,7 @@ template <int W>
     const Lanes<W> a = half.excess + more_a, h = sheave.height + more_h;
     const Lanes<W> bent_a = n.inverse_reach * a, bent_h = n.inverse_reach * h;
     tip.depth =
-        Lanes<W>(-0.5) * (bent_a * a + bent_h * h) - (c.sine * more_a + c.cosine * more_h) - as<W>(half.clearance + sheave.clearance);
+        Lanes<W>(-0.5) * (bent_a * a + bent_h * h) - (c.sine * more_a + c.cosine * more_h) - convert<W>(half.clearance + sheave.clearance);
     tip.inverse_radius = sum * inverse;
     tip.radial = tip.inverse_radius * l;
     tip.out = c.sine + bent_a;
@@ -92,7 +92,7 @@ template <int W>
 
 /// Hertz's contact in series with the axial compliance of half a pin.
 template <int W>
-struct NormalForce {
+struct RigidNormalForce {
     Lanes<W> elastic, force;  ///< N_e, N [N]
     Lanes<W> energy;          ///< [J]
     Lanes<W> shortening;      ///< η: of the half pin per depth
@@ -104,8 +104,8 @@ struct NormalForce {
 /// steps, which leave rounding of both.
 /// @param depth δ_0 [m], ≤ 0: no contact   @param rate δ_0' [m/s]
 template <int W>
-[[nodiscard, gnu::always_inline]] inline NormalForce<W> normal_force(const TipNumbers<W>& c, const Lanes<W>& depth,
-                                                                     const Lanes<W>& rate) noexcept {
+[[nodiscard, gnu::always_inline]] inline RigidNormalForce<W> rigid_normal_force(const TipNumbers<W>& c, const Lanes<W>& depth,
+                                                                                const Lanes<W>& rate) noexcept {
     const Lanes<W> root = sqrt(positive_part<W>(depth)), u = c.softness * root;
     const Lanes<W> p = 1.0 + u * (1.33761 + 0.1541 * u), q = 1.0 + u * (1.83676 + 0.46388 * u);
     const Lanes<W> up = u * p, pq = p * q, inverse = 1.0 / (pq * (2.0 * q + 3.0 * up));
@@ -116,7 +116,7 @@ template <int W>
         yielding = 3.0 * by / slope;
     }
     const Lanes<W> y = root * phi, square = y * y;
-    NormalForce<W> n;
+    RigidNormalForce<W> n;
     n.root_depth = y;
     n.elastic = c.hertz * square * y;
     n.force = n.elastic * positive_part<W>(1.0 + c.damping * rate);
@@ -125,27 +125,32 @@ template <int W>
     return n;
 }
 
-/// Sliding velocity along the circumference and along the flank.
+/// Sliding velocity or friction along the circumference and along the flank (radially).
 template <int W>
-struct Slip {
-    Lanes<W> round, flank;
-    friend Slip operator+(const Slip& a, const Slip& b) noexcept { return {a.round + b.round, a.flank + b.flank}; }
-    friend Slip operator-(const Slip& a, const Slip& b) noexcept { return {a.round - b.round, a.flank - b.flank}; }
-    friend Slip operator*(const Lanes<W>& f, const Slip& a) noexcept { return {f * a.round, f * a.flank}; }
+struct RigidSlip {
+    Lanes<W> tangential, radial;
+    friend RigidSlip operator+(const RigidSlip& a, const RigidSlip& b) noexcept {
+        return {a.tangential + b.tangential, a.radial + b.radial};
+    }
+    friend RigidSlip operator-(const RigidSlip& a, const RigidSlip& b) noexcept {
+        return {a.tangential - b.tangential, a.radial - b.radial};
+    }
+    friend RigidSlip operator*(const Lanes<W>& f, const RigidSlip& a) noexcept { return {f * a.tangential, f * a.radial}; }
 };
 
 /// Sliding velocity that a velocity of the pin against the sheave is.
 template <int W>
-[[nodiscard, gnu::always_inline]] inline Slip<W> slip_of(double side, const TipPlace<W>& tip, const PlaneOf<W>& v,
-                                                         const Lanes<W>& v_z) noexcept {
+[[nodiscard, gnu::always_inline]] inline RigidSlip<W> slip_of(double side, const TipPlace<W>& tip, const PlaneOf<W>& v,
+                                                              const Lanes<W>& v_z) noexcept {
     return {cross(tip.radial, v), tip.in * dot(tip.radial, v) + Lanes<W>(side) * (tip.out * v_z)};
 }
 
 /// The sphere's centre moves almost as the sheave does there: that difference is taken in doubles.
 /// @param shortening_rate of the half pin [m/s]
 template <int W>
-[[nodiscard, gnu::always_inline]] inline Slip<W> tip_slip(const TipNumbers<W>& c, const HalfMotion<W>& half, const SideMotion<W>& sheave,
-                                                          const TipPlace<W>& tip, const Lanes<W>& shortening_rate) noexcept {
+[[nodiscard, gnu::always_inline]] inline RigidSlip<W> tip_slip(const TipNumbers<W>& c, const HalfMotion<W>& half,
+                                                               const SideMotion<W>& sheave, const TipPlace<W>& tip,
+                                                               const Lanes<W>& shortening_rate) noexcept {
     const PlaneOf<W> centre = half.drift + sheave.velocity - sheave.faster * turned(half.centre);
     const PlaneOf<W> spinning = turned(half.turn * sheave.sphere + (c.radius * (half.lag + sheave.faster)) * tip.normal);
     const PlaneOf<W> v = centre + spinning - PlaneOf<W>{sheave.spin_y * tip.point_z, -(sheave.spin_x * tip.point_z)};
@@ -155,7 +160,7 @@ template <int W>
 
 /// A tip's force on its pin: normal force, which the friction's share of the half pin's shortening adds to, and friction.
 template <int W>
-struct TipForce {
+struct RigidTipForce {
     Lanes<W> normal;
     PlaneOf<W> push, friction;
     Lanes<W> push_z, friction_z;
@@ -163,12 +168,12 @@ struct TipForce {
 
 /// @param pull what plates lengthen the pin with, of one tip [N]
 template <int W>
-[[nodiscard, gnu::always_inline]] inline TipForce<W> tip_force(double side, const TipPlace<W>& tip, const NormalForce<W>& n,
-                                                               const Lanes<W>& pull, const Slip<W>& friction) noexcept {
-    TipForce<W> f;
-    f.friction = friction.round * turned(tip.radial) + (friction.flank * tip.in) * tip.radial;
-    f.friction_z = Lanes<W>(side) * (friction.flank * tip.out);
-    f.normal = n.force + n.shortening * (friction.flank * tip.out + pull);
+[[nodiscard, gnu::always_inline]] inline RigidTipForce<W> rigid_tip_force(double side, const TipPlace<W>& tip, const RigidNormalForce<W>& n,
+                                                                          const Lanes<W>& pull, const RigidSlip<W>& friction) noexcept {
+    RigidTipForce<W> f;
+    f.friction = friction.tangential * turned(tip.radial) + (friction.radial * tip.in) * tip.radial;
+    f.friction_z = Lanes<W>(side) * (friction.radial * tip.out);
+    f.normal = n.force + n.shortening * (friction.radial * tip.out + pull);
     f.push = f.normal * tip.normal;
     f.push_z = f.normal * tip.normal_z;
     return f;
@@ -176,14 +181,14 @@ template <int W>
 
 /// Generalised forces of tips on pins, and on the pitch lines of their halves.
 template <int W>
-struct TipForces {
+struct RigidTipForces {
     PlaneOf<W> half[2] = {{0.0, 0.0}, {0.0, 0.0}};
     PlaneOf<W> end{0.0, 0.0}, bend{0.0, 0.0};
     Lanes<W> z[2] = {0.0, 0.0}, moment[2] = {0.0, 0.0};
 
     /// Virtual work of a tip's force on the coordinates of its pin and on the direction of its half.
     [[gnu::always_inline]] void add(const TipNumbers<W>& c, double side, const HalfMotion<W>& on, std::size_t which,
-                                    const TipForce<W>& f) noexcept {
+                                    const RigidTipForce<W>& f) noexcept {
         half[which] = half[which] + (f.push + f.friction);
         z[which] += f.push_z + f.friction_z;
         const PlaneOf<W> at_end = c.lever * f.push + f.friction, at_bend = c.bend_lever * f.push + f.friction;
@@ -191,7 +196,7 @@ struct TipForces {
         bend = bend + at_bend - (Lanes<W>(side) * c.bent_outward_per_half * f.push_z) * on.outward;
     }
     [[gnu::always_inline]] void add_moment(const TipNumbers<W>& c, double side, const HalfMotion<W>& on, std::size_t which,
-                                           const TipPlace<W>& tip, const TipForce<W>& f) noexcept {
+                                           const TipPlace<W>& tip, const RigidTipForce<W>& f) noexcept {
         const Lanes<W> slope = on.slope_along + Lanes<W>(side) * on.bend_along;
         moment[which] += c.outward * (dot(f.push, on.line) - slope * f.push_z) + cross(tip.reach, f.friction);
     }
@@ -199,7 +204,7 @@ struct TipForces {
 
 /// Adds the opposite of the generalised forces on the sheave: (F_x, F_y, M_τx, M_τy, F_z, M_φ).
 template <int W>
-[[gnu::always_inline]] inline void add_on_sheave(const TipPlace<W>& tip, const TipForce<W>& f, std::array<Lanes<W>, 6>& to) noexcept {
+[[gnu::always_inline]] inline void add_on_sheave(const TipPlace<W>& tip, const RigidTipForce<W>& f, std::array<Lanes<W>, 6>& to) noexcept {
     to[0] += f.push.x + f.friction.x;
     to[1] += f.push.y + f.friction.y;
     to[2] += f.normal * tip.tilting_x + tip.point.y * f.friction_z - tip.point_z * f.friction.y;
@@ -215,7 +220,7 @@ struct AxialResponse {
     Lanes<W> loading{0.0};    ///< rate of change of the force [m/s]
 
     /// @param rate δ_0' [m/s]
-    [[gnu::always_inline]] void add(const TipPlace<W>& tip, const NormalForce<W>& n, const Lanes<W>& rate) noexcept {
+    [[gnu::always_inline]] void add(const TipPlace<W>& tip, const RigidNormalForce<W>& n, const Lanes<W>& rate) noexcept {
         stiffness += n.shortening * (tip.in * tip.in);
         loading += n.shortening * (rate * tip.normal_z);
     }

@@ -21,12 +21,12 @@ struct TipAccount {
 
 /// Tips of eight pins: in floats for the steps of a leapfrog, in doubles for velocities as they are.
 template <int W>
-class TipGroup : private TipMotion<W> {
+class TipGroup : private RigidTipMotion<W> {
     using V = Lanes<W>;
     using D = DoublesOf<W>;
     using PlaneV = PlaneOf<W>;
     using PlaneD = DoublePlaneOf<W>;
-    using Base = TipMotion<W>;
+    using Base = RigidTipMotion<W>;
     using Base::at_, Base::c_, Base::driven_, Base::half_, Base::kick_, Base::n_, Base::rate_, Base::second_, Base::side_, Base::side_of;
     using Base::blocks, Base::columns_, Base::lanes, Base::own_, Base::over_blocks, Base::piece, Base::read_pins, Base::read_plane_of,
         Base::view_, Base::write_pins;
@@ -53,13 +53,14 @@ public:
 
     [[nodiscard]] D depth(std::size_t tip) const noexcept { return widened<W>(tips_[tip].depth); }
     void show_depths() noexcept {
-        for (std::size_t tip = 0; tip < rigid_tips; ++tip) write_pins(Column::depth + static_cast<int>(tip), depth(tip));
+        for (std::size_t tip = 0; tip < rigid_tips; ++tip) write_pins(Column::tip_depth + static_cast<int>(tip), depth(tip));
     }
 
     void release() noexcept {
         for (const PinBlock& block : own_) {
-            columns_.clear(Column::tip_stiffness_front, Column::tip_rear, block.first, rigid_lanes);
-            columns_.clear(Column::tip_x, (implicit ? Column::flank : Column::reach) + (rigid_tips - 1), block.first, rigid_lanes);
+            columns_.clear(Column::tip_stiffness_front, Column::tip_moment_rear, block.first, rigid_lanes);
+            columns_.clear(Column::tip_force_x, (implicit ? Column::tip_radial : Column::tip_radius) + (rigid_tips - 1), block.first,
+                           rigid_lanes);
         }
     }
 
@@ -71,21 +72,21 @@ public:
             const HalfMotion<W>& half = half_[half_of_tip(tip)];
             const SideMotion<W>& side = side_[end_of_tip(tip)];
             const V rate = depth_rate<W>(half, side, tips_[tip], V(-0.5 * kick_.step));
-            NormalForce<W>& n = normal_[tip] = normal_force<W>(n_, tips_[tip].depth, rate);
+            RigidNormalForce<W>& n = normal_[tip] = rigid_normal_force<W>(n_, tips_[tip].depth, rate);
             const V shortening = n.shortening * rate;
             begin_[tip] = tip_slip<W>(n_, half, side, tips_[tip], shortening);
             shortened += shortening;
             response[half_of_tip(tip)].add(tips_[tip], n, rate);
-            write_pins(Column::normal + static_cast<int>(tip), widened<W>(n.force));
+            write_pins(Column::tip_normal + static_cast<int>(tip), widened<W>(n.force));
             stored += n.energy;
-            damped += damping_power(Column::tip_drag + static_cast<int>(tip), n.force - n.elastic, rate);
+            damped += damping_power(Column::tip_damping_force + static_cast<int>(tip), n.force - n.elastic, rate);
         }
         write_pins(Column::lengthening, widened<W>(V(-0.25) * shortened));
         store(response);
-        const auto pull = [&](Column spread) { return V(0.25 * c_.plate_reach) * as<W>(read_pins(spread) - read_pins(spread, -1)); };
-        pull_ = pull(Column::rub_spread);
+        const auto pull = [&](Column spread) { return V(0.25 * c_.plate_reach) * convert<W>(read_pins(spread) - read_pins(spread, -1)); };
+        pull_ = pull(Column::plate_friction_moment);
         const V here = Base::present();
-        account.plates += here * ((implicit ? V(0.5) * (pull_ + pull(Column::rub_spread_before)) : pull_) * shortened);
+        account.plates += here * ((implicit ? V(0.5) * (pull_ + pull(Column::plate_friction_moment_before)) : pull_) * shortened);
         account.energy += here * stored;
         account.damping += here * damped;
     }
@@ -93,29 +94,30 @@ public:
     /// Predicts the changes of the pins' velocities in the step if friction stays constant.
     [[gnu::always_inline]] void predict() noexcept {
         if (!implicit) return;
-        TipForces<W> total;
+        RigidTipForces<W> total;
         for (std::size_t tip = 0; tip < rigid_tips; ++tip) {
-            const TipForce<W> force = tip_force<W>(side_of(tip), tips_[tip], normal_[tip], pull_, memory(tip));
+            const RigidTipForce<W> force = rigid_tip_force<W>(side_of(tip), tips_[tip], normal_[tip], pull_, memory(tip));
             total.add(n_, side_of(tip), half_[half_of_tip(tip)], half_of_tip(tip), force);
         }
-        growth_ = n_.per_mass * (as<W>(read_plane_of(Column::force_x)) + total.half[0] + total.half[1]);
-        end_growth_ = n_.per_tilt * (as<W>(read_plane_of(Column::force_p)) + total.end);
-        bend_growth_ = n_.per_bend * (as<W>(read_plane_of(Column::force_bend_x)) + total.bend);
-        const D front = read_pins(Column::rub, -1), rear = read_pins(Column::rub), tips = read_pins(Column::tip_slide_expected);
-        const D free = read_pins(Column::force_slide) + tips - D(0.5) * (rear + front) - read_pins(Column::joint);
-        loose_ = as<W>(D(1.0) - read_pins(Column::joint_tie));
-        const V mean = n_.per_mass * (as<W>(read_pins(Column::force_z) + (rear - front)) + (total.z[0] + total.z[1]));
-        const V apart = n_.per_half_mass * (as<W>(free) + loose_ * (V(0.5) * (total.z[0] - total.z[1]) - as<W>(tips)));
+        growth_ = n_.per_mass * (convert<W>(read_plane_of(Column::force_x)) + total.half[0] + total.half[1]);
+        end_growth_ = n_.per_tilt * (convert<W>(read_plane_of(Column::force_p)) + total.end);
+        bend_growth_ = n_.per_bend * (convert<W>(read_plane_of(Column::force_bend_x)) + total.bend);
+        const D front = read_pins(Column::plate_friction, -1), rear = read_pins(Column::plate_friction),
+                tips = read_pins(Column::tip_force_slide_expected);
+        const D free = read_pins(Column::force_slide) + tips - D(0.5) * (rear + front) - read_pins(Column::joint_friction);
+        loose_ = convert<W>(D(1.0) - read_pins(Column::joint_coupling));
+        const V mean = n_.per_mass * (convert<W>(read_pins(Column::force_z) + (rear - front)) + (total.z[0] + total.z[1]));
+        const V apart = n_.per_half_mass * (convert<W>(free) + loose_ * (V(0.5) * (total.z[0] - total.z[1]) - convert<W>(tips)));
         growth_z_[0] = mean + apart, growth_z_[1] = mean - apart;
     }
 
     [[gnu::always_inline]] void rub(ReactionSum<W>& reaction, CreepSum& creep, TipAccount<W>& account) noexcept {
-        TipForces<W> total;
+        RigidTipForces<W> total;
         typename ReactionSum<W>::Sides on_side;
         V rubbed(0.0);
         for (auto& forces : on_side) forces.fill(V(0.0));
         for (std::size_t tip = 0; tip < rigid_tips; ++tip) {
-            const TipForce<W> force = tip_force<W>(side_of(tip), tips_[tip], normal_[tip], pull_, friction(tip, rubbed));
+            const RigidTipForce<W> force = rigid_tip_force<W>(side_of(tip), tips_[tip], normal_[tip], pull_, friction(tip, rubbed));
             total.add(n_, side_of(tip), half_[half_of_tip(tip)], half_of_tip(tip), force);
             total.add_moment(n_, side_of(tip), half_[half_of_tip(tip)], half_of_tip(tip), tips_[tip], force);
             add_on_sheave<W>(tips_[tip], force, on_side[end_of_tip(tip)]);
@@ -130,34 +132,34 @@ public:
 private:
     /// As drag_power().
     [[nodiscard, gnu::always_inline]] V damping_power(Column c, const V& force, const V& rate) noexcept {
-        const V acting = implicit ? 0.5 * (force + as<W>(read_pins(c))) : force;
+        const V acting = implicit ? 0.5 * (force + convert<W>(read_pins(c))) : force;
         write_pins(c, widened<W>(force));
         return acting * rate;
     }
 
-    void show_force(std::size_t tip, const TipForce<W>& f, CreepSum& creep) noexcept {
+    void show_force(std::size_t tip, const RigidTipForce<W>& f, CreepSum& creep) noexcept {
         const TipPlace<W>& place = tips_[tip];
-        const Slip<W>& u = begin_[tip];
+        const RigidSlip<W>& u = begin_[tip];
         const int number = static_cast<int>(tip);
-        const V speed = sqrt(u.round * u.round + u.flank * u.flank);
+        const V speed = sqrt(u.tangential * u.tangential + u.radial * u.radial);
         const V grip = friction_factor<W>(c_.tip_friction, friction_limit(tip, V(0.0), speed), V(0.0), speed);
         const V radius = sqrt(dot(place.point, place.point));
-        creep.add(Base::present(), second_, grip, radius, u.round);
-        write_pins(Column::sliding + number, speed);
-        write_pins(Column::reach + number, radius);
+        creep.add(Base::present(), second_, grip, radius, u.tangential);
+        write_pins(Column::tip_slip + number, speed);
+        write_pins(Column::tip_radius + number, radius);
         const V outward = dot(f.push, place.radial) + dot(f.friction, place.radial);
-        write_pins(Column::outward + number, -outward);
-        write_pins(Column::axial + number, -(f.push_z + f.friction_z));
+        write_pins(Column::sheave_outward + number, -outward);
+        write_pins(Column::sheave_axial + number, -(f.push_z + f.friction_z));
     }
 
     /// Friction of the last step.
-    [[nodiscard]] Slip<W> memory(std::size_t tip) const noexcept {
+    [[nodiscard]] RigidSlip<W> memory(std::size_t tip) const noexcept {
         const int number = static_cast<int>(tip);
-        return {as<W>(read_pins(Column::round + number)), as<W>(read_pins(Column::flank + number))};
+        return {convert<W>(read_pins(Column::tip_tangential + number)), convert<W>(read_pins(Column::tip_radial + number))};
     }
 
     /// Sliding velocity behind the growth of the velocities: the pin has moved on by half a step as well.
-    [[nodiscard]] Slip<W> slip_now(std::size_t tip) const noexcept {
+    [[nodiscard]] RigidSlip<W> slip_now(std::size_t tip) const noexcept {
         const SideMotion<W>& side = side_[end_of_tip(tip)];
         const PlaneV ends = growth_ + bend_growth_ + (V(side.side) * end_growth_ - side.moved_on);
         const PlaneV change = ends - side.turned_by * turned(growth_);
@@ -166,22 +168,23 @@ private:
 
     /// Friction now, one contact of a pin after the other, each with the velocities that those before it leave. The velocity that its
     /// friction of the last step leaves is corrected by r times the change, r its own response.
-    [[nodiscard, gnu::always_inline]] Slip<W> friction(std::size_t tip, V& lost) noexcept {
-        const Slip<W> old = memory(tip);
-        const Slip<W> free = implicit ? slip_now(tip) - n_.response * old : begin_[tip];
-        const V speed = sqrt(free.round * free.round + free.flank * free.flank);
-        const Slip<W> force = (-friction_factor<W>(c_.tip_friction, friction_limit(tip, n_.response, speed), n_.response, speed)) * free;
-        const Slip<W> mean = implicit ? V(0.5) * (free + n_.response * force + begin_[tip]) : free;
-        lost += -(force.round * mean.round + force.flank * mean.flank);
-        write_pins(Column::round + static_cast<int>(tip), widened<W>(force.round));
-        write_pins(Column::flank + static_cast<int>(tip), widened<W>(force.flank));
+    [[nodiscard, gnu::always_inline]] RigidSlip<W> friction(std::size_t tip, V& lost) noexcept {
+        const RigidSlip<W> old = memory(tip);
+        const RigidSlip<W> free = implicit ? slip_now(tip) - n_.response * old : begin_[tip];
+        const V speed = sqrt(free.tangential * free.tangential + free.radial * free.radial);
+        const RigidSlip<W> force =
+            (-friction_factor<W>(c_.tip_friction, friction_limit(tip, n_.response, speed), n_.response, speed)) * free;
+        const RigidSlip<W> mean = implicit ? V(0.5) * (free + n_.response * force + begin_[tip]) : free;
+        lost += -(force.tangential * mean.tangential + force.radial * mean.radial);
+        write_pins(Column::tip_tangential + static_cast<int>(tip), widened<W>(force.tangential));
+        write_pins(Column::tip_radial + static_cast<int>(tip), widened<W>(force.radial));
         if (implicit) follow(tip, force - old);
         return force;
     }
 
     /// Most friction of a tip, by its law at the speed that friction leaves. @param v without friction
     [[nodiscard, gnu::always_inline]] V friction_limit(std::size_t tip, const V& response, const V& v) const noexcept {
-        const NormalForce<W>& n = normal_[tip];
+        const RigidNormalForce<W>& n = normal_[tip];
         const V limit = c_.tip_friction.coefficient * n.force;
         if (c_.tip_law == nullptr) return limit;
         const V full = limit * pressure_factor<W>(*c_.tip_law, n.root_depth), slowest(implicit ? c_.tip_friction.saturation_speed : 0.0);
@@ -189,44 +192,44 @@ private:
     }
 
     /// Velocities behind a change of a tip's friction.
-    [[gnu::always_inline]] void follow(std::size_t tip, const Slip<W>& change) noexcept {
+    [[gnu::always_inline]] void follow(std::size_t tip, const RigidSlip<W>& change) noexcept {
         const TipPlace<W>& place = tips_[tip];
-        const PlaneV f = change.round * turned(place.radial) + (change.flank * place.in) * place.radial;
+        const PlaneV f = change.tangential * turned(place.radial) + (change.radial * place.in) * place.radial;
         growth_ = growth_ + n_.per_mass * f;
         end_growth_ = end_growth_ + (V(side_of(tip)) * n_.per_tilt) * f;
         bend_growth_ = bend_growth_ + n_.per_bend * f;
-        const V along = (V(side_of(tip)) * n_.per_mass) * (change.flank * place.out), apart = loose_ * along;
+        const V along = (V(side_of(tip)) * n_.per_mass) * (change.radial * place.out), apart = loose_ * along;
         growth_z_[half_of_tip(tip)] += along + apart;
         growth_z_[1 - half_of_tip(tip)] += along - apart;
     }
 
     [[gnu::always_inline]] void store(const AxialResponse<W> (&of_half)[2]) noexcept {
         for (int k = 0; k < 2; ++k) {
-            const V speed = as<W>(rate_.z) + half_[k].ahead;
+            const V speed = convert<W>(rate_.z) + half_[k].ahead;
             write_pins(Column::tip_stiffness_front + k, widened<W>(n_.stiffness * of_half[k].stiffness));
             write_pins(Column::tip_loading_front + k, widened<W>(n_.stiffness * of_half[k].loading_at_rest(speed)));
         }
     }
-    [[gnu::always_inline]] void store(const TipForces<W>& total) noexcept {
+    [[gnu::always_inline]] void store(const RigidTipForces<W>& total) noexcept {
         const PlaneV opening = V(0.5) * (total.half[0] - total.half[1]), sum = total.half[0] + total.half[1];
         over_blocks([&](auto block) {
             const int first = own_[static_cast<std::size_t>(block)].first;
             const Plane parting{piece(widened<W>(opening.x), block), piece(widened<W>(opening.y), block)};
-            write_plane(view_, Column::tip_lean_x, first, read_rolling(view_, first) * parting);
+            write_plane(view_, Column::tip_offset_moment_x, first, read_rolling(view_, first) * parting);
         });
         const V numbers[] = {total.moment[0], total.moment[1]}, forces[] = {sum.x,        sum.y,       total.z[0] + total.z[1],
                                                                             total.end.x,  total.end.y, V(0.5) * (total.z[0] - total.z[1]),
                                                                             total.bend.x, total.bend.y};
-        for (int k = 0; k < 2; ++k) write_pins(Column::tip_front + k, widened<W>(numbers[k]));
-        for (int k = 0; k < rigid_coordinates; ++k) write_pins(Column::tip_x + k, widened<W>(forces[k]));
+        for (int k = 0; k < 2; ++k) write_pins(Column::tip_moment_front + k, widened<W>(numbers[k]));
+        for (int k = 0; k < rigid_coordinates; ++k) write_pins(Column::tip_force_x + k, widened<W>(forces[k]));
     }
 
     PlaneV growth_, end_growth_, bend_growth_;  ///< of the velocities in this step
     V growth_z_[2], loose_;                     ///< of the halves; share of a force parting them that friction between them leaves
     TipPlace<W> tips_[rigid_tips];
-    NormalForce<W> normal_[rigid_tips];
-    V pull_;                     ///< a fourth of what plates lengthen the pin with [N]
-    Slip<W> begin_[rigid_tips];  ///< sliding velocities at the beginning of the step
+    RigidNormalForce<W> normal_[rigid_tips];
+    V pull_;                          ///< a fourth of what plates lengthen the pin with [N]
+    RigidSlip<W> begin_[rigid_tips];  ///< sliding velocities at the beginning of the step
 };
 
 /// Sums over the tips of a whole chain.
@@ -303,14 +306,14 @@ inline double contact_changes(RigidColumns& all, int tip) noexcept {
     const PinLanes one(1.0), none(0.0);
     PinLanes changes(0.0);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-        const PinLanes presses = select_greater<rigid_lanes>(read(columns, Column::normal + tip, i), none, one, none);
+        const PinLanes presses = select_greater<rigid_lanes>(read(columns, Column::tip_normal + tip, i), none, one, none);
         changes += abs(presses - read(columns, Column::touching + tip, i));
     }
     return sum<rigid_lanes>(changes);
 }
 
 /// Finds the pins that may touch, and presses their tips for the rates at which they lengthen; plates wait for these.
-inline void lengthen_pins(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns) noexcept {
+inline void axial_rates(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns) noexcept {
     const RigidKick kick;
     find_near_pins(c, sheaves, kick, columns);
     clear_tips(columns);
@@ -328,10 +331,10 @@ inline void tip_moments(RigidColumns& all) noexcept {
     const RigidView columns(all);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const Plane normal = turned(read_plane(columns, Column::line_x, i));
-        const Plane lean = read_plane(columns, Column::tip_lean_x, i) + read_plane(columns, Column::tip_lean_x, i + 1);
+        const Plane lean = read_plane(columns, Column::tip_offset_moment_x, i) + read_plane(columns, Column::tip_offset_moment_x, i + 1);
         write(columns, Column::tip_moment_before, i, read(columns, Column::tip_moment, i));
         write(columns, Column::tip_moment, i,
-              dot(normal, lean) + read(columns, Column::tip_rear, i) + read(columns, Column::tip_front, i + 1));
+              dot(normal, lean) + read(columns, Column::tip_moment_rear, i) + read(columns, Column::tip_moment_front, i + 1));
     }
 }
 

@@ -41,7 +41,7 @@ using DoublePlaneOf = PlaneOf<lane_count<W>>;
 
 /// Doubles as numbers of a width.
 template <int W>
-[[nodiscard, gnu::always_inline]] inline Lanes<W> as(const DoublesOf<W>& v) noexcept {
+[[nodiscard, gnu::always_inline]] inline Lanes<W> convert(const DoublesOf<W>& v) noexcept {
     if constexpr (is_single<W>) {
         return narrow<lane_count<W>>(v);
     } else {
@@ -49,8 +49,8 @@ template <int W>
     }
 }
 template <int W>
-[[nodiscard, gnu::always_inline]] inline PlaneOf<W> as(const DoublePlaneOf<W>& v) noexcept {
-    return {as<W>(v.x), as<W>(v.y)};
+[[nodiscard, gnu::always_inline]] inline PlaneOf<W> convert(const DoublePlaneOf<W>& v) noexcept {
+    return {convert<W>(v.x), convert<W>(v.y)};
 }
 /// Numbers of a width as doubles.
 template <int W>
@@ -102,7 +102,7 @@ template <int from, int W = rigid_lanes>
 }
 
 /// Vectors of pins i - 1 … i + 6, given those of pins i - 8 … i - 1 and i … i + 7.
-[[nodiscard, gnu::always_inline]] inline Plane one_back(const Plane& before, const Plane& now) noexcept {
+[[nodiscard, gnu::always_inline]] inline Plane shifted_by_one_pin(const Plane& before, const Plane& now) noexcept {
     return {lanes_across<rigid_lanes - 1>(before.x, now.x), lanes_across<rigid_lanes - 1>(before.y, now.y)};
 }
 

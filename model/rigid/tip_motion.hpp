@@ -73,7 +73,7 @@ protected:
         if constexpr (blocks == 1) {
             return own_[0].present();
         } else {
-            return as<W>(D{own_[0].present(), own_[1].present()});
+            return convert<W>(D{own_[0].present(), own_[1].present()});
         }
     }
 
@@ -176,7 +176,7 @@ struct PinMotion {
 /// 1/√v. For floats from a root and a division of theirs and one step of Newton's method, which leaves 1e-13.
 template <int W>
 [[nodiscard, gnu::always_inline]] inline DoublesOf<W> inverse_root(const DoublesOf<W>& v) noexcept {
-    const Lanes<W> start = 1.0 / sqrt(as<W>(v));
+    const Lanes<W> start = 1.0 / sqrt(convert<W>(v));
     if constexpr (is_single<W>) {
         const DoublesOf<W> wide = widened<W>(start);
         return wide * (1.5 - 0.5 * v * (wide * wide));
@@ -187,7 +187,7 @@ template <int W>
 
 /// Initial values of the tips of pins side by side, read from the columns.
 template <int W>
-class TipMotion : protected PinBlocks<W> {
+class RigidTipMotion : protected PinBlocks<W> {
 protected:
     using V = Lanes<W>;
     using D = DoublesOf<W>;
@@ -199,12 +199,12 @@ protected:
 public:
     using typename Base::Blocks;
 
-    [[gnu::always_inline]] TipMotion(const RigidCoefficients& c, const TipNumbers<W>& numbers, const SheaveMotion* sheaves,
-                                     const RigidKick& kick, RigidColumns& columns, const Blocks& own) noexcept
+    [[gnu::always_inline]] RigidTipMotion(const RigidCoefficients& c, const TipNumbers<W>& numbers, const SheaveMotion* sheaves,
+                                          const RigidKick& kick, RigidColumns& columns, const Blocks& own) noexcept
         : Base(columns, own), c_(c), n_(numbers), kick_(kick) {
         at_ = read_motion(Column::x);
         second_ = select_greater<Base::lanes>(at_.middle.x, D(c.middle), D(1.0), D(0.0));
-        driven_ = as<W>(second_);
+        driven_ = convert<W>(second_);
         const PlaneD middle = at_.middle - PlaneD{in_doubles(&SheaveMotion::x, sheaves), in_doubles(&SheaveMotion::y, sheaves)};
         for (std::size_t k = 0; k < 2; ++k) {
             read_half(middle, half_[k], k);
@@ -225,8 +225,8 @@ protected:
 
 private:
     [[nodiscard, gnu::always_inline]] PinMotion<W> read_motion(Column first) const noexcept {
-        return {read_plane_of(first), read_pins(first + 2), as<W>(read_plane_of(first + 3)), as<W>(read_plane_of(first + 6)),
-                as<W>(read_pins(first + 5))};
+        return {read_plane_of(first), read_pins(first + 2), convert<W>(read_plane_of(first + 3)), convert<W>(read_plane_of(first + 6)),
+                convert<W>(read_pins(first + 5))};
     }
     /// A number of the sheave at -z, for each pin that of its shaft. @param sheaves [4]
     [[nodiscard, gnu::always_inline]] D in_doubles(double SheaveMotion::*number, const SheaveMotion* sheaves) const noexcept {
@@ -238,27 +238,27 @@ private:
 
     [[gnu::always_inline]] void read_half(const PlaneD& middle, HalfMotion<W>& half, std::size_t which) noexcept {
         const PlaneD t = read_plane_of(Column::line_x, line_of(which)), sphere = D(c_.outward) * PlaneD{t.y, -t.x};
-        half.line = as<W>(t);
+        half.line = convert<W>(t);
         half.outward = {half.line.y, -half.line.x};
         half.sphere = n_.outward * half.outward;
-        half.place = middle + D(share_of(which)) * read_plane_of(Column::part_x) + sphere;
-        half.centre = as<W>(half.place);
+        half.place = middle + D(share_of(which)) * read_plane_of(Column::offset_x) + sphere;
+        half.centre = convert<W>(half.place);
         const D square = dot(half.place, half.place), distance = square * inverse_root<W>(square), excess = distance - c_.touching_radius;
-        half.distance = as<W>(distance);
-        half.excess = as<W>(excess);
+        half.distance = convert<W>(distance);
+        half.excess = convert<W>(excess);
         half.clearance = c_.sine * excess;
         half.rise = n_.outward_per_half * dot(at_.end, half.outward) - V(share_of(which)) * at_.slide;
         half.bend_rise = n_.bent_outward_per_half * dot(at_.bend, half.outward);
     }
     [[gnu::always_inline]] void read_half_rates(const D& spin, HalfMotion<W>& half, std::size_t which) noexcept {
         const D turn = read_pins(Column::line_turn, line_of(which));
-        half.turn = as<W>(turn);
-        half.lag = as<W>(spin - turn);
+        half.turn = convert<W>(turn);
+        half.lag = convert<W>(spin - turn);
         half.slope_along = n_.per_half * dot(at_.end, half.line);
-        const PlaneD velocity = rate_.middle + D(share_of(which)) * read_plane_of(Column::part_vx) +
+        const PlaneD velocity = rate_.middle + D(share_of(which)) * read_plane_of(Column::offset_vx) +
                                 (c_.outward * turn) * read_plane_of(Column::line_x, line_of(which));
-        half.velocity = as<W>(velocity);
-        half.drift = as<W>(velocity - spin * turned(half.place));
+        half.velocity = convert<W>(velocity);
+        half.drift = convert<W>(velocity - spin * turned(half.place));
         half.bend_along = n_.bent_per_half * dot(at_.bend, half.line);
         half.bend_rise_rate = n_.bent_outward_per_half * dot(rate_.bend, half.outward) + n_.outward * (half.turn * half.bend_along);
         half.ahead = V(share_of(which)) * rate_.slide;
@@ -275,7 +275,7 @@ private:
         const D plane(
             select_greater<Base::lanes>(second_, D(0.5), D(driven.z - side * c_.half_length), D(driving.z - side * c_.half_length)));
         const D z = at_.z - plane, height = D(-side) * z;
-        s.z = as<W>(z);
+        s.z = convert<W>(z);
         s.height = V(-side) * s.z;
         s.clearance = c_.cosine * height;
         s.tilt_x = of_shaft(driving.tilt_x, driven.tilt_x);
@@ -289,13 +289,13 @@ private:
         s.spin_y = of_shaft(driving.spin_y, driven.spin_y);
         s.faster = of_shaft(driving.spin_z - sheaves[0].spin_z, driven.spin_z - sheaves[2].spin_z);
         s.turned_by = V(0.5 * kick_.step) * spin;
-        const PlaneV onward = s.turned_by * turned(as<W>(rate_.middle)),
+        const PlaneV onward = s.turned_by * turned(convert<W>(rate_.middle)),
                      velocity{of_shaft(driving.vx, driven.vx), of_shaft(driving.vy, driven.vy)};
         s.moved_on = V(2.0) * onward;
         s.velocity = V(s.side) * rate_.end + rate_.bend - velocity + onward - spin * turned(s.arm);
         s.sphere_velocity = (V(s.side) * n_.lever) * rate_.end + n_.bend_lever * rate_.bend - velocity;
         const D along = select_greater<Base::lanes>(second_, D(0.5), D(driven.vz), D(driving.vz));
-        s.velocity_z = as<W>(rate_.z - along);
+        s.velocity_z = convert<W>(rate_.z - along);
     }
 
 protected:

@@ -198,7 +198,10 @@ void add_plate_friction(PinForces& forces, int number, const std::vector<Real>& 
 void add_rigid_pins(const System& system, Totals& totals) {
     const PinChain chain(system);
     PinForces forces(chain, totals);
-    for (int i = 0; i < system.layout.links; ++i) add_link(forces, i);
+    for (int i = 0; i < system.layout.links; ++i) {
+        add_link(forces, i);
+        if (further_element().of_rigid_link != nullptr) further_element().of_rigid_link(forces, i);
+    }
     for (int pin = 0; pin < system.layout.links; ++pin) {
         const Vec2 b = chain.rolling[pin].bisector;
         add_bending(forces, pin, b, left_of(b), system.parameters.half.bending_travel);

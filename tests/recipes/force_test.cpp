@@ -1,140 +1,203 @@
-/// Recipe "a force element": written once over any number - one link, links side by side, numbers with derivatives - and the tests that
-/// every element has.
+/// Recipe "a force element": the strut of strut.hpp, compiled into the kernels of both chains and into the exact Jacobian, and written a
+/// second time for the oracle.
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
+#include <string>
+#include <vector>
 
-#include "bench/method/jacobian/dual_lanes.hpp"
-#include "model/force/account.hpp"
-#include "model/force/link_frame.hpp"
+#include "bench/method/jacobian/difference_jacobian.hpp"
+#include "bench/method/jacobian/exact_jacobian.hpp"
+#include "model/observe/observation.hpp"
+#include "model/variator/variator.hpp"
+#include "tests/oracle/oracle_cases.hpp"
+#include "tests/oracle/rigid_forces.hpp"
+#include "tests/recipes/strut.hpp"
 
 namespace cvtflow::recipes {
 namespace {
 
-using model::End;
-using model::Lanes;
+using model::Energy;
+using model::FurtherElement;
+using model::Loss;
+using oracle::Real;
 
-/// A spring with damper between the two halves of a link, as model/force/inner.hpp would call it.
-struct Strut {
-    double stiffness = 1e4;  ///< [N/m]
-    double damping = 2.0;    ///< [N·s/m]
-    double length = 0.1;     ///< unstretched [m]
+// The second, plain implementation (tests/oracle).
 
-    /// Adds to the forces f of a link with coordinates q and velocities v.
-    template <int P, bool Observe, class Real>
-    void add(const Real* q, const Real* v, Real* f, model::Account* account) const noexcept {
-        using std::sqrt;
-        constexpr int xa = model::at<P>.x(End::rear, 0), ya = model::at<P>.y(End::rear, 0), xb = model::at<P>.x(End::front, 0),
-                      yb = model::at<P>.y(End::front, 0);
-        const Real dx = q[xb] - q[xa], dy = q[yb] - q[ya], vx = v[xb] - v[xa], vy = v[yb] - v[ya];
-        const Real distance = sqrt(dx * dx + dy * dy), inverse = 1.0 / distance;
-        const Real stretch = distance - length, rate = (dx * vx + dy * vy) * inverse;
-        const Real along = (stiffness * stretch + damping * rate) * inverse;
-        f[xb] -= along * dx;
-        f[yb] -= along * dy;
-        f[xa] += along * dx;
-        f[ya] += along * dy;
-        if constexpr (Observe) {
-            account->store(model::Energy::inner, 0.5 * stiffness * stretch * stretch);
-            account->lose(model::Loss::inner, damping * rate * rate);
-        }
+struct PlainStrut {
+    oracle::Vec2 force;  ///< on the front half
+    PlainStrut(oracle::Vec2 apart, oracle::Vec2 rate, oracle::Totals& totals) {
+        const Real distance = norm(apart), beyond = distance - Real{FurtherElement::length};
+        const oracle::Vec2 along = (1.0L / distance) * apart;
+        const Real opening = dot(along, rate);
+        force = -(FurtherElement::stiffness * beyond + FurtherElement::damping * opening) * along;
+        totals.energies.pack += 0.5L * FurtherElement::stiffness * beyond * beyond;
+        totals.loss(Loss::inner) += FurtherElement::damping * opening * opening;
     }
 };
 
-constexpr int size = model::at<0>.link_size();
-using Numbers = std::array<double, size>;
-
-/// A link whose halves are `dx`, `dy` apart, and their relative velocity.
-Numbers apart(double dx, double dy) {
-    Numbers numbers{};
-    numbers[static_cast<std::size_t>(model::at<0>.x(End::rear, 0))] = 0.02;
-    numbers[static_cast<std::size_t>(model::at<0>.x(End::front, 0))] = 0.02 + dx;
-    numbers[static_cast<std::size_t>(model::at<0>.y(End::front, 0))] = dy;
-    return numbers;
-}
-
-struct Observed {
-    Numbers force{};
-    model::Account account;
-};
-Observed observe(const Numbers& q, const Numbers& v) {
-    Observed seen;
-    Strut().add<0, true>(q.data(), v.data(), seen.force.data(), &seen.account);
-    return seen;
-}
-
-TEST(ForceRecipe, TheElasticPartIsTheGradientOfTheEnergy) {
-    const Numbers q = apart(0.08, 0.07), rest{};
-    for (std::size_t k = 0; k < size; ++k) {
-        constexpr double step = 1e-6;
-        Numbers up = q, down = q;
-        up[k] += step;
-        down[k] -= step;
-        const double gradient =
-            (observe(up, rest).account[model::Energy::inner] - observe(down, rest).account[model::Energy::inner]) / (2.0 * step);
-        EXPECT_NEAR(observe(q, rest).force[k], -gradient, 1e-5) << k;  // forces of 50 N: differences leave 1e-16 J over 1e-6 m
+void add_to_halves(const oracle::System& system, oracle::Totals& totals) {
+    for (std::size_t i = 0; i < system.links.size(); ++i) {
+        const oracle::Half &rear = system.links[i].rear, &front = system.links[i].front;
+        const PlainStrut strut(front.shape[0] - rear.shape[0], front.shape_rate[0] - rear.shape_rate[0], totals);
+        totals.link[i].front.shape[0] += strut.force;
+        totals.link[i].rear.shape[0] += -strut.force;
     }
 }
 
-TEST(ForceRecipe, PowerIsChangeOfEnergyAndLoss) {
-    const Numbers q = apart(0.08, 0.07), v = apart(0.3, -0.5);
-    const Observed now = observe(q, v);
-    constexpr double step = 1e-6;
-    const auto moved = [&](double time) {
-        Numbers later = q;
-        for (std::size_t k = 0; k < size; ++k) later[k] += time * v[k];
-        return observe(later, v).account[model::Energy::inner];
+void add_to_rigid_link(oracle::PinForces& forces, int link) {
+    const oracle::PinHalf rear = forces.chain.half(link, model::End::rear), front = forces.chain.half(link + 1, model::End::front);
+    const PlainStrut strut(front.at - rear.at, front.rate - rear.rate, forces.totals);
+    forces.push(front, strut.force, 0.0L);
+    forces.push(rear, -strut.force, 0.0L);
+    forces.pull[static_cast<std::size_t>(link)] += strut.force;
+}
+
+/// Both chains, with the strut in the oracle while a test runs.
+class ForceRecipe : public ::testing::TestWithParam<int> {
+protected:
+    ForceRecipe() { oracle::further_element() = {add_to_halves, add_to_rigid_link}; }
+    ~ForceRecipe() override { oracle::further_element() = {}; }
+
+    static constexpr int rigid = 4;  ///< instead of an order of pin halves
+    [[nodiscard]] model::Parameters machine() const {
+        model::Parameters p = oracle::small_scene();
+        if (GetParam() == rigid) return oracle::with_rigid_pins(p);
+        p.detail.order = GetParam();
+        return p;
+    }
+};
+
+std::vector<double> slope_of(const model::Variator& variator, const std::vector<double>& y, const std::vector<model::Phase>& phases) {
+    model::EvaluationScratch scratch(variator.layout());
+    std::vector<double> slope(y.size());
+    model::right_hand_side(variator, 1e-3, y.data(), phases.data(), slope.data(), scratch);
+    return slope;
+}
+
+/// Largest number, or difference of two, among the accelerations of the chain.
+double largest(const model::ChainLayout& at, const std::vector<double>& a, const std::vector<double>& b) {
+    double most = 0.0;
+    for (int k = 0; k < at.pulley_begin(); ++k) {
+        const std::size_t place = static_cast<std::size_t>(k);
+        if (k % at.link_block() >= at.link_size()) most = std::max(most, std::abs(a[place] - b[place]));
+    }
+    return most;
+}
+
+TEST_P(ForceRecipe, KernelsAgreeWithTheOracle) {
+    const model::Parameters p = machine();
+    const model::Variator variator(p, model::CVTFLOW_FURTHER_ISA);
+    const oracle::RandomState random = oracle::random_state(p, 11);
+    const auto expected = oracle::right_hand_side(p, 1e-3, random.state, random.phases).slope;
+    oracle::further_element() = {};
+    const auto without = oracle::right_hand_side(p, 1e-3, random.state, random.phases).slope;
+    const auto found = slope_of(variator, random.state, random.phases);
+    const double size = largest(variator.layout(), expected, std::vector<double>(expected.size()));
+    EXPECT_LT(largest(variator.layout(), found, expected), 1e-12 * size);  // as of all elements (variator_test.cpp)
+    EXPECT_GT(largest(variator.layout(), found, without), 1e-3 * size);
+}
+
+TEST_P(ForceRecipe, EnergyAndLossAreObserved) {
+    const model::Parameters p = machine();
+    const model::Variator variator(p, model::CVTFLOW_FURTHER_ISA);
+    const oracle::RandomState random = oracle::random_state(p, 12);
+    const auto expected = oracle::right_hand_side(p, 1e-3, random.state, random.phases);
+    oracle::further_element() = {};
+    const auto without = oracle::right_hand_side(p, 1e-3, random.state, random.phases);
+    model::Observer observer(variator);
+    const model::Account account = observer.observe(1e-3, random.state.data(), random.phases.data()).account;
+    const std::size_t inner = static_cast<std::size_t>(Loss::inner);
+    EXPECT_NEAR(account[Energy::pack] / expected.energies.pack, 1.0,
+                1e-10);  // squares of deflections, which are differences: 1e-16 m/1e-6 m
+    EXPECT_NEAR(account[Loss::inner] / expected.powers.losses[inner], 1.0, 1e-10);
+    EXPECT_GT(expected.energies.pack, 1.001 * without.energies.pack);
+    EXPECT_GT(expected.powers.losses[inner], 1.001 * without.powers.losses[inner]);
+}
+
+/// The ledger of a run adds up what is observed: the power of all forces is the change of energy and the loss.
+TEST_P(ForceRecipe, PowerIsChangeOfEnergyAndLoss) {
+    model::Parameters p = machine();
+    p.detail.pulleys = model::PulleyDetail::absent;
+    p.start.layout = model::StartLayout::ring;
+    const model::Variator variator(p, model::CVTFLOW_FURTHER_ISA);
+    const oracle::RandomState random = oracle::random_state(p, 13);
+    const auto slope = slope_of(variator, random.state, random.phases);
+    model::Observer observer(variator);
+    const auto stored = [&](double time) {
+        std::vector<double> y = random.state;
+        for (std::size_t k = 0; k < y.size(); ++k) y[k] += time * slope[k];
+        const model::Account& account = observer.observe(0.0, y.data(), random.phases.data()).account;
+        return std::accumulate(account.energy.begin(), account.energy.end(), 0.0);
     };
-    double power = 0.0;
-    for (std::size_t k = 0; k < size; ++k) power += now.force[k] * v[k];
-    EXPECT_NEAR(power, -(moved(step) - moved(-step)) / (2.0 * step) - now.account[model::Loss::inner], 1e-5);
-    EXPECT_GE(now.account[model::Loss::inner], 0.0);
+    const model::Account account = observer.observe(0.0, random.state.data(), random.phases.data()).account;
+    const double lost = std::accumulate(account.loss.begin(), account.loss.end(), 0.0);
+    constexpr double step = 1e-9;  // s
+    EXPECT_NEAR((stored(step) - stored(-step)) / (2.0 * step) / lost, -1.0, 1e-4);
+    EXPECT_GT(account[Loss::inner], 1e-3 * lost);
 }
 
-TEST(ForceRecipe, LinksSideBySideGetTheBitsOfOne) {
-    std::array<Lanes<4>, size> q, v, f;
-    f.fill(Lanes<4>(0.0));
-    std::array<Numbers, 4> places, rates;
-    for (std::size_t link = 0; link < 4; ++link) {
-        places[link] = apart(0.08 + 0.01 * static_cast<double>(link), 0.07);
-        rates[link] = apart(0.3, -0.5 * static_cast<double>(link));
-        for (std::size_t k = 0; k < size; ++k) {
-            q[k].set(link, places[link][k]);
-            v[k].set(link, rates[link][k]);
-        }
+/// Accelerations of a link by one of its coordinates, by differences of the oracle.
+std::vector<double> oracle_column(const model::Parameters& p, const oracle::RandomState& random, int begin, int size, int coordinate) {
+    const auto moved = [&](Real by) {
+        std::vector<Real> y(random.state.begin(), random.state.end());
+        y[static_cast<std::size_t>(begin + coordinate)] += by;
+        return oracle::exact_right_hand_side(p, 0.0, y, random.phases).slope;
+    };
+    constexpr Real step = 1e-9L;  // m
+    const auto up = moved(step), down = moved(-step);
+    std::vector<double> column(static_cast<std::size_t>(size));
+    for (int row = 0; row < size; ++row) {
+        const std::size_t place = static_cast<std::size_t>(begin + size + row);
+        column[static_cast<std::size_t>(row)] = static_cast<double>((up[place] - down[place]) / (2.0L * step));
     }
-    Strut().add<0, false>(q.data(), v.data(), f.data(), nullptr);
-    for (std::size_t link = 0; link < 4; ++link) {
-        const Observed alone = observe(places[link], rates[link]);
-        for (std::size_t k = 0; k < size; ++k) EXPECT_EQ(f[k][link], alone.force[k]) << link << ", " << k;
-    }
+    return column;
 }
 
-TEST(ForceRecipe, ItsExactJacobianComesFromTheSameLines) {
-    using T = model::Dual<2 * size>;
-    const Numbers q = apart(0.08, 0.07), v = apart(0.3, -0.5);
-    std::array<T, size> place, rate, force;
-    for (std::size_t k = 0; k < size; ++k) {
-        place[k] = T::variable(q[k], static_cast<int>(k));
-        rate[k] = T::variable(v[k], size + static_cast<int>(k));
-    }
-    Strut().add<0, false>(place.data(), rate.data(), force.data(), nullptr);
-    for (std::size_t k = 0; k < size; ++k) {
-        constexpr double step = 1e-6;
-        Numbers up = q, down = q, faster = v, slower = v;
-        up[k] += step, faster[k] += step;
-        down[k] -= step, slower[k] -= step;
-        for (std::size_t row = 0; row < size; ++row) {
-            const double by_place = (observe(up, v).force[row] - observe(down, v).force[row]) / (2.0 * step);
-            const double by_rate = (observe(q, faster).force[row] - observe(q, slower).force[row]) / (2.0 * step);
-            EXPECT_NEAR(force[row].slope[k], by_place, 1e-4)
-                << row << ", " << k;  // 1e4 N/m: second order 1e-8/0.1², rounding 1e-14 N/1e-6 m
-            EXPECT_NEAR(force[row].slope[size + k], by_rate, 1e-7) << row << ", " << k;
+/// Halves: the exact Jacobian. Rigid pins have none: bench/method/jacobian takes differences of their kernels.
+TEST_P(ForceRecipe, JacobianAgreesWithDifferencesOfTheOracle) {
+    model::Parameters p = machine();
+    oracle::make_conservative(p);
+    p.detail.pulleys = model::PulleyDetail::absent;
+    p.start.layout = model::StartLayout::ring;
+    const model::Variator variator(p, model::CVTFLOW_FURTHER_ISA);
+    const model::ChainLayout& at = variator.layout();
+    const oracle::RandomState random = oracle::random_state(p, 14);
+    const int size = at.link_size(), begin = at.link_begin(2);
+    bench::AccelerationJacobian exact(at);
+    std::vector<double> differences;
+    if (GetParam() == rigid)
+        differences = bench::difference_jacobian(variator, 0.0, random.state, random.phases);
+    else
+        bench::ExactJacobian(variator).links(random.state.data(), random.phases.data(), 0, at.links, exact);
+    const auto entry = [&](int row, int column) {
+        if (GetParam() != rigid) return exact.link(2, bench::Near::same, bench::With::position)[row * size + column];
+        return differences[static_cast<std::size_t>(begin + column) * static_cast<std::size_t>(at.size()) +
+                           static_cast<std::size_t>(begin + size + row)];
+    };
+    double error = 0.0, most = 0.0, change = 0.0;
+    for (int column = 0; column < size; ++column) {
+        oracle::further_element() = {add_to_halves, add_to_rigid_link};
+        const auto expected = oracle_column(p, random, begin, size, column);
+        oracle::further_element() = {};
+        const auto without = oracle_column(p, random, begin, size, column);
+        for (int row = 0; row < size; ++row) {
+            const std::size_t place = static_cast<std::size_t>(row);
+            error = std::max(error, std::abs(entry(row, column) - expected[place]));
+            most = std::max(most, std::abs(expected[place]));
+            change = std::max(change, std::abs(expected[place] - without[place]));
         }
     }
+    EXPECT_LT(error, 1e-5 * most);  // differences of doubles: rounding 1e-16 over steps of 1e-9
+    EXPECT_GT(change, 1e-4 * most);
 }
+
+INSTANTIATE_TEST_SUITE_P(BothChains, ForceRecipe, ::testing::Values(0, 1, 2, 3, 4),
+                         [](const auto& of) { return of.param == 4 ? std::string("rigid_pins") : "order_" + std::to_string(of.param); });
 
 }  // namespace
 }  // namespace cvtflow::recipes

@@ -95,9 +95,9 @@ void RigidLeapfrog::kick(int) noexcept {
 
 void RigidLeapfrog::kick_pins() noexcept {
     kinetic_ = pins_.model.kernels().kick(pins_.model.coefficients(), kick_.step, pins_.columns);
-    pins_.columns.copy(model::Column::rub, model::Column::rub_before);
-    pins_.columns.copy(model::Column::rub_spread, model::Column::rub_spread_before);
-    pins_.columns.copy(model::Column::joint, model::Column::joint_before);
+    pins_.columns.copy(model::Column::plate_friction, model::Column::plate_friction_before);
+    pins_.columns.copy(model::Column::plate_friction_moment, model::Column::plate_friction_moment_before);
+    pins_.columns.copy(model::Column::joint_friction, model::Column::joint_friction_before);
 }
 
 /// Friction of the velocities as they are stays in the columns, and the first step begins with it.
@@ -171,7 +171,7 @@ void RigidLeapfrog::forget_touching() noexcept {
 void RigidLeapfrog::find_touching() noexcept {
     w_.tips.have_changed = false;
     for (int tip = 0; tip < model::rigid_tips; ++tip) {
-        const double* normal = pins_.columns[model::Column::normal + tip];
+        const double* normal = pins_.columns[model::Column::tip_normal + tip];
         double* touching = pins_.columns[model::Column::touching + tip];
         if (pins_.model.kernels().contact_changes(pins_.columns, tip) == 0.0) continue;
         if (!std::exchange(w_.tips.have_changed, true)) w_.tips.phases_before = w_.tips.phases;

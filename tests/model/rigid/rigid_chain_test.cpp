@@ -181,7 +181,7 @@ TEST(RigidModel, ProbesFindTheDepthsOfTheEvaluation) {
         TipProbe probe;
         variator.chain().probe(near.of(at, y.data(), link), sheaves, false, probe);
         for (int tip = 0; tip < tips_per_link; ++tip) {
-            const double depth = variator.chain().rigid()->of_tip(Column::depth, link, tip);
+            const double depth = variator.chain().rigid()->of_tip(Column::tip_depth, link, tip);
             EXPECT_EQ(std::max(0.0, probe.depth[tip]), std::max(0.0, depth)) << link << " " << tip;
         }
     }

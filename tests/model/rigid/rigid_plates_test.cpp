@@ -26,21 +26,21 @@ void fill(RigidColumns& columns, unsigned seed) {
         columns[Column::vz][pin] = between(-0.05, 0.05);
         columns[Column::vslide][pin] = between(-0.05, 0.05);
         columns[Column::force_z][pin] = between(-300.0, 300.0);
-        columns[Column::tip_z][pin] = between(-300.0, 300.0);
+        columns[Column::tip_force_z][pin] = between(-300.0, 300.0);
         columns[Column::force_slide][pin] = between(-150.0, 150.0);
-        columns[Column::tip_slide][pin] = between(-150.0, 150.0);
-        columns[Column::pressing][pin] = std::max(0.0, between(-1000.0, 3000.0));
-        columns[Column::joint_speed][pin] = between(0.0, 0.03);
+        columns[Column::tip_force_slide][pin] = between(-150.0, 150.0);
+        columns[Column::joint_normal][pin] = std::max(0.0, between(-1000.0, 3000.0));
+        columns[Column::joint_slip][pin] = between(0.0, 0.03);
         columns[Column::tension][pin] = std::max(0.0, between(-1000.0, 3000.0));
-        columns[Column::rub_speed_low][pin] = between(0.0, 0.03);
-        columns[Column::rub_speed_high][pin] = between(0.0, 0.03);
+        columns[Column::plate_slip_low][pin] = between(0.0, 0.03);
+        columns[Column::plate_slip_high][pin] = between(0.0, 0.03);
         columns[Column::lengthening][pin] = between(-0.03, 0.03);
     }
     columns.wrap(Column::vz, Column::vslide);
     columns.wrap(Column::force_z, Column::force_slide);
-    columns.wrap(Column::tip_z, Column::tip_slide);
+    columns.wrap(Column::tip_force_z, Column::tip_force_slide);
     columns.wrap(Column::tension, Column::tension);
-    columns.wrap(Column::rub_speed_low, Column::rub_speed_high);
+    columns.wrap(Column::plate_slip_low, Column::plate_slip_high);
     columns.wrap(Column::lengthening, Column::lengthening);
 }
 
@@ -56,10 +56,10 @@ double grip_of(const Parameters& p, const Friction& friction, double normal, dou
 /// Speed of the front (+1) or rear (-1) half of pin `of` behind a step: half of the pin's mass each, held by its link (of the front half
 /// that of pin `from`) and by the other half.
 double speed_behind(const RigidModel& model, const RigidColumns& columns, int of, int from, double half, double step) {
-    const double both = columns[Column::force_z][of] + columns[Column::tip_z][of];
-    const double apart = columns[Column::force_slide][of] + columns[Column::tip_slide][of];
-    const double plates = half > 0.0 ? -columns[Column::rub][from] : columns[Column::rub][of];
-    const double force = 0.5 * both + half * (apart - columns[Column::joint][of]) + plates;
+    const double both = columns[Column::force_z][of] + columns[Column::tip_force_z][of];
+    const double apart = columns[Column::force_slide][of] + columns[Column::tip_force_slide][of];
+    const double plates = half > 0.0 ? -columns[Column::plate_friction][from] : columns[Column::plate_friction][of];
+    const double force = 0.5 * both + half * (apart - columns[Column::joint_friction][of]) + plates;
     const double speed = columns[Column::vz][of] + 0.5 * half * columns[Column::vslide][of];
     return speed + step / (0.5 * model.coefficients().mass) * force;
 }
@@ -76,29 +76,29 @@ TEST(RigidPlates, FrictionFollowsFromTheVelocitiesThatTheWholeChainLeavesBehind)
             RigidColumns columns = model.columns();
             fill(columns, static_cast<unsigned>(pins));
             const auto copy_of = [&](Column c) { return std::vector<double>(columns[c], columns[c] + pins); };
-            const auto low = copy_of(Column::rub_speed_low), high = copy_of(Column::rub_speed_high), kept = copy_of(Column::joint_speed);
+            const auto low = copy_of(Column::plate_slip_low), high = copy_of(Column::plate_slip_high), kept = copy_of(Column::joint_slip);
             Account account;
-            model.kernels().rub(model.coefficients(), {step}, columns, account);
-            model.kernels().settle(model.coefficients(), {step}, columns, account);
-            const double *rub = columns[Column::rub], *joint = columns[Column::joint];
+            model.kernels().plate_friction(model.coefficients(), {step}, columns, account);
+            model.kernels().joint_friction(model.coefficients(), {step}, columns, account);
+            const double *rub = columns[Column::plate_friction], *joint = columns[Column::joint_friction];
             double largest = 0.0, held = 0.0;
             for (int pin = 0; pin < pins; ++pin) {
                 const int next = (pin + 1) % pins, before = (pin + pins - 1) % pins;
                 const auto after = [&](int of, int from, double half) { return speed_behind(model, columns, of, from, half, step); };
                 const double slides = after(next, pin, 1.0) - after(pin, before, -1.0);
                 const double parts = after(pin, before, 1.0) - after(pin, before, -1.0);
-                const double holds = grip_of(p, p.joint.friction, columns[Column::pressing][pin], kept[static_cast<std::size_t>(pin)]);
+                const double holds = grip_of(p, p.joint.friction, columns[Column::joint_normal][pin], kept[static_cast<std::size_t>(pin)]);
                 EXPECT_NEAR(joint[pin], holds * parts, 1e-9) << pin;
-                EXPECT_NEAR(columns[Column::joint_speed][pin], std::abs(parts), 1e-12) << pin;
+                EXPECT_NEAR(columns[Column::joint_slip][pin], std::abs(parts), 1e-12) << pin;
                 const double parting =
                     model.coefficients().plate_reach * (columns[Column::lengthening][next] - columns[Column::lengthening][pin]);
                 const double tension = 0.5 * columns[Column::tension][pin];
                 const double at_low = grip_of(p, p.plate.friction, tension, low[static_cast<std::size_t>(pin)]) * (slides - parting);
                 const double at_high = grip_of(p, p.plate.friction, tension, high[static_cast<std::size_t>(pin)]) * (slides + parting);
                 EXPECT_NEAR(rub[pin], at_low + at_high, 1e-9) << pin;
-                EXPECT_NEAR(columns[Column::rub_spread][pin], at_high - at_low, 1e-9) << pin;
-                EXPECT_NEAR(columns[Column::rub_speed_low][pin], std::abs(slides - parting), 1e-12) << pin;
-                EXPECT_NEAR(columns[Column::rub_speed_high][pin], std::abs(slides + parting), 1e-12) << pin;
+                EXPECT_NEAR(columns[Column::plate_friction_moment][pin], at_high - at_low, 1e-9) << pin;
+                EXPECT_NEAR(columns[Column::plate_slip_low][pin], std::abs(slides - parting), 1e-12) << pin;
+                EXPECT_NEAR(columns[Column::plate_slip_high][pin], std::abs(slides + parting), 1e-12) << pin;
                 largest = std::max(largest, std::abs(rub[pin]));
                 held = std::max(held, std::abs(joint[pin]));
             }
