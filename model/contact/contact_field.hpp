@@ -10,9 +10,39 @@
 
 #include "model/basis/columns.hpp"
 #include "model/chain/chain_model.hpp"
-#include "model/contact/contact_components.hpp"
+#include "model/parameters/chain_layout.hpp"
 
 namespace cvtflow::model {
+
+/// Numbers of the components of a contact field.
+struct ContactComponents {
+    int joint_points;       ///< integration points of a joint
+    int plates;             ///< plates of a link
+    bool relative = false;  ///< velocities count from those at which contacts were recorded
+
+    /// Frame of the link: t_x, t_y, 1/|d0|.
+    static constexpr int frame_x = 0, frame_y = 1, inverse_length = 2;
+    /// Components of a joint point; the joint is that of the link's rear pin.
+    struct Joint {
+        static constexpr int normal_x = 0, normal_y = 1, lever_before = 2, lever_after = 3, friction_limit = 4, count = 5;
+    };
+    /// Components of a tip; sheave: velocity of the sheave where the tip touches (if relative: of the sheave against the tip); drift: its
+    /// change over the step, along with the tip.
+    struct Tip {
+        static constexpr int normal = 0, lever_x = 3, lever_y = 4, sheave = 5, drift = 8, friction_limit = 11, least = 12, most = 13,
+                             count = 14;
+    };
+    [[nodiscard]] constexpr int joint(int point) const noexcept { return 3 + Joint::count * point; }
+    /// μN of a plate [N].
+    [[nodiscard]] constexpr int plate(int number) const noexcept { return joint(joint_points) + number; }
+    [[nodiscard]] constexpr int tip(int corner) const noexcept { return plate(plates) + Tip::count * corner; }
+    /// If relative, at the velocities that others count from: sliding of a joint's points across the axis, z and e of the joint's gap and
+    /// of the gap between the link's pins [m/s].
+    [[nodiscard]] constexpr int sliding(int point) const noexcept { return tip(tips_per_link) + point; }
+    [[nodiscard]] constexpr int joint_gap() const noexcept { return sliding(joint_points); }
+    [[nodiscard]] constexpr int plate_gap() const noexcept { return joint_gap() + 2; }
+    [[nodiscard]] constexpr int count() const noexcept { return relative ? plate_gap() + 2 : tip(tips_per_link); }
+};
 
 /// Arms from a sheave's origin to the contact points of a link's tips, for reactions on the sheaves [m].
 struct TipArms {

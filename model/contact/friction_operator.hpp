@@ -1,13 +1,39 @@
 #pragma once
 /// Friction as an operator on velocities, with the kernels of one order and one instruction set.
 
+#include <array>
+#include <memory>
 #include <type_traits>
 
+#include "model/chain/chain_model.hpp"
 #include "model/contact/contact_field.hpp"
-#include "model/contact/friction_numbers.hpp"
 #include "model/contact/friction_stage.hpp"
 
 namespace cvtflow::model {
+
+/// Inverse of a mass matrix of a link, by its symmetries: both ends are alike, and so are both halves of the pins' length.
+/// [[a, b], [b, a]] acts on the sum of both ends as a + b and on their difference as a - b; modes of even and of odd order do not couple.
+template <class Number>
+struct MirroredInverseOf {
+    std::array<Number, max_lateral * max_lateral> sum{}, difference{};  ///< (a ± b)/2, rows max_lateral apart; where m + k is odd: 0
+};
+using MirroredInverse = MirroredInverseOf<double>;
+
+/// Slower sliding counts as this in single precision: its square is still a float, and so is one over it [m/s].
+inline constexpr double slowest_single = 1e-15;
+
+/// Constants of friction in the precision of its velocities.
+template <class Number>
+struct FrictionNumbers {
+    explicit FrictionNumbers(const ChainModel& chain);
+
+    FrictionCurve joint, plate, tip;
+    std::shared_ptr<const TipLaw> tip_law;                                       ///< nullptr: none
+    std::array<Number, max_joint_lanes> joint_position{};                        ///< ξ [1]
+    std::array<std::array<Number, max_joint_lanes>, max_lateral> joint_basis{};  ///< P_m(ξ)
+    std::array<Number, max_plate_lanes> plate_position{};                        ///< ξ [1]
+    MirroredInverseOf<Number> lateral, axial;                                    ///< of x, and of y; of z and e
+};
 
 class FrictionOperator;
 
@@ -49,7 +75,7 @@ struct SingleFrictionKernels {
 /// [link_size()][stride] columns that begin at a range's first link - 1.
 class FrictionOperator {
 public:
-    /// model/variator/chain.hpp makes one with the kernels of the chain's instruction set.
+    /// make_friction() (model/variator/variator.hpp) makes one with the kernels of the chain's instruction set.
     FrictionOperator(const ChainModel& chain, bool by_phase, const FrictionKernels& kernels, const SingleFrictionKernels& single);
 
     /// Number of scratch numbers for a range of `links` links.

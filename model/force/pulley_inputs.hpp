@@ -1,12 +1,124 @@
 #pragma once
-/// Inputs of the pulleys at one instant: torques, and clamping forces by tables, pressures and controllers. (model/EQUATIONS.md section 8)
+/// Inputs of the pulleys at one instant: where shafts and sheaves are in their block [q | v]; torques of drive, load, couplings and
+/// governors; clamping forces by tables, pressures and controllers. (model/EQUATIONS.md section 8)
 
 #include <array>
+#include <optional>
 
 #include "model/force/hydraulics.hpp"
-#include "model/force/shaft_torques.hpp"
+#include "model/machine/coefficients.hpp"
+#include "model/parameters/chain_layout.hpp"
 
 namespace cvtflow::model {
+
+class PulleyCoordinates {
+public:
+    /// Coordinates of a body of elastic pulleys.
+    enum Freedom { ux = 0, uy = 1, tilt_x = 2, tilt_y = 3, axial = 4, turn = 5 };
+
+    /// Becomes the coordinates of other parameters.
+    void adopt(const Parameters& parameters) noexcept;
+
+    [[nodiscard]] int size() const noexcept { return size_; }
+    [[nodiscard]] bool elastic() const noexcept { return size_ == 36; }
+    /// Index of a shaft's rotation, and of its movable sheave's axial motion, in the pulleys' q.
+    [[nodiscard]] int rotation(int shaft) const noexcept { return elastic() ? body_freedom(shaft, turn) : shaft; }
+    [[nodiscard]] int sheave_rotation(int shaft, int side) const noexcept {
+        return elastic() ? body_freedom(sheave_body(shaft, side), turn) : shaft;
+    }
+    [[nodiscard]] int movable(int shaft) const noexcept { return elastic() ? body_freedom(movable_body(shaft), axial) : 2 + shaft; }
+    /// Speed of shaft 0 or 1. block [unknowns of the pulleys]
+    [[nodiscard]] double shaft_speed(const double* block, int shaft) const noexcept { return block[size_ + rotation(shaft)]; }
+    /// Axial position of a shaft's movable sheave relative to the shaft. block [unknowns of the pulleys]
+    [[nodiscard]] double clamped_position(const double* block, int shaft) const noexcept { return opening(block, shaft); }
+    /// Running radius by the position of the movable sheave, as a transmission measures it: straight flanks, stiff sheaves [m].
+    [[nodiscard]] double running_radius(const double* block, int shaft) const noexcept {
+        return arc_position_ - narrowing_ * movable_side(shaft) * opening(block, shaft);
+    }
+
+    /// Side that moves: +z on the driving shaft, -z on the driven one; its sign.
+    [[nodiscard]] static int movable_body(int shaft) noexcept { return sheave_body(shaft, shaft == 0 ? 1 : 0); }
+    [[nodiscard]] static double movable_side(int shaft) noexcept { return shaft == 0 ? 1.0 : -1.0; }
+
+protected:
+    /// w of the movable sheave relative to its shaft, of positions or velocities.
+    [[nodiscard]] double opening(const double* coordinates, int shaft) const noexcept {
+        const double moved = coordinates[movable(shaft)];
+        return elastic() ? moved - coordinates[body_freedom(shaft, axial)] : moved;
+    }
+
+private:
+    int size_ = 0;
+    double arc_position_ = 0.0;
+    double narrowing_ = 0.0;  ///< 1/(2 tan β), loss of running radius per opening of the groove [1]
+};
+
+/// Angle of what holds a shaft by its speed: φ_ref(t) = angle + ∫ω_ref from `since` to t.
+struct ReferenceAngle {
+    double since = 0.0;  ///< [s]
+    double angle = 0.0;  ///< [rad]
+    double zero = 0.0;   ///< φ_ref when a coupling took over: hosts count its far end from there [rad]
+    bool operator==(const ReferenceAngle&) const = default;
+};
+
+/// A coupling at one instant.
+struct CouplingState {
+    double twist = 0.0, rate = 0.0;  ///< φ_ref - φ [rad], its rate [rad/s]
+    double energy = 0.0;             ///< ½ k twist² [J]
+    double damping = 0.0;            ///< c [N·m·s/rad]
+};
+
+/// Inputs that the caller has set: a value that replaces the scene's table from then on.
+struct HeldInputs {
+    std::optional<double> driving;              ///< S_1 [N]
+    std::optional<double> driven;               ///< S_2 [N]
+    std::optional<double> load_torque;          ///< against the travel of shaft 2 [N·m]
+    std::optional<double> drive_torque;         ///< drive mode torque [N·m]
+    std::optional<double> drive_speed;          ///< drive modes speed and coupling [rad/s]; the reference angle continues from reference[0]
+    std::optional<double> load_speed;           ///< load modes speed and coupling [rad/s]; the reference angle continues from reference[1]
+    std::optional<double> ratio;                ///< of ratio control [1]
+    std::optional<double> driving_pressure;     ///< hydraulics.mode pressure [Pa]
+    std::optional<double> driven_pressure;      ///< [Pa]
+    std::array<ReferenceAngle, 2> reference{};  ///< of the shafts
+    bool coupled = false;  ///< whether couplings, load mode speed and hydraulics have taken over (ShaftTorques::couple)
+    bool operator==(const HeldInputs&) const = default;
+};
+
+class ShaftTorques : public PulleyCoordinates {
+public:
+    /// Becomes the torques of other parameters, inputs released; allocates only what does not fit into the memory it has.
+    void adopt(const Parameters& parameters);
+
+    /// Puts values in place of tables; between steps only.
+    void hold(const HeldInputs& held) noexcept { held_ = held; }
+    [[nodiscard]] const HeldInputs& held() const noexcept { return held_; }
+    /// Angle and speed of what holds shaft 0 or 1 at time t: of a governor's reference, or of a coupling's far end. t [s]
+    [[nodiscard]] double reference_angle(double t, int shaft) const noexcept;
+    [[nodiscard]] double reference_speed(double t, int shaft) const noexcept;  ///< t [s]
+    /// Couplings, and load mode speed, take over: with the twist that carries the torque that acts at this instant. Before, shaft 1 is held
+    /// by the governor of mode speed and shaft 2 by load.torque. t [s], block [unknowns of the pulleys]
+    void couple(double t, const double* block) noexcept;
+    /// Whether a coupling acts on shaft 0 or 1; its state, zero where none does. t [s], block [unknowns of the pulleys]
+    [[nodiscard]] bool coupled(int shaft) const noexcept;
+    [[nodiscard]] CouplingState coupling(double t, const double* block, int shaft) const noexcept;
+
+protected:
+    [[nodiscard]] double drive_torque(double t, const double* block) const noexcept;      ///< t [s], block [unknowns of the pulleys]
+    [[nodiscard]] double resisting_torque(double t, const double* block) const noexcept;  ///< against shaft 2 [N·m]
+
+private:
+    /// By what holds a shaft by its angle and speed [N·m]. t [s], block [unknowns of the pulleys]
+    [[nodiscard]] double holding_torque(const Spring& by, double t, const double* block, int shaft) const noexcept;
+    [[nodiscard]] const TimeTable& speed_table(int shaft) const noexcept { return shaft == 0 ? drive_.speed : load_.speed; }
+    [[nodiscard]] const std::optional<double>& held_speed(int shaft) const noexcept {
+        return shaft == 0 ? held_.drive_speed : held_.load_speed;
+    }
+
+    Drive drive_;
+    Load load_;
+    HeldInputs held_;
+    std::array<Spring, 2> governor_, holder_;  ///< of each shaft: as in mode speed; as its mode has it once couplings have taken over
+};
 
 /// Input torques, clamping forces and rates of the controllers at one instant.
 struct Inputs {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "model/chain/chain_model.hpp"
+#include "model/machine/coefficients.hpp"
 
 namespace cvtflow::model {
 
@@ -44,5 +45,11 @@ struct Creep {
 /// Creep of the chain. With rigid pins it is that of the chain's last evaluation, which must have been of this state. Serial, about a third
 /// of an evaluation of the chain; sums are in the order of the links. state [unknowns], sheaves [4], phases [4 links]
 [[nodiscard]] Creep observe_creep(const ChainModel& chain, const double* state, const SheaveMotion* sheaves, const Phase* phases) noexcept;
+
+/// Layout of what halves_of() gives.
+[[nodiscard]] ChainLayout halves_layout(ChainLayout layout) noexcept;
+
+/// The links of a state as those of halves, in halves_layout(); as they are where pins are halves already. state, halves [unknowns]
+void halves_of(const Coefficients& coefficients, const double* state, std::vector<double>& halves);
 
 }  // namespace cvtflow::model

@@ -135,7 +135,7 @@ enum class Column {
     // Which tips are computed.
     near,     ///< > 0: the pin may touch in this step
     written,  ///< tips' columns were written: 1 in the last step, 2 in this one, 0 not
-    // Contact of a pin's tips as a whole. Of velocities as they are (RigidKick) depth holds too.
+    // Contact of a pin's tips as a whole. Depth holds for velocities as they are (RigidKick), too.
     tip_depth,                                     ///< [4] δ_0: depth of each tip, `far_depth` of pins that certainly do not touch [m]
     tip_stiffness_front = tip_depth + rigid_tips,  ///< of the front half along z, against its moving [N/m]
     tip_stiffness_rear,                            ///< of the rear half [N/m]
@@ -162,7 +162,7 @@ enum class Column {
     tip_damping_force = tip_normal + rigid_tips,      ///< [4] damping part of it [N]
     tip_tangential = tip_damping_force + rigid_tips,  ///< [4] friction on the pin along the circumference [N]
     tip_radial = tip_tangential + rigid_tips,         ///< [4] friction on the pin along the flank [N]
-    // Of each tip, only of velocities as they are.
+    // Each tip, for velocities as they are only.
     sheave_outward = tip_radial + rigid_tips,    ///< [4] force on the sheave, away from its axis [N]
     sheave_axial = sheave_outward + rigid_tips,  ///< [4] force on the sheave along z [N]
     tip_slip = sheave_axial + rigid_tips,        ///< [4] sliding speed [m/s]

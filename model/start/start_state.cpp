@@ -9,7 +9,7 @@
 
 #include "model/basis/portable_math.hpp"
 #include "model/force/pulley.hpp"
-#include "model/variator/chain.hpp"
+#include "model/variator/variator.hpp"
 
 namespace cvtflow::model {
 

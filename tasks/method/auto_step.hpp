@@ -8,12 +8,32 @@
 #include <string>
 #include <vector>
 
-#include "tasks/method/falling_friction.hpp"
+#include "model/observe/observation.hpp"
 #include "tasks/method/method.hpp"
 #include "tasks/method/spectral_bound.hpp"
 #include "tasks/step/control/step_control.hpp"
 
 namespace cvtflow::tasks {
+
+/// A pin half that slides at both tips, with normal forces N, obeys m u' = -2 N μ(u) + …: where μ falls, sliding grows with the rate
+/// 2 N |μ'|/m. A step of first order h errs in the growth, and so in losses, in proportion to h 2 N |μ'|/m.
+class FallingFriction {
+public:
+    /// `variator` must outlive it. Takes all its memory here.
+    FallingFriction(const model::Variator& variator, const model::Parameters& parameters);
+
+    /// Largest growth rate of all tips at a state, at the sliding speed where friction falls most steeply; 0: it does not fall [1/s].
+    /// t [s], state [unknowns]
+    [[nodiscard]] double growth(double t, const double* state, const model::Phase* phases) noexcept;
+
+private:
+    /// Largest -μ' from the saturation speed on, at the present temperature of the oil [s/m].
+    [[nodiscard]] double steepest_fall() const noexcept;
+
+    const model::Variator& variator_;
+    double half_mass_;  ///< [kg]
+    model::Observer observer_;
+};
 
 /// Reach of any method of the catalogue; for tables that declare none it is computed once per name.
 [[nodiscard]] MethodReach reach_of(const Method& method);

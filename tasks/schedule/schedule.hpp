@@ -9,8 +9,8 @@
 #include "engine/executor/executor.hpp"
 #include "engine/thread/executor_options.hpp"
 #include "tasks/scene/scene.hpp"
-#include "tasks/step/partition.hpp"
 #include "tasks/step/step_graph.hpp"
+#include "tasks/step/workspace.hpp"
 
 namespace cvtflow::tasks {
 

@@ -8,7 +8,7 @@
 #include <filesystem>
 
 #include "model/machine/coefficients.hpp"
-#include "model/observe/pin_halves.hpp"
+#include "model/observe/chain_forces.hpp"
 
 namespace cvtflow::tasks {
 

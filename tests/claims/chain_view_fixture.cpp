@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "model/machine/link_inertia.hpp"
-#include "model/observe/pin_halves.hpp"
+#include "model/observe/chain_forces.hpp"
 
 namespace cvtflow::claims {
 

@@ -19,7 +19,7 @@ struct FurtherElement {
     static constexpr double damping = 200.0;  ///< c [N·s/m]
     static constexpr double length = 8e-3;    ///< ℓ_s [m]
 
-    /// What both chains share. @tparam Real a number, links side by side, or a number with derivatives
+    /// Part that both chains share. @tparam Real a number, links side by side, or a number with derivatives
     template <class Real>
     struct Strut {
         Real force, energy, power;

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "tasks/step/partition.hpp"
+#include "tasks/step/workspace.hpp"
 
 namespace cvtflow::bench {
 

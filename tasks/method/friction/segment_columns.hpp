@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "model/contact/contact_field.hpp"
-#include "tasks/step/partition.hpp"
+#include "tasks/step/workspace.hpp"
 
 namespace cvtflow::tasks {
 

@@ -1,4 +1,4 @@
-#include "tasks/method/falling_friction.hpp"
+#include "tasks/method/auto_step.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,6 @@
 #include <memory>
 #include <string>
 
-#include "tasks/method/auto_step.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
 

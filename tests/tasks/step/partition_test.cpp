@@ -1,4 +1,4 @@
-#include "tasks/step/partition.hpp"
+#include "tasks/step/workspace.hpp"
 
 #include <gtest/gtest.h>
 

@@ -12,7 +12,7 @@
 
 #include "engine/record/run/schema.hpp"
 #include "model/basis/portable_math.hpp"
-#include "model/observe/pin_halves.hpp"
+#include "model/observe/chain_forces.hpp"
 
 namespace cvtflow::tools {
 

@@ -1,4 +1,4 @@
-#include "model/chain/chain_range.hpp"
+#include "model/chain/chain_model.hpp"
 
 #include <algorithm>
 
