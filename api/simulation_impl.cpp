@@ -228,7 +228,7 @@ std::size_t Simulation::Impl::find_channel(std::string_view name) const {
 std::span<const double> Simulation::Impl::channel(std::size_t index) {
     const Scope scope(*this, Scope::As::visitor);
     const tasks::Channel& row = channel_row(index);
-    if (observation_ == nullptr) observation_ = &observer_.observe(simulation_.time(), simulation_.state(), simulation_.phases().data());
+    if (observation_ == nullptr) observation_ = &simulation_.workspace().observed_by(observer_, simulation_.time());
     const tasks::Instant now{*observation_, simulation_.workspace(), simulation_.integration_state().counters, data().run.followed_pin,
                              observer_};
     row.read(now, values_[index].data());

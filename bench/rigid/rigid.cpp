@@ -148,7 +148,7 @@ void print_row(const Options& options, const std::string& detail, const Means& m
     const tasks::EnergySums before = simulation.energy().sums(simulation.time());
     while (simulation.time() < until) {
         advance(simulation.time() + output_interval);
-        const model::Observation& o = observer.observe(simulation.time(), simulation.state(), simulation.phases().data());
+        const model::Observation& o = simulation.workspace().observed_by(observer, simulation.time());
         m.add(o.tight, o.slack, o.slip, o.ratio, o.clamping[0] / o.clamping[1], o.radius);
     }
     m.observing = processor_time() - observing;

@@ -40,12 +40,19 @@ struct TipProbe {
     double radius;                ///< distance of the link's middle from its shaft's axis [m]
 };
 
-/// Contact forces of a link, for observation. Tips are zero where none of the link's touches.
+/// Forces of a link, for observation. Tips are zero where none of the link's touches.
 struct LinkContact {
-    double tension;                ///< sum of its plates' elastic tensions [N]
-    double depth[tips_per_link];   ///< δ [m], negative: gap
-    double normal[tips_per_link];  ///< N [N]
-    double axial[tips_per_link];   ///< force of each tip on its sheave along z [N]
+    double tension = 0.0;                   ///< sum of its plates' elastic tensions [N]
+    int shaft = 0;                          ///< whose sheaves they touch
+    double depth[tips_per_link] = {};       ///< δ [m], negative: gap
+    double normal[tips_per_link] = {};      ///< N [N]
+    double axial[tips_per_link] = {};       ///< force of each tip on its sheave along z [N]
+    double tangential[tips_per_link] = {};  ///< along the circumference, in the sense of positive rotation [N]
+    double radial[tips_per_link] = {};      ///< away from the shaft's axis [N]
+    double radius[tips_per_link] = {};      ///< of the contact about that axis [m]
+    double sliding[tips_per_link] = {};     ///< speed along the sheave's surface [m/s]
+    double power[tips_per_link] = {};       ///< lost by friction [W]
+    double hold[tips_per_link] = {}, drag[tips_per_link] = {}, creep_power[tips_per_link] = {};  ///< of Creep [N·m·s], [N·m], [W]
 };
 
 /// The block of one link with the neighbours that contact of rigid pins depends on: one before, two behind. With pin halves it is the block

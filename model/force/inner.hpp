@@ -11,8 +11,8 @@
 /// Each is a spring k with damper c of a deflection u: E = k u²/2 [J], F = k u + c u' [N, N·m], loss c u'² [W].
 
 #include "model/basis/lanes.hpp"
+#include "model/force/account.hpp"
 #include "model/force/further_element.hpp"
-#include "model/force/lane_accounts.hpp"
 #include "model/force/link_frame.hpp"
 #include "model/machine/coefficients.hpp"
 
@@ -20,10 +20,10 @@ namespace cvtflow::model {
 namespace {
 
 /// Force k u + c u' of an element with deflection u and rate u'.
-/// @param account where observed: Account, or LaneAccounts of links side by side
-template <bool Observe, class Springs, class Real, class Book>
+/// @param account where observed
+template <bool Observe, class Springs, class Real>
 [[nodiscard]] inline Real element_force(const Springs& spring, const Real& u, const Real& rate, Energy kind,
-                                        [[maybe_unused]] Book account) noexcept {
+                                        [[maybe_unused]] Account* account) noexcept {
     if constexpr (Observe) {
         account->store(kind, 0.5 * spring.stiffness * u * u);
         account->lose(Loss::inner, spring.damping * rate * rate);
@@ -79,28 +79,19 @@ template <int W, std::size_t count>
 }
 
 /// element_forces() of links side by side, mode by mode.
-template <bool Observe, int W, std::size_t count, class Book>
+template <int W, std::size_t count>
 [[nodiscard]] inline std::array<Lanes<W>, count> mode_forces(const BendingLanes& springs, const std::array<Lanes<W>, count>& u,
-                                                             const std::array<Lanes<W>, count>& rate,
-                                                             [[maybe_unused]] Book account) noexcept {
+                                                             const std::array<Lanes<W>, count>& rate) noexcept {
     std::array<Lanes<W>, count> force;
     for (std::size_t k = 0; k < count; ++k) force[k] = springs.stiffness[k] * u[k] + springs.damping[k] * rate[k];
-    if constexpr (Observe) {
-        std::array<Lanes<W>, count> energy, loss;
-        for (std::size_t k = 0; k < count; ++k) {
-            energy[k] = springs.stiffness[k] * u[k] * u[k];
-            loss[k] = springs.damping[k] * rate[k] * rate[k];
-        }
-        account->store(Energy::inner, 0.5 * over_modes<W>(energy));
-        account->lose(Loss::inner, over_modes<W>(loss));
-    }
     return force;
 }
 
 /// Bending of links side by side, mode by mode: equal sums in the same order.
-template <int P, bool Observe, int W, class Book>
+template <int P, bool Observe, int W>
 [[nodiscard]] inline Lanes<W> bending(const Coefficients& c, const LinkFrameOf<Lanes<W>>& frame, const Lanes<W>* q, const Lanes<W>* v,
-                                      Lanes<W>* f, Book account) noexcept {
+                                      Lanes<W>* f, Account*) noexcept {
+    static_assert(!Observe, "links side by side are not observed");
     using V = Lanes<W>;
     constexpr std::size_t modes = P - 1;
     using Modes = std::array<V, 2 * modes>;
@@ -114,8 +105,8 @@ template <int P, bool Observe, int W, class Book>
         along_rate[k] = v[x] * frame.tx + v[y] * frame.ty + frame.turning * across[k];
         across_rate[k] = v[y] * frame.tx - v[x] * frame.ty - frame.turning * along[k];
     }
-    const Modes ft = mode_forces<Observe, W>(c.travel, along, along_rate, account);
-    const Modes fn = mode_forces<Observe, W>(c.height, across, across_rate, account);
+    const Modes ft = mode_forces<W>(c.travel, along, along_rate);
+    const Modes fn = mode_forces<W>(c.height, across, across_rate);
     for (std::size_t k = 0; k < 2 * modes; ++k) {
         f[x_of(k)] += fn[k] * frame.ty - ft[k] * frame.tx;
         f[y_of(k)] += -(ft[k] * frame.ty + fn[k] * frame.tx);
@@ -125,9 +116,9 @@ template <int P, bool Observe, int W, class Book>
 }
 
 /// Plate pack as a beam between the tilts of the two pins. Adds forces; returns the moment on the link.
-template <int P, bool Observe, class Kind, class Real, class Book>
+template <int P, bool Observe, class Kind, class Real>
 [[nodiscard]] inline Real plate_pack(const Coefficients& c, const Kind& kind, const LinkFrameOf<Real>& frame, const Real* q, const Real* v,
-                                     Real* f, Book account) noexcept {
+                                     Real* f, Account* account) noexcept {
     constexpr int za = at<P>.z(End::rear);
     constexpr int zb = at<P>.z(End::front);
     const auto inverse_half = 2.0 * kind.inverse_length;
@@ -162,9 +153,9 @@ template <int P, bool Observe, class Kind, class Real, class Book>
 }
 
 /// All elasticity inside a link. Adds to the generalized forces f of the link; returns the moment about z on the link [N·m].
-template <int P, bool Observe, class Kind, class Real, class Book>
+template <int P, bool Observe, class Kind, class Real>
 [[nodiscard]] inline Real inner_elasticity(const Coefficients& c, const Kind& kind, const LinkFrameOf<Real>& frame, const Real* q,
-                                           const Real* v, Real* f, Book account) noexcept {
+                                           const Real* v, Real* f, Account* account) noexcept {
     Real moment = plate_pack<P, Observe>(c, kind, frame, q, v, f, account);
     for (const End end : {End::rear, End::front}) {
         const int e = at<P>.e(end);

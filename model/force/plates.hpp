@@ -61,9 +61,8 @@ inline constexpr std::size_t plate_books = 3;
 template <int P, bool Observe>
 inline constexpr std::size_t plate_rows = 2 * P + 4 + (Observe ? plate_books : 0);
 
-/// Sums of those rows to an Account, or to LaneAccounts. books [plate_books]
-template <class Real, class Book>
-inline void book_plates(const Real* books, Book account) noexcept {
+/// Sums of those rows to an account. books [plate_books]
+inline void book_plates(const double* books, Account* account) noexcept {
     account->store(Energy::plates, 0.5 * books[0]);
     account->lose(Loss::plate_damping, books[1]);
     account->lose(Loss::plate_friction, books[2]);

@@ -18,7 +18,7 @@
 
 #include "model/basis/lanes.hpp"
 #include "model/basis/zero.hpp"
-#include "model/force/lane_accounts.hpp"
+#include "model/force/account.hpp"
 #include "model/force/link_frame.hpp"
 #include "model/force/sheave_motion.hpp"
 #include "model/law/friction_laws.hpp"
@@ -324,20 +324,21 @@ template <int W, int P>
     return p;
 }
 
-/// @param touching 1 or 0   @param account where observed: Account of the link whose tips the lanes are, or LaneAccounts<W>
-template <bool Observe, int W, int P, class Book>
+/// @param touching 1 or 0   @param account where observed: of the link whose tips the lanes are
+template <bool Observe, int W, int P>
 [[nodiscard, gnu::always_inline]] inline TipForces<Lanes<W>> tip_forces(const TipCoefficients& tip, const TipGeometry<P, Lanes<W>>& g,
                                                                         const TipMotion<Lanes<W>>& motion, const Lanes<W>& touching,
-                                                                        const PhaseLanes& phases, [[maybe_unused]] Book account) noexcept {
+                                                                        const PhaseLanes& phases,
+                                                                        [[maybe_unused]] Account* account) noexcept {
     using Tips = Lanes<W>;
     const auto [depth, root, elastic, normal] = tip_pressing<W>(tip, g, motion, touching);
     const Vector3<Tips> v = tangential(motion.material, g.normal);
     const Tips friction_per_speed = -grip<W>(tip, normal, root, dot(v, v), phases);
     const Vector3<Tips> friction{friction_per_speed * v.x, friction_per_speed * v.y, friction_per_speed * v.z};
     if constexpr (Observe) {
-        account->store(Energy::tips, 0.4 * booked<W>(account, elastic * depth));
-        account->lose(Loss::tip_damping, booked<W>(account, (normal - elastic) * motion.closing));
-        account->lose(Loss::tip_friction, -booked<W>(account, dot(friction, motion.material)));
+        account->store(Energy::tips, 0.4 * sum<W>(elastic * depth));
+        account->lose(Loss::tip_damping, sum<W>((normal - elastic) * motion.closing));
+        account->lose(Loss::tip_friction, -sum<W>(dot(friction, motion.material)));
     }
     return {normal, friction};
 }
@@ -436,7 +437,7 @@ template <int P>
 }
 
 /// All tips of a link; `sheaves` are the two of its pulley. Adds to the link's generalized forces, returns the moment about z on it.
-/// @param seen called with the tips' geometry and forces, where observed
+/// @param seen called with the tips' geometry, motion and forces, where observed
 template <int P, bool Observe, class Seen>
 [[nodiscard]] inline double tips(const Coefficients& c, const LinkFrame& frame, const double* q, const double* v,
                                  const SheaveMotion* sheaves, const Phase* phases, double* f, SheaveLoad& load, Account* account,
@@ -448,7 +449,7 @@ template <int P, bool Observe, class Seen>
     const auto forces =
         tip_forces<Observe, tips_per_link>(c.tip, geometry, motion, touching_lanes(phases), phases_of_link(phases), account);
     load = load_sheaves(geometry, motion, forces);
-    if constexpr (Observe) seen(geometry, forces);
+    if constexpr (Observe) seen(geometry, motion, forces);
     return load_link<P>(tip_action(c, frame, geometry, motion, forces), f);
 }
 

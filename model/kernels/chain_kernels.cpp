@@ -121,7 +121,7 @@ private:
         TipShare<P> share;
         const bool touching = any_touching(phases);
         if constexpr (Observe) {
-            if (contact != nullptr) *contact = {elastic_tension<P>(c_, c_.kind(link), state(link)), {}, {}, {}};
+            if (contact != nullptr) *contact = {.tension = elastic_tension<P>(c_, c_.kind(link), state(link))};
         }
         if (touching) {
             tip_part<P, Observe>(model_, frame, state(link), range_.sheaves, phases, share, load, part_of(accounts, 0, AccountPart::tips),

@@ -110,12 +110,29 @@ template <class Geometry, class Tips>
     return -(forces.normal * geometry.normal.z + forces.friction.z);
 }
 
-/// Writes the forces of the tips of a link to a record of contacts. normal, friction.z, depth: lanes over tips
+/// Writes what the tips of a link carry. @param shaft_x place of the shaft's axis [m]
 template <class Geometry>
-inline void note_contact(const Geometry& geometry, const TipForces<TipLanes>& forces, LinkContact& contact) noexcept {
+inline void note_contact(double shaft_x, const Geometry& geometry, const TipMotion<TipLanes>& motion, const TipForces<TipLanes>& forces,
+                         LinkContact& contact) noexcept {
     geometry.depth.copy_to(contact.depth);
     forces.normal.copy_to(contact.normal);
     axial_force(geometry, forces).copy_to(contact.axial);
+    const TipLanes x = geometry.end.x + motion.lever_x - shaft_x, y = geometry.end.y + motion.lever_y, radius = sqrt(x * x + y * y);
+    const TipLanes push_x = -(forces.normal * geometry.normal.x + forces.friction.x),
+                   push_y = -(forces.normal * geometry.normal.y + forces.friction.y);
+    TipLanes((x * push_y - y * push_x) / radius).copy_to(contact.tangential);
+    TipLanes((x * push_x + y * push_y) / radius).copy_to(contact.radial);
+    radius.copy_to(contact.radius);
+    const Vector3<TipLanes> slip = tangential(motion.material, geometry.normal);
+    const TipLanes square = dot(slip, slip), power = -dot(forces.friction, motion.material);
+    sqrt(square).copy_to(contact.sliding);
+    power.copy_to(contact.power);
+    const TipLanes grip = power / larger<tips_per_link>(square, TipLanes(1e-300));
+    const auto& arm = motion.sheave_arm;
+    const TipLanes arm_square = arm.x * arm.x + arm.y * arm.y, around = arm.x * slip.y - arm.y * slip.x;
+    TipLanes(grip * arm_square).copy_to(contact.hold);
+    TipLanes(grip * around).copy_to(contact.drag);
+    TipLanes(grip * around * around / arm_square).copy_to(contact.creep_power);
 }
 
 /// Tips of a link that touches somewhere; reactions on its sheaves to `load`. state [unknowns of the link]
@@ -125,8 +142,11 @@ inline void tip_part(const ChainModel& model, const LinkFrame& frame, const doub
                      TipShare<P>& share, LinkLoad& load, Account* account, LinkContact* contact = nullptr) noexcept {
     std::memset(share.force, 0, sizeof share.force);
     load.shaft = model.shaft_of(state);
-    const auto seen = [contact](const auto& geometry, const auto& forces) {
-        if (contact != nullptr) note_contact(geometry, forces, *contact);
+    const double shaft_x = load.shaft * model.coefficients().centre_distance;
+    const auto seen = [=, &load](const auto& geometry, const auto& motion, const auto& forces) {
+        if (contact == nullptr) return;
+        note_contact(shaft_x, geometry, motion, forces, *contact);
+        contact->shaft = load.shaft;
     };
     share.moment = tips<P, Observe>(model.coefficients(), frame, state, state + at<P>.link_size(), sheaves + 2 * load.shaft, phases,
                                     share.force, load.load, account, seen);

@@ -315,11 +315,8 @@ public:
         return kinds;
     }
 
-    /// @param account LaneAccounts<W>*, or nullptr: not needed
-    template <class Book = std::nullptr_t>
-    void plates(const KindLanes<W>& kind, const Columns& columns, V* f, [[maybe_unused]] int own = 0, [[maybe_unused]] int count = 0,
-                [[maybe_unused]] Book account = {}) const noexcept {
-        constexpr bool observe = !std::is_same_v<Book, std::nullptr_t>;
+    void plates(const KindLanes<W>& kind, const Columns& columns, V* f, [[maybe_unused]] int own = 0,
+                [[maybe_unused]] int count = 0) const noexcept {
         const Difference<P, V> d(columns.q(), End::front, columns.q(), End::rear), rate(columns.v(), End::front, columns.v(), End::rear);
         const auto& points = c_.plates;
         [[maybe_unused]] const auto rows = contacts_.rows(own, count);
@@ -332,15 +329,14 @@ public:
                 const auto stretch = plate_stretch<P, W>(c_, kind.free_length, place, points.weight[j], points.damping[j], d, rate);
                 if constexpr (Contacts::wanted) {
                     contacts_.plate(rows, first + plate, stretch.tension);
-                    return plate_terms<P, W, observe>(place, points.weight[j], points.damping[j], stretch, Zero{});
+                    return plate_terms<P, W, false>(place, points.weight[j], points.damping[j], stretch, Zero{});
                 } else {
-                    return plate_terms<P, W, observe>(place, points.weight[j], points.damping[j], stretch, plate_slide(c_, stretch));
+                    return plate_terms<P, W, false>(place, points.weight[j], points.damping[j], stretch, plate_slide(c_, stretch));
                 }
             };
-            std::array<V, plate_rows<P, observe>> total;
+            std::array<V, plate_rows<P, false>> total;
             pairwise_sum<W>(std::min(points.width, points.count - first), points.width, pulled, total);
             pull.add(total.data());
-            if constexpr (observe) book_plates(total.data() + 2 * P + 4, account);
         }
         pull.apply(1.0, f, End::front);
         pull.apply(-1.0, f, End::rear);

@@ -8,7 +8,6 @@
 
 #include "model/basis/isa.hpp"
 #include "model/kernels/chain_parts.hpp"
-#include "model/rigid/rigid_chain.hpp"
 #include "model/start/belt.hpp"
 
 namespace cvtflow::model {
@@ -21,39 +20,24 @@ namespace {
 struct ForceReading {
     const ChainModel& chain;
     const double* state;
-    const SheaveMotion* sheaves;
-    const Phase* phases;
+    const LinkContact* contacts;
     ChainForces& forces;
 
     [[nodiscard]] const Coefficients& coefficients() const noexcept { return chain.coefficients(); }
     [[nodiscard]] const double* link(int number) const noexcept { return state + chain.layout().link_begin(number); }
 };
 
-template <int P>
 void read_tips(const ForceReading& from, int link) {
-    const Coefficients& c = from.coefficients();
-    const Phase* phases = from.phases + tips_per_link * link;
-    if (c.layout.pulley_size == 0 || !any_touching(phases)) return;
-    const double* q = from.link(link);
-    const double* v = q + at<P>.link_size();
-    const int shaft = from.chain.shaft_of(q);
-    const FourTips four;
-    const LinkFrame frame = link_frame<P>(q, v);
-    const auto sheave = sheaves_at(four, from.sheaves + 2 * shaft);
-    const auto geometry = tip_geometry<P>(c, four, frame, q, sheave);
-    const auto motion = tip_motion<P>(c, four, frame, v, sheave, geometry);
-    const auto contact = tip_forces<false, tips_per_link>(c.tip, geometry, motion, touching_lanes(phases), phases_of_link(phases), nullptr);
-    const Vector3<TipLanes> push = tip_reaction(geometry, motion, contact).force;
-    const TipLanes x = geometry.end.x + motion.lever_x - shaft * c.centre_distance, y = geometry.end.y + motion.lever_y;
-    const TipLanes inverse = 1.0 / sqrt(x * x + y * y);
-    const std::size_t first = place(tips_per_link * link);
-    contact.normal.copy_to(&from.forces.tip_normal[first]);
-    TipLanes((x * push.y - y * push.x) * inverse).copy_to(&from.forces.tip_tangential[first]);
-    TipLanes((x * push.x + y * push.y) * inverse).copy_to(&from.forces.tip_radial[first]);
-    const Vector3<TipLanes> slip = tangential(motion.material, geometry.normal);
-    sqrt(dot(slip, slip)).copy_to(&from.forces.tip_sliding[first]);
-    TipLanes(-dot(contact.friction, motion.material)).copy_to(&from.forces.tip_power[first]);
-    sqrt(x * x + y * y).copy_to(&from.forces.tip_radius[first]);
+    const LinkContact& contact = from.contacts[link];
+    const auto copy = [link](const double(&numbers)[tips_per_link], std::vector<double>& to) {
+        std::copy_n(numbers, tips_per_link, to.begin() + tips_per_link * link);
+    };
+    copy(contact.normal, from.forces.tip_normal);
+    copy(contact.tangential, from.forces.tip_tangential);
+    copy(contact.radial, from.forces.tip_radial);
+    copy(contact.sliding, from.forces.tip_sliding);
+    copy(contact.power, from.forces.tip_power);
+    copy(contact.radius, from.forces.tip_radius);
 }
 
 template <int P, int W>
@@ -113,7 +97,7 @@ void read_forces(const ForceReading& from) {
     const Coefficients& c = from.coefficients();
     for (int link = 0; link < c.layout.links; ++link) {
         with_lanes(c.plates.width, [&]<int W>() { read_plates<P, W>(from, link); });
-        read_tips<P>(from, link);
+        read_tips(from, link);
         with_lanes(c.joint_points.width, [&]<int W>() { read_joint<P, W>(from, link); });
         read_halves<P>(from, link);
     }
@@ -129,59 +113,45 @@ struct PlaneVector {
     return {columns[first][entry], columns[first + 1][entry]};
 }
 
-void show_tips(const RigidChain& chain, int link, ChainForces& forces) {
+void show_tips(const RigidInstant& now, int link, ChainForces& forces) {
     for (int tip = 0; tip < tips_per_link; ++tip) {
         const std::size_t n = at_entry(tips_per_link * link + tip);
-        forces.tip_normal[n] = chain.of_tip(Column::tip_normal, link, tip);
-        forces.tip_tangential[n] = -chain.of_tip(Column::tip_tangential, link, tip);
-        forces.tip_radial[n] = chain.of_tip(Column::sheave_outward, link, tip);
-        const double round = chain.of_tip(Column::tip_tangential, link, tip), flank = chain.of_tip(Column::tip_radial, link, tip);
-        forces.tip_sliding[n] = chain.of_tip(Column::tip_slip, link, tip);
-        forces.tip_power[n] = std::sqrt(round * round + flank * flank) * forces.tip_sliding[n];
-        forces.tip_radius[n] = chain.of_tip(Column::tip_radius, link, tip);
+        forces.tip_normal[n] = now.of_tip(Column::tip_normal, link, tip);
+        forces.tip_tangential[n] = -now.of_tip(Column::tip_tangential, link, tip);
+        forces.tip_radial[n] = now.of_tip(Column::sheave_outward, link, tip);
+        const double round = now.of_tip(Column::tip_tangential, link, tip), flank = now.of_tip(Column::tip_radial, link, tip);
+        const double friction = std::sqrt(round * round + flank * flank), grip = now.of_tip(Column::tip_grip, link, tip);
+        forces.tip_sliding[n] = grip > 0.0 ? friction / grip : 0.0;
+        forces.tip_power[n] = friction * forces.tip_sliding[n];
+        forces.tip_radius[n] = now.of_tip(Column::tip_radius, link, tip);
     }
     for (int end = 0; end < 2; ++end) {  // both tips press on a half, whose middle carries the mean
-        const double minus = chain.of_tip(Column::sheave_axial, link, 2 * end),
-                     plus = chain.of_tip(Column::sheave_axial, link, 2 * end + 1);
+        const double minus = now.of_tip(Column::sheave_axial, link, 2 * end), plus = now.of_tip(Column::sheave_axial, link, 2 * end + 1);
         forces.half_axial[at_entry(2 * link + end)] = -0.5 * (std::abs(minus) + std::abs(plus));
     }
 }
 
 /// The pack's tension and yaw moment, shared by its two lumped plates.
-void show_plates(const RigidChain& chain, int link, ChainForces& forces) {
-    const RigidColumns& columns = chain.columns();
+void show_plates(const RigidInstant& now, int link, ChainForces& forces) {
+    const RigidColumns& columns = now.columns;
     const PlaneVector twist = plane(columns, Column::twist_x, link), t = plane(columns, Column::line_x, link);
     const double tension = columns[Column::tension][link], yaw = -(twist.x * t.x + twist.y * t.y);
-    const double lever = std::sqrt(chain.model().coefficients().plate_square), difference = lever > 0.0 ? yaw / lever : 0.0;
+    const double lever = std::sqrt(now.model.coefficients().plate_square), difference = lever > 0.0 ? yaw / lever : 0.0;
     forces.plate_tension[at_entry(2 * link)] = 0.5 * (tension - difference);
     forces.plate_tension[at_entry(2 * link + 1)] = 0.5 * (tension + difference);
 }
 
 /// Forces by which the links press the halves of a pin together, across and along the bisector of their pitch lines.
-void show_joint(const RigidChain& chain, int pin, ChainForces& forces) {
-    const RigidColumns& columns = chain.columns();
+void show_joint(const RigidInstant& now, int pin, ChainForces& forces) {
+    const RigidColumns& columns = now.columns;
     const PlaneVector before = plane(columns, Column::pull_x, pin - 1), after = plane(columns, Column::pull_x, pin);
     const PlaneVector bisector = plane(columns, Column::bisector_x, pin), half{0.5 * (before.x + after.x), 0.5 * (before.y + after.y)};
     forces.joint_normal[at_entry(pin)] = std::max(0.0, -(half.x * bisector.x + half.y * bisector.y));
     forces.joint_friction[at_entry(pin)] = -(bisector.x * half.y - bisector.y * half.x);
 }
 
-/// Bending moments, and friction between the halves of a pin along its length, do not exist there and stay as they are.
-void observe_rigid_forces(const RigidChain& chain, const double* state, const SheaveMotion* sheaves, ChainForces& forces) noexcept {
-    const ChainLayout& at = chain.model().layout();
-    chain.evaluate(state, sheaves);
-    for (int link = 0; link < at.links; ++link) {
-        if (at.pulley_size != 0) show_tips(chain, link, forces);
-        show_plates(chain, link, forces);
-        show_joint(chain, link, forces);
-    }
-}
-
-}  // namespace
-
-int plates_per_link(const ChainModel& chain) noexcept { return chain.coefficients().plates.count; }
-
-void observe_forces(const ChainModel& chain, const double* state, const SheaveMotion* sheaves, const Phase* phases, ChainForces& forces) {
+/// Zeros for all forces.
+void clear(const ChainModel& chain, ChainForces& forces) {
     const std::size_t links = place(chain.layout().links);
     forces.plates_per_link = plates_per_link(chain);
     for (auto* list :
@@ -190,56 +160,26 @@ void observe_forces(const ChainModel& chain, const double* state, const SheaveMo
     for (auto* list : {&forces.bending_travel, &forces.bending_height, &forces.half_axial}) list->assign(2 * links, 0.0);
     for (auto* list : {&forces.joint_normal, &forces.joint_friction, &forces.joint_axial}) list->assign(links, 0.0);
     forces.plate_tension.assign(place(forces.plates_per_link) * links, 0.0);
-    if (chain.rigid() != nullptr) return observe_rigid_forces(*chain.rigid(), state, sheaves, forces);
-    const ForceReading reading{chain, state, sheaves, phases, forces};
-    of_order(chain.layout().order, [&]<int P>() { read_forces<P>(reading); });
-}
-
-namespace {
-
-/// Adds the tips of a link to the sums of their pulley.
-template <int P>
-void add_link(const ChainModel& chain, const double* q, const SheaveMotion* sheaves, const Phase* phases, Creep& sums) noexcept {
-    const Coefficients& c = chain.coefficients();
-    const double* v = q + at<P>.link_size();
-    const auto shaft = static_cast<std::size_t>(chain.shaft_of(q));
-    const FourTips four;
-    const LinkFrame frame = link_frame<P>(q, v);
-    const auto sheave = sheaves_at(four, sheaves + 2 * shaft);
-    const auto geometry = tip_geometry<P>(c, four, frame, q, sheave);
-    const auto motion = tip_motion<P>(c, four, frame, v, sheave, geometry);
-    const PhaseLanes of_tips = phases_of_link(phases);
-    const TipLanes normal = tip_forces<false, tips_per_link>(c.tip, geometry, motion, touching_lanes(phases), of_tips, nullptr).normal;
-    const auto slip = tangential(motion.material, geometry.normal);
-    const TipLanes hold = grip<tips_per_link>(c.tip, normal, sqrt(positive_part<tips_per_link>(geometry.depth)), dot(slip, slip), of_tips);
-    const auto& r = motion.sheave_arm;
-    const TipLanes square = r.x * r.x + r.y * r.y, around = r.x * slip.y - r.y * slip.x;
-    sums.hold[shaft] += sum<tips_per_link>(hold * square);
-    sums.drag[shaft] += sum<tips_per_link>(hold * around);
-    sums.power += sum<tips_per_link>(hold * around * around / square);
-}
-
-template <int P>
-void add_chain(const ChainModel& chain, const double* state, const SheaveMotion* sheaves, const Phase* phases, Creep& sums) noexcept {
-    const ChainLayout& layout = chain.layout();
-    for (int link = 0; link < layout.links; ++link) {
-        const Phase* own = phases + tips_per_link * link;
-        if (any_touching(own)) add_link<P>(chain, state + layout.link_begin(link), sheaves, own, sums);
-    }
 }
 
 }  // namespace
 
-Creep observe_creep(const ChainModel& chain, const double* state, const SheaveMotion* sheaves, const Phase* phases) noexcept {
-    Creep sums;
-    const ChainLayout& layout = chain.layout();
-    if (layout.pulley_size == 0) return sums;
-    if (chain.rigid() != nullptr) {
-        const RigidReaction& found = chain.rigid()->forces().reaction;
-        return {found.hold, found.drag, found.creep_power};
+int plates_per_link(const ChainModel& chain) noexcept { return chain.coefficients().plates.count; }
+
+void observe_forces(const ChainModel& chain, const double* state, const LinkContact* contacts, ChainForces& forces) {
+    clear(chain, forces);
+    const ForceReading reading{chain, state, contacts, forces};
+    of_order(chain.layout().order, [&]<int P>() { read_forces<P>(reading); });
+}
+
+/// Bending moments, and friction between the halves of a pin along its length, do not exist there and stay zero.
+void observe_forces(const ChainModel& chain, const RigidInstant& now, ChainForces& forces) {
+    clear(chain, forces);
+    for (int link = 0; link < chain.layout().links; ++link) {
+        if (chain.layout().pulley_size != 0) show_tips(now, link, forces);
+        show_plates(now, link, forces);
+        show_joint(now, link, forces);
     }
-    of_order(layout.order, [&]<int P>() { add_chain<P>(chain, state, sheaves, phases, sums); });
-    return sums;
 }
 
 namespace {

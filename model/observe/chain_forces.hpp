@@ -7,6 +7,7 @@
 
 #include "model/chain/chain_model.hpp"
 #include "model/machine/coefficients.hpp"
+#include "model/rigid/rigid_chain.hpp"
 
 namespace cvtflow::model {
 
@@ -31,20 +32,11 @@ struct ChainForces {
 /// Plates of a link as they are resolved.
 [[nodiscard]] int plates_per_link(const ChainModel& chain) noexcept;
 
-/// Evaluates all of them. Serial, about the work of an evaluation of the chain.
-/// @param sheaves [4], unused without pulleys   @param forces memory of the last call is used again
-void observe_forces(const ChainModel& chain, const double* state, const SheaveMotion* sheaves, const Phase* phases, ChainForces& forces);
-
-/// Sums over the tips of each pulley. Sliding along the circumference at speed v_θ, on radius r, against a sheave.
-struct Creep {
-    std::array<double, 2> hold{};  ///< Σ μ N g r²: moment of friction on the shaft per speed of the shaft [N·m·s]
-    std::array<double, 2> drag{};  ///< Σ μ N g r v_θ: moment of friction on the shaft [N·m]
-    double power = 0.0;            ///< Σ μ N g v_θ², of both pulleys: lost by sliding along the circumference, ≥ 0 [W]
-};
-
-/// Creep of the chain. With rigid pins it is that of the chain's last evaluation, which must have been of this state. Serial, about a third
-/// of an evaluation of the chain; sums are in the order of the links. state [unknowns], sheaves [4], phases [4 links]
-[[nodiscard]] Creep observe_creep(const ChainModel& chain, const double* state, const SheaveMotion* sheaves, const Phase* phases) noexcept;
+/// Forces of halves. Serial. state [unknowns]
+/// @param contacts of that state, from ChainModel::observed_slopes [links]   @param forces memory of the last call is used again
+void observe_forces(const ChainModel& chain, const double* state, const LinkContact* contacts, ChainForces& forces);
+/// Forces of rigid pins. @param now of the chain
+void observe_forces(const ChainModel& chain, const RigidInstant& now, ChainForces& forces);
 
 /// Layout of what halves_of() gives.
 [[nodiscard]] ChainLayout halves_layout(ChainLayout layout) noexcept;

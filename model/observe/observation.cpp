@@ -4,73 +4,79 @@
 #include <cmath>
 
 #include "model/basis/portable_math.hpp"
-#include "model/observe/chain_forces.hpp"
-#include "model/rigid/rigid_chain.hpp"
 
 namespace cvtflow::model {
 
+namespace {
+
+[[nodiscard]] std::size_t index_of(int number) noexcept { return static_cast<std::size_t>(number); }
+
+}  // namespace
+
 Observer::Observer(const Variator& variator)
-    : variator_(variator), scratch_(variator.layout()), slope_(static_cast<std::size_t>(variator.layout().size())) {
-    const std::size_t links = static_cast<std::size_t>(variator.layout().links);
+    : variator_(variator), scratch_(variator.layout()), slope_(index_of(variator.layout().pulley_begin())) {
+    const ChainLayout& at = variator.layout();
+    const std::size_t links = index_of(at.links);
     observation_.tension.resize(links);
     observation_.tip_axial.resize(tips_per_link * links);
     contacts_.resize(links);
+    tail_.resize(index_of(at.size() - at.pulley_begin()));
+}
+
+void Observer::begin(double t) noexcept {
+    observation_.time = t;
+    forces_known_ = false;
+    state_ = nullptr;
+    rigid_.reset();
 }
 
 const Observation& Observer::observe(double t, const double* state, const Phase* phases) noexcept {
     const ChainLayout& at = variator_.layout();
-    Observation& o = observation_;
-    o.time = t;
+    Account& total = observation_.account;
+    begin(t);
     state_ = state;
-    phases_ = phases;
-    forces_known_ = false;
-    if (at.pulley_size != 0) variator_.pulleys().motions(state + at.pulley_begin(), scratch_.sheaves);
-    observe_chain(state, phases);
-    observe_links(state, phases);
-    observe_strands(state, phases);
-    if (at.pulley_size != 0) {
-        observe_radii(state, phases);
-        observe_pulleys(t, state, phases);
+    pulleys_ = state + at.pulley_begin();
+    if (at.pulley_size != 0) variator_.pulleys().motions(pulleys_, scratch_.sheaves);
+    if (const RigidChain* chain = variator_.chain().rigid()) {
+        rigid_.emplace(chain->evaluate(state, scratch_.sheaves));
+        total = rigid_->forces.account;
+        total.store(Energy::kinetic, rigid_->kinetic());
+        observe_rigid(*rigid_);
+    } else {
+        observe_halves(state, phases);
     }
-    o.account.store(Energy::kinetic, kinetic(state));
-    return o;
+    if (at.pulley_size != 0) variator_.pulleys().account(pulleys_, total);
+    return observation_;
 }
 
-void Observer::observe_chain(const double* state, const Phase* phases) noexcept {
+const Observation& Observer::observe(double t, const RigidState& pins) noexcept {
+    begin(t);
+    pins.write_tail(tail_.data());
+    pulleys_ = tail_.data();
+    rigid_.emplace(pins.instant());
+    observation_.account = pins.forces.account;
+    observe_rigid(*rigid_);
+    return observation_;
+}
+
+void Observer::observe_halves(const double* state, const Phase* phases) noexcept {
+    const ChainLayout& at = variator_.layout();
     Account& total = observation_.account;
-    if (const RigidChain* rigid = variator_.chain().rigid()) {
-        rigid->evaluate(state, scratch_.sheaves);
-        rigid->show_contacts(contacts_.data());
-        total = rigid->forces().account;
-        sheave_forces_ = rigid->forces().reaction.sheaves;
-        return;
-    }
     total = {};
     std::fill(scratch_.accounts.begin(), scratch_.accounts.end(), Account{});
     fill_window(variator_, state, scratch_);
-    variator_.chain().observed_slopes({0, variator_.layout().links, scratch_.window.data(), scratch_.sheaves, phases}, slope_.data(),
-                                      scratch_.loads.data(), scratch_.accounts.data(), contacts_.data());
+    variator_.chain().observed_slopes({0, at.links, scratch_.window.data(), scratch_.sheaves, phases}, slope_.data(), scratch_.loads.data(),
+                                      scratch_.accounts.data(), contacts_.data());
     for (const Account& account : scratch_.accounts) {
         for (std::size_t kind = 0; kind < loss_kinds; ++kind) total.loss[kind] += account.loss[kind];
         for (std::size_t kind = 0; kind < energy_kinds; ++kind) total.energy[kind] += account.energy[kind];
     }
     sheave_forces_ = variator_.sheave_forces(phases, scratch_.loads.data());
-}
-
-const ForceObservation& Observer::forces() {
-    if (forces_known_ || state_ == nullptr) return forces_;
-    const ChainLayout& at = variator_.layout();
-    observe_forces(variator_.chain(), state_, scratch_.sheaves, phases_, forces_.chain);
-    if (at.pulley_size != 0) {
-        const PulleyModel& pulleys = variator_.pulleys();
-        const double* block = state_ + at.pulley_begin();
-        const Inputs inputs = pulleys.inputs(observation_.time, block);
-        forces_.bearing = pulleys.bearings(block, inputs, sheave_forces_);
-        const SheaveMotion* s = scratch_.sheaves;
-        forces_.misalignment = 0.5 * (s[0].z + s[1].z) - 0.5 * (s[2].z + s[3].z);
-    }
-    forces_known_ = true;
-    return forces_;
+    observe_links(state, phases);
+    observe_strands(state, phases);
+    if (at.pulley_size == 0) return;
+    observe_radii(state, phases);
+    observe_pulleys(observation_.time);
 }
 
 void Observer::observe_links(const double* state, const Phase* phases) noexcept {
@@ -78,19 +84,25 @@ void Observer::observe_links(const double* state, const Phase* phases) noexcept 
     Observation& o = observation_;
     o.touching = 0;
     o.deepest = 0.0;
-    double speed = 0.0;
+    o.creep = {};
+    double energy = 0.0, speed = 0.0;
     for (int link = 0; link < at.links; ++link) {
-        const LinkContact& contact = contacts_[static_cast<std::size_t>(link)];
-        o.tension[static_cast<std::size_t>(link)] = contact.tension;
+        const LinkContact& contact = contacts_[index_of(link)];
+        o.tension[index_of(link)] = contact.tension;
         const double* v = state + at.link_begin(link) + at.link_size();
+        energy += kinetic_energy(variator_.chain().inertia(), v);
         speed += portable_hypot(v[at.x(End::rear, 0)], v[at.y(End::rear, 0)]);
         for (int tip = 0; tip < tips_per_link; ++tip) {
-            o.tip_axial[static_cast<std::size_t>(tips_per_link * link + tip)] = contact.axial[tip];
+            o.tip_axial[index_of(tips_per_link * link + tip)] = contact.axial[tip];
             if (phases[tips_per_link * link + tip] == Phase::free) continue;
             ++o.touching;
             o.deepest = std::max(o.deepest, contact.depth[tip]);
+            o.creep.hold[index_of(contact.shaft)] += contact.hold[tip];
+            o.creep.drag[index_of(contact.shaft)] += contact.drag[tip];
+            o.creep.power += contact.creep_power[tip];
         }
     }
+    o.account.store(Energy::kinetic, energy);
     o.chain_speed = speed / at.links;
 }
 
@@ -131,7 +143,7 @@ void Observer::observe_radii(const double* state, const Phase* phases) noexcept 
         const int before = at.previous(pin);  // link of its front half's tips
         if (loose(phases, pin) || loose(phases, before)) continue;
         const double* rear = state + at.link_begin(pin);
-        const double* front = state + at.link_begin(at.rigid ? pin : before);
+        const double* front = state + at.link_begin(before);
         const int shaft = variator_.chain().shaft_of(rear);
         const double x =
             middle(rear, front, at.x(End::rear, 0), at.x(End::front, 0)) - shaft * variator_.chain().coefficients().centre_distance;
@@ -148,36 +160,79 @@ void Observer::observe_radii(const double* state, const Phase* phases) noexcept 
     }
 }
 
-void Observer::observe_pulleys(double t, const double* state, const Phase* phases) noexcept {
-    const ChainLayout& at = variator_.layout();
-    const PulleyModel& pulleys = variator_.pulleys();
-    const double* block = state + at.pulley_begin();
+void Observer::observe_rigid(const RigidInstant& now) noexcept {
+    const RigidColumns& columns = now.columns;
     Observation& o = observation_;
-    const Inputs inputs = pulleys.inputs(t, block);
-    const SheaveForces& forces = sheave_forces_;
-    pulleys.slope(block, inputs, forces, slope_.data() + at.pulley_begin(), &o.account);
-    o.work = pulleys.works(block, inputs);
+    const double *all = columns[Column::tension], *damping = columns[Column::stretch_damping_force];
+    for (int link = 0; link < columns.pins(); ++link) o.tension[index_of(link)] = all[link] - damping[link];
+    for (int tip = 0; tip < tips_per_link; ++tip) {
+        for (int link = 0; link < columns.pins(); ++link)
+            o.tip_axial[index_of(tips_per_link * link + tip)] = now.of_tip(Column::sheave_axial, link, tip);
+    }
+    const RigidSums sums = now.sums();
+    const auto mean = [](double sum, double count) { return count > 0.0 ? sum / count : 0.0; };
+    o.chain_speed = sums.speed / columns.pins();
+    o.touching = static_cast<int>(sums.touching);
+    o.deepest = std::max(0.0, now.forces.reaction.deepest);
+    o.tight = mean(sums.tension[0], sums.links[0]);
+    o.slack = mean(sums.tension[1], sums.links[1]);
+    sheave_forces_ = now.forces.reaction.sheaves;
+    if (variator_.layout().pulley_size == 0) {
+        o.tight = o.slack = mean(sums.tension[0] + sums.tension[1], sums.links[0] + sums.links[1]);
+        return;
+    }
+    for (std::size_t k = 0; k < 2; ++k) {
+        o.radius[k] = mean(sums.radius[k], sums.pins[k]);
+        o.pin_speed[k] = mean(sums.turning[k], sums.pins[k]);
+    }
+    o.creep = {sums.hold, sums.drag, sums.creep_power};
+    observe_pulleys(o.time);
+}
+
+const ForceObservation& Observer::forces() {
+    if (forces_known_ || pulleys_ == nullptr) return forces_;
+    if (rigid_)
+        observe_forces(variator_.chain(), *rigid_, forces_.chain);
+    else
+        observe_forces(variator_.chain(), state_, contacts_.data(), forces_.chain);
+    if (variator_.layout().pulley_size != 0) {
+        const PulleyModel& pulleys = variator_.pulleys();
+        pulleys.motions(pulleys_, scratch_.sheaves);
+        const Inputs inputs = pulleys.inputs(observation_.time, pulleys_);
+        forces_.bearing = pulleys.bearings(pulleys_, inputs, sheave_forces_);
+        const SheaveMotion* s = scratch_.sheaves;
+        forces_.misalignment = 0.5 * (s[0].z + s[1].z) - 0.5 * (s[2].z + s[3].z);
+    }
+    forces_known_ = true;
+    return forces_;
+}
+
+void Observer::observe_pulleys(double t) noexcept {
+    const PulleyModel& pulleys = variator_.pulleys();
+    Observation& o = observation_;
+    const Inputs inputs = pulleys.inputs(t, pulleys_);
+    o.work = pulleys.works(pulleys_, inputs);
     o.torque = {inputs.drive_torque, inputs.load_torque};
     o.clamping = inputs.clamping;
-    o.hydraulics = pulleys.hydraulics(t, block);
-    o.hydraulic_energy = pulleys.hydraulic_energy(block);
+    o.hydraulics = pulleys.hydraulics(t, pulleys_);
+    o.hydraulic_energy = pulleys.hydraulic_energy(pulleys_);
     o.control_limited = inputs.control_limited;
-    for (std::size_t sheave = 0; sheave < 4; ++sheave) o.axial_force[sheave] = forces[sheave][4];
+    for (std::size_t sheave = 0; sheave < 4; ++sheave) o.axial_force[sheave] = sheave_forces_[sheave][4];
     for (int shaft = 0; shaft < 2; ++shaft) {
-        const std::size_t k = static_cast<std::size_t>(shaft);
-        o.speed[k] = pulleys.shaft_speed(block, shaft);
-        o.angle[k] = block[pulleys.rotation(shaft)];
-        o.sheave_position[k] = pulleys.clamped_position(block, shaft);
-        o.chain_torque[k] = forces[2 * k][5] + forces[2 * k + 1][5];
+        const std::size_t k = index_of(shaft);
+        o.speed[k] = pulleys.shaft_speed(pulleys_, shaft);
+        o.angle[k] = pulleys_[pulleys.rotation(shaft)];
+        o.sheave_position[k] = pulleys.clamped_position(pulleys_, shaft);
+        o.chain_torque[k] = sheave_forces_[2 * k][5] + sheave_forces_[2 * k + 1][5];
     }
     o.ratio = o.speed[0] / o.speed[1];
-    observe_slip(state, phases);
+    observe_slip();
 }
 
 /// A pulley that no tip holds turns freely.
-void Observer::observe_slip(const double* state, const Phase* phases) noexcept {
+void Observer::observe_slip() noexcept {
     Observation& o = observation_;
-    const Creep creep = observe_creep(variator_.chain(), state, scratch_.sheaves, phases);
+    const Creep& creep = o.creep;
     for (std::size_t k = 0; k < 2; ++k) o.free_speed[k] = o.speed[k] + (creep.hold[k] > 0.0 ? creep.drag[k] / creep.hold[k] : 0.0);
     const auto against = [&](const std::array<double, 2>& pins) {
         const double geared = o.speed[0] * pins[1];
@@ -185,7 +240,6 @@ void Observer::observe_slip(const double* state, const Phase* phases) noexcept {
     };
     o.slip = against(o.pin_speed);
     o.friction_slip = against(o.free_speed);
-    o.creep_power = creep.power;
     o.limit_use = 0.0;
     const SpeedProfile& limit = variator_.chain().coefficients().clamping_limit;
     for (std::size_t k = 0; k < 2; ++k) {
@@ -193,17 +247,7 @@ void Observer::observe_slip(const double* state, const Phase* phases) noexcept {
         if (bearable > 0.0) o.limit_use = std::max(o.limit_use, o.clamping[k] / bearable);
     }
     const double brought = std::max(0.0, o.work[0]) + std::max(0.0, o.work[1]);
-    o.loss_slip = brought > 0.0 ? o.creep_power / brought : 0.0;
-}
-
-double Observer::kinetic(const double* state) const noexcept {
-    const ChainLayout& at = variator_.layout();
-    const RigidChain* rigid = variator_.chain().rigid();
-    double energy = rigid != nullptr ? rigid->kinetic() : 0.0;
-    for (int link = 0; link < at.links && rigid == nullptr; ++link) {
-        energy += kinetic_energy(variator_.chain().inertia(), state + at.link_begin(link) + at.link_size());
-    }
-    return at.pulley_size != 0 ? energy + variator_.pulleys().kinetic(state + at.pulley_begin()) : energy;
+    o.loss_slip = brought > 0.0 ? creep.power / brought : 0.0;
 }
 
 }  // namespace cvtflow::model

@@ -2,6 +2,7 @@
 /// Observed quantities of one instant: speeds, torques, tensions, forces, energies and powers.
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "model/observe/chain_forces.hpp"
@@ -16,7 +17,14 @@ struct ForceObservation {
     double misalignment = 0.0;             ///< of the middles of the two grooves along z: driving minus driven [m]
 };
 
-/// Sum of one kind of account entries.
+/// Sums over the tips of each pulley. Sliding along the circumference at speed v_θ, on radius r, against a sheave.
+struct Creep {
+    std::array<double, 2> hold{};  ///< Σ μ N g r²: moment of friction on the shaft per speed of the shaft [N·m·s]
+    std::array<double, 2> drag{};  ///< Σ μ N g r v_θ: moment of friction on the shaft [N·m]
+    double power = 0.0;            ///< Σ μ N g v_θ², of both pulleys: lost by sliding along the circumference, ≥ 0 [W]
+};
+
+/// Quantities of an instant.
 struct Observation {
     double time = 0.0;                        ///< [s]
     std::array<double, 2> speed{};            ///< of the shafts [rad/s]
@@ -34,9 +42,9 @@ struct Observation {
     std::array<double, 2> free_speed{};       ///< at which friction would put no torque on the shaft: pins weighted by it [rad/s]
     double slip = 0.0;           ///< 1 - (Ω_1/ω_1)(ω_2/Ω_2), Ω: pin_speed; creep or slip of the contacts on both pulleys together [1]
     double friction_slip = 0.0;  ///< 1 - (Ω°_1/ω_1)(ω_2/Ω°_2), Ω°: free_speed; zero without torque [1]
-    double creep_power = 0.0;    ///< lost by tips that slide along the circumference, ≥ 0 [W]
-    double loss_slip = 0.0;      ///< creep_power over the power of those shafts that bring any; 0 where none does [1]
-    double chain_speed = 0.0;    ///< mean of |velocity| of the rear halves [m/s]
+    Creep creep;
+    double loss_slip = 0.0;           ///< creep.power over the power of those shafts that bring any; 0 where none does [1]
+    double chain_speed = 0.0;         ///< mean of |velocity| of the rear halves [m/s]
     double tight = 0.0, slack = 0.0;  ///< mean tension of the strand at y > 0, at y < 0 (a ring: mean of all in both) [N]
     int touching = 0;                 ///< tips that are not free
     double deepest = 0.0;             ///< deepest penetration of a tip [m]
@@ -48,34 +56,40 @@ struct Observation {
     HydraulicEnergy hydraulic_energy;
 };
 
-/// Evaluates observations; owns their memory. Not for the step loop: serial, some tens of microseconds.
+/// Evaluates observations; owns their memory. Not for the step loop: serial. An observation of rigid pins whose forces are known reads
+/// them, any other evaluates the chain: some tens of microseconds.
 class Observer {
 public:
     explicit Observer(const Variator& variator);
-    /// Reads the whole state; the returned object is reused by the next call. t [s], state [unknowns]
+    /// Reads the whole state; the returned object is reused by the next call. @param t [s]   @param state [unknowns]
     const Observation& observe(double t, const double* state, const Phase* phases) noexcept;
+    /// Reads rigid pins with the forces of their last step, losses and energies of which are those that the step counts.
+    const Observation& observe(double t, const RigidState& pins) noexcept;
     /// Forces of the instant that was observed last, whose state must still be there; evaluated on first use.
     const ForceObservation& forces();
 
 private:
-    void observe_chain(const double* state, const Phase* phases) noexcept;              ///< state [unknowns]
-    void observe_links(const double* state, const Phase* phases) noexcept;              ///< state [unknowns]
-    void observe_pulleys(double t, const double* state, const Phase* phases) noexcept;  ///< t [s], state [unknowns]
-    void observe_strands(const double* state, const Phase* phases) noexcept;            ///< state [unknowns]
-    void observe_radii(const double* state, const Phase* phases) noexcept;              ///< state [unknowns]
-    void observe_slip(const double* state, const Phase* phases) noexcept;               ///< after the pulleys. state [unknowns]
-    [[nodiscard]] double kinetic(const double* state) const noexcept;                   ///< state [unknowns]
+    void begin(double t) noexcept;                                            ///< t [s]
+    void observe_halves(const double* state, const Phase* phases) noexcept;   ///< state [unknowns]
+    void observe_links(const double* state, const Phase* phases) noexcept;    ///< of halves. state [unknowns]
+    void observe_strands(const double* state, const Phase* phases) noexcept;  ///< of halves. state [unknowns]
+    void observe_radii(const double* state, const Phase* phases) noexcept;    ///< of halves. state [unknowns]
+    void observe_rigid(const RigidInstant& now) noexcept;
+    void observe_pulleys(double t) noexcept;  ///< t [s]
+    void observe_slip() noexcept;             ///< after the creep and the pulleys
 
     const Variator& variator_;
     EvaluationScratch scratch_;
-    std::vector<double> slope_;          ///< [unknowns, per second]
+    std::vector<double> slope_;          ///< [unknowns of the links, per second]
     std::vector<LinkContact> contacts_;  ///< [links]
+    std::vector<double> tail_;           ///< [unknowns behind the pins] where they are not in a state
     SheaveForces sheave_forces_{};       ///< of the chain
     Observation observation_;
     ForceObservation forces_;
-    const double* state_ = nullptr;  ///< observed last [unknowns]
-    const Phase* phases_ = nullptr;  ///< observed last
-    bool forces_known_ = false;      ///< of the instant observed last
+    const double* state_ = nullptr;      ///< observed last; nullptr: rigid pins without one [unknowns]
+    const double* pulleys_ = nullptr;    ///< their block of what was observed last; nullptr: nothing was
+    std::optional<RigidInstant> rigid_;  ///< observed last
+    bool forces_known_ = false;          ///< of the instant observed last
 };
 
 }  // namespace cvtflow::model

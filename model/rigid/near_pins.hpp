@@ -107,7 +107,7 @@ inline void find_near_pins(const RigidCoefficients& c, const SheaveMotion* sheav
 
 /// Tips' numbers of pins that are no longer near become zeros; those of a block that reached beyond the last pin belong to the first ones.
 inline void finish_near_pins(RigidColumns& columns, int beyond) noexcept {
-    constexpr Column last = Column::tip_radial + (rigid_tips - 1);
+    constexpr Column last = Column::tip_radius + (rigid_tips - 1);
     columns.unwrap(Column::tip_stiffness_front, Column::tip_moment_rear, beyond);
     columns.unwrap(Column::tip_force_x, last, beyond);
     const PinLanes now(1.0), no(0.0);

@@ -33,23 +33,22 @@ void slopes(const ChainModel& model, const ChainRange& range, double* slope, Lin
     const ChainLayout& at = model.layout();
     const int size = at.link_size();
     const double* blocks = range.window + at.halo() * at.link_block();
-    chain.evaluate(blocks, range.sheaves);
+    const RigidInstant now = chain.evaluate(blocks, range.sheaves);
     for (int pin = 0; pin < at.links; ++pin) {
         double* to = slope + at.link_begin(pin);
         std::copy_n(blocks + at.link_begin(pin) + size, size, to);
-        chain.model().acceleration(chain.columns(), pin, to + size);
+        now.model.acceleration(now.columns, pin, to + size);
     }
-    share_reaction(chain.forces().reaction.sheaves, at.links, loads);
+    share_reaction(now.forces.reaction.sheaves, at.links, loads);
 }
 
 void observed_slopes(const ChainModel& model, const ChainRange& range, double* slope, LinkLoad* loads, Account* accounts,
-                     LinkContact* contacts) noexcept {
+                     LinkContact*) noexcept {
     slopes(model, range, slope, loads, nullptr);
     const RigidChain& chain = *model.rigid();
-    const Account& found = chain.forces().account;
+    const Account& found = chain.last().forces.account;
     for (std::size_t kind = 0; kind < loss_kinds; ++kind) accounts->loss[kind] += found.loss[kind];
     for (std::size_t kind = 0; kind < energy_kinds; ++kind) accounts->energy[kind] += found.energy[kind];
-    if (contacts != nullptr) chain.show_contacts(contacts);
 }
 
 void probe(const ChainModel& model, const double* state, const SheaveMotion* sheaves, bool, TipProbe& found) noexcept {
@@ -66,23 +65,25 @@ ChainKernels RigidChain::kernels() noexcept { return {slopes, observed_slopes, m
 
 RigidChain::RigidChain(const Parameters& parameters, Isa isa) : model_(parameters, isa), columns_(model_.columns()), strip_(rigid_lanes) {}
 
-void RigidChain::evaluate(const double* blocks, const SheaveMotion* sheaves) const noexcept {
+RigidInstant RigidChain::evaluate(const double* blocks, const SheaveMotion* sheaves) const noexcept {
     model_.read(blocks, columns_);
     model_.accelerate(model_.layout().pulley_size != 0 ? sheaves : nullptr, columns_, forces_);
+    return last();
 }
 
-double RigidChain::kinetic() const noexcept { return model_.kernels().kick(model_.coefficients(), 0.0, columns_); }
-
-void RigidChain::show_contacts(LinkContact* contacts) const noexcept {
-    for (int link = 0; link < model_.layout().links; ++link) {
-        LinkContact& contact = contacts[link];
-        contact.tension = columns_[Column::tension][link] - columns_[Column::stretch_damping_force][link];
-        for (int tip = 0; tip < tips_per_link; ++tip) {
-            contact.depth[tip] = of_tip(Column::tip_depth, link, tip);
-            contact.normal[tip] = of_tip(Column::tip_normal, link, tip);
-            contact.axial[tip] = of_tip(Column::sheave_axial, link, tip);
-        }
+double RigidInstant::kinetic() const noexcept {
+    double sum = 0.0;
+    for (int k = 0; k < rigid_coordinates; ++k) {
+        const double *v = columns[Column::vx + k], *a = columns[Column::acceleration_x + k], mass = model.coefficients().inertia(k);
+        for (int pin = 0; pin < columns.pins(); ++pin) sum += 0.5 * mass * (v[pin] - lead * a[pin]) * (v[pin] - lead * a[pin]);
     }
+    return sum;
+}
+
+RigidSums RigidInstant::sums() const noexcept {
+    RigidSums sums;
+    model.kernels().observe(model.coefficients(), lead, columns, sums);
+    return sums;
 }
 
 /// The strip's entry 0 is the pin before the first link, entries up to 8 are known: tips of entries 1 … 7, which are those of six links.
@@ -154,6 +155,7 @@ void RigidModel::tip_forces(const SheaveMotion* sheaves, const RigidKick& kick, 
     if (sheaves == nullptr) return;
     kernels_.tips(coefficients_, sheaves, kick, columns, f.reaction, f.account);
     columns.wrap(Column::tip_offset_moment_x, Column::tip_moment_rear);
+    columns.wrap(Column::tip_normal, Column::tip_normal + (rigid_tips - 1));
 }
 
 void RigidModel::sum_forces(const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
@@ -217,9 +219,12 @@ void RigidState::write(double* y) const noexcept {
         double* v = y + at.link_size() + rigid_place(at, k);
         for (int pin = 0; pin < at.links; ++pin) v[at.link_begin(pin)] -= lead * acceleration[pin] / model.scale(k);
     }
-    double* behind = y + at.pulley_begin();
+    write_tail(y + at.pulley_begin());
+}
+
+void RigidState::write_tail(double* behind) const noexcept {
     std::copy(tail.begin(), tail.end(), behind);
-    for (std::size_t k = static_cast<std::size_t>(at.pulley_size), end = kicked_end(); k < end; ++k)
+    for (std::size_t k = static_cast<std::size_t>(model.layout().pulley_size), end = kicked_end(); k < end; ++k)
         behind[k] = tail[k] - lead * tail_slope[k];
     std::copy(ledger.begin(), ledger.end(), behind + tail.size());
 }

@@ -61,6 +61,22 @@ private:
     return places[k];
 }
 
+/// Rigid pins at an instant whose forces are known.
+struct RigidInstant {
+    const RigidModel& model;
+    const RigidColumns& columns;
+    const RigidForces& forces;
+    double lead;  ///< by which the columns' velocities are ahead of their coordinates [s]
+
+    [[nodiscard]] double kinetic() const noexcept;  ///< energy of the pins [J]
+    [[nodiscard]] RigidSums sums() const noexcept;
+    /// Column of a tip number 2 end + side of a link, and its entry: the pin whose half is the one at that end.
+    [[nodiscard]] double of_tip(Column first, int link, int tip) const noexcept {
+        const int pin = tip < rigid_tips / 2 ? link : model.layout().next(link);
+        return columns[first + (tip + rigid_tips / 2) % rigid_tips][pin];
+    }
+};
+
 struct ChainKernels;
 struct LinkContact;
 struct TipProbe;
@@ -73,18 +89,11 @@ public:
     /// The functions of a ChainModel that has a RigidChain.
     [[nodiscard]] static ChainKernels kernels() noexcept;
 
-    /// Evaluates all pins. Results are valid until the next evaluation.
+    /// Evaluates all pins.
     /// @param blocks of all pins [pins * link_block]   @param sheaves [4], unused without pulleys
-    void evaluate(const double* blocks, const SheaveMotion* sheaves) const noexcept;
-    [[nodiscard]] const RigidColumns& columns() const noexcept { return columns_; }
-    [[nodiscard]] const RigidForces& forces() const noexcept { return forces_; }
-    [[nodiscard]] double kinetic() const noexcept;             ///< energy of the pins evaluated last [J]
-    void show_contacts(LinkContact* contacts) const noexcept;  ///< of the links evaluated last [pins]
-    /// Entry of the pin whose half is the one at `end` of a link, and of a tip number 2 end + side of a link the column's number.
-    [[nodiscard]] int pin_of(int link, int end) const noexcept { return end == 0 ? link : model_.layout().next(link); }
-    [[nodiscard]] double of_tip(Column first, int link, int tip) const noexcept {
-        return columns_[first + (tip + rigid_tips / 2) % rigid_tips][pin_of(link, tip / 2)];
-    }
+    /// @return valid until the next evaluation
+    RigidInstant evaluate(const double* blocks, const SheaveMotion* sheaves) const noexcept;
+    [[nodiscard]] RigidInstant last() const noexcept { return {model_, columns_, forces_, 0.0}; }  ///< evaluated
 
     /// Depths of tips of neighbouring links. @param states their blocks, with one more in front and two behind   @param probes [links]
     void probe(const double* states, int links, const SheaveMotion* sheaves, TipProbe* probes) const noexcept;
@@ -102,6 +111,9 @@ struct RigidState {
     void read(const double* y);
     /// The state at the time of the coordinates. @param y [unknowns]
     void write(double* y) const noexcept;
+    /// That part of it which is behind the pins. @param behind [unknowns behind the pins]
+    void write_tail(double* behind) const noexcept;
+    [[nodiscard]] RigidInstant instant() const noexcept { return {model, columns, forces, lead}; }
     /// The unknowns that a kick changes behind the pulleys' coordinates end here: velocities and integrals. Unknowns of the hydraulics
     /// drift.
     [[nodiscard]] std::size_t kicked_end() const noexcept;

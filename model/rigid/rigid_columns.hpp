@@ -162,11 +162,11 @@ enum class Column {
     tip_damping_force = tip_normal + rigid_tips,      ///< [4] damping part of it [N]
     tip_tangential = tip_damping_force + rigid_tips,  ///< [4] friction on the pin along the circumference [N]
     tip_radial = tip_tangential + rigid_tips,         ///< [4] friction on the pin along the flank [N]
-    // Each tip, for velocities as they are only.
+    // Each tip, for observation.
     sheave_outward = tip_radial + rigid_tips,    ///< [4] force on the sheave, away from its axis [N]
     sheave_axial = sheave_outward + rigid_tips,  ///< [4] force on the sheave along z [N]
-    tip_slip = sheave_axial + rigid_tips,        ///< [4] sliding speed [m/s]
-    tip_radius = tip_slip + rigid_tips,          ///< [4] distance from the axis [m]
+    tip_grip = sheave_axial + rigid_tips,        ///< [4] friction per sliding speed, behind the friction of the step [N·s/m]
+    tip_radius = tip_grip + rigid_tips,          ///< [4] distance from the axis [m]
     touching = tip_radius + rigid_tips,          ///< [4] 1 where the tip was last found to press, else 0
     count = touching + rigid_tips
 };

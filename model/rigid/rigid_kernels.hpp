@@ -16,15 +16,25 @@ struct RigidKick {
     [[nodiscard]] constexpr bool implicit() const noexcept { return step > 0.0; }
 };
 
-/// Reactions on the sheaves, extreme depths and radii (for faults), and creep.
+/// Reactions on the sheaves, extreme depths and radii (for faults).
 struct RigidReaction {
     SheaveForces sheaves{};
     double deepest = -1e300;    ///< depth of a tip [m]
     double innermost = 1e300;   ///< radius of a pin, to 0.1 mm [m]
     double outermost = -1e300;  ///< radius of a pin that touches, to 0.1 mm [m]
-    /// Creep along the circumference, only of velocities as they are (model/observe/chain_forces.hpp).
-    std::array<double, 2> hold{}, drag{};
-    double creep_power = 0.0;
+};
+
+/// Sums for an observation. Pairs: of pins at the driving and the driven shaft, or of links in the strand at y ≥ 0 and at y < 0.
+struct RigidSums {
+    double speed = 0.0;                    ///< of all pins' middles in their plane [m/s]
+    std::array<double, 2> radius{};        ///< of the pins between sheaves, about the shaft's axis [m]
+    std::array<double, 2> turning{};       ///< their angular speeds about it [rad/s]
+    std::array<double, 2> pins{};          ///< how many
+    std::array<double, 2> tension{};       ///< elastic tensions of the inner links of a strand [N]
+    std::array<double, 2> links{};         ///< how many
+    double touching = 0.0;                 ///< tips that press
+    std::array<double, 2> hold{}, drag{};  ///< see Creep (model/observe/chain_forces.hpp) [N·m·s], [N·m]
+    double creep_power = 0.0;              ///< [W]
 };
 
 /// Each function reads and writes columns of all pins; the caller renews the copies of neighbours in between.
@@ -61,6 +71,8 @@ struct RigidKernels {
     void (*depths)(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns, double* depth) noexcept;
     /// How many pins' tips number `tip` press that did not, or the other way round; pins that fill the last vector count.
     double (*contact_changes)(RigidColumns& columns, int tip) noexcept;
+    /// Sums over pins and tips. @param lead by which velocities are ahead of coordinates [s]
+    void (*observe)(const RigidCoefficients& c, double lead, const RigidColumns& columns, RigidSums& sums) noexcept;
 };
 
 }  // namespace cvtflow::model

@@ -112,7 +112,8 @@ struct LinkSums {
     PinSum plates, pack, damping, inner;
 };
 
-inline void link_force(const RigidCoefficients& c, const RigidKick& kick, const RigidView& columns, int i, LinkSums& sums) noexcept {
+[[gnu::always_inline]] inline void link_force(const RigidCoefficients& c, const RigidKick& kick, const RigidView& columns, int i,
+                                              LinkSums& sums) noexcept {
     const LinkMotion m = link_motion(c, columns, i);
     const PinLanes yaw_stiffness = read(columns, Column::yaw_stiffness, i), yaw_damping = read(columns, Column::yaw_damping, i);
     const PinLanes shear_stiffness = read(columns, Column::shear_stiffness, i), shear_damping = read(columns, Column::shear_damping, i);

@@ -59,8 +59,7 @@ public:
     void release() noexcept {
         for (const PinBlock& block : own_) {
             columns_.clear(Column::tip_stiffness_front, Column::tip_moment_rear, block.first, rigid_lanes);
-            columns_.clear(Column::tip_force_x, (implicit ? Column::tip_radial : Column::tip_radius) + (rigid_tips - 1), block.first,
-                           rigid_lanes);
+            columns_.clear(Column::tip_force_x, Column::tip_radius + (rigid_tips - 1), block.first, rigid_lanes);
         }
     }
 
@@ -111,7 +110,7 @@ public:
         growth_z_[0] = mean + apart, growth_z_[1] = mean - apart;
     }
 
-    [[gnu::always_inline]] void rub(ReactionSum<W>& reaction, CreepSum& creep, TipAccount<W>& account) noexcept {
+    [[gnu::always_inline]] void rub(ReactionSum<W>& reaction, TipAccount<W>& account) noexcept {
         RigidTipForces<W> total;
         typename ReactionSum<W>::Sides on_side;
         V rubbed(0.0);
@@ -121,7 +120,7 @@ public:
             total.add(n_, side_of(tip), half_[half_of_tip(tip)], half_of_tip(tip), force);
             total.add_moment(n_, side_of(tip), half_[half_of_tip(tip)], half_of_tip(tip), tips_[tip], force);
             add_on_sheave<W>(tips_[tip], force, on_side[end_of_tip(tip)]);
-            if constexpr (!implicit) show_force(tip, force, creep);
+            show(static_cast<int>(tip), force);
         }
         const V here = Base::present();
         account.friction += here * rubbed;
@@ -137,19 +136,11 @@ private:
         return acting * rate;
     }
 
-    void show_force(std::size_t tip, const RigidTipForce<W>& f, CreepSum& creep) noexcept {
-        const TipPlace<W>& place = tips_[tip];
-        const RigidSlip<W>& u = begin_[tip];
-        const int number = static_cast<int>(tip);
-        const V speed = sqrt(u.tangential * u.tangential + u.radial * u.radial);
-        const V grip = friction_factor<W>(c_.tip_friction, friction_limit(tip, V(0.0), speed), V(0.0), speed);
-        const V radius = sqrt(dot(place.point, place.point));
-        creep.add(Base::present(), second_, grip, radius, u.tangential);
-        write_pins(Column::tip_slip + number, speed);
-        write_pins(Column::tip_radius + number, radius);
-        const V outward = dot(f.push, place.radial) + dot(f.friction, place.radial);
-        write_pins(Column::sheave_outward + number, -outward);
-        write_pins(Column::sheave_axial + number, -(f.push_z + f.friction_z));
+    [[gnu::always_inline]] void show(int tip, const RigidTipForce<W>& f) noexcept {
+        const TipPlace<W>& place = tips_[static_cast<std::size_t>(tip)];
+        write_pins(Column::tip_radius + tip, widened<W>(sqrt(dot(place.point, place.point))));
+        write_pins(Column::sheave_outward + tip, widened<W>(-(dot(f.push, place.radial) + dot(f.friction, place.radial))));
+        write_pins(Column::sheave_axial + tip, widened<W>(-(f.push_z + f.friction_z)));
     }
 
     /// Friction of the last step.
@@ -172,12 +163,13 @@ private:
         const RigidSlip<W> old = memory(tip);
         const RigidSlip<W> free = implicit ? slip_now(tip) - n_.response * old : begin_[tip];
         const V speed = sqrt(free.tangential * free.tangential + free.radial * free.radial);
-        const RigidSlip<W> force =
-            (-friction_factor<W>(c_.tip_friction, friction_limit(tip, n_.response, speed), n_.response, speed)) * free;
+        const V factor = friction_factor<W>(c_.tip_friction, friction_limit(tip, n_.response, speed), n_.response, speed);
+        const RigidSlip<W> force = (-factor) * free;
         const RigidSlip<W> mean = implicit ? V(0.5) * (free + n_.response * force + begin_[tip]) : free;
         lost += -(force.tangential * mean.tangential + force.radial * mean.radial);
         write_pins(Column::tip_tangential + static_cast<int>(tip), widened<W>(force.tangential));
         write_pins(Column::tip_radial + static_cast<int>(tip), widened<W>(force.radial));
+        write_pins(Column::tip_grip + static_cast<int>(tip), widened<W>(implicit ? factor / (1.0 - n_.response * factor) : factor));
         if (implicit) follow(tip, force - old);
         return force;
     }
@@ -247,11 +239,10 @@ public:
         if (group.free()) return group.release();
         group.press(sheaves, account_);
         group.predict();
-        group.rub(on_sheaves_, creep_, account_);
+        group.rub(on_sheaves_, account_);
     }
     void store(const RigidCoefficients& c, RigidReaction& reaction, Account& account) const noexcept {
         on_sheaves_.store(reaction.sheaves);
-        creep_.store(reaction);
         bounds_.store(c, reaction);
         account.store(Energy::tips, total(account_.energy));
         account.lose(Loss::tip_damping, total(account_.damping));
@@ -265,7 +256,6 @@ private:
     TipNumbers<W> numbers_;
     TipAccount<W> account_;
     ReactionSum<W> on_sheaves_;
-    CreepSum creep_;
     TipBounds<W> bounds_;
 };
 

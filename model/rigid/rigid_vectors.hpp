@@ -174,34 +174,6 @@ private:
     std::array<Sides, 2> on_;
 };
 
-/// Sums over pins of how their tips creep along the circumference of both pulleys.
-class CreepSum {
-public:
-    /// @param present, second as of ReactionSum   @param grip friction per sliding speed [N·s/m]   @param radius [m]
-    /// @param speed of sliding along the circumference [m/s]
-    void add(const PinLanes& present, const PinLanes& second, const PinLanes& grip, const PinLanes& radius,
-             const PinLanes& speed) noexcept {
-        const PinLanes here = present * second * grip, there = present * grip - here;
-        const PinLanes square = radius * radius, around = radius * speed;
-        hold_[0] += there * square;
-        hold_[1] += here * square;
-        drag_[0] += there * around;
-        drag_[1] += here * around;
-        power_ += present * grip * speed * speed;
-    }
-    void store(RigidReaction& to) const noexcept {
-        for (std::size_t shaft = 0; shaft < 2; ++shaft) {
-            to.hold[shaft] = sum<rigid_lanes>(hold_[shaft]);
-            to.drag[shaft] = sum<rigid_lanes>(drag_[shaft]);
-        }
-        to.creep_power = sum<rigid_lanes>(power_);
-    }
-
-private:
-    std::array<PinLanes, 2> hold_{PinLanes(0.0), PinLanes(0.0)}, drag_{PinLanes(0.0), PinLanes(0.0)};
-    PinLanes power_{0.0};
-};
-
 /// Sliding speed v that solves v + r C s(v) = w, with the law's share s: the contact slides by w without friction, and friction C s slows
 /// it by r C s. The left side is concave, so Newton's method climbs towards the solution from below.
 template <int W>

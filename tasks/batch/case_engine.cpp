@@ -220,8 +220,8 @@ bool CaseEngine::samples(double time) const noexcept { return means_.due(time) |
 void CaseEngine::sample(double time, const Workspace& workspace) {
     if (recorder_ && recorder_->samples(time)) recorder_->sample(time, workspace);
     if (!means_.due(time)) return;
-    const model::Observation& now = observer_->observe(time, workspace.state(), workspace.tips.phases.data());
-    means_.add(now, workspace.energy.sums(time), workspace.pin_period());
+    const model::Observation& now = workspace.observed_by(*observer_, time);
+    means_.add(now, workspace.energy.sums(time), workspace.pin_period(now.chain_speed));
 }
 
 void CaseEngine::transition(const TransitionRecord& record) {
@@ -229,9 +229,8 @@ void CaseEngine::transition(const TransitionRecord& record) {
 }
 
 void CaseEngine::reduce(double time, const Workspace& workspace, const Counters& counters) {
-    const Instant instant{observer_->observe(time, workspace.state(), workspace.tips.phases.data()), workspace, counters,
-                          scene_.run.followed_pin, *observer_};
-    means_.add(instant.observation, workspace.energy.sums(time), workspace.pin_period());
+    const Instant instant{workspace.observed_by(*observer_, time), workspace, counters, scene_.run.followed_pin, *observer_};
+    means_.add(instant.observation, workspace.energy.sums(time), workspace.pin_period(instant.observation.chain_speed));
     for (std::size_t i = 0; i < reducers_.size(); ++i) {
         const Scalar& scalar = sweep_.scalars[i];
         for (std::size_t term = 0; term < scalar.terms.size(); ++term) {

@@ -59,7 +59,7 @@ class ObservingObserver final : public RunObserver {
 public:
     explicit ObservingObserver(const Simulation& simulation) : simulation_(simulation), observer_(simulation.variator()) {}
     void output(double time, const Workspace& workspace, const Counters& /*counters*/) override {
-        if (!simulation_.needs_settling()) static_cast<void>(observer_.observe(time, workspace.state(), workspace.tips.phases.data()));
+        if (!simulation_.needs_settling()) static_cast<void>(workspace.observed_by(observer_, time));
     }
     void transition(const TransitionRecord& /*record*/) override {}
 

@@ -59,13 +59,7 @@ void followed_axial(const Instant& now, double* out) {
     };
     for (int side = 0; side < 2; ++side) out[side] = force(now.followed_pin, 0, side) + force(before, 1, side);
 }
-void followed_position(const Instant& now, double* out) {
-    const ChainLayout& at = now.workspace.layout();
-    const double* block = now.workspace.state() + at.link_begin(now.followed_pin);
-    out[0] = block[at.x(model::End::rear, 0)];
-    out[1] = block[at.y(model::End::rear, 0)];
-    out[2] = block[at.z(model::End::rear)];
-}
+void followed_position(const Instant& now, double* out) { std::ranges::copy(now.workspace.rear_half(now.followed_pin), out); }
 void followed_tension(const Instant& now, double* out) { *out = now.observation.tension[static_cast<std::size_t>(now.followed_pin)]; }
 void touching(const Instant& now, double* out) { *out = now.observation.touching; }
 

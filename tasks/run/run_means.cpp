@@ -32,7 +32,7 @@ static_assert(std::is_trivially_copyable_v<MeanPoint> && sizeof(MeanPoint) == si
     put(Mean::loose, now.slack <= 0.0 ? 1.0 : 0.0);
     put(Mean::beyond, now.limit_use > 1.0 ? 1.0 : 0.0);
     put(Mean::turning, 0.5 * (std::abs(now.speed[0]) + std::abs(now.speed[1])));
-    put(Mean::creep, now.creep_power);
+    put(Mean::creep, now.creep.power);
     put(Mean::brought, std::max(0.0, now.work[0]) + std::max(0.0, now.work[1]));
     for (std::size_t k = 0; k < 2; ++k) {
         put(Mean::speed, now.speed[k], k);

@@ -121,9 +121,9 @@ void RunRecorder::output(double time, const Workspace& workspace, const Counters
         options_.progress({begin_, time, until_, wall, counters});
     }
     if (begin_ < 0.0) return;  // settling is not recorded
-    const model::Observation& now = observer_.observe(time, workspace.state(), workspace.tips.phases.data());
+    const model::Observation& now = workspace.observed_by(observer_, time);
     ++outputs_;
-    means_.add(now, workspace.energy.sums(time), workspace.pin_period());
+    means_.add(now, workspace.energy.sums(time), workspace.pin_period(now.chain_speed));
     if (file_) write(time, workspace, {now, workspace, counters, followed_pin_, observer_});
 }
 
@@ -152,8 +152,8 @@ void RunRecorder::transition(const TransitionRecord& record) {
 }
 
 void RunRecorder::sample(double time, const Workspace& workspace) {
-    const model::Observation& now = observer_.observe(time, workspace.state(), workspace.tips.phases.data());
-    means_.add(now, workspace.energy.sums(time), workspace.pin_period());
+    const model::Observation& now = workspace.observed_by(observer_, time);
+    means_.add(now, workspace.energy.sums(time), workspace.pin_period(now.chain_speed));
 }
 
 std::vector<double> RunRecorder::position() {

@@ -61,14 +61,23 @@ const double* Workspace::state() const noexcept {
     return states[0];
 }
 
+const double* Workspace::tail() const noexcept {
+    if (!columns_ahead_) return states[0] + layout().pulley_begin();
+    columns_->write_tail(tail_.data());
+    return tail_.data();
+}
+
 model::RigidState& Workspace::columns() {
-    if (!columns_) columns_ = std::make_unique<model::RigidState>(variator.chain().rigid()->model());
+    if (!columns_) {
+        columns_ = std::make_unique<model::RigidState>(variator.chain().rigid()->model());
+        tail_.resize(at(tail_size()));
+    }
     return *columns_;
 }
 
 void Workspace::adopt(const model::Parameters& other) {
     columns_.reset();
-    columns_ahead_ = false;
+    columns_ahead_ = columns_hold_forces_ = false;
     variator.adopt(parameters, other);
     parameters = other;
     rule = rule_of(other);
@@ -125,15 +134,32 @@ model::Account Workspace::observed_links() const noexcept {
 
 model::Account Workspace::observed_pulleys() const noexcept {
     model::Account total;
-    if (layout().pulley_size != 0) variator.pulleys().account(state() + layout().pulley_begin(), total);
+    if (layout().pulley_size != 0) variator.pulleys().account(tail(), total);
     return total;
 }
 
-double Workspace::pin_period() const noexcept { return model::pin_period(parameters.chain, layout(), state()); }
+double Workspace::pin_period() const noexcept {
+    if (!columns_ahead_) return model::pin_period(parameters.chain, layout(), states[0]);
+    return pin_period(columns_->instant().sums().speed / layout().links);
+}
+
+double Workspace::pin_period(double speed) const noexcept {
+    return speed > 0.0 ? model::chain_length(parameters.chain) / (layout().links * speed) : 0.0;
+}
+
+std::array<double, 3> Workspace::rear_half(int pin) const noexcept {
+    const model::ChainLayout& at = layout();
+    if (columns_ahead_) {
+        const auto of = [&](model::Column c) { return columns_->columns[c][pin]; };
+        return {of(model::Column::x), of(model::Column::y), of(model::Column::z)};
+    }
+    const double* block = states[0] + at.link_begin(pin);
+    return {block[at.x(model::End::rear, 0)], block[at.y(model::End::rear, 0)], block[at.z(model::End::rear)]};
+}
 
 std::array<double, 2> Workspace::shaft_momentum() const noexcept {
     if (layout().pulley_size == 0) return {};
-    const double* block = state() + layout().pulley_begin();
+    const double* block = tail();
     return {variator.pulleys().momentum(block, 0), variator.pulleys().momentum(block, 1)};
 }
 

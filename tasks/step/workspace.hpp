@@ -11,6 +11,7 @@
 #include "engine/method/compiled_plan.hpp"
 #include "model/law/phase_rule.hpp"
 #include "model/machine/heat_balance.hpp"
+#include "model/observe/observation.hpp"
 #include "model/rigid/rigid_chain.hpp"
 #include "model/variator/variator.hpp"
 #include "tasks/step/control/cycle_sequence.hpp"
@@ -178,10 +179,15 @@ public:
     [[nodiscard]] model::RigidState& columns();
     /// nullptr: no method has asked for them.
     [[nodiscard]] const model::RigidState* rigid_pins() const noexcept { return columns_.get(); }
-    void columns_advanced() noexcept { columns_ahead_ = true; }
+    void columns_advanced() noexcept { columns_ahead_ = columns_hold_forces_ = true; }
+    /// Observation of y at the step's start, with the forces of the step behind it where the columns hold them. time [s]
+    [[nodiscard]] const model::Observation& observed_by(model::Observer& observer, double time) const noexcept {
+        return columns_hold_forces_ ? observer.observe(time, *columns_) : observer.observe(time, state(), tips.phases.data());
+    }
     /// y to set from outside, between two runs; then call StepMethod::restart.
     [[nodiscard]] double* state_to_set() noexcept {
         static_cast<void>(state());
+        columns_hold_forces_ = false;
         return states[0];
     }
     /// Another variator of the same layout, at rest before its start; between runs only.
@@ -196,6 +202,8 @@ public:
     void phases_changed() noexcept {
         if (further) further->phases_changed();
     }
+    /// The part of y behind the links; until the next cycle. @return [tail_size()]
+    [[nodiscard]] const double* tail() const noexcept;
     /// Adds up the reactions of a segment's links, for sums that contain no link of another segment.
     void add_up(const Segment& own) noexcept;
     /// Forces of the chain on the sheaves after an evaluate cycle; called by the controller.
@@ -205,6 +213,10 @@ public:
     [[nodiscard]] model::Account observed_pulleys() const noexcept;
     /// Time in which a pin reaches the position of the next one, by the chain's mean speed; 0: at rest [s].
     [[nodiscard]] double pin_period() const noexcept;
+    /// Time in which a pin reaches the position of the next one at a mean speed; 0: at rest. speed [m/s]
+    [[nodiscard]] double pin_period(double speed) const noexcept;
+    /// Place of the middle of a pin's rear half; of a rigid pin's [m].
+    [[nodiscard]] std::array<double, 3> rear_half(int pin) const noexcept;
     /// Angular momentum of both shafts with their sheaves; zero without pulleys [N·m·s].
     [[nodiscard]] std::array<double, 2> shaft_momentum() const noexcept;
     [[nodiscard]] int tail_size() const noexcept { return layout().size() - layout().pulley_begin(); }
@@ -217,6 +229,8 @@ private:
     model::LineVector<double> memory_;
     std::unique_ptr<model::RigidState> columns_;
     mutable bool columns_ahead_ = false;  ///< of states[0]
+    bool columns_hold_forces_ = false;    ///< of the state
+    mutable std::vector<double> tail_;    ///< of the columns [tail_size()]
 };
 
 }  // namespace cvtflow::tasks

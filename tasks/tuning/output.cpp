@@ -128,7 +128,7 @@ OutputReader::OutputReader(const model::Variator& variator, std::span<const Tune
 
 void OutputReader::output(double time, const Workspace& workspace, const Counters& counters) {
     if (time < from_ - 1e-12 * std::abs(from_)) return;
-    const model::Observation& now = observer_.observe(time, workspace.state(), workspace.tips.phases.data());
+    const model::Observation& now = workspace.observed_by(observer_, time);
     watch_.add(now, workspace);
     tip_ += largest_pin_end(workspace.layout(), now.tip_axial);
     thrust_ += now.clamping[0] / now.clamping[1];
@@ -139,9 +139,7 @@ void OutputReader::output(double time, const Workspace& workspace, const Counter
     }
 }
 
-void OutputReader::sample(double time, const Workspace& workspace) {
-    watch_.add(observer_.observe(time, workspace.state(), workspace.tips.phases.data()), workspace);
-}
+void OutputReader::sample(double time, const Workspace& workspace) { watch_.add(workspace.observed_by(observer_, time), workspace); }
 
 void OutputReader::reduce(std::size_t output, double time, const Instant& instant) {
     const Scalar& scalar = outputs_[output].scalar;

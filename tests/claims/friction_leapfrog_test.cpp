@@ -81,7 +81,7 @@ void expect_limit(const std::string& method) {
         tasks::SilentObserver silent;
         EXPECT_FALSE(simulation.advance({.until = 100e-6}, silent, never)) << scale;
         model::Observer observer(simulation.variator());
-        return observer.observe(simulation.time(), simulation.state(), simulation.phases().data()).tight;
+        return simulation.workspace().observed_by(observer, simulation.time()).tight;
     };
     const double tenth = end("0.1"), hundredth = end("0.01"), thousandth = end("0.001");
     EXPECT_NEAR(thousandth / hundredth, 1.0, 2e-3);

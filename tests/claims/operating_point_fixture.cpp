@@ -59,7 +59,7 @@ void Operation::output(double now, const tasks::Workspace& workspace, const task
     ratio.push_back(o.ratio);
     slip.push_back(o.slip);
     friction_slip.push_back(o.friction_slip);
-    creep_power.push_back(o.creep_power);
+    creep_power.push_back(o.creep.power);
     drive_power.push_back(o.work[0]);
     tight.push_back(o.tight);
     slack.push_back(o.slack);

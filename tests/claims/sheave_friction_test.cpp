@@ -21,7 +21,7 @@ public:
         for (double& power : mean) power /= outputs_;
     }
     void output(double time, const tasks::Workspace& workspace, const tasks::Counters&) override {
-        (void)observer_.observe(time, workspace.state(), workspace.tips.phases.data());
+        (void)workspace.observed_by(observer_, time);
         const model::ChainModel& chain = workspace.variator.chain();
         const auto& power = observer_.forces().chain.tip_power;
         for (std::size_t tip = 0; tip < power.size(); ++tip) {

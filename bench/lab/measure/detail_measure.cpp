@@ -38,7 +38,7 @@ struct Averager final : tasks::RunObserver {
           first(simulation.variator(), shown(), 0, from),
           second(simulation.variator(), shown(), 0, middle) {}
     void output(double time, const tasks::Workspace& w, const tasks::Counters& counters) override {
-        const model::Observation& now = observer.observe(time, w.state(), w.tips.phases.data());
+        const model::Observation& now = w.observed_by(observer, time);
         watch.add(now, w);
         if (!begun) begin = {now.time, now.ratio};
         begun = true;

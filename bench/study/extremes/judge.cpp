@@ -46,7 +46,7 @@ struct Account {
 Account account_of(const Simulation& simulation) {
     const model::ChainLayout& at = simulation.variator().layout();
     model::Observer observer(simulation.variator());
-    const auto& energies = observer.observe(simulation.time(), simulation.state(), simulation.phases().data()).account.energy;
+    const auto& energies = simulation.workspace().observed_by(observer, simulation.time()).account.energy;
     Account account;
     account.energy = std::accumulate(energies.begin(), energies.end(), 0.0);
     for (int k = 0; k < model::loss_kinds + model::work_kinds; ++k) {

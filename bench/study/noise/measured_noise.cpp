@@ -24,7 +24,7 @@ public:
 
     void output(double time, const Workspace& w, const Counters& counters) override {
         if (complete) return;
-        const model::Observation& now = observer_.observe(time, w.state(), w.tips.phases.data());
+        const model::Observation& now = w.observed_by(observer_, time);
         const Instant instant{now, w, counters, 0, observer_};
         const auto& bearing = observer_.forces().bearing;
         turn(w.state());
@@ -119,7 +119,7 @@ NoiseSpectrum measure_noise(Scene scene, int rounds, const engine::Cancellation&
     RoundRecorder recorder(simulation.variator(), rounds);
     simulation.pause_on(&recorder.complete);
     model::Observer observer(simulation.variator());
-    const double speed = observer.observe(simulation.time(), simulation.state(), simulation.phases().data()).chain_speed;
+    const double speed = simulation.workspace().observed_by(observer, simulation.time()).chain_speed;
     const double until = simulation.time() + 1.5 * rounds * model::chain_length(scene.parameters.chain) / speed;
     if (!fault) fault = simulation.advance({.until = until, .anew = true}, recorder, cancel);
     spectrum.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();

@@ -25,7 +25,7 @@ class LongObserver final : public RunObserver {
 public:
     explicit LongObserver(const model::Variator& variator) : observer_(variator) {}
     void output(double time, const Workspace& workspace, const Counters&) override {
-        watch.add(observer_.observe(time, workspace.state(), workspace.tips.phases.data()), workspace);
+        watch.add(workspace.observed_by(observer_, time), workspace);
     }
     void transition(const TransitionRecord&) override {}
 

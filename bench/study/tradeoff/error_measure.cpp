@@ -33,7 +33,7 @@ public:
 
     void output(double time, const Workspace& workspace, const Counters&) override {
         const auto started = Clock::now();
-        const model::Observation& seen = observer_.observe(time, workspace.state(), workspace.tips.phases.data());
+        const model::Observation& seen = workspace.observed_by(observer_, time);
         watch.add(seen, workspace);
         if (time > begin_)
             add(time, seen);

@@ -138,9 +138,9 @@ void RigidLeapfrog::count_energy(const model::WorkRates& power) noexcept {
     add(0.5 * kick_.step, account_);
     add(kick_.step, half_way_);
     pins_.lead = 0.5 * kick_.step;
-    std::array<double, model::energy_kinds> stored = pins_.forces.account.energy;
-    stored[static_cast<std::size_t>(model::Energy::kinetic)] = kinetic_ + shift_;
-    account_.stored = std::accumulate(stored.begin(), stored.end(), 0.0);
+    auto& energy = pins_.forces.account.energy;
+    energy[static_cast<std::size_t>(model::Energy::kinetic)] = kinetic_;
+    account_.stored = std::accumulate(energy.begin(), energy.end(), shift_);
     if (ledger_.empty()) return;
     for (std::size_t k = 0; k < model::loss_kinds; ++k) pins_.ledger[k] = ledger_[k] + account_.lost[k];
     for (std::size_t k = 0; k < model::work_kinds; ++k)

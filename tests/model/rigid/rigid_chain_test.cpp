@@ -69,7 +69,7 @@ struct Evaluation {
         EvaluationScratch scratch(at);
         const std::vector<Phase> phases(static_cast<std::size_t>(tips_per_link * at.links), Phase::free);
         right_hand_side(variator, t, y.data(), phases.data(), slope.data(), scratch);
-        chain = variator.chain().rigid()->forces().account;
+        chain = variator.chain().rigid()->last().forces.account;
         all = chain;
         if (at.pulley_size == 0) return;
         inputs = variator.pulleys().inputs(t, y.data() + at.pulley_begin());
@@ -144,14 +144,14 @@ TEST(RigidModel, DragOfCreepIsTheTorqueOfTheChainOnRigidPulleys) {
     const std::vector<double> y = random_state(p, 11);
     const std::vector<Phase> phases(static_cast<std::size_t>(tips_per_link * variator.layout().links), Phase::touching);
     const Observation& now = observer.observe(0.0, y.data(), phases.data());
-    const RigidReaction& found = variator.chain().rigid()->forces().reaction;
+    const Creep& found = now.creep;
     for (std::size_t k = 0; k < 2; ++k) {
         EXPECT_NE(now.chain_torque[k], 0.0);
         EXPECT_NEAR(found.drag[k], now.chain_torque[k], 1e-11 * std::abs(now.chain_torque[k]));  // sums in another order
         EXPECT_NEAR(now.free_speed[k], now.speed[k] + now.chain_torque[k] / found.hold[k], 1e-9 * std::abs(now.free_speed[k]));
     }
-    EXPECT_GT(now.creep_power, 0.0);
-    EXPECT_LT(now.creep_power, now.account[Loss::tip_friction]) << "pins slide radially as well";
+    EXPECT_GT(now.creep.power, 0.0);
+    EXPECT_LT(now.creep.power, now.account[Loss::tip_friction]) << "pins slide radially as well";
 }
 
 TEST(RigidModel, EveryInstructionSetHasTheSameBits) {
@@ -181,7 +181,7 @@ TEST(RigidModel, ProbesFindTheDepthsOfTheEvaluation) {
         TipProbe probe;
         variator.chain().probe(near.of(at, y.data(), link), sheaves, false, probe);
         for (int tip = 0; tip < tips_per_link; ++tip) {
-            const double depth = variator.chain().rigid()->of_tip(Column::tip_depth, link, tip);
+            const double depth = variator.chain().rigid()->last().of_tip(Column::tip_depth, link, tip);
             EXPECT_EQ(std::max(0.0, probe.depth[tip]), std::max(0.0, depth)) << link << " " << tip;
         }
     }

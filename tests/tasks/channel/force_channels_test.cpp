@@ -43,7 +43,7 @@ public:
         fault = simulation_.advance({.until = scene.run.until}, *this, engine::Cancellation());
     }
     void output(double time, const Workspace& workspace, const Counters& counters) override {
-        const model::Observation& now = observer_.observe(time, workspace.state(), workspace.tips.phases.data());
+        const model::Observation& now = workspace.observed_by(observer_, time);
         const Instant instant{now, workspace, counters, pin_, observer_};
         ++outputs_;
         for (const Channel* channel : chosen_channels(all_, workspace.layout())) {

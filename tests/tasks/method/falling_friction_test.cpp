@@ -38,7 +38,7 @@ TEST(FallingFriction, GrowsWithForceAndSlopeOverMass) {
     const auto started = loaded(scene);
     const Simulation& simulation = *started;
     model::Observer observer(simulation.variator());
-    const auto& axial = observer.observe(simulation.time(), simulation.state(), simulation.phases().data()).tip_axial;
+    const auto& axial = simulation.workspace().observed_by(observer, simulation.time()).tip_axial;
     double force = 0.0;
     for (const double tip : axial) force = std::max(force, std::abs(tip));
     ASSERT_GT(force, 100.0);

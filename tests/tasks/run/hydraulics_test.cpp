@@ -61,7 +61,7 @@ public:
         const auto all = channels();
         const auto found = std::find_if(all.begin(), all.end(), [](const Channel& each) { return each.name == "efficiency_with_pump"; });
         double value = 0.0;
-        found->read({observer_.observe(time, workspace.state(), workspace.tips.phases.data()), workspace, counters, 0, observer_}, &value);
+        found->read({workspace.observed_by(observer_, time), workspace, counters, 0, observer_}, &value);
         values.push_back(value);
     }
     void transition(const TransitionRecord&) override {}

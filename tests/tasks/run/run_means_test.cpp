@@ -210,7 +210,7 @@ class Watching final : public RunObserver {
 public:
     explicit Watching(const Simulation& simulation) : eye_(simulation.variator()) {}
     void output(double time, const Workspace& workspace, const Counters&) override {
-        watch.add(eye_.observe(time, workspace.state(), workspace.tips.phases.data()), workspace);
+        watch.add(workspace.observed_by(eye_, time), workspace);
     }
     void transition(const TransitionRecord&) override {}
     RunWatch watch;

@@ -84,8 +84,7 @@ void run_long(long steps) {
     const auto energy = [&] {
         const model::ChainLayout& at = simulation.variator().layout();
         double sum = 0.0;
-        for (const double part : observer.observe(simulation.time(), simulation.state(), simulation.phases().data()).account.energy)
-            sum += part;
+        for (const double part : simulation.workspace().observed_by(observer, simulation.time()).account.energy) sum += part;
         for (int k = 0; k < model::loss_kinds; ++k) sum += simulation.state()[at.ledger_begin() + k];
         for (int k = 0; k < model::work_kinds; ++k) sum -= simulation.state()[at.ledger_begin() + model::loss_kinds + k];
         return sum;

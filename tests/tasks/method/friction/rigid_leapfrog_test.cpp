@@ -186,8 +186,7 @@ TEST(RigidLeapfrog, PressesEveryTipThatIsInsideItsSheave) {
         const std::vector<double> y = run.state();
         SheaveMotion sheaves[4];
         model.pulleys().motions(y.data() + model.layout().pulley_begin(), sheaves);
-        const RigidChain& chain = *model.chain().rigid();
-        chain.evaluate(y.data(), sheaves);
+        const RigidInstant now = model.chain().rigid()->evaluate(y.data(), sheaves);
         int inside = 0;
         for (int tip = 0; tip < tips_per_link * model.layout().links; ++tip) {
             const int link = tip / tips_per_link, of_link = tip % tips_per_link;
@@ -199,7 +198,7 @@ TEST(RigidLeapfrog, PressesEveryTipThatIsInsideItsSheave) {
             inside += depth > 0.0;
             EXPECT_EQ(run.phases()[static_cast<std::size_t>(tip)] == Phase::touching, depth > 0.0)
                 << "ratio " << ratio << ", link " << link << ", tip " << of_link;
-            EXPECT_EQ(chain.of_tip(Column::tip_normal, link, of_link) > 0.0, depth > 0.0) << "ratio " << ratio << ", link " << link;
+            EXPECT_EQ(now.of_tip(Column::tip_normal, link, of_link) > 0.0, depth > 0.0) << "ratio " << ratio << ", link " << link;
         }
         EXPECT_GT(inside, model.layout().links) << "at ratio " << ratio;
     }
