@@ -9,6 +9,7 @@
 
 #include "tasks/batch/batch.hpp"
 #include "tasks/batch/start_states.hpp"
+#include "tasks/run/run.hpp"
 
 namespace cvtflow::bench {
 
@@ -120,6 +121,38 @@ BatchBench bench_batch(const Sweep& sweep, const std::vector<int>& threads, int 
     getrusage(RUSAGE_SELF, &used);
     bench.peak_memory = 1024.0 * static_cast<double>(used.ru_maxrss);
     return bench;
+}
+
+std::vector<RunCost> bench_run(const Scene& scene, int rounds) {
+    const OwnFolder folder;
+    const engine::Cancellation never;
+    const auto timed = [](const auto& run) {
+        const Watch watch;
+        const Fault fault = run();
+        if (fault) throw SimulationError(fault.message());
+        return watch.cpu();
+    };
+    const auto bare = [&] {
+        SilentObserver silent;
+        Simulation simulation(scene, Schedule{});
+        Fault fault;
+        if (simulation.needs_settling()) fault = simulation.advance({.until = 0.0}, silent, never);
+        return fault ? fault : simulation.advance({.until = scene.run.until}, silent, never);
+    };
+    const auto whole = [&](const std::filesystem::path& record) {
+        RunOptions options;
+        if (!record.empty()) {
+            std::filesystem::remove(record);
+            options.file = record.string();
+        }
+        return run_scene(scene, options).fault;
+    };
+    std::vector<RunCost> costs;
+    for (int round = 0; round < rounds; ++round) {
+        const double alone = timed(bare);
+        costs.push_back({alone, timed([&] { return whole({}); }), timed([&] { return whole(folder.path() / "run.h5"); })});
+    }
+    return costs;
 }
 
 }  // namespace cvtflow::bench

@@ -1,5 +1,5 @@
 #pragma once
-/// How fast a sweep runs, against its bare step loop.
+/// How fast a sweep and a run are, against their bare step loop.
 
 #include <string>
 #include <vector>
@@ -25,5 +25,16 @@ struct BatchBench {
 /// beforehand) and as a batch on each number of threads.
 /// Results go to a folder of its own, which it removes. @throws as run_batch; SimulationError if hashes differ
 [[nodiscard]] BatchBench bench_batch(const tasks::Sweep& sweep, const std::vector<int>& threads, int rounds);
+
+/// Processor time of a run [s], settling included.
+struct RunCost {
+    double bare;      ///< the simulation with a silent observer: no output is computed, energies are watched as in every run
+    double observed;  ///< with outputs and the summary, but no record
+    double recorded;  ///< with a record of the scene's channels
+};
+
+/// Runs the scene in all three ways by turns, on one thread; one element per round. The record goes to a folder that is removed.
+/// @throws as run_scene
+[[nodiscard]] std::vector<RunCost> bench_run(const tasks::Scene& scene, int rounds);
 
 }  // namespace cvtflow::bench

@@ -19,6 +19,7 @@ tools::Action declare_granularity(CLI::App& app);
 tools::Action declare_dot(CLI::App& app);
 tools::Action declare_work(CLI::App& app);
 tools::Action declare_sweep_cost(CLI::App& app);
+tools::Action declare_run_cost(CLI::App& app);
 tools::Action declare_executors(CLI::App& app);
 tools::Action declare_detail(CLI::App& app);
 tools::Action declare_extremes(CLI::App& app);

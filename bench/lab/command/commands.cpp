@@ -29,6 +29,7 @@ std::span<const tools::Command> commands() noexcept {
                 declare_granularity},
         Command{"executors", schedule, "List executors: those of the program and further ones to compare, and which are missing",
                 declare_executors},
+        Command{"run-cost", schedule, "Measure what outputs and a record cost a run over its bare steps", declare_run_cost},
         Command{"sweep-cost", schedule, "Measure a sweep against the bare loop of its steps", declare_sweep_cost},
         Command{"work", schedule, "Count the instructions of every task: what threads would gain if nothing else took time", declare_work},
         Command{"dot", schedule, "Draw the task graph of a step in Graphviz' language", declare_dot},

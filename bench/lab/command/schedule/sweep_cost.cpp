@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
 
 #include "bench/lab/command/command.hpp"
 #include "bench/study/batch_bench.hpp"
+#include "tasks/scene/scene.hpp"
 #include "tasks/schedule/schedule.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/text/text.hpp"
@@ -46,7 +48,58 @@ ExitStatus batch(const std::string& file, int threads, int rounds) {
     return ExitStatus::finished;
 }
 
+struct RunArguments {
+    SceneArguments scene;
+    int rounds = 5;
+};
+
+[[nodiscard]] double median(std::vector<double> values) {
+    std::ranges::sort(values);
+    return values[values.size() / 2];
+}
+
+/// Medians of processor times, and of the ratios of each round with their extremes.
+ExitStatus run_cost(const RunArguments& arguments) {
+    const LoadedScene loaded = load_scene(arguments.scene);
+    tasks::Scene scene = loaded.scene;
+    if (!loaded.notice.empty()) print_error(loaded.notice);
+    tasks::set_values(scene, std::vector<std::string>{"run.schedule=serial"});
+    const std::vector<RunCost> costs = bench_run(scene, arguments.rounds);
+    Table table({{"", Align::left},
+                 {"processor time [s]", Align::right},
+                 {"over bare", Align::right},
+                 {"least", Align::right},
+                 {"most", Align::right}});
+    const std::pair<const char*, double RunCost::*> rows[] = {
+        {"bare steps", &RunCost::bare}, {"observed", &RunCost::observed}, {"recorded", &RunCost::recorded}};
+    for (const auto& [name, member] : rows) {
+        std::vector<double> times, shares;
+        for (const RunCost& cost : costs) {
+            times.push_back(cost.*member);
+            shares.push_back(100.0 * (cost.*member / cost.bare - 1.0));
+        }
+        const auto percent = [&](double share) { return member == &RunCost::bare ? std::string() : fmt::format("{:+.1f} %", share); };
+        table.add({name, fmt::format("{:.3f}", median(times)), percent(median(shares)), percent(*std::ranges::min_element(shares)),
+                   percent(*std::ranges::max_element(shares))});
+    }
+    fmt::print("{}: outputs every {:.3g} us, medians of {}\n{}", scene.name, 1e6 * scene.run.output_interval,
+               plural(arguments.rounds, "round"), table.text(2));
+    return ExitStatus::finished;
+}
+
 }  // namespace
+
+Action declare_run_cost(CLI::App& app) {
+    const auto arguments = std::make_shared<RunArguments>();
+    declare_scene(app, arguments->scene);
+    declare_fresh_start(app, arguments->scene);
+    declare_shortcut(app, arguments->scene, "--until", "run.until", "TIME");
+    app.add_option("--rounds", arguments->rounds, "Rounds of the three runs by turns (default: 5)")
+        ->type_name("ROUNDS")
+        ->check(CLI::Range(1, 10000));
+    app.footer("observed: outputs and the summary without a record; recorded: with one. On one thread.");
+    return [arguments] { return run_cost(*arguments); };
+}
 
 Action declare_sweep_cost(CLI::App& app) {
     const auto arguments = std::make_shared<BatchArguments>();
