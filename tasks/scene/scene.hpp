@@ -58,8 +58,8 @@ struct RunSettings {
     StepControl step_control = StepControl::fixed;
     double tolerance = 1.0;         ///< of local errors, in units of ErrorScale [1]
     double until = 5e-3;            ///< [s]
-    double output_interval = 1e-5;  ///< channels [s]
-    double state_interval = 1e-4;   ///< full states [s]
+    double output_interval = 5e-5;  ///< channels [s]
+    double state_interval = 2e-4;   ///< full states [s]
     long max_steps = 0;             ///< 0: no limit
     double max_wall = 0.0;          ///< wall-clock limit, 0: none [s]
     int followed_pin = 0;           ///< pin whose own channels are recorded

@@ -10,9 +10,10 @@
 namespace cvtflow::engine::hdf5 {
 namespace {
 
-constexpr std::size_t table_rows = 64, most_channel_rows = 512;  // per chunk
+constexpr std::size_t table_rows = 512, most_channel_rows = 512;  // per chunk
+constexpr std::size_t state_chunks = 4;                           // gathered in memory: each write takes its share of HDF5's tables
 
-/// Chunks of about 256 KiB; a chunk is also what a kill can cost between two flushes.
+/// Chunks of about 256 KiB.
 std::size_t state_rows(std::size_t state_size) { return std::clamp<std::size_t>((std::size_t{1} << 18U) / (8 * state_size), 1, 64); }
 
 template <class Items>
@@ -107,7 +108,7 @@ RunLayout run_layout(const RunContents& contents, const RunFileOptions& options)
     layout.channels.series.push_back({.path = "/channels/time", .type = H5T_NATIVE_DOUBLE, .chunk = chunk});
     if (contents.state_size > 0) {
         const std::size_t few = state_rows(contents.state_size);
-        layout.states.rows = few;
+        layout.states.rows = state_chunks * few;
         const auto add = [&](const char* path, hid_t type, std::size_t width) {
             layout.states.series.push_back({path, type, width, false, options.deflate_states, few});
         };
