@@ -40,6 +40,7 @@ const std::map<std::string, std::string> left_out{
     {"executors", "lists what is compiled in; reads and writes no file"},
     {"granularity", "measured in rounds of every executor; writes tables as profile does"},
     {"sweep-cost", "runs sweeps by turns as batch does, in a folder that it removes"},
+    {"run-cost", "runs a scene by turns as run does, in a folder that it removes"},
     {"work", "counts every instruction of a step: a second and more; writes tables as profile does"},
     {"draw", "reads the JSON that other commands write, and writes a picture as plot does"},
     {"tune", "10 s of processor time, measured in rounds; writes tables as compare does, and a scene as settle does a state"}};

@@ -254,6 +254,7 @@ const std::map<std::string, std::string> finds_methods{{"tune", "tries every met
                                                        {"work", "counts instructions of a step, one by one (WorkCommand.*)"},
                                                        {"belt", "solves a theory of belts, without a method (BeltCommand.*)"},
                                                        {"sweep-cost", "runs sweeps, whose scenes name the method (SweepCostCommand.*)"},
+                                                       {"run-cost", "runs a scene with its own method, as run does (RunCostCommand.*)"},
                                                        {"noise", "takes the automatic method of two levels of detail (NoiseCommand.*)"}};
 
 TEST_F(MatrixOfMethods, HoldsEveryCommandThatTakesAMethod) {

@@ -1,4 +1,4 @@
-/// cvtflow-lab sweep-cost: what a sweep costs beside the bare loop of its steps.
+/// cvtflow-lab sweep-cost and run-cost: what a sweep and a run cost beside the bare loop of their steps.
 
 #include <gmock/gmock.h>
 
@@ -25,6 +25,19 @@ TEST_F(SweepCostCommand, ComparesTheSweepWithItsBareSteps) {
     EXPECT_THAT(outcome.out, AllOf(HasSubstr("sweep: 2 cases, "), HasSubstr("\n  bare step loop "), HasSubstr("\n  2 threads ")));
     EXPECT_THAT(outcome.out, ContainsRegex("results hash +[0-9a-f]{16}\n"));
     EXPECT_FALSE(std::filesystem::exists(folder_ / "results")) << "it keeps no results";
+}
+
+class RunCostCommand : public Program {};
+
+TEST_F(RunCostCommand, ComparesOutputsAndARecordWithBareSteps) {
+    const Outcome outcome = run({"run-cost", "tiny", "--until", "20 us", "--rounds", "3", "--set", "run.output_interval=2us", "--set",
+                                 "start.settling_time=10us", "--set", "start.ramp_time=5us"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out,
+                AllOf(HasSubstr("tiny: outputs every 2 us, medians of 3 rounds\n"), ContainsRegex("\n  bare steps +[0-9.]+ *\n"),
+                      ContainsRegex("\n  observed( +[-+0-9.]+)( +[-+0-9.]+ %){3}\n"),
+                      ContainsRegex("\n  recorded( +[-+0-9.]+)( +[-+0-9.]+ %){3}\n")));
+    EXPECT_TRUE(std::filesystem::is_empty(folder_)) << "it keeps no record";
 }
 
 }  // namespace
