@@ -78,7 +78,8 @@ ExitStatus run_cost(const RunArguments& arguments) {
             times.push_back(cost.*member);
             shares.push_back(100.0 * (cost.*member / cost.bare - 1.0));
         }
-        const auto percent = [&](double share) { return member == &RunCost::bare ? std::string() : fmt::format("{:+.1f} %", share); };
+        const bool bare = member == &RunCost::bare;
+        const auto percent = [bare](double share) { return bare ? std::string() : fmt::format("{:+.1f} %", share); };
         table.add({name, fmt::format("{:.3f}", median(times)), percent(median(shares)), percent(*std::ranges::min_element(shares)),
                    percent(*std::ranges::max_element(shares))});
     }
