@@ -26,7 +26,8 @@ class SameBits : public testing::TestWithParam<std::string> {};
 
 TEST_P(SameBits, WhateverTheSegmentsAndExecutor) {
     for (const auto& [method, step] : {std::pair{"rk4", "50ns"}, {"leapfrog-chebyshev", "500ns"}}) {
-        const auto run = [&](const std::string& segments, const std::string& schedule, const std::string& threads) {
+        const auto run = [&method = method, &step = step](const std::string& segments, const std::string& schedule,
+                                                          const std::string& threads) {
             tasks::Scene scene =
                 scene_at_level("tiny", GetParam(), {"run.until=200us", "start.settling_time=300us", "start.ramp_time=300us"});
             tasks::set_values(scene, std::vector<std::string>{std::string("run.method=") + method, std::string("run.step=") + step,

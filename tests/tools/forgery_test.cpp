@@ -140,7 +140,7 @@ void Forgery::survive_objects(std::size_t count) {
     }
     const std::vector<Pair> taken = test::sample(forgeries, count, "forgeries");
     for (const auto& [target, forgery] : taken) {
-        survive(*target, [&](const std::string& path) { return forgery.make(path), forgery.text(); });
+        survive(*target, [&forgery = forgery](const std::string& path) { return forgery.make(path), forgery.text(); });
         if (HasFailure()) break;
     }
     std::cout << taken.size() << " of " << forgeries.size() << " changes of objects and attributes\n";
