@@ -193,7 +193,7 @@ public:
     [[nodiscard]] const double* operator[](Column c) const noexcept { return memory_.data() + static_cast<int>(c) * stride_ + rigid_lanes; }
 
     /// Renews the copies of neighbours of columns first … last.
-    void wrap(Column first, Column last) noexcept {
+    [[gnu::always_inline]] void wrap(Column first, Column last) noexcept {
         for (int c = static_cast<int>(first); c <= static_cast<int>(last); ++c) {
             double* values = (*this)[static_cast<Column>(c)];
             values[-1] = values[pins_ - 1];
@@ -208,7 +208,7 @@ public:
     }
 
     /// Copies behind the last pin become the numbers of the first pins. @param count [≤ lanes, ≤ pins]
-    void unwrap(Column first, Column last, int count) noexcept {
+    [[gnu::always_inline]] void unwrap(Column first, Column last, int count) noexcept {
         for (int c = static_cast<int>(first); c <= static_cast<int>(last); ++c) {
             double* values = (*this)[static_cast<Column>(c)];
             for (int k = 0; k < count; ++k) values[k] = values[pins_ + k];
@@ -216,7 +216,7 @@ public:
     }
 
     /// Zeros to entries i … i + count - 1 of columns first … last.
-    void clear(Column first, Column last, int i, int count) noexcept {
+    [[gnu::always_inline]] void clear(Column first, Column last, int i, int count) noexcept {
         double* values = (*this)[first] + i;
         for (int c = static_cast<int>(first); c <= static_cast<int>(last); ++c, values += stride_) {
             for (int k = 0; k < count; ++k) values[k] = 0.0;

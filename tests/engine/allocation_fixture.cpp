@@ -28,29 +28,29 @@ std::atomic<long> calls{0};
 
 }  // namespace
 
-/// glibc's own entry points; its malloc may be replaced by a program's definition.
+/// glibc's own entry points; its malloc may be replaced by a program's definition that shared libraries see.
 extern "C" {
 void* __libc_malloc(std::size_t size);
 void* __libc_calloc(std::size_t count, std::size_t size);
 void* __libc_realloc(void* memory, std::size_t size);
 void* __libc_memalign(std::size_t alignment, std::size_t size);
 
-void* malloc(std::size_t size) {
+[[gnu::visibility("default")]] void* malloc(std::size_t size) {
     calls.fetch_add(1, std::memory_order_relaxed);
     return __libc_malloc(size);
 }
 
-void* calloc(std::size_t count, std::size_t size) {
+[[gnu::visibility("default")]] void* calloc(std::size_t count, std::size_t size) {
     calls.fetch_add(1, std::memory_order_relaxed);
     return __libc_calloc(count, size);
 }
 
-void* realloc(void* memory, std::size_t size) {
+[[gnu::visibility("default")]] void* realloc(void* memory, std::size_t size) {
     calls.fetch_add(1, std::memory_order_relaxed);
     return __libc_realloc(memory, size);
 }
 
-void* aligned_alloc(std::size_t alignment, std::size_t size) {
+[[gnu::visibility("default")]] void* aligned_alloc(std::size_t alignment, std::size_t size) {
     calls.fetch_add(1, std::memory_order_relaxed);
     return __libc_memalign(alignment, size);
 }
