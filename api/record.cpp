@@ -143,7 +143,7 @@ struct Recording::Impl final : public tasks::RunObserver {
         report.step_setting = scene.run.step;
         report.step = now.step();
         report.energy = now.energy().balance();
-        report.suspicion = now.suspicion();
+        report.balance_error_ratio = now.balance_error_ratio();
         report.hash = now.hash();
         recorder.finish(report);
     }

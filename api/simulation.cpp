@@ -140,8 +140,8 @@ std::vector<std::string> Simulation::Impl::notices() const {
 
 Energy Simulation::Impl::energy() const noexcept {
     const tasks::EnergyBalance balance = simulation_.energy().balance();
-    const double suspicion = simulation_.suspicion();
-    return {balance.residual(), balance.loss, suspicion, suspicion <= 1.0};
+    const double balance_error_ratio = simulation_.balance_error_ratio();
+    return {balance.residual(), balance.loss, balance_error_ratio, balance_error_ratio <= 1.0};
 }
 
 namespace {

@@ -103,7 +103,7 @@ void CaseEngine::prepare() {
     record_options_.from = nullptr;
     for (Reducer& reducer : reducers_) reducer.clear();
     means_.clear();
-    result_.efficiency = result_.residual = result_.suspicion = std::numeric_limits<double>::quiet_NaN();
+    result_.efficiency = result_.residual = result_.balance_error_ratio = std::numeric_limits<double>::quiet_NaN();
     result_.notes.clear();
     result_.counters = result_.settling = {};
     result_.threads = 1;
@@ -186,14 +186,14 @@ void CaseEngine::judge(const Fault& fault) {
 /// Whether what came out can be believed, and what is odd about it.
 void CaseEngine::judge_energy() {
     result_.residual = simulation_->energy().balance().relative();
-    result_.suspicion = simulation_->suspicion();
+    result_.balance_error_ratio = simulation_->balance_error_ratio();
     if (simulation_->workspace().layout().pulley_size != 0) {
         result_.efficiency = means_.all().efficiency;
         means_.name_notes(simulation_->energy().balance(), result_.notes);
     }
-    if (result_.status != CaseStatus::ok || result_.suspicion <= 1.0) return;
+    if (result_.status != CaseStatus::ok || result_.balance_error_ratio <= 1.0) return;
     result_.status = CaseStatus::unreliable;
-    result_.error = fmt::format("the residual of the energy balance is {:.2g} times the tolerance", result_.suspicion);
+    result_.error = fmt::format("the residual of the energy balance is {:.2g} times the tolerance", result_.balance_error_ratio);
 }
 
 void CaseEngine::finish_record(const Fault& fault) {
@@ -203,7 +203,7 @@ void CaseEngine::finish_record(const Fault& fault) {
     report.hash = result_.hash;
     report.wall = elapsed();
     report.energy = simulation_->energy().balance();
-    report.suspicion = simulation_->suspicion();
+    report.balance_error_ratio = simulation_->balance_error_ratio();
     recorder_->finish(report);
     recorder_.reset();
 }

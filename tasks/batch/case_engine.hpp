@@ -30,13 +30,13 @@ struct CaseResult {
     std::uint64_t start_state = 0;  ///< content_hash() of the state that it began with; 0: none
     std::vector<double> scalars;    ///< NaN unless ok [scalars of the sweep]
     Counters counters, settling;
-    double wall = 0.0;        ///< settling and resumed parts included [s]
-    int threads = 1;          ///< most that worked on it at once
-    std::uint64_t hash = 0;   ///< of the final state
-    double efficiency = 0.0;  ///< 1 - losses/input over whole pin periods since sweep.from [1]
-    double residual = 0.0;    ///< of the energy balance over the losses, settling left out [1]
-    double suspicion = 0.0;   ///< of settling and run: above 1 unreliable [1]
-    std::string notes;        ///< names of what is odd, blank between them
+    double wall = 0.0;                 ///< settling and resumed parts included [s]
+    int threads = 1;                   ///< most that worked on it at once
+    std::uint64_t hash = 0;            ///< of the final state
+    double efficiency = 0.0;           ///< 1 - losses/input over whole pin periods since sweep.from [1]
+    double residual = 0.0;             ///< of the energy balance over the losses, settling left out [1]
+    double balance_error_ratio = 0.0;  ///< of settling and run: above 1 unreliable [1]
+    std::string notes;                 ///< names of what is odd, blank between them
 };
 
 /// State that all workers share: when to stop, and how many threads a case may have.

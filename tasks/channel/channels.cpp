@@ -145,9 +145,9 @@ bool means(std::string_view name, const Channel& channel) {
 std::vector<const Channel*> chosen_channels(std::span<const std::string> names, const model::ChainLayout& layout) {
     std::vector<const Channel*> chosen;
     for (const Channel& channel : channels()) {
-        const bool wanted = !channel.is(Channel::on_demand) || (channel.is(Channel::of_hydraulics) && layout.hydraulic()) ||
-                            std::any_of(names.begin(), names.end(), [&](const std::string& name) { return means(name, channel); });
-        if (wanted && (channel.is(Channel::any_machine) || layout.pulley_size != 0)) chosen.push_back(&channel);
+        const bool chosen_here = !channel.is(Channel::on_demand) || (channel.is(Channel::of_hydraulics) && layout.hydraulic()) ||
+                                 std::any_of(names.begin(), names.end(), [&](const std::string& name) { return means(name, channel); });
+        if (chosen_here && (channel.is(Channel::any_machine) || layout.pulley_size != 0)) chosen.push_back(&channel);
     }
     return chosen;
 }

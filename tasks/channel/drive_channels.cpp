@@ -23,13 +23,13 @@ Channel::Read stored(int shaft) {
     return [shaft](const Instant& now, double* out) { *out = coupling(now, shaft).energy; };
 }
 Channel::Read far_work(std::size_t shaft) {
-    return [shaft](const Instant& now, double* out) { *out = now.workspace.energy.couplings().work[shaft]; };
+    return [shaft](const Instant& now, double* out) { *out = now.workspace.energy.input_works().couplings.work[shaft]; };
 }
 Channel::Read dissipated(std::size_t shaft) {
-    return [shaft](const Instant& now, double* out) { *out = now.workspace.energy.couplings().dissipated[shaft]; };
+    return [shaft](const Instant& now, double* out) { *out = now.workspace.energy.input_works().couplings.dissipated[shaft]; };
 }
 Channel::Read impulse(std::size_t shaft) {
-    return [shaft](const Instant& now, double* out) { *out = now.workspace.energy.impulse()[shaft]; };
+    return [shaft](const Instant& now, double* out) { *out = now.workspace.energy.input_works().impulse[shaft]; };
 }
 
 const Channel table_of_couplings[] = {

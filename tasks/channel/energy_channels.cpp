@@ -36,7 +36,7 @@ Channel::Read done(Work kind) {
     return [kind](const Instant& now, double* out) { *out = sums(now).work[static_cast<std::size_t>(kind)]; };
 }
 void residual(const Instant& now, double* out) { *out = now.workspace.energy.balance().relative(); }
-void suspicion(const Instant& now, double* out) { *out = now.workspace.energy.suspicion(); }
+void balance_error_ratio(const Instant& now, double* out) { *out = now.workspace.energy.balance_error_ratio(); }
 void control_limited(const Instant& now, double* out) { *out = now.observation.control_limited ? 1.0 : 0.0; }
 Channel::Read count(long Counters::*member) {
     return [member](const Instant& now, double* out) { *out = static_cast<double>(now.counters.*member); };
@@ -79,7 +79,7 @@ const Channel table_of_energies[] = {
     {"work/clamping", "J", "work of the clamping forces so far", done(Work::clamping)},
     {"control/limited", "1", "1 while a controller is at the limit of its authority", control_limited},
     {"balance/residual", "1", "|change of stored energy - work + losses| over the losses so far", residual, any_machine},
-    {"balance/suspicion", "1", "residual of the energy balance over its tolerance; above 1 the results are unreliable", suspicion,
+    {"balance/suspicion", "1", "residual of the energy balance over its tolerance; above 1 the results are unreliable", balance_error_ratio,
      any_machine},
     {"run/steps", "1", "steps so far", count(&Counters::steps), any_machine},
     {"run/evaluations", "1", "evaluations of the right-hand side so far", count(&Counters::evaluations), any_machine},

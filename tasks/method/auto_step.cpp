@@ -69,13 +69,13 @@ constexpr double steps_per_rigid_pin = 100.0, steps_per_pin_of_halves = 150.0;
 AutoStep::AutoStep(const model::Variator& variator, const model::Parameters& parameters, const Method& method)
     : reach_(reach_of(method)),
       longest_(longest_automatic_step(method, parameters)),
-      interval_(parameters.detail.pins == model::PinDetail::rigid && reach_.damping != forever ? rigid_look_interval : look_interval),
+      interval_(parameters.detail.pins == model::PinDetail::rigid && reach_.damping != forever ? rigid_check_interval : check_interval),
       keeps_directions_(parameters.detail.pins == model::PinDetail::rigid),
       bound_(variator),
       variator_(variator),
       chain_(parameters.chain) {
     if (variator.chain().coefficients().tip.law != nullptr) falling_ = std::make_unique<FallingFriction>(variator, parameters);
-    if (falling_ != nullptr) interval_ = look_interval;  // the forces that the growth is in proportion to change with the load
+    if (falling_ != nullptr) interval_ = check_interval;  // the forces that the growth is in proportion to change with the load
     if (reach_.damping == forever) return;
     friction_matters_ = parameters.detail.pins == model::PinDetail::rigid || reach_.oscillation < (1.0 - 1e-6) * reach_.frictionless;
     model::Parameters without_friction = parameters;
@@ -100,7 +100,7 @@ double AutoStep::damped_step(double time, const double* state, const model::Phas
 void AutoStep::restart() noexcept {
     bound_.forget();
     for (SpectralBound& part : damped_parts_) part.forget();
-    looked_ = begun_ = damped_at_ = -1e300;
+    checked_ = begun_ = damped_at_ = -1e300;
     stable_ = growth_ = pin_period_ = 0.0;
     damped_ = forever;
     evaluations_ = 0;
@@ -114,15 +114,15 @@ namespace {
 
 double AutoStep::longest(double time, const double* state, const model::Phase* phases) noexcept {
     if (begun_ == -1e300) begun_ = time;
-    if (time - looked_ >= std::min(interval_, looked_ - begun_) * (1.0 - 1e-9)) {
+    if (time - checked_ >= std::min(interval_, checked_ - begun_) * (1.0 - 1e-9)) {
         evaluations_ +=
             reach_.decay == forever ? bound_.estimate_oscillation(time, state, phases) : bound_.estimate_at_rest(time, state, phases);
         // Contacts damp more the more they bear; what they bear hardly changes once a run has settled.
-        if (time == begun_ || time - begun_ >= std::max(look_interval, 2.0 * (damped_at_ - begun_)) * (1.0 - 1e-9)) {
+        if (time == begun_ || time - begun_ >= std::max(check_interval, 2.0 * (damped_at_ - begun_)) * (1.0 - 1e-9)) {
             damped_ = damped_step(time, state, phases);
             damped_at_ = time;
         }
-        looked_ = time;
+        checked_ = time;
         pin_period_ = model::pin_period(chain_, variator_.layout(), state);
         if (falling_ != nullptr) growth_ = falling_->growth(time, state, phases);
         stable_ = std::min({within(reach_.oscillation, bound_.imaginary()), within(reach_.decay, bound_.real()), damped_});
@@ -159,7 +159,7 @@ std::string text_of(const LargestStep& limit) {
 }
 
 void AutoStep::save(std::vector<double>& memory) const {
-    memory.assign({looked_, begun_, stable_, damped_, damped_at_, growth_, pin_period_, static_cast<double>(evaluations_)});
+    memory.assign({checked_, begun_, stable_, damped_, damped_at_, growth_, pin_period_, static_cast<double>(evaluations_)});
     bound_.save(memory);
     if (!keeps_directions_) return;
     for (const SpectralBound& part : damped_parts_) part.save(memory);
@@ -169,7 +169,7 @@ void AutoStep::load(std::span<const double> memory) {
     restart();
     if (memory.empty()) return;
     const auto numbers = pop_front(memory, 7);
-    looked_ = numbers[0];
+    checked_ = numbers[0];
     begun_ = numbers[1];
     stable_ = numbers[2];
     damped_ = numbers[3];

@@ -73,7 +73,7 @@ public:
     static constexpr double sharp_margin = 0.9;
     /// Time between two estimates of the spectrum [s]; shorter at the start, when tips reach the sheaves and loads rise:
     /// whenever the time since the beginning has doubled.
-    static constexpr double look_interval = 1e-3;
+    static constexpr double check_interval = 1e-3;
 
     /// `variator`, that of `parameters` or of the same machine, must outlive it. Takes all its memory here.
     AutoStep(const model::Variator& variator, const model::Parameters& parameters, const Method& method);
@@ -95,9 +95,9 @@ public:
     void load(std::span<const double> memory) override;  ///< @param memory from save()
 
 private:
-    /// look_interval of the leapfrog of rigid pins: the row of links sets its limit, which hardly changes; that of tables depends on
+    /// check_interval of the leapfrog of rigid pins: the row of links sets its limit, which hardly changes; that of tables depends on
     /// friction [s].
-    static constexpr double rigid_look_interval = 20e-3;
+    static constexpr double rigid_check_interval = 20e-3;
 
     [[nodiscard]] double damped_step(double time, const double* state, const model::Phase* phases) noexcept;
 
@@ -114,10 +114,10 @@ private:
     double growth_ = 0.0;                                      ///< of sliding, as found [1/s]
     const model::Variator& variator_;
     model::Chain chain_;
-    double pin_period_ = 0.0;                  ///< as found; 0: sets no limit [s]
-    double looked_ = -1e300, begun_ = -1e300;  ///< when [s]
-    double damped_at_ = -1e300;                ///< when damped_ was found [s]
-    double stable_ = 0.0;                      ///< the longest stable step found [s]
+    double pin_period_ = 0.0;                   ///< as found; 0: sets no limit [s]
+    double checked_ = -1e300, begun_ = -1e300;  ///< when [s]
+    double damped_at_ = -1e300;                 ///< when damped_ was found [s]
+    double stable_ = 0.0;                       ///< the longest stable step found [s]
     long evaluations_ = 0;
 };
 

@@ -16,7 +16,7 @@ public:
     static constexpr double real_margin = 1.2, imaginary_margin = 1.15;  ///< [1]
 
     void restart() noexcept override;
-    [[nodiscard]] double longest_step(double wanted) final;  ///< [s]
+    [[nodiscard]] double longest_step(double requested) final;  ///< [s]
     void save(std::vector<double>& memory) const override;
     void load(std::span<const double> memory) override;                         ///< @param memory from save()
     [[nodiscard]] long observation_stride() const noexcept final { return 8; }  // of a dozen evaluations and more each
@@ -27,7 +27,7 @@ protected:
     /// use() a plan that is stable for a step of this length. h [s]
     virtual void choose(double h) = 0;
     /// As longest_step(), with the estimate up to date. [s]
-    [[nodiscard]] virtual double longest(double wanted) = 0;
+    [[nodiscard]] virtual double longest(double requested) = 0;
 
     [[nodiscard]] double real() const noexcept { return real_margin * bound_.real(); }
     [[nodiscard]] double imaginary() const noexcept { return imaginary_margin * bound_.imaginary(); }
@@ -35,11 +35,11 @@ protected:
     void prepare(bool again) final;
 
 private:
-    void look();
+    void check_spectrum();
     static constexpr std::size_t own_memory = 1;
 
     SpectralBound bound_;
-    double looked_ = -1e300;  ///< when [s]
+    double checked_ = -1e300;  ///< when [s]
 };
 
 /// A plan of a ladder and how far it is stable.
@@ -53,21 +53,22 @@ struct PolynomialRange {
 using Ladder = std::vector<PolynomialRange>;
 [[nodiscard]] Ladder dumka3_ladder();
 /// The first polynomial whose reach along the real axis is at least `real`, or the last one. real [1]
-[[nodiscard]] std::size_t rung_for(const Ladder& ladder, double real) noexcept;
+[[nodiscard]] std::size_t table_for(const Ladder& ladder, double real) noexcept;
 
 /// The first polynomial that is stable on the real axis; where steps are free, also the rule of DUMKA3: the one before it with a shorter
 /// step if that is cheaper per time. A free step is also kept within the imaginary reach, which the published rule ignores. Source of the
 /// rule: A. A. Medovikov's program; High order explicit methods for parabolic equations, BIT 38 (1998) 372-390.
 class LadderMethod final : public SpectralMethod {
 public:
-    LadderMethod(Workspace& workspace, int error_power, Ladder rungs) : SpectralMethod(workspace, error_power), rungs_(std::move(rungs)) {}
+    LadderMethod(Workspace& workspace, int error_power, Ladder tables)
+        : SpectralMethod(workspace, error_power), tables_(std::move(tables)) {}
 
 protected:
-    void choose(double h) override;                        ///< h [s]
-    [[nodiscard]] double longest(double wanted) override;  ///< [s]
+    void choose(double h) override;                           ///< h [s]
+    [[nodiscard]] double longest(double requested) override;  ///< [s]
 
 private:
-    Ladder rungs_;
+    Ladder tables_;
 };
 
 [[nodiscard]] std::unique_ptr<StepMethod> dumka3_by_spectrum(Workspace& workspace);

@@ -153,7 +153,7 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
     report.energy = simulation.energy().balance();
     report.couplings = couplings_of(simulation);
     report.heat = simulation.workspace().heat;
-    report.suspicion = simulation.suspicion();
+    report.balance_error_ratio = simulation.balance_error_ratio();
     report.settling_residual = simulation.integration_state().settling_residual;
     report.method_report = simulation.method_report();
     report.schedule = simulation.runner().text();
@@ -178,7 +178,7 @@ double settle_scene(const Scene& scene, const engine::Permit& state_file, const 
         if (const Fault fault = simulation.advance({.until = 0.0}, recorder, cancel)) throw SettlingFault(fault);
     }
     engine::write_state(state_file, simulation.saved_state());
-    return simulation.suspicion();
+    return simulation.balance_error_ratio();
 }
 
 }  // namespace cvtflow::tasks

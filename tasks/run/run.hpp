@@ -48,7 +48,7 @@ public:
 };
 
 /// Settles a scene's geometric start and writes the state at t = 0.
-/// @return EnergyLedger::suspicion(): above 1 the state is wrong; also stored in the file
+/// @return EnergyLedger::balance_error_ratio(): above 1 the state is wrong; also stored in the file
 /// @throws as run_scene; SettlingFault, and then writes nothing
 double settle_scene(const Scene& scene, const engine::Permit& state_file, const RunOptions& options);
 

@@ -397,9 +397,10 @@ void RunWatch::add(const model::Observation& now, const Workspace& workspace) {
     means_.add(now, workspace.energy.sums(now.time), pin_period_);
 }
 
-RunVerdict RunWatch::verdict(const EnergyLedger& ledger, double before) const {
+WatchResult RunWatch::result(const EnergyLedger& ledger, double before) const {
     const EnergyBalance balance = ledger.balance();  // ends with the last sample, which lies elsewhere with other steps
-    return {balance.relative(), std::max(before, ledger.suspicion()), ledger.sums(end_).lost(), pin_period_, end_ - begin_, means_.all()};
+    return {balance.relative(), std::max(before, ledger.balance_error_ratio()), ledger.sums(end_).lost(), pin_period_, end_ - begin_,
+            means_.all()};
 }
 
 }  // namespace cvtflow::tasks

@@ -179,15 +179,16 @@ class Workspace;
 /// over one within 12 % (baseline, control, low, overdrive).
 inline constexpr double enough_pin_periods = 16.0;
 
-struct RunVerdict {
-    double residual = 0.0;    ///< of the energy balance over the losses [1]
-    double suspicion = 0.0;   ///< EnergyLedger::suspicion(), of what came before the run as well; above 1 the results are wrong [1]
-    double loss = 0.0;        ///< dissipated up to the last output [J]
+struct WatchResult {
+    double residual = 0.0;  ///< of the energy balance over the losses [1]
+    double balance_error_ratio =
+        0.0;            ///< EnergyLedger::balance_error_ratio(), of what came before the run as well; above 1 the results are wrong [1]
+    double loss = 0.0;  ///< dissipated up to the last output [J]
     double pin_period = 0.0;  ///< at the end; 0: nothing passes a pulley [s]
     double duration = 0.0;    ///< between the first and the last output [s]
     SpanMeans means;          ///< over all outputs
 
-    [[nodiscard]] bool reliable() const noexcept { return suspicion <= 1.0; }
+    [[nodiscard]] bool reliable() const noexcept { return balance_error_ratio <= 1.0; }
     [[nodiscard]] double pin_periods() const noexcept { return pin_period > 0.0 ? duration / pin_period : 0.0; }
     /// Whether slip and efficiency are means over enough of them.
     [[nodiscard]] bool long_enough() const noexcept { return pin_period == 0.0 || pin_periods() >= enough_pin_periods; }
@@ -200,8 +201,8 @@ class RunWatch {
 public:
     /// An output, the first one included.
     void add(const model::Observation& now, const Workspace& workspace);
-    /// @param ledger of the run   @param before suspicion of its start state [1]
-    [[nodiscard]] RunVerdict verdict(const EnergyLedger& ledger, double before = 0.0) const;
+    /// @param ledger of the run   @param before balance_error_ratio of its start state [1]
+    [[nodiscard]] WatchResult result(const EnergyLedger& ledger, double before = 0.0) const;
     /// Whether add() is needed at this time, between outputs. time [s]
     [[nodiscard]] bool due(double time) const noexcept { return begun_ && means_.due(time); }
     [[nodiscard]] const RunMeans& means() const noexcept { return means_; }

@@ -211,7 +211,7 @@ void RunRecorder::finish(RunReport& report) {
         file_->set_status(unreliable_text(report));
     file_->set_attribute({"energy_residual", report.energy.residual()});
     file_->set_attribute({"energy_residual_relative", report.energy.relative()});
-    file_->set_attribute({"energy_suspicion", report.suspicion});
+    file_->set_attribute({"energy_suspicion", report.balance_error_ratio});
     std::string notes;
     for (const Note& note : report.notes) notes += (notes.empty() ? "" : "; ") + std::string(note.name);
     file_->set_attribute({"notes", notes});

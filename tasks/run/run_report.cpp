@@ -13,7 +13,7 @@ namespace cvtflow::tasks {
 std::vector<CouplingReport> couplings_of(const Simulation& simulation) {
     std::vector<CouplingReport> found;
     const model::PulleyModel& pulleys = simulation.variator().pulleys();
-    const CouplingSums& energy = simulation.energy().couplings();
+    const CouplingSums& energy = simulation.energy().input_works().couplings;
     for (const int shaft : {0, 1}) {
         if (!pulleys.coupled(shaft)) continue;
         const auto now = pulleys.coupling(simulation.time(), simulation.state() + simulation.workspace().layout().pulley_begin(), shaft);
@@ -131,7 +131,7 @@ std::string error_lines(const RunReport& r) {
 
 }  // namespace
 
-std::string unreliable_text(const RunReport& r) { return unreliable_text(r.suspicion, r.step_setting, r.step); }
+std::string unreliable_text(const RunReport& r) { return unreliable_text(r.balance_error_ratio, r.step_setting, r.step); }
 
 std::string summary(const RunReport& r) {
     const double simulated = r.end - r.begin;

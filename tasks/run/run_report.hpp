@@ -21,9 +21,9 @@ struct CouplingReport {
 /// Mean values from t = 0 on, and what the run took.
 struct RunReport : RunHistory {
     Fault fault;
-    EnergyBalance energy;                      ///< of the run, without settling
-    double suspicion = 0.0;                    ///< of run and settling (EnergyLedger::suspicion); above 1 the results are unreliable [1]
-    double settling_residual = 0.0;            ///< relative residual of the energy balance of settling
+    EnergyBalance energy;              ///< of the run, without settling
+    double balance_error_ratio = 0.0;  ///< of run and settling (EnergyLedger::balance_error_ratio); above 1 the results are unreliable [1]
+    double settling_residual = 0.0;    ///< relative residual of the energy balance of settling
     SpanMeans whole, first_fifth, last_fifth;  ///< of the run
     std::vector<CouplingReport> couplings;     ///< of the shafts that have one
     model::HeatBalance heat;                   ///< as the run has left it
@@ -49,7 +49,7 @@ struct RunReport : RunHistory {
 
     bool has_pulleys = true;
 
-    [[nodiscard]] bool reliable() const noexcept { return suspicion <= 1.0; }
+    [[nodiscard]] bool reliable() const noexcept { return balance_error_ratio <= 1.0; }
     /// "finished", "unreliable", or the fault's name: unreliable results of a run that also ended early are called so by its summary.
     [[nodiscard]] std::string status() const { return fault ? fault.name() : reliable() ? "finished" : "unreliable"; }
     /// Whether run.step was given and is beyond what the method is stable for.

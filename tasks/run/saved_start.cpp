@@ -17,8 +17,8 @@
 
 namespace cvtflow::tasks {
 
-double suspicion_of(const engine::SavedState& saved) {
-    const double* value = engine::attribute_value<double>(saved.attributes, suspicion_attribute);
+double balance_error_ratio_of(const engine::SavedState& saved) {
+    const double* value = engine::attribute_value<double>(saved.attributes, balance_error_ratio_attribute);
     return value == nullptr ? 0.0 : *value;
 }
 

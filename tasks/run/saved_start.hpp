@@ -18,10 +18,10 @@ namespace cvtflow::tasks {
 
 /// Attribute of records and states with the step in use at their end [s]; "step" of a record is run.step, 0: automatic.
 inline constexpr std::string_view step_taken_attribute = "step_taken";
-/// Attribute with the error of the energy balance (EnergyLedger::suspicion): a run from a wrong state has wrong results.
-inline constexpr std::string_view suspicion_attribute = "energy_suspicion";
+/// Attribute with the error of the energy balance (EnergyLedger::balance_error_ratio): a run from a wrong state has wrong results.
+inline constexpr std::string_view balance_error_ratio_attribute = "energy_suspicion";
 /// Its value; 0 if absent.
-[[nodiscard]] double suspicion_of(const engine::SavedState& saved);
+[[nodiscard]] double balance_error_ratio_of(const engine::SavedState& saved);
 
 /// The state that a scene names (state_file). @throws engine::RecordError that begins with the place where it is named
 [[nodiscard]] std::shared_ptr<const engine::SavedState> saved_start(const Scene& scene);

@@ -88,7 +88,7 @@ void Simulation::reset(const Scene& scene, const engine::SavedState* saved, cons
     scene_ = scene;
     integrator_->adopt(scene.parameters);
     counters_ = {};
-    rest_.settling_suspicion = rest_.settling_residual = 0.0;
+    rest_.settling_balance_error_ratio = rest_.settling_residual = 0.0;
     start_differences_.clear();
     needs_settling_ = false;
     begin_with(saved, placed);
@@ -149,7 +149,7 @@ void Simulation::take_state(const engine::SavedState& saved) {
     const bool stick_slip = scene_.parameters.detail.stick_slip;
     std::transform(saved.phases.begin(), saved.phases.end(), workspace_->tips.phases.begin(),
                    [=](std::uint8_t phase) { return adopted(phase, stick_slip); });
-    rest_.settling_suspicion = suspicion_of(saved);
+    rest_.settling_balance_error_ratio = balance_error_ratio_of(saved);
     time_ = saved.time;  // inputs and the governor's angle continue from there
 }
 
@@ -225,7 +225,7 @@ Fault Simulation::advance(const Goal& goal, RunObserver& observer, const engine:
 void Simulation::end_settling() {
     needs_settling_ = false;
     time_ = 0.0;
-    rest_.settling_suspicion = workspace_->energy.suspicion();
+    rest_.settling_balance_error_ratio = workspace_->energy.balance_error_ratio();
     rest_.settling_residual = workspace_->energy.balance().relative();
     rest_at_start();
 }
@@ -316,7 +316,7 @@ engine::SavedState Simulation::saved_state() const {
     for (const model::Phase phase : phases()) saved.phases.push_back(static_cast<std::uint8_t>(phase));
     const std::string text = write_scene(scene_);
     saved.fingerprint = engine::Hash().add(std::string_view(text)).hex();
-    saved.attributes = {{"scene", text}, {"method", method_name()}, {std::string(suspicion_attribute), suspicion()}};
+    saved.attributes = {{"scene", text}, {"method", method_name()}, {std::string(balance_error_ratio_attribute), balance_error_ratio()}};
     if (step_ > 0.0) saved.attributes.push_back({std::string(step_taken_attribute), step_});
     return saved;
 }
@@ -327,10 +327,10 @@ FrozenStart frozen_start(const Simulation& simulation) {
     Workspace probed(at.parameters, *engine::find_method("rk4"), Partition::equal(at.layout().links, 1));
     std::copy_n(simulation.state(), size, probed.state_to_set());
     probed.tips.phases = simulation.phases();
-    SilentObserver nobody;
+    SilentObserver silent;
     const engine::Cancellation never;
-    StepController controller(probed, StepSettings{}, nobody, never);  // probes the start
-    return {simulation.time(), {probed.state_to_set(), probed.state_to_set() + size}, probed.tips.phases, simulation.suspicion()};
+    StepController controller(probed, StepSettings{}, silent, never);  // probes the start
+    return {simulation.time(), {probed.state_to_set(), probed.state_to_set() + size}, probed.tips.phases, simulation.balance_error_ratio()};
 }
 
 PlainSlope::PlainSlope(const model::Variator& variator, const model::PhaseRule& rule)
@@ -356,11 +356,11 @@ void PlainSlope::operator()(double t, const double* x, double* out) noexcept {
     model::right_hand_side(variator_, t, x, phases_.data(), out, scratch_);
 }
 
-std::string unreliable_text(double suspicion, const AutoNumber& setting, double step) {
+std::string unreliable_text(double balance_error_ratio, const AutoNumber& setting, double step) {
     const std::string advice = setting.automatic()
                                    ? fmt::format("run.step = \"auto\" is too long here; use {:.2g} s, half of the last step", 0.5 * step)
                                    : "use a shorter step, or run.step = \"auto\"";
-    return fmt::format("unreliable: the residual of the energy balance is {:.2g} times the tolerance; {}", suspicion, advice);
+    return fmt::format("unreliable: the residual of the energy balance is {:.2g} times the tolerance; {}", balance_error_ratio, advice);
 }
 
 }  // namespace cvtflow::tasks

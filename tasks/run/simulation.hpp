@@ -97,8 +97,10 @@ public:
     [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
     /// Works, losses and balance of the present part: settling, or the run.
     [[nodiscard]] const EnergyLedger& energy() const noexcept { return workspace_->energy; }
-    /// The largest EnergyLedger::suspicion() of settling and run: above 1 the results are wrong.
-    [[nodiscard]] double suspicion() const noexcept { return std::max(rest_.settling_suspicion, workspace_->energy.suspicion()); }
+    /// The largest EnergyLedger::balance_error_ratio() of settling and run: above 1 the results are wrong.
+    [[nodiscard]] double balance_error_ratio() const noexcept {
+        return std::max(rest_.settling_balance_error_ratio, workspace_->energy.balance_error_ratio());
+    }
     /// false: keeps no energies from the next run on, for measurements of what that costs.
     void keep_energies(bool on) noexcept { workspace_->energy.keep(on); }
     /// Choice of automatic steps, with its last estimate; nullptr: run.step is given.
@@ -183,8 +185,9 @@ private:
     std::vector<model::Phase> phases_;  ///< [4 links]
 };
 
-/// One line on an energy balance that does not close, with what to do about it. @param suspicion EnergyLedger::suspicion(), above 1
+/// One line on an energy balance that does not close, with what to do about it. @param balance_error_ratio
+/// EnergyLedger::balance_error_ratio(), above 1
 /// @param setting run.step   @param step the last one that was chosen [s]
-[[nodiscard]] std::string unreliable_text(double suspicion, const AutoNumber& setting, double step);
+[[nodiscard]] std::string unreliable_text(double balance_error_ratio, const AutoNumber& setting, double step);
 
 }  // namespace cvtflow::tasks

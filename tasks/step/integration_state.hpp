@@ -23,15 +23,15 @@ struct IntegrationState {
     long grid_steps = 0;           ///< steps between two points at which the length of steps may change
     long outputs = 0;              ///< outputs delivered
     Counters counters;
-    std::vector<double> state;                ///< [layout.size()]
-    std::vector<model::Phase> phases;         ///< [4 links]
-    std::vector<double> changed;              ///< [4 links] time of the last change of phase [s]
-    std::vector<model::TipIndicator> before;  ///< [4 links] depth and slip of the tips now
-    double settling_suspicion = 0.0;          ///< EnergyLedger::suspicion() at the end of settling [1]
-    double settling_residual = 0.0;           ///< relative residual of the energy balance then
-    std::vector<double> energy;               ///< works, losses and balance so far, from EnergyLedger::save()
-    std::vector<double> step_choice;          ///< memory of the automatic step, from save(); empty for given steps
-    std::vector<double> heat;                 ///< temperatures and what they balance, from HeatBalance::save(); empty without
+    std::vector<double> state;                  ///< [layout.size()]
+    std::vector<model::Phase> phases;           ///< [4 links]
+    std::vector<double> changed;                ///< [4 links] time of the last change of phase [s]
+    std::vector<model::TipIndicator> before;    ///< [4 links] depth and slip of the tips now
+    double settling_balance_error_ratio = 0.0;  ///< EnergyLedger::balance_error_ratio() at the end of settling [1]
+    double settling_residual = 0.0;             ///< relative residual of the energy balance then
+    std::vector<double> energy;                 ///< works, losses and balance so far, from EnergyLedger::save()
+    std::vector<double> step_choice;            ///< memory of the automatic step, from save(); empty for given steps
+    std::vector<double> heat;                   ///< temperatures and what they balance, from HeatBalance::save(); empty without
     std::vector<double> couplings;  ///< [6] reference angles of both shafts since couplings took over: since, angle, zero; empty: not yet
     std::vector<double> method;     ///< memory of a method, from StepMethod::save(); empty for one-step methods
 
@@ -51,7 +51,7 @@ void visit_fields(State& state, Visitor& visitor) {
     visitor("begin", state.begin);
     visitor("output_interval", state.output_interval);
     visitor("step", state.step);
-    visitor("settling_suspicion", state.settling_suspicion);
+    visitor("settling_suspicion", state.settling_balance_error_ratio);
     visitor("settling_residual", state.settling_residual);
     visitor("grid_number", state.grid_number);
     visitor("grid_steps", state.grid_steps);
@@ -73,7 +73,8 @@ struct FrozenStart {
     double time = 0.0;                 ///< [s]
     std::vector<double> state;         ///< [layout.size()]
     std::vector<model::Phase> phases;  ///< [4 links]
-    double suspicion = 0.0;            ///< of the integration that led here (Simulation::suspicion); above 1 the state is wrong [1]
+    double balance_error_ratio =
+        0.0;  ///< of the integration that led here (Simulation::balance_error_ratio); above 1 the state is wrong [1]
 };
 
 }  // namespace cvtflow::tasks

@@ -21,7 +21,7 @@ enum Cycle : int {
     method_cycles,   ///< first number of a step method's own cycles
 };
 
-/// Fields of the workspace, for the race check. A unit of range is one link, except for `verdict`: one segment.
+/// Fields of the workspace, for the race check. A unit of range is one link, except for `result`: one segment.
 enum class Field {
     states_read,
     slopes_read,
@@ -35,7 +35,7 @@ enum class Field {
     phase,
     before,
     after,
-    verdict,
+    result,
     secant,  // slopes that a detect cycle makes from the states at both ends: their methods combine results from states alone
     link_error,
     contact,
@@ -100,7 +100,7 @@ private:
         .own(Field::after, true)
         .own(Field::link_error, true)
         .segment(Field::window, true)
-        .segment(Field::verdict, true)
+        .segment(Field::result, true)
         .list();
 }
 [[nodiscard]] inline std::vector<engine::Access> locate_accesses(const Workspace& w, int s) {
@@ -112,7 +112,7 @@ private:
         .own(Field::before, false)
         .own(Field::after, false)
         .segment(Field::window, true)
-        .segment(Field::verdict, true)
+        .segment(Field::result, true)
         .list();
 }
 [[nodiscard]] inline std::vector<engine::Access> truncate_accesses(const Workspace& w, int s) {
@@ -124,7 +124,7 @@ private:
         .own(Field::cut_state, true)
         .own(Field::phase, true)
         .segment(Field::window, true)
-        .segment(Field::verdict, true)
+        .segment(Field::result, true)
         .list();
 }
 

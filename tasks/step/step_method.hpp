@@ -40,8 +40,8 @@ public:
     [[nodiscard]] virtual std::optional<engine::PlanStep> error_row() const noexcept { return {}; }
     /// That estimate falls like the step to this power; 0 without an estimate.
     [[nodiscard]] virtual int error_power() const noexcept { return 0; }
-    /// Longest step that the method can take now, at most `wanted` [s]. Called before a step of free length.
-    [[nodiscard]] virtual double longest_step(double wanted) { return wanted; }
+    /// Longest step that the method can take now, at most `requested` [s]. Called before a step of free length.
+    [[nodiscard]] virtual double longest_step(double requested) { return requested; }
 
     /// Its memory from step to step beside the workspace's state, phases and times of their changes, for checkpoints: load() after
     /// restart() continues bitwise from where save() was called. Empty for methods without memory.

@@ -211,7 +211,7 @@ void PointMeasure::settle_finest() {
         settled_ = *saved;
         settled_with_ = point_.scene;
         settled_with_.parameters = settled_parameters(*saved, point_.scene);
-        if (suspicion_of(*settled_) > 1.0)
+        if (balance_error_ratio_of(*settled_) > 1.0)
             throw SimulationError(point_.scene.state_file + " is unreliable: the energy balance did not close while settling");
         return;
     }
@@ -221,7 +221,7 @@ void PointMeasure::settle_finest() {
     SilentObserver silent;
     if (simulation.needs_settling()) {
         if (const Fault fault = advance(simulation, {.until = 0.0}, silent)) throw SimulationError("settling: " + fault.message());
-        if (simulation.suspicion() > 1.0) throw SimulationError("settling: its energy balance does not close");
+        if (simulation.balance_error_ratio() > 1.0) throw SimulationError("settling: its energy balance does not close");
     }
     settled_ = simulation.saved_state();
 }
@@ -260,7 +260,7 @@ PointRun PointMeasure::measured(const TuneChoice& choice, bool settled, engine::
     Fault fault;
     if (simulation->needs_settling()) fault = advance(*simulation, {.until = 0.0}, silent);
     if (!fault && point_.from > simulation->time()) fault = advance(*simulation, {.until = point_.from}, silent);
-    const double before = simulation->suspicion();
+    const double before = simulation->balance_error_ratio();
     if (!fault && state != nullptr) *state = simulation->saved_state();
     const double began = processor_time(), begin = simulation->time();
     if (!fault) fault = advance(*simulation, {.until = point_.until, .anew = true}, reader);
@@ -271,7 +271,7 @@ PointRun PointMeasure::measured(const TuneChoice& choice, bool settled, engine::
     run.unsteady = notes.find("unsteady") != std::string::npos;
     if (fault)
         run.objection = fault.message();
-    else if (std::max(before, simulation->suspicion()) > 1.0)
+    else if (std::max(before, simulation->balance_error_ratio()) > 1.0)
         run.objection = "unreliable: its energy balance does not close";
     return run;
 }

@@ -59,7 +59,7 @@ enum class Block { scope, initialiser, function };
 /// Kind of block that a brace opens, from the text between the last ; { or } and itself.
 Block kind_of(const std::string& head) {
     static const std::regex scope(R"(^(?:template\s*<.*>\s*)?(?:requires\s*\([^()]*\)\s*)?(?:(?:inline|export|typedef|extern)\s*)*)"
-                                  R"((?:namespace|class|struct|union|enum)\b[^()=]*$)");
+                                  R"((?:namespace|class|struct|union|enum)\b(?:\s+alignas\s*\([^()]*\))?[^()=]*$)");
     static const std::regex linkage(R"(^extern\s*$)");
     if (std::regex_match(head, scope) || std::regex_match(head, linkage)) return Block::scope;
     if (!head.empty() && (head.back() == '=' || head.find('(') == std::string::npos)) return Block::initialiser;
@@ -109,9 +109,20 @@ std::string plain_head(const std::string& head) {
 
 /// Class of the innermost scope with "::", empty in a namespace.
 std::string class_of(const std::string& scope) {
-    static const std::regex pattern(R"((?:class|struct) (?:alignas ?\([^)]*\) )?(\w+))");
+    static const std::regex pattern(R"((?:^|> |\) )(?:class|struct) (?:alignas ?\([^)]*\) |[A-Z_]+ )?(\w+))");
     std::smatch match;
     return std::regex_search(scope, match, pattern) ? match[1].str() + "::" : "";
+}
+
+/// Whether a statement or a head inside a class declares a method of it.
+bool is_method(const std::string& head, const std::string& name) {
+    static const std::regex prefix(R"(^(?:template ?<.*?> (?=\w)|requires ?\([^()]*\) |(?:static|inline|constexpr|virtual|explicit) )+)");
+    static const std::regex none(
+        R"(^(?:using|friend|typedef|static_assert|enum|struct|class)\b|\boperator\b|~|\) ?= ?(?:default|delete)$)");
+    static const std::regex function(R"(^[^(=]*?\b(\w+) ?\()");
+    const std::string plain = std::regex_replace(head, prefix, "");
+    std::smatch match;
+    return !std::regex_search(plain, none) && std::regex_search(plain, match, function) && match[1].str() != name;
 }
 
 }  // namespace
@@ -171,6 +182,31 @@ std::vector<NamedFunction> named_functions(const std::string& text) {
         begin = i + 1;
     }
     return functions;
+}
+
+std::vector<ClassSize> classes_of(const std::string& text) {
+    const std::string code = code_only(text);
+    std::vector<ClassSize> classes{{"", 0, 0}};
+    std::vector<std::size_t> scopes{0};  // index into classes; 0: a namespace
+    std::size_t begin = 0;               // of the head
+    for (std::size_t i = 0; i < code.size(); ++i) {
+        const char c = code[i];
+        if (c != ';' && c != '{' && c != '}') continue;
+        if (c == '}' && scopes.size() > 1) scopes.pop_back();
+        const std::string head = c == '}' ? "" : one_line(plain_head(one_line(code.substr(begin, i - begin))));
+        if (c == '{' && kind_of(head) == Block::scope) {
+            const std::string name = class_of(head);
+            scopes.push_back(name.empty() ? 0 : classes.size());
+            if (!name.empty()) classes.push_back({name.substr(0, name.size() - 2), line_of(code, i), 0});
+        } else if (!head.empty()) {
+            ClassSize& inside = classes[scopes.back()];
+            if (is_method(head, inside.name)) ++inside.methods;
+            if (c == '{') i = closing_brace(code, i);
+        }
+        begin = i + 1;
+    }
+    classes.erase(classes.begin());
+    return classes;
 }
 
 }  // namespace cvtflow::architecture

@@ -37,6 +37,14 @@ struct NamedFunction {
     bool defined;      ///< else it is declared only
 };
 
+/// A class, struct or union.
+struct ClassSize {
+    std::string name;
+    int line;     ///< of its head, from 1
+    int methods;  ///< functions that it declares, of every access; not constructors, destructor, operators, and what is deleted or
+                  ///< defaulted
+};
+
 /// All .cpp and .hpp files below the source folders, ascending by path.
 [[nodiscard]] std::vector<SourceFile> source_files();
 
@@ -53,5 +61,6 @@ struct NamedFunction {
 [[nodiscard]] std::vector<FunctionBody> functions_of(const std::string& text);
 /// Without templates, operators, and functions that are static, pure, defaulted, deleted or in an unnamed namespace.
 [[nodiscard]] std::vector<NamedFunction> named_functions(const std::string& text);
+[[nodiscard]] std::vector<ClassSize> classes_of(const std::string& text);
 
 }  // namespace cvtflow::architecture

@@ -82,7 +82,7 @@ TEST_P(EveryLevel, ShowsTheBaselineOfTheoryItsHumAndAClosedEnergyBalance) {
     const tasks::Scene scene = scene_at_level("baseline", GetParam(), {"run.until=10 ms"});
     const Operation run(scene);
     ASSERT_FALSE(run.fault) << run.fault.message();
-    EXPECT_LE(run.suspicion, 1.0);
+    EXPECT_LE(run.balance_error_ratio, 1.0);
     expect_theory(run);
     expect_hum(run, scene);
 }

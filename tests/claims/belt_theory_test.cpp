@@ -138,7 +138,7 @@ struct ChainMeans {
          set("clamping.driving", driven_clamping * drive.thrust_ratio), set("load.torque", torque),
          set("tip.saturation_speed", saturation_speed), "half.bending_travel=14.8 N*m^2", "half.bending_height=107 N*m^2"}));
     EXPECT_FALSE(run.fault);
-    EXPECT_LE(run.suspicion, 1.0);
+    EXPECT_LE(run.balance_error_ratio, 1.0);
     const auto mean = [&](const std::vector<double>& samples) { return run.mean(samples, 80e-3, 1.0); };
     return {mean(run.thrust_ratio), mean(run.friction_slip), mean(run.tight), mean(run.slack)};
 }

@@ -29,7 +29,7 @@ void play_honestly(long first, long count, const bench::LotteryRules& rules) {
         ++statuses[ticket.status];
         EXPECT_TRUE(honest(ticket, rules)) << "machine " << ticket.number << " (cvtflow-lab lottery --first " << ticket.number
                                            << " --machines 1): slip off by " << ticket.slip_error(rules) << ", losses by "
-                                           << ticket.loss_error() << ", suspicion " << ticket.suspicion;
+                                           << ticket.loss_error() << ", balance error ratio " << ticket.balance_error_ratio;
         alarms += ticket.false_alarm(rules);
         ready += ticket.ready;
         if (ticket.status != "finished") continue;
@@ -63,7 +63,7 @@ TEST(Lottery, MachinesEndRightOrSayThatTheyDoNot) {
     for (const long number : cvtflow::test::sample(numbers, 10, "lottery")) {
         const bench::LotteryTicket ticket = bench::play(1, number, brief());
         EXPECT_TRUE(honest(ticket, brief())) << "machine " << number << ": slip off by " << ticket.slip_error(brief()) << ", losses by "
-                                             << ticket.loss_error() << ", suspicion " << ticket.suspicion;
+                                             << ticket.loss_error() << ", balance error ratio " << ticket.balance_error_ratio;
         EXPECT_FALSE(ticket.false_alarm(brief())) << "machine " << number << " is right and called unreliable";
     }
 }

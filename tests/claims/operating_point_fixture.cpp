@@ -49,7 +49,7 @@ Operation::Operation(const tasks::Scene& scene) : simulation_(scene), observer_(
     recording_ = true;
     fault = simulation_.advance({.until = scene.run.until}, *this, no_cancellation);
     counters = simulation_.counters();
-    suspicion = simulation_.suspicion();
+    balance_error_ratio = simulation_.balance_error_ratio();
 }
 
 void Operation::output(double now, const tasks::Workspace& workspace, const tasks::Counters&) {

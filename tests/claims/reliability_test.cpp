@@ -52,8 +52,8 @@ std::string name_of(const Row& row) { return row.scene + " " + row.detail + (row
 
 void check(const Row& row) {
     const RunReport automatic = run_row(row, "auto"), exact = run_row(row, "0.5 us"), hasty = run_row(row, "2 us");
-    EXPECT_EQ(automatic.status(), "finished") << name_of(row) << ": suspicion " << automatic.suspicion;
-    EXPECT_EQ(exact.status(), "finished") << name_of(row) << ": suspicion " << exact.suspicion;
+    EXPECT_EQ(automatic.status(), "finished") << name_of(row) << ": balance error ratio " << automatic.balance_error_ratio;
+    EXPECT_EQ(exact.status(), "finished") << name_of(row) << ": balance error ratio " << exact.balance_error_ratio;
     EXPECT_NEAR(automatic.whole.slip, exact.whole.slip, 0.01 * exact.whole.slip) << name_of(row);
     EXPECT_NEAR(automatic.whole.efficiency, exact.whole.efficiency, 5e-4) << name_of(row);  // a percent of losses of some per cent
     const bool right = std::abs(hasty.whole.slip - exact.whole.slip) <= 0.01 * exact.whole.slip &&
@@ -82,7 +82,7 @@ void expect_settled_anew(const std::vector<std::string>& settings) {
     const RunReport ready = run_scene(scene, {});
     scene.state_file.clear();
     const RunReport own = run_scene(scene, {});
-    EXPECT_EQ(ready.status(), "finished") << settings.front() << ": suspicion " << ready.suspicion;
+    EXPECT_EQ(ready.status(), "finished") << settings.front() << ": balance error ratio " << ready.balance_error_ratio;
     EXPECT_TRUE(ready.settled) << settings.front();
     EXPECT_EQ(ready.hash, own.hash) << settings.front();
 }
@@ -112,7 +112,7 @@ TEST(Reliability, OfInputsThatJump) {
     for (const std::string& jump :
          {reversal, std::string("drive.speed=[[0,\"2000 rpm\"],[\"5.0004 ms\",\"2000 rpm\"],[\"5.0014 ms\",\"2100 rpm\"]]")}) {
         const RunReport report = run_with_jump(jump, {});
-        EXPECT_EQ(report.status(), "finished") << jump << ": suspicion " << report.suspicion;
+        EXPECT_EQ(report.status(), "finished") << jump << ": balance error ratio " << report.balance_error_ratio;
         EXPECT_LT(report.energy.relative(), 2e-3);  // a fifth of what is called wrong
     }
 }

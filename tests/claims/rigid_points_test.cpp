@@ -40,7 +40,7 @@ std::map<std::string, double> run_rigid(const Row& point) {
         settings.push_back(std::string(key) + "=" + point.at(key));
     const Operation run(scene_at_level("control", "rigid", settings));
     EXPECT_FALSE(run.fault);
-    EXPECT_LE(run.suspicion, 1.0);
+    EXPECT_LE(run.balance_error_ratio, 1.0);
     const auto mean = [&](const std::vector<double>& samples) { return run.mean(samples, 40e-3, 1.0); };
     return {{"tight", mean(run.tight)}, {"slack", mean(run.slack)}, {"slip", mean(run.slip)}, {"thrust_ratio", mean(run.thrust_ratio)}};
 }

@@ -43,7 +43,7 @@ TEST(TipLaw, TheChainSlidesAsFastAsRisingFrictionCarriesTheLoad) {
         {"tip.friction_law=table", "tip.friction_table=[[0.02, 0.06], [1, 0.09]]", "run.until=40 ms", "run.output_interval=50 us"});
     const Operation run(scene);
     ASSERT_FALSE(run.fault) << run.fault.message();
-    EXPECT_LE(run.suspicion, 1.0);
+    EXPECT_LE(run.balance_error_ratio, 1.0);
     const double radius = run.mean(run.radius, 30e-3, 40e-3), slip = run.mean(run.slip, 30e-3, 40e-3);
     const double speed = slip * 209.44 * radius;
     const model::Parameters& p = scene.parameters;
@@ -60,7 +60,7 @@ TEST(TipLaw, EnergyBalancesWhereFrictionFallsAndTheChainLetsGo) {
                                            {"tip.friction_law=table", "tip.friction_table=[[0.05, 0.09], [0.6, 0.07]]", "load.torque=205",
                                             "run.until=5 ms", "start.settling_time=10 ms"}));
         ASSERT_FALSE(run.fault) << level << ": " << run.fault.message();
-        EXPECT_LE(run.suspicion, 1.0) << level;
+        EXPECT_LE(run.balance_error_ratio, 1.0) << level;
         EXPECT_GT(run.mean(run.slip, 3e-3, 5e-3), 0.01) << level;
     }
 }

@@ -69,9 +69,9 @@ struct Averager final : tasks::RunObserver {
 void settle_and_average(tasks::Simulation& simulation, double settle, Averager& seen, double until, DetailOutcome& outcome) {
     tasks::SilentObserver silent;
     tasks::Fault fault = simulation.advance({.until = settle, .anew = true}, silent, catch_interrupts());
-    const double before = simulation.suspicion();
+    const double before = simulation.balance_error_ratio();
     if (!fault) fault = simulation.advance({.until = until, .anew = true}, seen, catch_interrupts());
-    outcome.watch = seen.watch.verdict(simulation.energy(), before);
+    outcome.watch = seen.watch.result(simulation.energy(), before);
     outcome.status = outcome.watch.status(fault);
     outcome.fault = fault ? fault.message() : unreliable_remark(fault, outcome.watch);
     if (outcome.status == "unreliable") outcome.fault += "; use a shorter --step";
@@ -197,7 +197,7 @@ DetailMeasure::DetailMeasure(DetailArguments arguments, std::string scene) : arg
     reference_ = reference.parameters;
     try {
         const tasks::Simulation start(reference);  // refuses a state that does not fit, and names the differences
-        if (start.suspicion() > 1.0)
+        if (start.balance_error_ratio() > 1.0)
             throw tasks::SimulationError(reference.state_file + " is unreliable: the energy balance of its settling did not close");
     } catch (const tasks::SimulationError& error) {
         throw tasks::SceneError(fmt::format("{}: variants start from a settled state of full detail: {}", scene_, error.what()));

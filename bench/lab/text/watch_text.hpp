@@ -9,16 +9,16 @@
 namespace cvtflow::bench {
 
 /// Residual of the energy balance over the losses, "3.1e-05"; "-" for a run that ended early.
-[[nodiscard]] std::string residual_cell(const tasks::Fault& fault, const tasks::RunVerdict& watch);
+[[nodiscard]] std::string residual_cell(const tasks::Fault& fault, const tasks::WatchResult& watch);
 /// For a run whose balance does not close; empty for others.
-[[nodiscard]] std::string unreliable_remark(const tasks::Fault& fault, const tasks::RunVerdict& watch);
+[[nodiscard]] std::string unreliable_remark(const tasks::Fault& fault, const tasks::WatchResult& watch);
 /// "240 us are 0.3 pin periods: slip and efficiency are means over at least 16 (about 11 ms here)"; empty if it is long enough.
-[[nodiscard]] std::string too_short(const tasks::RunVerdict& watch);
+[[nodiscard]] std::string too_short(const tasks::WatchResult& watch);
 
 /// Columns of a table in CSV, without a comma at either end.
 inline constexpr const char* watch_heading = "status,residual,suspicion,pin_periods,long_enough,mean_slip,efficiency";
-[[nodiscard]] std::string watch_csv(const tasks::Fault& fault, const tasks::RunVerdict& watch);
+[[nodiscard]] std::string watch_csv(const tasks::Fault& fault, const tasks::WatchResult& watch);
 /// The columns of watch_csv() as an object.
-[[nodiscard]] nlohmann::ordered_json watch_json(const tasks::Fault& fault, const tasks::RunVerdict& watch);
+[[nodiscard]] nlohmann::ordered_json watch_json(const tasks::Fault& fault, const tasks::WatchResult& watch);
 
 }  // namespace cvtflow::bench

@@ -50,7 +50,7 @@ public:
 
 private:
     [[nodiscard]] std::optional<engine::CompiledPlan> chosen(const Extents& extents, double h) const override {
-        return ladder_[rung_for(ladder_, extents.real() * h)].plan;
+        return ladder_[table_for(ladder_, extents.real() * h)].plan;
     }
     const Ladder ladder_;
 };

@@ -258,8 +258,8 @@ void settle_and_run(const Scene& scene, LotteryTicket& ticket, const LotteryRule
     if (!fault) fault = simulation.advance({.until = rules.duration}, means, never);
     ticket.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     ticket.step = simulation.step();
-    ticket.suspicion = simulation.suspicion();
-    ticket.status = fault ? fault.name() : ticket.suspicion <= 1.0 ? "finished" : "unreliable";
+    ticket.balance_error_ratio = simulation.balance_error_ratio();
+    ticket.status = fault ? fault.name() : ticket.balance_error_ratio <= 1.0 ? "finished" : "unreliable";
     ticket.message = fault ? fault.message() : "";
     if (fault) return;
     ticket.slip = means.means.all().slip;

@@ -42,7 +42,7 @@ struct LotteryTicket {
     double slip = 0.0, exact_slip = 0.0;          ///< mean over the run; with shorter steps from the same settled start [1]
     double loss = 0.0, exact_loss = 0.0;          ///< dissipated [J]
     double residual = 0.0, exact_residual = 0.0;  ///< of the energy balance over the losses [1]
-    double suspicion = 0.0;                       ///< EnergyLedger::suspicion [1]
+    double balance_error_ratio = 0.0;             ///< EnergyLedger::balance_error_ratio [1]
     double wall = 0.0;                            ///< without the comparison [s]
     std::string message;                          ///< of a fault or refusal
 

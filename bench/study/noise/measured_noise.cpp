@@ -123,7 +123,7 @@ NoiseSpectrum measure_noise(Scene scene, int rounds, const engine::Cancellation&
     const double until = simulation.time() + 1.5 * rounds * model::chain_length(scene.parameters.chain) / speed;
     if (!fault) fault = simulation.advance({.until = until, .anew = true}, recorder, cancel);
     spectrum.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
-    if (recorder.complete && simulation.suspicion() <= 1.0)
+    if (recorder.complete && simulation.balance_error_ratio() <= 1.0)
         transform(recorder, rounds, scene.parameters.chain.pins, spectrum);
     else if (recorder.complete)
         spectrum.fault = "unreliable: the energy balance does not close";

@@ -60,7 +60,7 @@ LongRun Confirmation::run(std::span<const std::string> settings, FrozenStart* be
     const auto started = LongClock::now();
     run.fault = simulation.advance({.until = simulation.time() + settings_.duration}, observer, cancel_);
     run.wall = std::chrono::duration<double>(LongClock::now() - started).count() / settings_.duration;
-    run.watch = observer.watch.verdict(simulation.energy(), simulation.suspicion());
+    run.watch = observer.watch.result(simulation.energy(), simulation.balance_error_ratio());
     run.step = simulation.step();
     if (end != nullptr && !run.fault) *end = frozen_start(simulation);
     return run;
@@ -70,7 +70,7 @@ Confirmed Confirmation::judged(const LongRun& run) const {
     Confirmed found;
     found.ran = true;
     found.run = run;
-    const RunVerdict &is = run.watch, &should = reference_.watch;
+    const WatchResult &is = run.watch, &should = reference_.watch;
     found.slip_error = relative_difference(is.means.slip, should.means.slip, min_slip);
     found.loss_error = relative_difference(is.loss, should.loss, std::numeric_limits<double>::min());
     if (run.fault)

@@ -30,7 +30,7 @@ struct ConfirmSettings {
 /// A run that was long enough to be read, or what came instead.
 struct LongRun {
     tasks::Fault fault;
-    tasks::RunVerdict watch;
+    tasks::WatchResult watch;
     double step = 0.0;  ///< last one in use [s]
     double wall = 0.0;  ///< per simulated second [s/s]
 };

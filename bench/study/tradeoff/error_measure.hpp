@@ -31,7 +31,7 @@ struct Trajectory {
     double simulated = 0.0;    ///< [s]
     double wall = 0.0;         ///< without the time that observing took [s]
     double steady_wall = 0.0;  ///< per simulated second of a longer run, where a short one is no measure of that; 0: it is [s/s]
-    tasks::RunVerdict watch;   ///< whether its figures can be right
+    tasks::WatchResult watch;  ///< whether its figures can be right
     std::uint64_t hash = 0;
     std::string schedule;
 

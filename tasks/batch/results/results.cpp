@@ -207,7 +207,7 @@ void fill_row(const engine::RowLayout& layout, const Sweep& sweep, const CaseRes
     if (sweep.accuracy.target > 0.0) {
         for (std::size_t i = 0; i < r.scalars.size(); ++i) layout.put(row, column++, std::numeric_limits<double>::quiet_NaN());
     }
-    for (const double number : {r.efficiency, r.residual, r.suspicion}) layout.put(row, column++, number);
+    for (const double number : {r.efficiency, r.residual, r.balance_error_ratio}) layout.put(row, column++, number);
     layout.put(row, column++, std::string_view(r.notes));
     layout.put(row, column++, r.start);
     layout.put(row, column++, std::string_view(r.start_state != 0 ? engine::hex(r.start_state) : "none"));

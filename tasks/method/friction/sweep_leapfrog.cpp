@@ -26,7 +26,7 @@ constexpr double same_length = 1e-6;
 /// (`overdrive` at a reversed 25 N m: off by 1.4 % of 6e-4), so there are three (decision 96).
 constexpr double sweeps_at_usual_speeds = 2.0, min_sweeps = 3.0, max_sweeps = 12.0, power_of_slowness = 0.4;
 
-[[nodiscard]] double wanted_sweeps(const model::Parameters& parameters) {
+[[nodiscard]] double needed_sweeps(const model::Parameters& parameters) {
     const model::Parameters usual;
     const double slowness = std::max({usual.tip.friction.saturation_speed / parameters.tip.friction.saturation_speed,
                                       usual.joint.friction.saturation_speed / parameters.joint.friction.saturation_speed,
@@ -35,7 +35,7 @@ constexpr double sweeps_at_usual_speeds = 2.0, min_sweeps = 3.0, max_sweeps = 12
 }
 
 [[nodiscard]] int sweeps_for(const model::Parameters& parameters) {
-    return static_cast<int>(std::ceil(std::clamp(wanted_sweeps(parameters), min_sweeps, max_sweeps)));
+    return static_cast<int>(std::ceil(std::clamp(needed_sweeps(parameters), min_sweeps, max_sweeps)));
 }
 
 }  // namespace
@@ -46,7 +46,7 @@ std::string_view missing_for_sweeps(const model::Parameters& parameters) noexcep
 }
 
 bool sweeps_suit(const model::Parameters& parameters) {
-    return missing_for_sweeps(parameters).empty() && !parameters.detail.stick_slip && wanted_sweeps(parameters) <= max_sweeps;
+    return missing_for_sweeps(parameters).empty() && !parameters.detail.stick_slip && needed_sweeps(parameters) <= max_sweeps;
 }
 
 template <class Number>

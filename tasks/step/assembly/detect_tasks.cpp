@@ -18,8 +18,8 @@ using model::Phase;
 using model::TipIndicator;
 
 /// time [s], value [unit of what is limited], limit [the same unit]
-void report(SegmentResult& verdict, FaultKind kind, double time, int pin, double value, double limit) noexcept {
-    if (!verdict.fault) verdict.fault = {kind, time, pin, value, limit};
+void report(SegmentResult& result, FaultKind kind, double time, int pin, double value, double limit) noexcept {
+    if (!result.fault) result.fault = {kind, time, pin, value, limit};
 }
 
 /// Whether all numbers are within ±limit; false for NaN. By their bits, which are in the order of magnitudes: that takes vectors on every
@@ -63,7 +63,7 @@ constexpr double near = 2e-7;  // m: an elastic oscillation of 1e6 1/s covers le
 }
 
 /// @param end states at the step's end, of the link and of its neighbours beside it
-void check_middle(Workspace& w, int link, const double* end, SegmentResult& verdict) noexcept {
+void check_middle(Workspace& w, int link, const double* end, SegmentResult& result) noexcept {
     const model::ChainLayout& layout = w.layout();
     NearBlocks middle;
     const int size = layout.link_size();
@@ -87,19 +87,19 @@ void check_middle(Workspace& w, int link, const double* end, SegmentResult& verd
     indicate(w, middle.place(layout, 0), w.pulleys.end_sheaves, tips, probe);
     for (int tip = 0; tip < model::tips_per_link; ++tip) {
         const int number = model::tips_per_link * link + tip;
-        if (may_change(w, number) && grazes(w, number, tips[tip])) verdict.pending = true;
+        if (may_change(w, number) && grazes(w, number, tips[tip])) result.pending = true;
     }
 }
 
 /// Transitions due at the step's end, among the tips of one link.
-void find_due(Workspace& w, int link, SegmentResult& verdict) noexcept {
+void find_due(Workspace& w, int link, SegmentResult& result) noexcept {
     const int first = model::tips_per_link * link;
     for (int tip = first; tip < first + model::tips_per_link; ++tip) {
         if (w.rule.next(w.tips.phases[at(tip)], w.tips.after[at(tip)]) == w.tips.phases[at(tip)]) continue;
         if (may_change(w, tip)) {
-            verdict.pending = true;
+            result.pending = true;
         } else {
-            ++verdict.suppressed;
+            ++result.suppressed;
         }
     }
 }
@@ -133,18 +133,18 @@ void estimate_errors(Workspace& w, const Segment& own, double* errors) noexcept 
 
 }  // namespace
 
-void check_motion(const Workspace& w, int link, const double* block, SegmentResult& verdict) noexcept {
+void check_motion(const Workspace& w, int link, const double* block, SegmentResult& result) noexcept {
     const int size = w.layout().link_size();
     if (within(block, size, std::numeric_limits<double>::max()) && within(block + size, size, fastest_pin)) return;
     double largest = 0.0;
     bool finite = true;
     for (int k = 0; k < 2 * size; ++k) finite = finite && std::isfinite(block[k]);
     for (int k = size; k < 2 * size; ++k) largest = std::max(largest, std::abs(block[k]));
-    if (!finite) return report(verdict, FaultKind::non_finite, w.step.time + w.step.h, link, 0.0, 0.0);
-    report(verdict, FaultKind::blow_up, w.step.time + w.step.h, link, largest, fastest_pin);
+    if (!finite) return report(result, FaultKind::non_finite, w.step.time + w.step.h, link, 0.0, 0.0);
+    report(result, FaultKind::blow_up, w.step.time + w.step.h, link, largest, fastest_pin);
 }
 
-void check_contact(const Workspace& w, int link, const model::TipProbe& probe, SegmentResult& verdict) noexcept {
+void check_contact(const Workspace& w, int link, const model::TipProbe& probe, SegmentResult& result) noexcept {
     const auto& pulley = w.parameters.pulley;
     const double now = w.step.time + w.step.h;
     bool touching = false;
@@ -152,18 +152,18 @@ void check_contact(const Workspace& w, int link, const model::TipProbe& probe, S
         if (w.tips.phases[at(model::tips_per_link * link + tip)] == model::Phase::free) continue;
         touching = true;
         if (probe.depth[tip] > w.parameters.tip.deepest)
-            report(verdict, FaultKind::penetration, now, link, probe.depth[tip], w.parameters.tip.deepest);
+            report(result, FaultKind::penetration, now, link, probe.depth[tip], w.parameters.tip.deepest);
     }
-    if (probe.radius < pulley.innermost) report(verdict, FaultKind::left_sheave, now, link, probe.radius, pulley.innermost);
-    if (touching && probe.radius > pulley.outermost) report(verdict, FaultKind::left_sheave, now, link, probe.radius, pulley.outermost);
+    if (probe.radius < pulley.innermost) report(result, FaultKind::left_sheave, now, link, probe.radius, pulley.innermost);
+    if (touching && probe.radius > pulley.outermost) report(result, FaultKind::left_sheave, now, link, probe.radius, pulley.outermost);
 }
 
 void detect_segment(void* workspace, int segment) noexcept {
     auto& w = *static_cast<Workspace*>(workspace);
     const model::ChainLayout& layout = w.layout();
     const Segment& own = w.partition[segment];
-    SegmentResult& verdict = w.segment_results[at(segment)];
-    verdict = {};
+    SegmentResult& result = w.segment_results[at(segment)];
+    result = {};
     if (!w.step.end_state_ready) {
         engine::combine(w.step.row, w.step.h, w.slots(), layout.link_begin(own.first),
                         layout.link_begin(own.last - 1) + layout.link_block(), w.end_state + layout.link_begin(own.first));
@@ -177,15 +177,15 @@ void detect_segment(void* workspace, int segment) noexcept {
     }
     const bool sound = all_sound(w, own);
     for (int link = own.first; link < own.last; ++link) {
-        if (!sound) check_motion(w, link, w.end_state + layout.link_begin(link), verdict);
-        if (layout.pulley_size == 0 || verdict.fault) continue;
+        if (!sound) check_motion(w, link, w.end_state + layout.link_begin(link), result);
+        if (layout.pulley_size == 0 || result.fault) continue;
         const model::TipProbe& probe = w.tips.probes[at(link)];
         show(probe, w.tips.after.data() + model::tips_per_link * link);
-        check_contact(w, link, probe, verdict);
+        check_contact(w, link, probe, result);
         if (is_far(w, link, probe)) continue;
-        find_due(w, link, verdict);
+        find_due(w, link, result);
         if (w.step.at_transition != AtTransition::at_end && near_contact(w, link))
-            check_middle(w, link, end + (link - own.first) * layout.link_block(), verdict);
+            check_middle(w, link, end + (link - own.first) * layout.link_block(), result);
     }
 }
 

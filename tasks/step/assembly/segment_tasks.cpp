@@ -88,7 +88,7 @@ void probe_segment(Workspace& w, int segment, double theta, const model::SheaveM
 }
 
 /// Gives every tip of a link the phase that is due at the cut.
-void change_phases(Workspace& w, int link, const TipIndicator* tips, SegmentResult& verdict) noexcept {
+void change_phases(Workspace& w, int link, const TipIndicator* tips, SegmentResult& result) noexcept {
     const double now = w.step.time + w.step.theta * w.step.h;
     for (int corner = 0; corner < model::tips_per_link; ++corner) {
         const std::size_t tip = at(model::tips_per_link * link + corner);
@@ -98,7 +98,7 @@ void change_phases(Workspace& w, int link, const TipIndicator* tips, SegmentResu
         if (to == w.tips.phases[tip] || !may_change(w, static_cast<int>(tip))) continue;
         w.tips.phases[tip] = to;
         w.tips.changed[tip] = now;
-        ++verdict.detected;
+        ++result.detected;
     }
 }
 
@@ -131,7 +131,7 @@ void evaluate_segment(void* workspace, int segment) noexcept {
 void locate_segment(void* workspace, int segment) noexcept {
     auto& w = *static_cast<Workspace*>(workspace);
     const Segment& own = w.partition[segment];
-    SegmentResult& verdict = w.segment_results[at(segment)];
+    SegmentResult& result = w.segment_results[at(segment)];
     constexpr double middle = 0.5;
     model::SheaveMotion sheaves[4];
     double tail[2 * 36];
@@ -140,7 +140,7 @@ void locate_segment(void* workspace, int segment) noexcept {
         for (int corner = 0; corner < model::tips_per_link; ++corner) {
             if (!may_change(w, model::tips_per_link * link + corner)) continue;
             const Transition found = locate_tip(w, link, corner);
-            if (found.theta < verdict.first.theta) verdict.first = found;
+            if (found.theta < result.first.theta) result.first = found;
         }
     }
 }
@@ -149,14 +149,14 @@ void truncate_segment(void* workspace, int segment) noexcept {
     auto& w = *static_cast<Workspace*>(workspace);
     const model::ChainLayout& layout = w.layout();
     const Segment& own = w.partition[segment];
-    SegmentResult& verdict = w.segment_results[at(segment)];
+    SegmentResult& result = w.segment_results[at(segment)];
     w.interpolant().evaluate(w.step.theta, layout.link_begin(own.first), layout.link_begin(own.last - 1) + layout.link_block(),
                              w.cut_state + layout.link_begin(own.first));
     probe_segment(w, segment, w.step.theta, w.pulleys.sheaves);
     for (int link = own.first; link < own.last; ++link) {
         TipIndicator* tips = w.tips.after.data() + model::tips_per_link * link;
         show(w.tips.probes[at(link)], tips);
-        change_phases(w, link, tips, verdict);
+        change_phases(w, link, tips, result);
     }
 }
 

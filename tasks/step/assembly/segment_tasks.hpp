@@ -58,9 +58,9 @@ inline void indicate(const Workspace& w, const double* state, const model::Sheav
 /// Faster than sound in steel (5.9 km/s): no chain does that, so the integration has become unstable, long before anything is infinite.
 inline constexpr double fastest_pin = 1e4;  // m/s
 /// Whether a link's block [q | v] is finite and its motion that of a chain.
-void check_motion(const Workspace& workspace, int link, const double* block, SegmentResult& verdict) noexcept;
+void check_motion(const Workspace& workspace, int link, const double* block, SegmentResult& result) noexcept;
 /// Whether a link's tips are where contact can be described.
-void check_contact(const Workspace& workspace, int link, const model::TipProbe& probe, SegmentResult& verdict) noexcept;
+void check_contact(const Workspace& workspace, int link, const model::TipProbe& probe, SegmentResult& result) noexcept;
 
 /// Stage state of the segment and its halo, forces, slope of its links.
 void evaluate_segment(void* workspace, int segment) noexcept;

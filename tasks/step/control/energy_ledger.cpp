@@ -58,7 +58,7 @@ namespace {
     return balance.honest() + std::min(deviations * balance.deviation, noise_share(balance, settling) * balance.loss);
 }
 
-[[nodiscard]] double suspicion_of(const EnergyBalance& balance, bool settling) noexcept {
+[[nodiscard]] double balance_error_ratio_of(const EnergyBalance& balance, bool settling) noexcept {
     if (balance.samples < min_samples) return 0.0;
     const double ratio = std::abs(balance.residual()) / tolerance_of(balance, settling);
     return std::isnan(ratio) ? std::numeric_limits<double>::infinity() : ratio;
@@ -68,7 +68,7 @@ namespace {
 
 double EnergyBalance::tolerance() const noexcept { return tolerance_of(*this, false); }
 
-double EnergyBalance::suspicion() const noexcept { return suspicion_of(*this, false); }
+double EnergyBalance::balance_error_ratio() const noexcept { return balance_error_ratio_of(*this, false); }
 
 void EnergyLedger::restart(long stride) noexcept {
     m_ = {};
@@ -80,9 +80,7 @@ void EnergyLedger::step(const model::Variator& variator, double begin, const dou
     const model::ChainLayout& at = variator.layout();
     m_.steps += 1.0;
     if (counted_) {
-        m_.work = account_.work;
-        m_.impulse = account_.impulse;
-        m_.couplings = account_.couplings;
+        m_.inputs = account_;
         return;
     }
     if (at.pulley_size == 0 || !on_) return;
@@ -91,26 +89,25 @@ void EnergyLedger::step(const model::Variator& variator, double begin, const dou
     if (!known_) inputs_ = inputs(begin, from);
     const model::Inputs after = inputs(end, to);
     const model::Inputs mean = mean_of(inputs_, after);
-    const model::WorkRates done = pulleys.work(from, to, mean);
-    for (std::size_t k = 0; k < done.size(); ++k) m_.work[k] += done[k];
-    m_.impulse[0] += (end - begin) * mean.drive_torque;
-    m_.impulse[1] += (end - begin) * mean.load_torque;
-    couple(pulleys, begin, from, end, to, mean);
+    m_.inputs.add(pulleys, begin, from, end, to, mean);
     inputs_ = after;
     known_ = true;
 }
 
 /// A torque k u + c u' that is linear over the step does the work ½k(u₁² - u₀²) + c (u₀' + u₁')/2 (u₁ - u₀) on a twist u: the first part is
 /// stored, the second one lost.
-void EnergyLedger::couple(const model::PulleyModel& pulleys, double begin, const double* from, double end, const double* to,
-                          const model::Inputs& mean) noexcept {
+void InputWorks::add(const model::PulleyModel& pulleys, double begin, const double* from, double end, const double* to,
+                     const model::Inputs& mean) noexcept {
+    const model::WorkRates done = pulleys.work(from, to, mean);
+    for (std::size_t k = 0; k < done.size(); ++k) work[k] += done[k];
     const std::array<double, 2> torque{mean.drive_torque, mean.load_torque};
     for (int shaft = 0; shaft < 2; ++shaft) {
-        if (!pulleys.coupled(shaft)) continue;
         const auto k = static_cast<std::size_t>(shaft);
+        impulse[k] += (end - begin) * torque[k];
+        if (!pulleys.coupled(shaft)) continue;
         const model::CouplingState before = pulleys.coupling(begin, from, shaft), after = pulleys.coupling(end, to, shaft);
-        m_.couplings.work[k] += torque[k] * (pulleys.reference_angle(end, shaft) - pulleys.reference_angle(begin, shaft));
-        m_.couplings.dissipated[k] += 0.5 * after.damping * (before.rate + after.rate) * (after.twist - before.twist);
+        couplings.work[k] += torque[k] * (pulleys.reference_angle(end, shaft) - pulleys.reference_angle(begin, shaft));
+        couplings.dissipated[k] += 0.5 * after.damping * (before.rate + after.rate) * (after.twist - before.twist);
     }
 }
 
@@ -137,39 +134,33 @@ void EnergyLedger::sample(double time, const model::Account& links, const model:
     m_.pin_period = pin_period;
     if (m_.samples > 0.0) {
         for (std::size_t k = 0; k < now.loss.size(); ++k) m_.loss[k] += 0.5 * spacing * (m_.power[k] + now.loss[k]);
-        for (std::size_t k = 0; k < m_.work.size(); ++k) m_.through += std::max(0.0, m_.work[k] - m_.work_sampled[k]);
+        for (std::size_t k = 0; k < m_.inputs.work.size(); ++k) m_.through += std::max(0.0, m_.inputs.work[k] - m_.work_sampled[k]);
     }
-    add_noise(power, spacing);
+    m_.add_noise(power, spacing);
     m_.power = now.loss;
     close_sample(time);
 }
 
 /// Fourth differences hold what the trapezoidal rule cannot see, 70 times for noise without memory, and little of what passes smoothly.
-void EnergyLedger::add_noise(double power, double spacing) noexcept {
-    auto& p = m_.powers;
-    if (m_.samples > 3.0) {
-        const double noise = power - 4.0 * p[0] + 6.0 * p[1] - 4.0 * p[2] + p[3];
-        m_.noise += noise * noise / 70.0 * spacing * spacing;
+void EnergyLedger::Memory::add_noise(double now, double spacing) noexcept {
+    auto& p = powers;
+    if (samples > 3.0) {
+        const double fourth = now - 4.0 * p[0] + 6.0 * p[1] - 4.0 * p[2] + p[3];
+        noise += fourth * fourth / 70.0 * spacing * spacing;
     }
-    p = {power, p[0], p[1], p[2]};
-}
-
-void EnergyLedger::sample_counted(double time, double pin_period) noexcept {
-    m_.pin_period = pin_period;
-    take_counted(time);
+    p = {now, p[0], p[1], p[2]};
 }
 
 /// Nothing was sampled, so nothing has noise but the shock of a start, which steps do not resolve.
-void EnergyLedger::take_counted(double time) noexcept {
+void EnergyLedger::sample_counted(double time, double pin_period) noexcept {
+    m_.pin_period = pin_period;
     if (!on_ || !counted_ || (m_.samples > 0.0 && time <= m_.sampled)) return;
     const double spacing = time - m_.sampled;
     for (std::size_t k = 0; k < account_.lost.size() && m_.samples > 0.0; ++k) m_.power[k] = (account_.lost[k] - m_.loss[k]) / spacing;
     m_.loss = account_.lost;
-    if (time < 0.0) add_noise(total(m_.power), spacing);
-    m_.work = account_.work;
-    m_.impulse = account_.impulse;
-    m_.couplings = account_.couplings;
-    for (std::size_t k = 0; k < m_.work.size(); ++k) m_.through += std::max(0.0, m_.work[k] - m_.work_sampled[k]);
+    if (time < 0.0) m_.add_noise(total(m_.power), spacing);
+    m_.inputs = account_;
+    for (std::size_t k = 0; k < m_.inputs.work.size(); ++k) m_.through += std::max(0.0, m_.inputs.work[k] - m_.work_sampled[k]);
     m_.stored = account_.stored;
     m_.max_stored = std::max(m_.max_stored, m_.stored);
     close_sample(time);
@@ -178,114 +169,121 @@ void EnergyLedger::take_counted(double time) noexcept {
 /// Everything about a sample is known but for its consequences.
 void EnergyLedger::close_sample(double time) noexcept {
     m_.sampled = time;
-    m_.work_sampled = m_.work;
+    m_.work_sampled = m_.inputs.work;
     m_.samples += 1.0;
     m_.steps = 0.0;
     if (m_.samples == 1.0) {
         m_.jumped = time;
         m_.judged_from = time < 0.0 ? 0.5 * time : time;
-        m_.all = m_.part = here();
+        m_.all = m_.part = m_.here();
     }
-    if (time - m_.part.begin >= window) close_window();
+    if (time - m_.part.begin >= window) m_.close_window();
 }
 
 /// A residual that noise can explain is evaluated again; one that it cannot explain is kept.
-void EnergyLedger::close_window() noexcept {
-    const EnergyBalance closed = balance_since(m_.part);
-    if (m_.part.begin >= m_.judged_from) m_.worst = std::max(m_.worst, suspicion_of(closed, m_.part.begin < 0.0));
-    m_.doubt = std::abs(closed.residual()) > closed.honest() ? 1.0 : 0.0;
-    m_.part = here();
+void EnergyLedger::Memory::close_window() noexcept {
+    const EnergyBalance closed = balance_since(part);
+    if (part.begin >= judged_from) worst = std::max(worst, balance_error_ratio_of(closed, part.begin < 0.0));
+    doubt = std::abs(closed.residual()) > closed.honest() ? 1.0 : 0.0;
+    part = here();
 }
 
-EnergyLedger::Span EnergyLedger::here() const noexcept {
-    return {m_.sampled, total(m_.loss), total(m_.work_sampled), m_.stored, m_.through, m_.noise, m_.samples};
+EnergyLedger::Span EnergyLedger::Memory::here() const noexcept {
+    return {sampled, total(loss), total(work_sampled), stored, through, noise, samples};
 }
 
-EnergyBalance EnergyLedger::balance_since(const Span& span) const noexcept {
+EnergyBalance EnergyLedger::Memory::balance_since(const Span& span) const noexcept {
     const Span now = here();
     return {now.begin - span.begin,
             now.stored - span.stored,
             now.work - span.work,
             now.loss - span.loss,
             now.through - span.through,
-            m_.max_stored,
+            max_stored,
             std::sqrt(std::max(0.0, now.noise - span.noise)),
             now.samples - span.samples};
 }
 
-EnergyBalance EnergyLedger::balance() const noexcept { return balance_since(m_.all); }
+EnergyBalance EnergyLedger::balance() const noexcept { return m_.balance_since(m_.all); }
 
-double EnergyLedger::suspicion() const noexcept {
+double EnergyLedger::balance_error_ratio() const noexcept {
     double most = m_.worst;
-    for (const Span* span : {&m_.all, &m_.part}) most = std::max(most, suspicion_of(balance_since(*span), span->begin < 0.0));
+    for (const Span* span : {&m_.all, &m_.part}) most = std::max(most, balance_error_ratio_of(m_.balance_since(*span), span->begin < 0.0));
     return most;
 }
 
 EnergySums EnergyLedger::sums(double time) const noexcept {
-    EnergySums now{time, m_.loss, m_.work};
+    EnergySums now{time, m_.loss, m_.inputs.work};
     if (m_.samples == 0.0) return now;
     for (std::size_t k = 0; k < now.loss.size(); ++k) now.loss[k] += (time - m_.sampled) * m_.power[k];
     return now;
 }
 
 void EnergyLedger::output(double time, const std::array<double, 2>& momentum) noexcept {
-    take_counted(time);
-    if (m_.outputs > 0.0) m_.chain_torque = torque_since_output(time, momentum);
-    m_.impulse_output = m_.impulse;
+    sample_counted(time, m_.pin_period);
+    if (m_.outputs > 0.0) m_.chain_torque = m_.torque_since_output(time, momentum);
+    m_.impulse_output = m_.inputs.impulse;
     m_.momentum_output = momentum;
     m_.output_time = time;
     m_.outputs += 1.0;
-    remember(sums(time));
+    m_.past.remember(sums(time), m_.pin_period);
 }
 
-std::array<double, 2> EnergyLedger::torque_since_output(double time, const std::array<double, 2>& momentum) const noexcept {
+std::array<double, 2> EnergyLedger::Memory::torque_since_output(double time, const std::array<double, 2>& momentum) const noexcept {
     std::array<double, 2> torque{};
     for (std::size_t k = 0; k < 2; ++k) {
-        const double gained = momentum[k] - m_.momentum_output[k], given = m_.impulse[k] - m_.impulse_output[k];
-        torque[k] = (gained - given) / (time - m_.output_time);
+        const double gained = momentum[k] - momentum_output[k], given = inputs.impulse[k] - impulse_output[k];
+        torque[k] = (gained - given) / (time - output_time);
     }
     return torque;
 }
 
-EnergySums& EnergyLedger::past(double number) noexcept {
-    return m_.past[static_cast<std::size_t>(std::fmod(m_.past_begin + number, past_size))];
-}
-
-const EnergySums& EnergyLedger::past(double number) const noexcept {
-    return m_.past[static_cast<std::size_t>(std::fmod(m_.past_begin + number, past_size))];
-}
-
-/// Forgets what lies more than a pin period back, but for the last such output, and keeps this one.
-void EnergyLedger::remember(const EnergySums& now) noexcept {
-    const double forgotten = period_begin(now.time);
-    m_.past_begin = std::fmod(m_.past_begin + forgotten, past_size);
-    m_.past_count -= forgotten;
-    const bool crowded =
-        m_.past_count > 0.0 && now.time - past(m_.past_count - 1.0).time < m_.pin_period / static_cast<double>(past_per_period);
-    if (crowded || m_.past_count >= static_cast<double>(past_size)) return;
-    past(m_.past_count) = now;
-    m_.past_count += 1.0;
-}
-
-double EnergyLedger::outputs_before(double time) const noexcept {
-    return m_.past_count > 0.0 && past(m_.past_count - 1.0).time >= time ? m_.past_count - 1.0 : m_.past_count;
-}
-
-double EnergyLedger::period_begin(double time) const noexcept {
-    const double count = outputs_before(time);
-    double first = 0.0;
-    while (first + 1.0 < count && time - past(first + 1.0).time >= m_.pin_period) first += 1.0;
-    return first;
-}
-
 std::array<double, 2> EnergyLedger::chain_torque(double time, const std::array<double, 2>& momentum) const noexcept {
     constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-    if (m_.outputs > 0.0 && time > m_.output_time) return torque_since_output(time, momentum);
+    if (m_.outputs > 0.0 && time > m_.output_time) return m_.torque_since_output(time, momentum);
     return m_.outputs > 1.0 ? m_.chain_torque : std::array{unknown, unknown};
 }
 
+std::size_t PastSums::place(double number) const noexcept { return static_cast<std::size_t>(std::fmod(begin_ + number, max_count)); }
+
+void PastSums::remember(const EnergySums& now, double pin_period) noexcept {
+    const double forgotten = period_begin(now.time, pin_period);
+    begin_ = std::fmod(begin_ + forgotten, max_count);
+    count_ -= forgotten;
+    const bool crowded = count_ > 0.0 && now.time - sums_[place(count_ - 1.0)].time < pin_period / static_cast<double>(per_period);
+    if (crowded || count_ >= static_cast<double>(max_count)) return;
+    sums_[place(count_)] = now;
+    count_ += 1.0;
+}
+
+double PastSums::outputs_before(double time) const noexcept {
+    return count_ > 0.0 && sums_[place(count_ - 1.0)].time >= time ? count_ - 1.0 : count_;
+}
+
+double PastSums::period_begin(double time, double pin_period) const noexcept {
+    const double count = outputs_before(time);
+    double first = 0.0;
+    while (first + 1.0 < count && time - sums_[place(first + 1.0)].time >= pin_period) first += 1.0;
+    return first;
+}
+
+std::optional<EnergySums> PastSums::before(double time, double pin_period) const noexcept {
+    const double count = outputs_before(time);
+    if (count == 0.0) return std::nullopt;
+    const double number = period_begin(time, pin_period), start = time - pin_period;
+    const EnergySums& first = sums_[place(number)];
+    return number + 1.0 < count && first.time < start ? EnergySums::between(first, sums_[place(number + 1.0)], start) : first;
+}
+
+bool PastSums::valid() const noexcept {
+    const auto whole = [](double number, std::size_t most) {
+        return number >= 0.0 && number <= static_cast<double>(most) && number == std::floor(number);
+    };
+    return whole(begin_, max_count - 1) && whole(count_, max_count);
+}
+
 template <class AnyMemory, class Visitor>
-void EnergyLedger::visit(AnyMemory& m, Visitor&& visitor) {
+void EnergyLedger::Memory::visit(AnyMemory& m, Visitor&& visitor) {
     using Number = std::conditional_t<std::is_const_v<AnyMemory>, const double, double>;
     const auto field = [&visitor](const char* name, auto& numbers) {
         static_assert(std::is_trivially_copyable_v<std::remove_cvref_t<decltype(numbers)>> && sizeof(numbers) % sizeof(double) == 0);
@@ -295,17 +293,17 @@ void EnergyLedger::visit(AnyMemory& m, Visitor&& visitor) {
     field("power", m.power), field("loss", m.loss), field("powers", m.powers);
     field("stored", m.stored), field("max_stored", m.max_stored), field("noise", m.noise), field("through", m.through);
     field("pin_period", m.pin_period);
-    field("work", m.work), field("work_sampled", m.work_sampled);
-    field("impulse", m.impulse), field("impulse_output", m.impulse_output), field("momentum_output", m.momentum_output);
-    field("chain_torque", m.chain_torque), field("couplings: work, dissipated", m.couplings);
+    field("work", m.inputs.work), field("work_sampled", m.work_sampled);
+    field("impulse", m.inputs.impulse), field("impulse_output", m.impulse_output), field("momentum_output", m.momentum_output);
+    field("chain_torque", m.chain_torque), field("couplings: work, dissipated", m.inputs.couplings);
     field("outputs", m.outputs), field("output_time", m.output_time);
     constexpr const char* of_span = ": begin, loss, work, stored, through, noise, samples";
     field(of_span, m.all), field(of_span, m.part);
     field("worst", m.worst), field("doubt", m.doubt), field("judged_from", m.judged_from);
-    field("past: time, loss, work", m.past), field("past_begin", m.past_begin), field("past_count", m.past_count);
+    PastSums::visit(m.past, field);
 }
 
-double EnergyLedger::layout() noexcept {
+double EnergyLedger::Memory::layout() noexcept {
     engine::Hash hash;
     std::size_t numbers = 0;
     const Memory none{};
@@ -319,21 +317,20 @@ double EnergyLedger::layout() noexcept {
 void EnergyLedger::save(std::vector<double>& memory) const {
     memory.clear();
     memory.reserve(1 + sizeof(Memory) / sizeof(double));
-    memory.push_back(layout());
-    visit(m_, [&memory](const char* /*name*/, std::span<const double> field) { memory.insert(memory.end(), field.begin(), field.end()); });
-    if (memory.size() != 1 + sizeof(Memory) / sizeof(double)) throw std::logic_error("EnergyLedger::visit() leaves out a field");
+    memory.push_back(Memory::layout());
+    Memory::visit(
+        m_, [&memory](const char* /*name*/, std::span<const double> field) { memory.insert(memory.end(), field.begin(), field.end()); });
+    if (memory.size() != 1 + sizeof(Memory) / sizeof(double)) throw std::logic_error("EnergyLedger::Memory::visit() leaves out a field");
 }
 
 void EnergyLedger::load(std::span<const double> memory, long stride) {
     restart(stride);
     if (memory.empty()) return;
-    if (pop_front(memory, 1).front() != layout()) throw std::invalid_argument("energy memory of another layout");
-    visit(m_,
-          [&memory](const char* /*name*/, std::span<double> field) { std::ranges::copy(pop_front(memory, field.size()), field.begin()); });
-    for (const auto& [place, most] : {std::pair{m_.past_begin, past_size - 1}, {m_.past_count, past_size}}) {
-        if (!(place >= 0.0 && place <= static_cast<double>(most)) || place != std::floor(place))
-            throw std::invalid_argument("malformed energy memory");
-    }
+    if (pop_front(memory, 1).front() != Memory::layout()) throw std::invalid_argument("energy memory of another layout");
+    Memory::visit(m_, [&memory](const char* /*name*/, std::span<double> field) {
+        std::ranges::copy(pop_front(memory, field.size()), field.begin());
+    });
+    if (!m_.past.valid()) throw std::invalid_argument("malformed energy memory");
 }
 
 double EnergySums::lost() const noexcept { return std::accumulate(loss.begin(), loss.end(), 0.0); }
@@ -362,23 +359,16 @@ double EnergySums::efficiency_since(const EnergySums& before, double further_wor
     return input > 0.0 ? 1.0 - (lost() - before.lost() + further_loss) / input : std::numeric_limits<double>::quiet_NaN();
 }
 
-EnergySums EnergyLedger::sums_before(double time) const noexcept {
-    const double first = period_begin(time), start = time - m_.pin_period;
-    const EnergySums& before = past(first);
-    const bool inside = first + 1.0 < outputs_before(time) && before.time < start;
-    return inside ? EnergySums::between(before, past(first + 1.0), start) : before;
-}
-
 double EnergyLedger::efficiency(double time) const noexcept {
-    if (outputs_before(time) == 0.0) return std::numeric_limits<double>::quiet_NaN();
-    return sums(time).efficiency_since(sums_before(time));
+    const std::optional<EnergySums> before = m_.past.before(time, m_.pin_period);
+    return before ? sums(time).efficiency_since(*before) : std::numeric_limits<double>::quiet_NaN();
 }
 
 double EnergyLedger::efficiency(double time, const FurtherPowers& further) const noexcept {
-    if (outputs_before(time) == 0.0) return std::numeric_limits<double>::quiet_NaN();
-    const EnergySums before = sums_before(time);
-    const double lasted = time - before.time;
-    return sums(time).efficiency_since(before, further.input * lasted, further.lost * lasted);
+    const std::optional<EnergySums> before = m_.past.before(time, m_.pin_period);
+    if (!before) return std::numeric_limits<double>::quiet_NaN();
+    const double lasted = time - before->time;
+    return sums(time).efficiency_since(*before, further.input * lasted, further.lost * lasted);
 }
 
 }  // namespace cvtflow::tasks

@@ -39,7 +39,7 @@ struct EnergyBalance {
     /// honest(), plus the error of sampling: a larger residual means wrong results [J].
     [[nodiscard]] double tolerance() const noexcept;
     /// |residual| over its tolerance; 0 for so few samples that their noise is not known. Not a number is infinite.
-    [[nodiscard]] double suspicion() const noexcept;
+    [[nodiscard]] double balance_error_ratio() const noexcept;
 };
 
 /// Cumulative since the integration began.
@@ -67,13 +67,46 @@ struct CouplingSums {
     std::array<double, 2> work{}, dissipated{};  ///< [J]
 };
 
-/// Energies that a method counts itself, in every step: sums since the integration began, and what is stored now.
-struct EnergyAccount {
-    std::array<double, model::loss_kinds> lost{};  ///< [J]
-    model::WorkRates work{};                       ///< by input [J]
-    std::array<double, 2> impulse{};               ///< of the torques from outside on both shafts [N·m·s]
-    double stored = 0.0;                           ///< [J]
+/// Work of the inputs since the integration began.
+struct InputWorks {
+    model::WorkRates work{};          ///< by input [J]
+    std::array<double, 2> impulse{};  ///< of the torques from outside, drive and load, on both shafts [N·m·s]
     CouplingSums couplings;
+
+    /// Adds a step. @param begin, end of the step [s]   @param from, to states behind the links there   @param mean inputs of the step
+    void add(const model::PulleyModel& pulleys, double begin, const double* from, double end, const double* to,
+             const model::Inputs& mean) noexcept;
+};
+
+/// Energies that a method counts itself, in every step: sums since the integration began, and what is stored now.
+struct EnergyAccount : InputWorks {
+    std::array<double, model::loss_kinds> lost{};  ///< [J]
+    double stored = 0.0;                           ///< [J]
+};
+
+/// Sums at the outputs of the last pin period, round and round.
+class PastSums {
+public:
+    /// Forgets what lies more than a pin period back, but for the last such output, and keeps this one. pin_period [s]
+    void remember(const EnergySums& now, double pin_period) noexcept;
+    /// Sums one pin period before `time` [s], or at the first output kept; none before the first output. pin_period [s]
+    [[nodiscard]] std::optional<EnergySums> before(double time, double pin_period) const noexcept;
+    /// Calls visitor(name, field) for each field.
+    static void visit(auto& past, const auto& visitor) {
+        visitor("past: time, loss, work", past.sums_), visitor("past_begin", past.begin_), visitor("past_count", past.count_);
+    }
+    /// Whether place and number, which come from a file, are possible.
+    [[nodiscard]] bool valid() const noexcept;
+
+private:
+    static constexpr std::size_t max_count = 80, per_period = 64;
+
+    [[nodiscard]] std::size_t place(double number) const noexcept;    ///< of output `number` of those kept, the oldest is 0
+    [[nodiscard]] double outputs_before(double time) const noexcept;  ///< time [s]
+    [[nodiscard]] double period_begin(double time, double pin_period) const noexcept;  ///< last output a period or more before `time` [s]
+
+    std::array<EnergySums, max_count> sums_;
+    double begin_, count_;  ///< index and number of what is kept [1]
 };
 
 class EnergyLedger {
@@ -111,8 +144,7 @@ public:
     /// From the beginning to the last sample.
     [[nodiscard]] EnergyBalance balance() const noexcept;
     /// |residual| over its tolerance, the largest of all windows, of the present one and of the whole; > 1: the results are wrong.
-    [[nodiscard]] double suspicion() const noexcept;
-    [[nodiscard]] bool reliable() const noexcept { return suspicion() <= 1.0; }
+    [[nodiscard]] double balance_error_ratio() const noexcept;
 
     /// Mean torque of the chain on the sheaves of each shaft since the output before `time`, which is now: their change of momentum less
     /// the outside's impulse [N·m]. Not a number at the first output and before. Does not change the ledger: results do not depend on when
@@ -125,9 +157,8 @@ public:
     /// Efficiency with further powers that have lasted as long. time: now [s]
     [[nodiscard]] double efficiency(double time, const FurtherPowers& further) const noexcept;
 
-    [[nodiscard]] const CouplingSums& couplings() const noexcept { return m_.couplings; }
-    /// Impulse of drive and load on their shafts so far [N·m·s].
-    [[nodiscard]] const std::array<double, 2>& impulse() const noexcept { return m_.impulse; }
+    /// So far.
+    [[nodiscard]] const InputWorks& input_works() const noexcept { return m_.inputs; }
 
     /// For checkpoints: continues bitwise.
     void save(std::vector<double>& memory) const;
@@ -136,29 +167,10 @@ public:
     void load(std::span<const double> memory, long stride);
 
 private:
-    static constexpr std::size_t past_size = 80, past_per_period = 64;
-
     /// One judged span of time: from its first sample to the last one.
     struct Span {
         double begin, loss, work, stored, through, noise, samples;  ///< [s], [J], samples [1]
     };
-    [[nodiscard]] EnergyBalance balance_since(const Span& span) const noexcept;
-    [[nodiscard]] Span here() const noexcept;
-    [[nodiscard]] std::array<double, 2> torque_since_output(double time, const std::array<double, 2>& momentum) const noexcept;
-    void remember(const EnergySums& now) noexcept;
-    void couple(const model::PulleyModel& pulleys, double begin, const double* from, double end, const double* to,
-                const model::Inputs& mean) noexcept;         ///< begin, end [s], from, to [unknowns behind the links]
-    [[nodiscard]] EnergySums& past(double number) noexcept;  ///< output `number` of those kept, the oldest is 0
-    [[nodiscard]] const EnergySums& past(double number) const noexcept;
-    [[nodiscard]] double outputs_before(double time) const noexcept;  ///< time [s]
-    /// Number of the last output kept that lies a pin period or more before `time` [s]; 0 where none does.
-    [[nodiscard]] double period_begin(double time) const noexcept;
-    /// Sums one pin period before `time` [s], or at the first output kept; some must be.
-    [[nodiscard]] EnergySums sums_before(double time) const noexcept;
-    void add_noise(double power, double spacing) noexcept;
-    void take_counted(double time) noexcept;  ///< [s]
-    void close_sample(double time) noexcept;
-    void close_window() noexcept;
 
     /// Numbers only: saved and loaded by visit(), the list of the fields.
     struct Memory {
@@ -167,23 +179,29 @@ private:
         std::array<double, model::loss_kinds> power, loss;      ///< [W], [J]
         std::array<double, 4> powers;                           ///< of the last samples, the last one first, for the noise of sampling [W]
         double stored, max_stored, noise, through, pin_period;  ///< [J], pin_period in s
-        model::WorkRates work, work_sampled;
-        std::array<double, 2> impulse, impulse_output, momentum_output;  ///< [N·m·s]
-        std::array<double, 2> chain_torque;                              ///< [N·m]
-        CouplingSums couplings;
-        double outputs, output_time;  ///< [1, s]
+        InputWorks inputs;
+        model::WorkRates work_sampled;
+        std::array<double, 2> impulse_output, momentum_output;  ///< [N·m·s]
+        std::array<double, 2> chain_torque;                     ///< [N·m]
+        double outputs, output_time;                            ///< [1, s]
         Span all, part;
         double worst, doubt;  ///< doubt: 1 while samples lie close [1]
         double judged_from;   ///< windows that begin earlier are not remembered: settling (t < 0) forgets how it began [s]
-        std::array<EnergySums, past_size> past;  ///< at outputs, round and round
-        double past_begin, past_count;           ///< index and number of what is kept [1]
+        PastSums past;        ///< at outputs
+
+        void add_noise(double power, double spacing) noexcept;
+        [[nodiscard]] std::array<double, 2> torque_since_output(double time, const std::array<double, 2>& momentum) const noexcept;
+        [[nodiscard]] Span here() const noexcept;
+        [[nodiscard]] EnergyBalance balance_since(const Span& span) const noexcept;
+        void close_window() noexcept;
+        /// Calls visitor(name, numbers) for each field. `memory` is a Memory or a const one.
+        template <class AnyMemory, class Visitor>
+        static void visit(AnyMemory& memory, Visitor&& visitor);
+        /// Hash of names, lengths and order of the fields: memories of another layout are refused.
+        [[nodiscard]] static double layout() noexcept;
     };
 
-    /// Calls visitor(name, numbers) for each field. `memory` is a Memory or a const one.
-    template <class AnyMemory, class Visitor>
-    static void visit(AnyMemory& memory, Visitor&& visitor);
-    /// Hash of names, lengths and order of the fields: memories of another layout are refused.
-    [[nodiscard]] static double layout() noexcept;
+    void close_sample(double time) noexcept;
 
     Memory m_{};
     model::Inputs inputs_;  ///< at the end of the last step

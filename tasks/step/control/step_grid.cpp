@@ -57,24 +57,24 @@ StepGrid grid_of(const StepSettings& settings) noexcept {
 double next_input_point(const model::Parameters& p, const model::HeldInputs& held, double t) noexcept {
     const double now = std::max(t, 0.0);  // while a start settles, inputs are those of t = 0
     double next = std::numeric_limits<double>::infinity();
-    const auto look = [&](const model::TimeTable& table, bool in_use) {
+    const auto include = [&](const model::TimeTable& table, bool in_use) {
         if (in_use) next = std::min(next, next_point(table, now));
     };
     const bool by_torque = p.drive.mode == model::DriveMode::torque, loaded = p.load.mode == model::LoadMode::torque;
     const bool controlled = p.control.enabled;
-    look(p.drive.speed, !by_torque && !held.drive_speed);
-    look(p.drive.torque, by_torque && !held.drive_torque);
-    look(p.load.torque, loaded && !held.load_torque);
-    look(p.load.speed, !loaded && !held.load_speed);
+    include(p.drive.speed, !by_torque && !held.drive_speed);
+    include(p.drive.torque, by_torque && !held.drive_torque);
+    include(p.load.torque, loaded && !held.load_torque);
+    include(p.load.speed, !loaded && !held.load_speed);
     const bool by_pressure = p.hydraulics.mode == model::HydraulicMode::pressure;
-    look(p.clamping.driving, !held.driving && !by_pressure);
-    look(p.clamping.driven, !held.driven && !by_pressure);
-    look(p.hydraulics.driving.pressure, by_pressure && !held.driving_pressure);
-    look(p.hydraulics.driven.pressure, by_pressure && !held.driven_pressure);
-    look(p.hydraulics.pump_speed, p.hydraulics.mode != model::HydraulicMode::none);
-    look(p.control.ratio, controlled && !held.ratio);
-    look(p.control.slip, controlled);
-    look(p.control.safety, controlled);
+    include(p.clamping.driving, !held.driving && !by_pressure);
+    include(p.clamping.driven, !held.driven && !by_pressure);
+    include(p.hydraulics.driving.pressure, by_pressure && !held.driving_pressure);
+    include(p.hydraulics.driven.pressure, by_pressure && !held.driven_pressure);
+    include(p.hydraulics.pump_speed, p.hydraulics.mode != model::HydraulicMode::none);
+    include(p.control.ratio, controlled && !held.ratio);
+    include(p.control.slip, controlled);
+    include(p.control.safety, controlled);
     return next;
 }
 

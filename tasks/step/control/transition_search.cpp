@@ -37,10 +37,10 @@ Fault TransitionSearch::check(Counters& counters) {
     for (int k = 0; k < w_.tail_size(); ++k) {
         if (!std::isfinite(tail[k])) return {FaultKind::non_finite, w_.step.time + w_.step.h, {}, 0.0, 0.0};
     }
-    for (const SegmentResult& verdict : w_.segment_results) {
-        if (verdict.fault) return verdict.fault;
-        counters.suppressed += verdict.suppressed;
-        due_ = due_ || verdict.pending;
+    for (const SegmentResult& result : w_.segment_results) {
+        if (result.fault) return result.fault;
+        counters.suppressed += result.suppressed;
+        due_ = due_ || result.pending;
     }
     return {};
 }
@@ -68,8 +68,8 @@ void TransitionSearch::close_end_slope() {
 
 bool TransitionSearch::locate() {
     Transition first;
-    for (const SegmentResult& verdict : w_.segment_results) {
-        if (verdict.first.theta < first.theta) first = verdict.first;
+    for (const SegmentResult& result : w_.segment_results) {
+        if (result.first.theta < first.theta) first = result.first;
     }
     if (first.theta > 1.0) return false;
     w_.step.theta = first.theta;

@@ -65,7 +65,7 @@ TEST(AutoStep, HoldsWhileLoadsRise) {
         SilentObserver silent;
         const engine::Cancellation never;
         ASSERT_FALSE(simulation.advance({.until = -1e-6}, silent, never)) << damping;
-        EXPECT_LE(simulation.suspicion(), 1.0) << damping << ", " << simulation.step() << " s";
+        EXPECT_LE(simulation.balance_error_ratio(), 1.0) << damping << ", " << simulation.step() << " s";
     }
 }
 

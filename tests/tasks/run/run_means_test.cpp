@@ -219,27 +219,27 @@ private:
     model::Observer eye_;
 };
 
-RunVerdict watched(const std::vector<std::string>& settings, double duration) {
+WatchResult watched(const std::vector<std::string>& settings, double duration) {
     Simulation simulation(test::settled_tiny(settings));
     Watching observer(simulation);
     const engine::Cancellation never;
     EXPECT_FALSE(simulation.advance({.until = simulation.time() + duration}, observer, never));
-    return observer.watch.verdict(simulation.energy(), simulation.suspicion());
+    return observer.watch.result(simulation.energy(), simulation.balance_error_ratio());
 }
 
 TEST(RunWatch, KnowsHowLongARunWasInPinPeriods) {
-    const RunVerdict brief = watched({}, 100e-6);
+    const WatchResult brief = watched({}, 100e-6);
     EXPECT_NEAR(brief.duration, 100e-6, 1e-12);
     ASSERT_GT(brief.pin_period, 0.0);
     EXPECT_DOUBLE_EQ(brief.pin_periods(), brief.duration / brief.pin_period);
     EXPECT_FALSE(brief.long_enough());
-    RunVerdict longer = brief;
+    WatchResult longer = brief;
     longer.duration = enough_pin_periods * brief.pin_period;
     EXPECT_TRUE(longer.long_enough());
 }
 
 TEST(RunWatch, NothingThatPassesAPulleyNeedsNoPinPeriods) {
-    const RunVerdict none;
+    const WatchResult none;
     EXPECT_EQ(none.pin_periods(), 0.0);
     EXPECT_TRUE(none.long_enough());
 }
@@ -247,7 +247,7 @@ TEST(RunWatch, NothingThatPassesAPulleyNeedsNoPinPeriods) {
 /// At this state the classical method is stable up to 0.7 us.
 TEST(RunWatch, CallsAStepBeyondStabilityUnreliable) {
     EXPECT_EQ(watched({"run.step=50ns"}, 600e-6).status({}), "finished");
-    const RunVerdict wrong = watched({"run.method=rk4", "run.step=2us"}, 600e-6);
+    const WatchResult wrong = watched({"run.method=rk4", "run.step=2us"}, 600e-6);
     EXPECT_FALSE(wrong.reliable());
     EXPECT_EQ(wrong.status({}), "unreliable");
     EXPECT_EQ(wrong.status({FaultKind::penetration, 0.0, 0, 0.0, 0.0}), "penetration") << "a fault is more specific";

@@ -35,9 +35,9 @@ TEST(FusedGraph, EveryTaskDeclaresWhatItsCycleWrites) {
     const Workspace workspace(unchanged_tiny().parameters, engine::StagePlan(*engine::find_method("rk4")), Partition::equal(24, 5));
     const engine::TaskGraph graph = step_graph(workspace, {});
     const std::vector<Field> written[] = {{Field::slope_written, Field::state_kept, Field::load, Field::account, Field::window},
-                                          {Field::end_state, Field::after, Field::verdict},
-                                          {Field::verdict},
-                                          {Field::cut_state, Field::after, Field::phase, Field::verdict},
+                                          {Field::end_state, Field::after, Field::result},
+                                          {Field::result},
+                                          {Field::cut_state, Field::after, Field::phase, Field::result},
                                           {Field::cut_state, Field::load, Field::account, Field::window}};
     for (int task = 0; task < graph.size(); ++task) {
         const engine::Task& one = graph.task(task);

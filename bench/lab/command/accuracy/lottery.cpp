@@ -27,11 +27,11 @@ std::string line_of(const LotteryTicket& t, const LotteryArguments& a) {
     if (a.csv)
         return fmt::format("{},{},{:.6g},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.3g},{:.3g},{:.3g},{:.3f}\n", t.number, t.detail, t.step,
                            tasks::csv_cell(t.status, true), tasks::csv_cell(t.notes, true), t.slip, t.exact_slip, t.loss, t.exact_loss,
-                           t.residual, t.exact_residual, t.suspicion, t.wall);
+                           t.residual, t.exact_residual, t.balance_error_ratio, t.wall);
     return fmt::format("{:>5} {:<17} {:>8.3g} {:<12} {:>8.3f} % {:>+8.3f} % {:>9.4g} J {:>+8.3f} % {:>8.2g} {:>8.2g} {:>8.2g}  {}{}\n",
                        t.number, t.detail, t.step, t.status, 100.0 * t.slip, 100.0 * (t.exact_loss > 0.0 ? t.slip_error(a.rules) : 0.0),
-                       t.loss, 100.0 * (t.exact_loss > 0.0 ? t.loss_error() : 0.0), t.residual, t.exact_residual, t.suspicion, t.notes,
-                       t.message.empty() ? "" : " " + t.message);
+                       t.loss, 100.0 * (t.exact_loss > 0.0 ? t.loss_error() : 0.0), t.residual, t.exact_residual, t.balance_error_ratio,
+                       t.notes, t.message.empty() ? "" : " " + t.message);
 }
 
 std::string heading(bool csv) {

@@ -71,7 +71,7 @@ TEST(Confirmation, ObjectsToSlipAndLossesThatAreOffByMoreThanAHundredth) {
     EXPECT_EQ(confirm.judged(run).objection, "losses off by 2 %");
     run.watch.means.slip *= 1.02 / 1.009;
     EXPECT_EQ(confirm.judged(run).objection, "slip off by 2 %");
-    run.watch.suspicion = 1.1;
+    run.watch.balance_error_ratio = 1.1;
     EXPECT_EQ(confirm.judged(run).objection, "unreliable");
     run.fault.kind = FaultKind::penetration;
     EXPECT_EQ(confirm.judged(run).objection, "penetration");

@@ -354,7 +354,7 @@ TEST(RigidRuns, FinishesWhatScenesHaveWithAClosedBalance) {
         if (simulation.needs_settling()) settle_tiny(simulation);
         const Fault fault = simulation.advance({.until = 4e-3}, silent, never_cancelled);
         EXPECT_FALSE(fault) << fault.message();
-        EXPECT_LE(simulation.suspicion(), 1.0);
+        EXPECT_LE(simulation.balance_error_ratio(), 1.0);
     }
 }
 
@@ -392,7 +392,7 @@ TEST(RigidRuns, FindsStepsThatAreTooLong) {
     Simulation simulation(rigid_tiny({"run.step=9 us", "run.output_interval=90 us"}));
     SilentObserver silent;
     const Fault fault = simulation.advance({.until = 0.0}, silent, never_cancelled);
-    EXPECT_TRUE(fault || simulation.suspicion() > 1.0);
+    EXPECT_TRUE(fault || simulation.balance_error_ratio() > 1.0);
 }
 
 TEST(RigidRuns, AllocatesNothingBetweenTheStartAndTheEndOfARun) {

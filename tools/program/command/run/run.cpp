@@ -148,13 +148,13 @@ ExitStatus settle(SettleArguments& arguments) {
     }
     const engine::Permit permit(file, state_rule(scene, !arguments.output.empty(), arguments.force));  // before settling, not after it
     say(arguments.quiet, permit.notice());
-    const double suspicion = tasks::settle_scene(scene, permit, ProgressDisplay(arguments.quiet, 0.0).options());
-    const ExitStatus status = suspicion <= 1.0 ? ExitStatus::finished : ExitStatus::unreliable;
+    const double balance_error_ratio = tasks::settle_scene(scene, permit, ProgressDisplay(arguments.quiet, 0.0).options());
+    const ExitStatus status = balance_error_ratio <= 1.0 ? ExitStatus::finished : ExitStatus::unreliable;
     if (status == ExitStatus::unreliable) {
         print_error(
             fmt::format("{}: unreliable: the residual of the energy balance is {:.2g} times the tolerance; runs from this state "
                         "will be reported as unreliable",
-                        scene.name, suspicion));
+                        scene.name, balance_error_ratio));
     }
     if (arguments.quiet) return status;
     fmt::print("{}: settled for {}\n{}", scene.name, time_text(start.settling_time), field("state file", file));
