@@ -228,10 +228,15 @@ std::size_t Simulation::Impl::find_channel(std::string_view name) const {
 std::span<const double> Simulation::Impl::channel(std::size_t index) {
     const Scope scope(*this, Scope::As::visitor);
     const tasks::Channel& row = channel_row(index);
-    if (observation_ == nullptr) observation_ = &simulation_.workspace().observed_by(observer_, simulation_.time());
-    const tasks::Instant now{*observation_, simulation_.workspace(), simulation_.integration_state().counters, data().run.followed_pin,
-                             observer_};
-    row.read(now, values_[index].data());
+    const tasks::Workspace& workspace = simulation_.workspace();
+    const tasks::Counters& counters = simulation_.integration_state().counters;
+    const bool chain = row.needs_chain(counters);
+    if (observation_ == nullptr || (chain && !chain_observed_)) {
+        observation_ =
+            &(chain ? workspace.observed_by(observer_, simulation_.time()) : workspace.shafts_observed_by(observer_, simulation_.time()));
+        chain_observed_ = chain;
+    }
+    row.read({*observation_, workspace, counters, data().run.followed_pin, observer_}, values_[index].data());
     return values_[index];
 }
 

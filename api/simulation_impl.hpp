@@ -90,6 +90,7 @@ private:
     tasks::PlainSlope slope_;
     model::Observer observer_;
     const model::Observation* observation_ = nullptr;  ///< of the present state; nullptr: not made yet
+    bool chain_observed_ = false;                      ///< it is not of the shafts alone
     std::vector<const tasks::Channel*> channels_;
     std::vector<std::vector<double>> values_;  ///< [channel][width]
     engine::ReentryGuard entry_;

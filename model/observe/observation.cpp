@@ -76,7 +76,7 @@ void Observer::observe_halves(const double* state, const Phase* phases) noexcept
     observe_strands(state, phases);
     if (at.pulley_size == 0) return;
     observe_radii(state, phases);
-    observe_pulleys(observation_.time);
+    observe_pulleys();
 }
 
 void Observer::observe_links(const double* state, const Phase* phases) noexcept {
@@ -186,7 +186,7 @@ void Observer::observe_rigid(const RigidInstant& now) noexcept {
         o.pin_speed[k] = mean(sums.turning[k], sums.pins[k]);
     }
     o.creep = {sums.hold, sums.drag, sums.creep_power};
-    observe_pulleys(o.time);
+    observe_pulleys();
 }
 
 const ForceObservation& Observer::forces() {
@@ -207,25 +207,37 @@ const ForceObservation& Observer::forces() {
     return forces_;
 }
 
-void Observer::observe_pulleys(double t) noexcept {
+const Observation& Observer::observe_shafts(double t, const double* behind) noexcept {
+    begin(t);
+    pulleys_ = nullptr;
+    if (variator_.layout().pulley_size != 0) read_shafts(behind);
+    return observation_;
+}
+
+void Observer::read_shafts(const double* behind) noexcept {
     const PulleyModel& pulleys = variator_.pulleys();
     Observation& o = observation_;
-    const Inputs inputs = pulleys.inputs(t, pulleys_);
-    o.work = pulleys.works(pulleys_, inputs);
+    const Inputs inputs = pulleys.inputs(o.time, behind);
+    o.work = pulleys.works(behind, inputs);
     o.torque = {inputs.drive_torque, inputs.load_torque};
     o.clamping = inputs.clamping;
-    o.hydraulics = pulleys.hydraulics(t, pulleys_);
-    o.hydraulic_energy = pulleys.hydraulic_energy(pulleys_);
+    o.hydraulics = pulleys.hydraulics(o.time, behind);
+    o.hydraulic_energy = pulleys.hydraulic_energy(behind);
     o.control_limited = inputs.control_limited;
-    for (std::size_t sheave = 0; sheave < 4; ++sheave) o.axial_force[sheave] = sheave_forces_[sheave][4];
     for (int shaft = 0; shaft < 2; ++shaft) {
         const std::size_t k = index_of(shaft);
-        o.speed[k] = pulleys.shaft_speed(pulleys_, shaft);
-        o.angle[k] = pulleys_[pulleys.rotation(shaft)];
-        o.sheave_position[k] = pulleys.clamped_position(pulleys_, shaft);
-        o.chain_torque[k] = sheave_forces_[2 * k][5] + sheave_forces_[2 * k + 1][5];
+        o.speed[k] = pulleys.shaft_speed(behind, shaft);
+        o.angle[k] = behind[pulleys.rotation(shaft)];
+        o.sheave_position[k] = pulleys.clamped_position(behind, shaft);
     }
     o.ratio = o.speed[0] / o.speed[1];
+}
+
+void Observer::observe_pulleys() noexcept {
+    Observation& o = observation_;
+    read_shafts(pulleys_);
+    for (std::size_t sheave = 0; sheave < 4; ++sheave) o.axial_force[sheave] = sheave_forces_[sheave][4];
+    for (std::size_t k = 0; k < 2; ++k) o.chain_torque[k] = sheave_forces_[2 * k][5] + sheave_forces_[2 * k + 1][5];
     observe_slip();
 }
 

@@ -65,6 +65,9 @@ public:
     const Observation& observe(double t, const double* state, const Phase* phases) noexcept;
     /// Reads rigid pins with the forces of their last step, losses and energies of which are those that the step counts.
     const Observation& observe(double t, const RigidState& pins) noexcept;
+    /// Reads what lies behind the links and evaluates no chain: time, speed, angle, torque, clamping, sheave_position, control_limited,
+    /// ratio, work and hydraulics. All else is that of an earlier call. @param t [s]   @param behind [unknowns behind the links]
+    const Observation& observe_shafts(double t, const double* behind) noexcept;
     /// Forces of the instant that was observed last, whose state must still be there; evaluated on first use.
     const ForceObservation& forces();
 
@@ -75,8 +78,9 @@ private:
     void observe_strands(const double* state, const Phase* phases) noexcept;  ///< of halves. state [unknowns]
     void observe_radii(const double* state, const Phase* phases) noexcept;    ///< of halves. state [unknowns]
     void observe_rigid(const RigidInstant& now) noexcept;
-    void observe_pulleys(double t) noexcept;  ///< t [s]
-    void observe_slip() noexcept;             ///< after the creep and the pulleys
+    void read_shafts(const double* behind) noexcept;  ///< at the time of the observation. behind [unknowns behind the links]
+    void observe_pulleys() noexcept;
+    void observe_slip() noexcept;  ///< after the creep and the pulleys
 
     const Variator& variator_;
     EvaluationScratch scratch_;

@@ -31,10 +31,11 @@ struct Channel {
     /// Differences to a usual channel, which every run of a machine with pulleys records; combined by |.
     enum Trait : unsigned {
         usual = 0,
-        any_machine = 1,                ///< of a ring of links without pulleys also
-        on_demand = 2,                  ///< recorded where record.channels names it
-        of_hydraulics = 4 | on_demand,  ///< recorded in every run with hydraulics also
-        may_be_undefined = 8,           ///< a quotient that is NaN where its divisor is zero; means and extremes leave such outputs out
+        any_machine = 1,       ///< of a ring of links without pulleys also
+        on_demand = 2,         ///< recorded where record.channels names it
+        may_be_undefined = 8,  ///< a quotient that is NaN where its divisor is zero; means and extremes leave such outputs out
+        without_chain = 16,    ///< see needs_chain()
+        of_hydraulics = 4 | on_demand | without_chain,  ///< recorded in every run with hydraulics also
     };
 
     std::string_view name;  ///< as in the record; '/' groups
@@ -46,6 +47,9 @@ struct Channel {
     Width width = always(1);     ///< numbers of an instant
 
     [[nodiscard]] bool is(Trait trait) const noexcept { return (traits & trait) == trait; }
+    /// Whether reading it takes an observation of the chain; else Workspace::shafts_observed_by() is enough. At its first instant a run
+    /// knows no means yet.
+    [[nodiscard]] bool needs_chain(const Counters& counters) const noexcept { return !is(without_chain) || counters.steps == 0; }
 
     /// A width that does not depend on the machine.
     [[nodiscard]] static Width always(int numbers) {

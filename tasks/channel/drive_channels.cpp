@@ -12,8 +12,7 @@ using model::HydraulicEnergy;
 using model::HydraulicInstant;
 
 [[nodiscard]] model::CouplingState coupling(const Instant& now, int shaft) {
-    const model::ChainLayout& at = now.workspace.layout();
-    return now.workspace.variator.pulleys().coupling(now.observation.time, now.workspace.state() + at.pulley_begin(), shaft);
+    return now.workspace.variator.pulleys().coupling(now.observation.time, now.workspace.tail(), shaft);
 }
 
 Channel::Read twist(int shaft) {
@@ -34,19 +33,22 @@ Channel::Read impulse(std::size_t shaft) {
 
 const Channel table_of_couplings[] = {
     {"shaft_1/impulse", "N*m*s", "angular impulse of the drive on the driving shaft so far: its change over a time is the mean torque",
-     impulse(0), on_demand},
+     impulse(0), on_demand | without_chain},
     {"shaft_2/impulse", "N*m*s",
      "angular impulse of the load on the driven shaft so far (negative brakes): its change over a time is the mean torque", impulse(1),
-     on_demand},
-    {"shaft_1/twist", "rad", "twist of the coupling of the driving shaft: far end less shaft", twist(0), on_demand},
-    {"shaft_2/twist", "rad", "twist of the coupling of the driven shaft: far end less shaft", twist(1), on_demand},
-    {"shaft_1/coupling_energy", "J", "energy stored in the coupling of the driving shaft", stored(0), on_demand},
-    {"shaft_2/coupling_energy", "J", "energy stored in the coupling of the driven shaft", stored(1), on_demand},
-    {"shaft_1/coupling_work", "J", "work done at the far end of the coupling of the driving shaft so far", far_work(0), on_demand},
+     on_demand | without_chain},
+    {"shaft_1/twist", "rad", "twist of the coupling of the driving shaft: far end less shaft", twist(0), on_demand | without_chain},
+    {"shaft_2/twist", "rad", "twist of the coupling of the driven shaft: far end less shaft", twist(1), on_demand | without_chain},
+    {"shaft_1/coupling_energy", "J", "energy stored in the coupling of the driving shaft", stored(0), on_demand | without_chain},
+    {"shaft_2/coupling_energy", "J", "energy stored in the coupling of the driven shaft", stored(1), on_demand | without_chain},
+    {"shaft_1/coupling_work", "J", "work done at the far end of the coupling of the driving shaft so far", far_work(0),
+     on_demand | without_chain},
     {"shaft_2/coupling_work", "J", "work done at the far end of the coupling of the driven shaft so far (negative: taken out)", far_work(1),
-     on_demand},
-    {"shaft_1/coupling_dissipated", "J", "energy dissipated in the coupling of the driving shaft so far", dissipated(0), on_demand},
-    {"shaft_2/coupling_dissipated", "J", "energy dissipated in the coupling of the driven shaft so far", dissipated(1), on_demand},
+     on_demand | without_chain},
+    {"shaft_1/coupling_dissipated", "J", "energy dissipated in the coupling of the driving shaft so far", dissipated(0),
+     on_demand | without_chain},
+    {"shaft_2/coupling_dissipated", "J", "energy dissipated in the coupling of the driven shaft so far", dissipated(1),
+     on_demand | without_chain},
 };
 
 Channel::Read of(double HydraulicInstant::*member) {

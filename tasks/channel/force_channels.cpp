@@ -225,8 +225,10 @@ const Channel table_of_wear[] = {
     {"wear/tip_sliding", "m/s", "sliding speed of every tip on its sheave", forces(&F::tip_sliding), on_demand, "tip", of_tips},
     {"clamping_limit_use", "1", "clamping force over wear.clamping_limit at the slip speed, of the pulley where it is larger; 0: no limit",
      limit_use, on_demand},
-    {"temperature/pulleys", "K", "of pulleys and chain (heat.enabled)", heat(&model::HeatBalance::pulleys), any_machine | on_demand},
-    {"temperature/oil", "K", "of the oil around pulleys and chain (heat.enabled)", heat(&model::HeatBalance::oil), any_machine | on_demand},
+    {"temperature/pulleys", "K", "of pulleys and chain (heat.enabled)", heat(&model::HeatBalance::pulleys),
+     any_machine | on_demand | without_chain},
+    {"temperature/oil", "K", "of the oil around pulleys and chain (heat.enabled)", heat(&model::HeatBalance::oil),
+     any_machine | on_demand | without_chain},
 };
 
 }  // namespace

@@ -184,6 +184,10 @@ public:
     [[nodiscard]] const model::Observation& observed_by(model::Observer& observer, double time) const noexcept {
         return columns_hold_forces_ ? observer.observe(time, *columns_) : observer.observe(time, state(), tips.phases.data());
     }
+    /// Observation without the chain (Observer::observe_shafts). time [s]
+    [[nodiscard]] const model::Observation& shafts_observed_by(model::Observer& observer, double time) const noexcept {
+        return observer.observe_shafts(time, tail());
+    }
     /// y to set from outside, between two runs; then call StepMethod::restart.
     [[nodiscard]] double* state_to_set() noexcept {
         static_cast<void>(state());

@@ -55,6 +55,25 @@ TEST(Channels, AllAreFiniteAndOfTheirWidthOnAFreeRing) {
     expect_finite(rig, false);
 }
 
+/// From an observer that has never seen the chain: whatever is of the chain would be zero.
+TEST(Channels, WithoutTheChainReadTheSameOfShaftsAlone) {
+    claims::Rig rig(tiny_parameters());
+    ASSERT_FALSE(rig.run({-10e-3, -9e-3, 5e-8, 1e-4}));
+    model::Observer observer(rig.variator()), of_shafts(rig.variator());
+    const Instant whole{rig.workspace().observed_by(observer, rig.time()), rig.workspace(), rig.counters(), 0, observer};
+    const Instant shafts{rig.workspace().shafts_observed_by(of_shafts, rig.time()), rig.workspace(), rig.counters(), 0, of_shafts};
+    int count = 0;
+    for (const Channel& channel : channels()) {
+        EXPECT_TRUE(channel.needs_chain(Counters{})) << channel.name << ": at the first instant";
+        if (channel.needs_chain(rig.counters())) continue;
+        ++count;
+        const std::vector<double> values = read(channel, shafts), expected = read(channel, whole);
+        for (std::size_t k = 0; k < values.size(); ++k) EXPECT_TRUE(values[k] == expected[k] || std::isnan(expected[k])) << channel.name;
+    }
+    EXPECT_GT(count, 70);
+    EXPECT_FALSE(read(channels()[0], shafts)[0] == 0.0) << "it turns";
+}
+
 TEST(Channels, HaveNamesOfTheirOwnUnitsAndDescriptions) {
     std::set<std::string> names;
     const model::ChainModel chain = model::make_chain(tiny_parameters());
