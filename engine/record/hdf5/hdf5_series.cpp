@@ -92,9 +92,14 @@ Handle open_series(hid_t file, const std::string& path) {
 }
 
 void append_rows(hid_t dataset, hid_t type, std::size_t width, std::size_t before, std::size_t rows, const void* data) {
+    const std::array<hsize_t, 2> extent{before + rows, width};
+    check(H5Dset_extent(dataset, extent.data()), "cannot write");
+    write_rows(dataset, type, width, before, rows, data);
+}
+
+void write_rows(hid_t dataset, hid_t type, std::size_t width, std::size_t before, std::size_t rows, const void* data) {
     constexpr std::string_view what = "cannot write";
-    const std::array<hsize_t, 2> extent{before + rows, width}, first{before, 0}, count{rows, width};
-    check(H5Dset_extent(dataset, extent.data()), what);
+    const std::array<hsize_t, 2> first{before, 0}, count{rows, width};
     const Handle file_rows(H5Dget_space(dataset), H5Sclose, what);
     check(H5Sselect_hyperslab(file_rows.id(), H5S_SELECT_SET, first.data(), nullptr, count.data(), nullptr), what);
     const Handle memory_rows(H5Screate_simple(width == 0 ? 1 : 2, count.data(), nullptr), H5Sclose, what);
@@ -225,24 +230,43 @@ int require_record_type(hid_t type, const std::string& what) {
 
 void RowBlock::add(Handle dataset, const SeriesShape& shape) {
     const std::size_t row_bytes = H5Tget_size(shape.type) * shape.width;
-    members_.push_back({std::move(dataset), shape.type, shape.width, shape.flat, row_bytes, std::vector<std::byte>(row_bytes * capacity_)});
+    members_.push_back({std::move(dataset), shape.type, shape.flat ? 0 : shape.width, shape.deflate == 0 ? shape.chunk : 0, row_bytes,
+                        std::make_unique_for_overwrite<std::byte[]>(row_bytes * capacity_)});
 }
 
 void RowBlock::put(std::size_t member, const void* row) noexcept {
     Member& target = members_[member];
-    std::memcpy(target.rows.data() + buffered_ * target.row_bytes, row, target.row_bytes);
+    std::memcpy(target.rows.get() + buffered_ * target.row_bytes, row, target.row_bytes);
 }
 
 void RowBlock::write() {
     if (buffered_ == 0) return;
-    for (const Member& member : members_) write_member(member);
+    for (const Member& member : members_) {
+        const hid_t dataset = member.dataset.id();
+        if (&member == &members_.back() && members_.size() > 1) check(H5Fflush(dataset, H5F_SCOPE_LOCAL), "cannot write");
+        write_member(member);
+    }
+    check(H5Dflush(members_.back().dataset.id()), "cannot write");
     written_ += buffered_;
     buffered_ = 0;
 }
 
+/// Whole chunks go past HDF5's cache, which would take memory for each of them and copy it.
 void RowBlock::write_member(const Member& member) const {
-    append_rows(member.dataset.id(), member.type, member.flat ? 0 : member.width, written_, buffered_, member.rows.data());
-    check(H5Dflush(member.dataset.id()), "cannot write");
+    const hid_t dataset = member.dataset.id();
+    const std::size_t end = written_ + buffered_;
+    const std::array<hsize_t, 2> extent{end, member.width};
+    check(H5Dset_extent(dataset, extent.data()), "cannot write");
+    for (std::size_t row = written_; row < end;) {
+        const std::byte* data = member.rows.get() + (row - written_) * member.row_bytes;
+        const std::size_t next = member.chunk == 0 ? end : std::min(end, (row / member.chunk + 1) * member.chunk);
+        const std::array<hsize_t, 2> first{row, 0};
+        if (member.chunk != 0 && next - row == member.chunk)
+            check(H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, first.data(), member.chunk * member.row_bytes, data), "cannot write");
+        else
+            write_rows(dataset, member.type, member.width, row, next - row, data);
+        row = next;
+    }
 }
 
 std::size_t RowBlock::growth() const noexcept {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,9 @@ struct SeriesShape {
 /// Adds rows at the end of a dataset. @param width  elements per row of [rows, width]; 0: [rows]   @param before  rows so far. Throws
 /// Failure.
 void append_rows(hid_t dataset, hid_t type, std::size_t width, std::size_t before, std::size_t rows, const void* data);
+
+/// Writes rows of a dataset that is long enough. Likewise.
+void write_rows(hid_t dataset, hid_t type, std::size_t width, std::size_t before, std::size_t rows, const void* data);
 
 /// Required type of elements.
 enum class Cells { reals, bytes, records };  ///< float64; 8-bit integers; compounds of 8-byte numbers and texts
@@ -123,10 +127,10 @@ private:
     struct Member {
         Handle dataset;
         hid_t type;
-        std::size_t width;
-        bool flat;
+        std::size_t width;  ///< 0: [rows]
+        std::size_t chunk;  ///< rows of a chunk that is written as it is; 0: chunks are compressed
         std::size_t row_bytes;
-        std::vector<std::byte> rows;
+        std::unique_ptr<std::byte[]> rows;
     };
     void write_member(const Member& member) const;
 
