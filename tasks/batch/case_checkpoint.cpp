@@ -69,6 +69,7 @@ void CaseEngine::resume_from(const Checkpoint& checkpoint) {
     begin(nullptr);
     record_options_.from = nullptr;
     simulation_->restore(checkpoint.integration);
+    output_before_ = checkpoint.integration.time;
     result_.settling = checkpoint.history.settling;
     wall_before_ = checkpoint.history.wall;
     std::span<const double> memory(checkpoint.recorder);

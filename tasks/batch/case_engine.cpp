@@ -103,6 +103,7 @@ void CaseEngine::prepare() {
     record_options_.from = nullptr;
     for (Reducer& reducer : reducers_) reducer.clear();
     means_.clear();
+    output_before_ = -std::numeric_limits<double>::infinity();
     result_.efficiency = result_.residual = result_.balance_error_ratio = std::numeric_limits<double>::quiet_NaN();
     result_.notes.clear();
     result_.counters = result_.settling = {};
@@ -208,41 +209,44 @@ void CaseEngine::finish_record(const Fault& fault) {
     recorder_.reset();
 }
 
+/// Scalars and means are of the time from sweep.from on.
+bool CaseEngine::counts(double time) const noexcept { return !simulation_->needs_settling() && time >= sweep_.from * (1.0 - 1e-12); }
+
+bool CaseEngine::sample_due(double time) const noexcept { return means_.curve().empty() || means_.curve().due(time, samples_per_pitch); }
+
+/// Where samples lie apart by more than outputs, as at rest, outputs are samples.
 void CaseEngine::output(double time, const Workspace& workspace, const Counters& counters) {
     if (recorder_) recorder_->output(time, workspace, counters);
-    if (!simulation_->needs_settling() && time >= sweep_.from * (1.0 - 1e-12)) reduce(time, workspace, counters);
+    if (counts(time)) {
+        const bool last = time >= scene_.run.until - 1e-9 * scene_.run.output_interval;
+        const bool sample = last || sample_due(time) || means_.curve().last().time <= output_before_;
+        reduce(time, workspace, counters, {sample, true, last});
+    }
+    output_before_ = time;
     pause_reason_ = pause_for(time, counters);
     pause_ = pause_reason_ != Pause::none;
 }
 
-bool CaseEngine::samples(double time) const noexcept { return means_.due(time) || (recorder_ && recorder_->samples(time)); }
+bool CaseEngine::samples(double time) const noexcept {
+    return (counts(time) && sample_due(time)) || (recorder_ && recorder_->samples(time));
+}
 
-void CaseEngine::sample(double time, const Workspace& workspace) {
-    if (recorder_ && recorder_->samples(time)) recorder_->sample(time, workspace);
-    if (!means_.due(time)) return;
-    const model::Observation& now = workspace.observed_by(*observer_, time);
-    means_.add(now, workspace.energy.sums(time), workspace.pin_period(now.chain_speed));
+void CaseEngine::sample(double time, const Workspace& workspace, const Counters& counters) {
+    if (recorder_ && recorder_->samples(time)) recorder_->sample(time, workspace, counters);
+    if (counts(time) && sample_due(time)) reduce(time, workspace, counters, {.sample = true});
 }
 
 void CaseEngine::transition(const TransitionRecord& record) {
     if (recorder_) recorder_->transition(record);
 }
 
-void CaseEngine::reduce(double time, const Workspace& workspace, const Counters& counters) {
-    const Instant instant{workspace.observed_by(*observer_, time), workspace, counters, scene_.run.followed_pin, *observer_};
-    means_.add(instant.observation, workspace.energy.sums(time), workspace.pin_period(instant.observation.chain_speed));
-    for (std::size_t i = 0; i < reducers_.size(); ++i) {
-        const Scalar& scalar = sweep_.scalars[i];
-        for (std::size_t term = 0; term < scalar.terms.size(); ++term) {
-            const Channel& channel = *scalar.terms[term].channel;
-            const int width = channel.width(workspace.variator.chain());
-            if (values_.size() < static_cast<std::size_t>(width)) values_.resize(static_cast<std::size_t>(width));
-            if (scalar.terms[term].element >= width)
-                throw SimulationError(fmt::format("{}: the channel has only {} elements", scalar.text, width));
-            channel.read(instant, values_.data());
-            reducers_[i].add(scalar, term, time, {values_.data(), static_cast<std::size_t>(width)});
-        }
-    }
+void CaseEngine::reduce(double time, const Workspace& workspace, const Counters& counters, const Occasion& when) {
+    bool chain = when.sample;
+    for (std::size_t i = 0; i < reducers_.size() && !chain; ++i) chain = reducers_[i].needs_chain(sweep_.scalars[i], time, when, counters);
+    const Instant now{chain ? workspace.observed_by(*observer_, time) : workspace.shafts_observed_by(*observer_, time), workspace, counters,
+                      scene_.run.followed_pin, *observer_};
+    if (when.sample) means_.add(now.observation, workspace.energy.sums(time), workspace.pin_period(now.observation.chain_speed));
+    for (std::size_t i = 0; i < reducers_.size(); ++i) reducers_[i].read(sweep_.scalars[i], now, when, values_);
 }
 
 /// At an output: whether the case should pause, and for what.

@@ -97,7 +97,7 @@ public:
 
     void output(double time, const Workspace& workspace, const Counters& counters) override;  ///< time [s]
     [[nodiscard]] bool samples(double time) const noexcept override;
-    void sample(double time, const Workspace& workspace) override;
+    void sample(double time, const Workspace& workspace, const Counters& counters) override;
     void transition(const TransitionRecord& record) override;
 
 private:
@@ -111,7 +111,9 @@ private:
     void judge(const Fault& fault);
     void judge_energy();
     void finish_record(const Fault& fault);
-    void reduce(double time, const Workspace& workspace, const Counters& counters);  ///< time [s]
+    [[nodiscard]] bool counts(double time) const noexcept;                                                 ///< time [s]
+    [[nodiscard]] bool sample_due(double time) const noexcept;                                             ///< time [s]
+    void reduce(double time, const Workspace& workspace, const Counters& counters, const Occasion& when);  ///< time [s]
     void save();
     void change_threads();
     [[nodiscard]] Pause pause_for(double time, const Counters& counters);  ///< time [s]
@@ -129,7 +131,8 @@ private:
     Scene scene_;
     CaseResult result_;
     std::vector<Reducer> reducers_;
-    RunMeans means_;              ///< since sweep.from
+    RunMeans means_;              ///< since sweep.from, of the samples of scalars
+    double output_before_ = 0.0;  ///< time of the last output [s]
     std::vector<double> values_;  ///< of one channel [width of the channel]
     std::unique_ptr<Simulation> serial_, parallel_;
     std::unique_ptr<model::Observer> serial_observer_, parallel_observer_;

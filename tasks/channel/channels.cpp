@@ -135,6 +135,31 @@ std::span<const Channel> channels() {
     return all;
 }
 
+const Channel* Channel::integral() const {
+    constexpr std::pair<std::string_view, std::string_view> pairs[] = {{"shaft_1/speed", "shaft_1/angle"},
+                                                                       {"shaft_2/speed", "shaft_2/angle"},
+                                                                       {"shaft_1/torque", "shaft_1/impulse"},
+                                                                       {"shaft_2/torque", "shaft_2/impulse"},
+                                                                       {"shaft_1/chain_torque", "shaft_1/chain_impulse"},
+                                                                       {"shaft_2/chain_torque", "shaft_2/chain_impulse"},
+                                                                       {"pump/power", "hydraulics/pump"},
+                                                                       {"loss/pump_friction", "hydraulics/mechanical"},
+                                                                       {"loss/pump_leakage", "hydraulics/volumetric"},
+                                                                       {"loss/relief", "hydraulics/relief"},
+                                                                       {"loss/valves", "hydraulics/valves"},
+                                                                       {"loss/oil_leakage", "hydraulics/leaked"},
+                                                                       {"loss/", "dissipated/"},
+                                                                       {"power/", "work/"}};
+    for (const auto& [of, integral] : pairs) {
+        const bool group = of.ends_with('/');
+        if (group ? !name.starts_with(of) : name != of) continue;
+        const std::string sought = std::string(integral) + std::string(group ? name.substr(of.size()) : "");
+        const auto found = std::ranges::find(tasks::channels(), sought, &Channel::name);
+        return found != tasks::channels().end() ? &*found : nullptr;
+    }
+    return nullptr;
+}
+
 namespace {
 
 /// Whether a name of record.channels means a channel: its own, or "group/*".

@@ -51,6 +51,9 @@ struct Channel {
     /// knows no means yet.
     [[nodiscard]] bool needs_chain(const Counters& counters) const noexcept { return !is(without_chain) || counters.steps == 0; }
 
+    /// The channel whose change over a time is this one's integral over it; nullptr: there is none.
+    [[nodiscard]] const Channel* integral() const;
+
     /// A width that does not depend on the machine.
     [[nodiscard]] static Width always(int numbers) {
         return [numbers](const model::ChainModel&) { return numbers; };

@@ -30,6 +30,10 @@ Channel::Read dissipated(std::size_t shaft) {
 Channel::Read impulse(std::size_t shaft) {
     return [shaft](const Instant& now, double* out) { *out = now.workspace.energy.input_works().impulse[shaft]; };
 }
+Channel::Read chain_impulse(std::size_t shaft) {
+    return
+        [shaft](const Instant& now, double* out) { *out = now.workspace.shaft_momentum()[shaft] - now.workspace.energy.impulse()[shaft]; };
+}
 
 const Channel table_of_couplings[] = {
     {"shaft_1/impulse", "N*m*s", "angular impulse of the drive on the driving shaft so far: its change over a time is the mean torque",
@@ -37,6 +41,10 @@ const Channel table_of_couplings[] = {
     {"shaft_2/impulse", "N*m*s",
      "angular impulse of the load on the driven shaft so far (negative brakes): its change over a time is the mean torque", impulse(1),
      on_demand | without_chain},
+    {"shaft_1/chain_impulse", "N*m*s", "angular impulse of the chain on the driving sheaves: its change over a time is the mean torque",
+     chain_impulse(0), on_demand | without_chain},
+    {"shaft_2/chain_impulse", "N*m*s", "angular impulse of the chain on the driven sheaves: its change over a time is the mean torque",
+     chain_impulse(1), on_demand | without_chain},
     {"shaft_1/twist", "rad", "twist of the coupling of the driving shaft: far end less shaft", twist(0), on_demand | without_chain},
     {"shaft_2/twist", "rad", "twist of the coupling of the driven shaft: far end less shaft", twist(1), on_demand | without_chain},
     {"shaft_1/coupling_energy", "J", "energy stored in the coupling of the driving shaft", stored(0), on_demand | without_chain},

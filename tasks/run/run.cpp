@@ -36,7 +36,7 @@ public:
         due_ = options_.checkpoint_every > 0.0 && since(last_) >= options_.checkpoint_every;
     }
     [[nodiscard]] bool samples(double time) const noexcept override { return recorder_.samples(time); }
-    void sample(double time, const Workspace& workspace) override { recorder_.sample(time, workspace); }
+    void sample(double time, const Workspace& workspace, const Counters& counters) override { recorder_.sample(time, workspace, counters); }
     void transition(const TransitionRecord& record) override { recorder_.transition(record); }
 
     /// Runs the present part of the run from the present state until it is complete. @param until end of a part that is not settling

@@ -61,7 +61,9 @@ public:
     /// @param sums of the energies so far   @param pin_period see Workspace [s]
     void add(const model::Observation& now, const EnergySums& sums, double pin_period);
     /// Whether the last sample lies so far back that another one is needed. time [s]
-    [[nodiscard]] bool due(double time) const noexcept { return pin_period_ > 0.0 && time - now_.time >= pin_period_ / samples_per_period; }
+    [[nodiscard]] bool due(double time, double per_period = samples_per_period) const noexcept {
+        return pin_period_ > 0.0 && time - now_.time >= pin_period_ / per_period;
+    }
 
     [[nodiscard]] bool empty() const noexcept { return points_.empty(); }
     [[nodiscard]] const MeanPoint& first() const noexcept { return points_.front(); }
@@ -141,6 +143,7 @@ public:
     void add(const model::Observation& now, const EnergySums& sums, double pin_period) { curve_.add(now, sums, pin_period); }
     /// Whether samples are too far apart without another one now, after a step: outputs may lie farther apart than pins pass. time [s]
     [[nodiscard]] bool due(double time) const noexcept { return curve_.due(time); }
+    [[nodiscard]] const MeanCurve& curve() const noexcept { return curve_; }
 
     [[nodiscard]] SpanMeans all() const { return span(0.0, 1.0); }
     [[nodiscard]] SpanMeans first_fifth() const { return span(0.0, 0.2); }

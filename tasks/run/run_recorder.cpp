@@ -151,7 +151,7 @@ void RunRecorder::transition(const TransitionRecord& record) {
     written_.tables[0].add(0.0, values);
 }
 
-void RunRecorder::sample(double time, const Workspace& workspace) {
+void RunRecorder::sample(double time, const Workspace& workspace, const Counters& /*counters*/) {
     const model::Observation& now = workspace.observed_by(observer_, time);
     means_.add(now, workspace.energy.sums(time), workspace.pin_period(now.chain_speed));
 }

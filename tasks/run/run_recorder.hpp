@@ -21,7 +21,7 @@ public:
 
     void output(double time, const Workspace& workspace, const Counters& counters) override;  ///< time [s]
     [[nodiscard]] bool samples(double time) const noexcept override { return begin_ >= 0.0 && means_.due(time); }
-    void sample(double time, const Workspace& workspace) override;
+    void sample(double time, const Workspace& workspace, const Counters& counters) override;
     void transition(const TransitionRecord& record) override;
     /// Identity of the run: drawn when it began, kept by its checkpoints; empty without a record.
     [[nodiscard]] const std::string& run() const noexcept { return run_; }

@@ -128,30 +128,24 @@ OutputReader::OutputReader(const model::Variator& variator, std::span<const Tune
 
 void OutputReader::output(double time, const Workspace& workspace, const Counters& counters) {
     if (time < from_ - 1e-12 * std::abs(from_)) return;
-    const model::Observation& now = workspace.observed_by(observer_, time);
-    watch_.add(now, workspace);
+    const model::Observation& now = reduce(time, workspace, counters, {.sample = true, .output = true, .last = true});
     tip_ += largest_pin_end(workspace.layout(), now.tip_axial);
     thrust_ += now.clamping[0] / now.clamping[1];
     ++count_;
-    const Instant instant{now, workspace, counters, followed_pin_, observer_};
-    for (std::size_t i = 0; i < outputs_.size(); ++i) {
-        if (outputs_[i].figure == nullptr) reduce(i, time, instant);
-    }
 }
 
-void OutputReader::sample(double time, const Workspace& workspace) { watch_.add(workspace.observed_by(observer_, time), workspace); }
+void OutputReader::sample(double time, const Workspace& workspace, const Counters& counters) {
+    static_cast<void>(reduce(time, workspace, counters, {.sample = true}));
+}
 
-void OutputReader::reduce(std::size_t output, double time, const Instant& instant) {
-    const Scalar& scalar = outputs_[output].scalar;
-    for (std::size_t term = 0; term < scalar.terms.size(); ++term) {
-        const Channel& channel = *scalar.terms[term].channel;
-        const int width = channel.width(instant.workspace.variator.chain());
-        if (scalar.terms[term].element >= width)
-            throw SimulationError(fmt::format("{}: the channel has only {} elements", scalar.text, width));
-        numbers_.resize(static_cast<std::size_t>(width));
-        channel.read(instant, numbers_.data());
-        reducers_[output].add(scalar, term, time, numbers_);
+const model::Observation& OutputReader::reduce(double time, const Workspace& workspace, const Counters& counters, const Occasion& when) {
+    const model::Observation& now = workspace.observed_by(observer_, time);
+    watch_.add(now, workspace);
+    const Instant instant{now, workspace, counters, followed_pin_, observer_};
+    for (std::size_t i = 0; i < outputs_.size(); ++i) {
+        if (outputs_[i].figure == nullptr) reducers_[i].read(outputs_[i].scalar, instant, when, numbers_);
     }
+    return now;
 }
 
 std::vector<double> OutputReader::values() const {

@@ -80,7 +80,7 @@ public:
     /// time [s]
     void output(double time, const Workspace& workspace, const Counters& counters) override;
     [[nodiscard]] bool samples(double time) const noexcept override { return watch_.due(time); }
-    void sample(double time, const Workspace& workspace) override;
+    void sample(double time, const Workspace& workspace, const Counters& counters) override;
     void transition(const TransitionRecord&) override {}
 
     /// Value of every output, in its unit; not a number if no output counted.
@@ -88,8 +88,7 @@ public:
     [[nodiscard]] const RunWatch& watch() const noexcept { return watch_; }
 
 private:
-    /// time [s]
-    void reduce(std::size_t output, double time, const Instant& instant);
+    const model::Observation& reduce(double time, const Workspace& workspace, const Counters& counters, const Occasion& when);  ///< [s]
 
     model::Observer observer_;
     std::span<const TunedOutput> outputs_;

@@ -203,7 +203,9 @@ public:
     explicit Means(const model::Variator& variator) : eye_(variator) {}
     void output(double time, const Workspace& w, const Counters&) override { sample(time, w); }
     [[nodiscard]] bool samples(double time) const noexcept override { return means.due(time); }
-    void sample(double time, const Workspace& w) override { means.add(w.observed_by(eye_, time), w.energy.sums(time), w.pin_period()); }
+    void sample(double time, const Workspace& w, const Counters& /*counters*/) override {
+        means.add(w.observed_by(eye_, time), w.energy.sums(time), w.pin_period());
+    }
     void transition(const TransitionRecord&) override {}
     RunMeans means;
 

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "engine/base/text.hpp"
+#include "tasks/run/simulation.hpp"
 #include "tasks/scene/units.hpp"
 #include "tasks/step/step_method.hpp"
 
@@ -97,6 +98,7 @@ private:
         const bool one_output = term_.reduction == Reduction::final || term_.reduction == Reduction::at;
         if (one_output && term_.element == every_element)
             return fmt::format("{} belongs to one output; name an element of {}", how_, name_);
+        if (term_.reduction == Reduction::mean && term_.element == 0) term_.integral = term_.channel->integral();
         return {};
     }
 
@@ -155,16 +157,34 @@ Scalar parse_scalar(const std::string& text, Position position, std::vector<Prob
     return scalar;
 }
 
-void TermSum::add(const ScalarTerm& term, double time, double number) {
+bool TermSum::takes(const ScalarTerm& term, double instant, const Occasion& when) const noexcept {
+    if (term.over_time()) return when.sample;
+    if (term.reduction == Reduction::final) return when.last;
+    return when.output && (term.reduction != Reduction::at || (count == 0 && instant >= term.time * (1.0 - 1e-12)));
+}
+
+/// By the trapezoidal rule, over intervals at both ends of which there is a number.
+void TermSum::integrate(const ScalarTerm& term, double instant, double number) noexcept {
+    const bool undefined = term.channel->is(Channel::may_be_undefined) && (std::isnan(number) || std::isnan(last));
+    if (count > 0 && !undefined) {
+        value += term.integral != nullptr ? number - last : 0.5 * (instant - time) * (number + last);
+        span += instant - time;
+    }
+    time = instant;
+    last = number;
+    ++count;
+}
+
+void TermSum::add(const ScalarTerm& term, double instant, double number) {
     switch (term.reduction) {
-        case Reduction::mean: value += number; break;
-        case Reduction::rms: value += number * number; break;
+        case Reduction::mean:
+        case Reduction::rms: return integrate(term, instant, term.reduction == Reduction::rms ? number * number : number);
         case Reduction::min: value = count == 0 || number < value || std::isnan(number) ? number : value; break;
         case Reduction::max: value = count == 0 || number > value || std::isnan(number) ? number : value; break;
         case Reduction::final: value = number; break;
         case Reduction::median: all.push_back(number); break;
         case Reduction::at:
-            if (time < term.time * (1.0 - 1e-12) || count > 0) return;
+            if (instant < term.time * (1.0 - 1e-12) || count > 0) return;
             value = number;
             break;
     }
@@ -173,19 +193,49 @@ void TermSum::add(const ScalarTerm& term, double time, double number) {
 
 double TermSum::result(const ScalarTerm& term) const {
     if (count == 0) return std::numeric_limits<double>::quiet_NaN();
-    const double n = static_cast<double>(count);
-    if (term.reduction == Reduction::mean) return value / n;
-    if (term.reduction != Reduction::median) return term.reduction == Reduction::rms ? std::sqrt(value / n) : value;
+    if (term.over_time()) {
+        const double instant = term.integral == nullptr ? last : std::numeric_limits<double>::quiet_NaN();
+        const double mean = span > 0.0 ? value / span : instant;
+        return term.reduction == Reduction::rms ? std::sqrt(mean) : mean;
+    }
+    if (term.reduction != Reduction::median) return value;
     std::vector<double> sorted = all;
     std::sort(sorted.begin(), sorted.end());
     const std::size_t middle = sorted.size() / 2;
     return sorted.size() % 2 != 0 ? sorted[middle] : 0.5 * (sorted[middle - 1] + sorted[middle]);
 }
 
+bool Reducer::needs_chain(const Scalar& scalar, double time, const Occasion& when, const Counters& counters) const noexcept {
+    for (std::size_t term = 0; term < scalar.terms.size(); ++term) {
+        const ScalarTerm& of = scalar.terms[term];
+        if (sums[term].takes(of, time, when) && of.source().needs_chain(counters)) return true;
+    }
+    return false;
+}
+
+void Reducer::read(const Scalar& scalar, const Instant& now, const Occasion& when, std::vector<double>& memory) {
+    for (std::size_t term = 0; term < scalar.terms.size(); ++term) {
+        const ScalarTerm& of = scalar.terms[term];
+        if (!sums[term].takes(of, now.observation.time, when)) continue;
+        const int width = of.source().width(now.workspace.variator.chain());
+        if (of.element >= width) throw SimulationError(fmt::format("{}: the channel has only {} elements", scalar.text, width));
+        memory.resize(std::max(memory.size(), static_cast<std::size_t>(width)));
+        of.source().read(now, memory.data());
+        add(scalar, term, now.observation.time, {memory.data(), static_cast<std::size_t>(width)});
+    }
+}
+
 void Reducer::add(const Scalar& scalar, std::size_t term, double time, std::span<const double> numbers) {
     const ScalarTerm& of = scalar.terms[term];
     const bool one_output = of.reduction == Reduction::final || of.reduction == Reduction::at;
-    if (of.channel->is(Channel::may_be_undefined) && !one_output && std::isnan(numbers[0])) return;  // such channels have one number
+    if (of.over_time() && of.element == every_element) {
+        const bool squares = of.reduction == Reduction::rms;
+        double sum = 0.0;
+        for (const double number : numbers) sum += squares ? number * number : number;
+        return sums[term].integrate(of, time, sum / static_cast<double>(numbers.size()));
+    }
+    const bool left_out = of.channel->is(Channel::may_be_undefined) && !one_output && !of.over_time();
+    if (left_out && std::isnan(numbers[0])) return;  // such channels have one number
     if (of.element != every_element) return sums[term].add(of, time, numbers[static_cast<std::size_t>(of.element)]);
     for (const double number : numbers) sums[term].add(of, time, number);
 }
@@ -198,23 +248,36 @@ double Reducer::result(const Scalar& scalar) const {
 void Reducer::clear() noexcept {
     for (TermSum& sum : sums) {
         sum.count = 0;
-        sum.value = 0.0;
+        sum.value = sum.span = sum.time = sum.last = 0.0;
         sum.all.clear();
     }
 }
 
+namespace {
+
+constexpr double layout_of_sums = -2.0;  ///< in front of them; former ones began with a count
+
+}  // namespace
+
 void Reducer::save(std::vector<double>& memory) const {
+    memory.push_back(layout_of_sums);
     for (const TermSum& sum : sums) {
-        memory.insert(memory.end(), {static_cast<double>(sum.count), sum.value, static_cast<double>(sum.all.size())});
+        memory.insert(memory.end(), {static_cast<double>(sum.count), sum.value, sum.span, sum.time, sum.last});
+        memory.push_back(static_cast<double>(sum.all.size()));
         memory.insert(memory.end(), sum.all.begin(), sum.all.end());
     }
 }
 
 std::span<const double> Reducer::load(std::span<const double> memory) {
     constexpr int most = std::numeric_limits<int>::max();
+    if (pop_front(memory, 1)[0] != layout_of_sums) throw std::invalid_argument("scalars of another version of the program");
     for (TermSum& sum : sums) {
         sum.count = pop_integer(memory, 0, most);
-        sum.value = pop_front(memory, 1)[0];
+        const auto numbers_of_time = pop_front(memory, 4);
+        sum.value = numbers_of_time[0];
+        sum.span = numbers_of_time[1];
+        sum.time = numbers_of_time[2];
+        sum.last = numbers_of_time[3];
         const auto numbers = pop_front(memory, static_cast<std::size_t>(pop_integer(memory, 0, most)));
         sum.all.assign(numbers.begin(), numbers.end());
     }

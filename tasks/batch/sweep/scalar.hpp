@@ -21,7 +21,23 @@ struct ScalarTerm {
     const Channel* channel = nullptr;
     int element = 0;  ///< of a channel with several numbers, or every_element
     Reduction reduction = Reduction::mean;
-    double time = 0.0;  ///< of `at`: the first output at or after it counts [s]
+    double time = 0.0;                  ///< of `at`: the first output at or after it counts [s]
+    const Channel* integral = nullptr;  ///< of a mean: Channel::integral()
+
+    /// Whether it is an integral over the time between samples, over that time; others are of outputs.
+    [[nodiscard]] bool over_time() const noexcept { return reduction == Reduction::mean || reduction == Reduction::rms; }
+    /// The channel that is read.
+    [[nodiscard]] const Channel& source() const noexcept { return integral != nullptr ? *integral : *channel; }
+};
+
+/// Samples per pin pitch that integrals over time take, wherever outputs lie: slip of a run is then within a thousandth of itself.
+inline constexpr double samples_per_pitch = 16.0;
+
+/// What an instant of a run is to its scalars.
+struct Occasion {
+    bool sample = false;  ///< integrals over time take it
+    bool output = false;
+    bool last = false;  ///< output
 };
 
 struct Scalar {
@@ -37,13 +53,19 @@ struct Scalar {
 /// Appends a problem (with the nearest channel or reduction) and returns an empty scalar if the text is invalid.
 [[nodiscard]] Scalar parse_scalar(const std::string& text, Position position, std::vector<Problem>& problems);
 
-/// A term in the making. Sums run in the order of outputs and elements.
+/// A term in the making. Sums run in the order of instants and elements.
 struct TermSum {
     long count = 0;
-    double value = 0.0;       ///< sum, extreme or value found [unit of the channel]
+    double value = 0.0;       ///< integral over time, extreme or value found [unit of the channel, times s for an integral]
+    double span = 0.0;        ///< of an integral over time [s]
+    double time = 0.0;        ///< of its last sample [s]
+    double last = 0.0;        ///< number there
     std::vector<double> all;  ///< of a median [outputs]
 
-    void add(const ScalarTerm& term, double time, double number);  ///< time [s], number [unit of the channel]
+    /// Whether the term takes an instant. time [s]
+    [[nodiscard]] bool takes(const ScalarTerm& term, double instant, const Occasion& when) const noexcept;
+    void add(const ScalarTerm& term, double instant, double number);  ///< instant [s], number [unit of the channel that is read]
+    void integrate(const ScalarTerm& term, double instant, double number) noexcept;  ///< likewise
     /// Not a number if no output counted.
     [[nodiscard]] double result(const ScalarTerm& term) const;
 };
@@ -52,7 +74,12 @@ struct TermSum {
 struct Reducer {
     TermSum sums[2];
 
-    /// @param numbers of the term's channel at an output
+    /// Whether the terms that take an instant need the chain.
+    [[nodiscard]] bool needs_chain(const Scalar& scalar, double time, const Occasion& when, const Counters& counters) const noexcept;
+    /// Reads and adds the terms that take an instant. @param memory of one channel, grows as needed
+    /// @throws SimulationError if a channel has not the term's element
+    void read(const Scalar& scalar, const Instant& now, const Occasion& when, std::vector<double>& memory);
+    /// @param numbers of the channel that the term reads at an instant that it takes
     void add(const Scalar& scalar, std::size_t term, double time, std::span<const double> numbers);
     [[nodiscard]] double result(const Scalar& scalar) const;
     /// Ready for another case.

@@ -47,10 +47,7 @@ public:
         return false;
     }
     /// Between two outputs, where samples() requests it; the state is that of the workspace's slot 0. time [s]
-    virtual void sample(double time, const Workspace& workspace) {
-        (void)time;
-        (void)workspace;
-    }
+    virtual void sample(double /*time*/, const Workspace& /*workspace*/, const Counters& /*counters*/) {}
     /// After each truncated step, for every tip that changed.
     virtual void transition(const TransitionRecord& record) = 0;
 

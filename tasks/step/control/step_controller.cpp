@@ -190,7 +190,7 @@ bool StepController::deliver_output() {
     }
     if (due || over) observer_.output(w_.step.time, w_, counters_);
     if (due) ++outputs_;
-    if (!due && !over && observer_.samples(w_.step.time)) observer_.sample(w_.step.time, w_);
+    if (!due && !over && observer_.samples(w_.step.time)) observer_.sample(w_.step.time, w_, counters_);
     return over;
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <fstream>
 
 #include "tests/engine/allocation_fixture.hpp"
@@ -65,6 +66,31 @@ TEST_F(CaseOfAWorker, AllocatesNoMoreForALongerCase) {
     const long brief = allocations(longer)[1];
     longer.scene.run.until *= 3.0;
     EXPECT_EQ(allocations(longer)[1], brief);
+}
+
+/// Means over time come of samples that lie a share of a pin period apart, or of integrals; outputs only end steps elsewhere, and tips
+/// touch and leave at other instants then.
+TEST_F(CaseOfAWorker, MeansDoNotDependOnTheOutputInterval) {
+    std::ofstream(folder_ / "s.toml")
+        << "[sweep]\nscene = \"baseline\"\ndetail = \"rigid\"\n[set]\nrun.until = \"20 ms\"\nrun.state_interval = \"20 ms\"\n"
+           "start.settling_time = \"10 ms\"\nstart.ramp_time = \"3 ms\"\n"
+           "[[axes]]\nkey = \"run.output_interval\"\nvalues = [\"20 us\", \"712.9 us\", \"5 ms\"]\n[start]\nmode = \"shared\"\n"
+           "[outputs]\nscalars = [\"slip mean\", \"tight_tension mean\", \"tips/axial_force[*] rms\", \"shaft_2/chain_torque mean\", "
+           "\"loss/total mean\", \"shaft_1/speed mean\"]\n";
+    const Sweep sweep = read_sweep(folder_ / "s.toml",
+                                   [](const std::string& name) { return std::string(CVTFLOW_SOURCE_DIR) + "/scenes/" + name + ".toml"; });
+    StartStates starts(sweep, folder_ / "states");
+    const engine::Cancellation never;
+    BatchControl control(1, 1.0, never);
+    CaseEngine engine(sweep, starts, control, {folder_ / "checkpoints", folder_ / "records", folder_ / "continuation"});
+    const CaseResult first = engine.run(0);
+    ASSERT_EQ(first.status, CaseStatus::ok) << first.error;
+    for (long number = 1; number < sweep.cases(); ++number) {
+        const CaseResult& other = engine.run(number);
+        ASSERT_EQ(other.status, CaseStatus::ok) << other.error;
+        for (std::size_t i = 0; i < sweep.scalars.size(); ++i)
+            EXPECT_NEAR(other.scalars[i], first.scalars[i], 5e-3 * std::abs(first.scalars[i])) << sweep.scalars[i].text << ", " << number;
+    }
 }
 
 }  // namespace

@@ -267,11 +267,12 @@ TEST(BatchProgress, PredictsByThePaceAfterEveryWorkersFirstCase) {
     EXPECT_EQ(progress.left(), 0.0);
 }
 
+/// Means over time by the trapezoidal rule.
 TEST(Reducer, ReducesAsItsTextStates) {
     std::vector<Problem> none;
     const std::map<std::string, double> expected{
-        {"slip mean", 7.0 / 3.0}, {"slip min", 1.0},      {"slip max", 4.0},    {"slip rms", std::sqrt(7.0)},
-        {"slip final", 2.0},      {"slip at 0.5 s", 4.0}, {"slip median", 2.0}, {"slip max / slip mean", 12.0 / 7.0}};
+        {"slip mean", 2.75}, {"slip min", 1.0},      {"slip max", 4.0},    {"slip rms", std::sqrt(9.25)},
+        {"slip final", 2.0}, {"slip at 0.5 s", 4.0}, {"slip median", 2.0}, {"slip max / slip mean", 4.0 / 2.75}};
     for (const auto& [text, value] : expected) {
         const Scalar scalar = parse_scalar(text, {}, none);
         Reducer reducer;
