@@ -87,20 +87,19 @@ AutoStep::AutoStep(const model::Variator& variator, const model::Parameters& par
 
 /// Treats the strongest damping as if it acted on the fastest oscillation, which need not be so. Links and pulleys are estimated
 /// separately: their fastest motions are far apart.
-double AutoStep::damped_step(double time, const double* state, const model::Phase* phases) noexcept {
+double AutoStep::damped_step() const noexcept {
     double step = forever;
-    for (SpectralBound& part : damped_parts_) {
-        if (!keeps_directions_) part.forget();
-        evaluations_ += part.estimate_at_rest(time, state, phases);
+    for (const SpectralBound& part : damped_parts_)
         step = std::min(step, damped_limit(part.imaginary() / reach_.frictionless, part.real() / reach_.damping, friction_matters_));
-    }
     return step;
 }
 
 void AutoStep::restart() noexcept {
     bound_.forget();
     for (SpectralBound& part : damped_parts_) part.forget();
-    checked_ = begun_ = damped_at_ = -1e300;
+    checked_ = begun_ = damped_at_ = turned_ = -1e300;
+    part_ = no_part;
+    damping_due_ = false;
     stable_ = growth_ = pin_period_ = 0.0;
     damped_ = forever;
     evaluations_ = 0;
@@ -114,21 +113,41 @@ namespace {
 
 double AutoStep::longest(double time, const double* state, const model::Phase* phases) noexcept {
     if (begun_ == -1e300) begun_ = time;
-    if (time - checked_ >= std::min(interval_, checked_ - begun_) * (1.0 - 1e-9)) {
-        evaluations_ +=
-            reach_.decay == forever ? bound_.estimate_oscillation(time, state, phases) : bound_.estimate_at_rest(time, state, phases);
+    if (part_ == no_part && time - checked_ >= std::min(interval_, checked_ - begun_) * (1.0 - 1e-9)) {
         // Contacts damp more the more they bear; what they bear hardly changes once a run has settled.
-        if (time == begun_ || time - begun_ >= std::max(check_interval, 2.0 * (damped_at_ - begun_)) * (1.0 - 1e-9)) {
-            damped_ = damped_step(time, state, phases);
-            damped_at_ = time;
-        }
+        damping_due_ = time == begun_ || time - begun_ >= std::max(check_interval, 2.0 * (damped_at_ - begun_)) * (1.0 - 1e-9);
+        part_ = 0;
         checked_ = time;
         pin_period_ = model::pin_period(chain_, variator_.layout(), state);
         if (falling_ != nullptr) growth_ = falling_->growth(time, state, phases);
-        stable_ = std::min({within(reach_.oscillation, bound_.imaginary()), within(reach_.decay, bound_.real()), damped_});
+    }
+    const bool spread = keeps_directions_ && time >= 0.0 && time - begun_ >= check_interval * (1.0 - 1e-9);
+    if (part_ != no_part && (!spread || time - turned_ >= turn_interval * (1.0 - 1e-9))) {
+        estimate(time, state, phases, spread ? turn_evaluations : SpectralBound::unlimited);
+        turned_ = time;
     }
     const double passing = pin_period_ > 0.0 ? pin_period_ / (keeps_directions_ ? steps_per_rigid_pin : steps_per_pin_of_halves) : forever;
     return std::min({stable_step(), passing, longest_});
+}
+
+void AutoStep::estimate(double time, const double* state, const model::Phase* phases, int budget) noexcept {
+    const int parts = 1 + (damping_due_ ? static_cast<int>(damped_parts_.size()) : 0);
+    do {
+        SpectralBound& part = part_ == 0 ? bound_ : damped_parts_[static_cast<std::size_t>(part_ - 1)];
+        if (part_ > 0 && !keeps_directions_) part.forget();
+        const bool oscillation = part_ == 0 && reach_.decay == forever;
+        evaluations_ +=
+            oscillation ? part.estimate_oscillation(time, state, phases, budget) : part.estimate_at_rest(time, state, phases, budget);
+        if (!part.complete()) return;
+        ++part_;
+    } while (part_ < parts && budget == SpectralBound::unlimited);
+    if (part_ < parts) return;
+    part_ = no_part;
+    if (damping_due_) {
+        damped_ = damped_step();
+        damped_at_ = time;
+    }
+    stable_ = std::min({within(reach_.oscillation, bound_.imaginary()), within(reach_.decay, bound_.real()), damped_});
 }
 
 LargestStep AutoStep::largest() const noexcept {
@@ -163,6 +182,9 @@ void AutoStep::save(std::vector<double>& memory) const {
     bound_.save(memory);
     if (!keeps_directions_) return;
     for (const SpectralBound& part : damped_parts_) part.save(memory);
+    memory.insert(memory.end(), {static_cast<double>(part_), damping_due_ ? 1.0 : 0.0, turned_});
+    bound_.save_progress(memory);
+    for (const SpectralBound& part : damped_parts_) part.save_progress(memory);
 }
 
 void AutoStep::load(std::span<const double> memory) {
@@ -180,6 +202,12 @@ void AutoStep::load(std::span<const double> memory) {
     memory = bound_.load(memory);
     if (!keeps_directions_) return;
     for (SpectralBound& part : damped_parts_) memory = part.load(memory);
+    part_ = pop_integer(memory, no_part, static_cast<int>(damped_parts_.size()));
+    const auto turn = pop_front(memory, 2);
+    damping_due_ = turn[0] != 0.0;
+    turned_ = turn[1];
+    memory = bound_.load_progress(memory);
+    for (SpectralBound& part : damped_parts_) memory = part.load_progress(memory);
 }
 
 FallingFriction::FallingFriction(const model::Variator& variator, const model::Parameters& parameters)

@@ -13,6 +13,7 @@ namespace {
 
 constexpr int cold_iterations = 150, warm_iterations = 15;
 constexpr double converged = 3e-4;  ///< relative change of the estimate
+constexpr int least_budget = 2;     ///< evaluations of an iteration: of the state, and of the moved one
 
 /// A direction with something of every mode; the same everywhere.
 double seed(int index) { return model::portable_sin(1.0 + 2.399963 * index) + 0.3 * ((index % 2 == 0) ? 1.0 : -1.0); }
@@ -28,7 +29,7 @@ SpectralBound::SpectralBound(const model::Variator& variator, MovedPart part)
     coordinate_.size = 1e-11;
 }
 
-double SpectralBound::imaginary() const noexcept { return std::sqrt(coordinate_.value); }
+double SpectralBound::imaginary() const noexcept { return std::sqrt(coordinate_.found); }
 
 /// Calls action(coordinate's index, velocity's index) for what is moved.
 template <class Action>
@@ -41,14 +42,16 @@ void SpectralBound::for_each_unknown(Action action) const noexcept {
         action(at.pulley_begin() + k, at.pulley_begin() + at.pulley_size + k);
 }
 
-int SpectralBound::iterate(Iteration& iteration, bool of_velocities, double t, const double* state, const model::Phase* phases) noexcept {
+int SpectralBound::iterate(Iteration& iteration, bool of_velocities, double t, const double* state, const model::Phase* phases,
+                           int budget) noexcept {
     std::vector<double>& direction = iteration.direction;
     const int most = cold_ ? cold_iterations : warm_iterations;
     int evaluations = 0;
-    for (bool settled = false; !settled && evaluations < most;) {
+    bool settled = false;
+    while (!settled && iteration.taken < most && evaluations < budget) {
         double largest = 0.0;
         for (const double entry : direction) largest = std::max(largest, std::abs(entry));
-        if (!(largest > 0.0)) return evaluations;
+        if (!(largest > 0.0)) break;
         const double scale = iteration.size / largest;
         double before = 0.0, after = 0.0;
         for (std::size_t k = 0; k < direction.size(); ++k) {
@@ -57,6 +60,7 @@ int SpectralBound::iterate(Iteration& iteration, bool of_velocities, double t, c
         }
         model::right_hand_side(variator_, t, moved_.data(), phases, slope_.data(), scratch_);
         ++evaluations;
+        ++iteration.taken;
         for_each_unknown([&](int q, int v) {
             const auto acceleration = static_cast<std::size_t>(v);
             const double change = slope_[acceleration] - base_[acceleration];
@@ -67,7 +71,14 @@ int SpectralBound::iterate(Iteration& iteration, bool of_velocities, double t, c
         settled = std::abs(value - iteration.value) < converged * value;
         iteration.value = value;
     }
+    if (settled || iteration.taken == most || evaluations < budget) iteration.taken = 0;
     return evaluations;
+}
+
+/// Of an estimate that is complete.
+void SpectralBound::publish() noexcept {
+    for (Iteration* each : {&velocity_, &coordinate_}) each->found = each->value;
+    cold_ = velocity_complete_ = false;
 }
 
 void SpectralBound::begin() noexcept {
@@ -78,8 +89,7 @@ void SpectralBound::begin() noexcept {
     });
 }
 
-int SpectralBound::estimate_at_rest(double t, const double* state, const model::Phase* phases) noexcept {
-    begin();
+int SpectralBound::iterate_at_rest(double t, const double* state, const model::Phase* phases, int budget) noexcept {
     std::copy_n(state, rest_.size(), rest_.begin());
     const model::ChainLayout& at = variator_.layout();
     for (int link = 0; link < at.links; ++link) std::fill_n(rest_.begin() + at.link_begin(link) + at.link_size(), at.link_size(), 0.0);
@@ -87,26 +97,34 @@ int SpectralBound::estimate_at_rest(double t, const double* state, const model::
     std::transform(phases, phases + rest_phases_.size(), rest_phases_.begin(),
                    [](model::Phase phase) { return phase == model::Phase::slip ? model::Phase::stick : phase; });
     model::right_hand_side(variator_, t, rest_.data(), rest_phases_.data(), base_.data(), scratch_);
-    int evaluations = 2 + iterate(velocity_, true, t, rest_.data(), rest_phases_.data());
-    model::right_hand_side(variator_, t, state, phases, base_.data(), scratch_);
-    evaluations += iterate(coordinate_, false, t, state, phases);
-    cold_ = false;
-    return evaluations;
+    return 1 + iterate(velocity_, true, t, rest_.data(), rest_phases_.data(), budget - 1);
 }
 
-int SpectralBound::estimate_oscillation(double t, const double* state, const model::Phase* phases) noexcept {
-    begin();
+int SpectralBound::estimate_at_rest(double t, const double* state, const model::Phase* phases, int budget) noexcept {
+    if (complete()) begin();
+    int evaluations = 0;
+    if (!velocity_complete_) {
+        evaluations = iterate_at_rest(t, state, phases, budget);
+        velocity_complete_ = velocity_.taken == 0;
+        if (!velocity_complete_ || budget - evaluations < least_budget) return evaluations;
+    }
+    return evaluations + estimate_oscillation(t, state, phases, budget - evaluations);
+}
+
+int SpectralBound::estimate_oscillation(double t, const double* state, const model::Phase* phases, int budget) noexcept {
+    if (complete()) begin();
     model::right_hand_side(variator_, t, state, phases, base_.data(), scratch_);
-    const int evaluations = 1 + iterate(coordinate_, false, t, state, phases);
-    cold_ = false;
+    const int evaluations = 1 + iterate(coordinate_, false, t, state, phases, budget - 1);
+    if (coordinate_.taken == 0) publish();
     return evaluations;
 }
 
 int SpectralBound::estimate(double t, const double* state, const model::Phase* phases) noexcept {
     begin();
     model::right_hand_side(variator_, t, state, phases, base_.data(), scratch_);
-    const int evaluations = 1 + iterate(velocity_, true, t, state, phases) + iterate(coordinate_, false, t, state, phases);
-    cold_ = false;
+    const int evaluations =
+        1 + iterate(velocity_, true, t, state, phases, unlimited) + iterate(coordinate_, false, t, state, phases, unlimited);
+    publish();
     return evaluations;
 }
 
@@ -122,9 +140,23 @@ std::span<const double> SpectralBound::load(std::span<const double> memory) {
     cold_ = pop_front(memory, 1)[0] != 0.0;
     for (Iteration* each : {&velocity_, &coordinate_}) {
         const auto numbers = pop_front(memory, 2 + each->direction.size());
-        each->value = numbers[0];
+        each->value = each->found = numbers[0];
         each->size = numbers[1];
         std::copy(numbers.begin() + 2, numbers.end(), each->direction.begin());
+    }
+    return memory;
+}
+
+void SpectralBound::save_progress(std::vector<double>& memory) const {
+    memory.push_back(velocity_complete_ ? 1.0 : 0.0);
+    for (const Iteration* each : {&velocity_, &coordinate_}) memory.insert(memory.end(), {each->found, static_cast<double>(each->taken)});
+}
+
+std::span<const double> SpectralBound::load_progress(std::span<const double> memory) {
+    velocity_complete_ = pop_front(memory, 1)[0] != 0.0;
+    for (Iteration* each : {&velocity_, &coordinate_}) {
+        each->found = pop_front(memory, 1)[0];
+        each->taken = pop_integer(memory, 0, cold_iterations);
     }
     return memory;
 }

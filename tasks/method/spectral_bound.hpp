@@ -3,6 +3,7 @@
 /// the imaginary one. Found by power iteration on differences of the right-hand side, with perturbations so small that no contact opens,
 /// closes or begins to slide for them: at most a nanometre per second, or ten picometres.
 
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -19,28 +20,40 @@ public:
     explicit SpectralBound(const model::Variator& variator, MovedPart part = MovedPart::all);
 
     /// Estimates at a state with its phases held: serial, deterministic, a warm start from the last call. [layout.size()]
-    /// @return evaluations of the right-hand side that it took
+    /// Those with a budget stop once it is used up; the next call continues, at the state then: the iteration forgets where it began.
+    /// @param budget evaluations, two at least   @return evaluations of the right-hand side that it took
     int estimate(double t, const double* state, const model::Phase* phases) noexcept;
     /// estimate(), with real() of the state brought to rest: no contact slides, so each is as stiff as its load lets it be. Which of them
     /// slide changes from one microsecond to the next; at rest they are a bound for as long as loads stay. t [s], state [unknowns]
-    int estimate_at_rest(double t, const double* state, const model::Phase* phases) noexcept;
+    int estimate_at_rest(double t, const double* state, const model::Phase* phases, int budget = unlimited) noexcept;
     /// imaginary() of estimate() alone. t [s], state [unknowns]
-    int estimate_oscillation(double t, const double* state, const model::Phase* phases) noexcept;
+    int estimate_oscillation(double t, const double* state, const model::Phase* phases, int budget = unlimited) noexcept;
+    /// Whether the last call has completed its estimate; until then real() and imaginary() are those of the estimate before.
+    [[nodiscard]] bool complete() const noexcept { return !velocity_complete_ && velocity_.taken == 0 && coordinate_.taken == 0; }
 
     /// Largest |λ| of the accelerations by velocities: all friction and damping [1/s]. From below, as power iterations are, by some per
     /// cent.
-    [[nodiscard]] double real() const noexcept { return velocity_.value; }
+    [[nodiscard]] double real() const noexcept { return velocity_.found; }
     /// Largest frequency of the accelerations by coordinates, friction aside [rad/s].
     [[nodiscard]] double imaginary() const noexcept;
 
     /// The next estimate begins anew.
     void forget() noexcept {
         cold_ = true;
-        velocity_.value = coordinate_.value = 0.0;
+        velocity_complete_ = false;
+        for (Iteration* each : {&velocity_, &coordinate_}) {
+            each->value = each->found = 0.0;
+            each->taken = 0;
+        }
     }
     /// The vectors of the iterations, for checkpoints. load() returns the rest of the memory.
     void save(std::vector<double>& memory) const;
     [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< @param memory from save()
+    /// Beside it, of an estimate with a budget that is not complete.
+    void save_progress(std::vector<double>& memory) const;
+    [[nodiscard]] std::span<const double> load_progress(std::span<const double> memory);  ///< @param memory from save_progress()
+
+    static constexpr int unlimited = std::numeric_limits<int>::max();
 
 private:
     /// Direction and growth of one power iteration.
@@ -48,11 +61,15 @@ private:
         std::vector<double> direction;  ///< [layout.size()], only in velocities or only in coordinates
         double value = 0.0;             ///< [1/s]
         double size = 0.0;              ///< of the perturbation, largest entry
+        double found = 0.0;             ///< value of the last complete estimate [1/s]
+        int taken = 0;                  ///< iterations of the present estimate; 0: it is complete
     };
 
     void begin() noexcept;
-    int iterate(Iteration& iteration, bool of_velocities, double t, const double* state,
-                const model::Phase* phases) noexcept;  ///< t [s], state [unknowns]
+    int iterate(Iteration& iteration, bool of_velocities, double t, const double* state, const model::Phase* phases,
+                int budget) noexcept;                                                                     ///< t [s], state [unknowns]
+    int iterate_at_rest(double t, const double* state, const model::Phase* phases, int budget) noexcept;  ///< likewise
+    void publish() noexcept;
     template <class Action>
     void for_each_unknown(Action action) const noexcept;
 
@@ -63,6 +80,7 @@ private:
     std::vector<model::Phase> rest_phases_;            ///< none of them slips
     model::EvaluationScratch scratch_;
     bool cold_ = true;
+    bool velocity_complete_ = false;  ///< of the present estimate, unlike the coordinates
 };
 
 }  // namespace cvtflow::tasks

@@ -107,6 +107,38 @@ TEST(AutoStep, OfRigidPinsTakesAHundredStepsPerPinOfAFastChain) {
         EXPECT_GE(step_at("rigid", scene, {}).step, 5e-6 * (1.0 - 1e-9)) << scene;
 }
 
+/// A host's call of a millisecond does not contain a whole estimate; the pieces find the same, and continue from a checkpoint bitwise.
+TEST(AutoStep, OfRigidPinsSpreadsItsEstimates) {
+    Scene scene = read_scene(find_scene("baseline"), StartState::ignored);
+    apply_detail(scene, "rigid");
+    set_values(scene, std::vector<std::string>{"start.settling_time=5 ms", "start.ramp_time=2 ms"});
+    Simulation simulation(scene);
+    SilentObserver silent;
+    const engine::Cancellation never;
+    ASSERT_FALSE(simulation.advance({.until = 0.0}, silent, never));
+    AutoStep spread(simulation.variator(), scene.parameters, simulation.method()),
+        resumed(simulation.variator(), scene.parameters, simulation.method());
+    const auto ask = [&](AutoStep& step, double time) { return step.longest(time, simulation.state(), simulation.phases().data()); };
+    const double at_once = ask(spread, 0.0);
+    const LargestStep first = spread.largest();
+    long before = 0;
+    for (int question = 1; question <= 400; ++question) {
+        const double time = 125e-6 * question;
+        if (question == 8) before = spread.evaluations();
+        EXPECT_NEAR(ask(spread, time), at_once, 1e-3 * at_once) << time;
+        if (question < 8) continue;
+        EXPECT_LE(spread.evaluations() - before, 3) << time;
+        before = spread.evaluations();
+        std::vector<double> memory, memory_of_resumed;
+        spread.save(memory);
+        resumed.load(memory);
+        resumed.save(memory_of_resumed);
+        EXPECT_EQ(memory, memory_of_resumed);
+    }
+    EXPECT_NEAR(spread.largest().step, first.step, 0.02 * first.step);
+    EXPECT_GT(spread.evaluations(), 2 * 60) << "it has estimated more than once";
+}
+
 /// As fast a chain of halves: at 2 us losses were 1.6 % off.
 TEST(AutoStep, OfHalvesTakesAHundredAndFiftyStepsPerPinOfAFastChain) {
     const StepAtSpeed fast = step_at("medium", "overdrive", {"drive.speed=5900 rpm"});
