@@ -166,14 +166,14 @@ void Simulation::Impl::advance(Simulation& self, double until, long steps) {
     const double enough = until - 1e-9 * data().run.output_interval;
     while (simulation_.time() < enough) {
         if (cancel_.withdraw()) throw Error(ErrorCode::cancelled, "cancelled");
-        const long steps_before = simulation_.integration_state().counters.steps;
+        const long steps_before = simulation_.counters_of_part().steps;
         observation_ = nullptr;
         const tasks::Fault fault = api::translated(
             ErrorCode::internal, [&] { return simulation_.advance({.until = next_stop(until), .steps = steps}, *this, cancel_); });
         deliver(self, defaults);
         require_owner();
         if (fault.kind == tasks::FaultKind::cancelled) cancel_.withdraw();
-        if (steps > 0 && (simulation_.integration_state().counters.steps != steps_before || !fault)) return;
+        if (steps > 0 && (simulation_.counters_of_part().steps != steps_before || !fault)) return;
         if (fault) throw Error(api::code_of(fault.kind), fault.message() + advice(fault.kind));
     }
 }
@@ -229,7 +229,7 @@ std::span<const double> Simulation::Impl::channel(std::size_t index) {
     const Scope scope(*this, Scope::As::visitor);
     const tasks::Channel& row = channel_row(index);
     const tasks::Workspace& workspace = simulation_.workspace();
-    const tasks::Counters& counters = simulation_.integration_state().counters;
+    const tasks::Counters& counters = simulation_.counters_of_part();
     const bool chain = row.needs_chain(counters);
     if (observation_ == nullptr || (chain && !chain_observed_)) {
         observation_ =
@@ -265,7 +265,7 @@ double Simulation::Impl::step_length() const noexcept {
 }
 
 Counters Simulation::Impl::counters() const noexcept {
-    const tasks::Counters& so_far = simulation_.integration_state().counters;
+    const tasks::Counters& so_far = simulation_.counters_of_part();
     return {so_far.steps, so_far.evaluations, so_far.detected, so_far.truncated, so_far.suppressed};
 }
 

@@ -85,6 +85,7 @@ void Simulation::reset(const Scene& scene, const engine::SavedState* saved, cons
         choice_.reset();
         checked_start_.reset();
     }
+    forget_controller();
     scene_ = scene;
     integrator_->adopt(scene.parameters);
     counters_ = {};
@@ -153,16 +154,52 @@ void Simulation::take_state(const engine::SavedState& saved) {
     time_ = saved.time;  // inputs and the governor's angle continue from there
 }
 
-Fault Simulation::drive(StepController& controller) {
-    integrator_->run(controller);
-    counters_ = controller.counters();
-    local_errors_ = controller.local_errors();
-    step_ = controller.step();
-    time_ = controller.time();
-    controller.save(rest_);
-    workspace_->heat.save(rest_.heat);
-    controller.rethrow();
-    return controller.fault();
+/// A run that ended by a goal, a pause or its caller continues with the same controller.
+Fault Simulation::drive() {
+    integrator_->run(*controller_);
+    counters_ = controller_->counters();
+    local_errors_ = controller_->local_errors();
+    step_ = controller_->step();
+    time_ = controller_->time();
+    rest_.started = true;
+    rest_known_ = false;
+    const Fault fault = controller_->fault();
+    try {
+        controller_->rethrow();
+    } catch (...) {
+        drop_controller();
+        throw;
+    }
+    if (fault && fault.kind != FaultKind::cancelled && fault.kind != FaultKind::max_steps) drop_controller();
+    return fault;
+}
+
+void Simulation::begin_part(const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel) {
+    static_cast<void>(integration_state());
+    controller_.emplace(*workspace_, integrator_->method(), settings, observer, cancel);
+    rest_.begin = settings.begin;
+    rest_.output_interval = settings.output_interval;
+    rest_.step = settings.step;
+}
+
+void Simulation::drop_controller() {
+    static_cast<void>(integration_state());
+    controller_.reset();
+}
+
+/// What it knows goes with it.
+void Simulation::forget_controller() noexcept {
+    controller_.reset();
+    rest_known_ = true;
+}
+
+const IntegrationState& Simulation::integration_state() const {
+    if (!rest_known_ && controller_) {
+        controller_->save(rest_);
+        workspace_->heat.save(rest_.heat);
+    }
+    rest_known_ = true;
+    return rest_;
 }
 
 double Simulation::automatic_step() const {
@@ -195,7 +232,7 @@ StepSettings Simulation::settings_of(const Goal& goal) const {
     }
     if (goal.steps > 0) settings.max_steps = goal.steps;
     if (!rest_.started || goal.anew) return settings;
-    if (goal.steps > 0) settings.max_steps += rest_.counters.steps;
+    if (goal.steps > 0) settings.max_steps += counters_.steps;
     settings.begin = rest_.begin;
     settings.output_interval = rest_.output_interval;
     settings.step = rest_.step;
@@ -207,13 +244,15 @@ Fault Simulation::advance(const Goal& goal, RunObserver& observer, const engine:
     const double budget = settings.max_wall;
     if (budget > 0.0) settings.max_wall = std::max(shortest_budget, budget - paused_wall_);
     const auto begun = std::chrono::steady_clock::now();
-    std::optional<StepController> controller;
-    if (rest_.started && !goal.anew)
-        controller.emplace(*workspace_, integrator_->method(), settings, rest_, observer, cancel);
+    const bool continues = rest_.started && !goal.anew;
+    if (continues && controller_)
+        controller_->resume(settings, observer, cancel);
+    else if (continues)
+        controller_.emplace(*workspace_, integrator_->method(), settings, rest_, observer, cancel);
     else
-        controller.emplace(*workspace_, integrator_->method(), settings, observer, cancel);
+        begin_part(settings, observer, cancel);
     if (goal.anew) rest_.settling = needs_settling_ && settings.begin < 0.0;
-    Fault fault = drive(*controller);
+    Fault fault = drive();
     paused_wall_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
     if (fault.kind == FaultKind::max_wall) std::tie(fault.value, fault.limit) = std::pair(paused_wall_, budget);
     if (fault.kind != FaultKind::cancelled || pause_ == nullptr || !*pause_) paused_wall_ = 0.0;
@@ -232,6 +271,7 @@ void Simulation::end_settling() {
 
 void Simulation::rest_at_start() {
     const Workspace& w = *workspace_;
+    forget_controller();
     couple();
     if (!scene_.run.step.automatic())
         choice_.reset();
@@ -243,7 +283,10 @@ void Simulation::rest_at_start() {
     rest_.started = false;
     rest_.settling = needs_settling_;
     rest_.time = time_;
+    rest_.begin = rest_.output_interval = rest_.step = 0.0;
+    rest_.grid_number = rest_.grid_steps = rest_.outputs = 0;
     rest_.counters = {};
+    rest_.method.clear();
     rest_.state.assign(w.state(), w.state() + w.layout().size());
     rest_.phases = w.tips.phases;
     rest_.changed = w.tips.changed;
@@ -261,6 +304,7 @@ void Simulation::restore(const IntegrationState& from) {
         throw SimulationError(fmt::format("a state of {} unknowns and {} tips does not fit this scene: {} and {}", from.state.size(),
                                           from.phases.size(), size, tips));
     }
+    forget_controller();
     std::copy(from.state.begin(), from.state.end(), w.state_to_set());
     w.tips.phases = from.phases;
     w.tips.changed = from.changed;

@@ -71,14 +71,15 @@ public:
     /// They are not those of the last step: what follows may be fast.
     void inputs_changed() {
         workspace_->energy.inputs_changed(time_);
-        if (rest_.started) workspace_->energy.save(rest_.energy);
+        if (rest_.started && !controller_) workspace_->energy.save(rest_.energy);
+        rest_known_ = !controller_;
     }
     /// advance() ends before its next step as soon as the flag is true, with a Fault of kind cancelled; set by an observer. nullptr:
     /// none.
     void pause_on(const bool* flag) noexcept { pause_ = flag; }
 
-    /// The present integration state.
-    [[nodiscard]] const IntegrationState& integration_state() const noexcept { return rest_; }
+    /// The present integration state, which is written when it is read.
+    [[nodiscard]] const IntegrationState& integration_state() const;
     /// Takes an integration_state() of a simulation of the same scene and method, in whatever process.
     /// @throws SimulationError if the numbers of unknowns or tips differ
     void restore(const IntegrationState& state);
@@ -95,6 +96,8 @@ public:
     [[nodiscard]] const std::vector<model::Phase>& phases() const noexcept { return workspace_->tips.phases; }
     /// Counters of the present part, or of the last one: settling, or the run.
     [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
+    /// Likewise, zero where no step of a part has been taken yet.
+    [[nodiscard]] const Counters& counters_of_part() const noexcept { return rest_.started ? counters_ : rest_.counters; }
     /// Works, losses and balance of the present part: settling, or the run.
     [[nodiscard]] const EnergyLedger& energy() const noexcept { return workspace_->energy; }
     /// The largest EnergyLedger::balance_error_ratio() of settling and run: above 1 the results are wrong.
@@ -138,7 +141,10 @@ private:
     void restore_couplings(std::span<const double> numbers);  ///< IntegrationState::couplings [none or 6]
     void end_settling();
     [[nodiscard]] StepSettings settings_of(const Goal& goal) const;
-    [[nodiscard]] Fault drive(StepController& controller);
+    [[nodiscard]] Fault drive();
+    void begin_part(const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel);
+    void drop_controller();
+    void forget_controller() noexcept;
 
     Scene scene_;
     std::unique_ptr<Integrator> integrator_;
@@ -156,7 +162,9 @@ private:
         double misfit = 0.0;
     };
     std::optional<CheckedStart> checked_start_;
-    IntegrationState rest_;
+    mutable IntegrationState rest_;             ///< where the next call begins, but for what controller_ knows
+    mutable bool rest_known_ = true;            ///< rest_ is that of now
+    std::optional<StepController> controller_;  ///< of the last call, if the next one may continue with it
     const bool* pause_ = nullptr;
     double paused_wall_ = 0.0;  ///< of the advances since the last that did not end in a pause [s]
 };

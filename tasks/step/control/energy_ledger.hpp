@@ -120,6 +120,8 @@ public:
     void keep(bool on) noexcept { on_ = on; }
     /// Inputs have been changed from outside: losses are sampled densely for a while, unless that has just been so. time [s]
     void inputs_changed(double time) noexcept;
+    /// Inputs may be others than at the end of the last step, as where a host has set some.
+    void forget_inputs() noexcept { known_ = false; }
     /// A method counts works and losses itself, from its restart() on and in every step. @return where
     [[nodiscard]] EnergyAccount& count() noexcept {
         counted_ = true;

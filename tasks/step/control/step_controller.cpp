@@ -39,8 +39,8 @@ StepController::StepController(Workspace& workspace, std::unique_ptr<StepMethod>
       own_method_(std::move(own)),
       method_(own_method_ ? *own_method_ : *method),
       settings_(settings),
-      observer_(observer),
-      cancel_(cancel),
+      observer_(&observer),
+      cancel_(&cancel),
       grid_(grid_of(settings)),
       errors_(workspace, method_, settings),
       transitions_(workspace, method_),
@@ -60,8 +60,8 @@ StepController::StepController(Workspace& workspace, StepMethod& method, const S
     : w_(workspace),
       method_(method),
       settings_(settings),
-      observer_(observer),
-      cancel_(cancel),
+      observer_(&observer),
+      cancel_(&cancel),
       grid_(grid_of(settings)),
       errors_(workspace, method_, settings),
       transitions_(workspace, method_),
@@ -83,6 +83,16 @@ StepController::StepController(Workspace& workspace, StepMethod& method, const S
     std::span<const double> memory(from.method);
     errors_.load(memory);
     method_.load(memory);
+}
+
+void StepController::resume(const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel) {
+    settings_ = settings;
+    observer_ = &observer;
+    cancel_ = &cancel;
+    started_ = std::chrono::steady_clock::now();
+    w_.energy.forget_inputs();
+    integration_.reset();  // its frame is that of the next one
+    integration_.emplace(integrate());
 }
 
 void StepController::save(IntegrationState& state) const {
@@ -156,7 +166,7 @@ Fault StepController::check_precision() const {
 }
 
 Fault StepController::check_budget() const {
-    if (cancel_.requested() || (settings_.pause != nullptr && *settings_.pause)) return {FaultKind::cancelled, w_.step.time, {}, 0.0, 0.0};
+    if (cancel_->requested() || (settings_.pause != nullptr && *settings_.pause)) return {FaultKind::cancelled, w_.step.time, {}, 0.0, 0.0};
     if (settings_.max_steps > 0 && counters_.steps >= settings_.max_steps) {
         return {FaultKind::max_steps, w_.step.time, {}, 0.0, static_cast<double>(settings_.max_steps)};
     }
@@ -188,9 +198,9 @@ bool StepController::deliver_output() {
         w_.energy.output(w_.step.time, w_.shaft_momentum());
         w_.warm(w_.step.time);
     }
-    if (due || over) observer_.output(w_.step.time, w_, counters_);
+    if (due || over) observer_->output(w_.step.time, w_, counters_);
     if (due) ++outputs_;
-    if (!due && !over && observer_.samples(w_.step.time)) observer_.sample(w_.step.time, w_, counters_);
+    if (!due && !over && observer_->samples(w_.step.time)) observer_->sample(w_.step.time, w_, counters_);
     return over;
 }
 
@@ -248,7 +258,7 @@ void StepController::accept() {
     w_.energy.step(w_.variator, begin, w_.states[0] + w_.layout().pulley_begin(), w_.step.time, w_.end_state + w_.layout().pulley_begin());
     std::swap(w_.states[0], w_.end_state);
     std::swap(w_.tips.before, w_.tips.after);
-    transitions_.change_at_end(observer_, counters_);
+    transitions_.change_at_end(*observer_, counters_);
 }
 
 void StepController::shorten_to_transition() {
@@ -267,7 +277,7 @@ void StepController::truncate() {
     w_.energy.step(w_.variator, begin, w_.states[0] + w_.layout().pulley_begin(), w_.step.time, w_.cut_state + w_.layout().pulley_begin());
     ++counters_.truncated;
     ++counters_.steps;
-    transitions_.truncate(observer_, counters_);
+    transitions_.truncate(*observer_, counters_);
 }
 
 /// Phases of the start state, without dwell: a geometric start comes with all tips free.

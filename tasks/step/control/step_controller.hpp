@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "engine/executor/cancellation.hpp"
@@ -65,11 +66,15 @@ public:
     StepController(Workspace& workspace, StepMethod& method, const StepSettings& settings, const IntegrationState& from,
                    RunObserver& observer, const engine::Cancellation& cancel);
 
-    [[nodiscard]] int next() noexcept override { return integration_.next(); }
+    /// Continues where the last run of this controller ended, without a fault or by one that a goal or a caller set; bitwise as a new one
+    /// that resumes from save(). @param settings those of the beginning, but for end, budgets and pause
+    void resume(const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel);
+
+    [[nodiscard]] int next() noexcept override { return integration_->next(); }
     /// State of the integration once next() has returned stop. Allocates nothing if `state` has held one of the same size before.
     void save(IntegrationState& state) const;
 
-    [[nodiscard]] const Fault& fault() const noexcept { return integration_.fault(); }
+    [[nodiscard]] const Fault& fault() const noexcept { return integration_->fault(); }
     [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
     [[nodiscard]] double time() const noexcept { return w_.step.time; }
     /// Step in use: settings.step, or what was chosen, or a little less, so that it divides the output interval; the longest one if the
@@ -79,7 +84,7 @@ public:
     /// The workspace's: kept from one run to the next.
     [[nodiscard]] FrameMemory* frame_memory() const noexcept { return &w_.frame; }
     /// Rethrows what the observer threw.
-    void rethrow() const { integration_.rethrow(); }
+    void rethrow() const { integration_->rethrow(); }
 
 private:
     /// @param own the method, or nullptr where the caller owns `method`
@@ -110,8 +115,8 @@ private:
     std::unique_ptr<StepMethod> own_method_;
     StepMethod& method_;
     StepSettings settings_;
-    RunObserver& observer_;
-    const engine::Cancellation& cancel_;
+    RunObserver* observer_;
+    const engine::Cancellation* cancel_;
     StepGrid grid_;
     ErrorControl errors_;
     TransitionSearch transitions_;
@@ -119,7 +124,7 @@ private:
     long outputs_ = 0;                ///< outputs delivered
     Counters counters_;
     std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
-    CycleSequence integration_;
+    std::optional<CycleSequence> integration_;
 };
 
 }  // namespace cvtflow::tasks
