@@ -69,6 +69,14 @@ struct ContactDrift {
     SheaveMotion change[4]{};  ///< of the sheaves' velocities over the step
 };
 
+/// Where a record decides which tips touch: those that penetrate, and those that touched and have not receded by more than `release`.
+struct TipSearch {
+    Phase* phases;                         ///< [links * 4], of the whole chain; in and out
+    double release;                        ///< PhaseRule::release [m]
+    double deepest, innermost, outermost;  ///< limits of depths, and of the radii of links and of those that touch [m]
+    bool suspect = false;                  ///< some link may be beyond a limit; out
+};
+
 /// Output of the pass over links for friction in single precision.
 struct SinglePrecisionRecord {
     const double* states;  ///< [unknowns] at the step's beginning, of the range's first link on

@@ -53,7 +53,8 @@ struct SweepKernels {
 
 /// Functions of one order and one instruction set.
 struct FrictionKernels {
-    using Record = void (*)(const FrictionOperator&, const ChainRange&, const ContactDrift&, ContactField&, Columns&, LinkLoad*) noexcept;
+    using Record = void (*)(const FrictionOperator&, const ChainRange&, const ContactDrift&, ContactField&, Columns&, LinkLoad*,
+                            TipSearch*) noexcept;
     using Evaluate = void (*)(const FrictionOperator&, const ContactField&, const FrictionRange&, const FrictionStage&) noexcept;
     Record record;
     Evaluate slopes, all_sticking;
@@ -62,8 +63,8 @@ struct FrictionKernels {
 
 /// FrictionKernels in single precision.
 struct SingleFrictionKernels {
-    using Record = void (*)(const FrictionOperator&, const ChainRange&, const ContactDrift&, const SinglePrecisionRecord&,
-                            LinkLoad*) noexcept;
+    using Record = void (*)(const FrictionOperator&, const ChainRange&, const ContactDrift&, const SinglePrecisionRecord&, LinkLoad*,
+                            TipSearch*) noexcept;
     using Evaluate = void (*)(const FrictionOperator&, const ContactFieldOf<float>&, const FrictionRangeOf<float>&,
                               const FrictionStageOf<float>&) noexcept;
     Record record = nullptr;
@@ -95,14 +96,15 @@ public:
     /// Notes the contacts of the links of a range, replaces their reactions on the sheaves by those of the normal forces alone, and gives
     /// the accelerations of the links by everything but friction, in one pass over them: to rows of `frictionless`, column = link +
     /// range.shift. Ghost columns are written with the links that they repeat, if the range requires it.
-    /// @param loads of the range's first link on
-    void record(const ChainRange& range, const ContactDrift& drift, ContactField& field, Columns& frictionless,
-                LinkLoad* loads) const noexcept {
-        kernels_.record(*this, range, drift, field, frictionless, loads);
+    /// @param loads of the range's first link on   @param search nullptr: tips touch as the range's phases state
+    void record(const ChainRange& range, const ContactDrift& drift, ContactField& field, Columns& frictionless, LinkLoad* loads,
+                TipSearch* search = nullptr) const noexcept {
+        kernels_.record(*this, range, drift, field, frictionless, loads, search);
     }
     /// record() for friction in single precision.
-    void record(const ChainRange& range, const ContactDrift& drift, const SinglePrecisionRecord& start, LinkLoad* loads) const noexcept {
-        single_.record(*this, range, drift, start, loads);
+    void record(const ChainRange& range, const ContactDrift& drift, const SinglePrecisionRecord& start, LinkLoad* loads,
+                TipSearch* search = nullptr) const noexcept {
+        single_.record(*this, range, drift, start, loads, search);
     }
     /// slope = base + A⁻¹ friction(velocity) of links first … last - 1, and what the stage makes of it.
     void slopes(const ContactField& field, const FrictionRange& range, const FrictionStage& stage) const noexcept {

@@ -18,7 +18,8 @@ namespace {
 
 /// No observation: forces only.
 struct NoContacts {
-    static constexpr bool wanted = false, relative = false;
+    static constexpr bool recorded = false, relative = false;
+    static constexpr TipSearch* search() noexcept { return nullptr; }
     [[nodiscard]] static int rows(int, int) noexcept { return 0; }
 };
 
@@ -56,12 +57,14 @@ public:
     using Joint = ContactComponents::Joint;
     using Tip = ContactComponents::Tip;
     using Rows = GroupRows<W, Number>;
-    static constexpr bool wanted = true, relative = std::is_same_v<Number, float>;
+    static constexpr bool recorded = true, relative = std::is_same_v<Number, float>;
 
-    /// @param real coefficients with friction in them
+    /// @param real coefficients with friction in them   @param search nullptr: tips touch as the range's phases state
     ContactWriter(const Coefficients& real, const ChainRange& range, const ContactDrift& drift, bool by_phase,
-                  ContactFieldOf<Number>& field, ColumnsOf<Number>& frictionless) noexcept
-        : c_(real), range_(range), drift_(drift), by_phase_(by_phase), field_(field), frictionless_(frictionless) {}
+                  ContactFieldOf<Number>& field, ColumnsOf<Number>& frictionless, TipSearch* search) noexcept
+        : c_(real), range_(range), drift_(drift), by_phase_(by_phase), field_(field), frictionless_(frictionless), search_(search) {}
+
+    [[nodiscard]] TipSearch* search() const noexcept { return search_; }
 
     /// Rows of the field for the links own, …
     [[nodiscard]] Rows rows(int own, int count) const noexcept { return rows_of(field_.columns, own, count); }
@@ -198,6 +201,7 @@ protected:
     bool by_phase_;
     ContactFieldOf<Number>& field_;
     ColumnsOf<Number>& frictionless_;
+    TipSearch* search_;
 };
 
 /// For friction in single precision: also velocities at the step's beginning, counted from those of the links that are passed over.
@@ -207,8 +211,8 @@ class KickWriter : public ContactWriter<P, W, float> {
 
 public:
     KickWriter(const Coefficients& real, const ChainRange& range, const ContactDrift& drift, bool by_phase,
-               const SinglePrecisionRecord& start) noexcept
-        : Base(real, range, drift, by_phase, start.field, start.frictionless), start_(start) {}
+               const SinglePrecisionRecord& start, TipSearch* search) noexcept
+        : Base(real, range, drift, by_phase, start.field, start.frictionless, search), start_(start) {}
 
     /// @param v velocities passed over, rows of the coordinates
     void velocities(int own, int count, const Lanes<W>* v) const noexcept {

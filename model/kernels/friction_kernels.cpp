@@ -10,10 +10,10 @@ namespace {
 
 template <int P>
 void record(const FrictionOperator& friction, const ChainRange& range, const ContactDrift& drift, ContactField& field,
-            Columns& frictionless, LinkLoad* loads) noexcept {
+            Columns& frictionless, LinkLoad* loads, TipSearch* search) noexcept {
     const ChainModel& chain = friction.chain();
     using Contacts = ContactWriter<P, native_lanes>;
-    const Contacts contacts(chain.coefficients(), range, drift, friction.by_phase(), field, frictionless);
+    const Contacts contacts(chain.coefficients(), range, drift, friction.by_phase(), field, frictionless, search);
     LanePass<P, native_lanes, Contacts>(chain, friction.frictionless(), range, loads, contacts).run();
     contacts.repeat(chain.layout().links);
 }

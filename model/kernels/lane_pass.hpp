@@ -39,9 +39,12 @@ public:
     }
 
     /// Adds forces and moments on the links; reactions of those that touch to loads.
-    void add(const Columns& columns, V* f, V& moment, LinkLoad* loads) const noexcept {
+    void add(const Columns& columns, V* f, V& moment, LinkLoad* loads) noexcept {
+        const bool searches = contacts_.search() != nullptr;
+        if (searches) find_near(columns);
         if (any_ == 0) {
-            if constexpr (Contacts::wanted) contacts_.no_tips(own_, count_);
+            if (searches) keep_phases();
+            if constexpr (Contacts::recorded) contacts_.no_tips(own_, count_);
             return;
         }
         std::array<SheaveMotionLanes<W>, 2> sheaves;
@@ -54,6 +57,11 @@ public:
         for (std::size_t side = 0; side < 2; ++side) turning[side] += more[side];
         for (int k = 0; k < size; ++k) f[k] += share[static_cast<std::size_t>(k)];
         moment += turning[0] + turning[1];
+        if (searches) {
+            std::copy_n(found_.begin(), count_, words_.begin());  // further lanes belong to others
+            keep_phases();
+            check_limits(columns, shaft);
+        }
         write(rear, front, shaft, loads);
     }
 
@@ -61,7 +69,7 @@ private:
     /// Both tips of a half: adds their forces to share, returns their moments.
     template <End end>
     [[nodiscard]] std::array<V, 2> pair(const Columns& columns, const std::array<SheaveMotionLanes<W>, 2>& sheaves, const V& shaft,
-                                        std::array<Reaction, 2>& reaction, std::array<V, size>& share) const noexcept {
+                                        std::array<Reaction, 2>& reaction, std::array<V, size>& share) noexcept {
         const TipAction<V> minus = tip(OneTip<W, end, 0>{}, 2 * static_cast<int>(end), columns, sheaves.data(), shaft, reaction[0]);
         const TipAction<V> plus = tip(OneTip<W, end, 1>{}, 2 * static_cast<int>(end) + 1, columns, sheaves.data(), shaft, reaction[1]);
         load_end<P>(end, minus, plus, share.data());
@@ -70,7 +78,7 @@ private:
 
     template <class Corner>
     [[nodiscard]] TipAction<V> tip(const Corner& corner, int number, const Columns& columns, const SheaveMotionLanes<W>* sheaves,
-                                   [[maybe_unused]] const V& shaft, Reaction& reaction) const noexcept {
+                                   [[maybe_unused]] const V& shaft, Reaction& reaction) noexcept {
         const auto own = [&] {
             if constexpr (Rigid)
                 return rigid_sheaves_at(corner, sheaves);
@@ -80,16 +88,19 @@ private:
         const auto geometry = tip_geometry<P>(c_, corner, columns.frame, columns.q(), own);
         const auto motion = tip_motion<P>(c_, corner, columns.frame, columns.v(), own, geometry);
         const auto forces = forces_of(number, geometry, motion);
-        if constexpr (Contacts::wanted) contacts_.tip(own_, count_, number, geometry, motion, forces.normal, sheaves[number % 2], shaft);
+        if constexpr (Contacts::recorded) contacts_.tip(own_, count_, number, geometry, motion, forces.normal, sheaves[number % 2], shaft);
         reaction = tip_reaction(geometry, motion, forces);
         return tip_action(c_, columns.frame, geometry, motion, forces);
     }
 
     /// Without friction where contacts are recorded: it is solved for apart from all else.
     template <class Geometry>
-    [[nodiscard, gnu::always_inline]] auto forces_of(int number, const Geometry& geometry, const TipMotion<V>& motion) const noexcept {
-        if constexpr (Contacts::wanted) {
-            return TipForces<V, Zero>{tip_pressing<W>(c_.tip, geometry, motion, touching(number)).normal, {}};
+    [[nodiscard, gnu::always_inline]] auto forces_of(int number, const Geometry& geometry, const TipMotion<V>& motion) noexcept {
+        if constexpr (Contacts::recorded) {
+            const auto pressing = tip_pressing<W>(c_.tip, geometry, motion,
+                                                  contacts_.search() == nullptr ? touching(number) : search(number, geometry.depth));
+            deepest_ = larger<W>(pressing.depth, deepest_);
+            return TipForces<V, Zero>{pressing.normal, {}};
         } else {
             constexpr std::uint32_t stick_or_slip = 0x02020202;
             const PhaseLanes phases{phases_ + number, tips_per_link, (any_ & stick_or_slip) != 0, static_cast<std::size_t>(count_)};
@@ -102,6 +113,59 @@ private:
         alignas(64) double touching[W];
         for (std::size_t link = 0; link < W; ++link) touching[link] = (words_[link] >> (8 * number) & 0xffu) != 0 ? 1.0 : 0.0;
         return load<W>(touching);
+    }
+
+    // Where the record decides which tips touch.
+
+    /// Above 0 where a link is so near its sheaves that its tips may touch; only there they do. A tip is as deep as a pin that is straight
+    /// between flanks that are not tilted, give or take what pins and sheaves yield.
+    void find_near(const Columns& columns) noexcept {
+        constexpr double yielding = 5e-4;  // m
+        const V* q = columns.q();
+        const V first(c_.centre_distance), middle = q[at<P>.x(End::rear, 0)] + q[at<P>.x(End::front, 0)];
+        const auto by_shaft = [&](double one, double other) { return select_greater<W>(first, middle, V(one), V(other)); };
+        const SheaveMotion* motions = range_.sheaves;
+        const V minus = by_shaft(motions[0].z, motions[2].z), plus = by_shaft(motions[1].z, motions[3].z);
+        const V centre = by_shaft(0.0, c_.centre_distance);
+        const double touching_radius = c_.tip.touching_radius - c_.tip.radius * c_.tip.sine;
+        near_ = V(-1.0);
+        for (const End end : {End::rear, End::front}) {
+            const V x = q[at<P>.x(end, 0)] - centre, y = q[at<P>.y(end, 0)], z = q[at<P>.z(end)];
+            const V radial = c_.tip.sine * (touching_radius - sqrt(x * x + y * y)), length = c_.half_length + q[at<P>.e(end)];
+            const V beyond = larger<W>(length - (z - minus), length + (z - plus));
+            near_ = larger<W>(radial + c_.tip.cosine * beyond + yielding, near_);
+        }
+        found_.fill(0);
+        any_ = all_at_most<W>(near_, 0.0) ? 0 : 1;
+        if (any_ == 0) words_.fill(0);
+    }
+
+    /// 1 where a tip touches, by its depth and its phase so far, else 0; notes the new phases.
+    [[nodiscard]] V search(int number, const V& depth) noexcept {
+        alignas(64) double bound[W], touches[W];
+        for (std::size_t link = 0; link < W; ++link)
+            bound[link] = (words_[link] >> (8 * number) & 0xffu) != 0 ? -contacts_.search()->release : 0.0;
+        const V touching = select_greater<W>(near_, V(0.0), select_greater<W>(depth, load<W>(bound), V(1.0), V(0.0)), V(0.0));
+        touching.copy_to(touches);
+        for (std::size_t link = 0; link < W; ++link) found_[link] |= static_cast<std::uint32_t>(touches[link] != 0.0) << (8 * number);
+        return touching;
+    }
+
+    void keep_phases() const noexcept {
+        Phase* to = contacts_.search()->phases + tips_per_link * (range_.first + own_);
+        for (int link = 0; link < count_; ++link)
+            std::memcpy(to + tips_per_link * link, &words_[static_cast<std::size_t>(link)], sizeof words_[0]);
+    }
+
+    void check_limits(const Columns& columns, const V& shaft) const noexcept {
+        TipSearch& search = *contacts_.search();
+        const V* q = columns.q();
+        const V x = 0.5 * (q[at<P>.x(End::rear, 0)] + q[at<P>.x(End::front, 0)]) - shaft * c_.centre_distance;
+        const V y = 0.5 * (q[at<P>.y(End::rear, 0)] + q[at<P>.y(End::front, 0)]), square = x * x + y * y;
+        const V touching = select_greater<W>(deepest_, V(0.0), square, V(0.0));
+        if (!all_at_most<W>(deepest_, search.deepest) || !all_at_most<W>(-square, -search.innermost * search.innermost) ||
+            !all_at_most<W>(touching, search.outermost * search.outermost))
+            search.suspect = true;
     }
 
     void write(const std::array<Reaction, 2>& rear, const std::array<Reaction, 2>& front, const V& shaft, LinkLoad* loads) const noexcept {
@@ -154,6 +218,8 @@ private:
     int count_;
     std::array<std::uint32_t, W> words_{};  ///< phases of each link, 0 beyond the last
     std::uint32_t any_ = 0;
+    std::array<std::uint32_t, W> found_{};  ///< phases of each link, by a search
+    V near_{0.0}, deepest_{0.0};            ///< find_near(); deepest touching tip of each link [m]
     const Contacts& contacts_;
 };
 
@@ -231,7 +297,7 @@ public:
             const V weight(points.weight[static_cast<std::size_t>(point)]);
             const auto motion = joint_motion<P, W>(c_.joint, frames, at_point, gap, rate);
             worst = larger<W>(beyond_clearance<W>(c_.joint, frames, motion), worst);
-            if constexpr (Contacts::wanted) {
+            if constexpr (Contacts::recorded) {
                 const V normal = normal_force<W>(c_.joint, weight, motion).normal;
                 contacts_.joint(rows, point, motion, normal);
                 return rolling_terms<P, W>(c_.joint, frames, at_point, motion, normal, Zero{});
@@ -273,7 +339,7 @@ public:
     void solve(int own, int count, V* f) const noexcept {
         multiply<2 * (P + 1), 2>(model_.inertia().lateral, f);
         multiply<4, 1>(model_.inertia().axial, f + 4 * (P + 1));
-        if constexpr (Contacts::wanted) return contacts_.accelerations(own, count, f);
+        if constexpr (Contacts::recorded) return contacts_.accelerations(own, count, f);
         std::array<double*, W> to;
         for (int lane = 0; lane < count; ++lane) {
             double* slope = slope_ + (own + lane) * block;
@@ -290,7 +356,7 @@ public:
         f.fill(V(0.0));
         V moment = inner(own, count, columns, f.data());
         plates(kinds(own, count), columns, f.data(), own, count);
-        if constexpr (Contacts::wanted) contacts_.frame(own, count, columns.frame);
+        if constexpr (Contacts::recorded) contacts_.frame(own, count, columns.frame);
         if constexpr (Contacts::relative) contacts_.velocities(own, count, columns.v());
         rear.on_front.apply(-1.0, f.data(), End::rear);
         add_front(rear, next, f.data());
@@ -327,7 +393,7 @@ public:
                 const std::size_t j = static_cast<std::size_t>(first + plate);
                 const AxisPoint<P, W> place(points, first + plate);
                 const auto stretch = plate_stretch<P, W>(c_, kind.free_length, place, points.weight[j], points.damping[j], d, rate);
-                if constexpr (Contacts::wanted) {
+                if constexpr (Contacts::recorded) {
                     contacts_.plate(rows, first + plate, stretch.tension);
                     return plate_terms<P, W, false>(place, points.weight[j], points.damping[j], stretch, Zero{});
                 } else {

@@ -12,10 +12,10 @@ namespace {
 
 template <int P>
 void record_single(const FrictionOperator& friction, const ChainRange& range, const ContactDrift& drift, const SinglePrecisionRecord& start,
-                   LinkLoad* loads) noexcept {
+                   LinkLoad* loads, TipSearch* search) noexcept {
     const ChainModel& chain = friction.chain();
     using Contacts = KickWriter<P, native_lanes>;
-    const Contacts contacts(chain.coefficients(), range, drift, friction.by_phase(), start);
+    const Contacts contacts(chain.coefficients(), range, drift, friction.by_phase(), start, search);
     LanePass<P, native_lanes, Contacts>(chain, friction.frictionless(), range, loads, contacts).run();
     contacts.repeat(chain.layout().links);
 }

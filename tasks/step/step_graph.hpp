@@ -36,7 +36,7 @@ enum class Field {
     before,
     after,
     result,
-    secant,  // slopes that a detect cycle makes from the states at both ends: their methods combine results from states alone
+    secant,  // slopes that a detect cycle or a method makes from the states at both ends: their methods combine results from states alone
     link_error,
     contact,
     velocity_read,

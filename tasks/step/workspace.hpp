@@ -66,14 +66,13 @@ struct alignas(64) SegmentResult {
     Transition first;      ///< earliest transition of the segment's tips
     long detected = 0;     ///< transitions found in this cycle
     long suppressed = 0;   ///< transitions put off because the tip has just changed
-    bool pending = false;  ///< some tip has to be located
+    bool pending = false;  ///< some tip has to be located; or, where the method finds transitions, the state to be checked
 };
 
 /// Treatment of a step in which tips are due to change their phase.
 enum class AtTransition {
     interpolate,  ///< it is cut there: on the cubic through both ends and their slopes, of which slopes[0] must hold that at the start
     repeat,       ///< it is taken again up to there, found by positions and velocities at both ends
-    at_end,       ///< it is kept, and the tips change their phase at its end
     inside        ///< the method has changed the phases itself: nothing is searched for
 };
 
@@ -110,7 +109,7 @@ struct LinkFields {
     std::vector<double> errors;            ///< [links] local error of the step, root mean square in units of error_scale
 };
 
-/// Whether tips touch: changed in truncate cycles only (Field::phase), probed in detect cycles (Field::before, after).
+/// Whether tips touch: changed in truncate cycles or by the method (Field::phase), probed in detect cycles (Field::before, after).
 struct TipState {
     std::vector<model::Phase> phases;         ///< [4 links]
     std::vector<model::Phase> phases_before;  ///< [4 links] before a truncate cycle

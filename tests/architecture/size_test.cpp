@@ -32,7 +32,7 @@ const std::map<std::string, int> large_classes{
     {"bench/method/linear/cyclic_border.hpp: CyclicBorder", 24},
     {"model/parameters/chain_layout.hpp: ChainLayout", 24},
     {"tasks/batch/case_engine.hpp: CaseEngine", 27},
-    {"tasks/method/friction/rigid_leapfrog.hpp: RigidLeapfrog", 23},
+    {"tasks/method/friction/rigid_leapfrog.hpp: RigidLeapfrog", 22},
     {"tasks/run/simulation.hpp: Simulation", 43},
     {"tasks/step/control/step_controller.hpp: StepController", 25},
     {"tasks/step/workspace.hpp: Workspace", 25},

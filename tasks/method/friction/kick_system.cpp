@@ -73,7 +73,8 @@ std::size_t KickSystem<Number>::bytes() const noexcept {
 }
 
 template <class Number>
-void KickSystem<Number>::record(Workspace& w, const model::ContactDrift& drift, std::size_t frictionless, int segment) noexcept {
+void KickSystem<Number>::record(Workspace& w, const model::ContactDrift& drift, std::size_t frictionless, int segment,
+                                model::TipSearch* search) noexcept {
     Fields& f = fields(segment);
     const Segment& own = w.partition[segment];
     double* window = w.windows[at(segment)].data();
@@ -83,9 +84,9 @@ void KickSystem<Number>::record(Workspace& w, const model::ContactDrift& drift, 
     model::LinkLoad* loads = normal_loads_.data() + own.first;
     const double* state = w.states[0] + begin;
     if constexpr (std::is_same_v<Number, float>) {
-        friction_.record(range, drift, {state, f.contacts, f.of[frictionless], f.of[start]}, loads);
+        friction_.record(range, drift, {state, f.contacts, f.of[frictionless], f.of[start]}, loads, search);
     } else {
-        friction_.record(range, drift, f.contacts, f.of[frictionless], loads);
+        friction_.record(range, drift, f.contacts, f.of[frictionless], loads, search);
         Columns& velocities = f.of[start];
         for (int link = own.first; link < own.last; ++link, state += w.layout().link_block())
             for (int row = 0; row < size; ++row) *velocities.at(row, link + shift) = state[size + row];
@@ -108,6 +109,22 @@ model::FrictionRangeOf<Number> KickSystem<Number>::range_of(const Workspace& w, 
             columns_.shift(segment)};
 }
 
+namespace {
+
+/// The block of a link at the step's end: velocities from their column, coordinates by the mean of the velocities at both ends.
+/// @param counted_from velocities that those of a column in single precision count from   @param half of the step [s]
+template <int size, class Number>
+void end_block(const Number* column, int stride, const double* counted_from, double half, const double* __restrict from,
+               double* __restrict to) noexcept {
+    for (int row = 0; row < size; ++row) {
+        to[size + row] = column[row * stride];
+        if constexpr (std::is_same_v<Number, float>) to[size + row] += counted_from[row];
+    }
+    for (int k = 0; k < size; ++k) to[k] = from[k] + half * (from[size + k] + to[size + k]);
+}
+
+}  // namespace
+
 template <class Number>
 void KickSystem<Number>::finish(Workspace& w, int segment) const noexcept {
     const Fields& f = fields(segment);
@@ -115,11 +132,13 @@ void KickSystem<Number>::finish(Workspace& w, int segment) const noexcept {
     const Columns &velocities = f.of[result], &forces = f.of[impulses];
     const int shift = columns_.shift(segment);
     for (int link = own.first; link < own.last; ++link) {
+        const model::Phase* phases = w.tips.phases.data() + model::tips_per_link * link;
+        if (std::count(phases, phases + model::tips_per_link, model::Phase::free) == model::tips_per_link) continue;  // no sum has its load
         w.links.loads[at(link)] = normal_loads_[at(link)];
         model::SheaveLoad& load = w.links.loads[at(link)].load;
         const model::TipArms& p = f.contacts.arms[at(link)];
         for (int corner = 0; corner < model::tips_per_link; ++corner) {
-            if (w.tips.phases[at(model::tips_per_link * link + corner)] == model::Phase::free) continue;
+            if (phases[corner] == model::Phase::free) continue;
             const auto force = [&](int axis) -> double { return *forces.at(3 * corner + axis, link + shift); };
             load.add(corner % 2, -force(0), -force(1), -force(2), p.x[corner], p.y[corner], p.z[corner]);
         }
@@ -127,19 +146,17 @@ void KickSystem<Number>::finish(Workspace& w, int segment) const noexcept {
     if (w.layout().pulley_size != 0) w.add_up(own);
 
     const model::ChainLayout& layout = w.layout();
-    const int size = layout.link_size();
-    const double half = 0.5 * w.step.h;
     // Velocities that others count from: still in the window that record() has filled.
-    const double* counted_from = w.windows[at(segment)].data() + layout.halo() * layout.link_block() + size;
-    for (int link = own.first; link < own.last; ++link, counted_from += layout.link_block()) {
-        const double* __restrict from = w.states[0] + layout.link_begin(link);
-        double* __restrict to = w.end_state + layout.link_begin(link);
-        for (int row = 0; row < size; ++row) {
-            to[size + row] = *velocities.at(row, link + shift);
-            if constexpr (std::is_same_v<Number, float>) to[size + row] += counted_from[row];
+    const double* window = w.windows[at(segment)].data() + layout.halo() * layout.link_block() + layout.link_size();
+    model::of_order(layout.order, [&]<int order>() noexcept {
+        constexpr int size = model::ChainLayout{order}.link_size();
+        const double* counted_from = window;
+        for (int link = own.first; link < own.last; ++link, counted_from += 2 * size) {
+            const int begin = layout.link_begin(link);
+            end_block<size>(velocities.at(0, link + shift), velocities.stride(), counted_from, 0.5 * w.step.h, w.states[0] + begin,
+                            w.end_state + begin);
         }
-        for (int k = 0; k < size; ++k) to[k] = from[k] + half * (from[size + k] + to[size + k]);
-    }
+    });
 }
 
 template <class Number>

@@ -48,7 +48,9 @@ protected:
     [[nodiscard]] const Fields& fields(int segment) const noexcept { return fields_[at(segment)]; }
     /// Contacts of a segment's links at the stage state of workspace.step.row, all other forces there as accelerations in the field
     /// `frictionless`, and velocities at the step's start; hands over the contacts. No impulses so far.
-    void record(Workspace& workspace, const model::ContactDrift& drift, std::size_t frictionless, int segment) noexcept;
+    /// @param search decides which tips touch; nullptr: they do as they did
+    void record(Workspace& workspace, const model::ContactDrift& drift, std::size_t frictionless, int segment,
+                model::TipSearch* search = nullptr) noexcept;
     /// A segment's links with velocities of columns like its fields'. time [s]
     [[nodiscard]] model::FrictionRangeOf<Number> range_of(const Workspace& workspace, double time, const Columns& velocity,
                                                           int segment) noexcept;

@@ -45,7 +45,7 @@ void LeapfrogFrame::restart() noexcept {
 /// Slope slot 1: [v | mean acceleration of the step before], zero acceleration in the first step.
 void LeapfrogFrame::extrapolate() {
     if (continues_) {
-        std::swap(w_.slopes[1], w_.end_slope);  // made by the last detect cycle
+        std::swap(w_.slopes[1], w_.end_slope);  // made at the end of the last step
         return;
     }
     const model::ChainLayout& at = w_.layout();

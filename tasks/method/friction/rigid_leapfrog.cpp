@@ -77,7 +77,7 @@ CycleSequence RigidLeapfrog::step() {
     pulleys_.drift(h);     // x ← x + h v
     co_yield rigid_cycle;  // x ← x + h v;  a = forces at x, with the friction that v + h a leaves;  v ← v + h a
     finish();              // the pulleys by the reactions of the tips: v ← v + h a; energies; phases
-    co_return is_suspect() ? find_fault() : Fault{};
+    co_return is_suspect() ? find_fault(w_, w_.state()) : Fault{};
 }
 
 void RigidLeapfrog::links(int) noexcept {
@@ -199,23 +199,6 @@ bool RigidLeapfrog::is_suspect() const noexcept {
     const model::Pulley& pulley = w_.parameters.pulley;
     return found.deepest > w_.parameters.tip.deepest || found.innermost < pulley.innermost + radius_error ||
            found.outermost > pulley.outermost - radius_error;
-}
-
-Fault RigidLeapfrog::find_fault() const {
-    const model::ChainLayout& at = w_.layout();
-    const double* y = w_.state();
-    SegmentResult result;
-    for (int pin = 0; pin < at.links && !result.fault; ++pin) check_motion(w_, pin, y + at.link_begin(pin), result);
-    if (result.fault || pulleys_.absent()) return result.fault;
-    model::SheaveMotion sheaves[4];
-    w_.variator.pulleys().motions(y + at.pulley_begin(), sheaves);
-    for (int link = 0; link < at.links && !result.fault; ++link) {
-        model::NeighbourWindow near;
-        model::TipProbe probe;
-        w_.variator.chain().probe(near.of(at, y, link), sheaves, false, probe);
-        check_contact(w_, link, probe, result);
-    }
-    return result.fault;
 }
 
 template <class Method, class Visitor>

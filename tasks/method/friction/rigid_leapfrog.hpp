@@ -107,7 +107,6 @@ private:
     void set_phase(int pin, int tip, bool touches) noexcept;
     void count_energy(const model::WorkRates& power) noexcept;  ///< [W]
     [[nodiscard]] bool is_suspect() const noexcept;
-    [[nodiscard]] Fault find_fault() const;
     /// Calls visitor(numbers, count) for all that the next step depends on. @tparam Method this class, const or not
     template <class Method, class Visitor>
     static void visit(Method& method, const Visitor& visitor);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "tasks/step/assembly/segment_tasks.hpp"
 #include "tasks/step/step_graph.hpp"
 
 namespace cvtflow::tasks {
@@ -42,6 +43,8 @@ constexpr double sweeps_at_usual_speeds = 2.0, min_sweeps = 3.0, max_sweeps = 12
 
 std::string_view missing_for_sweeps(const model::Parameters& parameters) noexcept {
     if (parameters.detail.pins == model::PinDetail::rigid) return "detail.pins = \"halves\"";
+    // The record evaluates tips within 0.5 mm of sheaves that turn about their shaft's axis.
+    if (parameters.imperfection.runout * std::sin(parameters.tip.angle) > 3e-4) return "imperfection.runout * sin(tip.angle) <= 0.3 mm";
     return parameters.detail.friction == model::FrictionLaw::piecewise ? "" : "detail.friction = \"piecewise\"";
 }
 
@@ -94,8 +97,8 @@ void SweepSystem<Number>::begin(double step, double nominal) noexcept {
 }
 
 template <class Number>
-void SweepSystem<Number>::record(Workspace& w, const model::ContactDrift& drift, int segment) noexcept {
-    Base::record(w, drift, base, segment);
+void SweepSystem<Number>::record(Workspace& w, const model::ContactDrift& drift, int segment, model::TipSearch* search) noexcept {
+    Base::record(w, drift, base, segment, search);
     edges_[kept_edges].give(columns_, fields(segment).of[kept + 1 - now_], segment);
 }
 
@@ -198,7 +201,7 @@ template <class Number>
 void SweepLeapfrog<Number>::add_tasks(engine::TaskGraph& graph) {
     for (int s = 0; s < w_.partition.size(); ++s)
         graph.add({"record[" + std::to_string(s) + "]", record_sweep_cycle, engine::code_of<&SweepLeapfrog::record>(*this), s,
-                   record_accesses(w_, s).list()});
+                   record_accesses(w_, s).own(Field::phase, decides_phases()).segment(Field::result, true).list()});
     sweep_cycles.add_tasks(graph, w_, "pass", engine::code_of<&SweepLeapfrog::sweep>(*this), [](LinkAccesses& accesses) {
         accesses.own(Field::force, true)
             .own(Field::impulse, true)
@@ -206,6 +209,8 @@ void SweepLeapfrog<Number>::add_tasks(engine::TaskGraph& graph) {
             .segment(Field::window, false)
             .own(Field::state_kept, true)
             .own(Field::end_state, true)
+            .own(Field::secant, true)
+            .segment(Field::result, true)
             .own(Field::load, true);
     });
     add_booking(graph);
@@ -236,8 +241,7 @@ CycleSequence SweepLeapfrog<Number>::step() {
     if (w_.layout().ledger) co_yield evaluate_cycle;  // its losses need the forces with friction
     co_yield record_sweep_cycle;                      // there: contacts, and all forces but friction
     while (pass_ < passes_) co_yield next_passes();   // friction of joints, plates and tips; then v, q ← q + h/2 v
-    finish();                                         // the pulleys by the forces of the tips
-    co_return {};
+    co_return finish();                               // the pulleys by the forces of the tips; soundness of the state
 }
 
 /// A new step, or the last one again, shorter.
@@ -253,6 +257,7 @@ void SweepLeapfrog<Number>::begin() {
     frame_.begin();
     system_.begin(w_.step.h, nominal_);
     w_.step.end_state_ready = true;
+    if (decides_phases()) w_.tips.phases_before = w_.tips.phases;
     pass_ = 0;
     passes_ = 1 + (cold_ ? first_sweeps : sweeps_);
 }
@@ -267,9 +272,33 @@ int SweepLeapfrog<Number>::next_passes() noexcept {
 }
 
 template <class Number>
-void SweepLeapfrog<Number>::finish() {
+Fault SweepLeapfrog<Number>::finish() {
     frame_.end(w_.sheave_forces());
     system_.end();
+    return decides_phases() ? close() : Fault{};
+}
+
+/// Work of a detect cycle that remains where the record has found the transitions.
+template <class Number>
+void SweepLeapfrog<Number>::close_segment(int segment) noexcept {
+    const Segment& own = w_.partition[segment];
+    make_secants(w_, own);
+    if (!all_sound(w_, own)) w_.segment_results[at(segment)].pending = true;
+}
+
+template <class Number>
+Fault SweepLeapfrog<Number>::close() {
+    close_tail(w_);
+    TipState& tips = w_.tips;
+    tips.have_changed = tips.phases != tips.phases_before;
+    for (std::size_t tip = 0; tip < tips.phases.size() && tips.have_changed; ++tip) {
+        if (tips.phases[tip] != tips.phases_before[tip]) tips.changed[tip] = w_.step.time + w_.step.h;
+    }
+    if (const Fault fault = check_tail(w_)) return fault;
+    for (const SegmentResult& result : w_.segment_results) {
+        if (result.pending) return find_fault(w_, w_.end_state);
+    }
+    return {};
 }
 
 template <class Number>
@@ -290,7 +319,11 @@ void SweepLeapfrog<Number>::load(std::span<const double> memory) {
 
 template <class Number>
 void SweepLeapfrog<Number>::record(int segment) noexcept {
-    system_.record(w_, frame_.drift(), segment);
+    const model::Pulley& pulley = w_.parameters.pulley;
+    model::TipSearch search{w_.tips.phases.data(), w_.rule.release, w_.parameters.tip.deepest, pulley.innermost, pulley.outermost};
+    const bool searches = decides_phases() && w_.layout().pulley_size != 0;
+    system_.record(w_, frame_.drift(), segment, searches ? &search : nullptr);
+    w_.segment_results[at(segment)].pending = search.suspect;
 }
 
 template <class Number>
@@ -299,7 +332,9 @@ void SweepLeapfrog<Number>::sweep(int item) noexcept {
     const bool closing = pass + 1 == passes_;
     const model::SweepPart part = pass == 0 ? model::SweepPart::opening : closing ? model::SweepPart::closing : model::SweepPart::middle;
     system_.sweep(w_, part, cold_ ? 0.0 : ahead, pass, segment);
-    if (closing) system_.finish(w_, segment);
+    if (!closing) return;
+    system_.finish(w_, segment);
+    if (decides_phases()) close_segment(segment);
 }
 
 template <class Number>

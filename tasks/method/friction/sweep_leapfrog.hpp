@@ -21,7 +21,8 @@
 
 namespace cvtflow::tasks {
 
-/// Setting that sweeps require and parameters do not have: pin halves, or a friction law without a rounded corner. Empty: none.
+/// Setting that sweeps require and parameters do not have: pin halves, a friction law without a rounded corner, a run-out that leaves
+/// flanks where the record of contacts expects them. Empty: none.
 [[nodiscard]] std::string_view missing_for_sweeps(const model::Parameters& parameters) noexcept;
 /// Whether sweeps are the automatic choice: parameters have what they need, tips have no phases stick and slip (whose losses were not
 /// compared), and friction does not saturate at so low a speed that more sweeps would be needed than a step has.
@@ -46,7 +47,8 @@ public:
     // Bodies of tasks: each touches the columns of one segment only, and reads what its neighbours have handed over.
 
     /// Contacts of a segment's links at the stage state of workspace.step.row, and all other forces there.
-    void record(Workspace& workspace, const model::ContactDrift& drift, int segment) noexcept;
+    /// @param search as for KickSystem::record
+    void record(Workspace& workspace, const model::ContactDrift& drift, int segment, model::TipSearch* search) noexcept;
     /// Pass `number` of the step, from 0 on. @param ahead FrictionSweepOf::ahead
     void sweep(const Workspace& workspace, model::SweepPart part, double ahead, int number, int segment) noexcept;
 
@@ -94,9 +96,10 @@ public:
     [[nodiscard]] CycleSequence step() override;
     void add_tasks(engine::TaskGraph& graph) override;
     void repartitioned() override { system_.repartition(w_.partition); }
-    /// Contact begins with no force at all; only with stick and slip the phase decides a force.
+    /// Contact begins with no force at all, so the record decides it in the middle of the step; with stick and slip the phase decides a
+    /// force.
     [[nodiscard]] AtTransition at_transition() const noexcept override {
-        return w_.parameters.detail.stick_slip ? AtTransition::repeat : AtTransition::at_end;
+        return w_.parameters.detail.stick_slip ? AtTransition::repeat : AtTransition::inside;
     }
     [[nodiscard]] long observation_stride() const noexcept override { return 12; }
     void restart() noexcept override;
@@ -114,7 +117,10 @@ public:
 private:
     void begin();
     [[nodiscard]] int next_passes() noexcept;
-    void finish();
+    [[nodiscard]] Fault finish();
+    [[nodiscard]] bool decides_phases() const noexcept { return at_transition() == AtTransition::inside; }
+    void close_segment(int segment) noexcept;
+    [[nodiscard]] Fault close();
     void add_booking(engine::TaskGraph& graph);
 
     Workspace& w_;

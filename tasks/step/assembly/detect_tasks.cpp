@@ -32,11 +32,6 @@ void report(SegmentResult& result, FaultKind kind, double time, int pin, double 
     return beyond <= magnitude;
 }
 
-/// Whether no link of a segment can have a fault that check_motion() finds: a check of all numbers of the step's end at once.
-[[nodiscard]] bool all_sound(const Workspace& w, const Segment& own) noexcept {
-    return within(w.end_state + w.layout().link_begin(own.first), own.size() * w.layout().link_block(), fastest_pin);
-}
-
 /// Where inside the step a tip could have changed and changed back, judged on the parabola through both ends and the first slope.
 [[nodiscard]] bool grazes(const Workspace& w, int tip, const TipIndicator& middle) noexcept {
     const Phase phase = w.tips.phases[at(tip)];
@@ -104,19 +99,16 @@ void find_due(Workspace& w, int link, SegmentResult& result) noexcept {
     }
 }
 
-/// Slopes of a segment's links at the end of a step from its states at both ends: velocities, and the mean acceleration. (Those at the
-/// start are needed only if a transition is due: TransitionSearch::complete_start_slopes.)
-void make_secants(Workspace& w, const Segment& own) noexcept {
-    const model::ChainLayout& layout = w.layout();
-    const int half = layout.link_size();
+template <int size>
+void secants_of_links(Workspace& w, const Segment& own) noexcept {
     const double h = w.step.h;
     for (int link = own.first; link < own.last; ++link) {
-        const int begin = layout.link_begin(link);
-        const double* __restrict from = w.states[0] + begin + half;
-        const double* __restrict to = w.end_state + begin + half;
-        std::memcpy(w.end_slope + begin, to, at(half) * sizeof(double));
-        double* __restrict mean = w.end_slope + begin + half;
-        for (int k = 0; k < half; ++k) mean[k] = (to[k] - from[k]) / h;
+        const int begin = w.layout().link_begin(link);
+        const double* __restrict from = w.states[0] + begin + size;
+        const double* __restrict to = w.end_state + begin + size;
+        std::memcpy(w.end_slope + begin, to, size * sizeof(double));
+        double* __restrict mean = w.end_slope + begin + size;
+        for (int k = 0; k < size; ++k) mean[k] = (to[k] - from[k]) / h;
     }
 }
 
@@ -132,6 +124,32 @@ void estimate_errors(Workspace& w, const Segment& own, double* errors) noexcept 
 }
 
 }  // namespace
+
+void make_secants(Workspace& w, const Segment& own) noexcept {
+    switch (w.layout().link_size()) {
+        case 8: return secants_of_links<8>(w, own);
+        case 12: return secants_of_links<12>(w, own);
+        case 16: return secants_of_links<16>(w, own);
+        default: return secants_of_links<20>(w, own);
+    }
+}
+
+void close_tail(Workspace& w) noexcept {
+    const model::ChainLayout& layout = w.layout();
+    const int begin = layout.pulley_begin(), half = layout.pulley_size;
+    engine::combine(w.step.row, w.step.h, w.slots(), begin, layout.size(), w.end_state + begin);
+    if (!w.step.slopes_from_states()) return;
+    for (int k = begin; k < layout.size(); ++k) {  // velocities, and one mean acceleration
+        const double mean = (w.end_state[k] - w.states[0][k]) / w.step.h;
+        const bool position = k < begin + half;
+        w.slopes[0][k] = position ? w.states[0][k + half] : mean;
+        w.end_slope[k] = position ? w.end_state[k + half] : mean;
+    }
+}
+
+bool all_sound(const Workspace& w, const Segment& own) noexcept {
+    return within(w.end_state + w.layout().link_begin(own.first), own.size() * w.layout().link_block(), fastest_pin);
+}
 
 void check_motion(const Workspace& w, int link, const double* block, SegmentResult& result) noexcept {
     const int size = w.layout().link_size();
@@ -156,6 +174,30 @@ void check_contact(const Workspace& w, int link, const model::TipProbe& probe, S
     }
     if (probe.radius < pulley.innermost) report(result, FaultKind::left_sheave, now, link, probe.radius, pulley.innermost);
     if (touching && probe.radius > pulley.outermost) report(result, FaultKind::left_sheave, now, link, probe.radius, pulley.outermost);
+}
+
+Fault check_tail(const Workspace& w) noexcept {
+    const double* tail = w.end_state + w.layout().pulley_begin();
+    for (int k = 0; k < w.tail_size(); ++k) {
+        if (!std::isfinite(tail[k])) return {FaultKind::non_finite, w.step.time + w.step.h, {}, 0.0, 0.0};
+    }
+    return {};
+}
+
+Fault find_fault(const Workspace& w, const double* state) noexcept {
+    const model::ChainLayout& layout = w.layout();
+    SegmentResult result;
+    for (int link = 0; link < layout.links && !result.fault; ++link) check_motion(w, link, state + layout.link_begin(link), result);
+    if (result.fault || layout.pulley_size == 0) return result.fault;
+    model::SheaveMotion sheaves[4];
+    w.variator.pulleys().motions(state + layout.pulley_begin(), sheaves);
+    for (int link = 0; link < layout.links && !result.fault; ++link) {
+        model::NeighbourWindow near;
+        model::TipProbe probe;
+        w.variator.chain().probe(near.of(layout, state, link), sheaves, false, probe);
+        check_contact(w, link, probe, result);
+    }
+    return result.fault;
 }
 
 void detect_segment(void* workspace, int segment) noexcept {
@@ -184,8 +226,7 @@ void detect_segment(void* workspace, int segment) noexcept {
         check_contact(w, link, probe, result);
         if (is_far(w, link, probe)) continue;
         find_due(w, link, result);
-        if (w.step.at_transition != AtTransition::at_end && near_contact(w, link))
-            check_middle(w, link, end + (link - own.first) * layout.link_block(), result);
+        if (near_contact(w, link)) check_middle(w, link, end + (link - own.first) * layout.link_block(), result);
     }
 }
 

@@ -59,8 +59,20 @@ inline void indicate(const Workspace& w, const double* state, const model::Sheav
 inline constexpr double fastest_pin = 1e4;  // m/s
 /// Whether a link's block [q | v] is finite and its motion that of a chain.
 void check_motion(const Workspace& workspace, int link, const double* block, SegmentResult& result) noexcept;
+/// Whether no link of a segment can have a fault that check_motion() finds, at the step's end.
+[[nodiscard]] bool all_sound(const Workspace& workspace, const Segment& own) noexcept;
 /// Whether a link's tips are where contact can be described.
 void check_contact(const Workspace& workspace, int link, const model::TipProbe& probe, SegmentResult& result) noexcept;
+/// Whether the state behind the links is finite at the step's end.
+[[nodiscard]] Fault check_tail(const Workspace& workspace) noexcept;
+/// The first fault that these checks find in a state of the whole chain. state [unknowns]
+[[nodiscard]] Fault find_fault(const Workspace& workspace, const double* state) noexcept;
+
+/// Slopes of a segment's links at the end of a step from its states at both ends: velocities, and the mean acceleration. (Those at the
+/// start are needed only if a transition is due: TransitionSearch::complete_start_slopes.)
+void make_secants(Workspace& workspace, const Segment& own) noexcept;
+/// State behind the links at the step's end, as workspace.step.row combines it; with slopes from states also those, at both ends.
+void close_tail(Workspace& workspace) noexcept;
 
 /// Stage state of the segment and its halo, forces, slope of its links.
 void evaluate_segment(void* workspace, int segment) noexcept;

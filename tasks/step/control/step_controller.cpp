@@ -140,7 +140,7 @@ CycleSequence StepController::integrate() {
             const bool accurate = errors_.accepts(cut);
             if (const Fault fault = accurate ? transitions_.check(counters_) : reject()) co_return fault;
             if (!accurate) continue;
-            if (!cut && (!transitions_.due() || at_transition == AtTransition::at_end)) break;
+            if (!cut && !transitions_.due()) break;
             transitions_.complete_start_slopes();
             if (cut) break;
             if (at_transition == AtTransition::interpolate) {
@@ -257,8 +257,10 @@ void StepController::accept() {
     ++counters_.steps;
     w_.energy.step(w_.variator, begin, w_.states[0] + w_.layout().pulley_begin(), w_.step.time, w_.end_state + w_.layout().pulley_begin());
     std::swap(w_.states[0], w_.end_state);
-    std::swap(w_.tips.before, w_.tips.after);
-    transitions_.change_at_end(*observer_, counters_);
+    if (w_.step.at_transition != AtTransition::inside)
+        std::swap(w_.tips.before, w_.tips.after);
+    else if (w_.tips.have_changed)
+        transitions_.report_changes(*observer_, counters_);
 }
 
 void StepController::shorten_to_transition() {

@@ -13,30 +13,13 @@ TransitionSearch::TransitionSearch(Workspace& workspace, StepMethod& method) : w
 
 void TransitionSearch::prepare_detection() {
     const model::ChainLayout& at = w_.layout();
-    engine::combine(w_.step.row, w_.step.h, w_.slots(), at.pulley_begin(), at.size(), w_.end_state + at.pulley_begin());
+    close_tail(w_);
     if (at.pulley_size != 0) w_.variator.pulleys().motions(w_.end_state + at.pulley_begin(), w_.pulleys.end_sheaves);
-    if (w_.step.slopes_from_states()) make_secants();
-}
-
-/// Slopes behind the links at both ends of a step from its states there: velocities, and one mean acceleration.
-void TransitionSearch::make_secants() {
-    const model::ChainLayout& at = w_.layout();
-    const int begin = at.pulley_begin();
-    const int half = at.pulley_size;
-    for (int k = begin; k < at.size(); ++k) {
-        const double mean = (w_.end_state[k] - w_.states[0][k]) / w_.step.h;
-        const bool position = k < begin + half;
-        w_.slopes[0][k] = position ? w_.states[0][k + half] : mean;
-        w_.end_slope[k] = position ? w_.end_state[k + half] : mean;
-    }
 }
 
 Fault TransitionSearch::check(Counters& counters) {
     due_ = false;
-    const double* tail = w_.end_state + w_.layout().pulley_begin();
-    for (int k = 0; k < w_.tail_size(); ++k) {
-        if (!std::isfinite(tail[k])) return {FaultKind::non_finite, w_.step.time + w_.step.h, {}, 0.0, 0.0};
-    }
+    if (const Fault fault = check_tail(w_)) return fault;
     for (const SegmentResult& result : w_.segment_results) {
         if (result.fault) return result.fault;
         counters.suppressed += result.suppressed;
@@ -87,20 +70,6 @@ void TransitionSearch::prepare_truncation() {
 void TransitionSearch::truncate(RunObserver& observer, Counters& counters) {
     std::swap(w_.states[0], w_.cut_state);
     std::swap(w_.tips.before, w_.tips.after);
-    report_changes(observer, counters);
-}
-
-void TransitionSearch::change_at_end(RunObserver& observer, Counters& counters) {
-    if (w_.step.at_transition == AtTransition::inside && w_.tips.have_changed) report_changes(observer, counters);
-    if (w_.step.at_transition != AtTransition::at_end || !due_) return;
-    std::copy(w_.tips.phases.begin(), w_.tips.phases.end(), w_.tips.phases_before.begin());
-    for (std::size_t tip = 0; tip < w_.tips.phases.size(); ++tip) {
-        model::Phase& phase = w_.tips.phases[tip];
-        const model::Phase to = w_.rule.next(phase, w_.tips.before[tip]);
-        if (to == phase || !may_change(w_, static_cast<int>(tip))) continue;
-        phase = to;
-        w_.tips.changed[tip] = w_.step.time;
-    }
     report_changes(observer, counters);
 }
 

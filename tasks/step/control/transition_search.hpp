@@ -27,14 +27,10 @@ public:
     void prepare_truncation();
     /// After it: the state at the cut is the current one. Reports every tip that has changed to `observer`.
     void truncate(RunObserver& observer, Counters& counters);
-    /// After an uncut step has been accepted: tips that are due change their phase, or have done so inside the step. Reports them to
-    /// `observer`.
-    void change_at_end(RunObserver& observer, Counters& counters);
+    /// Reports every tip that differs from tips.phases_before to `observer`.
+    void report_changes(RunObserver& observer, Counters& counters);
 
 private:
-    void report_changes(RunObserver& observer, Counters& counters);
-    void make_secants();
-
     Workspace& w_;
     StepMethod& method_;
     bool due_ = false;

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "tasks/method/friction/sweep_leapfrog.hpp"
 #include "tasks/method/method.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/step/step_graph.hpp"
@@ -60,6 +61,37 @@ TEST(SweepLeapfrog, ItsGraphHasNoRaces) {
     }
 }
 
+/// The record finds transitions in the middle of a step: at its end only a tip within a micrometre of its sheave can be in another phase.
+TEST(SweepLeapfrog, TipsThatTouchAreThoseThatPenetrate) {
+    struct Seen final : RunObserver {
+        long transitions = 0;
+        void output(double, const Workspace&, const Counters&) override {}
+        void transition(const TransitionRecord&) override { ++transitions; }
+    };
+    for (const char* scene : {"baseline", "overdrive"}) {
+        Simulation simulation(claims::ready_scene(scene, {"run.method=leapfrog-sweep", "run.step=1us"}));
+        Seen seen;
+        for (int span = 1; span <= 20; ++span) {
+            ASSERT_FALSE(simulation.advance({.until = 20e-6 * span}, seen, unstopped));
+            const Workspace& w = simulation.workspace();
+            model::SheaveMotion sheaves[4];
+            w.variator.pulleys().motions(w.tail(), sheaves);
+            for (int link = 0; link < w.layout().links; ++link) {
+                model::TipProbe probe;
+                w.variator.chain().probe(w.state() + w.layout().link_begin(link), sheaves, false, probe);
+                for (int corner = 0; corner < model::tips_per_link; ++corner) {
+                    if (std::abs(probe.depth[corner]) < 1e-6) continue;
+                    const bool touches = w.tips.phases[at(model::tips_per_link * link + corner)] == model::Phase::touching;
+                    EXPECT_EQ(touches, probe.depth[corner] > 0.0) << scene << ", link " << link << ": " << probe.depth[corner];
+                }
+            }
+        }
+        EXPECT_EQ(seen.transitions, simulation.counters().detected);
+        EXPECT_GT(seen.transitions, 2) << "tips arrive and leave";
+        EXPECT_EQ(simulation.counters().truncated, 0);
+    }
+}
+
 /// Where friction saturates at a tenth of the usual speeds forces lag behind the law at their velocities most.
 TEST(SweepLeapfrog, BooksTheLossesOfItsForcesAndNotOfTheLaw) {
     Simulation simulation(claims::ready_scene("baseline", {"run.method=leapfrog-sweep", "run.step=2us", "tip.saturation_speed=1e-3",
@@ -67,6 +99,15 @@ TEST(SweepLeapfrog, BooksTheLossesOfItsForcesAndNotOfTheLaw) {
     SilentObserver silent;
     ASSERT_FALSE(simulation.advance({.until = 2e-3}, silent, unstopped));
     EXPECT_LT(std::abs(simulation.energy().balance().relative()), 3e-3);
+}
+
+TEST(SweepLeapfrog, LeavesRunOutThatMovesFlanksFarToOtherMethods) {
+    model::Parameters parameters;
+    EXPECT_TRUE(sweeps_suit(parameters));
+    parameters.imperfection.runout = 1e-3;
+    EXPECT_TRUE(sweeps_suit(parameters)) << "0.2 mm across a flank of 11 degrees";
+    parameters.tip.angle = 0.5;
+    EXPECT_FALSE(sweeps_suit(parameters)) << "0.5 mm";
 }
 
 TEST(SweepLeapfrog, RefusesARoundedCornerOfTheLaw) {
