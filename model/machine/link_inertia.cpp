@@ -173,15 +173,15 @@ LinkInertia link_inertia(const Parameters& p) {
 
 namespace {
 
-/// v' M v of a symmetric matrix; column by column, which vectors can do without changing the order of any sum.
+/// v' M v of a symmetric matrix; a row at a time, in registers.
 template <int Size>
 [[nodiscard]] double form(const double* matrix, const double* v) noexcept {
-    double product[Size]{};
-    for (int column = 0; column < Size; ++column) {
-        for (int row = 0; row < Size; ++row) product[row] += matrix[column * Size + row] * v[column];
-    }
     double value = 0.0;
-    for (int row = 0; row < Size; ++row) value += v[row] * product[row];
+    for (int row = 0; row < Size; ++row) {
+        double product = 0.0;
+        for (int column = 0; column < Size; ++column) product += matrix[column * Size + row] * v[column];
+        value += v[row] * product;
+    }
     return value;
 }
 
