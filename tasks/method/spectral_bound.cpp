@@ -75,7 +75,7 @@ int SpectralBound::iterate(Iteration& iteration, bool of_velocities, double t, c
     return evaluations;
 }
 
-/// Of an estimate that is complete.
+/// Takes a complete estimate into use.
 void SpectralBound::publish() noexcept {
     for (Iteration* each : {&velocity_, &coordinate_}) each->found = each->value;
     cold_ = velocity_complete_ = false;

@@ -187,7 +187,7 @@ void Simulation::drop_controller() {
     controller_.reset();
 }
 
-/// What it knows goes with it.
+/// Its state is not saved.
 void Simulation::forget_controller() noexcept {
     controller_.reset();
     rest_known_ = true;

@@ -33,7 +33,7 @@ struct ScalarTerm {
 /// Samples per pin pitch that integrals over time take, wherever outputs lie: slip of a run is then within a thousandth of itself.
 inline constexpr double samples_per_pitch = 16.0;
 
-/// What an instant of a run is to its scalars.
+/// Role of an instant of a run for its scalars.
 struct Occasion {
     bool sample = false;  ///< integrals over time take it
     bool output = false;
