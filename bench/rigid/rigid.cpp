@@ -2,8 +2,8 @@
 ///
 ///     bench_rigid SCENE [KEY=VALUE ...] [OPTION=VALUE ...]
 ///
-/// SCENE and KEY=VALUE are those of `cvtflow run SCENE --set KEY=VALUE`. The machine starts from the scene's state if that fits, else
-/// geometrically, runs to `until` and is averaged over the last `mean`. CSV on the standard output, one row per run.
+/// SCENE and KEY=VALUE are those of `cvtflow run SCENE --set KEY=VALUE`. The machine starts geometrically and settles, as the states of
+/// scenes are those of other levels; it runs to `until` and is averaged over the last `mean`. CSV on the standard output, one row per run.
 ///
 ///     detail=rigid      a level of detail of `cvtflow list detail`, or several separated by commas, in turns
 ///     step=auto         or microseconds; several separated by commas make several rows
@@ -260,7 +260,7 @@ void print_stable(const tasks::Scene& scene) {
 }
 
 void run(const Options& options) {
-    tasks::Scene scene = tasks::read_scene(tasks::find_scene(options.scene), tasks::StartState::required);
+    tasks::Scene scene = tasks::read_scene(tasks::find_scene(options.scene), tasks::StartState::ignored);
     tasks::set_values(scene, options.settings);
     const std::string& mode = options.text.at("mode");
     if (mode != "points") {
