@@ -31,8 +31,9 @@ Channel::Read impulse(std::size_t shaft) {
     return [shaft](const Instant& now, double* out) { *out = now.workspace.energy.input_works().impulse[shaft]; };
 }
 Channel::Read chain_impulse(std::size_t shaft) {
-    return
-        [shaft](const Instant& now, double* out) { *out = now.workspace.shaft_momentum()[shaft] - now.workspace.energy.impulse()[shaft]; };
+    return [shaft](const Instant& now, double* out) {
+        *out = now.workspace.shaft_momentum()[shaft] - now.workspace.energy.input_works().impulse[shaft];
+    };
 }
 
 const Channel table_of_couplings[] = {
