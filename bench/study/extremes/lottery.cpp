@@ -201,9 +201,9 @@ namespace {
 class Means final : public RunObserver {
 public:
     explicit Means(const model::Variator& variator) : eye_(variator) {}
-    void output(double time, const Workspace& w, const Counters&) override { sample(time, w); }
+    void output(double time, const Workspace& w, const Counters& counters) override { sample(time, w, counters); }
     [[nodiscard]] bool samples(double time) const noexcept override { return means.due(time); }
-    void sample(double time, const Workspace& w, const Counters& /*counters*/) override {
+    void sample(double time, const Workspace& w, const Counters&) override {
         means.add(w.observed_by(eye_, time), w.energy.sums(time), w.pin_period());
     }
     void transition(const TransitionRecord&) override {}
