@@ -98,8 +98,8 @@ struct Coefficients {
 /// Positions ξ_j of the plates as they are resolved (each or lumped), with their number standing for the totals of the pack.
 [[nodiscard]] std::vector<double> plate_positions(const Parameters& parameters);
 
-/// Factor on the inertia of the bending of rigid pins, which a step of 10 us could not follow otherwise. Statics stay.
+/// Factor on the inertia of the bending of rigid pins, which a step of 5 us could not follow otherwise. Statics stay.
 /// (model/EQUATIONS.md section 11)
-inline constexpr double rigid_bending_inertia = 12.0;
+inline constexpr double rigid_bending_inertia = 8.0;
 
 }  // namespace cvtflow::model
