@@ -71,19 +71,6 @@ RigidInstant RigidChain::evaluate(const double* blocks, const SheaveMotion* shea
     return last();
 }
 
-void RigidChain::hold_waves(double step, double* slope) const noexcept {
-    constexpr int held[] = {0, 1, 3, 4};  // x, y, p, q
-    const ChainLayout& at = model_.layout();
-    const auto entry = [&](int pin, int k) -> double& { return slope[at.link_begin(pin) + at.link_size() + rigid_place(at, k)]; };
-    for (const int k : held) {
-        for (int pin = 0; pin < at.links; ++pin) columns_[Column::force_x + k][pin] = model_.coefficients().inertia(k) * entry(pin, k);
-    }
-    model_.kernels().waves(model_.coefficients(), {step}, columns_);
-    for (int n = 0; n < 4; ++n) {
-        for (int pin = 0; pin < at.links; ++pin) entry(pin, held[n]) = columns_[Column::growth_x + n][pin] / step;
-    }
-}
-
 double RigidInstant::kinetic() const noexcept {
     double sum = 0.0;
     for (int k = 0; k < rigid_coordinates; ++k) {

@@ -102,10 +102,6 @@ public:
     RigidInstant evaluate(const double* blocks, const SheaveMotion* sheaves) const noexcept;
     [[nodiscard]] RigidInstant last() const noexcept { return {model_, columns_, forces_, 0.0}; }  ///< evaluated
 
-    /// Accelerations as a step [s] takes them that holds the waves of the links, (M + β h² K)⁻¹ M of them, at the last evaluated state.
-    /// @param slope of a state; in it accelerations of the pins [unknowns]
-    void hold_waves(double step, double* slope) const noexcept;
-
     /// Depths of tips of neighbouring links. @param states their blocks, with one more in front and two behind   @param probes [links]
     void probe(const double* states, int links, const SheaveMotion* sheaves, TipProbe* probes) const noexcept;
 

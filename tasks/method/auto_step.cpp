@@ -71,8 +71,7 @@ AutoStep::AutoStep(const model::Variator& variator, const model::Parameters& par
       longest_(longest_automatic_step(method, parameters)),
       interval_(parameters.detail.pins == model::PinDetail::rigid && reach_.damping != forever ? rigid_check_interval : check_interval),
       keeps_directions_(parameters.detail.pins == model::PinDetail::rigid),
-      waves_step_(method.program() != nullptr && method.program()->holds_waves ? longest_ : 0.0),
-      bound_(variator, MovedPart::all, waves_step_),
+      bound_(variator),
       variator_(variator),
       chain_(parameters.chain) {
     if (variator.chain().coefficients().tip.law != nullptr) falling_ = std::make_unique<FallingFriction>(variator, parameters);
@@ -83,7 +82,7 @@ AutoStep::AutoStep(const model::Variator& variator, const model::Parameters& par
     for (model::Friction* friction : {&without_friction.plate.friction, &without_friction.joint.friction, &without_friction.tip.friction})
         friction->coefficient = 0.0;
     frictionless_ = std::make_unique<model::Variator>(without_friction);
-    for (const MovedPart part : {MovedPart::links, MovedPart::pulleys}) damped_parts_.emplace_back(*frictionless_, part, waves_step_);
+    for (const MovedPart part : {MovedPart::links, MovedPart::pulleys}) damped_parts_.emplace_back(*frictionless_, part);
 }
 
 /// Treats the strongest damping as if it acted on the fastest oscillation, which need not be so. Links and pulleys are estimated

@@ -113,7 +113,6 @@ private:
     double longest_;         ///< of all steps [s]
     double interval_;        ///< between two estimates, in the long run [s]
     bool keeps_directions_;  ///< damped_parts_ begin with the directions of the last estimate: rigid pins
-    double waves_step_;      ///< step whose waves are implicit [s]; 0: none
     SpectralBound bound_;
     std::unique_ptr<const model::Variator> frictionless_;      ///< the machine without friction, where damping has a limit of its own
     bool friction_matters_ = true;                             ///< for the stability of oscillations with damping

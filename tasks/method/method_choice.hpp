@@ -53,7 +53,6 @@ struct MethodProgram {
     std::string solves = "none";               ///< systems solved in a step, in words
     MethodReach reach = {};                    ///< as bench/method/stability derives it, and a test compares
     double longest_step = usual_longest_step;  ///< that is chosen where steps are automatic, with pin halves [s]
-    bool holds_waves = false;                  ///< of the links of rigid pins: they set no limit (RigidChain::hold_waves())
     bool estimates_error = false;              ///< of a step: StepMethod::error_power() is not 0
     int revision = 1;  ///< raised whenever a step computes otherwise, so that no checkpoint of the former method is continued
     /// Setting that it requires and parameters do not have; empty: none.

@@ -20,8 +20,8 @@ double seed(int index) { return model::portable_sin(1.0 + 2.399963 * index) + 0.
 
 }  // namespace
 
-SpectralBound::SpectralBound(const model::Variator& variator, MovedPart part, double waves_step)
-    : variator_(variator), part_(part), waves_step_(waves_step), scratch_(variator.layout()) {
+SpectralBound::SpectralBound(const model::Variator& variator, MovedPart part)
+    : variator_(variator), part_(part), scratch_(variator.layout()) {
     const auto size = static_cast<std::size_t>(variator.layout().size());
     rest_phases_.resize(static_cast<std::size_t>(model::tips_per_link * variator.layout().links));
     for (auto* field : {&velocity_.direction, &coordinate_.direction, &base_, &moved_, &slope_, &rest_}) field->assign(size, 0.0);
@@ -61,11 +61,9 @@ int SpectralBound::iterate(Iteration& iteration, bool of_velocities, double t, c
         model::right_hand_side(variator_, t, moved_.data(), phases, slope_.data(), scratch_);
         ++evaluations;
         ++iteration.taken;
-        for (std::size_t k = 0; k < slope_.size(); ++k) slope_[k] -= base_[k];
-        if (waves_step_ > 0.0) variator_.chain().rigid()->hold_waves(waves_step_, slope_.data());
         for_each_unknown([&](int q, int v) {
             const auto acceleration = static_cast<std::size_t>(v);
-            const double change = slope_[acceleration];
+            const double change = slope_[acceleration] - base_[acceleration];
             direction[of_velocities ? acceleration : static_cast<std::size_t>(q)] = change;
             after += change * change;
         });

@@ -17,8 +17,7 @@ enum class MovedPart { all, links, pulleys };
 class SpectralBound {
 public:
     /// `variator` must outlive it. Takes all its memory here.
-    /// @param waves_step step whose waves of the links are implicit [s], see RigidChain::hold_waves(); 0: none
-    explicit SpectralBound(const model::Variator& variator, MovedPart part = MovedPart::all, double waves_step = 0.0);
+    explicit SpectralBound(const model::Variator& variator, MovedPart part = MovedPart::all);
 
     /// Estimates at a state with its phases held: serial, deterministic, a warm start from the last call. [layout.size()]
     /// Those with a budget stop once it is used up; the next call continues, at the state then: the iteration forgets where it began.
@@ -76,7 +75,6 @@ private:
 
     const model::Variator& variator_;
     const MovedPart part_;
-    const double waves_step_;
     Iteration velocity_, coordinate_;
     std::vector<double> base_, moved_, slope_, rest_;  ///< [unknowns]
     std::vector<model::Phase> rest_phases_;            ///< none of them slips
