@@ -80,6 +80,13 @@ double RigidInstant::kinetic() const noexcept {
     return sum;
 }
 
+double RigidInstant::contact_rate() const noexcept {
+    double stiffest = 0.0;
+    for (const Column half : {Column::tip_stiffness_front, Column::tip_stiffness_rear})
+        stiffest = std::max(stiffest, *std::max_element(columns[half], columns[half] + columns.pins()));
+    return std::sqrt(stiffest / (0.5 * model.coefficients().mass));
+}
+
 RigidSums RigidInstant::sums() const noexcept {
     RigidSums sums;
     model.kernels().observe(model.coefficients(), lead, columns, sums);

@@ -77,6 +77,8 @@ struct RigidInstant {
 
     [[nodiscard]] double kinetic() const noexcept;  ///< energy of the pins [J]
     [[nodiscard]] RigidSums sums() const noexcept;
+    /// Fastest oscillation of a pin half along its axis on the contacts of its tips [rad/s].
+    [[nodiscard]] double contact_rate() const noexcept;
     /// Column of a tip number 2 end + side of a link, and its entry: the pin whose half is the one at that end.
     [[nodiscard]] double of_tip(Column first, int link, int tip) const noexcept {
         const int pin = tip < rigid_tips / 2 ? link : model.layout().next(link);

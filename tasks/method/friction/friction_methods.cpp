@@ -67,7 +67,7 @@ constexpr double longest_rigid_step = 8.4e-6;
 /// Reach along oscillations, of which those of the links are implicit: what is explicit is slower, by a factor that depends on the machine.
 /// At `baseline`, whose waves alone would allow 7.2 us, 10 us are stable and 12.5 are not; a machine with light pins, stiff joints and
 /// twice the clamping is stable at 5 us and not at 6.7.
-constexpr double wave_reach = 2.8;
+constexpr double wave_reach = 3.4;
 /// Dampers of rigid pins take the velocity before the step: -1 is an eigenvalue at h δ = 2.
 constexpr double rigid_damping_reach = 2.0;
 
