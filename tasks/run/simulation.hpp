@@ -99,6 +99,10 @@ public:
     [[nodiscard]] const EnergyLedger& energy() const noexcept { return workspace_->energy; }
     /// The largest EnergyLedger::suspicion() of settling and run: above 1 the results are wrong.
     [[nodiscard]] double suspicion() const noexcept { return std::max(rest_.settling_suspicion, workspace_->energy.suspicion()); }
+    /// Likewise, of the run as a whole only what came after the mark.
+    [[nodiscard]] double suspicion(const EnergyMark& from) const noexcept {
+        return std::max(rest_.settling_suspicion, workspace_->energy.suspicion(from));
+    }
     /// false: keeps no energies from the next run on, for measurements of what that costs.
     void keep_energies(bool on) noexcept { workspace_->energy.keep(on); }
     /// Choice of automatic steps, with its last estimate; nullptr: run.step is given.

@@ -337,6 +337,11 @@ Violation description_is_text(const Scene& scene) {
     return fmt::format("scene.description: {}", wrong);
 }
 
+Violation steady_has_pulleys(const Scene& scene) {
+    if (!scene.run.until.automatic() || scene.parameters.detail.pulleys != PulleyDetail::absent) return {};
+    return "run.until: \"steady\" is about means of whole pin periods on pulleys, but detail.pulleys is \"absent\"";
+}
+
 const std::vector<CrossCheck>& general_checks() {
     static const std::vector<CrossCheck> checks{
         {{"scene.name"}, name_is_plain},
@@ -357,6 +362,7 @@ const std::vector<CrossCheck>& general_checks() {
         {{"load.mode", "load.speed"}, load_has_speed},
         {{"drive.mode", "load.mode", "detail.pulleys"}, couplings_have_pulleys},
         {{"control.driven", "control.quantity", "control.enabled"}, controllers_differ},
+        {{"run.until", "detail.pulleys"}, steady_has_pulleys},
         {{"run.output_interval", "run.step"}, outputs_take_steps},
         {{"run.state_interval", "run.output_interval"}, states_take_outputs},
         {{"run.followed_pin", "chain.pins"}, followed_pin_exists},

@@ -17,6 +17,7 @@ std::string Fault::name() const {
         case FaultKind::step_size: return "step_size";
         case FaultKind::blow_up: return "blow_up";
         case FaultKind::step_too_short: return "step_too_short";
+        case FaultKind::not_steady: return "not_steady";
     }
     return "unknown";
 }
@@ -55,6 +56,14 @@ std::string Fault::message() const {
                 value, when, limit);
         case FaultKind::step_too_short:
             return fmt::format("a step of {:.3g} s is lost in the rounding of the time {} (limit {:.3g} s)", value, when, limit);
+        case FaultKind::not_steady:
+            if (value == 0.0) return fmt::format("the chain moves too little {} for means of whole pin periods", when);
+            if (value <= 1.0) return fmt::format("the means alternate with every other pin {}, and more and more", when);
+            return fmt::format(
+                "the means are not steady {}, after {:.3g} revolutions of the chain (run.steady_limit): their largest error is {:.2g} "
+                "times "
+                "run.steady",
+                when, limit, value);
     }
     return "unknown fault";
 }

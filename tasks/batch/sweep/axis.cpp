@@ -15,8 +15,9 @@
 #include "tasks/batch/results/table_view.hpp"
 #include "tasks/batch/sweep/sweep_keys.hpp"
 #include "tasks/scene/csv.hpp"
+#include "tasks/scene/parameter_table.hpp"
+#include "tasks/scene/toml_tree.hpp"
 #include "tasks/scene/units.hpp"
-#include "tasks/scene/value_reader.hpp"
 
 namespace cvtflow::tasks {
 

@@ -12,8 +12,9 @@
 #include "tasks/run/checkpoint.hpp"
 #include "tasks/run/saved_start.hpp"
 #include "tasks/scene/cross_checks.hpp"
+#include "tasks/scene/parameter_table.hpp"
+#include "tasks/scene/toml_tree.hpp"
 #include "tasks/scene/units.hpp"
-#include "tasks/scene/value_reader.hpp"
 
 namespace cvtflow::tasks {
 
@@ -293,7 +294,7 @@ private:
 
     /// Outputs beyond the end of a case are not finite, and the case would be undefined.
     void outputs_within_run() {
-        double end = sweep_.scene.run.until;
+        double end = latest_end(sweep_.scene);
         for (const Axis& axis : sweep_.axes) {
             for (std::size_t key = 0; key < axis.keys.size(); ++key) {
                 for (std::size_t row = 0; axis.keys[key]->key == "run.until" && row < axis.rows(); ++row) {

@@ -184,25 +184,25 @@ void EnergyLedger::close_sample(double time) noexcept {
     if (m_.samples == 1.0) {
         m_.jumped = time;
         m_.judged_from = time < 0.0 ? 0.5 * time : time;
-        m_.all = m_.part = here();
+        m_.all = m_.part = mark();
     }
     if (time - m_.part.begin >= window) close_window();
 }
 
 /// A residual that noise can explain is evaluated again; one that it cannot explain is kept.
 void EnergyLedger::close_window() noexcept {
-    const EnergyBalance closed = balance_since(m_.part);
+    const EnergyBalance closed = balance(m_.part);
     if (m_.part.begin >= m_.judged_from) m_.worst = std::max(m_.worst, suspicion_of(closed, m_.part.begin < 0.0));
     m_.doubt = std::abs(closed.residual()) > closed.honest() ? 1.0 : 0.0;
-    m_.part = here();
+    m_.part = mark();
 }
 
-EnergyLedger::Span EnergyLedger::here() const noexcept {
+EnergyMark EnergyLedger::mark() const noexcept {
     return {m_.sampled, total(m_.loss), total(m_.work_sampled), m_.stored, m_.through, m_.noise, m_.samples};
 }
 
-EnergyBalance EnergyLedger::balance_since(const Span& span) const noexcept {
-    const Span now = here();
+EnergyBalance EnergyLedger::balance(const EnergyMark& span) const noexcept {
+    const EnergyMark now = mark();
     return {now.begin - span.begin,
             now.stored - span.stored,
             now.work - span.work,
@@ -213,11 +213,9 @@ EnergyBalance EnergyLedger::balance_since(const Span& span) const noexcept {
             now.samples - span.samples};
 }
 
-EnergyBalance EnergyLedger::balance() const noexcept { return balance_since(m_.all); }
-
-double EnergyLedger::suspicion() const noexcept {
+double EnergyLedger::suspicion(const EnergyMark& from) const noexcept {
     double most = m_.worst;
-    for (const Span* span : {&m_.all, &m_.part}) most = std::max(most, suspicion_of(balance_since(*span), span->begin < 0.0));
+    for (const EnergyMark* span : {&from, &m_.part}) most = std::max(most, suspicion_of(balance(*span), span->begin < 0.0));
     return most;
 }
 

@@ -76,6 +76,11 @@ struct EnergyAccount {
     CouplingSums couplings;
 };
 
+/// Sums of a ledger at one of its samples, from which later balances may count. Numbers only.
+struct EnergyMark {
+    double begin = 0.0, loss = 0.0, work = 0.0, stored = 0.0, through = 0.0, noise = 0.0, samples = 0.0;  ///< [s], [J], samples [1]
+};
+
 class EnergyLedger {
 public:
     /// Time after which a balance is judged by itself [s]: what went wrong once is not forgotten in what follows.
@@ -109,9 +114,15 @@ public:
     /// At `time` ≥ the last sample; losses continue at their last rate. time [s]
     [[nodiscard]] EnergySums sums(double time) const noexcept;
     /// From the beginning to the last sample.
-    [[nodiscard]] EnergyBalance balance() const noexcept;
+    [[nodiscard]] EnergyBalance balance() const noexcept { return balance(m_.all); }
+    /// At the last sample.
+    [[nodiscard]] EnergyMark mark() const noexcept;
+    /// From a mark of this ledger to the last sample.
+    [[nodiscard]] EnergyBalance balance(const EnergyMark& from) const noexcept;
     /// |residual| over its tolerance, the largest of all windows, of the present one and of the whole; > 1: the results are wrong.
-    [[nodiscard]] double suspicion() const noexcept;
+    [[nodiscard]] double suspicion() const noexcept { return suspicion(m_.all); }
+    /// Likewise, with the whole since a mark.
+    [[nodiscard]] double suspicion(const EnergyMark& from) const noexcept;
     [[nodiscard]] bool reliable() const noexcept { return suspicion() <= 1.0; }
 
     /// Mean torque of the chain on the sheaves of each shaft since the output before `time`, which is now: their change of momentum less
@@ -138,12 +149,6 @@ public:
 private:
     static constexpr std::size_t past_size = 80, past_per_period = 64;
 
-    /// One judged span of time: from its first sample to the last one.
-    struct Span {
-        double begin, loss, work, stored, through, noise, samples;  ///< [s], [J], samples [1]
-    };
-    [[nodiscard]] EnergyBalance balance_since(const Span& span) const noexcept;
-    [[nodiscard]] Span here() const noexcept;
     [[nodiscard]] std::array<double, 2> torque_since_output(double time, const std::array<double, 2>& momentum) const noexcept;
     void remember(const EnergySums& now) noexcept;
     void couple(const model::PulleyModel& pulleys, double begin, const double* from, double end, const double* to,
@@ -172,9 +177,9 @@ private:
         std::array<double, 2> chain_torque;                              ///< [N·m]
         CouplingSums couplings;
         double outputs, output_time;  ///< [1, s]
-        Span all, part;
-        double worst, doubt;  ///< doubt: 1 while samples lie close [1]
-        double judged_from;   ///< windows that begin earlier are not remembered: settling (t < 0) forgets how it began [s]
+        EnergyMark all, part;         ///< begins of the judged spans of time: of all, and of the present window
+        double worst, doubt;          ///< doubt: 1 while samples lie close [1]
+        double judged_from;           ///< windows that begin earlier are not remembered: settling (t < 0) forgets how it began [s]
         std::array<EnergySums, past_size> past;  ///< at outputs, round and round
         double past_begin, past_count;           ///< index and number of what is kept [1]
     };

@@ -63,7 +63,7 @@ TEST_F(CaseOfAWorker, AllocatesNoMoreForALongerCase) {
     if (engine::test::allocation_count() < 0) GTEST_SKIP() << "a sanitizer owns malloc";
     Sweep longer = sweep("shared");
     const long brief = allocations(longer)[1];
-    longer.scene.run.until *= 3.0;
+    longer.scene.run.until = 3.0 * longer.scene.run.until;
     EXPECT_EQ(allocations(longer)[1], brief);
 }
 
