@@ -17,7 +17,8 @@ namespace cvtflow::tasks {
 
 namespace {
 
-constexpr std::string_view statuses[] = {"ok", "unreliable", "diverged", "budget", "bad_parameters", "crashed", "undefined", "stopped"};
+constexpr std::string_view statuses[] = {"ok",      "unreliable", "diverged", "budget",    "bad_parameters",
+                                         "crashed", "undefined",  "stopped",  "not_steady"};
 constexpr double worth_a_switch = 0.2;  ///< wall time that a case must have left to get more threads [s]
 constexpr double trial_seconds = 0.05;  ///< in which more threads have to show their worth [s]
 constexpr double required_gain = 1.1;
@@ -32,8 +33,9 @@ std::span<const std::string_view> status_names() noexcept { return statuses; }
 std::string_view status_name(CaseStatus status) noexcept { return statuses[static_cast<int>(status)]; }
 
 CaseEngine::CaseEngine(const Sweep& sweep, StartStates& starts, BatchControl& control, CasePlaces places)
-    : sweep_(sweep), starts_(starts), control_(control), places_(std::move(places)), scene_(sweep.scene), reducers_(sweep.scalars.size()) {
+    : sweep_(sweep), starts_(starts), control_(control), places_(std::move(places)), scene_(sweep.scene) {
     result_.scalars.resize(sweep.scalars.size());
+    result_.errors.resize(sweep.scalars.size());
     std::error_code missing;
     resumable_ = std::filesystem::exists(places_.checkpoints, missing);
 }
@@ -67,7 +69,7 @@ const CaseResult& CaseEngine::run(long number) {
         result_.error = engine::error_text(error);
     }
     result_.wall = elapsed();
-    if (result_.status != CaseStatus::ok)
+    if (result_.status != CaseStatus::ok && result_.status != CaseStatus::not_steady)
         std::fill(result_.scalars.begin(), result_.scalars.end(), std::numeric_limits<double>::quiet_NaN());
     return result_;
 }
@@ -77,6 +79,13 @@ const CaseResult& CaseEngine::run_from_own_start(long number) {
     const CaseResult& result = run(number);
     if (result.status != CaseStatus::stopped) forget_checkpoint();
     own_start_ = false;
+    return result;
+}
+
+const CaseResult& CaseEngine::run_longer(long number, double until) {
+    longer_ = until;
+    const CaseResult& result = run_from_own_start(number);
+    longer_ = 0.0;
     return result;
 }
 
@@ -101,8 +110,11 @@ void CaseEngine::prepare() {
     pause_reason_ = Pause::none;
     recorder_.reset();
     record_options_.from = nullptr;
+    reducers_.resize(sweep_.scalars.size());
     for (Reducer& reducer : reducers_) reducer.clear();
     means_.clear();
+    std::fill(result_.errors.begin(), result_.errors.end(), std::numeric_limits<double>::quiet_NaN());
+    result_.settled_for = std::numeric_limits<double>::quiet_NaN();
     result_.efficiency = result_.residual = result_.suspicion = std::numeric_limits<double>::quiet_NaN();
     result_.notes.clear();
     result_.counters = result_.settling = {};
@@ -131,39 +143,79 @@ void CaseEngine::begin(const StartStates::State& saved) {
     recorder_ = std::make_unique<RunRecorder>(scene_, *simulation_, record_options_);
 }
 
+double CaseEngine::end() const {
+    if (longer_ > 0.0) return longer_;
+    return by_periods() ? std::numeric_limits<double>::infinity() : scene_.run.until.value;
+}
+
 void CaseEngine::integrate() {
     result_.start = starts_.kind(scene_);
+    SteadyRule rule = steady_rule(scene_);
+    if (longer_ > 0.0) {
+        rule.tolerance = 0.0;
+        rule.limit = std::numeric_limits<double>::infinity();
+    }
+    means_.seek_steady(rule);
+    latest_ = longer_ > 0.0 ? longer_ : latest_end(scene_);
     const bool resumed = restore();
     const StartStates::State from = start();
     result_.start_state = from ? content_hash(*from) : 0;
     if (!resumed) begin(from);
     Fault fault;
     do fault = part();
-    while (!fault && simulation_->time() < scene_.run.until - 1e-9 * scene_.run.output_interval);
+    while (!fault && !means_.ended() && simulation_->time() < end() - 1e-9 * scene_.run.output_interval);
+    if (longer_ > 0.0) means_.conclude();
     judge(fault);
     judge_energy();
     result_.hash = simulation_->hash();
     result_.counters = simulation_->counters();
-    for (std::size_t i = 0; i < reducers_.size(); ++i) {
-        result_.scalars[i] = reducers_[i].result(sweep_.scalars[i]);
+    take_scalars();
+    if (result_.status == CaseStatus::stopped) return save();
+    finish_record(fault);
+    if (result_.status == CaseStatus::ok) keep_for_neighbour();
+}
+
+void CaseEngine::take_scalars() {
+    for (std::size_t i = 0; i < sweep_.scalars.size(); ++i) {
+        if (by_periods())
+            take_steady(i);
+        else
+            result_.scalars[i] = reducers_[i].result(sweep_.scalars[i]);
         if (result_.status != CaseStatus::ok || std::isfinite(result_.scalars[i])) continue;
         result_.status = CaseStatus::undefined;
         result_.error = fmt::format("{} is not a finite number", sweep_.scalars[i].text);
     }
-    if (result_.status == CaseStatus::stopped) return save();
-    finish_record(fault);
-    if (result_.status == CaseStatus::ok) keep_for_neighbour();
+}
+
+/// A scalar over the pin periods of the means, and its error by their batches.
+void CaseEngine::take_steady(std::size_t i) {
+    const SteadyMeans& means = means_.steady();
+    const Scalar& scalar = sweep_.scalars[i];
+    std::vector<double> values(means.batches);
+    Reducer all;
+    for (std::size_t batch = 0; batch < means.batches; ++batch) {
+        Reducer part;
+        for (std::size_t period = 0; period < means.batch; ++period)
+            part.add(scalar, reducers_[(means.begin + batch * means.batch + period) * sweep_.scalars.size() + i]);
+        values[batch] = part.result(scalar);
+        all.add(scalar, part);
+    }
+    result_.scalars[i] = all.result(scalar);
+    if (means.batches == 0) return;
+    result_.settled_for = means_.all().begin;
+    if (scalar.averages() && result_.scalars[i] != 0.0) result_.errors[i] = error_of_mean(values).sum() / std::abs(result_.scalars[i]);
 }
 
 /// Settles or runs from the present state until it is complete, pauses included.
 Fault CaseEngine::part() {
     for (;;) {
         Simulation& s = *simulation_;
-        if (recorder_) recorder_->begin_part(s.needs_settling() ? -1.0 : s.time(), scene_.run.until);
+        if (recorder_) recorder_->begin_part(s.needs_settling() ? -1.0 : s.time(), latest_);
         pause_ = false;
         const bool settling = s.needs_settling();
-        const Fault fault = s.advance({.until = scene_.run.until}, *this, never_);
+        const Fault fault = s.advance({.until = end()}, *this, never_);
         if (settling) result_.settling = s.counters();
+        if (fault.kind == FaultKind::cancelled && means_.ended()) return means_.steady_fault();
         if (fault.kind != FaultKind::cancelled || pause_reason_ == Pause::stop || pause_reason_ == Pause::none) return fault;
         if (pause_reason_ == Pause::checkpoint)
             save();
@@ -178,6 +230,7 @@ void CaseEngine::judge(const Fault& fault) {
         case FaultKind::cancelled: result_.status = CaseStatus::stopped; return;
         case FaultKind::max_steps:
         case FaultKind::max_wall: result_.status = CaseStatus::budget; break;
+        case FaultKind::not_steady: result_.status = CaseStatus::not_steady; break;
         default: result_.status = CaseStatus::diverged; break;
     }
     result_.error = fault.message();
@@ -185,11 +238,12 @@ void CaseEngine::judge(const Fault& fault) {
 
 /// Whether what came out can be believed, and what is odd about it.
 void CaseEngine::judge_energy() {
-    result_.residual = simulation_->energy().balance().relative();
-    result_.suspicion = simulation_->suspicion();
+    const EnergyBalance balance = simulation_->energy().balance(means_.mark());
+    result_.residual = balance.relative();
+    result_.suspicion = simulation_->suspicion(means_.mark());
     if (simulation_->workspace().layout().pulley_size != 0) {
         result_.efficiency = means_.all().efficiency;
-        means_.name_notes(simulation_->energy().balance(), result_.notes);
+        means_.name_notes(balance, result_.notes);
     }
     if (result_.status != CaseStatus::ok || result_.suspicion <= 1.0) return;
     result_.status = CaseStatus::unreliable;
@@ -202,26 +256,33 @@ void CaseEngine::finish_record(const Fault& fault) {
     report.fault = fault;
     report.hash = result_.hash;
     report.wall = elapsed();
-    report.energy = simulation_->energy().balance();
-    report.suspicion = simulation_->suspicion();
+    report.energy = simulation_->energy().balance(means_.mark());
+    report.suspicion = result_.suspicion;
     recorder_->finish(report);
     recorder_.reset();
 }
 
 void CaseEngine::output(double time, const Workspace& workspace, const Counters& counters) {
     if (recorder_) recorder_->output(time, workspace, counters);
-    if (!simulation_->needs_settling() && time >= sweep_.from * (1.0 - 1e-12)) reduce(time, workspace, counters);
+    const bool counts = !simulation_->needs_settling() && time >= sweep_.from * (1.0 - 1e-12);
+    if (counts && (!by_periods() || !means_.begun() || means_.due(time))) reduce(time, workspace, counters);
     pause_reason_ = pause_for(time, counters);
-    pause_ = pause_reason_ != Pause::none;
+    pause_ = pause_reason_ != Pause::none || means_.ended();
 }
 
+/// Where periods count, all samples lie equally far apart, whatever the outputs do: those between outputs are reduced as well.
 bool CaseEngine::samples(double time) const noexcept { return means_.due(time) || (recorder_ && recorder_->samples(time)); }
 
 void CaseEngine::sample(double time, const Workspace& workspace) {
     if (recorder_ && recorder_->samples(time)) recorder_->sample(time, workspace);
     if (!means_.due(time)) return;
+    if (by_periods()) {
+        reduce(time, workspace, simulation_->counters());
+        pause_ = means_.ended();
+        return;
+    }
     const model::Observation& now = workspace.observed_by(*observer_, time);
-    means_.add(now, workspace.energy.sums(time), workspace.pin_period(now.chain_speed));
+    means_.add(now, workspace.energy.sums(time), workspace.pin_period(now.chain_speed), workspace.energy.mark());
 }
 
 void CaseEngine::transition(const TransitionRecord& record) {
@@ -230,8 +291,11 @@ void CaseEngine::transition(const TransitionRecord& record) {
 
 void CaseEngine::reduce(double time, const Workspace& workspace, const Counters& counters) {
     const Instant instant{workspace.observed_by(*observer_, time), workspace, counters, scene_.run.followed_pin, *observer_};
-    means_.add(instant.observation, workspace.energy.sums(time), workspace.pin_period(instant.observation.chain_speed));
-    for (std::size_t i = 0; i < reducers_.size(); ++i) {
+    means_.add(instant.observation, workspace.energy.sums(time), workspace.pin_period(instant.observation.chain_speed),
+               workspace.energy.mark());
+    const std::size_t first = by_periods() ? means_.periods() * sweep_.scalars.size() : 0;
+    if (reducers_.size() < first + sweep_.scalars.size()) reducers_.resize(first + sweep_.scalars.size());
+    for (std::size_t i = 0; i < sweep_.scalars.size(); ++i) {
         const Scalar& scalar = sweep_.scalars[i];
         for (std::size_t term = 0; term < scalar.terms.size(); ++term) {
             const Channel& channel = *scalar.terms[term].channel;
@@ -240,7 +304,7 @@ void CaseEngine::reduce(double time, const Workspace& workspace, const Counters&
             if (scalar.terms[term].element >= width)
                 throw SimulationError(fmt::format("{}: the channel has only {} elements", scalar.text, width));
             channel.read(instant, values_.data());
-            reducers_[i].add(scalar, term, time, {values_.data(), static_cast<std::size_t>(width)});
+            reducers_[first + i].add(scalar, term, time, {values_.data(), static_cast<std::size_t>(width)});
         }
     }
 }
@@ -248,7 +312,7 @@ void CaseEngine::reduce(double time, const Workspace& workspace, const Counters&
 /// At an output: whether the case should pause, and for what.
 CaseEngine::Pause CaseEngine::pause_for(double time, const Counters& counters) {
     const double begin = simulation_->needs_settling() ? -scene_.parameters.start.settling_time : 0.0;
-    const double share = (time - begin) / std::max(1e-300, scene_.run.until - begin);
+    const double share = (time - begin) / std::max(1e-300, latest_ - begin);
     const double left = share > 0.0 ? seconds_since(started_) * (1.0 - share) / share : 1e300;
     if (control_.stop().requested() && left > control_.grace_left()) return Pause::stop;
     const double window = seconds_since(window_begin_);

@@ -154,7 +154,7 @@ constexpr std::size_t max_blocks = 8, min_blocks = 4;
 constexpr double student[max_blocks + 1] = {0, 0, 0, 0, 4.30, 3.18, 2.78, 2.57, 2.45};
 /// Of the same by degrees of freedom.
 constexpr double quantile[max_blocks - 2] = {0, 12.71, 4.30, 3.18, 2.78, 2.57};
-constexpr double bend_counts = 2.0;           ///< a swing that turns has no trend: by its bend, the mean is off by about twice that
+constexpr double sag_counts = 1.5;            ///< a swing that turns has no trend: by its bend, the mean is off by about that much
 constexpr double share_of_efficiency = 0.02;  ///< of the tolerance of other means
 constexpr double noticed_alternation = 5e-4;  ///< of the tension: machines that do not alternate stay below 3e-4
 constexpr double min_trend_slip = 5e-4;       ///< slips below are compared with this [1]
@@ -246,8 +246,8 @@ MeanError error_of_mean(std::span<const double> values) noexcept {
         const double x = place(k), rest = values[k] - mean - slope * x - bend * (x * x - square);
         scatter += rest * rest;
     }
-    const double drift = n * std::abs(slope) + bend_counts * n * n / 6.0 * std::abs(bend);
-    return {mean, drift, quantile[values.size() - 3] * std::sqrt(scatter / (n - 3.0) / n)};
+    const double change = n * slope, sag = n * n / 6.0 * bend;  // of the trend over all; of its parabola, at the ends
+    return {mean, std::hypot(change, sag_counts * sag), quantile[values.size() - 3] * std::sqrt(scatter / (n - 3.0) / n)};
 }
 
 std::string_view SteadyMeans::name(std::size_t quantity) noexcept { return quantities[quantity]; }
@@ -261,7 +261,7 @@ namespace {
 
 /// Largest error of the mean of a quantity [its unit].
 [[nodiscard]] double allowed(std::size_t quantity, double tolerance, const SteadyMeans& means) noexcept {
-    if (quantity == efficiency) return share_of_efficiency * tolerance;
+    if (quantity == efficiency) return tolerance * std::max(share_of_efficiency, 1.0 - means.error[efficiency].mean);
     return tolerance * scale_of(quantity, means.error[quantity].mean, means.error[2].mean);
 }
 

@@ -2,6 +2,7 @@
 /// Integrals of a run over time, of which means come, and what the means of equal times show: trends, errors, whether they are steady.
 
 #include <array>
+#include <cmath>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -52,7 +53,7 @@ struct MeanPoint {
 
 /// When means are steady: every error of theirs is below a tolerance. A rule without tolerance is none.
 struct SteadyRule {
-    double tolerance = 0.0;  ///< relative to each mean; of the efficiency a fiftieth [1]
+    double tolerance = 0.0;  ///< relative to each mean; of the efficiency to the losses' share, at least a fiftieth [1]
     double limit = 0.0;      ///< pin periods after which a run ends that is not steady [1]
     double pins = 0.0;       ///< pin periods of a revolution [1]
     double repeats = 1.0;    ///< pin periods after which the machine repeats itself: all of a revolution where it is imperfect [1]
@@ -120,10 +121,10 @@ struct MeanTrend {
 /// Error of the mean of a series. [unit of the series]
 struct MeanError {
     double mean = 0.0;
-    double drift = 0.0;  ///< what its trend and the bend of its trend leave
+    double drift = 0.0;  ///< change of the trend over all, and half as much again as the bend of the trend
     double noise = 0.0;  ///< 95 %, of the scatter about that trend
 
-    [[nodiscard]] double sum() const noexcept { return drift + noise; }
+    [[nodiscard]] double sum() const noexcept { return std::hypot(drift, noise); }
 };
 /// Of four to eight values, means of equal times that follow each other.
 [[nodiscard]] MeanError error_of_mean(std::span<const double> values) noexcept;

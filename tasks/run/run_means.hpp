@@ -62,6 +62,11 @@ public:
     void add(const model::Observation& now, const EnergySums& sums, double pin_period, const EnergyMark& mark = {});
     /// Whether the run should end: its means are steady, will not become so within the rule's limit, or have no pin periods.
     [[nodiscard]] bool ended() const noexcept { return ended_; }
+    /// Checks at the end of a run that another rule ended.
+    void conclude() noexcept { steady_ = steady_means(curve_, rule_); }
+    [[nodiscard]] bool begun() const noexcept { return !curve_.empty(); }
+    /// With a rule: pin periods that are complete.
+    [[nodiscard]] std::size_t periods() const noexcept { return curve_.points().size() - 1; }
     /// Of the last check; no batches: none yet.
     [[nodiscard]] const SteadyMeans& steady() const noexcept { return steady_; }
     [[nodiscard]] const SteadyRule& rule() const noexcept { return rule_; }

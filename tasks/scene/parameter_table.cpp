@@ -409,7 +409,7 @@ const std::vector<Parameter>& rows() {
      "The run ends at this time; steady: once its means over the last half of its time are steady (run.steady).",
      "model choice", [](Scene& s) -> Slot { return &s.run.until; }},
     {"run.steady", "1", 0.005, 0.2, {},
-     "Largest error of means for run.until = \"steady\", relative to each; of the efficiency a fiftieth of it.",
+     "Largest error of means for run.until = \"steady\", relative to each; of the efficiency relative to the losses, or a fiftieth of it.",
      "model choice", [](Scene& s) -> Slot { return &s.run.steady; }},
     {"run.steady_limit", "1", 1, 200, {},
      "Longest run with run.until = \"steady\", in revolutions of the chain; a run that is not steady then ends as not_steady.",

@@ -58,7 +58,7 @@ struct RunSettings {
     StepControl step_control = StepControl::fixed;
     double tolerance = 1.0;         ///< of local errors, in units of ErrorScale [1]
     AutoNumber until = 5e-3;        ///< [s]; automatic: once the means are steady
-    double steady = 0.01;           ///< largest error of means then, of the efficiency a fiftieth [1]
+    double steady = 0.01;           ///< largest error of means then (SteadyRule) [1]
     double steady_limit = 16.0;     ///< such a run ends at the latest then [revolutions of the chain]
     double output_interval = 5e-5;  ///< channels [s]
     double state_interval = 2e-4;   ///< full states [s]

@@ -32,6 +32,8 @@ struct Scalar {
     /// Unit of the number; of a quotient "1" or "A/B".
     [[nodiscard]] std::string unit() const;
     [[nodiscard]] std::string description() const;
+    /// Whether all terms are averages over time, whose errors batches of it show.
+    [[nodiscard]] bool averages() const noexcept;
 };
 
 /// Appends a problem (with the nearest channel or reduction) and returns an empty scalar if the text is invalid.
@@ -44,6 +46,8 @@ struct TermSum {
     std::vector<double> all;  ///< of a median [outputs]
 
     void add(const ScalarTerm& term, double time, double number);  ///< time [s], number [unit of the channel]
+    /// Adds what comes after.
+    void add(const ScalarTerm& term, const TermSum& later);
     /// Not a number if no output counted.
     [[nodiscard]] double result(const ScalarTerm& term) const;
 };
@@ -54,6 +58,8 @@ struct Reducer {
 
     /// @param numbers of the term's channel at an output
     void add(const Scalar& scalar, std::size_t term, double time, std::span<const double> numbers);
+    /// Adds what comes after.
+    void add(const Scalar& scalar, const Reducer& later);
     [[nodiscard]] double result(const Scalar& scalar) const;
     /// Ready for another case.
     void clear() noexcept;

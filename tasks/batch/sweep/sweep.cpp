@@ -1,7 +1,10 @@
+long Sweep::strand() const noexcept { return continuation.empty() ? 1 : static_cast<long>(axes.back().rows()); }
+
 #include "tasks/batch/sweep/sweep.hpp"
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <set>
 
 #include "engine/base/hash.hpp"
 #include "engine/base/text.hpp"
@@ -23,8 +26,6 @@ long Sweep::cases() const noexcept {
     for (const Axis& axis : axes) count *= static_cast<long>(axis.rows());
     return axes.empty() ? 0 : count;
 }
-
-long Sweep::strand() const noexcept { return continuation.empty() ? 1 : static_cast<long>(axes.back().rows()); }
 
 std::size_t Sweep::row(long number, std::size_t axis) const noexcept {
     for (std::size_t later = axes.size(); later-- > axis + 1;) number /= static_cast<long>(axes[later].rows());
@@ -62,7 +63,8 @@ constexpr const char* start_modes[] = {"scene", "settle", "shared"};
 std::string Sweep::definition() const {
     std::string lines;
     for (const Parameter& parameter : parameter_table()) {
-        const bool matters = !may_change(parameter.key) || parameter.key == "run.until" || parameter.key == "run.max_steps";
+        const bool matters = !may_change(parameter.key) || parameter.key.starts_with("run.until") ||
+                             parameter.key.starts_with("run.steady") || parameter.key == "run.max_steps";
         if (matters) lines += fmt::format("{} = {}\n", parameter.key, value_text(parameter, scene));
     }
     for (const Axis& axis : axes) lines += axis_line(axis);
@@ -74,6 +76,17 @@ std::string Sweep::definition() const {
         lines += fmt::format("accuracy.target = {}\naccuracy.verify = {}\naccuracy.seed = {}\n", number_text(accuracy.target),
                              accuracy.verify, accuracy.seed);
     return lines;
+}
+
+std::vector<long> draw_cases(long cases, long count, std::uint64_t seed) {
+    const auto requested = static_cast<std::size_t>(std::min(cases, count));
+    std::set<long> drawn;
+    for (std::uint64_t more = 0; drawn.size() < requested; ++more) {
+        for (const double share : random_samples(requested, 1, seed + more)) {
+            if (drawn.size() < requested) drawn.insert(static_cast<long>(share * static_cast<double>(cases)));
+        }
+    }
+    return {drawn.begin(), drawn.end()};
 }
 
 std::string violations(const Scene& scene) {
@@ -136,6 +149,7 @@ private:
             if (section.key == "outputs") outputs(section);
             if (section.key == "budget") budget(section);
             if (section.key == "accuracy") accuracy(section);
+            if (section.key == "steady") confirmation(section);
         }
         for (const Entry& section : sections) {
             if (section.key == "start") start(section);
@@ -256,6 +270,15 @@ private:
         accuracy.seed = static_cast<std::uint64_t>(view.integer("seed", 0, std::int64_t{1} << 53).value_or(0));
     }
 
+    void confirmation(const Entry& section) {
+        const Node::Table* rows = table(section);
+        if (rows == nullptr) return;
+        const TableView view("steady", *rows, section.position, names_in_sweep("steady"), problems_);
+        sweep_.confirmation.cases = static_cast<int>(view.integer("confirm", 0, 1'000'000).value_or(sweep_.confirmation.cases));
+        sweep_.confirmation.seed = static_cast<std::uint64_t>(view.integer("seed", 0, std::int64_t{1} << 53).value_or(0));
+        if (!sweep_.steady()) problems_.push_back({section.position, "steady: only with run.until = \"steady\" in [set]"});
+    }
+
     void start(const Entry& section) {
         const Node::Table* rows = table(section);
         if (rows == nullptr) return;
@@ -287,6 +310,8 @@ private:
         }
         if (sweep_.accuracy.target > 0.0 && sweep_.start == StartMode::shared)
             problems_.push_back({{}, "accuracy: start.mode \"shared\" starts from an unsettled state; use \"settle\""});
+        if (sweep_.accuracy.target > 0.0 && sweep_.steady())
+            problems_.push_back({{}, "accuracy: run.until = \"steady\" has no fixed time; give one"});
         outputs_within_run();
         start_takes_accuracy();
         if (!Method::find(method_of(sweep_.scene))) problems_.push_back({{}, "run.method: " + no_method(sweep_.scene.run.method)});
@@ -299,6 +324,8 @@ private:
             for (std::size_t key = 0; key < axis.keys.size(); ++key) {
                 for (std::size_t row = 0; axis.keys[key]->key == "run.until" && row < axis.rows(); ++row) {
                     const auto* value = std::get_if<double>(&axis.at(row, key));
+                    if (value == nullptr || sweep_.steady())
+                        return problems_.push_back({{}, "run.until: \"steady\" is for all cases; it is no value of an axis"});
                     if (value != nullptr) end = row == 0 ? *value : std::min(end, *value);
                 }
             }

@@ -234,6 +234,24 @@ TEST_F(SweepFile, RefusesOutputsBeyondTheEndOfACase) {
     EXPECT_THAT(error(outputs + "1.5 ms\"]\n" + cases), HasSubstr("outputs.scalars: \"slip at 1.5 ms\" is beyond run.until = 1e-3 s"));
 }
 
+TEST_F(SweepFile, SteadyIsForAllCasesAndWithoutAnotherAccuracy) {
+    const std::string sweep = "[sweep]\nscene = \"baseline\"\n[outputs]\nscalars = [\"slip mean\"]\n";
+    const std::string set = "[set]\nrun.until = \"steady\"\n", axis = "[[axes]]\nkey = \"load.torque\"\nvalues = [1, 2]\n";
+    EXPECT_EQ(error(sweep + set + axis + "[steady]\nconfirm = 1\nseed = 7\n"), "none");
+    EXPECT_TRUE(read(sweep + set + axis).steady());
+    EXPECT_THAT(error(sweep + axis + "[steady]\nconfirm = 1\n"), HasSubstr("steady: only with run.until = \"steady\""));
+    EXPECT_THAT(error(sweep + set + axis + "[accuracy]\ntarget = \"3 %\"\n"), HasSubstr("has no fixed time"));
+    EXPECT_THAT(error(sweep + set + "[[axes]]\nkey = \"run.until\"\nvalues = [\"1 ms\"]\n"), HasSubstr("it is no value of an axis"));
+}
+
+TEST(DrawCases, AreDistinctAscendingAndOfTheSeed) {
+    EXPECT_EQ(draw_cases(5, 9, 3), (std::vector<long>{0, 1, 2, 3, 4}));
+    EXPECT_EQ(draw_cases(1000, 7, 3), draw_cases(1000, 7, 3));
+    EXPECT_NE(draw_cases(1000, 7, 3), draw_cases(1000, 7, 4));
+    EXPECT_EQ(draw_cases(1000, 7, 3).size(), 7u);
+    EXPECT_TRUE(draw_cases(0, 5, 1).empty());
+}
+
 TEST_F(SweepFile, RefusesAnAccuracyOfCasesThatBeginWithAStateOfAnotherLevel) {
     const std::string more =
         "[outputs]\nscalars = [\"slip mean\"]\n[[axes]]\nkey = \"load.torque\"\nvalues = [1, 2]\n[accuracy]\ntarget = \"3 %\"\n";
@@ -289,6 +307,29 @@ TEST(Reducer, ReducesAsItsTextStates) {
         EXPECT_DOUBLE_EQ(resumed.result(scalar), value) << text << ": from a checkpoint";
     }
     EXPECT_TRUE(none.empty());
+}
+
+/// Pin periods of a steady case are reduced one by one.
+TEST(Reducer, OfPartsIsThatOfTheWhole) {
+    std::vector<Problem> none;
+    for (const char* text :
+         {"slip mean", "slip min", "slip max", "slip rms", "slip final", "slip at 0.5 s", "slip median", "slip max / slip rms"}) {
+        const Scalar scalar = parse_scalar(text, {}, none);
+        Reducer whole, sum, parts[3];
+        double time = 0.0;
+        for (const double number : {3.0, -1.0, 4.0, 1.0, 5.0, 9.0}) {
+            time += 0.25;
+            for (std::size_t term = 0; term < scalar.terms.size(); ++term) {
+                whole.add(scalar, term, time, {&number, 1});
+                parts[static_cast<std::size_t>(2.0 * time - 0.5)].add(scalar, term, time, {&number, 1});
+            }
+        }
+        for (const Reducer& part : parts) sum.add(scalar, part);
+        sum.add(scalar, Reducer());
+        EXPECT_DOUBLE_EQ(sum.result(scalar), whole.result(scalar)) << text;
+    }
+    EXPECT_TRUE(parse_scalar("slip mean / slip rms", {}, none).averages());
+    EXPECT_FALSE(parse_scalar("slip mean / slip max", {}, none).averages());
 }
 
 /// An efficiency has no value before there is power. Other channels that are no numbers make a case undefined.
