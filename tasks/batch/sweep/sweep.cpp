@@ -1,5 +1,3 @@
-long Sweep::strand() const noexcept { return continuation.empty() ? 1 : static_cast<long>(axes.back().rows()); }
-
 #include "tasks/batch/sweep/sweep.hpp"
 
 #include <fmt/format.h>
@@ -285,14 +283,33 @@ private:
         const TableView view("start", *rows, section.position, names_in_sweep("start"), problems_);
         sweep_.start = static_cast<StartMode>(view.choice("mode", sweep_choices("start", "mode")).value_or(0));
         if (const auto checked = view.integer("check", 0, 1'000'000)) sweep_.checked = static_cast<int>(*checked);
-        const auto key = view.text("continuation");
-        if (!key) return;
-        sweep_.continuation = *key;
-        const bool last = !sweep_.axes.empty() && std::any_of(sweep_.axes.back().keys.begin(), sweep_.axes.back().keys.end(),
-                                                              [&](const Parameter* p) { return p->key == *key; });
-        if (!last)
-            view.problem(view.find("continuation")->position,
-                         fmt::format("continuation: {} is not a key of the last axis", toml_text(*key)));
+        if (const auto key = view.text("continuation")) continuation(*key, view);
+    }
+
+    void continuation(const std::string& key, const TableView& view) {
+        sweep_.continuation = key;
+        const auto problem = [&](const char* what) {
+            view.problem(view.find("continuation")->position, fmt::format("continuation: {} {}", toml_text(key), what));
+        };
+        if (sweep_.axes.empty()) return problem("is not a key of the last axis");
+        const Axis& axis = sweep_.axes.back();
+        const auto found = std::ranges::find(axis.keys, key, &Parameter::key);
+        if (found == axis.keys.end()) return problem("is not a key of the last axis");
+        sweep_.line = static_cast<long>(axis.rows());
+        if (axis.kind != "csv") return;
+        const auto rises = [&](std::size_t row) {
+            const auto at = [&](std::size_t r) {
+                return std::get_if<double>(&axis.at(r, static_cast<std::size_t>(found - axis.keys.begin())));
+            };
+            return at(row) != nullptr && at(row - 1) != nullptr && *at(row) > *at(row - 1);
+        };
+        std::size_t line = 1;
+        while (line < axis.rows() && rises(line)) ++line;
+        for (std::size_t row = 1; row < axis.rows(); ++row) {
+            if (rises(row) != (row % line != 0)) return problem("does not rise along lines of rows of equal length in the csv");
+        }
+        if (axis.rows() % line != 0) return problem("does not rise along lines of rows of equal length in the csv");
+        sweep_.line = static_cast<long>(line);
     }
 
     void consistent() {

@@ -40,6 +40,7 @@ struct Sweep {
     bool records = false;
     StartMode start = StartMode::scene;
     std::string continuation;  ///< key; empty: none
+    long line = 1;             ///< with it, cases that follow each other: rows of the last axis, or of a csv axis rows while the key rises
     int checked = 1;           ///< continued cases that also run from their own start
     SweepAccuracy accuracy;
     SweepConfirmation confirmation;
@@ -48,7 +49,7 @@ struct Sweep {
     [[nodiscard]] bool steady() const noexcept { return scene.run.until.automatic(); }
     [[nodiscard]] long cases() const noexcept;
     /// Number of cases that follow each other by continuation; 1 without it. Cases [k strand, (k + 1) strand) are one strand.
-    [[nodiscard]] long strand() const noexcept;
+    [[nodiscard]] long strand() const noexcept { return continuation.empty() ? 1 : line; }
     /// Row of an axis that a case takes.
     [[nodiscard]] std::size_t row(long number, std::size_t axis) const noexcept;
     /// Gives the scene, which must be a copy of this->scene or of another case, the values of a case.

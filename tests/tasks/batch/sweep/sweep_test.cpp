@@ -244,6 +244,24 @@ TEST_F(SweepFile, SteadyIsForAllCasesAndWithoutAnotherAccuracy) {
     EXPECT_THAT(error(sweep + set + "[[axes]]\nkey = \"run.until\"\nvalues = [\"1 ms\"]\n"), HasSubstr("it is no value of an axis"));
 }
 
+/// Four lines of three loads; a fall inside a line, or a shorter one, has no strands of equal length.
+TEST_F(SweepFile, ContinuesAlongLinesOfACsvWhileItsKeyRises) {
+    const std::string sweep =
+        "[sweep]\nscene = \"baseline\"\n[outputs]\nscalars = [\"slip mean\"]\n[[axes]]\ncsv = \"lines.csv\"\n"
+        "[start]\ncontinuation = \"load.torque\"\n";
+    const auto with = [&](const std::string& loads) {
+        std::ofstream(folder_ / "lines.csv") << "load.torque, clamping.driven\n" << loads;
+        return error(sweep);
+    };
+    const std::string line = "10, 20000\n20, 20000\n30, 20000\n";
+    EXPECT_EQ(with(line + line + line + line), "none");
+    EXPECT_EQ(read(sweep).strand(), 3);
+    EXPECT_EQ(with(line), "none");
+    EXPECT_EQ(read(sweep).strand(), 3);
+    EXPECT_THAT(with(line + "10, 20000\n20, 20000\n"), HasSubstr("does not rise along lines of rows of equal length"));
+    EXPECT_THAT(with(line + "10, 20000\n5, 20000\n30, 20000\n"), HasSubstr("does not rise along lines of rows of equal length"));
+}
+
 TEST(DrawCases, AreDistinctAscendingAndOfTheSeed) {
     EXPECT_EQ(draw_cases(5, 9, 3), (std::vector<long>{0, 1, 2, 3, 4}));
     EXPECT_EQ(draw_cases(1000, 7, 3), draw_cases(1000, 7, 3));
