@@ -144,6 +144,7 @@ StartStates::State CaseEngine::start() {
 /// The end as a start: shaft 1 is turned back by the angle that the governor's reference has gone.
 void CaseEngine::keep_for_neighbour() {
     if (sweep_.strand() == 1 || own_start_) return;
+    simulation_->move_offset();
     engine::SavedState saved = simulation_->saved_state();
     const model::Variator& variator = simulation_->variator();
     const model::ChainLayout& at = variator.layout();

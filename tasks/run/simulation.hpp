@@ -127,6 +127,8 @@ public:
     /// not taken; empty if none.
     [[nodiscard]] const std::vector<std::string>& start_differences() const noexcept { return start_differences_; }
 
+    /// With control.gains = "found": moves what the proportional part corrects at present into the integral part.
+    void move_offset();
     /// The present state as a file for start.state.
     [[nodiscard]] engine::SavedState saved_state() const;
 

@@ -281,6 +281,10 @@ const std::vector<Parameter>& rows() {
      "model choice", [](Scene& s) -> Slot { return &s.parameters.control.safety; }},
     {"control.ratio", "1", 0.05, 20, {}, "Target speed ratio (shaft 1 over shaft 2) over time.",
      "model choice", [](Scene& s) -> Slot { return &s.parameters.control.ratio; }},
+    {"control.gains", "", 0, 0, {"given", "found"},
+     "Gains of ratio control: control.proportional and control.integral, or found from clamping force and speed: a point then settles "
+     "without a swing, and the offset that the proportional part leaves moves into the integral part where settling ends.",
+     "model choice", [](Scene& s) -> Slot { return &s.gains; }},
     {"control.proportional", "N", 0, 1e9, {},
      "Proportional gain: clamping force per relative error of speed or safety, or per error of slip.",
      "model choice", [](Scene& s) -> Slot { return &s.parameters.control.proportional; }},

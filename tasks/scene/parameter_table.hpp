@@ -19,8 +19,8 @@ struct Problem;
 using Slot = std::variant<double*, int*, long*, std::uint64_t*, bool*, std::string*, std::vector<double>*, model::TimeTable*,
                           model::SpeedTable*, model::PinDetail*, model::PlateDetail*, model::PulleyDetail*, model::FrictionLaw*,
                           model::JointLaw*, model::TipFriction*, model::Sheave*, model::DriveMode*, model::LoadMode*,
-                          model::ControlledQuantity*, model::DrivenControl*, model::HydraulicMode*, model::StartLayout*, Assembly*,
-                          PartitionKind*, StepControl*, AutoNumber*, std::vector<std::string>*>;
+                          model::ControlledQuantity*, ControlGains*, model::DrivenControl*, model::HydraulicMode*, model::StartLayout*,
+                          Assembly*, PartitionKind*, StepControl*, AutoNumber*, std::vector<std::string>*>;
 
 enum class Kind { number, auto_number, integer, choice, boolean, text, number_list, time_table, speed_table, text_list };
 

@@ -75,11 +75,15 @@ struct RunSettings {
     bool operator==(const RunSettings&) const = default;
 };
 
+/// Gains of ratio control: control.proportional and control.integral, or found from clamping force and speed.
+enum class ControlGains { given, found };
+
 struct Scene {
     std::string name;  ///< the file's stem if absent
     std::string description;
     model::Parameters parameters;
     RunSettings run;
+    ControlGains gains = ControlGains::given;
     std::string state_file;      ///< absolute path of the state to start from; empty: geometric start
     std::string state_place;     ///< where start.state was given, for problems that show later: `scene.toml:12:9: `; empty: nowhere
     std::string method_place;    ///< the same of run.method
