@@ -3,22 +3,27 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <numbers>
+
+#include "model/basis/extended.hpp"
 
 namespace cvtflow::model {
 
 namespace {
 
-// Extended precision, where there is any, makes up for what the series round: its basic operations are exact to the bit on every processor.
-using Real = long double;
+// Extended precision makes up for what the series round: its basic operations are exact to the bit on every processor.
+using Real = Extended;
+using std::frexp, std::ldexp, std::rint, std::sqrt;
 
-constexpr Real half_pi = 1.570796326794896619231321691639751442L, log_2 = 0.693147180559945309417232121458176568L;
-constexpr Real half_pi_high = 0x1.921fb54p+0L, log_2_high = 0x1.62e42fep-1L;  ///< few digits: exact times any number that occurs
-constexpr Real half_pi_low = 9.9209357968054044163975144209e-10L, log_2_low = 1.8206359985041461839581765680e-9L;  ///< the rest
+constexpr Real half_pi = extended(0xc90fdaa22168c235, -63), log_2 = extended(0xb17217f7d1cf79ac, -64);
+constexpr Real half_pi_high = 0x1.921fb54p+0, log_2_high = 0x1.62e42fep-1;  ///< few digits: exact times any number that occurs
+constexpr Real half_pi_low = extended(0x885a308d313198a3, -93), log_2_low = extended(0xfa39ef35793c7673, -93);  ///< the rest
+constexpr Real sqrt_half = extended(0xb504f333f9de6484, -64);
 
 /// Σ over k = first, first + 2, … ≤ 23 of ±r^k / k!
 Real alternating(Real r, int first) noexcept {
-    Real term = first == 0 ? 1.0L : r, sum = term;
+    Real term = first == 0 ? 1.0 : r, sum = term;
     for (int k = first + 2; k <= 23; k += 2) {
         term *= -r * r / static_cast<Real>(k * (k - 1));
         sum += term;
@@ -29,10 +34,10 @@ Real alternating(Real r, int first) noexcept {
 /// 1/k! of k = 0 … 23
 constexpr std::array<Real, 24> inverse_factorial = [] {
     std::array<Real, 24> found{};
-    Real factorial = 1.0L;
-    for (std::size_t k = 0; k < found.size(); ++k) {
+    Real factorial = 1.0;
+    for (int k = 0; k < static_cast<int>(found.size()); ++k) {
         if (k > 1) factorial *= static_cast<Real>(k);
-        found[k] = 1.0L / factorial;
+        found[static_cast<std::size_t>(k)] = 1.0 / factorial;
     }
     return found;
 }();
@@ -56,23 +61,23 @@ Real without_turns(Real x, Real turns) noexcept { return (x - turns * half_pi_hi
 
 /// sin(r + quarter π/2) by a series of r.
 template <class Series>
-Real wave_of(const Series& series, Real r, long quarter) noexcept {
+Real wave_of(const Series& series, Real r, std::int64_t quarter) noexcept {
     const Real value = series(r, quarter % 2 == 0 ? 1 : 0);
     return (quarter & 2) == 0 ? value : -value;
 }
 
 /// sin(x + quarter π/2)
 Real wave(Real x, int quarter) noexcept {
-    const Real turns = std::rint(x / half_pi);
-    return wave_of(alternating, without_turns(x, turns), static_cast<long>(turns) + quarter);
+    const Real turns = rint(x / half_pi);
+    return wave_of(alternating, without_turns(x, turns), static_cast<std::int64_t>(turns) + quarter);
 }
 
 /// wave() rounded to a double. Both series are good to 2^-61, so where all within 2^-60 of one of them is rounded to one double, the other
 /// gives it as well: the quick one does but for one in sixty.
 double rounded_wave(double x, int quarter) noexcept {
-    constexpr Real error = 0x1p-60L;
-    const double turns = std::rint(x * static_cast<double>(1.0L / half_pi));
-    const Real quick = wave_of(alternating_by_products, without_turns(x, turns), static_cast<long>(turns) + quarter);
+    constexpr Real error = 0x1p-60;
+    const double turns = std::rint(x * (2.0 * std::numbers::inv_pi));
+    const Real quick = wave_of(alternating_by_products, without_turns(x, turns), static_cast<std::int64_t>(turns) + quarter);
     const double low = static_cast<double>(quick - error * quick), high = static_cast<double>(quick + error * quick);
     return low == high ? low : static_cast<double>(wave(x, quarter));
 }
@@ -80,30 +85,30 @@ double rounded_wave(double x, int quarter) noexcept {
 /// log(x), x > 0
 Real logarithm(Real x) noexcept {
     int exponent = 0;
-    Real mantissa = std::frexp(x, &exponent);  // 0.5 … 1
-    if (mantissa < 0.70710678118654752440L) {
-        mantissa *= 2.0L;
+    Real mantissa = frexp(x, &exponent);  // 0.5 … 1
+    if (mantissa < sqrt_half) {
+        mantissa *= 2.0;
         --exponent;
     }
-    const Real s = (mantissa - 1.0L) / (mantissa + 1.0L), square = s * s;
-    Real power = s, sum = 0.0L;
+    const Real s = (mantissa - 1.0) / (mantissa + 1.0), square = s * s;
+    Real power = s, sum = 0.0;
     for (int k = 1; k <= 27; k += 2) {
         sum += power / static_cast<Real>(k);
         power *= square;
     }
-    return static_cast<Real>(exponent) * log_2_high + (static_cast<Real>(exponent) * log_2_low + 2.0L * sum);
+    return static_cast<Real>(exponent) * log_2_high + (static_cast<Real>(exponent) * log_2_low + 2.0 * sum);
 }
 
 Real exponential(Real x) noexcept {
-    if (!(x > -12000.0L && x < 12000.0L)) return x > 0.0L ? HUGE_VALL : x < 0.0L ? 0.0L : x;
-    const Real twos = std::rint(x / log_2);
+    if (!(x > -12000.0 && x < 12000.0)) return x > 0.0 ? ldexp(Real(1.0), 30000) : x < 0.0 ? Real(0.0) : x;
+    const Real twos = rint(x / log_2);
     const Real r = (x - twos * log_2_high) - twos * log_2_low;
-    Real term = 1.0L, sum = 1.0L;
+    Real term = 1.0, sum = 1.0;
     for (int k = 1; k <= 20; ++k) {
         term *= r / static_cast<Real>(k);
         sum += term;
     }
-    return std::ldexp(sum, static_cast<int>(twos));
+    return ldexp(sum, static_cast<int>(static_cast<std::int64_t>(twos)));
 }
 
 }  // namespace
@@ -113,13 +118,13 @@ double portable_cos(double x) noexcept { return rounded_wave(x, 1); }
 
 /// Half the angle by Newton's method on its tangent.
 double portable_asin(double x) noexcept {
-    const Real tangent = static_cast<Real>(x) / (1.0L + std::sqrt((1.0L - static_cast<Real>(x)) * (1.0L + static_cast<Real>(x))));
+    const Real tangent = static_cast<Real>(x) / (1.0 + sqrt((1.0 - static_cast<Real>(x)) * (1.0 + static_cast<Real>(x))));
     Real half = tangent;
     for (int iteration = 0; iteration < 4; ++iteration) {  // an error e becomes e³/3, and the first is below 0.22
         const Real sine = wave(half, 0), cosine = wave(half, 1);
         half -= (sine - tangent * cosine) / (cosine + tangent * sine);
     }
-    return static_cast<double>(2.0L * half);
+    return static_cast<double>(2.0 * half);
 }
 
 double portable_pow(double x, double y) noexcept {

@@ -34,8 +34,8 @@ MirroredInverse inverse_of(const double* rows, int size) {
     for (int m = 0; m < size; ++m) {
         for (int k = m % 2; k < size; k += 2) {
             const auto at = static_cast<std::size_t>(m * max_lateral + k);
-            mirrored.sum[at] = static_cast<double>(0.5L * (inverse(m, k) + inverse(m, size + k)));
-            mirrored.difference[at] = static_cast<double>(0.5L * (inverse(m, k) - inverse(m, size + k)));
+            mirrored.sum[at] = static_cast<double>(0.5 * (inverse(m, k) + inverse(m, size + k)));
+            mirrored.difference[at] = static_cast<double>(0.5 * (inverse(m, k) - inverse(m, size + k)));
         }
     }
     return mirrored;

@@ -16,11 +16,12 @@ class Cholesky {
 public:
     /// Decomposes the lower triangle. @param rows of the matrix
     Cholesky(const double* rows, int size) noexcept : size_(size) {
+        using std::sqrt;
         for (int column = 0; column < size; ++column) {
             for (int row = column; row < size; ++row) {
                 const Real rest =
                     static_cast<Real>(rows[row * size + column]) - sum(0, column, [&](int k) { return l(row, k) * l(column, k); });
-                l(row, column) = row == column ? std::sqrt(rest) : rest / l(column, column);
+                l(row, column) = row == column ? sqrt(rest) : rest / l(column, column);
             }
         }
     }
@@ -136,10 +137,10 @@ void scale_relative(Matrix& matrix, int bodies, double factor) {
 }  // namespace
 
 WideInverse::WideInverse(const double* rows, int size) noexcept : size_(size) {
-    const Cholesky<long double> cholesky(rows, size);
+    const Cholesky<Extended> cholesky(rows, size);
     for (int column = 0; column < size; ++column) {
-        long double* v = columns_.data() + column * size;
-        v[column] = 1.0L;
+        Extended* v = columns_.data() + column * size;
+        v[column] = 1.0;
         cholesky.solve(v);
     }
 }

@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "model/basis/extended.hpp"
 #include "model/machine/coefficients.hpp"
 
 namespace cvtflow::model {
@@ -18,19 +19,19 @@ struct SmallInverse {
 /// Lanes that hold one column: a power of two.
 [[nodiscard]] constexpr int padded(int size) noexcept { return size <= 2 ? 2 : size <= 4 ? 4 : 8; }
 
-/// Inverse of a symmetric positive definite matrix of at most max_lateral_block rows. In long double, so that products with it are as exact
-/// as a solve; that has no vectors: the same bits whatever processor this is compiled for.
+/// Inverse of a symmetric positive definite matrix of at most max_lateral_block rows. In extended precision, so that products with it are
+/// as exact as a solve.
 class WideInverse {
 public:
     /// @param rows of the matrix, of which the lower triangle is read
     WideInverse(const double* rows, int size) noexcept;
-    [[nodiscard]] long double operator()(int row, int column) const noexcept {
+    [[nodiscard]] Extended operator()(int row, int column) const noexcept {
         return columns_[static_cast<std::size_t>(column * size_ + row)];
     }
 
 private:
     int size_;
-    std::array<long double, max_lateral_block * max_lateral_block> columns_{};
+    std::array<Extended, max_lateral_block * max_lateral_block> columns_{};
 };
 
 struct LinkInertia {
