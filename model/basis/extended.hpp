@@ -11,8 +11,8 @@
 
 namespace cvtflow::model {
 
-/// ±significand 2^exponent, rounded to the nearest, ties to even, as x86-64 rounds a long double. The exponent has no limits. What would be
-/// infinite or NaN becomes NaN.
+/// ±significand 2^exponent, rounded to the nearest, ties to even, as x86-64 rounds a long double. The exponent has no limits.
+/// Results that would be infinite are NaN.
 class EmulatedExtended {
 public:
     constexpr EmulatedExtended() = default;

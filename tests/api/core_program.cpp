@@ -1,6 +1,6 @@
 /// A simulation by the core library alone. Prints the hash of its state.
 ///
-///     core_program SCENE.toml TIME        time to advance to [s]
+///     core_program SCENE.toml TIME [LEVEL [KEY=VALUE...]]        time to advance to [s], level of detail, settings
 
 #include <cvtflow/error.hpp>
 #include <cvtflow/simulation.hpp>
@@ -10,12 +10,17 @@
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <string>
+#include <vector>
 
-int main(int, char** arguments) {
+int main(int count, char** arguments) {
     std::ifstream file(arguments[1]);
     const std::string text{std::istreambuf_iterator<char>(file), {}};
     try {
-        cvtflow::Simulation simulation(cvtflow::Scene::parse(text, arguments[1]));
+        cvtflow::Scene scene = cvtflow::Scene::parse(text, arguments[1]);
+        if (count > 3) scene = scene.with_detail(arguments[3]);
+        const std::vector<std::string> settings(arguments + (count > 4 ? 4 : count), arguments + count);
+        cvtflow::Simulation simulation(scene.with(settings));
         simulation.advance_to(std::strtod(arguments[2], nullptr));
         std::printf("%016" PRIx64 "\n", simulation.hash());
         return 0;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr bool processor_has_it = std::numeric_limits<long double>::digits == 64;
 
-/// The same number twice.
+/// One number in both forms.
 struct Pair {
     EmulatedExtended emulated;
     long double expected;
