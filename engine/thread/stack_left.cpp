@@ -2,7 +2,7 @@
 
 #ifdef _WIN32
 #include <windows.h>
-#else
+#elif defined(__linux__)
 #include <pthread.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -24,7 +24,7 @@ struct Stack {
         GetCurrentThreadStackLimits(&lowest, &end);
         begin = lowest, size = end - lowest;
     }
-#else
+#elif defined(__linux__)
     Stack() noexcept {
         pthread_attr_t attributes;
         if (syscall(SYS_gettid) == getpid() || pthread_getattr_np(pthread_self(), &attributes) != 0) return;
