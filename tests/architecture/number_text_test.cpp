@@ -25,6 +25,7 @@ const std::map<std::string, std::string> locale_exempt{
     {"tasks/batch/sweep/scalar.cpp", "words"},
     {"tasks/schedule/schedule.cpp", "words, which number_of reads"},
     {"engine/record/hdf5/hdf5_open.cpp", "a word, which number_of reads"},
+    {"tools/cmake/web/missing.hpp", "functions that a browser's library lacks: it has the C locale alone"},
 };
 
 /// Whether a file's code runs in a host's process or writes files. Other benchmarks are programs that leave the locale as it is: "C".

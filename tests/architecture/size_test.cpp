@@ -31,11 +31,12 @@ const std::map<std::string, int> large_classes{
     {"bench/method/implicit/trapezoidal.hpp: TrapezoidalMethod", 32},
     {"bench/method/linear/cyclic_border.hpp: CyclicBorder", 24},
     {"model/parameters/chain_layout.hpp: ChainLayout", 24},
-    {"tasks/batch/case_engine.hpp: CaseEngine", 27},
+    {"tasks/batch/case_engine.hpp: CaseEngine", 29},
     {"tasks/method/friction/rigid_leapfrog.hpp: RigidLeapfrog", 22},
-    {"tasks/run/simulation.hpp: Simulation", 43},
-    {"tasks/step/control/step_controller.hpp: StepController", 25},
-    {"tasks/step/workspace.hpp: Workspace", 25},
+    {"tasks/run/simulation.hpp: Simulation", 47},
+    {"tasks/step/control/energy_ledger.hpp: EnergyLedger", 21},
+    {"tasks/step/control/step_controller.hpp: StepController", 26},
+    {"tasks/step/workspace.hpp: Workspace", 26},
     {"tests/engine/executor/interleaving_fixture.hpp: Interleavings", 32},
 };
 
