@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <vector>
 
 #include "tasks/run/simulation.hpp"
@@ -82,13 +81,15 @@ TEST(OutputReader, CountsFromItsTimeOnAndFiguresAreOverWholePinPeriods) {
     ASSERT_FALSE(simulation.advance({.until = scene.run.until}, both, never));
     ASSERT_GT(both.time.back(), both.pin_period);
     const std::vector<double> values = all.values();
-    const auto over_outputs = [](const std::vector<double>& value) {
-        return std::accumulate(value.begin(), value.end(), 0.0) / static_cast<double>(value.size());
+    const auto over_time = [&](const std::vector<double>& value) {
+        double sum = 0.0;
+        for (std::size_t k = 1; k < value.size(); ++k) sum += 0.5 * (value[k] + value[k - 1]) * (both.time[k] - both.time[k - 1]);
+        return sum / (both.time.back() - both.time.front());
     };
     EXPECT_NEAR(values[0], both.mean(both.slip), 1e-9);
-    EXPECT_NEAR(values[1], over_outputs(both.slip), 1e-12);
+    EXPECT_NEAR(values[1], over_time(both.slip), 1e-12);
     EXPECT_NEAR(values[2], both.mean(both.tight), 1e-9 * values[2]);
-    EXPECT_NEAR(values[3], over_outputs(both.tight), 1e-9 * values[3]);
+    EXPECT_NEAR(values[3], over_time(both.tight), 1e-9 * values[3]);
     EXPECT_GT(values[4], 0.0);
     EXPECT_TRUE(std::isnan(late.values()[1]));
 }
