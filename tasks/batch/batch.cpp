@@ -39,38 +39,44 @@ std::vector<long> cases_to_check(const Sweep& sweep, const std::vector<long>& ca
     return chosen;
 }
 
-/// Effect of a warm start from a neighbouring case on the results. Some cases, the last of their strands, run once more from the start that
-/// they would have had without it. Largest difference of each scalar between continued and own start.
-class ContinuationError {
+/// Some cases once more, otherwise: continued ones from the start that they would have had without that, steady ones for three times as
+/// long. Largest difference of each scalar.
+class RepeatedCases {
 public:
-    explicit ContinuationError(const Sweep& sweep) : sweep_(sweep), largest_(sweep.scalars.size()), size_(largest_) {}
+    /// @param stated  beside the differences, their share of the stated errors, instead of the values
+    RepeatedCases(const Sweep& sweep, bool stated) : sweep_(sweep), stated_(stated), largest_(sweep.scalars.size()), size_(largest_) {}
 
-    /// @param again the case from its own start, with the status ok
+    /// @param again the case once more, with all scalars
     void add(OrderedRows& rows, const CaseResult& again);
-    /// "2 cases, at most: slip mean 1.2e-04 (0.8 %), ratio final 3e-07 (3e-05 %)", percentages of the value from the own start; empty
-    /// without cases
+    /// "2 cases, at most: slip mean 1.2e-04 (0.8 %), ratio final 3e-07 (3e-05 %)", percentages of the value then, or of the stated error;
+    /// empty without cases
     [[nodiscard]] std::string text() const;
 
 private:
     const Sweep& sweep_;
+    bool stated_;
     int cases_ = 0;
     std::vector<double> largest_, size_;  ///< [scalars of the sweep]
 };
 
-void ContinuationError::add(OrderedRows& rows, const CaseResult& again) {
+void RepeatedCases::add(OrderedRows& rows, const CaseResult& again) {
     const engine::RowLayout& layout = rows.head().layout;
     const auto row = rows.of_case(again.number);
     if (row.empty()) return;
     ++cases_;
     for (std::size_t i = 0; i < largest_.size(); ++i) {
-        const double difference = std::abs(layout.real(row, layout.column(sweep_.scalars[i].column)) - again.scalars[i]);
-        if (difference < largest_[i] || (difference == 0.0 && cases_ > 1)) continue;
+        const std::string& column = sweep_.scalars[i].column;
+        const double value = layout.real(row, layout.column(column)), difference = std::abs(value - again.scalars[i]);
+        const double size =
+            stated_ ? layout.real(row, layout.column(std::string(error_prefix) + column)) * std::abs(value) : std::abs(again.scalars[i]);
+        const bool less = stated_ ? difference * size_[i] <= largest_[i] * size : difference < largest_[i] || difference == 0.0;
+        if (!std::isfinite(size) || (cases_ > 1 && less)) continue;
         largest_[i] = difference;
-        size_[i] = std::abs(again.scalars[i]);
+        size_[i] = size;
     }
 }
 
-std::string ContinuationError::text() const {
+std::string RepeatedCases::text() const {
     std::vector<std::string> parts;
     for (std::size_t i = 0; i < largest_.size(); ++i) {
         const std::string share = size_[i] > 0.0 ? fmt::format(" ({:.2g} %)", 100.0 * largest_[i] / size_[i]) : "";
@@ -290,7 +296,7 @@ private:
 
     /// Some continued cases from their own start, one after the other. Empty if it was stopped.
     std::string check_continuation(OrderedRows& rows) {
-        ContinuationError error(sweep_);
+        RepeatedCases error(sweep_, false);
         std::unique_ptr<CaseEngine> engine;
         for (const long number : cases_to_check(sweep_, cases_, rows)) {
             if (!engine) engine = std::make_unique<CaseEngine>(sweep_, starts_, control_, places());
@@ -301,16 +307,43 @@ private:
         return error.text();
     }
 
+    /// Some steady cases for three times as long, one after the other. Empty if it was stopped.
+    std::string check_steady(OrderedRows& rows) {
+        RepeatedCases changes(sweep_, true);
+        std::unique_ptr<CaseEngine> engine;
+        const engine::RowLayout& layout = rows.head().layout;
+        for (const long number :
+             sweep_.steady() ? draw_cases(sweep_.cases(), sweep_.confirmation.cases, sweep_.confirmation.seed) : std::vector<long>{}) {
+            const auto row = rows.of_case(number);
+            if (row.empty() || layout.text(row, layout.column("status")) != status_name(CaseStatus::ok)) continue;
+            const double settled = layout.real(row, layout.column("settled_for")) - sweep_.from;
+            if (!engine) engine = std::make_unique<CaseEngine>(sweep_, starts_, control_, places());
+            const CaseResult& again = engine->run_longer(number, sweep_.from + 6.0 * settled);
+            if (again.status == CaseStatus::stopped) return {};
+            if (again.status == CaseStatus::ok) changes.add(rows, again);
+        }
+        return changes.text();
+    }
+
     /// A finished table is written once more in the order of cases.
     BatchReport report() {
         OrderedRows rows(file_);
         engine::CaseTable head = rows.head();
-        BatchReport result{folder_,     progress_, rows.tally(), rows.size() == cases_.size(),
-                           rows.hash(), threads_,  {},           head.attribute("continuation_error")};
+        BatchReport result{folder_,
+                           progress_,
+                           rows.tally(),
+                           rows.size() == cases_.size(),
+                           rows.hash(),
+                           threads_,
+                           {},
+                           head.attribute("continuation_error"),
+                           head.attribute("steady_check")};
         if (!result.finished && failing_alike_.hopeless()) result.hopeless = failing_alike_.text();
         if (result.finished && (progress_.done > 0 || result.continuation_error.empty()))
             result.continuation_error = check_continuation(rows);
+        if (result.finished && (progress_.done > 0 || result.steady_check.empty())) result.steady_check = check_steady(rows);
         head.set({"continuation_error", result.continuation_error});
+        head.set({"steady_check", result.steady_check});
         head.set({"status", result.finished ? "finished" : "interrupted"});
         head.set({"results_hash", result.results_hash});
         engine::write_cases(permit_, head, rows.size(), [&rows](std::size_t first, std::span<std::byte> some) { rows.fill(first, some); });

@@ -66,7 +66,8 @@ struct BatchReport {
     std::string results_hash;
     int threads = 0;
     std::string hopeless;            ///< how the first cases failed, all alike, so that no other was begun; empty: they did not
-    std::string continuation_error;  ///< see ContinuationError::text(); empty: nothing was continued, or not checked yet
+    std::string continuation_error;  ///< see RepeatedCases::text(); empty: nothing was continued, or not checked yet
+    std::string steady_check;        ///< the same of cases that ran three times as long
 };
 
 /// Runs all cases of the shard that are not in its table yet.

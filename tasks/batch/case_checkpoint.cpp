@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -10,6 +11,7 @@
 #include "tasks/batch/results/sweep_files.hpp"
 #include "tasks/run/checkpoint.hpp"
 #include "tasks/run/saved_start.hpp"
+#include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {
 
@@ -25,6 +27,7 @@ void CaseEngine::save() {
     checkpoint.integration = simulation_->integration_state();
     checkpoint.history.settling = result_.settling;
     checkpoint.history.wall = elapsed();
+    checkpoint.recorder.push_back(static_cast<double>(reducers_.size()));
     for (const Reducer& reducer : reducers_) reducer.save(checkpoint.recorder);
     means_.save(checkpoint.recorder);
     if (recorder_) {
@@ -73,6 +76,7 @@ void CaseEngine::resume_from(const Checkpoint& checkpoint) {
     result_.settling = checkpoint.history.settling;
     wall_before_ = checkpoint.history.wall;
     std::span<const double> memory(checkpoint.recorder);
+    reducers_.resize(static_cast<std::size_t>(pop_integer(memory, 0, std::numeric_limits<int>::max())));
     for (Reducer& reducer : reducers_) memory = reducer.load(memory);
     memory = means_.load(memory);
     if (recorder_) recorder_->restore({memory.begin(), memory.end()});
@@ -141,6 +145,7 @@ StartStates::State CaseEngine::start() {
 /// The end as a start: shaft 1 is turned back by the angle that the governor's reference has gone.
 void CaseEngine::keep_for_neighbour() {
     if (sweep_.strand() == 1 || own_start_) return;
+    simulation_->move_offset();
     engine::SavedState saved = simulation_->saved_state();
     const model::Variator& variator = simulation_->variator();
     const model::ChainLayout& at = variator.layout();

@@ -17,10 +17,13 @@ namespace cvtflow::tasks {
 
 namespace {
 
-constexpr std::string_view statuses[] = {"ok", "unreliable", "diverged", "budget", "bad_parameters", "crashed", "undefined", "stopped"};
+constexpr std::string_view statuses[] = {"ok",      "unreliable", "diverged", "budget",    "bad_parameters",
+                                         "crashed", "undefined",  "stopped",  "not_steady"};
 constexpr double worth_a_switch = 0.2;  ///< wall time that a case must have left to get more threads [s]
 constexpr double trial_seconds = 0.05;  ///< in which more threads have to show their worth [s]
 constexpr double required_gain = 1.1;
+/// Where periods count, all samples lie equally far apart, whatever the outputs do, and scalars are of nothing else.
+constexpr Occasion each_sample{.sample = true, .output = true, .last = true};
 
 [[nodiscard]] double seconds_since(std::chrono::steady_clock::time_point then) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
@@ -32,8 +35,9 @@ std::span<const std::string_view> status_names() noexcept { return statuses; }
 std::string_view status_name(CaseStatus status) noexcept { return statuses[static_cast<int>(status)]; }
 
 CaseEngine::CaseEngine(const Sweep& sweep, StartStates& starts, BatchControl& control, CasePlaces places)
-    : sweep_(sweep), starts_(starts), control_(control), places_(std::move(places)), scene_(sweep.scene), reducers_(sweep.scalars.size()) {
+    : sweep_(sweep), starts_(starts), control_(control), places_(std::move(places)), scene_(sweep.scene) {
     result_.scalars.resize(sweep.scalars.size());
+    result_.errors.resize(sweep.scalars.size());
     std::error_code missing;
     resumable_ = std::filesystem::exists(places_.checkpoints, missing);
 }
@@ -67,7 +71,7 @@ const CaseResult& CaseEngine::run(long number) {
         result_.error = engine::error_text(error);
     }
     result_.wall = elapsed();
-    if (result_.status != CaseStatus::ok)
+    if (result_.status != CaseStatus::ok && result_.status != CaseStatus::not_steady)
         std::fill(result_.scalars.begin(), result_.scalars.end(), std::numeric_limits<double>::quiet_NaN());
     return result_;
 }
@@ -77,6 +81,13 @@ const CaseResult& CaseEngine::run_from_own_start(long number) {
     const CaseResult& result = run(number);
     if (result.status != CaseStatus::stopped) forget_checkpoint();
     own_start_ = false;
+    return result;
+}
+
+const CaseResult& CaseEngine::run_longer(long number, double until) {
+    longer_ = until;
+    const CaseResult& result = run_from_own_start(number);
+    longer_ = 0.0;
     return result;
 }
 
@@ -101,9 +112,12 @@ void CaseEngine::prepare() {
     pause_reason_ = Pause::none;
     recorder_.reset();
     record_options_.from = nullptr;
+    reducers_.resize(sweep_.scalars.size());
     for (Reducer& reducer : reducers_) reducer.clear();
     means_.clear();
+    std::fill(result_.errors.begin(), result_.errors.end(), std::numeric_limits<double>::quiet_NaN());
     output_before_ = -std::numeric_limits<double>::infinity();
+    result_.settled_for = std::numeric_limits<double>::quiet_NaN();
     result_.efficiency = result_.residual = result_.balance_error_ratio = std::numeric_limits<double>::quiet_NaN();
     result_.notes.clear();
     result_.counters = result_.settling = {};
@@ -132,39 +146,79 @@ void CaseEngine::begin(const StartStates::State& saved) {
     recorder_ = std::make_unique<RunRecorder>(scene_, *simulation_, record_options_);
 }
 
+double CaseEngine::end() const noexcept {
+    if (longer_ > 0.0) return longer_;
+    return by_periods() ? std::numeric_limits<double>::infinity() : scene_.run.until.value;
+}
+
 void CaseEngine::integrate() {
     result_.start = starts_.kind(scene_);
+    SteadyRule rule = steady_rule(scene_);
+    if (longer_ > 0.0) {
+        rule.tolerance = 0.0;
+        rule.limit = std::numeric_limits<double>::infinity();
+    }
+    means_.seek_steady(rule);
+    latest_ = longer_ > 0.0 ? longer_ : latest_end(scene_);
     const bool resumed = restore();
     const StartStates::State from = start();
     result_.start_state = from ? content_hash(*from) : 0;
     if (!resumed) begin(from);
     Fault fault;
     do fault = part();
-    while (!fault && simulation_->time() < scene_.run.until - 1e-9 * scene_.run.output_interval);
+    while (!fault && !means_.ended() && simulation_->time() < end() - 1e-9 * scene_.run.output_interval);
+    if (longer_ > 0.0) means_.conclude();
     judge(fault);
     judge_energy();
     result_.hash = simulation_->hash();
     result_.counters = simulation_->counters();
-    for (std::size_t i = 0; i < reducers_.size(); ++i) {
-        result_.scalars[i] = reducers_[i].result(sweep_.scalars[i]);
+    take_scalars();
+    if (result_.status == CaseStatus::stopped) return save();
+    finish_record(fault);
+    if (result_.status == CaseStatus::ok) keep_for_neighbour();
+}
+
+void CaseEngine::take_scalars() {
+    for (std::size_t i = 0; i < sweep_.scalars.size(); ++i) {
+        if (by_periods())
+            take_steady(i);
+        else
+            result_.scalars[i] = reducers_[i].result(sweep_.scalars[i]);
         if (result_.status != CaseStatus::ok || std::isfinite(result_.scalars[i])) continue;
         result_.status = CaseStatus::undefined;
         result_.error = fmt::format("{} is not a finite number", sweep_.scalars[i].text);
     }
-    if (result_.status == CaseStatus::stopped) return save();
-    finish_record(fault);
-    if (result_.status == CaseStatus::ok) keep_for_neighbour();
+}
+
+/// A scalar over the pin periods of the means, and its error by their batches.
+void CaseEngine::take_steady(std::size_t i) {
+    const SteadyMeans& means = means_.steady();
+    const Scalar& scalar = sweep_.scalars[i];
+    std::vector<double> values(means.batches);
+    Reducer all;
+    for (std::size_t batch = 0; batch < means.batches; ++batch) {
+        Reducer part;
+        for (std::size_t period = 0; period < means.batch; ++period)
+            part.add(scalar, reducers_[(means.begin + batch * means.batch + period) * sweep_.scalars.size() + i]);
+        values[batch] = part.result(scalar);
+        all.add(scalar, part);
+    }
+    result_.scalars[i] = all.result(scalar);
+    if (means.batches == 0) return;
+    result_.settled_for = means_.all().begin;
+    if (scalar.averages() && result_.scalars[i] != 0.0) result_.errors[i] = error_of_mean(values).sum() / std::abs(result_.scalars[i]);
 }
 
 /// Settles or runs from the present state until it is complete, pauses included.
 Fault CaseEngine::part() {
     for (;;) {
         Simulation& s = *simulation_;
-        if (recorder_) recorder_->begin_part(s.needs_settling() ? -1.0 : s.time(), scene_.run.until);
+        if (recorder_) recorder_->begin_part(s.needs_settling() ? -1.0 : s.time(), latest_);
         pause_ = false;
         const bool settling = s.needs_settling();
-        const Fault fault = s.advance({.until = scene_.run.until}, *this, never_);
+        const Fault fault = s.advance({.until = end()}, *this, never_);
         if (settling) result_.settling = s.counters();
+        if (fault.kind == FaultKind::cancelled && means_.ended()) return means_.steady_fault();
         if (fault.kind != FaultKind::cancelled || pause_reason_ == Pause::stop || pause_reason_ == Pause::none) return fault;
         if (pause_reason_ == Pause::checkpoint)
             save();
@@ -179,6 +233,7 @@ void CaseEngine::judge(const Fault& fault) {
         case FaultKind::cancelled: result_.status = CaseStatus::stopped; return;
         case FaultKind::max_steps:
         case FaultKind::max_wall: result_.status = CaseStatus::budget; break;
+        case FaultKind::not_steady: result_.status = CaseStatus::not_steady; break;
         default: result_.status = CaseStatus::diverged; break;
     }
     result_.error = fault.message();
@@ -186,11 +241,12 @@ void CaseEngine::judge(const Fault& fault) {
 
 /// Whether what came out can be believed, and what is odd about it.
 void CaseEngine::judge_energy() {
-    result_.residual = simulation_->energy().balance().relative();
-    result_.balance_error_ratio = simulation_->balance_error_ratio();
+    const EnergyBalance balance = simulation_->energy().balance(means_.mark());
+    result_.residual = balance.relative();
+    result_.balance_error_ratio = simulation_->balance_error_ratio(means_.mark());
     if (simulation_->workspace().layout().pulley_size != 0) {
         result_.efficiency = means_.all().efficiency;
-        means_.name_notes(simulation_->energy().balance(), result_.notes);
+        means_.name_notes(balance, result_.notes);
     }
     if (result_.status != CaseStatus::ok || result_.balance_error_ratio <= 1.0) return;
     result_.status = CaseStatus::unreliable;
@@ -203,8 +259,8 @@ void CaseEngine::finish_record(const Fault& fault) {
     report.fault = fault;
     report.hash = result_.hash;
     report.wall = elapsed();
-    report.energy = simulation_->energy().balance();
-    report.balance_error_ratio = simulation_->balance_error_ratio();
+    report.energy = simulation_->energy().balance(means_.mark());
+    report.balance_error_ratio = result_.balance_error_ratio;
     recorder_->finish(report);
     recorder_.reset();
 }
@@ -217,14 +273,16 @@ bool CaseEngine::sample_due(double time) const noexcept { return means_.curve().
 /// Where samples lie apart by more than outputs, as at rest, outputs are samples.
 void CaseEngine::output(double time, const Workspace& workspace, const Counters& counters) {
     if (recorder_) recorder_->output(time, workspace, counters);
-    if (counts(time)) {
-        const bool last = time >= scene_.run.until - 1e-9 * scene_.run.output_interval;
+    if (counts(time) && by_periods()) {
+        if (sample_due(time)) reduce(time, workspace, counters, each_sample);
+    } else if (counts(time)) {
+        const bool last = time >= end() - 1e-9 * scene_.run.output_interval;
         const bool sample = last || sample_due(time) || means_.curve().last().time <= output_before_;
         reduce(time, workspace, counters, {sample, true, last});
     }
     output_before_ = time;
     pause_reason_ = pause_for(time, counters);
-    pause_ = pause_reason_ != Pause::none;
+    pause_ = pause_reason_ != Pause::none || means_.ended();
 }
 
 bool CaseEngine::samples(double time) const noexcept {
@@ -233,7 +291,9 @@ bool CaseEngine::samples(double time) const noexcept {
 
 void CaseEngine::sample(double time, const Workspace& workspace, const Counters& counters) {
     if (recorder_ && recorder_->samples(time)) recorder_->sample(time, workspace, counters);
-    if (counts(time) && sample_due(time)) reduce(time, workspace, counters, {.sample = true});
+    if (!counts(time) || !sample_due(time)) return;
+    reduce(time, workspace, counters, by_periods() ? each_sample : Occasion{.sample = true});
+    pause_ = pause_ || means_.ended();
 }
 
 void CaseEngine::transition(const TransitionRecord& record) {
@@ -242,17 +302,29 @@ void CaseEngine::transition(const TransitionRecord& record) {
 
 void CaseEngine::reduce(double time, const Workspace& workspace, const Counters& counters, const Occasion& when) {
     bool chain = when.sample;
-    for (std::size_t i = 0; i < reducers_.size() && !chain; ++i) chain = reducers_[i].needs_chain(sweep_.scalars[i], time, when, counters);
+    for (std::size_t i = 0; i < sweep_.scalars.size() && !chain; ++i)
+        chain = reducers_[i].needs_chain(sweep_.scalars[i], time, when, counters);
     const Instant now{chain ? workspace.observed_by(*observer_, time) : workspace.shafts_observed_by(*observer_, time), workspace, counters,
                       scene_.run.followed_pin, *observer_};
-    if (when.sample) means_.add(now.observation, workspace.energy.sums(time), workspace.pin_period(now.observation.chain_speed));
-    for (std::size_t i = 0; i < reducers_.size(); ++i) reducers_[i].read(sweep_.scalars[i], now, when, values_);
+    if (when.sample)
+        means_.add(now.observation, workspace.energy.sums(time), workspace.pin_period(now.observation.chain_speed),
+                   workspace.energy.mark());
+    const std::span<Reducer> present = present_reducers();
+    for (std::size_t i = 0; i < present.size(); ++i) present[i].read(sweep_.scalars[i], now, when, values_);
+}
+
+/// Where periods count, each has its own. Integrals begin at the last sample of the period before: they add up.
+std::span<Reducer> CaseEngine::present_reducers() {
+    const std::size_t count = sweep_.scalars.size(), first = by_periods() ? means_.periods() * count : 0;
+    for (std::size_t next = reducers_.size(); next < first + count; ++next)
+        reducers_.push_back(reducers_[next - count].continued(sweep_.scalars[next % count]));
+    return {reducers_.data() + first, count};
 }
 
 /// At an output: whether the case should pause, and for what.
 CaseEngine::Pause CaseEngine::pause_for(double time, const Counters& counters) {
     const double begin = simulation_->needs_settling() ? -scene_.parameters.start.settling_time : 0.0;
-    const double share = (time - begin) / std::max(1e-300, scene_.run.until - begin);
+    const double share = (time - begin) / std::max(1e-300, latest_ - begin);
     const double left = share > 0.0 ? seconds_since(started_) * (1.0 - share) / share : 1e300;
     if (control_.stop().requested() && left > control_.grace_left()) return Pause::stop;
     const double window = seconds_since(window_begin_);

@@ -17,7 +17,7 @@ namespace cvtflow::tasks {
 struct Checkpoint;
 
 /// How a case ended; the column `status` has these names.
-enum class CaseStatus { ok, unreliable, diverged, budget, bad_parameters, crashed, undefined, stopped };
+enum class CaseStatus { ok, unreliable, diverged, budget, bad_parameters, crashed, undefined, stopped, not_steady };
 /// Contents of a row.
 [[nodiscard]] std::span<const std::string_view> status_names() noexcept;
 [[nodiscard]] std::string_view status_name(CaseStatus status) noexcept;
@@ -28,7 +28,9 @@ struct CaseResult {
     std::string error;
     std::string_view start;
     std::uint64_t start_state = 0;  ///< content_hash() of the state that it began with; 0: none
-    std::vector<double> scalars;    ///< NaN unless ok [scalars of the sweep]
+    std::vector<double> scalars;    ///< NaN unless ok or not steady [scalars of the sweep]
+    std::vector<double> errors;     ///< of those, relative, where cases end when they are steady; NaN: none [scalars of the sweep]
+    double settled_for = 0.0;       ///< likewise: begin of the means [s]
     Counters counters, settling;
     double wall = 0.0;                 ///< settling and resumed parts included [s]
     int threads = 1;                   ///< most that worked on it at once
@@ -90,6 +92,8 @@ public:
     [[nodiscard]] const CaseResult& run(long number);
     /// Runs a case from the start that the case has without continuation, with neither a record nor an end for its neighbour.
     [[nodiscard]] const CaseResult& run_from_own_start(long number);
+    /// Runs a case that ends when it is steady until a later time instead, with neither a record nor an end for its neighbour. until [s]
+    [[nodiscard]] const CaseResult& run_longer(long number, double until);
     /// After run(), once its row is safe.
     void forget_checkpoint();
     /// The result of a case that took its process down.
@@ -114,6 +118,11 @@ private:
     [[nodiscard]] bool counts(double time) const noexcept;                                                 ///< time [s]
     [[nodiscard]] bool sample_due(double time) const noexcept;                                             ///< time [s]
     void reduce(double time, const Workspace& workspace, const Counters& counters, const Occasion& when);  ///< time [s]
+    [[nodiscard]] std::span<Reducer> present_reducers();
+    [[nodiscard]] bool by_periods() const noexcept { return means_.rule().limit > 0.0; }
+    [[nodiscard]] double end() const noexcept;  ///< of the run, infinite where it ends when it is steady [s]
+    void take_scalars();
+    void take_steady(std::size_t scalar);
     void save();
     void change_threads();
     [[nodiscard]] Pause pause_for(double time, const Counters& counters);  ///< time [s]
@@ -130,13 +139,15 @@ private:
     CasePlaces places_;
     Scene scene_;
     CaseResult result_;
-    std::vector<Reducer> reducers_;
-    RunMeans means_;              ///< since sweep.from, of the samples of scalars
-    double output_before_ = 0.0;  ///< time of the last output [s]
-    std::vector<double> values_;  ///< of one channel [width of the channel]
+    std::vector<Reducer> reducers_;  ///< [scalars], or of every pin period [periods x scalars]
+    RunMeans means_;                 ///< since sweep.from, of the samples of scalars
+    double output_before_ = 0.0;     ///< time of the last output [s]
+    std::vector<double> values_;     ///< of one channel [width of the channel]
     std::unique_ptr<Simulation> serial_, parallel_;
     std::unique_ptr<model::Observer> serial_observer_, parallel_observer_;
     bool own_start_ = false;
+    double longer_ = 0.0;               ///< end of the run in place of the scene's; 0: none [s]
+    double latest_ = 0.0;               ///< latest_end() of the case [s]
     bool resumable_ = false;            ///< there were checkpoints when the sweep began
     bool on_disk_ = false;              ///< the case has one
     Simulation* simulation_ = nullptr;  ///< the one at work

@@ -31,7 +31,7 @@ double step_cost(const Scene& scene) {
     return static_cast<double>(std::max(1, method ? method->evaluations_per_step() : 0)) * model::layout_of(scene.parameters).size();
 }
 
-double CaseCosts::of_run(const Scene& scene) const { return cost_of_time(scene, scene.run.until); }
+double CaseCosts::of_run(const Scene& scene) const { return cost_of_time(scene, latest_end(scene)); }
 
 double CaseCosts::of_settling(const Scene& scene) const { return cost_of_time(scene, scene.parameters.start.settling_time); }
 
@@ -108,7 +108,7 @@ void judge_step(const Scene& scene, BatchEstimate& result) {
 
 double step_wall(const Scene& scene, double seconds, std::string& untried, Fault* fault) {
     try {
-        const double time = scene.run.until + (fitting_start(scene) == nullptr ? scene.parameters.start.settling_time : 0.0);
+        const double time = latest_end(scene) + (fitting_start(scene) == nullptr ? scene.parameters.start.settling_time : 0.0);
         const long most =
             std::max(2L, std::lround(time / scene.run.step.value_or(longest_automatic_step(method_of(scene), scene.parameters))));
         TrialPace pace;

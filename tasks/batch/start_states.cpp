@@ -14,8 +14,8 @@ namespace cvtflow::tasks {
 namespace {
 
 constexpr std::size_t max_kept = 32;
-constexpr std::string_view run_only[] = {"run.until", "run.state_interval", "run.followed_pin",
-                                         "run.seed",  "run.max_steps",      "run.max_wall"};
+constexpr std::string_view run_only[] = {"run.until",        "run.steady", "run.steady_limit", "run.state_interval",
+                                         "run.followed_pin", "run.seed",   "run.max_steps",    "run.max_wall"};
 
 /// Sections that describe the machine; the others describe how it is operated.
 constexpr std::string_view machine[] = {"detail", "chain", "half", "plate", "joint", "tip", "pulley", "record"};

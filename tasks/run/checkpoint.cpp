@@ -21,9 +21,9 @@ namespace cvtflow::tasks {
 
 namespace {
 
-constexpr std::string_view changeable[] = {"scene.name",    "scene.description", "start.state",  "run.until",
-                                           "run.max_steps", "run.max_wall",      "run.schedule", "run.assembly",
-                                           "run.partition", "run.segments",      "run.threads"};
+constexpr std::string_view changeable[] = {"scene.name",       "scene.description", "start.state",  "run.until",    "run.steady",
+                                           "run.steady_limit", "run.max_steps",     "run.max_wall", "run.schedule", "run.assembly",
+                                           "run.partition",    "run.segments",      "run.threads"};
 
 std::string program_text() {
     const engine::Provenance here = engine::current_provenance();

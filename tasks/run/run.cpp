@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include "engine/base/hash.hpp"
 #include "engine/record/run/state_file.hpp"
@@ -33,20 +34,25 @@ public:
 
     void output(double time, const Workspace& workspace, const Counters& counters) override {
         recorder_.output(time, workspace, counters);
-        due_ = options_.checkpoint_every > 0.0 && since(last_) >= options_.checkpoint_every;
+        due_ = recorder_.means().ended() || (options_.checkpoint_every > 0.0 && since(last_) >= options_.checkpoint_every);
     }
     [[nodiscard]] bool samples(double time) const noexcept override { return recorder_.samples(time); }
-    void sample(double time, const Workspace& workspace, const Counters& counters) override { recorder_.sample(time, workspace, counters); }
+    void sample(double time, const Workspace& workspace, const Counters& counters) override {
+        recorder_.sample(time, workspace, counters);
+        due_ = recorder_.means().ended();
+    }
     void transition(const TransitionRecord& record) override { recorder_.transition(record); }
 
     /// Runs the present part of the run from the present state until it is complete. @param until end of a part that is not settling
     [[nodiscard]] Fault go(double until, const engine::Cancellation& cancel, RunReport& report) {
         Simulation& s = simulation_;
         recorder_.begin_part(s.needs_settling() ? -scene_.parameters.start.settling_time : report.begin, s.needs_settling() ? 0.0 : until);
-        Fault fault = s.advance({.until = until}, *this, cancel);
+        const Goal goal{.until = scene_.run.until.automatic() ? std::numeric_limits<double>::infinity() : until};
+        Fault fault = s.advance(goal, *this, cancel);
         while (fault.kind == FaultKind::cancelled && due_) {
+            if (recorder_.means().ended()) return recorder_.means().steady_fault();
             save(report);
-            fault = s.advance({.until = until}, *this, cancel);
+            fault = s.advance(goal, *this, cancel);
         }
         const bool may_go_on =
             fault.kind == FaultKind::cancelled || fault.kind == FaultKind::max_steps || fault.kind == FaultKind::max_wall;
@@ -98,7 +104,7 @@ void warn_if_unstable(const Scene& scene, const RunOptions& options, const Simul
 
 /// A run that ended before its checkpoint would count as finished, and could not be resumed. @throws SimulationError
 void require_rest(const std::string& file, const Checkpoint& from, const Scene& scene) {
-    if (scene.run.until >= from.integration.time * (1.0 - 1e-12)) return;
+    if (scene.run.until.automatic() || scene.run.until >= from.integration.time * (1.0 - 1e-12)) return;
     throw SimulationError(fmt::format("{}: run.until = {} s is before the checkpoint, which is at t = {} s; it can only be continued", file,
                                       scene.run.until, from.integration.time));
 }
@@ -117,7 +123,7 @@ void run_parts(const Scene& scene, const RunOptions& options, Simulation& simula
     const auto started = std::chrono::steady_clock::now();
     if (!simulation.integration_state().started) report.begin = simulation.time();
     warn_if_unstable(scene, options, simulation, report);
-    report.fault = Keeper(scene, options, simulation, recorder).go(scene.run.until, cancel, report);
+    report.fault = Keeper(scene, options, simulation, recorder).go(latest_end(scene), cancel, report);
     report.counters = simulation.counters();
     report.local_errors = simulation.local_errors();
     report.wall += since(started);
@@ -150,10 +156,10 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
     report.end = simulation.time();
     report.step = simulation.step();
     if (simulation.step_choice() != nullptr) report.stable_step = simulation.step_choice()->stable_step();
-    report.energy = simulation.energy().balance();
+    report.energy = simulation.energy().balance(recorder.means().mark());
     report.couplings = couplings_of(simulation);
     report.heat = simulation.workspace().heat;
-    report.balance_error_ratio = simulation.balance_error_ratio();
+    report.balance_error_ratio = simulation.balance_error_ratio(recorder.means().mark());
     report.settling_residual = simulation.integration_state().settling_residual;
     report.method_report = simulation.method_report();
     report.schedule = simulation.runner().text();

@@ -2,194 +2,15 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
 #include <limits>
-#include <type_traits>
 #include <utility>
 
+#include "tasks/scene/scene.hpp"
 #include "tasks/step/step_method.hpp"
 #include "tasks/step/workspace.hpp"
 
 namespace cvtflow::tasks {
-
-namespace {
-
-constexpr std::size_t point_numbers = sizeof(MeanPoint) / sizeof(double);
-using PointNumbers = std::array<double, point_numbers>;
-static_assert(std::is_trivially_copyable_v<MeanPoint> && sizeof(MeanPoint) == sizeof(PointNumbers));
-
-[[nodiscard]] std::array<double, mean_count> values_of(const model::Observation& now) noexcept {
-    std::array<double, mean_count> values{};
-    const auto put = [&](Mean quantity, double value, std::size_t k = 0) { values[static_cast<std::size_t>(quantity) + k] = value; };
-    put(Mean::ratio, now.ratio);
-    put(Mean::slip, now.slip);
-    put(Mean::friction_slip, now.friction_slip);
-    put(Mean::tight, now.tight);
-    put(Mean::slack, now.slack);
-    put(Mean::limited, now.control_limited ? 1.0 : 0.0);
-    put(Mean::loose, now.slack <= 0.0 ? 1.0 : 0.0);
-    put(Mean::beyond, now.limit_use > 1.0 ? 1.0 : 0.0);
-    put(Mean::turning, 0.5 * (std::abs(now.speed[0]) + std::abs(now.speed[1])));
-    put(Mean::creep, now.creep.power);
-    put(Mean::brought, std::max(0.0, now.work[0]) + std::max(0.0, now.work[1]));
-    for (std::size_t k = 0; k < 2; ++k) {
-        put(Mean::speed, now.speed[k], k);
-        put(Mean::torque, now.torque[k], k);
-        put(Mean::chain_torque, now.chain_torque[k], k);
-        put(Mean::clamping, now.clamping[k], k);
-        put(Mean::radius, now.radius[k], k);
-    }
-    for (std::size_t k = 0; k < 4; ++k) put(Mean::axial_force, now.axial_force[k], k);
-    return values;
-}
-
-}  // namespace
-
-void MeanCurve::clear() noexcept {
-    points_.clear();
-    now_ = {};
-    values_ = {};
-    per_point_ = 1.0;
-    since_point_ = pin_period_ = 0.0;
-}
-
-void MeanCurve::add(const model::Observation& now, const EnergySums& sums, double pin_period) {
-    const std::array<double, mean_count> values = values_of(now);
-    const double half = points_.empty() ? 0.0 : 0.5 * (now.time - now_.time);
-    for (std::size_t k = 0; k < mean_count; ++k) now_.integral[k] += half * (values_[k] + values[k]);
-    now_.time = now.time;
-    now_.energy = sums;
-    now_.hydraulics = now.hydraulic_energy;
-    values_ = values;
-    pin_period_ = pin_period;
-    since_point_ += 1.0;
-    if (!points_.empty() && since_point_ < per_point_) return;
-    if (points_.size() == max_points) {  // every other one remains, the first one included
-        for (std::size_t k = 1; 2 * k < points_.size(); ++k) points_[k] = points_[2 * k];
-        points_.resize(max_points / 2);
-        per_point_ *= 2.0;
-    }
-    points_.push_back(now_);
-    since_point_ = 0.0;
-}
-
-MeanPoint MeanCurve::at(double time) const noexcept {
-    if (time >= now_.time) return now_;
-    const auto after = std::find_if(points_.begin(), points_.end(), [&](const MeanPoint& point) { return point.time >= time; });
-    if (after == points_.begin()) return points_.front();
-    const MeanPoint& before = *(after - 1);
-    const auto from = std::bit_cast<PointNumbers>(before), to = std::bit_cast<PointNumbers>(after == points_.end() ? now_ : *after);
-    const double share = (time - from[0]) / (to[0] - from[0]);
-    PointNumbers between{};
-    for (std::size_t k = 0; k < point_numbers; ++k) between[k] = from[k] + share * (to[k] - from[k]);
-    return std::bit_cast<MeanPoint>(between);
-}
-
-MeanPoint MeanCurve::instant(const MeanPoint& from) const noexcept {
-    MeanPoint point = from;
-    point.time += 1.0;
-    for (std::size_t k = 0; k < mean_count; ++k) point.integral[k] += values_[k];
-    return point;
-}
-
-void MeanCurve::save(std::vector<double>& memory) const {
-    memory.insert(memory.end(), {static_cast<double>(points_.size()), per_point_, since_point_, pin_period_});
-    memory.insert(memory.end(), values_.begin(), values_.end());
-    const std::size_t begin = memory.size();
-    memory.resize(begin + (points_.size() + 1) * point_numbers);
-    std::memcpy(memory.data() + begin, &now_, sizeof(MeanPoint));
-    if (!points_.empty()) std::memcpy(memory.data() + begin + point_numbers, points_.data(), points_.size() * sizeof(MeanPoint));
-}
-
-std::span<const double> MeanCurve::load(std::span<const double> memory) {
-    const auto points = static_cast<std::size_t>(pop_integer(memory, 0, static_cast<int>(max_points)));
-    const auto own = pop_front(memory, 3);
-    per_point_ = own[0];
-    since_point_ = own[1];
-    pin_period_ = own[2];
-    const auto values = pop_front(memory, mean_count);
-    std::copy(values.begin(), values.end(), values_.begin());
-    std::memcpy(static_cast<void*>(&now_), pop_front(memory, point_numbers).data(), sizeof(MeanPoint));
-    points_.resize(points);
-    if (points > 0)
-        std::memcpy(static_cast<void*>(points_.data()), pop_front(memory, points * point_numbers).data(), points * sizeof(MeanPoint));
-    return memory;
-}
-
-namespace {
-
-constexpr std::size_t max_blocks = 8, min_blocks = 4;
-/// Quantiles of Student's distribution, two-sided 95 %, by number n of blocks: n - 2 degrees of freedom.
-constexpr double student[max_blocks + 1] = {0, 0, 0, 0, 4.30, 3.18, 2.78, 2.57, 2.45};
-constexpr double min_trend_slip = 5e-4;     ///< slips below are compared with this [1]
-constexpr double min_share_of_tight = 0.1;  ///< likewise a slack strand, with a share of the tight one
-
-struct Block {
-    double mean[7];  ///< of the quantities below
-};
-constexpr std::string_view quantities[] = {"ratio", "thrust ratio", "tight tension", "slack tension", "slip", "slip by friction", "losses"};
-
-[[nodiscard]] Block block_of(const MeanPoint& begin, const MeanPoint& end) noexcept {
-    const auto mean = [&](Mean quantity, std::size_t k = 0) { return end.mean_since(begin, quantity, k); };
-    const double driven = mean(Mean::clamping, 1);
-    return {{mean(Mean::ratio), driven != 0.0 ? mean(Mean::clamping) / driven : 0.0, mean(Mean::tight), mean(Mean::slack), mean(Mean::slip),
-             mean(Mean::friction_slip), (end.energy.lost() - begin.energy.lost()) / (end.time - begin.time)}};
-}
-
-/// Scale of a quantity, from its mean over the window and that of the tight strand.
-[[nodiscard]] double scale_of(std::size_t quantity, double mean, double tight) noexcept {
-    if (quantity == 3) return std::max(std::abs(mean), min_share_of_tight * std::abs(tight));
-    return quantity == 4 || quantity == 5 ? std::max(std::abs(mean), min_trend_slip) : std::abs(mean);
-}
-
-/// Least squares. blocks [count]; window: length in blocks [1]
-[[nodiscard]] MeanTrend trend_of(const Block* blocks, std::size_t count, double window, std::size_t quantity) noexcept {
-    const double n = static_cast<double>(count), middle = 0.5 * (n - 1.0);
-    double mean = 0.0, tight = 0.0, slope = 0.0, spread = 0.0, scatter = 0.0;
-    for (std::size_t k = 0; k < count; ++k) {
-        mean += blocks[k].mean[quantity] / n;
-        tight += blocks[k].mean[2] / n;
-    }
-    for (std::size_t k = 0; k < count; ++k) {
-        const double x = static_cast<double>(k) - middle;
-        slope += x * (blocks[k].mean[quantity] - mean);
-        spread += x * x;
-    }
-    slope /= spread;
-    for (std::size_t k = 0; k < count; ++k) {
-        const double rest = blocks[k].mean[quantity] - mean - slope * (static_cast<double>(k) - middle);
-        scatter += rest * rest;
-    }
-    const double scale = scale_of(quantity, mean, tight), error = student[count] * std::sqrt(scatter / (n - 2.0) / spread);
-    if (!(scale > 0.0)) return {quantities[quantity]};
-    return {quantities[quantity], window * slope / scale, window * error / scale};
-}
-
-}  // namespace
-
-double MeanTrend::least() const noexcept { return std::max(0.0, std::abs(change) - uncertainty); }
-
-MeanTrend largest_trend(const MeanCurve& curve, double from, double to) noexcept {
-    const double period = curve.pin_period(), periods = period > 0.0 ? std::floor((to - from) / period * (1.0 + 1e-9)) : 0.0;
-    if (periods < static_cast<double>(min_blocks)) return {};
-    const auto count = static_cast<std::size_t>(std::min(periods, static_cast<double>(max_blocks)));
-    const double length = std::floor(periods / static_cast<double>(count)) * period;
-    Block blocks[max_blocks];
-    MeanPoint begin = curve.at(to - static_cast<double>(count) * length);
-    for (std::size_t k = 0; k < count; ++k) {
-        const MeanPoint end = curve.at(to - static_cast<double>(count - 1 - k) * length);
-        blocks[k] = block_of(begin, end);
-        begin = end;
-    }
-    MeanTrend largest;
-    for (std::size_t quantity = 0; quantity < std::size(quantities); ++quantity) {
-        const MeanTrend trend = trend_of(blocks, count, (to - from) / length, quantity);
-        if (trend.least() > largest.least()) largest = trend;
-    }
-    return largest;
-}
 
 namespace {
 
@@ -292,9 +113,9 @@ std::span<const NoteKind> note_kinds() noexcept { return kinds; }
 SpanMeans RunMeans::span(double from, double to) const {
     SpanMeans means;
     if (curve_.empty()) return means;
-    const double first = curve_.first().time, lasted = curve_.last().time - first, period = curve_.pin_period();
+    const double first = begin(), last = end(), lasted = last - first, period = curve_.pin_period();
     means.begin = first + from * lasted;
-    means.end = to == 1.0 ? curve_.last().time : first + to * lasted;
+    means.end = to == 1.0 ? last : first + to * lasted;
     means.periods = period > 0.0 ? std::floor((means.end - means.begin) / period) : 0.0;
     if (means.periods == 0.0 && period > 0.0 && means.end - first >= period) means.periods = 1.0;  // a fifth shorter than a period
     if (means.periods > 0.0) means.begin = std::max(first, means.end - means.periods * period);
@@ -304,7 +125,65 @@ SpanMeans RunMeans::span(double from, double to) const {
     return means;
 }
 
-MeanTrend RunMeans::trend() const { return curve_.empty() ? MeanTrend{} : largest_trend(curve_, curve_.first().time, curve_.last().time); }
+MeanTrend RunMeans::trend() const { return curve_.empty() ? MeanTrend{} : largest_trend(curve_, begin(), end()); }
+
+double RunMeans::begin() const noexcept { return steady_.batches == 0 ? curve_.first().time : curve_.points()[steady_.begin].time; }
+
+double RunMeans::end() const noexcept {
+    const std::size_t past = steady_.begin + steady_.batches * steady_.batch;
+    return steady_.batches == 0 ? curve_.last().time : curve_.points()[past].time;
+}
+
+SteadyRule steady_rule(const Scene& scene) noexcept {
+    if (!scene.run.until.automatic()) return {};
+    const model::Parameters& p = scene.parameters;
+    const int pitches = static_cast<int>(p.chain.pitch.size()), pins = p.chain.pins;
+    const bool turns_matter = p.imperfection.runout != 0.0 || p.imperfection.attachment != 1.0 || pins % pitches != 0;
+    return {scene.run.steady, scene.run.steady_limit * pins, static_cast<double>(pins), static_cast<double>(turns_matter ? pins : pitches)};
+}
+
+void RunMeans::clear() noexcept {
+    curve_.clear();
+    steady_ = {};
+    next_check_ = 0.0;
+    ended_ = false;
+}
+
+void RunMeans::seek_steady(const SteadyRule& rule) noexcept {
+    rule_ = rule;
+    if (rule.limit > 0.0) curve_.mark_periods();
+}
+
+void RunMeans::add(const model::Observation& now, const EnergySums& sums, double pin_period, const EnergyMark& mark) {
+    curve_.add(now, sums, pin_period, mark);
+    if (rule_.limit > 0.0 && !ended_) check_steady();
+}
+
+/// Checks are few, since each may find by chance what is not so.
+void RunMeans::check_steady() noexcept {
+    constexpr double later = 1.0 / 16.0, min_periods = 4.0;
+    const double periods = static_cast<double>(curve_.points().size() - 1);
+    ended_ = !(curve_.pin_period() > 0.0) || periods >= rule_.limit;
+    if (!ended_ && periods < next_check_) return;
+    next_check_ = periods + std::max(min_periods, later * periods);
+    steady_ = steady_means(curve_, rule_);
+    ended_ = ended_ || steady_.steady();
+}
+
+Fault RunMeans::steady_fault() const noexcept {
+    if (!ended_ || steady_.steady()) return {};
+    return {FaultKind::not_steady, curve_.last().time, {}, steady_.share, rule_.limit / std::max(1.0, rule_.pins)};
+}
+
+void RunMeans::save(std::vector<double>& memory) const {
+    memory.push_back(next_check_);
+    curve_.save(memory);
+}
+
+std::span<const double> RunMeans::load(std::span<const double> memory) {
+    next_check_ = pop_front(memory, 1)[0];
+    return curve_.load(memory);
+}
 
 RunMeans::Change RunMeans::change() const {
     const SpanMeans whole = all(), first = first_fifth(), last = last_fifth();

@@ -9,98 +9,10 @@
 #include <string_view>
 #include <vector>
 
-#include "model/observe/observation.hpp"
-#include "tasks/step/control/energy_ledger.hpp"
+#include "tasks/run/mean_curve.hpp"
 #include "tasks/step/fault.hpp"
 
 namespace cvtflow::tasks {
-
-/// Quantities of an instant whose means over time a summary states.
-enum class Mean {
-    ratio,
-    slip,
-    friction_slip,
-    tight,
-    slack,
-    limited,  ///< 1 while a controller has reached its authority
-    loose,    ///< 1 while the slack strand carries no tension
-    beyond,   ///< 1 while clamping is above its limit over the slip speed
-    turning,  ///< speed of the shafts without its sign, mean of both [rad/s]
-    creep,    ///< power lost by creep [W]
-    brought,  ///< power of the shafts that bring any [W]
-    speed,    ///< from here on of both shafts
-    torque = speed + 2,
-    chain_torque = torque + 2,
-    clamping = chain_torque + 2,
-    radius = clamping + 2,
-    axial_force = radius + 2,  ///< of four sheaves
-};
-inline constexpr std::size_t mean_count = static_cast<std::size_t>(Mean::axial_force) + 4;
-
-/// Integrals since the first sample, and energies. Numbers only.
-struct MeanPoint {
-    double time = 0.0;                          ///< [s]
-    std::array<double, mean_count> integral{};  ///< [unit of the quantity s]
-    EnergySums energy;
-    model::HydraulicEnergy hydraulics;
-
-    /// Mean of a quantity, or of the k-th of several, since an earlier point.
-    [[nodiscard]] double mean_since(const MeanPoint& before, Mean quantity, std::size_t k = 0) const noexcept {
-        const std::size_t at = static_cast<std::size_t>(quantity) + k;
-        return (integral[at] - before.integral[at]) / (time - before.time);
-    }
-};
-
-/// By the trapezoidal rule over samples, which may lie at any distance from each other.
-class MeanCurve {
-public:
-    /// Samples per pin period from which means are known to a thousandth, wherever the samples lie (a record may have fewer outputs).
-    static constexpr double samples_per_period = 10.0;
-
-    void clear() noexcept;
-    /// @param sums of the energies so far   @param pin_period see Workspace [s]
-    void add(const model::Observation& now, const EnergySums& sums, double pin_period);
-    /// Whether the last sample lies so far back that another one is needed. time [s]
-    [[nodiscard]] bool due(double time, double per_period = samples_per_period) const noexcept {
-        return pin_period_ > 0.0 && time - now_.time >= pin_period_ / per_period;
-    }
-
-    [[nodiscard]] bool empty() const noexcept { return points_.empty(); }
-    [[nodiscard]] const MeanPoint& first() const noexcept { return points_.front(); }
-    [[nodiscard]] const MeanPoint& last() const noexcept { return now_; }
-    /// Linear between the points that are kept. time [s], from first() to last()
-    [[nodiscard]] MeanPoint at(double time) const noexcept;
-    /// A point as long after `from` as makes its means those of the last sample: for spans without length.
-    [[nodiscard]] MeanPoint instant(const MeanPoint& from) const noexcept;
-    [[nodiscard]] double pin_period() const noexcept { return pin_period_; }  ///< at the last sample [s]
-
-    /// For checkpoints: continues bitwise. load() returns the rest of the memory. @throws std::invalid_argument for a malformed memory
-    void save(std::vector<double>& memory) const;
-    [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< @param memory from save()
-
-private:
-    static constexpr std::size_t max_points = 2000;
-
-    std::vector<MeanPoint> points_;               ///< the first sample, and every per_point_-th one
-    MeanPoint now_;                               ///< at the last sample
-    std::array<double, mean_count> values_{};     ///< of the last sample
-    double per_point_ = 1.0, since_point_ = 0.0;  ///< samples [1]
-    double pin_period_ = 0.0;                     ///< [s]
-};
-
-/// A quantity that moves. Shares of its mean.
-struct MeanTrend {
-    std::string_view quantity;
-    double change = 0.0;       ///< of the line from the begin to the end of the window [1]
-    double uncertainty = 0.0;  ///< of that, 95 % [1]
-
-    /// Smallest change that is certain [1].
-    [[nodiscard]] double least() const noexcept;
-};
-
-/// The one that has changed most of ratio, thrust ratio, tensions, slips and losses; none: fewer than four pin periods.
-/// @param from, to of `curve` [s]
-[[nodiscard]] MeanTrend largest_trend(const MeanCurve& curve, double from, double to) noexcept;
 
 /// Means over a span of time: over its last whole pin periods, where it has one; zero where nothing was seen.
 struct SpanMeans {
@@ -136,11 +48,32 @@ struct Note {
     std::string text;       ///< for people
 };
 
+struct Scene;
+
+/// Rule of run.until = "steady"; none for other scenes.
+[[nodiscard]] SteadyRule steady_rule(const Scene& scene) noexcept;
+
 class RunMeans {
 public:
-    void clear() noexcept { curve_.clear(); }
-    /// A sample. @param sums of the energies so far   @param pin_period see Workspace [s]
-    void add(const model::Observation& now, const EnergySums& sums, double pin_period) { curve_.add(now, sums, pin_period); }
+    void clear() noexcept;
+    /// Before the first sample: means are over the last half of the time, and checked by the rule, if it is one.
+    void seek_steady(const SteadyRule& rule) noexcept;
+    /// A sample. @param sums of the energies so far   @param pin_period see Workspace [s]   @param mark of the energies' ledger
+    void add(const model::Observation& now, const EnergySums& sums, double pin_period, const EnergyMark& mark = {});
+    /// Whether the run should end: its means are steady, will not become so within the rule's limit, or have no pin periods.
+    [[nodiscard]] bool ended() const noexcept { return ended_; }
+    /// Checks at the end of a run that another rule ended.
+    void conclude() noexcept { steady_ = steady_means(curve_, rule_); }
+    [[nodiscard]] bool begun() const noexcept { return !curve_.empty(); }
+    /// With a rule: pin periods that are complete.
+    [[nodiscard]] std::size_t periods() const noexcept { return curve_.points().size() - 1; }
+    /// Result of the last check; no batches: none yet.
+    [[nodiscard]] const SteadyMeans& steady() const noexcept { return steady_; }
+    [[nodiscard]] const SteadyRule& rule() const noexcept { return rule_; }
+    /// Why a run that ended is not steady; none if it is.
+    [[nodiscard]] Fault steady_fault() const noexcept;
+    /// Energies' ledger at the begin of the means. Without a rule where the run began.
+    [[nodiscard]] EnergyMark mark() const noexcept { return curve_.empty() ? EnergyMark{} : curve_.at(begin()).mark; }
     /// Whether samples are too far apart without another one now, after a step: outputs may lie farther apart than pins pass. time [s]
     [[nodiscard]] bool due(double time) const noexcept { return curve_.due(time); }
     [[nodiscard]] const MeanCurve& curve() const noexcept { return curve_; }
@@ -154,10 +87,13 @@ public:
     void name_notes(const EnergyBalance& balance, std::string& names) const;
 
     /// For checkpoints: continues bitwise. load() returns the rest of the memory. @throws std::invalid_argument for a malformed memory
-    void save(std::vector<double>& memory) const { curve_.save(memory); }
-    [[nodiscard]] std::span<const double> load(std::span<const double> memory) { return curve_.load(memory); }  ///< memory [save()]
+    void save(std::vector<double>& memory) const;
+    [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< memory [save()]
 
 private:
+    void check_steady() noexcept;
+    [[nodiscard]] double begin() const noexcept;  ///< of the means [s]
+    [[nodiscard]] double end() const noexcept;    ///< [s]
     /// Which of note_kinds() there are.
     [[nodiscard]] std::array<bool, 9> odd(const EnergyBalance& balance) const;
     /// Why means are over a changing state.
@@ -165,9 +101,13 @@ private:
     [[nodiscard]] Change change() const;
     [[nodiscard]] std::string text_of(Change change) const;
     [[nodiscard]] MeanTrend trend() const;
-    [[nodiscard]] SpanMeans span(double from, double to) const;  ///< from, to: shares of the time seen [1]
+    [[nodiscard]] SpanMeans span(double from, double to) const;  ///< from, to: shares of the time of the means [1]
 
     MeanCurve curve_;
+    SteadyRule rule_;
+    SteadyMeans steady_;
+    double next_check_ = 0.0;  ///< [pin periods]
+    bool ended_ = false;
 };
 
 /// Names of all notes with their meanings, for `--help`, documents and tests.

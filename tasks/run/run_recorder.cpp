@@ -84,7 +84,7 @@ engine::RunContents contents_of(const Scene& scene, const model::ChainModel& cha
 }  // namespace
 
 double record_bytes(const Scene& scene, const model::ChainModel& chain) {
-    const auto instants = [&](double interval) { return std::floor(scene.run.until / interval * (1.0 + 1e-12)) + 1.0; };
+    const auto instants = [&](double interval) { return std::floor(latest_end(scene) / interval * (1.0 + 1e-12)) + 1.0; };
     double width = 1.0;  // its time
     for (const Channel* channel : chosen_channels(scene.run.channels, chain.layout())) width += channel->width(chain);
     const double state = sizeof(double) * (1.0 + chain.layout().size()) + model::tips_per_link * chain.layout().links;
@@ -101,6 +101,7 @@ RunRecorder::RunRecorder(const Scene& scene, const Simulation& simulation, const
     std::size_t width = 0;
     for (const Channel* channel : channels_) width += static_cast<std::size_t>(channel->width(simulation.variator().chain()));
     row_.resize(width);
+    means_.seek_steady(steady_rule(scene));
     if (!options.file.empty()) {
         run_ = options.from != nullptr && !options.from->run.empty() ? options.from->run : new_identity();
         contents_ = contents_of(scene, simulation.variator().chain(), channels_, run_);
@@ -123,7 +124,7 @@ void RunRecorder::output(double time, const Workspace& workspace, const Counters
     if (begin_ < 0.0) return;  // settling is not recorded
     const model::Observation& now = workspace.observed_by(observer_, time);
     ++outputs_;
-    means_.add(now, workspace.energy.sums(time), workspace.pin_period(now.chain_speed));
+    means_.add(now, workspace.energy.sums(time), workspace.pin_period(now.chain_speed), workspace.energy.mark());
     if (file_) write(time, workspace, {now, workspace, counters, followed_pin_, observer_});
 }
 
@@ -153,7 +154,7 @@ void RunRecorder::transition(const TransitionRecord& record) {
 
 void RunRecorder::sample(double time, const Workspace& workspace, const Counters& /*counters*/) {
     const model::Observation& now = workspace.observed_by(observer_, time);
-    means_.add(now, workspace.energy.sums(time), workspace.pin_period(now.chain_speed));
+    means_.add(now, workspace.energy.sums(time), workspace.pin_period(now.chain_speed), workspace.energy.mark());
 }
 
 std::vector<double> RunRecorder::position() {
@@ -202,6 +203,8 @@ void RunRecorder::finish(RunReport& report) {
     report.whole = means_.all();
     report.first_fifth = means_.first_fifth();
     report.last_fifth = means_.last_fifth();
+    report.steady = means_.steady();
+    report.revolutions = static_cast<double>(report.steady.begin) / std::max(1.0, means_.rule().pins);
     report.notes = means_.notes(report.energy, report.has_pulleys);
     if (!file_) return;
     file_->set_attribute({std::string(step_taken_attribute), report.step});

@@ -23,6 +23,8 @@ public:
     [[nodiscard]] bool samples(double time) const noexcept override { return begin_ >= 0.0 && means_.due(time); }
     void sample(double time, const Workspace& workspace, const Counters& counters) override;
     void transition(const TransitionRecord& record) override;
+    /// Means so far: whether the run should end because they are steady.
+    [[nodiscard]] const RunMeans& means() const noexcept { return means_; }
     /// Identity of the run: drawn when it began, kept by its checkpoints; empty without a record.
     [[nodiscard]] const std::string& run() const noexcept { return run_; }
     /// Position of the record and the means, for a checkpoint; all of it is on disk then.

@@ -39,6 +39,22 @@ std::unique_ptr<Integrator> integrator_of(const Scene& scene, const std::vector<
     return integrator;
 }
 
+/// Takes the gains of control.gains = "found". The ratio follows d ln i/dt = C ω_1 (S_1 - S_1*)/S_2, so that the proportional part alone
+/// lets it settle as exp(-rate t); the integral part is slow beside it. A faster one passes the ripple of pins on to the clamping force.
+void find_gains(Scene& scene) {
+    constexpr double rate = 60.0, mobility = 0.0051, slow = 0.5;  // [1/s]; C, 0.0018 to 0.012 at operating points; [s]
+    if (scene.gains == ControlGains::given) return;
+    model::Parameters& p = scene.parameters;
+    const double speed = p.drive.mode != model::DriveMode::torque ? p.drive.speed.largest_magnitude() : p.control.reference_speed;
+    p.control.proportional = rate * p.clamping.driven.at(0.0) / (mobility * speed);
+    p.control.integral = p.control.proportional / slow;
+}
+
+[[nodiscard]] Scene with_gains(Scene scene) {
+    find_gains(scene);
+    return scene;
+}
+
 }  // namespace
 
 Simulation::Simulation(const Scene& scene) : Simulation(scene, schedules_for(scene), ChooserOptions{}) {}
@@ -48,7 +64,7 @@ Simulation::Simulation(const Scene& scene, const Schedule& schedule, engine::Sta
 
 Simulation::Simulation(const Scene& scene, const std::vector<Schedule>& candidates, const ChooserOptions& options,
                        engine::StampRecorder* recorder)
-    : scene_(scene), integrator_(integrator_of(scene, candidates, options, recorder)), workspace_(&integrator_->workspace()) {
+    : scene_(with_gains(scene)), integrator_(integrator_of(scene_, candidates, options, recorder)), workspace_(&integrator_->workspace()) {
     const auto saved = scene_.state_file.empty() ? nullptr : saved_start(scene_);
     if (saved != nullptr) start_differences_ = tasks::start_differences(*saved, scene_);
     begin_with(saved.get(), nullptr);
@@ -87,7 +103,8 @@ void Simulation::reset(const Scene& scene, const engine::SavedState* saved, cons
     }
     forget_controller();
     scene_ = scene;
-    integrator_->adopt(scene.parameters);
+    find_gains(scene_);
+    integrator_->adopt(scene_.parameters);
     counters_ = {};
     rest_.settling_balance_error_ratio = rest_.settling_residual = 0.0;
     start_differences_.clear();
@@ -264,9 +281,19 @@ Fault Simulation::advance(const Goal& goal, RunObserver& observer, const engine:
 void Simulation::end_settling() {
     needs_settling_ = false;
     time_ = 0.0;
+    move_offset();
     rest_.settling_balance_error_ratio = workspace_->energy.balance_error_ratio();
     rest_.settling_residual = workspace_->energy.balance().relative();
     rest_at_start();
+}
+
+void Simulation::move_offset() {
+    if (scene_.gains == ControlGains::given) return;
+    const model::ChainLayout& at = workspace_->layout();
+    const model::Control& control = scene_.parameters.control;
+    const double* tail = workspace_->state() + at.pulley_begin();
+    const double corrected = workspace_->variator.pulleys().inputs(time_, tail).clamping[0] - scene_.parameters.clamping.driving.at(time_);
+    workspace_->state_to_set()[at.control_begin()] = std::clamp(corrected, -control.authority, control.authority) / control.integral;
 }
 
 void Simulation::rest_at_start() {

@@ -104,6 +104,10 @@ public:
     [[nodiscard]] double balance_error_ratio() const noexcept {
         return std::max(rest_.settling_balance_error_ratio, workspace_->energy.balance_error_ratio());
     }
+    /// Likewise, of the run as a whole only what came after the mark.
+    [[nodiscard]] double balance_error_ratio(const EnergyMark& from) const noexcept {
+        return std::max(rest_.settling_balance_error_ratio, workspace_->energy.balance_error_ratio(from));
+    }
     /// false: keeps no energies from the next run on, for measurements of what that costs.
     void keep_energies(bool on) noexcept { workspace_->energy.keep(on); }
     /// Choice of automatic steps, with its last estimate; nullptr: run.step is given.
@@ -128,6 +132,8 @@ public:
     /// not taken; empty if none.
     [[nodiscard]] const std::vector<std::string>& start_differences() const noexcept { return start_differences_; }
 
+    /// With control.gains = "found": moves what the proportional part corrects at present into the integral part.
+    void move_offset();
     /// The present state as a file for start.state.
     [[nodiscard]] engine::SavedState saved_state() const;
 

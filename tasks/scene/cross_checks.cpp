@@ -337,6 +337,17 @@ Violation description_is_text(const Scene& scene) {
     return fmt::format("scene.description: {}", wrong);
 }
 
+Violation gains_are_of_the_ratio(const Scene& scene) {
+    const model::Control& control = scene.parameters.control;
+    if (scene.gains == ControlGains::given || (control.enabled && control.quantity == model::ControlledQuantity::ratio)) return {};
+    return "control.gains: \"found\" is about control of the ratio (control.enabled = true, control.quantity = \"ratio\")";
+}
+
+Violation steady_has_pulleys(const Scene& scene) {
+    if (!scene.run.until.automatic() || scene.parameters.detail.pulleys != PulleyDetail::absent) return {};
+    return "run.until: \"steady\" is about means of whole pin periods on pulleys, but detail.pulleys is \"absent\"";
+}
+
 const std::vector<CrossCheck>& general_checks() {
     static const std::vector<CrossCheck> checks{
         {{"scene.name"}, name_is_plain},
@@ -357,6 +368,8 @@ const std::vector<CrossCheck>& general_checks() {
         {{"load.mode", "load.speed"}, load_has_speed},
         {{"drive.mode", "load.mode", "detail.pulleys"}, couplings_have_pulleys},
         {{"control.driven", "control.quantity", "control.enabled"}, controllers_differ},
+        {{"run.until", "detail.pulleys"}, steady_has_pulleys},
+        {{"control.gains", "control.enabled", "control.quantity"}, gains_are_of_the_ratio},
         {{"run.output_interval", "run.step"}, outputs_take_steps},
         {{"run.state_interval", "run.output_interval"}, states_take_outputs},
         {{"run.followed_pin", "chain.pins"}, followed_pin_exists},

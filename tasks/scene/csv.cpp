@@ -7,8 +7,9 @@
 
 #include "engine/base/input_file.hpp"
 #include "engine/base/text.hpp"
+#include "tasks/scene/parameter_table.hpp"
+#include "tasks/scene/toml_tree.hpp"
 #include "tasks/scene/units.hpp"
-#include "tasks/scene/value_reader.hpp"
 
 namespace cvtflow::tasks {
 

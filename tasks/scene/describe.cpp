@@ -31,7 +31,7 @@ std::string form_text(const Parameter& parameter) {
     const auto number = plain ? "a number" : fmt::format("a number in {} or a text with a unit (\"... {}\")", parameter.unit, example);
     switch (parameter.kind()) {
         case Kind::number: return number;
-        case Kind::auto_number: return number + ", or \"auto\"";
+        case Kind::auto_number: return fmt::format("{}, or \"{}\"", number, parameter.choices.front());
         case Kind::integer: return "an integer";
         case Kind::choice: return fmt::format("\"{}\"", fmt::join(parameter.choices, "\" or \""));
         case Kind::boolean: return "true or false";
@@ -111,7 +111,7 @@ Json value_schema(const Parameter& parameter) {
     const Json number = number_schema(parameter.min, parameter.max);
     switch (parameter.kind()) {
         case Kind::number: return number;
-        case Kind::auto_number: return {{"anyOf", {number, {{"const", "auto"}}}}};
+        case Kind::auto_number: return {{"anyOf", {number, {{"const", parameter.choices.front()}}}}};
         case Kind::integer:
             return {{"type", "integer"},
                     {"minimum", static_cast<std::int64_t>(parameter.min)},
@@ -184,7 +184,7 @@ std::string value_text(const Parameter& parameter, const Scene& scene) {
             if constexpr (std::is_same_v<T, double>)
                 return number_text(*member);
             else if constexpr (std::is_same_v<T, AutoNumber>)
-                return member->automatic() ? "\"auto\"" : number_text(*member);
+                return member->automatic() ? toml_text(std::string(parameter.choices.front())) : number_text(*member);
             else if constexpr (std::is_same_v<T, bool>)
                 return *member ? "true" : "false";
             else if constexpr (std::is_same_v<T, std::string>)

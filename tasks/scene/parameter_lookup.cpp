@@ -66,11 +66,11 @@ constexpr Synonym synonyms[] = {
 }  // namespace
 
 Kind Parameter::kind() const {
-    static constexpr std::array kinds{Kind::number,      Kind::integer,     Kind::integer,     Kind::integer, Kind::boolean, Kind::text,
-                                      Kind::number_list, Kind::time_table,  Kind::speed_table, Kind::choice,  Kind::choice,  Kind::choice,
-                                      Kind::choice,      Kind::choice,      Kind::choice,      Kind::choice,  Kind::choice,  Kind::choice,
-                                      Kind::choice,      Kind::choice,      Kind::choice,      Kind::choice,  Kind::choice,  Kind::choice,
-                                      Kind::choice,      Kind::auto_number, Kind::text_list};
+    static constexpr std::array kinds{Kind::number,      Kind::integer,    Kind::integer,     Kind::integer,  Kind::boolean, Kind::text,
+                                      Kind::number_list, Kind::time_table, Kind::speed_table, Kind::choice,   Kind::choice,  Kind::choice,
+                                      Kind::choice,      Kind::choice,     Kind::choice,      Kind::choice,   Kind::choice,  Kind::choice,
+                                      Kind::choice,      Kind::choice,     Kind::choice,      Kind::choice,   Kind::choice,  Kind::choice,
+                                      Kind::choice,      Kind::choice,     Kind::auto_number, Kind::text_list};
     static_assert(kinds.size() == std::variant_size_v<Slot>);
     Scene scene;
     return kinds[member(scene).index()];

@@ -12,12 +12,15 @@
 
 namespace cvtflow::tasks {
 
+struct Node;
+struct Problem;
+
 /// The member of a scene that a key sets. Its type decides how the key is written (Kind).
 using Slot = std::variant<double*, int*, long*, std::uint64_t*, bool*, std::string*, std::vector<double>*, model::TimeTable*,
                           model::SpeedTable*, model::PinDetail*, model::PlateDetail*, model::PulleyDetail*, model::FrictionLaw*,
                           model::JointLaw*, model::TipFriction*, model::Sheave*, model::DriveMode*, model::LoadMode*,
-                          model::ControlledQuantity*, model::DrivenControl*, model::HydraulicMode*, model::StartLayout*, Assembly*,
-                          PartitionKind*, StepControl*, AutoNumber*, std::vector<std::string>*>;
+                          model::ControlledQuantity*, ControlGains*, model::DrivenControl*, model::HydraulicMode*, model::StartLayout*,
+                          Assembly*, PartitionKind*, StepControl*, AutoNumber*, std::vector<std::string>*>;
 
 enum class Kind { number, auto_number, integer, choice, boolean, text, number_list, time_table, speed_table, text_list };
 
@@ -34,7 +37,7 @@ struct Parameter {
     std::string_view unit;                  ///< SI unit of a number, "1" for a plain number; empty where there is no number
     double min = 0.0;                       ///< smallest value allowed, in `unit` [unit]
     double max = 0.0;                       ///< largest value allowed [unit]
-    std::vector<std::string_view> choices;  ///< of a choice, in the order of the enumerators
+    std::vector<std::string_view> choices;  ///< of a choice, in the order of the enumerators; of an AutoNumber, its word
     std::string_view meaning;
     std::string_view source;  ///< where the default comes from
     Slot (*member)(Scene&);
@@ -49,6 +52,10 @@ struct Parameter {
 
 /// The row of `key`, or nullptr.
 [[nodiscard]] const Parameter* find_parameter(std::string_view key);
+
+/// Sets the member of `parameter` in `scene` to the value of `node`: type, unit, dimension and range are those of its row. Errors are
+/// appended to `problems`, with the position of the number, text or list element concerned, and leave the member unchanged.
+void read_value(const Parameter& parameter, const Node& node, Scene& scene, std::vector<Problem>& problems);
 
 /// Suggestions for an unknown key: similar spelling, or the same name in other sections. May be empty.
 [[nodiscard]] std::vector<std::string> nearest_keys(std::string_view key);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <functional>
 #include <map>
 #include <set>
@@ -14,11 +15,12 @@
 #include "engine/base/input_file.hpp"
 #include "engine/base/text.hpp"
 #include "engine/thread/guards.hpp"
+#include "model/start/belt.hpp"
 #include "tasks/method/automatic_method.hpp"
 #include "tasks/scene/cross_checks.hpp"
 #include "tasks/scene/csv.hpp"
 #include "tasks/scene/parameter_table.hpp"
-#include "tasks/scene/value_reader.hpp"
+#include "tasks/scene/toml_tree.hpp"
 
 namespace cvtflow::tasks {
 
@@ -241,6 +243,16 @@ void set_values(Scene& scene, std::span<const std::string> settings, std::string
 void set_value(Scene& scene, std::string_view setting) {
     const std::string text(setting);
     set_values(scene, {&text, 1});
+}
+
+double latest_end(const Scene& scene) {
+    if (!scene.run.until.automatic()) return scene.run.until;
+    const model::Parameters& p = scene.parameters;
+    const double length = model::chain_length(p.chain);
+    const auto radii = model::belt_radii(length, p.start.ratio, p.pulley.centre_distance);
+    const double speed = p.drive.mode == model::DriveMode::torque ? p.control.reference_speed : std::abs(p.drive.speed.at(0.0));
+    constexpr double slowest = 1e-2;  // a chain that stands ends its run at once [m/s]
+    return scene.run.steady_limit * length / std::max(slowest, speed * (radii ? radii->driving : p.pulley.arc_position));
 }
 
 std::span<const DetailPreset> detail_presets() noexcept {

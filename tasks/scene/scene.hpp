@@ -37,7 +37,7 @@ private:
     std::shared_ptr<Kept> kept_;
 };
 
-/// A positive number, or "auto": the program chooses it.
+/// A positive number, or a word such as "auto" (Parameter::choices): the program chooses it.
 struct AutoNumber {
     double value = 0.0;  ///< 0: automatic [unit of the key]
 
@@ -57,7 +57,9 @@ struct RunSettings {
     AutoNumber step;              ///< fixed or longest [s]; automatic: as long as the method is stable and accurate at the present state
     StepControl step_control = StepControl::fixed;
     double tolerance = 1.0;         ///< of local errors, in units of ErrorScale [1]
-    double until = 5e-3;            ///< [s]
+    AutoNumber until = 5e-3;        ///< [s]; automatic: once the means are steady
+    double steady = 0.01;           ///< largest error of means then (SteadyRule) [1]
+    double steady_limit = 16.0;     ///< such a run ends at the latest then [revolutions of the chain]
     double output_interval = 5e-5;  ///< channels [s]
     double state_interval = 2e-4;   ///< full states [s]
     long max_steps = 0;             ///< 0: no limit
@@ -73,11 +75,15 @@ struct RunSettings {
     bool operator==(const RunSettings&) const = default;
 };
 
+/// Gains of ratio control: control.proportional and control.integral, or found from clamping force and speed.
+enum class ControlGains { given, found };
+
 struct Scene {
     std::string name;  ///< the file's stem if absent
     std::string description;
     model::Parameters parameters;
     RunSettings run;
+    ControlGains gains = ControlGains::given;
     std::string state_file;      ///< absolute path of the state to start from; empty: geometric start
     std::string state_place;     ///< where start.state was given, for problems that show later: `scene.toml:12:9: `; empty: nowhere
     std::string method_place;    ///< the same of run.method
@@ -153,6 +159,9 @@ void apply_detail(Scene& scene, std::string_view preset);
 
 /// The method that a simulation of the scene takes: a name of the catalogue (tasks/method/automatic_method.hpp).
 [[nodiscard]] std::string method_of(const Scene& scene);
+
+/// When the run ends at the latest [s]; where it ends once it is steady, as its speed and ratio at t = 0 let expect.
+[[nodiscard]] double latest_end(const Scene& scene);
 
 /// The scene as TOML with every key: what a run used, whatever file, presets and settings it came from. parse_scene reads it back equal.
 [[nodiscard]] std::string write_scene(const Scene& scene);

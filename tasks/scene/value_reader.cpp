@@ -1,4 +1,4 @@
-#include "tasks/scene/value_reader.hpp"
+#include "tasks/scene/parameter_table.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +10,7 @@
 
 #include "engine/base/text.hpp"
 #include "tasks/scene/scene.hpp"
+#include "tasks/scene/toml_tree.hpp"
 #include "tasks/scene/units.hpp"
 
 namespace cvtflow::tasks {
@@ -65,7 +66,7 @@ double default_number(const Parameter& parameter) {
     if (const auto* list = std::get_if<std::vector<double>*>(&slot)) return (*list)->front();
     if (const auto* table = std::get_if<model::TimeTable*>(&slot)) return (*table)->value.front();
     if (const auto* table = std::get_if<model::SpeedTable*>(&slot)) return (*table)->value.front();
-    if (std::holds_alternative<AutoNumber*>(slot)) return usual_step;
+    if (const auto* number = std::get_if<AutoNumber*>(&slot)) return (*number)->value_or(usual_step);
     return 0.0;
 }
 
@@ -82,7 +83,7 @@ public:
 
     void read(const Node& node, AutoNumber& member) {
         const auto* text = std::get_if<std::string>(&node.value);
-        if (text && *text == "auto")
+        if (text && *text == parameter_.choices.front())
             member = AutoNumber();
         else if (const auto value = number(node, rule()))
             member = *value;

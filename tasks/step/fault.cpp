@@ -17,9 +17,24 @@ std::string Fault::name() const {
         case FaultKind::step_size: return "step_size";
         case FaultKind::blow_up: return "blow_up";
         case FaultKind::step_too_short: return "step_too_short";
+        case FaultKind::not_steady: return "not_steady";
     }
     return "unknown";
 }
+
+namespace {
+
+/// when: "at t = 0.1 s"; value: largest error over its limit [1], revolutions of the chain [1]
+std::string unsteady_text(const std::string& when, double value, double revolutions) {
+    if (value == 0.0) return fmt::format("the chain moves too little {} for means of whole pin periods", when);
+    if (value <= 1.0) return fmt::format("the means alternate with every other pin {}, and more and more", when);
+    return fmt::format(
+        "the means are not steady {}, after {:.3g} revolutions of the chain (run.steady_limit): their largest error is {:.2g} times "
+        "run.steady",
+        when, revolutions, value);
+}
+
+}  // namespace
 
 std::string Fault::message() const {
     const std::string when = fmt::format("at t = {:.9g} s", time);
@@ -55,6 +70,7 @@ std::string Fault::message() const {
                 value, when, limit);
         case FaultKind::step_too_short:
             return fmt::format("a step of {:.3g} s is lost in the rounding of the time {} (limit {:.3g} s)", value, when, limit);
+        case FaultKind::not_steady: return unsteady_text(when, value, limit);
     }
     return "unknown fault";
 }

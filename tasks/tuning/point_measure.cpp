@@ -102,7 +102,7 @@ std::vector<OperatingPoint> unseen_points(const Scene& scene, const PointTimes& 
 
 OperatingPoint point_of_case(const Sweep& sweep, long number) {
     OperatingPoint point{fmt::format("case {}", number), scene_of_case(sweep, number), sweep.from, 0.0};
-    point.until = point.scene.run.until;
+    point.until = latest_end(point.scene);
     point.settles = point.scene.state_file.empty();
     return point;
 }

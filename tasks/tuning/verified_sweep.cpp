@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "engine/base/hash.hpp"
 #include "engine/base/text.hpp"
@@ -72,16 +71,7 @@ TunedSweep tuned_sweep(const Sweep& sweep, const std::string& folder, const engi
     return tuned;
 }
 
-std::vector<long> cases_to_verify(const Sweep& sweep) {
-    const auto requested = static_cast<std::size_t>(std::min<long>(sweep.cases(), sweep.accuracy.verify));
-    std::set<long> drawn;
-    for (std::uint64_t more = 0; drawn.size() < requested; ++more) {
-        for (const double share : random_samples(requested, 1, sweep.accuracy.seed + more)) {
-            if (drawn.size() < requested) drawn.insert(static_cast<long>(share * static_cast<double>(sweep.cases())));
-        }
-    }
-    return {drawn.begin(), drawn.end()};
-}
+std::vector<long> cases_to_verify(const Sweep& sweep) { return draw_cases(sweep.cases(), sweep.accuracy.verify, sweep.accuracy.seed); }
 
 namespace {
 

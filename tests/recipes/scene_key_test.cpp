@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/toml_tree.hpp"
-#include "tasks/scene/value_reader.hpp"
 
 namespace cvtflow::recipes {
 namespace {

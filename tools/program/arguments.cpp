@@ -120,7 +120,8 @@ std::string cost_text(const tasks::Scene& scene) try {
     std::string untried;
     const double wall = tasks::step_wall(scene, trial, untried);
     const double step = scene.run.step.value_or(tasks::Simulation(scene).automatic_step());
-    return wall > 0.0 ? fmt::format(", and this run takes about {} on one thread", duration_text(wall * scene.run.until / step)) : "";
+    return wall > 0.0 ? fmt::format(", and this run takes about {} on one thread", duration_text(wall * tasks::latest_end(scene) / step))
+                      : "";
 } catch (const std::exception&) {
     return "";  // the run reports it
 }

@@ -60,6 +60,7 @@ ExitStatus exit_status(tasks::FaultKind kind) noexcept {
         case FaultKind::step_too_short: return ExitStatus::fault;
         case FaultKind::max_steps:
         case FaultKind::max_wall: return ExitStatus::budget;
+        case FaultKind::not_steady: return ExitStatus::inaccurate;
         case FaultKind::cancelled: return ExitStatus::cancelled;
     }
     return ExitStatus::error;

@@ -18,7 +18,7 @@ enum class ExitStatus {
     budget = 4,      ///< run.max_steps, run.max_wall or the budget of tuning used up
     incomplete = 5,  ///< cases of a sweep or variants of a comparison failed or are missing
     unreliable = 6,  ///< finished, but the energy balance does not close: the results are wrong
-    inaccurate = 7,  ///< target accuracy missed by every tried choice, or by a sweep at its verified cases
+    inaccurate = 7,  ///< target accuracy missed by every tried choice, or by a sweep at its verified cases; means not steady
     cancelled = 130  ///< interrupted by SIGINT, SIGTERM, SIGHUP, SIGXCPU or SIGPIPE; as shells report the first
 };
 
@@ -40,7 +40,8 @@ inline constexpr std::string_view exit_status_table =
     "  4    budget used up: run.max_steps, run.max_wall, --budget\n"
     "  5    cases of a sweep (variants of detail) failed or are missing\n"
     "  6    finished, but the energy balance does not close: the results are unreliable\n"
-    "  7    target accuracy missed: tune, run --accuracy, sweeps with [accuracy]\n"
+    "  7    target accuracy missed: tune, run --accuracy, sweeps with [accuracy];\n"
+    "       means not steady at run.steady_limit\n"
     "  130  interrupted; the record is complete up to the interruption";
 
 /// Invalid option value, or options that exclude each other: exit status 2.

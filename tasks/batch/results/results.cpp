@@ -85,9 +85,11 @@ CaseColumn key_column(const Axis& axis, std::size_t key) {
             static_cast<int>(std::min<std::size_t>(width, 256))};
 }
 
-/// Column of a scalar's error in verified cases.
-CaseColumn error_column(const Scalar& scalar) {
-    return {std::string(error_prefix) + scalar.column, "1", scalar.text + ": relative error against the reference run; NaN: not verified"};
+/// Column of a scalar's error: of verified cases, or stated by cases that end when they are steady.
+CaseColumn error_column(const Sweep& sweep, const Scalar& scalar) {
+    const char* meaning =
+        sweep.steady() ? "relative error of its mean, by trend and scatter" : "relative error against the reference run; NaN: not verified";
+    return {std::string(error_prefix) + scalar.column, "1", fmt::format("{}: {}", scalar.text, meaning)};
 }
 
 /// Columns without part in the hash: they differ from run to run, or name what the row comes from.
@@ -98,14 +100,15 @@ constexpr std::string_view unhashed[] = {"wall", "threads", "program", "start_st
 engine::RowLayout result_layout(const Sweep& sweep) {
     std::vector<CaseColumn> columns{
         {"case", "1", "number of the case", Type::integer},
-        {"status", "", "ok, unreliable, diverged, budget, bad_parameters, crashed or undefined", Type::text, 16}};
+        {"status", "", "ok, unreliable, diverged, budget, bad_parameters, crashed, undefined or not_steady", Type::text, 16}};
     for (const Axis& axis : sweep.axes) {
         for (std::size_t key = 0; key < axis.keys.size(); ++key) columns.push_back(key_column(axis, key));
     }
     for (const Scalar& scalar : sweep.scalars) columns.push_back({scalar.column, scalar.unit(), scalar.description()});
     for (const Scalar& scalar : sweep.scalars) {
-        if (sweep.accuracy.target > 0.0) columns.push_back(error_column(scalar));
+        if (sweep.accuracy.target > 0.0 || sweep.steady()) columns.push_back(error_column(sweep, scalar));
     }
+    if (sweep.steady()) columns.push_back({"settled_for", "s", "time until the begin of the means, which are over as long again"});
     columns.push_back({"efficiency", "1", "1 - losses/input over whole pin periods, from outputs.from on; none without load"});
     columns.push_back({"energy_residual", "1", "|change of stored energy - work + losses| over the losses of the run"});
     columns.push_back({"energy_suspicion", "1",
@@ -204,9 +207,10 @@ void fill_row(const engine::RowLayout& layout, const Sweep& sweep, const CaseRes
         }
     }
     for (const double scalar : r.scalars) layout.put(row, column++, scalar);
-    if (sweep.accuracy.target > 0.0) {
-        for (std::size_t i = 0; i < r.scalars.size(); ++i) layout.put(row, column++, std::numeric_limits<double>::quiet_NaN());
+    if (sweep.accuracy.target > 0.0 || sweep.steady()) {
+        for (const double error : r.errors) layout.put(row, column++, error);
     }
+    if (sweep.steady()) layout.put(row, column++, r.settled_for);
     for (const double number : {r.efficiency, r.residual, r.balance_error_ratio}) layout.put(row, column++, number);
     layout.put(row, column++, std::string_view(r.notes));
     layout.put(row, column++, r.start);

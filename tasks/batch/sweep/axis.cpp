@@ -15,8 +15,9 @@
 #include "tasks/batch/results/table_view.hpp"
 #include "tasks/batch/sweep/sweep_keys.hpp"
 #include "tasks/scene/csv.hpp"
+#include "tasks/scene/parameter_table.hpp"
+#include "tasks/scene/toml_tree.hpp"
 #include "tasks/scene/units.hpp"
-#include "tasks/scene/value_reader.hpp"
 
 namespace cvtflow::tasks {
 
@@ -31,6 +32,9 @@ template <class T>
     if constexpr (is_number<T>) {
         number = static_cast<double>(member);
         return true;
+    } else if constexpr (std::is_same_v<T, AutoNumber>) {
+        number = member;
+        return !member.automatic();
     } else if constexpr (std::is_same_v<T, std::vector<double>>) {
         if (member.size() != 1) return false;
         number = member.front();
@@ -49,7 +53,7 @@ void set_number(T& member, double number) {
         member = number != 0.0;
     } else if constexpr (std::is_integral_v<T>) {
         member = static_cast<T>(std::llround(number));
-    } else if constexpr (is_number<T>) {
+    } else if constexpr (is_number<T> || std::is_same_v<T, AutoNumber>) {
         member = static_cast<T>(number);
     } else if constexpr (std::is_same_v<T, std::vector<double>>) {
         member.assign(1, number);

@@ -135,6 +135,10 @@ std::string Scalar::description() const {
     return fmt::format("{}: {} over {}", text, terms.front().channel->description, terms.back().channel->description);
 }
 
+bool Scalar::averages() const noexcept {
+    return std::ranges::all_of(terms, [](const ScalarTerm& term) { return term.over_time(); });
+}
+
 Scalar parse_scalar(const std::string& text, Position position, std::vector<Problem>& problems) {
     Scalar scalar;
     std::string rest = text;
@@ -191,6 +195,33 @@ void TermSum::add(const ScalarTerm& term, double instant, double number) {
     ++count;
 }
 
+void TermSum::add(const ScalarTerm& term, const TermSum& later) {
+    if (later.count == 0) return;
+    const long before = count;
+    switch (term.reduction) {
+        case Reduction::mean:
+        case Reduction::rms:
+            value += later.value;
+            span += later.span;
+            time = later.time;
+            last = later.last;
+            break;
+        case Reduction::median: all.insert(all.end(), later.all.begin(), later.all.end()); break;
+        case Reduction::at: value = before > 0 ? value : later.value; break;
+        default: add(term, 0.0, later.value); break;
+    }
+    count = before + later.count;
+}
+
+TermSum TermSum::continued(const ScalarTerm& term) const {
+    TermSum later;
+    if (!term.over_time() || count == 0) return later;
+    later.count = 1;
+    later.time = time;
+    later.last = last;
+    return later;
+}
+
 double TermSum::result(const ScalarTerm& term) const {
     if (count == 0) return std::numeric_limits<double>::quiet_NaN();
     if (term.over_time()) {
@@ -238,6 +269,16 @@ void Reducer::add(const Scalar& scalar, std::size_t term, double time, std::span
     if (left_out && std::isnan(numbers[0])) return;  // such channels have one number
     if (of.element != every_element) return sums[term].add(of, time, numbers[static_cast<std::size_t>(of.element)]);
     for (const double number : numbers) sums[term].add(of, time, number);
+}
+
+void Reducer::add(const Scalar& scalar, const Reducer& later) {
+    for (std::size_t term = 0; term < scalar.terms.size(); ++term) sums[term].add(scalar.terms[term], later.sums[term]);
+}
+
+Reducer Reducer::continued(const Scalar& scalar) const {
+    Reducer later;
+    for (std::size_t term = 0; term < scalar.terms.size(); ++term) later.sums[term] = sums[term].continued(scalar.terms[term]);
+    return later;
 }
 
 double Reducer::result(const Scalar& scalar) const {

@@ -48,6 +48,8 @@ struct Scalar {
     /// Unit of the number; of a quotient "1" or "A/B".
     [[nodiscard]] std::string unit() const;
     [[nodiscard]] std::string description() const;
+    /// Whether all terms are averages over time, whose errors batches of it show.
+    [[nodiscard]] bool averages() const noexcept;
 };
 
 /// Appends a problem (with the nearest channel or reduction) and returns an empty scalar if the text is invalid.
@@ -66,6 +68,10 @@ struct TermSum {
     [[nodiscard]] bool takes(const ScalarTerm& term, double instant, const Occasion& when) const noexcept;
     void add(const ScalarTerm& term, double instant, double number);  ///< instant [s], number [unit of the channel that is read]
     void integrate(const ScalarTerm& term, double instant, double number) noexcept;  ///< likewise
+    /// Adds what continued() has become.
+    void add(const ScalarTerm& term, const TermSum& later);
+    /// A sum over the time after it: an integral continues from its last sample.
+    [[nodiscard]] TermSum continued(const ScalarTerm& term) const;
     /// Not a number if no output counted.
     [[nodiscard]] double result(const ScalarTerm& term) const;
 };
@@ -81,6 +87,10 @@ struct Reducer {
     void read(const Scalar& scalar, const Instant& now, const Occasion& when, std::vector<double>& memory);
     /// @param numbers of the channel that the term reads at an instant that it takes
     void add(const Scalar& scalar, std::size_t term, double time, std::span<const double> numbers);
+    /// Adds what continued() has become.
+    void add(const Scalar& scalar, const Reducer& later);
+    /// A scalar over the time after it: integrals continue from their last samples.
+    [[nodiscard]] Reducer continued(const Scalar& scalar) const;
     [[nodiscard]] double result(const Scalar& scalar) const;
     /// Ready for another case.
     void clear() noexcept;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <set>
 
 #include "engine/base/hash.hpp"
 #include "engine/base/text.hpp"
@@ -12,8 +13,9 @@
 #include "tasks/run/checkpoint.hpp"
 #include "tasks/run/saved_start.hpp"
 #include "tasks/scene/cross_checks.hpp"
+#include "tasks/scene/parameter_table.hpp"
+#include "tasks/scene/toml_tree.hpp"
 #include "tasks/scene/units.hpp"
-#include "tasks/scene/value_reader.hpp"
 
 namespace cvtflow::tasks {
 
@@ -22,8 +24,6 @@ long Sweep::cases() const noexcept {
     for (const Axis& axis : axes) count *= static_cast<long>(axis.rows());
     return axes.empty() ? 0 : count;
 }
-
-long Sweep::strand() const noexcept { return continuation.empty() ? 1 : static_cast<long>(axes.back().rows()); }
 
 std::size_t Sweep::row(long number, std::size_t axis) const noexcept {
     for (std::size_t later = axes.size(); later-- > axis + 1;) number /= static_cast<long>(axes[later].rows());
@@ -61,7 +61,8 @@ constexpr const char* start_modes[] = {"scene", "settle", "shared"};
 std::string Sweep::definition() const {
     std::string lines;
     for (const Parameter& parameter : parameter_table()) {
-        const bool matters = !may_change(parameter.key) || parameter.key == "run.until" || parameter.key == "run.max_steps";
+        const bool matters = !may_change(parameter.key) || parameter.key.starts_with("run.until") ||
+                             parameter.key.starts_with("run.steady") || parameter.key == "run.max_steps";
         if (matters) lines += fmt::format("{} = {}\n", parameter.key, value_text(parameter, scene));
     }
     for (const Axis& axis : axes) lines += axis_line(axis);
@@ -73,6 +74,17 @@ std::string Sweep::definition() const {
         lines += fmt::format("accuracy.target = {}\naccuracy.verify = {}\naccuracy.seed = {}\n", number_text(accuracy.target),
                              accuracy.verify, accuracy.seed);
     return lines;
+}
+
+std::vector<long> draw_cases(long cases, long count, std::uint64_t seed) {
+    const auto requested = static_cast<std::size_t>(std::min(cases, count));
+    std::set<long> drawn;
+    for (std::uint64_t more = 0; drawn.size() < requested; ++more) {
+        for (const double share : random_samples(requested, 1, seed + more)) {
+            if (drawn.size() < requested) drawn.insert(static_cast<long>(share * static_cast<double>(cases)));
+        }
+    }
+    return {drawn.begin(), drawn.end()};
 }
 
 std::string violations(const Scene& scene) {
@@ -135,6 +147,7 @@ private:
             if (section.key == "outputs") outputs(section);
             if (section.key == "budget") budget(section);
             if (section.key == "accuracy") accuracy(section);
+            if (section.key == "steady") confirmation(section);
         }
         for (const Entry& section : sections) {
             if (section.key == "start") start(section);
@@ -255,20 +268,48 @@ private:
         accuracy.seed = static_cast<std::uint64_t>(view.integer("seed", 0, std::int64_t{1} << 53).value_or(0));
     }
 
+    void confirmation(const Entry& section) {
+        const Node::Table* rows = table(section);
+        if (rows == nullptr) return;
+        const TableView view("steady", *rows, section.position, names_in_sweep("steady"), problems_);
+        sweep_.confirmation.cases = static_cast<int>(view.integer("confirm", 0, 1'000'000).value_or(sweep_.confirmation.cases));
+        sweep_.confirmation.seed = static_cast<std::uint64_t>(view.integer("seed", 0, std::int64_t{1} << 53).value_or(0));
+        if (!sweep_.steady()) problems_.push_back({section.position, "steady: only with run.until = \"steady\" in [set]"});
+    }
+
     void start(const Entry& section) {
         const Node::Table* rows = table(section);
         if (rows == nullptr) return;
         const TableView view("start", *rows, section.position, names_in_sweep("start"), problems_);
         sweep_.start = static_cast<StartMode>(view.choice("mode", sweep_choices("start", "mode")).value_or(0));
         if (const auto checked = view.integer("check", 0, 1'000'000)) sweep_.checked = static_cast<int>(*checked);
-        const auto key = view.text("continuation");
-        if (!key) return;
-        sweep_.continuation = *key;
-        const bool last = !sweep_.axes.empty() && std::any_of(sweep_.axes.back().keys.begin(), sweep_.axes.back().keys.end(),
-                                                              [&](const Parameter* p) { return p->key == *key; });
-        if (!last)
-            view.problem(view.find("continuation")->position,
-                         fmt::format("continuation: {} is not a key of the last axis", toml_text(*key)));
+        if (const auto key = view.text("continuation")) continuation(*key, view);
+    }
+
+    void continuation(const std::string& key, const TableView& view) {
+        sweep_.continuation = key;
+        const auto problem = [&](const char* what) {
+            view.problem(view.find("continuation")->position, fmt::format("continuation: {} {}", toml_text(key), what));
+        };
+        if (sweep_.axes.empty()) return problem("is not a key of the last axis");
+        const Axis& axis = sweep_.axes.back();
+        const auto found = std::ranges::find(axis.keys, key, &Parameter::key);
+        if (found == axis.keys.end()) return problem("is not a key of the last axis");
+        sweep_.line = static_cast<long>(axis.rows());
+        if (axis.kind != "csv") return;
+        const auto rises = [&](std::size_t row) {
+            const auto at = [&](std::size_t r) {
+                return std::get_if<double>(&axis.at(r, static_cast<std::size_t>(found - axis.keys.begin())));
+            };
+            return at(row) != nullptr && at(row - 1) != nullptr && *at(row) > *at(row - 1);
+        };
+        std::size_t line = 1;
+        while (line < axis.rows() && rises(line)) ++line;
+        for (std::size_t row = 1; row < axis.rows(); ++row) {
+            if (rises(row) != (row % line != 0)) return problem("does not rise along lines of rows of equal length in the csv");
+        }
+        if (axis.rows() % line != 0) return problem("does not rise along lines of rows of equal length in the csv");
+        sweep_.line = static_cast<long>(line);
     }
 
     void consistent() {
@@ -286,6 +327,8 @@ private:
         }
         if (sweep_.accuracy.target > 0.0 && sweep_.start == StartMode::shared)
             problems_.push_back({{}, "accuracy: start.mode \"shared\" starts from an unsettled state; use \"settle\""});
+        if (sweep_.accuracy.target > 0.0 && sweep_.steady())
+            problems_.push_back({{}, "accuracy: run.until = \"steady\" has no fixed time; give one"});
         outputs_within_run();
         start_takes_accuracy();
         if (!Method::find(method_of(sweep_.scene))) problems_.push_back({{}, "run.method: " + no_method(sweep_.scene.run.method)});
@@ -293,11 +336,13 @@ private:
 
     /// Outputs beyond the end of a case are not finite, and the case would be undefined.
     void outputs_within_run() {
-        double end = sweep_.scene.run.until;
+        double end = latest_end(sweep_.scene);
         for (const Axis& axis : sweep_.axes) {
             for (std::size_t key = 0; key < axis.keys.size(); ++key) {
                 for (std::size_t row = 0; axis.keys[key]->key == "run.until" && row < axis.rows(); ++row) {
                     const auto* value = std::get_if<double>(&axis.at(row, key));
+                    if (value == nullptr || sweep_.steady())
+                        return problems_.push_back({{}, "run.until: \"steady\" is for all cases; it is no value of an axis"});
                     if (value != nullptr) end = row == 0 ? *value : std::min(end, *value);
                 }
             }

@@ -22,6 +22,12 @@ struct SweepAccuracy {
     std::uint64_t seed = 0;  ///< of that draw
 };
 
+/// Some cases that end when they are steady also run three times as long.
+struct SweepConfirmation {
+    int cases = 5;           ///< drawn by chance
+    std::uint64_t seed = 0;  ///< of that draw
+};
+
 struct Sweep {
     std::string name;  ///< the file's stem if absent
     std::string description;
@@ -34,12 +40,16 @@ struct Sweep {
     bool records = false;
     StartMode start = StartMode::scene;
     std::string continuation;  ///< key; empty: none
+    long line = 1;             ///< with it, cases that follow each other: rows of the last axis, or of a csv axis rows while the key rises
     int checked = 1;           ///< continued cases that also run from their own start
     SweepAccuracy accuracy;
+    SweepConfirmation confirmation;
 
+    /// Whether cases end when they are steady.
+    [[nodiscard]] bool steady() const noexcept { return scene.run.until.automatic(); }
     [[nodiscard]] long cases() const noexcept;
     /// Number of cases that follow each other by continuation; 1 without it. Cases [k strand, (k + 1) strand) are one strand.
-    [[nodiscard]] long strand() const noexcept;
+    [[nodiscard]] long strand() const noexcept { return continuation.empty() ? 1 : line; }
     /// Row of an axis that a case takes.
     [[nodiscard]] std::size_t row(long number, std::size_t axis) const noexcept;
     /// Gives the scene, which must be a copy of this->scene or of another case, the values of a case.
@@ -52,6 +62,9 @@ struct Sweep {
 /// @throws SceneError  all problems at once: `sweep.toml:7:1: axes.vlues: unknown key (did you mean "values"?)`
 [[nodiscard]] Sweep read_sweep(const std::filesystem::path& path,
                                const std::function<std::filesystem::path(const std::string&)>& find_scene);
+
+/// Some of the cases [0, cases), drawn by chance; ascending.
+[[nodiscard]] std::vector<long> draw_cases(long cases, long count, std::uint64_t seed);
 
 /// Contradictions between a case's values; empty: none.
 [[nodiscard]] std::string violations(const Scene& scene);

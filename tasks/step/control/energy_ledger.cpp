@@ -188,12 +188,12 @@ void EnergyLedger::Memory::close_window() noexcept {
     part = here();
 }
 
-EnergyLedger::Span EnergyLedger::Memory::here() const noexcept {
+EnergyMark EnergyLedger::Memory::here() const noexcept {
     return {sampled, total(loss), total(work_sampled), stored, through, noise, samples};
 }
 
-EnergyBalance EnergyLedger::Memory::balance_since(const Span& span) const noexcept {
-    const Span now = here();
+EnergyBalance EnergyLedger::Memory::balance_since(const EnergyMark& span) const noexcept {
+    const EnergyMark now = here();
     return {now.begin - span.begin,
             now.stored - span.stored,
             now.work - span.work,
@@ -204,11 +204,9 @@ EnergyBalance EnergyLedger::Memory::balance_since(const Span& span) const noexce
             now.samples - span.samples};
 }
 
-EnergyBalance EnergyLedger::balance() const noexcept { return m_.balance_since(m_.all); }
-
-double EnergyLedger::balance_error_ratio() const noexcept {
+double EnergyLedger::balance_error_ratio(const EnergyMark& from) const noexcept {
     double most = m_.worst;
-    for (const Span* span : {&m_.all, &m_.part}) most = std::max(most, balance_error_ratio_of(m_.balance_since(*span), span->begin < 0.0));
+    for (const EnergyMark* span : {&from, &m_.part}) most = std::max(most, balance_error_ratio_of(balance(*span), span->begin < 0.0));
     return most;
 }
 

@@ -109,6 +109,11 @@ private:
     double begin_, count_;  ///< index and number of what is kept [1]
 };
 
+/// Sums of a ledger at one of its samples, from which later balances may count. Numbers only.
+struct EnergyMark {
+    double begin = 0.0, loss = 0.0, work = 0.0, stored = 0.0, through = 0.0, noise = 0.0, samples = 0.0;  ///< [s], [J], samples [1]
+};
+
 class EnergyLedger {
 public:
     /// Time after which a balance is judged by itself [s]: what went wrong once is not forgotten in what follows.
@@ -144,9 +149,15 @@ public:
     /// At `time` ≥ the last sample; losses continue at their last rate. time [s]
     [[nodiscard]] EnergySums sums(double time) const noexcept;
     /// From the beginning to the last sample.
-    [[nodiscard]] EnergyBalance balance() const noexcept;
+    [[nodiscard]] EnergyBalance balance() const noexcept { return balance(m_.all); }
+    /// At the last sample.
+    [[nodiscard]] EnergyMark mark() const noexcept { return m_.here(); }
+    /// From a mark of this ledger to the last sample.
+    [[nodiscard]] EnergyBalance balance(const EnergyMark& from) const noexcept { return m_.balance_since(from); }
     /// |residual| over its tolerance, the largest of all windows, of the present one and of the whole; > 1: the results are wrong.
-    [[nodiscard]] double balance_error_ratio() const noexcept;
+    [[nodiscard]] double balance_error_ratio() const noexcept { return balance_error_ratio(m_.all); }
+    /// Likewise, with the whole since a mark.
+    [[nodiscard]] double balance_error_ratio(const EnergyMark& from) const noexcept;
 
     /// Mean torque of the chain on the sheaves of each shaft since the output before `time`, which is now: their change of momentum less
     /// the outside's impulse [N·m]. Not a number at the first output and before. Does not change the ledger: results do not depend on when
@@ -169,11 +180,6 @@ public:
     void load(std::span<const double> memory, long stride);
 
 private:
-    /// One judged span of time: from its first sample to the last one.
-    struct Span {
-        double begin, loss, work, stored, through, noise, samples;  ///< [s], [J], samples [1]
-    };
-
     /// Numbers only: saved and loaded by visit(), the list of the fields.
     struct Memory {
         double samples, sampled, steps;                         ///< how many; when the last one was [s]; steps since
@@ -186,15 +192,15 @@ private:
         std::array<double, 2> impulse_output, momentum_output;  ///< [N·m·s]
         std::array<double, 2> chain_torque;                     ///< [N·m]
         double outputs, output_time;                            ///< [1, s]
-        Span all, part;
-        double worst, doubt;  ///< doubt: 1 while samples lie close [1]
-        double judged_from;   ///< windows that begin earlier are not remembered: settling (t < 0) forgets how it began [s]
-        PastSums past;        ///< at outputs
+        EnergyMark all, part;                                   ///< begins of the judged spans of time: of all, and of the present window
+        double worst, doubt;                                    ///< doubt: 1 while samples lie close [1]
+        double judged_from;  ///< windows that begin earlier are not remembered: settling (t < 0) forgets how it began [s]
+        PastSums past;       ///< at outputs
 
         void add_noise(double power, double spacing) noexcept;
         [[nodiscard]] std::array<double, 2> torque_since_output(double time, const std::array<double, 2>& momentum) const noexcept;
-        [[nodiscard]] Span here() const noexcept;
-        [[nodiscard]] EnergyBalance balance_since(const Span& span) const noexcept;
+        [[nodiscard]] EnergyMark here() const noexcept;
+        [[nodiscard]] EnergyBalance balance_since(const EnergyMark& span) const noexcept;
         void close_window() noexcept;
         /// Calls visitor(name, numbers) for each field. `memory` is a Memory or a const one.
         template <class AnyMemory, class Visitor>

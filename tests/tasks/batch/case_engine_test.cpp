@@ -64,7 +64,7 @@ TEST_F(CaseOfAWorker, AllocatesNoMoreForALongerCase) {
     if (engine::test::allocation_count() < 0) GTEST_SKIP() << "a sanitizer owns malloc";
     Sweep longer = sweep("shared");
     const long brief = allocations(longer)[1];
-    longer.scene.run.until *= 3.0;
+    longer.scene.run.until = 3.0 * longer.scene.run.until;
     EXPECT_EQ(allocations(longer)[1], brief);
 }
 
@@ -91,6 +91,44 @@ TEST_F(CaseOfAWorker, MeansDoNotDependOnTheOutputInterval) {
         for (std::size_t i = 0; i < sweep.scalars.size(); ++i)
             EXPECT_NEAR(other.scalars[i], first.scalars[i], 5e-3 * std::abs(first.scalars[i])) << sweep.scalars[i].text << ", " << number;
     }
+}
+
+/// Two machines far from their limits, and one whose time is too short: a case that ends when it is steady states errors that three times
+/// its time confirms.
+TEST_F(CaseOfAWorker, EndsWhenItIsSteady) {
+    const auto steady = [this](const std::string& set) {
+        std::ofstream(folder_ / "s.toml")
+            << "[sweep]\nscene = \"control\"\ndetail = \"rigid\"\n[set]\nstart.state = \"\"\nstart.settling_time = \"30 ms\"\n"
+               "run.until = \"steady\"\ndrive.speed = \"4000 rpm\"\n"
+            << set
+            << "[[axes]]\nkey = \"load.torque\"\nvalues = [\"80 N*m\"]\n[outputs]\nscalars = [\"tight_tension mean\", "
+               "\"friction_slip mean\", \"tight_tension max\", \"shaft_1/clamping mean / shaft_2/clamping mean\"]\n[start]\nmode = "
+               "\"settle\"\n";
+        return read_sweep(folder_ / "s.toml",
+                          [](const std::string& name) { return std::string(CVTFLOW_SOURCE_DIR) + "/scenes/" + name + ".toml"; });
+    };
+    const engine::Cancellation never;
+    BatchControl control(1, 1.0, never);
+    const CasePlaces places{folder_ / "checkpoints", folder_ / "records", folder_ / "continuation"};
+    const Sweep sweep = steady("run.steady = \"2 %\"\nrun.output_interval = \"200 us\"\n");
+    StartStates starts(sweep, folder_ / "states");
+    CaseEngine engine(sweep, starts, control, places);
+    const CaseResult is = engine.run(0);
+    ASSERT_EQ(is.status, CaseStatus::ok) << is.error;
+    EXPECT_GT(is.settled_for, 0.01);
+    EXPECT_TRUE(std::isnan(is.errors[2])) << "the largest of all has no error";
+    const CaseResult longer = engine.run_longer(0, 6.0 * is.settled_for);
+    ASSERT_EQ(longer.status, CaseStatus::ok) << longer.error;
+    EXPECT_NEAR(longer.settled_for, 3.0 * is.settled_for, 0.1 * longer.settled_for);
+    for (const std::size_t k : {0u, 1u, 3u}) EXPECT_NEAR(is.scalars[k], longer.scalars[k], is.errors[k] * std::abs(is.scalars[k])) << k;
+    EXPECT_EQ(engine.run(0).hash, is.hash);
+    const Sweep brief = steady("run.steady_limit = 1\nrun.steady = \"0.5 %\"\n");
+    CaseEngine ending(brief, starts, control, places);
+    const CaseResult& early = ending.run(0);
+    EXPECT_EQ(early.status, CaseStatus::not_steady);
+    EXPECT_TRUE(early.error.find("not steady at t =") != std::string::npos) << early.error;
+    EXPECT_NEAR(early.scalars[0], is.scalars[0], 0.1 * is.scalars[0]) << "the means of what there was";
+    EXPECT_LT(early.balance_error_ratio, 1.0);
 }
 
 }  // namespace

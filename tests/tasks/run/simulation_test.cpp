@@ -318,5 +318,32 @@ TEST(Simulation, RefusesAnUnknownMethod) {
     EXPECT_THROW(Simulation{scene}, SimulationError);
 }
 
+/// The scene begins with 2 kN too little. The proportional part alone would leave the ratio off by 2 kN/K_P = 0.15 %; the guess of C is
+/// good to a factor of three.
+TEST(FoundGains, HoldTheRatioBySettlingOnce) {
+    Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/control.toml", StartState::ignored);
+    apply_detail(scene, "rigid");
+    set_values(scene, std::vector<std::string>{"start.state=\"\"", "start.settling_time=40 ms", "control.gains=found"});
+    Simulation simulation(scene);
+    const double speed = scene.parameters.drive.speed.at(0.0);
+    const auto clamping = [&] {
+        const model::ChainLayout& at = simulation.workspace().layout();
+        return simulation.variator().pulleys().inputs(simulation.time(), simulation.state() + at.pulley_begin()).clamping[0];
+    };
+    const auto built_up = [&] { return simulation.state()[simulation.workspace().layout().control_begin()]; };
+    ASSERT_FALSE(simulation.advance({.until = 0.0}, silent, uncancelled));
+    const double proportional = 60.0 * 20e3 / (0.0051 * speed), integral = proportional / 0.5, found = built_up() * integral;
+    EXPECT_GT(found, 1e3);
+    EXPECT_LT(found, 3e3);
+    EXPECT_GT(clamping(), 25.1e3 + found) << "what is left of the error acts beside it";
+    ASSERT_FALSE(simulation.advance({.until = 60e-3}, silent, uncancelled));
+    model::Observer observer(simulation.variator());
+    const model::Observation& now = simulation.workspace().observed_by(observer, simulation.time());
+    EXPECT_NEAR(now.ratio, 1.0023, 0.0005);
+    EXPECT_NEAR(clamping(), 25.1e3 + integral * built_up(), 0.02 * clamping());
+    const Scene again = parse_scene(write_scene(scene), "again.toml", StartState::recorded);
+    EXPECT_EQ(again.gains, ControlGains::found);
+}
+
 }  // namespace
 }  // namespace cvtflow::tasks

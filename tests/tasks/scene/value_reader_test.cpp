@@ -1,4 +1,5 @@
-#include "tasks/scene/value_reader.hpp"
+#include "tasks/scene/parameter_table.hpp"
+#include "tasks/scene/toml_tree.hpp"
 
 #include <string>
 

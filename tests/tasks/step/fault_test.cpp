@@ -110,8 +110,9 @@ TEST(Faults, ATouchingPinOutsideTheSheaveIsReportedWithItsRadius) {
 }
 
 TEST(Faults, EachHasANameAndAMessage) {
-    for (const FaultKind kind : {FaultKind::non_finite, FaultKind::penetration, FaultKind::left_sheave, FaultKind::max_steps,
-                                 FaultKind::max_wall, FaultKind::cancelled, FaultKind::blow_up, FaultKind::step_too_short}) {
+    for (const FaultKind kind :
+         {FaultKind::non_finite, FaultKind::penetration, FaultKind::left_sheave, FaultKind::max_steps, FaultKind::max_wall,
+          FaultKind::cancelled, FaultKind::blow_up, FaultKind::step_too_short, FaultKind::not_steady}) {
         const Fault fault{kind, 1.5e-3, 12, 1e-3, 2e-3};
         EXPECT_TRUE(static_cast<bool>(fault));
         EXPECT_NE(fault.name(), "unknown");

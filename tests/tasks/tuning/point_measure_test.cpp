@@ -52,7 +52,7 @@ TEST(OperatingPoints, OfASceneWithConstantInputsAreItsStart) {
     EXPECT_THAT(names(points), testing::ElementsAre("start"));
     EXPECT_EQ(points[0].from, 1e-3);
     EXPECT_EQ(points[0].until, 3e-3);
-    EXPECT_EQ(points[0].scene.run.until, 3e-3);
+    EXPECT_EQ(points[0].scene.run.until.value, 3e-3);
 }
 
 /// As a run does: else levels are compared from one settled state, and the run of the cheaper one settles to another.

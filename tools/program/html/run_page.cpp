@@ -17,7 +17,6 @@
 #include "tools/program/view/chain_motion.hpp"
 #include "tools/program/view/recorded_run.hpp"
 #include "tools/program/view/run_plots.hpp"
-#include "tools/program/view/wear_plots.hpp"
 
 namespace cvtflow::tools {
 

@@ -56,7 +56,7 @@ LeastSafety least_safety(const tasks::Scene& scene, double radius) {
     const model::Parameters& p = scene.parameters;
     LeastSafety least;
     for (int k = 0; k <= instants; ++k) {
-        const double time = scene.run.until * k / instants;
+        const double time = tasks::latest_end(scene) * k / instants;
         const double limit = 2.0 * p.tip.friction.coefficient * p.clamping.driven.at(time) * radius / std::cos(p.tip.angle);
         const double load = std::abs(p.load.torque.at(time));
         if (load > 0.0 && limit / load < least.factor) least = {limit, load, limit / load};

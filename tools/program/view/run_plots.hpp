@@ -62,4 +62,12 @@ struct Repetition {
 /// Contents of plots as CSV: series, x, y, the labels of both axes.
 [[nodiscard]] std::string csv(const std::vector<Plot>& plots);
 
+/// Whether the record contains what wear_plots takes.
+[[nodiscard]] bool has_wear(const RecordedRun& run);
+
+/// Over the radius of each sheave: friction energy, largest pressure times sliding speed, Archard's depth; over the tips: Archard's depth.
+/// Sums over the record's rows by the trapezoidal rule.
+/// @throws UsageError if the record lacks channels of the group wear, or a scene that this program can read
+[[nodiscard]] std::vector<Plot> wear_plots(const RecordedRun& run);
+
 }  // namespace cvtflow::tools

@@ -1,4 +1,4 @@
-#include "tools/program/view/wear_plots.hpp"
+#include "tools/program/view/run_plots.hpp"
 
 #include <fmt/format.h>
 

@@ -34,7 +34,7 @@ TEST(SweepKeys, AnUnknownOneIsAnErrorWithASuggestion) {
 }
 
 TEST(SweepKeys, SectionsAreThoseOfTheFile) {
-    EXPECT_THAT(sweep_sections(), testing::ElementsAre("sweep", "set", "axes", "outputs", "budget", "start", "accuracy"));
+    EXPECT_THAT(sweep_sections(), testing::ElementsAre("sweep", "set", "axes", "outputs", "budget", "start", "steady", "accuracy"));
 }
 
 TEST(SweepSchema, HasEveryKeyAndTheKeysOfScenes) {

@@ -234,6 +234,42 @@ TEST_F(SweepFile, RefusesOutputsBeyondTheEndOfACase) {
     EXPECT_THAT(error(outputs + "1.5 ms\"]\n" + cases), HasSubstr("outputs.scalars: \"slip at 1.5 ms\" is beyond run.until = 1e-3 s"));
 }
 
+TEST_F(SweepFile, SteadyIsForAllCasesAndWithoutAnotherAccuracy) {
+    const std::string sweep = "[sweep]\nscene = \"baseline\"\n[outputs]\nscalars = [\"slip mean\"]\n";
+    const std::string set = "[set]\nrun.until = \"steady\"\n", axis = "[[axes]]\nkey = \"load.torque\"\nvalues = [1, 2]\n";
+    EXPECT_EQ(error(sweep + set + axis + "[steady]\nconfirm = 1\nseed = 7\n"), "none");
+    EXPECT_TRUE(read(sweep + set + axis).steady());
+    EXPECT_THAT(error(sweep + axis + "[steady]\nconfirm = 1\n"), HasSubstr("steady: only with run.until = \"steady\""));
+    EXPECT_THAT(error(sweep + set + axis + "[accuracy]\ntarget = \"3 %\"\n"), HasSubstr("has no fixed time"));
+    EXPECT_THAT(error(sweep + set + "[[axes]]\nkey = \"run.until\"\nvalues = [\"1 ms\"]\n"), HasSubstr("it is no value of an axis"));
+}
+
+/// Four lines of three loads; a fall inside a line, or a shorter one, has no strands of equal length.
+TEST_F(SweepFile, ContinuesAlongLinesOfACsvWhileItsKeyRises) {
+    const std::string sweep =
+        "[sweep]\nscene = \"baseline\"\n[outputs]\nscalars = [\"slip mean\"]\n[[axes]]\ncsv = \"lines.csv\"\n"
+        "[start]\ncontinuation = \"load.torque\"\n";
+    const auto with = [&](const std::string& loads) {
+        std::ofstream(folder_ / "lines.csv") << "load.torque, clamping.driven\n" << loads;
+        return error(sweep);
+    };
+    const std::string line = "10, 20000\n20, 20000\n30, 20000\n";
+    EXPECT_EQ(with(line + line + line + line), "none");
+    EXPECT_EQ(read(sweep).strand(), 3);
+    EXPECT_EQ(with(line), "none");
+    EXPECT_EQ(read(sweep).strand(), 3);
+    EXPECT_THAT(with(line + "10, 20000\n20, 20000\n"), HasSubstr("does not rise along lines of rows of equal length"));
+    EXPECT_THAT(with(line + "10, 20000\n5, 20000\n30, 20000\n"), HasSubstr("does not rise along lines of rows of equal length"));
+}
+
+TEST(DrawCases, AreDistinctAscendingAndOfTheSeed) {
+    EXPECT_EQ(draw_cases(5, 9, 3), (std::vector<long>{0, 1, 2, 3, 4}));
+    EXPECT_EQ(draw_cases(1000, 7, 3), draw_cases(1000, 7, 3));
+    EXPECT_NE(draw_cases(1000, 7, 3), draw_cases(1000, 7, 4));
+    EXPECT_EQ(draw_cases(1000, 7, 3).size(), 7u);
+    EXPECT_TRUE(draw_cases(0, 5, 1).empty());
+}
+
 TEST_F(SweepFile, RefusesAnAccuracyOfCasesThatBeginWithAStateOfAnotherLevel) {
     const std::string more =
         "[outputs]\nscalars = [\"slip mean\"]\n[[axes]]\nkey = \"load.torque\"\nvalues = [1, 2]\n[accuracy]\ntarget = \"3 %\"\n";
@@ -290,6 +326,30 @@ TEST(Reducer, ReducesAsItsTextStates) {
         EXPECT_DOUBLE_EQ(resumed.result(scalar), value) << text << ": from a checkpoint";
     }
     EXPECT_TRUE(none.empty());
+}
+
+/// Pin periods of a steady case are reduced one by one.
+TEST(Reducer, OfPartsIsThatOfTheWhole) {
+    std::vector<Problem> none;
+    for (const char* text :
+         {"slip mean", "slip min", "slip max", "slip rms", "slip final", "slip at 0.5 s", "slip median", "slip max / slip rms"}) {
+        const Scalar scalar = parse_scalar(text, {}, none);
+        Reducer whole, sum, parts[3];
+        const double numbers[] = {3.0, -1.0, 4.0, 1.0, 5.0, 9.0};
+        for (std::size_t k = 0; k < std::size(numbers); ++k) {
+            const double time = 0.25 * static_cast<double>((k + 1) * (k + 2));
+            if (k == 2 || k == 4) parts[k / 2] = parts[k / 2 - 1].continued(scalar);
+            for (std::size_t term = 0; term < scalar.terms.size(); ++term) {
+                whole.add(scalar, term, time, {&numbers[k], 1});
+                parts[k / 2].add(scalar, term, time, {&numbers[k], 1});
+            }
+        }
+        for (const Reducer& part : parts) sum.add(scalar, part);
+        sum.add(scalar, Reducer());
+        EXPECT_DOUBLE_EQ(sum.result(scalar), whole.result(scalar)) << text;
+    }
+    EXPECT_TRUE(parse_scalar("slip mean / slip rms", {}, none).averages());
+    EXPECT_FALSE(parse_scalar("slip mean / slip max", {}, none).averages());
 }
 
 /// An efficiency has no value before there is power. Other channels that are no numbers make a case undefined.

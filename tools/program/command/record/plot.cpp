@@ -20,7 +20,6 @@
 #include "tools/program/output.hpp"
 #include "tools/program/view/run_plots.hpp"
 #include "tools/program/view/sweep_view.hpp"
-#include "tools/program/view/wear_plots.hpp"
 
 extern char** environ;
 

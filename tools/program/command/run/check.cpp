@@ -49,18 +49,20 @@ struct Estimate {
 Estimate cost_lines(const tasks::Scene& scene, const tasks::Simulation& simulation, double step) {
     const tasks::RunSettings& run = scene.run;
     const long stages = static_cast<long>(simulation.method().evaluations_per_step());
-    const long running = steps_over(run.until, run.output_interval, step);
+    const double until = tasks::latest_end(scene);
+    const long running = steps_over(until, run.output_interval, step);
     const long settling = simulation.needs_settling() ? steps_over(scene.parameters.start.settling_time, run.output_interval, step) : 0;
     const std::string length = run.step.automatic() ? "auto, " + time_text(step) + " at the start" : time_text(step);
-    std::string text = field("run", fmt::format("until {}, {} with step {}", time_text(run.until), simulation.method_name(), length));
+    std::string text = field("run", fmt::format("until {}{}, {} with step {}", run.until.automatic() ? "steady, at the latest about " : "",
+                                                time_text(until), simulation.method_name(), length));
     text += field("schedule", fmt::format("{}, {}", run.schedule,
                                           run.segments == 0 ? "segments chosen automatically" : plural(run.segments, "segment")));
     text += field("steps",
                   settling == 0 ? count_text(running) : fmt::format("{} + {} for settling", count_text(running), count_text(settling)));
     text += field("evaluations", stages == 0 ? "depends on the method's iterations"
                                              : fmt::format("{}, plus transitions", count_text(stages * (running + settling))));
-    const long outputs = std::lround(std::floor(run.until / run.output_interval * (1.0 + 1e-12))) + 1;
-    const long states = std::lround(std::floor(run.until / run.state_interval * (1.0 + 1e-12))) + 1;
+    const long outputs = std::lround(std::floor(until / run.output_interval * (1.0 + 1e-12))) + 1;
+    const long states = std::lround(std::floor(until / run.state_interval * (1.0 + 1e-12))) + 1;
     text += field("record", fmt::format("{} every {}, {} every {}, up to {}", plural(outputs, "row"), time_text(run.output_interval),
                                         plural(states, "state"), time_text(run.state_interval),
                                         size_text(tasks::record_bytes(scene, simulation.variator().chain()))));

@@ -108,7 +108,7 @@ ExitStatus resume_run(const ResumeArguments& arguments) {
     if (std::filesystem::is_directory(arguments.what)) return resume_sweep(arguments);
     const tasks::Checkpoint checkpoint = tasks::read_checkpoint(arguments.what);
     const tasks::Scene scene = scene_to_resume(arguments, checkpoint);
-    ProgressDisplay display(arguments.quiet, scene.run.until);
+    ProgressDisplay display(arguments.quiet, tasks::latest_end(scene));
     tasks::RunOptions options = display.options();
     options.file = record_permit(arguments, checkpoint, scene);
     options.replace = arguments.force;

@@ -83,7 +83,7 @@ std::string machine_text() {
 }
 
 tasks::RunReport simulate(const RunArguments& arguments, const tasks::Scene& scene, const engine::Permit& file) {
-    ProgressDisplay display(arguments.quiet, scene.run.until);
+    ProgressDisplay display(arguments.quiet, tasks::latest_end(scene));
     tasks::RunOptions options = display.options();
     options.file = file;
     options.replaces = run_replaced(file);

@@ -43,6 +43,8 @@ void print_end(const tasks::Sweep& sweep, const tasks::BatchReport& report, cons
                                                 p.before > 0 ? fmt::format("; {} before", p.before) : "")));
     fmt::print("{}{}{}", tally_text(report.tally), field("results hash", report.results_hash), field("table", report.folder + "/cases.h5"));
     if (!report.continuation_error.empty()) fmt::print("{}", field("continuation error", report.continuation_error));
+    if (!report.steady_check.empty())
+        fmt::print("{}", field("three times as long", report.steady_check + "; percentages of the stated errors"));
 }
 
 /// Repeats some cases at reference accuracy, if the sweep has a target accuracy. @return whether it is met

@@ -108,6 +108,7 @@ ExitStatus show(const TableArguments& arguments) {
     if (const std::string choice = of("accuracy_choice"); !choice.empty())
         fmt::print("accuracy {}: {} (largest error at the corners {})\n", of("accuracy_target"), choice, of("accuracy_at_corners"));
     if (const std::string error = of("continuation_error"); !error.empty()) fmt::print("continuation error per output: {}\n", error);
+    if (const std::string check = of("steady_check"); !check.empty()) fmt::print("changes in three times as long: {}\n", check);
     return ExitStatus::finished;
 }
 

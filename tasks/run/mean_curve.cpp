@@ -1,0 +1,301 @@
+#include "tasks/run/mean_curve.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <numbers>
+#include <type_traits>
+
+#include "tasks/step/step_method.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+constexpr std::size_t point_numbers = sizeof(MeanPoint) / sizeof(double);
+using PointNumbers = std::array<double, point_numbers>;
+static_assert(std::is_trivially_copyable_v<MeanPoint> && sizeof(MeanPoint) == sizeof(PointNumbers));
+
+[[nodiscard]] std::array<double, mean_count> values_of(const model::Observation& now) noexcept {
+    std::array<double, mean_count> values{};
+    const auto put = [&](Mean quantity, double value, std::size_t k = 0) { values[static_cast<std::size_t>(quantity) + k] = value; };
+    put(Mean::ratio, now.ratio);
+    put(Mean::slip, now.slip);
+    put(Mean::friction_slip, now.friction_slip);
+    put(Mean::tight, now.tight);
+    put(Mean::slack, now.slack);
+    put(Mean::limited, now.control_limited ? 1.0 : 0.0);
+    put(Mean::loose, now.slack <= 0.0 ? 1.0 : 0.0);
+    put(Mean::beyond, now.limit_use > 1.0 ? 1.0 : 0.0);
+    put(Mean::turning, 0.5 * (std::abs(now.speed[0]) + std::abs(now.speed[1])));
+    put(Mean::creep, now.creep.power);
+    put(Mean::brought, std::max(0.0, now.work[0]) + std::max(0.0, now.work[1]));
+    for (std::size_t k = 0; k < 2; ++k) {
+        put(Mean::speed, now.speed[k], k);
+        put(Mean::torque, now.torque[k], k);
+        put(Mean::chain_torque, now.chain_torque[k], k);
+        put(Mean::clamping, now.clamping[k], k);
+        put(Mean::radius, now.radius[k], k);
+    }
+    for (std::size_t k = 0; k < 4; ++k) put(Mean::axial_force, now.axial_force[k], k);
+    return values;
+}
+
+/// Linear. time [s]
+[[nodiscard]] MeanPoint between(const MeanPoint& before, const MeanPoint& after, double time) noexcept {
+    const auto from = std::bit_cast<PointNumbers>(before), to = std::bit_cast<PointNumbers>(after);
+    const double share = (time - from[0]) / (to[0] - from[0]);
+    PointNumbers numbers{};
+    for (std::size_t k = 0; k < point_numbers; ++k) numbers[k] = from[k] + share * (to[k] - from[k]);
+    return std::bit_cast<MeanPoint>(numbers);
+}
+
+}  // namespace
+
+void MeanCurve::clear() noexcept {
+    points_.clear();
+    now_ = {};
+    values_ = {};
+    per_point_ = 1.0;
+    since_point_ = pin_period_ = period_here_ = 0.0;
+}
+
+void MeanCurve::add(const model::Observation& now, const EnergySums& sums, double pin_period, const EnergyMark& mark) {
+    std::array<double, mean_count> values = values_of(now);
+    if (marks_ && period_here_ > 0.0) add_alternation(now, values);
+    const MeanPoint before = now_;
+    const double half = points_.empty() ? 0.0 : 0.5 * (now.time - now_.time);
+    for (std::size_t k = 0; k < mean_count; ++k) now_.integral[k] += half * (values_[k] + values[k]);
+    now_.time = now.time;
+    now_.energy = sums;
+    now_.mark = mark;
+    now_.hydraulics = now.hydraulic_energy;
+    values_ = values;
+    pin_period_ = pin_period;
+    marks_ ? keep_periods(before) : keep_sample();
+}
+
+void MeanCurve::keep_sample() {
+    since_point_ += 1.0;
+    if (!points_.empty() && since_point_ < per_point_) return;
+    if (points_.size() == max_points) {  // every other one remains, the first one included
+        for (std::size_t k = 1; 2 * k < points_.size(); ++k) points_[k] = points_[2 * k];
+        points_.resize(max_points / 2);
+        per_point_ *= 2.0;
+    }
+    points_.push_back(now_);
+    since_point_ = 0.0;
+}
+
+void MeanCurve::keep_periods(const MeanPoint& before) {
+    if (points_.empty()) points_.push_back(now_);
+    if (!(period_here_ > 0.0)) period_here_ = pin_period_;
+    while (period_here_ > 0.0 && now_.time >= points_.back().time + period_here_ && points_.size() < max_periods) {
+        points_.push_back(between(before, now_, points_.back().time + period_here_));
+        period_here_ = pin_period_;
+    }
+}
+
+/// Adds the tight tension's part at half the pin frequency: periods alternate.
+void MeanCurve::add_alternation(const model::Observation& now, std::array<double, mean_count>& values) const noexcept {
+    const std::size_t periods = points_.size() - 1;
+    if (periods < 2) return;
+    const double usual = points_[periods].mean_since(points_[periods - 2], Mean::tight);  // of two: without what alternates
+    const double phase = static_cast<double>(periods % 2) + (now.time - points_[periods].time) / period_here_;
+    values[static_cast<std::size_t>(Mean::half_cosine)] = (now.tight - usual) * std::cos(std::numbers::pi * phase);
+    values[static_cast<std::size_t>(Mean::half_sine)] = (now.tight - usual) * std::sin(std::numbers::pi * phase);
+}
+
+MeanPoint MeanCurve::at(double time) const noexcept {
+    if (time >= now_.time) return now_;
+    const auto after = std::find_if(points_.begin(), points_.end(), [&](const MeanPoint& point) { return point.time >= time; });
+    if (after == points_.begin()) return points_.front();
+    return between(*(after - 1), after == points_.end() ? now_ : *after, time);
+}
+
+MeanPoint MeanCurve::instant(const MeanPoint& from) const noexcept {
+    MeanPoint point = from;
+    point.time += 1.0;
+    for (std::size_t k = 0; k < mean_count; ++k) point.integral[k] += values_[k];
+    return point;
+}
+
+void MeanCurve::save(std::vector<double>& memory) const {
+    memory.insert(memory.end(), {static_cast<double>(points_.size()), per_point_, since_point_, pin_period_, period_here_});
+    memory.insert(memory.end(), values_.begin(), values_.end());
+    const std::size_t begin = memory.size();
+    memory.resize(begin + (points_.size() + 1) * point_numbers);
+    std::memcpy(memory.data() + begin, &now_, sizeof(MeanPoint));
+    if (!points_.empty()) std::memcpy(memory.data() + begin + point_numbers, points_.data(), points_.size() * sizeof(MeanPoint));
+}
+
+std::span<const double> MeanCurve::load(std::span<const double> memory) {
+    const auto points = static_cast<std::size_t>(pop_integer(memory, 0, static_cast<int>(max_periods)));
+    const auto own = pop_front(memory, 4);
+    per_point_ = own[0];
+    since_point_ = own[1];
+    pin_period_ = own[2];
+    period_here_ = own[3];
+    const auto values = pop_front(memory, mean_count);
+    std::copy(values.begin(), values.end(), values_.begin());
+    std::memcpy(static_cast<void*>(&now_), pop_front(memory, point_numbers).data(), sizeof(MeanPoint));
+    points_.resize(points);
+    if (points > 0)
+        std::memcpy(static_cast<void*>(points_.data()), pop_front(memory, points * point_numbers).data(), points * sizeof(MeanPoint));
+    return memory;
+}
+
+namespace {
+
+constexpr std::size_t max_blocks = 8, min_blocks = 4;
+/// Quantiles of Student's distribution, two-sided 95 %, by number n of blocks: n - 2 degrees of freedom.
+constexpr double student[max_blocks + 1] = {0, 0, 0, 0, 4.30, 3.18, 2.78, 2.57, 2.45};
+/// The same quantiles by degrees of freedom.
+constexpr double quantile[max_blocks - 2] = {0, 12.71, 4.30, 3.18, 2.78, 2.57};
+constexpr double sag_counts = 1.5;            ///< a swing that turns has no trend: by its bend, the mean is off by about that much
+constexpr double share_of_efficiency = 0.02;  ///< of the tolerance of other means
+constexpr double noticed_alternation = 5e-4;  ///< of the tension: machines that do not alternate stay below 3e-4
+constexpr double min_trend_slip = 5e-4;       ///< slips below are compared with this [1]
+constexpr double min_share_of_tight = 0.1;    ///< likewise a slack strand, with a share of the tight one
+
+struct Block {
+    double mean[8];  ///< of the quantities below
+};
+constexpr std::string_view quantities[] = {"ratio", "thrust ratio",     "tight tension", "slack tension",
+                                           "slip",  "slip by friction", "losses",        "efficiency"};
+constexpr std::size_t losses = 6, efficiency = 7;
+
+[[nodiscard]] Block block_of(const MeanPoint& begin, const MeanPoint& end) noexcept {
+    const auto mean = [&](Mean quantity, std::size_t k = 0) { return end.mean_since(begin, quantity, k); };
+    const double driven = mean(Mean::clamping, 1);
+    return {{mean(Mean::ratio), driven != 0.0 ? mean(Mean::clamping) / driven : 0.0, mean(Mean::tight), mean(Mean::slack), mean(Mean::slip),
+             mean(Mean::friction_slip), (end.energy.lost() - begin.energy.lost()) / (end.time - begin.time),
+             end.energy.efficiency_since(begin.energy)}};
+}
+
+/// Scale of a quantity, from its mean over the window and that of the tight strand.
+[[nodiscard]] double scale_of(std::size_t quantity, double mean, double tight) noexcept {
+    if (quantity == 3) return std::max(std::abs(mean), min_share_of_tight * std::abs(tight));
+    return quantity == 4 || quantity == 5 ? std::max(std::abs(mean), min_trend_slip) : std::abs(mean);
+}
+
+/// Least squares. blocks [count]; window: length in blocks [1]
+[[nodiscard]] MeanTrend trend_of(const Block* blocks, std::size_t count, double window, std::size_t quantity) noexcept {
+    const double n = static_cast<double>(count), middle = 0.5 * (n - 1.0);
+    double mean = 0.0, tight = 0.0, slope = 0.0, spread = 0.0, scatter = 0.0;
+    for (std::size_t k = 0; k < count; ++k) {
+        mean += blocks[k].mean[quantity] / n;
+        tight += blocks[k].mean[2] / n;
+    }
+    for (std::size_t k = 0; k < count; ++k) {
+        const double x = static_cast<double>(k) - middle;
+        slope += x * (blocks[k].mean[quantity] - mean);
+        spread += x * x;
+    }
+    slope /= spread;
+    for (std::size_t k = 0; k < count; ++k) {
+        const double rest = blocks[k].mean[quantity] - mean - slope * (static_cast<double>(k) - middle);
+        scatter += rest * rest;
+    }
+    const double scale = scale_of(quantity, mean, tight), error = student[count] * std::sqrt(scatter / (n - 2.0) / spread);
+    if (!(scale > 0.0)) return {quantities[quantity]};
+    return {quantities[quantity], window * slope / scale, window * error / scale};
+}
+
+}  // namespace
+
+double MeanTrend::least() const noexcept { return std::max(0.0, std::abs(change) - uncertainty); }
+
+MeanTrend largest_trend(const MeanCurve& curve, double from, double to) noexcept {
+    const double period = curve.pin_period(), periods = period > 0.0 ? std::floor((to - from) / period * (1.0 + 1e-9)) : 0.0;
+    if (periods < static_cast<double>(min_blocks)) return {};
+    const auto count = static_cast<std::size_t>(std::min(periods, static_cast<double>(max_blocks)));
+    const double length = std::floor(periods / static_cast<double>(count)) * period;
+    Block blocks[max_blocks];
+    MeanPoint begin = curve.at(to - static_cast<double>(count) * length);
+    for (std::size_t k = 0; k < count; ++k) {
+        const MeanPoint end = curve.at(to - static_cast<double>(count - 1 - k) * length);
+        blocks[k] = block_of(begin, end);
+        begin = end;
+    }
+    MeanTrend largest;
+    for (std::size_t quantity = 0; quantity <= losses; ++quantity) {
+        const MeanTrend trend = trend_of(blocks, count, (to - from) / length, quantity);
+        if (trend.least() > largest.least()) largest = trend;
+    }
+    return largest;
+}
+
+MeanError error_of_mean(std::span<const double> values) noexcept {
+    const double n = static_cast<double>(values.size()), middle = 0.5 * (n - 1.0), square = (n * n - 1.0) / 12.0;
+    double mean = 0.0, slope = 0.0, bend = 0.0, slopes = 0.0, bends = 0.0, scatter = 0.0;
+    for (const double value : values) mean += value / n;
+    const auto place = [&](std::size_t k) { return static_cast<double>(k) - middle; };
+    for (std::size_t k = 0; k < values.size(); ++k) {
+        const double x = place(k), curved = x * x - square;
+        slope += x * values[k];
+        slopes += x * x;
+        bend += curved * values[k];
+        bends += curved * curved;
+    }
+    slope /= slopes;
+    bend /= bends;
+    for (std::size_t k = 0; k < values.size(); ++k) {
+        const double x = place(k), rest = values[k] - mean - slope * x - bend * (x * x - square);
+        scatter += rest * rest;
+    }
+    const double change = n * slope, sag = n * n / 6.0 * bend;  // of the trend over all; of its parabola, at the ends
+    return {mean, std::hypot(change, sag_counts * sag), quantile[values.size() - 3] * std::sqrt(scatter / (n - 3.0) / n)};
+}
+
+std::string_view SteadyMeans::name(std::size_t quantity) noexcept { return quantities[quantity]; }
+
+namespace {
+
+/// Amplitude of the tight tension at half the pin frequency between two points that lie an even number of periods apart [N].
+[[nodiscard]] double alternation(const MeanPoint& begin, const MeanPoint& end) noexcept {
+    return 2.0 * std::hypot(end.mean_since(begin, Mean::half_cosine), end.mean_since(begin, Mean::half_sine));
+}
+
+/// Largest error of the mean of a quantity [its unit].
+[[nodiscard]] double allowed(std::size_t quantity, double tolerance, const SteadyMeans& means) noexcept {
+    if (quantity == efficiency) return tolerance * std::max(share_of_efficiency, 1.0 - means.error[efficiency].mean);
+    return tolerance * scale_of(quantity, means.error[quantity].mean, means.error[2].mean);
+}
+
+}  // namespace
+
+SteadyMeans steady_means(const MeanCurve& curve, const SteadyRule& rule) noexcept {
+    const std::span<const MeanPoint> points = curve.points();
+    const std::size_t periods = points.empty() ? 0 : points.size() - 1, unit = static_cast<std::size_t>(rule.repeats);
+    SteadyMeans means;
+    const std::size_t batches = std::min(max_blocks, periods / 2 / unit);
+    if (batches < min_blocks || static_cast<double>(periods) < rule.pins) return means;
+    means.batches = batches;
+    means.batch = periods / 2 / batches / unit * unit;
+    means.begin = periods - batches * means.batch;
+    std::array<Block, max_blocks> blocks{};
+    for (std::size_t k = 0; k < batches; ++k)
+        blocks[k] = block_of(points[means.begin + k * means.batch], points[means.begin + (k + 1) * means.batch]);
+    for (std::size_t quantity = 0; quantity < SteadyMeans::count; ++quantity) {
+        double values[max_blocks];
+        for (std::size_t k = 0; k < batches; ++k) values[k] = blocks[k].mean[quantity];
+        means.error[quantity] = error_of_mean({values, batches});
+    }
+    for (std::size_t quantity = 0; quantity < SteadyMeans::count; ++quantity) {
+        const double share = means.error[quantity].sum() / allowed(quantity, rule.tolerance, means);
+        if (quantity == losses || !(share > means.share)) continue;
+        means.share = share;
+        means.worst = quantity;
+    }
+    const std::size_t quarter = (periods - means.begin) / 4 * 2, last = periods;  // even numbers of periods
+    const double before = alternation(points[last - 2 * quarter], points[last - quarter]);
+    const double after = alternation(points[last - quarter], points[last]), tight = means.error[2].mean;
+    means.alternation = tight > 0.0 ? after / tight : 0.0;
+    means.alternates = means.alternation > noticed_alternation && after > before;
+    return means;
+}
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,152 @@
+#pragma once
+/// Integrals of a run over time, of which means come, and what the means of equal times show: trends, errors, whether they are steady.
+
+#include <array>
+#include <cmath>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "model/observe/observation.hpp"
+#include "tasks/step/control/energy_ledger.hpp"
+
+namespace cvtflow::tasks {
+
+/// Quantities of an instant whose means over time a summary states.
+enum class Mean {
+    ratio,
+    slip,
+    friction_slip,
+    tight,
+    slack,
+    limited,  ///< 1 while a controller has reached its authority
+    loose,    ///< 1 while the slack strand carries no tension
+    beyond,   ///< 1 while clamping is above its limit over the slip speed
+    turning,  ///< speed of the shafts without its sign, mean of both [rad/s]
+    creep,    ///< power lost by creep [W]
+    brought,  ///< power of the shafts that bring any [W]
+    speed,    ///< from here on of both shafts
+    torque = speed + 2,
+    chain_torque = torque + 2,
+    clamping = chain_torque + 2,
+    radius = clamping + 2,
+    axial_force = radius + 2,       ///< of four sheaves
+    half_cosine = axial_force + 4,  ///< tight tension less that of two pin periods before, times cosine and
+    half_sine = half_cosine + 1,    ///< sine of half the pin frequency; 0 where periods are not marked [N]
+};
+inline constexpr std::size_t mean_count = static_cast<std::size_t>(Mean::half_sine) + 1;
+
+/// Integrals since the first sample, and energies. Numbers only.
+struct MeanPoint {
+    double time = 0.0;                          ///< [s]
+    std::array<double, mean_count> integral{};  ///< [unit of the quantity s]
+    EnergySums energy;
+    EnergyMark mark;
+    model::HydraulicEnergy hydraulics;
+
+    /// Mean of a quantity, or of the k-th of several, since an earlier point.
+    [[nodiscard]] double mean_since(const MeanPoint& before, Mean quantity, std::size_t k = 0) const noexcept {
+        const std::size_t at = static_cast<std::size_t>(quantity) + k;
+        return (integral[at] - before.integral[at]) / (time - before.time);
+    }
+};
+
+/// When means are steady: every error of theirs is below a tolerance. A rule without tolerance is none.
+struct SteadyRule {
+    double tolerance = 0.0;  ///< relative to each mean; of the efficiency to the losses' share, at least a fiftieth [1]
+    double limit = 0.0;      ///< pin periods after which a run ends that is not steady [1]
+    double pins = 0.0;       ///< pin periods of a revolution [1]
+    double repeats = 1.0;    ///< pin periods after which the machine repeats itself: all of a revolution where it is imperfect [1]
+};
+
+/// By the trapezoidal rule over samples, which may lie at any distance from each other.
+class MeanCurve {
+public:
+    /// Samples per pin period from which means are known to a thousandth, wherever the samples lie (a record may have fewer outputs).
+    static constexpr double samples_per_period = 10.0;
+
+    void clear() noexcept;
+    /// From the next sample on, keeps the points where pin periods end, all of them, in place of samples.
+    void mark_periods() noexcept { marks_ = true; }
+    /// @param sums of the energies so far   @param pin_period see Workspace [s]   @param mark of the energies' ledger
+    void add(const model::Observation& now, const EnergySums& sums, double pin_period, const EnergyMark& mark = {});
+    /// Whether the last sample lies so far back that another one is needed. time [s]
+    [[nodiscard]] bool due(double time, double per_period = samples_per_period) const noexcept {
+        return pin_period_ > 0.0 && time - now_.time >= pin_period_ / per_period;
+    }
+
+    [[nodiscard]] bool empty() const noexcept { return points_.empty(); }
+    [[nodiscard]] const MeanPoint& first() const noexcept { return points_.front(); }
+    /// With mark_periods(): begin of the first pin period and ends of all.
+    [[nodiscard]] std::span<const MeanPoint> points() const noexcept { return points_; }
+    [[nodiscard]] const MeanPoint& last() const noexcept { return now_; }
+    /// Linear between the points that are kept. time [s], from first() to last()
+    [[nodiscard]] MeanPoint at(double time) const noexcept;
+    /// A point as long after `from` as makes its means those of the last sample: for spans without length.
+    [[nodiscard]] MeanPoint instant(const MeanPoint& from) const noexcept;
+    [[nodiscard]] double pin_period() const noexcept { return pin_period_; }  ///< at the last sample [s]
+
+    /// For checkpoints: continues bitwise. load() returns the rest of the memory. @throws std::invalid_argument for a malformed memory
+    void save(std::vector<double>& memory) const;
+    [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< @param memory from save()
+
+private:
+    static constexpr std::size_t max_points = 2000, max_periods = 100'000;
+
+    void keep_sample();
+    void keep_periods(const MeanPoint& before);  ///< before: at the sample before the last one
+    void add_alternation(const model::Observation& now, std::array<double, mean_count>& values) const noexcept;
+
+    std::vector<MeanPoint> points_;               ///< the first sample, and every per_point_-th one
+    MeanPoint now_;                               ///< at the last sample
+    std::array<double, mean_count> values_{};     ///< of the last sample
+    double per_point_ = 1.0, since_point_ = 0.0;  ///< samples [1]
+    double pin_period_ = 0.0;                     ///< [s]
+    double period_here_ = 0.0;                    ///< length of the pin period that is marked next [s]
+    bool marks_ = false;
+};
+
+/// A quantity that moves. Shares of its mean.
+struct MeanTrend {
+    std::string_view quantity;
+    double change = 0.0;       ///< of the line from the begin to the end of the window [1]
+    double uncertainty = 0.0;  ///< of that, 95 % [1]
+
+    /// Smallest change that is certain [1].
+    [[nodiscard]] double least() const noexcept;
+};
+
+/// The one that has changed most of ratio, thrust ratio, tensions, slips and losses; none: fewer than four pin periods.
+/// @param from, to of `curve` [s]
+[[nodiscard]] MeanTrend largest_trend(const MeanCurve& curve, double from, double to) noexcept;
+
+/// Error of the mean of a series. [unit of the series]
+struct MeanError {
+    double mean = 0.0;
+    double drift = 0.0;  ///< change of the trend over all, and half as much again as the bend of the trend
+    double noise = 0.0;  ///< 95 %, of the scatter about that trend
+
+    [[nodiscard]] double sum() const noexcept { return std::hypot(drift, noise); }
+};
+/// @param values four to eight means of equal times that follow each other
+[[nodiscard]] MeanError error_of_mean(std::span<const double> values) noexcept;
+
+/// Means of the last half of a run, in equal batches of whole pin periods, and their errors.
+struct SteadyMeans {
+    static constexpr std::size_t count = 8;
+    /// "ratio", "thrust ratio", "tight tension", …, "efficiency".
+    [[nodiscard]] static std::string_view name(std::size_t quantity) noexcept;
+
+    std::size_t begin = 0, batch = 0, batches = 0;  ///< of the curve's points: first, number of periods in each, number; 0: too short
+    double share = 0.0;                             ///< largest error over what the rule allows for it; 0: not known [1]
+    std::size_t worst = 0;                          ///< the quantity that has it
+    std::array<MeanError, count> error{};           ///< not a number: there is no such mean
+    double alternation = 0.0;                       ///< amplitude of the tight tension at half the pin frequency over its mean [1]
+    bool alternates = false;                        ///< it is noticeable and grows: what follows has other means
+
+    [[nodiscard]] bool steady() const noexcept { return batches > 0 && share > 0.0 && share <= 1.0 && !alternates; }
+};
+/// @param curve one that marks periods
+[[nodiscard]] SteadyMeans steady_means(const MeanCurve& curve, const SteadyRule& rule) noexcept;
+
+}  // namespace cvtflow::tasks
