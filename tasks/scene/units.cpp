@@ -96,6 +96,26 @@ constexpr std::array<UsualUnits, 13> usual_table{{
     {"K", {celsius}},
 }};
 
+/// How a quantity is shown whose name contains `part` ('_' for '/' and '.'); the first row that applies counts.
+struct DisplayRow {
+    std::string_view si, part, shown;
+    double factor;
+};
+
+constexpr double degrees = 180.0 / std::numbers::pi;
+constexpr std::array<DisplayRow, 20> display_table{{
+    {"1", "slip", "%", 100.0},        {"1", "efficiency", "%", 100.0},
+    {"1", "creep", "%", 100.0},       {"Pa", "tip_pressure", "MPa", 1e-6},
+    {"Pa", "modulus", "GPa", 1e-9},   {"Pa", "", "bar", 1e-5},
+    {"m^3/s", "", "l/min", 6e4},      {"rad/s", "", "rpm", degrees / 6.0},
+    {"rad", "", "deg", degrees},      {"N", "plate", "N", 1.0},
+    {"N", "tension", "kN", 1e-3},     {"N", "clamping", "kN", 1e-3},
+    {"N", "sheaves", "kN", 1e-3},     {"N", "bearing_force", "kN", 1e-3},
+    {"W", "power_drive", "kW", 1e-3}, {"W", "power_load", "kW", 1e-3},
+    {"m", "deepest", "um", 1e6},      {"m", "", "mm", 1e3},
+    {"s", "time", "ms", 1e3},         {"s", "interval", "ms", 1e3},
+}};
+
 /// A product of units, while it is read.
 struct Product {
     Dimension dimension;
@@ -275,6 +295,17 @@ std::vector<std::string_view> usual_units(std::string_view unit) {
         return usual;
     }
     return {};
+}
+
+DisplayUnit display_unit(std::string_view name, std::string_view unit) {
+    std::string plain(name);
+    std::replace_if(
+        plain.begin(), plain.end(), [](char c) { return c == '/' || c == '.'; }, '_');
+    const std::string_view si = unit.empty() ? "1" : unit;
+    for (const DisplayRow& row : display_table) {
+        if (row.si == si && plain.find(row.part) != std::string::npos) return {row.shown, row.factor};
+    }
+    return {unit, 1.0};
 }
 
 std::string number_text(double number) {

@@ -49,6 +49,16 @@ struct Quantity {
 /// Units that people use for a quantity whose SI unit is `unit`, most usual first, without the SI unit itself. "m" -> mm, um, cm.
 [[nodiscard]] std::vector<std::string_view> usual_units(std::string_view unit);
 
+/// The unit in which pictures, reports and tables show a quantity.
+struct DisplayUnit {
+    std::string_view unit;  ///< as given, if none is more usual
+    double factor = 1.0;    ///< from the SI unit
+};
+
+/// As engineers read it: pressures in bar, flows in l/min, speeds of shafts in rpm, slip in %. The only table of these units.
+/// @param name of a channel, a column or a key: forces of the chain are in kN, those of a tip in N   @param unit SI unit; empty: none
+[[nodiscard]] DisplayUnit display_unit(std::string_view name, std::string_view unit);
+
 /// Shortest decimal text that reads back as the same double: 84, 0.2, 8.12e-3, 2e5. Also valid TOML. number [any unit]
 [[nodiscard]] std::string number_text(double number);
 

@@ -244,6 +244,7 @@ TEST_F(Batch, DistinguishesOtherTablesFromThoseOfSweeps) {
 /// The differences in the table are those to a sweep without continuation.
 class ContinuedBatch : public Batch {
 protected:
+    void expect_units_of_its_csv();
     void expect_error_of_continuation() {
         const std::string stated = table().attribute("continuation_error");
         write_sweep("\"6 N*m\", \"12 N*m\"", "40 us");
@@ -255,6 +256,19 @@ protected:
     }
 };
 
+/// Names of columns are those that scripts read, unless units are requested; a picture of either CSV is the same.
+void ContinuedBatch::expect_units_of_its_csv() {
+    const std::string plain = run({"table", "out", "--csv"}).out, named = run({"table", "out", "--csv", "--units"}).out;
+    EXPECT_THAT(plain, HasSubstr(",load_torque,"));
+    EXPECT_THAT(named, AllOf(HasSubstr(",load_torque [N*m],"), HasSubstr(",slip_mean [1],")));
+    EXPECT_EQ(plain.substr(plain.find('\n')), named.substr(named.find('\n')));
+    EXPECT_THAT(run({"table", "out", "--si"}).out, AllOf(HasSubstr(" clamping_driven [N] "), HasSubstr(" slip_mean ")));
+    EXPECT_EQ(run({"table", "out", "--units"}).status, 2);
+    write("named.csv", named);
+    EXPECT_EQ(run({"plot", "named.csv", "--x", "load.torque", "--y", "slip_mean", "-o", "p.svg"}).status, 0);
+    EXPECT_THAT(read("p.svg"), AllOf(HasSubstr(">mean slip [%]<"), HasSubstr(">load torque [N·m]<")));
+}
+
 TEST_F(ContinuedBatch, SharesASettledStateAndContinuesFromNeighbours) {
     write_sweep("\"6 N*m\", \"12 N*m\"", "40 us", "continuation = \"clamping.driven\"\n");
     ASSERT_EQ(batch({"--threads", "1"}).status, 0);
@@ -265,7 +279,9 @@ TEST_F(ContinuedBatch, SharesASettledStateAndContinuesFromNeighbours) {
     const Outcome two = run({"batch", "sweep.toml", "-o", "two", "--threads", "2"});
     const std::string text = run({"table", "out"}).out, slip = fmt::format(" {:.6g} ", 100.0 * std::stod(column("slip_mean").at(0)));
     EXPECT_EQ(hash_in(two.out), hash_in(text));
-    EXPECT_THAT(text, AllOf(HasSubstr(" slip_mean [%] "), HasSubstr(slip), HasSubstr(" efficiency [%] ")));
+    EXPECT_THAT(text,
+                AllOf(HasSubstr(" slip_mean [%] "), HasSubstr(slip), HasSubstr(" efficiency [%] "), HasSubstr("clamping_driven [kN]")));
+    expect_units_of_its_csv();
     std::string shared = read("sweep.toml");
     shared.replace(shared.find("\"settle\""), 8, "\"shared\"");
     shared.resize(shared.find("continuation"));

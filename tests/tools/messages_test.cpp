@@ -1,7 +1,9 @@
 /// Answers of the program to a command that is nearly right, and its warnings.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include "tasks/run/run_means.hpp"
 #include "tests/tools/program_fixture.hpp"
 
 namespace cvtflow::tools {
@@ -56,6 +58,13 @@ TEST_F(Messages, NameTheCommandForASceneOrASweep) {
 TEST_F(Messages, NameTheReadySweeps) {
     EXPECT_THAT(run({"list", "sweeps"}).out, AllOf(HasSubstr("\noperating_map"), HasSubstr("\nslip_efficiency")));
     EXPECT_THAT(of({"batch", "baseline"}, 1), HasSubstr("no sweep 'baseline'; ready sweeps: operating_map, slip_efficiency"));
+}
+
+/// Every note that a record or a sweep can have.
+TEST_F(Messages, NameTheNotes) {
+    const std::string notes = run({"list", "notes"}).out;
+    for (const tasks::NoteKind& kind : tasks::note_kinds())
+        EXPECT_THAT(notes, ContainsRegex(fmt::format("\n{} +[a-z]", kind.name))) << kind.meaning;
 }
 
 TEST_F(Messages, NameTheRecordsInAFolderWithoutASweep) {

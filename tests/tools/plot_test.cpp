@@ -96,6 +96,22 @@ TEST_F(PlotCommand, TheCsvHasTheNumbersOfTheRecord) {
     EXPECT_FALSE(std::getline(lines, line));
 }
 
+TEST_F(PlotCommand, ShowsUnitsOfEngineersOrSi) {
+    const engine::RunReader record((folder_ / "run.h5").string());
+    const double speed = record.channel("shaft_1/speed").front(), tension = record.channel("tight_tension").front();
+    ASSERT_EQ(run({"plot", "run.h5", "shaft_1/speed", "tight_tension", "tips/axial_force[0]", "-o", "p.csv"}).status, 0);
+    const std::string shown = read("p.csv");
+    EXPECT_NEAR(points_of(shown, "shaft_1/speed").front().second, speed * 30.0 / std::numbers::pi, 1e-5);
+    EXPECT_NEAR(points_of(shown, "tight_tension").front().second, 1e-3 * tension, 1e-8);
+    EXPECT_THAT(shown, testing::AllOf(HasSubstr("speed [rpm]"), HasSubstr("tight tension [kN]"), HasSubstr("tips/axial force[0] [N]")));
+    ASSERT_EQ(run({"plot", "run.h5", "shaft_1/speed", "tight_tension", "slip", "--si", "-o", "si.csv"}).status, 0);
+    const std::string si = read("si.csv");
+    EXPECT_NEAR(points_of(si, "shaft_1/speed").front().second, speed, 1e-6);
+    EXPECT_NEAR(points_of(si, "tight_tension").front().second, tension, 1e-5);
+    EXPECT_NEAR(points_of(si, "tight_tension").back().first, 40e-6, 1e-12) << "seconds";
+    EXPECT_THAT(si, testing::AllOf(HasSubstr("speed [rad/s]"), HasSubstr("tight tension [N]"), HasSubstr(",\"time [s]\",\"slip\"\n")));
+}
+
 TEST_F(PlotCommand, OrdersOfTheBaselinePeakWherePinsPassAndAtTwiceThat) {
     const std::vector<std::string> brief{"--method", "leapfrog-chebyshev", "--step", "auto", "--until", "40 ms"};
     ASSERT_EQ(run(std::vector<std::string>{"run", "baseline", "-o", "baseline.h5", "-q"} + brief).status, 0);
@@ -176,6 +192,17 @@ TEST_F(PlotCommand, DrawsSweepsAsCurvesAndAsMaps) {
                                               HasSubstr(">load torque [N·m]<")));
     ASSERT_EQ(run(axes + std::vector<std::string>{"start.ratio", "--colour", "slip_mean"}).status, 0);
     EXPECT_THAT(read("p.svg"), HasSubstr("class=\"contour\""));
+}
+
+TEST_F(PlotCommand, TakesConditionsWithUnits) {
+    const std::string sweep = CVTFLOW_SOURCE_DIR "/scenes/sweeps/slip_efficiency_results.csv";
+    const auto drawn = [&](const std::string& where) {
+        const Outcome made = run({"plot", sweep, "--x", "load_torque", "--y", "efficiency", "--where", where, "-o", "p.csv", "--force"});
+        EXPECT_EQ(made.status, 0) << made.err;
+        return read("p.csv");
+    };
+    EXPECT_EQ(drawn("clamping.driven=20 kN"), drawn("clamping.driven=20000"));
+    EXPECT_EQ(run({"plot", sweep, "--x", "load_torque", "--y", "efficiency", "--where", "clamping.driven=21 kN"}).status, 2);
 }
 
 TEST_F(PlotCommand, LegendOfTheShippedSweepLeavesThePicture) {

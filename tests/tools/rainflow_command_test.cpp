@@ -67,7 +67,7 @@ TEST_F(RainflowOfARecord, HasADamageEquivalentRangeAndReportsThatTheRecordIsShor
     EXPECT_NEAR(load.at("damage_equivalent").at("range").get<double>(), std::cbrt(sum), 1e-9 * std::cbrt(sum)) << "once in the record";
     EXPECT_EQ(load.at("damage_equivalent").at("reference_cycles"), 1.0);
     const Outcome text = run({"table", "run.h5", "--rainflow", "tight_tension"});
-    EXPECT_THAT(text.out, HasSubstr(" N (exponent 5, one cycle in the record)\n"));
+    EXPECT_THAT(text.out, HasSubstr(" kN (exponent 5, one cycle in the record)\n"));
     EXPECT_THAT(text.out, HasSubstr("of a round of the chain (")) << "20 us of 58 ms";
     EXPECT_EQ(run({"table", "run.h5", "--rainflow", "tight_tension", "--exponent", "0"}).status, 2);
 }

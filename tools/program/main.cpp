@@ -26,7 +26,7 @@ constexpr std::array commands{
     Command{"report", record, "Write a self-contained HTML page of records or a sweep: curves, the running chain, tables", declare_report},
     Command{"export", record, "Write a record for other programs: channels as CSV, pins and plates for ParaView", declare_export},
     Command{"export-fmu", record, "Write a scene as an FMU for other simulators (FMI 2.0 or 3.0)", declare_export_fmu},
-    Command{"list", reference, "List methods, levels of detail, channels, scenes, sweeps, executors, keys or units", declare_list},
+    Command{"list", reference, "List methods, levels of detail, channels, notes, scenes, sweeps, executors, keys or units", declare_list},
     Command{"explain", reference, "Explain keys of scenes and sweeps: meaning, unit, range, default, source", declare_explain},
     Command{"schema", reference, "Print the JSON schema of scenes or sweeps, for editors", declare_schema},
 };

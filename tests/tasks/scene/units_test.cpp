@@ -5,6 +5,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -153,6 +154,36 @@ TEST(Units, UsualUnitsHaveTheDimensionOfTheirSiUnit) {
         for (const auto usual : usual_units(unit)) EXPECT_EQ(dimension_of(usual), dimension_of(unit)) << usual;
     }
     EXPECT_TRUE(usual_units("N/s").empty());
+}
+
+/// Factors as the reader of quantities has them; l/min = 1e-3/60 m^3/s, which it does not read.
+TEST(Units, OfDisplayAreThoseOfEngineersWithTheirFactors) {
+    const auto expect = [](const char* name, const char* si, std::string_view shown) {
+        const DisplayUnit unit = display_unit(name, si);
+        EXPECT_EQ(unit.unit, shown) << name;
+        const auto one = parse_quantity(fmt::format("1 {}", shown));
+        ASSERT_TRUE(std::holds_alternative<Quantity>(one)) << name;
+        EXPECT_NEAR(unit.factor * std::get<Quantity>(one).value, 1.0, 1e-14) << name;
+        EXPECT_EQ(std::get<Quantity>(one).dimension, dimension_of(si)) << name;
+    };
+    expect("shaft_1/pressure", "Pa", "bar");
+    expect("pump_line_pressure_max", "Pa", "bar");
+    expect("wear/tip_pressure", "Pa", "MPa");
+    expect("shaft_1/speed", "rad/s", "rpm");
+    expect("drive.speed", "rad/s", "rpm");
+    expect("tight_tension", "N", "kN");
+    expect("clamping.driven", "N", "kN");
+    expect("tips/axial_force", "N", "N");
+    expect("followed_pin/plate_tension", "N", "N");
+    expect("shaft_1/radius", "m", "mm");
+    expect("tip.angle", "rad", "deg");
+    expect("slip_mean", "1", "%");
+    expect("efficiency_with_pump", "1", "%");
+    EXPECT_EQ(display_unit("slip_mean", "").unit, "%") << "of a CSV";
+    EXPECT_EQ(display_unit("shaft_1/oil_flow", "m^3/s").unit, "l/min");
+    EXPECT_DOUBLE_EQ(display_unit("shaft_1/oil_flow", "m^3/s").factor, 60.0 / 1e-3);
+    EXPECT_EQ(display_unit("ratio", "1").factor, 1.0);
+    EXPECT_EQ(display_unit("shaft_1/torque", "N*m").unit, "N*m");
 }
 
 TEST(NumberText, IsShortAndReadsBackEqual) {

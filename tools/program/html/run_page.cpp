@@ -303,6 +303,7 @@ std::string side_by_side(const RunDifference& d) {
 
 /// Curves of the channels that differ.
 std::string curves_of_differences(const RunDifference& d) {
+    const Shown time = shown("time", "s");
     std::string text, same;
     for (const ChannelDifference& each : d.channels) {
         if (each.largest == 0.0) {
@@ -311,10 +312,10 @@ std::string curves_of_differences(const RunDifference& d) {
         }
         const Shown how = shown(each.curve.name, each.curve.unit);
         std::vector<Point> points;
-        for (std::size_t k = 0; k < d.times.size(); ++k) points.push_back({1e3 * d.times[k], how.factor * each.curve.values[k]});
+        for (std::size_t k = 0; k < d.times.size(); ++k) points.push_back({time.factor * d.times[k], how.factor * each.curve.values[k]});
         Plot plot;
         plot.title = each.curve.name + ": B - A";
-        plot.x.label = "time [ms]";
+        plot.x.label = time.label;
         plot.y.label = how.unit.empty() ? "B - A" : fmt::format("B - A [{}]", how.unit);
         plot.height = 300.0;
         const bool dots = points.size() == 1;

@@ -20,13 +20,6 @@ std::string on_one_line(const std::string& text) {
     return shown;
 }
 
-/// Quantities that are shown in per cent.
-bool in_percent(const std::string& name, const std::string& unit) {
-    if (!unit.empty() && unit != "1") return false;
-    const std::string last = name.substr(name.rfind('/') + 1);
-    return last.find("slip") != std::string::npos || last.starts_with("efficiency") || last == "creep";
-}
-
 /// "N*m" -> "N·m".
 std::string with_dots(std::string unit) {
     for (auto at = unit.find('*'); at != std::string::npos; at = unit.find('*')) unit.replace(at, 1, "·");
@@ -44,7 +37,11 @@ std::string words_of(std::string name) {
     return name;
 }
 
+bool si_units = false;  ///< set once, by the command line
+
 }  // namespace
+
+void show_si() noexcept { si_units = true; }
 
 std::string time_text(double seconds) {
     struct TimeUnit {
@@ -134,9 +131,10 @@ std::string absent_executor_text() {
 }
 
 Shown shown(const std::string& name, const std::string& unit) {
-    if (in_percent(name, unit)) return {words_of(name) + " [%]", 100.0, "%"};
-    if (unit.empty() || unit == "1") return {words_of(name), 1.0, ""};
-    return {fmt::format("{} [{}]", words_of(name), with_dots(unit)), 1.0, unit};
+    const tasks::DisplayUnit how = si_units ? tasks::DisplayUnit{unit, 1.0} : tasks::display_unit(name, unit);
+    if (how.unit.empty() || how.unit == "1") return {words_of(name), 1.0, ""};
+    const std::string symbol(how.unit);
+    return {fmt::format("{} [{}]", words_of(name), with_dots(symbol)), how.factor, symbol};
 }
 
 std::string label_of_unit(const std::string& unit) {

@@ -1,6 +1,6 @@
 #pragma once
-/// Numbers, units and tables for people. Pictures and pages show names without underscores, slip and efficiency in per cent, and units
-/// beside them; files of numbers (records, tables, CSV) contain SI units, and so shares of 1.
+/// Numbers, units and tables for people. Pictures, pages and tables show names without underscores and the units of tasks::display_unit;
+/// files of numbers (records, tables of sweeps, exported CSV) contain SI units, and so shares of 1.
 
 #include <string>
 #include <vector>
@@ -54,6 +54,10 @@ struct Shown {
     double factor = 1.0;  ///< from the unit of the record to that of the label
     std::string unit;     ///< of the label: "%", "N"; empty: none
 };
+
+/// Pictures, pages and tables of this process show SI units from now on. Called while the command line is parsed.
+void show_si() noexcept;
+inline constexpr const char* si_meaning = "Show SI units (default: bar, l/min, rpm, kN, mm, %)";
 
 /// A channel or a column of a sweep. @param unit SI unit; "1" or empty: none
 [[nodiscard]] Shown shown(const std::string& name, const std::string& unit);

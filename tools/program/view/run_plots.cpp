@@ -49,7 +49,7 @@ std::string subtitle_of(const std::vector<RecordedRun>& runs) {
 }
 
 /// One number without a unit is a quantity of its own: ratio and efficiency share no axis.
-std::string kind_of(const Curve& curve) { return curve.unit == "1" ? curve.name : curve.unit; }
+std::string kind_of(const Curve& curve) { return curve.unit == "1" ? curve.name : shown(curve.name, curve.unit).unit; }
 
 /// "shaft_1/speed" of one run, "shaft_1/speed, other.h5" of several.
 std::string name_in(const std::vector<RecordedRun>& runs, const RecordedRun& run, const std::string& name) {
@@ -69,7 +69,7 @@ Plot& panel_of(std::vector<Panel>& panels, const Curve& curve) {
     if (found != panels.end()) {
         const bool new_name = found->plot.title.find(curve.name) == std::string::npos;
         found->plot.title += new_name ? ", " + curve.name : "";
-        if (new_name) found->plot.y.label = label_of_unit(curve.unit);
+        if (new_name) found->plot.y.label = label_of_unit(kind);
         return found->plot;
     }
     panels.push_back({kind, {}});
@@ -101,10 +101,11 @@ Series line_through(const std::string& name, const std::vector<double>& x, const
 constexpr double long_record = 10.0;  ///< time from which pictures count in seconds [s]
 
 struct TimeAxis {
-    const char* label;
+    std::string label;
     double per_second;
 
-    explicit TimeAxis(bool is_long) : label(is_long ? "time [s]" : "time [ms]"), per_second(is_long ? 1.0 : 1e3) {}
+    explicit TimeAxis(bool is_long) : TimeAxis(is_long ? Shown{"time [s]", 1.0, "s"} : shown("time", "s")) {}
+    explicit TimeAxis(const Shown& how) : label(how.label), per_second(how.factor) {}
     [[nodiscard]] std::vector<double> of(std::vector<double> times) const {
         for (double& time : times) time *= per_second;
         return times;
@@ -313,7 +314,7 @@ std::vector<Plot> order_plots(const std::vector<RecordedRun>& runs, const std::v
             if (plot.series.empty())
                 plot.y = {"amplitude of " + how.label, Scale::logarithmic, 1.0, {}, {}};
             else
-                plot.y.label = "amplitude, " + label_of_unit(curve.unit);
+                plot.y.label = "amplitude, " + label_of_unit(how.unit.empty() ? curve.unit : how.unit);
             end = std::min(end, spectrum.frequency.back());
             plot.series.push_back(line_through(name_in(runs, run, curve.name), spectrum.frequency, spectrum.amplitude));
         }
@@ -339,7 +340,8 @@ Plot round_plot(const std::vector<RecordedRun>& runs) {
     Plot plot;
     plot.title = "Round of the followed pin";
     plot.subtitle = subtitle_of(runs);
-    plot.x.label = "x [mm]", plot.y.label = "y [mm]";
+    const Shown length = shown("position", "m");
+    plot.x.label = fmt::format("x [{}]", length.unit), plot.y.label = fmt::format("y [{}]", length.unit);
     for (const RecordedRun& run : runs) {
         const auto& channels = run.reader().channels();
         const auto place = std::find_if(channels.begin(), channels.end(), [](const engine::ChannelInfo& channel) {
@@ -348,7 +350,7 @@ Plot round_plot(const std::vector<RecordedRun>& runs) {
         if (place == channels.end()) throw UsageError(run.path() + ": the record has no channel with a place in space");
         const std::vector<double> all = run.reader().channel(place->name);
         Series series{runs.size() == 1 ? "" : run.path(), {}, Mark::none, Line::solid, "", 1.4};
-        for (std::size_t k = 0; k + 2 < all.size(); k += 3) series.points.push_back({1e3 * all[k], 1e3 * all[k + 1]});
+        for (std::size_t k = 0; k + 2 < all.size(); k += 3) series.points.push_back({length.factor * all[k], length.factor * all[k + 1]});
         plot.series.push_back(std::move(series));
     }
     equalise(plot);

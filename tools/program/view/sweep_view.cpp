@@ -54,7 +54,12 @@ SweepView from_csv(const std::string& path) {
     if (lines.size() < 2 || std::find(lines[0].begin(), lines[0].end(), "status") == lines[0].end())
         throw engine::RecordError(path + ": not a sweep's table as cvtflow table --csv prints it");
     SweepView view{path, std::filesystem::path(path).stem().string(), {}, {}, {}};
-    for (const std::string& name : lines[0]) view.columns.push_back({name, "", "", false, false});
+    for (const std::string& heading : lines[0]) {  // "slip_mean", or "slip_mean [1]" as --units prints it
+        const auto unit = heading.ends_with("]") ? heading.find(" [") : std::string::npos;
+        const bool without = unit == std::string::npos;
+        view.columns.push_back(
+            {heading.substr(0, unit), without ? "" : heading.substr(unit + 2, heading.size() - unit - 3), "", false, false});
+    }
     for (std::size_t line = 1; line < lines.size(); ++line) {
         if (lines[line].size() != view.columns.size())
             throw engine::RecordError(fmt::format("{}:{}: {} cells, not {}", path, line + 1, lines[line].size(), view.columns.size()));
@@ -221,7 +226,9 @@ void SweepView::keep(const std::string& condition) {
     if (equals == std::string::npos) throw UsageError(fmt::format("--where {}: expected COLUMN=VALUE", condition));
     const std::size_t c = column(condition.substr(0, equals));
     const std::string value_text = condition.substr(equals + 1);
-    const double value = as_number(value_text);
+    const auto parsed = tasks::parse_quantity(value_text);  // 20000, or 20 kN
+    const auto* quantity = std::get_if<tasks::Quantity>(&parsed);
+    const double value = quantity != nullptr ? quantity->value : NAN;
     std::erase_if(cells, [&](const auto& row) { return row[c] != value_text && as_number(row[c]) != value; });
     if (cells.empty()) throw UsageError(fmt::format("--where {}: no case of {} is left", condition, path));
 }

@@ -18,6 +18,7 @@
 #include "tools/program/command/command.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output.hpp"
+#include "tools/program/text/text.hpp"
 #include "tools/program/view/run_plots.hpp"
 #include "tools/program/view/sweep_view.hpp"
 
@@ -185,6 +186,7 @@ Action declare_plot(CLI::App& app) {
     app.add_option("--y", arguments->y, "Sweeps: column along the vertical axis")->type_name("COLUMN");
     app.add_option("--colour", arguments->colour, "Sweeps: column drawn as a map with contours")->type_name("COLUMN");
     declare_repeated(app, "--where", arguments->where, "Sweeps: only cases with that value; may be repeated", "COLUMN=VALUE");
+    app.add_flag_callback("--si", show_si, si_meaning);
     app.add_flag("--force", arguments->force, force_meaning);
     app.footer(
         "cvtflow plot run.h5 slip efficiency          cvtflow plot a.h5 b.h5 shaft_1/speed   (both in one picture)\n"

@@ -72,6 +72,7 @@ Action declare_report(CLI::App& app) {
         ->required()
         ->type_name("...");
     app.add_option("-o,--output", arguments->output, "Page to write (default: beside the input, .html)")->type_name("FILE");
+    app.add_flag_callback("--si", show_si, si_meaning);
     app.add_flag("--force", arguments->force, force_meaning);
     app.footer(
         "The page is one file and needs no network: status and warnings, scene, key figures, curves, running chain, spectra, losses,\n"

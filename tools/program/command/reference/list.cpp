@@ -13,6 +13,7 @@
 #include "tasks/channel/channels.hpp"
 #include "tasks/method/automatic_method.hpp"
 #include "tasks/method/method_choice.hpp"
+#include "tasks/run/run_means.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/units.hpp"
 #include "tools/program/arguments.hpp"
@@ -133,6 +134,14 @@ std::string sweeps() {
     return table.text() + "\nFrom the folders \"sweeps\" beside the ready scenes (cvtflow list scenes). cvtflow batch NAME runs one.\n";
 }
 
+std::string notes() {
+    Table table({{"note"}, {"meaning"}});
+    for (const tasks::NoteKind& kind : tasks::note_kinds()) table.add({std::string(kind.name), std::string(kind.meaning)});
+    return table.text() +
+           "\nA note is a condition under which means of a run are read with care. Summaries of runs, reports, and the column "
+           "\"notes\" of sweeps have them.\n";
+}
+
 std::string executors() { return executor_table() + fmt::format("\nRuntimes: {}.\n", engine::runtime_versions()) + absent_executor_text(); }
 
 std::string keys() {
@@ -174,6 +183,7 @@ constexpr std::array listings{
     Listing{"channels", "Recorded quantities", channels},
     Listing{"scenes", "Ready scenes", scenes},
     Listing{"sweeps", "Ready sweeps", sweeps},
+    Listing{"notes", "Notes of runs and of cases of sweeps", notes},
     Listing{"executors", "Executors of the task graph; more for comparison: cvtflow-lab executors", executors},
     Listing{"keys", "All keys of scenes", keys},
     Listing{"units", "Units of quantities", units},

@@ -34,10 +34,10 @@ struct TableArguments {
     int classes = 16;
     double exponent = 5.0;
     std::string from, until;
-    bool csv = false, json = false;
+    bool csv = false, json = false, units = false;
 };
 
-/// For a person: slip and efficiency are in per cent. --csv prints SI units.
+/// --csv prints SI units.
 Shown how_to_show(const engine::CaseColumn& column) {
     return column.type == engine::CaseColumnType::real ? shown(column.name, column.unit) : Shown{};
 }
@@ -82,6 +82,23 @@ std::string table_text(const engine::CaseTable& table, const std::vector<std::si
     return text.text();
 }
 
+/// "load_torque [N*m],slip_mean [1],…": the first line of a CSV.
+std::string headings_with_units(const engine::RowLayout& layout) {
+    std::string text;
+    for (const engine::CaseColumn& column : layout.columns()) {
+        const std::string unit = column.unit.empty() ? "" : fmt::format(" [{}]", column.unit);
+        text += (text.empty() ? "" : ",") + tasks::csv_cell(column.name + unit, true);
+    }
+    return text;
+}
+
+bool has_notes(const engine::CaseTable& table) {
+    bool any = false;
+    for (std::size_t row = 0; table.layout.has("notes") && row < table.size(); ++row)
+        any = any || !table.layout.text(table.row(row), table.layout.column("notes")).empty();
+    return any;
+}
+
 void keep_status(engine::CaseTable& table, const std::string& status) {
     std::vector<std::byte> kept;
     for (std::size_t row = 0; row < table.size(); ++row) {
@@ -98,12 +115,15 @@ ExitStatus show(const TableArguments& arguments) {
     const std::string hash = tasks::results_hash(table);
     if (!arguments.status.empty()) require_statuses("--status", {arguments.status});
     if (!arguments.status.empty()) keep_status(table, arguments.status);
+    if (arguments.units && !arguments.csv) throw UsageError("--units requires --csv");
     if (arguments.csv) {
-        fmt::print("{}", tasks::csv_text(table));
+        const std::string text = tasks::csv_text(table);
+        fmt::print("{}", arguments.units ? headings_with_units(table.layout) + text.substr(text.find('\n')) : text);
         return ExitStatus::finished;
     }
     fmt::print("{}\n", table_text(table, chosen_columns(table.layout, arguments.columns)));
     const auto of = [&table](const char* name) { return engine::visible(table.attribute(name)); };
+    if (has_notes(table)) fmt::print("notes: cvtflow list notes states their meanings\n");
     fmt::print("{}: {} of {} cases, {}, results hash {}\n", of("sweep"), table.size(), of("cases"), of("status"), hash);
     if (const std::string choice = of("accuracy_choice"); !choice.empty())
         fmt::print("accuracy {}: {} (largest error at the corners {})\n", of("accuracy_target"), choice, of("accuracy_at_corners"));
@@ -217,8 +237,9 @@ std::string damage_text(const Load& load, double exponent, const Rounds& round) 
     const double rounds = round.in(load);
     const std::string each =
         rounds >= 1.0 ? fmt::format("one cycle per round of the chain ({:.3g} rounds)", rounds) : "one cycle in the record";
-    std::string text = fmt::format("  damage-equivalent range {:.6g} {} (exponent {:g}, {})\n", equivalent_range(load, exponent, rounds),
-                                   load.unit, exponent, each);
+    const Shown how = shown(load.name, load.unit);
+    std::string text = fmt::format("  damage-equivalent range {:.6g} {} (exponent {:g}, {})\n",
+                                   how.factor * equivalent_range(load, exponent, rounds), how.unit, exponent, each);
     if (rounds > 0.0 && rounds < 1.0)
         text += fmt::format("  note: the record covers {:.2g} of a round of the chain ({}); no link has seen all of its loads\n", rounds,
                             time_text(round.time));
@@ -228,14 +249,15 @@ std::string damage_text(const Load& load, double exponent, const Rounds& round) 
 /// Classes of ranges: the table of the text, and a part of the JSON.
 std::vector<ReportColumn<engine::RainflowClass>> class_columns(const Load& load) {
     using Class = engine::RainflowClass;
-    const auto column = [](const char* key, const std::string& heading, double Class::*number) -> ReportColumn<Class> {
+    const auto column = [](const char* key, const std::string& heading, double Class::*number, double factor) -> ReportColumn<Class> {
         return {key, heading, [number](const Class& each) { return each.*number; },
-                [number](const Class& each) { return fmt::format("{:.6g}", each.*number); }};
+                [number, factor](const Class& each) { return fmt::format("{:.6g}", factor * each.*number); }};
     };
-    const std::string unit = fmt::format(" [{}]", load.unit);
-    return {column("from", "range from" + unit, &Class::from), column("to", "to" + unit, &Class::to),
-            column("count", "cycles", &Class::count), column("mean", "mean" + unit, &Class::mean),
-            column("largest", "largest range" + unit, &Class::largest)};
+    const Shown how = shown(load.name, load.unit);
+    const std::string unit = fmt::format(" [{}]", how.unit);
+    return {column("from", "range from" + unit, &Class::from, how.factor), column("to", "to" + unit, &Class::to, how.factor),
+            column("count", "cycles", &Class::count, 1.0), column("mean", "mean" + unit, &Class::mean, how.factor),
+            column("largest", "largest range" + unit, &Class::largest, how.factor)};
 }
 
 /// A cycle, and the load that it was counted in.
@@ -354,7 +376,9 @@ Action declare_table(CLI::App& app) {
                    "Folder of a sweep, also of a running one, or its cases.h5. With --rainflow: the record of a run")
         ->required()
         ->type_name("");
-    app.add_flag("--csv", arguments->csv, "Print all columns as CSV, numbers with all digits");
+    app.add_flag("--csv", arguments->csv, "Print all columns as CSV, in SI units, numbers with all digits");
+    app.add_flag("--units", arguments->units, "CSV: headings with units, \"load_torque [N*m]\"");
+    app.add_flag_callback("--si", show_si, si_meaning);
     declare_repeated(app, "--column", arguments->columns, "Show this column; may be repeated", "NAME");
     declare_rainflow(app, *arguments);
     app.add_option("--status", arguments->status, "Show only cases with this status")->type_name("STATUS");
