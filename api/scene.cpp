@@ -91,6 +91,11 @@ std::vector<KeyInfo> scene_keys() {
     });
 }
 
+DisplayUnit display_unit(const std::string& name, const std::string& unit) {
+    const tasks::DisplayUnit how = tasks::display_unit(name, unit);
+    return {std::string(how.unit), how.factor};
+}
+
 double quantity(const std::string& text, const std::string& unit) {
     return api::entered(ErrorCode::argument, [&] {
         const auto parsed = tasks::parse_quantity(text);

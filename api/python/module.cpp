@@ -56,6 +56,15 @@ PYBIND11_MODULE(_cvtflow, module) {
     module.def(
         "quantity", &cvtflow::quantity, pybind11::arg("text"), pybind11::arg("unit"),
         "A quantity with its unit, in SI: quantity(\"0.1 ms\", \"s\") is 1e-4. unit: SI unit that is expected, \"1\" for a plain number.");
+    module.def(
+        "display_unit",
+        [](const std::string& name, const std::string& unit) {
+            const cvtflow::DisplayUnit how = cvtflow::display_unit(name, unit);
+            return std::make_pair(how.unit, how.factor);
+        },
+        pybind11::arg("name"), pybind11::arg("unit"),
+        "The unit in which pictures and tables show a channel, a column or a key, and the factor from its SI unit: "
+        "display_unit(\"shaft_1/speed\", \"rad/s\") is (\"rpm\", 9.549…).");
     module.def("library_version", &cvtflow::library_version, "Version of the loaded library.");
     module.def(
         "shutdown",

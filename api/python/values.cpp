@@ -42,7 +42,7 @@ void bind_figures(py::module_& module) {
         .def_readonly("residual", &Energy::residual, "change of the stored energy - work of the inputs + losses [J]")
         .def_readonly("dissipated", &Energy::dissipated, "energy dissipated [J]")
         .def_readonly("suspicion", &Energy::suspicion, "|residual| over its tolerance [1]")
-        .def_readonly("reliable", &Energy::reliable, "suspicion <= 1");
+        .def_readonly("reliable", &Energy::reliable, "`suspicion` <= 1");
     py::class_<Transition>(module, "Transition", "A change of a tip's phase: 0 free, 1 touching, 2 sticking, 3 slipping.")
         .def_readonly("time", &Transition::time, "time [s]")
         .def_readonly("pin", &Transition::pin, "counted from 0")

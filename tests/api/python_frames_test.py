@@ -1,12 +1,16 @@
 """Records, recordings and sweeps as scientists use them: frames, states, transitions, elements, plots."""
 
+import contextlib
 import importlib.util
 import os
 import signal
+import sys
 import tempfile
 import threading
 import time
+import types
 import unittest
+import unittest.mock
 from pathlib import Path
 
 from python_fixture import BRIEF, SOURCE, main, program, tiny
@@ -15,14 +19,24 @@ import numpy as np
 
 import cvtflow
 
-HAS = {name: importlib.util.find_spec(name) is not None for name in ("pandas", "matplotlib")}
+HAS = {name: importlib.util.find_spec(name) is not None for name in ("pandas", "matplotlib", "scipy")}
 if HAS["matplotlib"]:
     import matplotlib
 
     matplotlib.use("Agg")
 
 pandas_only = unittest.skipUnless(HAS["pandas"], "pandas is not installed")
+scipy_only = unittest.skipUnless(HAS["scipy"], "SciPy is not installed")
 matplotlib_only = unittest.skipUnless(HAS["matplotlib"], "Matplotlib is not installed")
+
+
+@contextlib.contextmanager
+def stand_in_for_xarray():
+    """A module in place of xarray, whose Dataset keeps what it is given: xarray need not be installed."""
+    made = types.ModuleType("xarray")
+    made.Dataset = lambda variables, coords: types.SimpleNamespace(variables=variables, coords=coords)
+    with unittest.mock.patch.dict(sys.modules, {"xarray": made}):
+        yield
 
 
 class Folder(unittest.TestCase):
@@ -143,12 +157,15 @@ class Records(Folder):
     def test_channels_are_drawn_in_one_call(self):
         record, _ = self.recorded()
         axes = record.plot("slip")
-        self.assertEqual((axes.get_ylabel(), axes.get_xlabel()), ("slip", "time [ms]"))
-        np.testing.assert_array_equal(axes.lines[0].get_ydata(), record["slip"])
+        self.assertEqual((axes.get_ylabel(), axes.get_xlabel()), ("slip [%]", "time [ms]"))
+        np.testing.assert_array_equal(axes.lines[0].get_ydata(), 100.0 * record["slip"])
         np.testing.assert_array_equal(axes.lines[0].get_xdata(), 1e3 * record["time"])
         both = record.plot("tight_tension", "slack_tension", "shaft_1/torque", color="black")
-        self.assertEqual([axes.get_ylabel() for axes in both], ["[N]", "shaft_1/torque [N*m]"])
+        self.assertEqual([axes.get_ylabel() for axes in both], ["[kN]", "shaft 1/torque [N·m]"])
         self.assertEqual([len(axes.lines) for axes in both], [2, 1])
+        si = record.plot("tight_tension", si=True)
+        self.assertEqual((si.get_ylabel(), si.get_xlabel()), ("tight tension [N]", "time [s]"))
+        np.testing.assert_array_equal(si.lines[0].get_ydata(), record["tight_tension"])
         self.assertIs(record.plot("links/tension[3]", ax=axes), axes)
         self.assertEqual(len(axes.lines), 2)
         self.assertRaises(TypeError, record.plot)
@@ -193,22 +210,93 @@ class Sweeps(Folder):
         self.assertEqual(frame.index.dtype, int)
         self.assertEqual((list(frame.index), frame.attrs["units"]["load_torque"]), ([0, 1, 2, 3], "N*m"))
         axes = results.plot(x="load.torque", y="slip mean", by="clamping.driving")
-        self.assertEqual((axes.get_xlabel(), axes.get_ylabel()), ("load_torque [N*m]", "slip_mean"))
+        self.assertEqual((axes.get_xlabel(), axes.get_ylabel()), ("load torque [N·m]", "mean slip [%]"))
         self.assertEqual([list(line.get_xdata()) for line in axes.lines], [[6, 12], [6, 12]])
-        np.testing.assert_array_equal(axes.lines[0].get_ydata(), results["slip_mean"][[2, 0]])
+        np.testing.assert_array_equal(axes.lines[0].get_ydata(), 100.0 * results["slip_mean"][[2, 0]])
         self.assertEqual([text.get_text() for text in axes.get_legend().get_texts()],
-                         ["clamping_driving [N] = 7000", "clamping_driving [N] = 8000"])
+                         ["clamping driving = 7 kN", "clamping driving = 8 kN"])
 
     @matplotlib_only
     def test_results_have_a_line_for_each_value_of_every_other_axis(self):
         results = self.results()
         axes = results.plot(x="load.torque", y="slip mean")
         self.assertEqual([list(line.get_xdata()) for line in axes.lines], [[6, 12], [6, 12]])
-        self.assertEqual(axes.get_legend().get_texts()[0].get_text(), "clamping_driving [N] = 7000, clamping_driven [N] = 5000")
+        self.assertEqual(axes.get_legend().get_texts()[0].get_text(), "clamping driving = 7 kN, clamping driven = 5 kN")
         axes = results.plot(x="clamping.driving", y="slip mean")  # the driven force follows it
-        self.assertEqual([list(line.get_xdata()) for line in axes.lines], [[7000, 8000], [7000, 8000]])
-        self.assertEqual([text.get_text() for text in axes.get_legend().get_texts()], ["load_torque [N*m] = 6", "load_torque [N*m] = 12"])
+        self.assertEqual([list(line.get_xdata()) for line in axes.lines], [[7, 8], [7, 8]])
+        self.assertEqual([text.get_text() for text in axes.get_legend().get_texts()], ["load torque = 6 N·m", "load torque = 12 N·m"])
+        axes = results.plot(x="clamping.driving", y="slip mean", si=True)
+        self.assertEqual((axes.get_xlabel(), axes.get_ylabel()), ("clamping driving [N]", "mean slip"))
+        self.assertEqual(list(axes.lines[0].get_xdata()), [7000, 8000])
         self.assertEqual(len(results.plot(x="load.torque", y="slip mean", by=[]).lines), 1)
+
+    @matplotlib_only
+    def test_results_are_drawn_as_a_map(self):
+        results = self.results()
+        axes = results.map("load.torque", "clamping.driving", "slip mean")
+        mesh = axes.collections[0]
+        slip = 100.0 * results["slip_mean"]  # cases: 12 N*m at 7 and 8 kN, 6 N*m at 7 and 8 kN
+        np.testing.assert_allclose(np.ravel(mesh.get_array()), slip[[2, 0, 3, 1]])
+        self.assertEqual((axes.get_xlabel(), axes.get_ylabel()), ("load torque [N·m]", "clamping driving [kN]"))
+        self.assertEqual(axes.figure.axes[1].get_ylabel(), "mean slip [%]")
+        points = results.where(clamping__driving="7 kN").map("load.torque", "clamping.driving", "slip mean")
+        np.testing.assert_allclose(points.collections[0].get_offsets(), [[12, 7], [6, 7]])
+        with self.assertRaisesRegex(ValueError, "several cases at one point of load_torque and load_torque: choose with where.*clamping_driving"):
+            results.map("load.torque", "load.torque", "slip mean")
+
+    @pandas_only
+    def test_results_become_a_table_over_two_axes_and_cases_are_chosen(self):
+        results = self.results()
+        table = results.pivot("load.torque", "clamping.driving", "slip mean")
+        self.assertEqual((list(table.index), list(table.columns)), ([6, 12], [7000, 8000]))
+        self.assertEqual(table.loc[12, 8000], results["slip_mean"][1])
+        self.assertRaises(ValueError, results.pivot, "load.torque", "status", "slip mean")
+        self.assertEqual(results.axes(), ["load_torque", "clamping_driving"])
+        light = results.where(load__torque="6 N*m")
+        np.testing.assert_array_equal(light["case"], [2, 3])
+        np.testing.assert_array_equal(light["slip_mean"], results["slip_mean"][2:])
+        self.assertEqual(len(results.where(status="ok", load__torque=12.0)["case"]), 2)
+        self.assertEqual(len(results.where(clamping__driving=1.0)["case"]), 0)
+
+    def test_results_become_an_array_with_named_axes(self):
+        results = self.results()
+        with stand_in_for_xarray():
+            made = results.to_xarray()
+            record, _ = self.recorded()
+            rows = record.to_xarray(["slip", "links/tension"])
+        self.assertEqual({name: list(values) for name, (_, values, _) in made.coords.items()},
+                         {"load_torque": [6, 12], "clamping_driving": [7000, 8000]})
+        dimensions, slip, attributes = made.variables["slip_mean"]
+        self.assertEqual((list(dimensions), attributes["units"]), (["load_torque", "clamping_driving"], "1"))
+        np.testing.assert_array_equal(slip, [results["slip_mean"][[2, 3]], results["slip_mean"][[0, 1]]])
+        self.assertEqual(made.variables["status"][1].tolist(), [["ok", "ok"]] * 2)
+        self.assertEqual(rows.variables["links/tension"][0], ["time", "links_tension_number"])
+        np.testing.assert_array_equal(rows.variables["links/tension"][1], record["links/tension"])
+
+    @scipy_only
+    def test_friction_is_found_from_the_slip_that_it_makes(self):
+        scene = tiny("run.until=0.05 ms", "start.settling_time=0.1 ms", "start.ramp_time=0.1 ms")
+        load = [6.0, 9.0, 12.0]
+        key = "tip.friction_coefficient"
+        truth = cvtflow.Sweep(scene.with_({key: 0.085}), {"load.torque": load}, ["slip mean"]).run(self.folder)["slip_mean"]
+        found = cvtflow.fit(scene, {key: (0.06, 0.12)}, {"load.torque": load, "slip mean": truth}, deviations={"slip mean": 1e-5})
+        self.assertAlmostEqual(found.values[key], 0.085, delta=1e-4)
+        self.assertEqual(found.scene[key], found.values[key])
+        low, high = found.confidence[key]
+        self.assertTrue(low < found.values[key] < high)
+        self.assertLess(np.max(np.abs(found.residuals["slip mean"])), 1e-2 * np.max(np.abs(truth)))
+        self.assertIn("tip.friction_coefficient = 0.08", repr(found))
+        noisy = cvtflow.fit(scene, {key: (0.06, 0.12)}, {"load.torque": load, "slip mean": truth * [1.02, 0.98, 1.02]})
+        self.assertGreater(noisy.confidence[key][1] - noisy.confidence[key][0], high - low, "residuals widen it")
+        with self.assertRaisesRegex(ValueError, "equal lengths"):
+            cvtflow.fit(scene, {key: (0.06, 0.12)}, {"load.torque": load})
+        with self.assertRaisesRegex(ValueError, "not below"):
+            cvtflow.fit(scene, {key: (0.12, 0.06)}, {"load.torque": load, "slip mean": truth})
+
+    def test_a_sweep_is_displayed_with_its_axes(self):
+        sweep = cvtflow.Sweep("tiny", {"load.torque": [1, 2], ("clamping.driving", "clamping.driven"): [(1, 2)] * 3}, ["slip mean"])
+        self.assertEqual(repr(sweep), "<cvtflow.Sweep of tiny: 6 cases over load.torque (2), clamping.driving with clamping.driven (3); "
+                                      "slip mean>")
 
     def test_ctrl_c_ends_a_sweep_file_and_it_goes_on(self):
         file = Path(self.folder, "long.toml")

@@ -1,5 +1,6 @@
 """Scenes from dicts and keywords, listing of keys, quantities with units, channels by name, reprs."""
 
+import cProfile
 import importlib.util
 import os
 import tempfile
@@ -178,6 +179,19 @@ class Channels(unittest.TestCase):
             channels["links/tension[24]"]
         self.assertNotIn("slop", channels)
 
+    def test_attributes_take_no_more_calls_than_names(self):
+        """Calls of functions are counted, which do not depend on the load of the machine; a group was built anew for every attribute."""
+        channels = self.simulation.channels
+        channels.shaft_1.torque
+
+        def calls(read):
+            profile = cProfile.Profile()
+            profile.runcall(read)
+            return sum(entry.callcount for entry in profile.getstats())
+
+        self.assertIs(channels.shaft_1, channels.shaft_1)
+        self.assertLessEqual(calls(lambda: channels.shaft_1.torque), calls(lambda: channels["shaft_1/torque"]) + 4)
+
     def test_the_same_words_work_for_a_record_and_for_a_simulation(self):
         with tempfile.TemporaryDirectory() as folder:
             file = os.path.join(folder, "r.h5")
@@ -201,7 +215,7 @@ class Faces(unittest.TestCase):
             (tiny(), ["cvtflow.Scene tiny", "24 pins", "until 0.001 s"]),
             (simulation, ["cvtflow.Simulation of tiny at -0.000299 s", "unknowns"]),
             (cvtflow.Threads.private_arena(2), ["cvtflow.Threads", "count=2"]),
-            (cvtflow.Scene.keys()["run.until"], ["cvtflow.KeyInfo run.until", "default 0.005 s, 1e-09 to 10000 s; The run"]),
+            (cvtflow.Scene.keys()["run.until"], ["cvtflow.KeyInfo run.until", "default 0.005 s, 1e-09 to 10000 s or steady; The run"]),
             (cvtflow.Scene.keys()["drive.mode"], ["default speed, one of speed, torque, coupling; Shaft 1"]),
             (simulation.state(), [f"cvtflow.State: {len(simulation.state().bytes())} bytes"]),
         ]:

@@ -76,5 +76,14 @@ struct KeyInfo {
 /// @throws Error (argument) for texts that are no number, unknown units and other dimensions
 [[nodiscard]] CVTFLOW_EXPORT double quantity(const std::string& text, const std::string& unit);
 
+/// The unit in which pictures and tables show a quantity.
+struct DisplayUnit {
+    std::string unit;     ///< "bar", "rpm", "kN", "%"; the SI unit, if none is more usual
+    double factor = 1.0;  ///< from the SI unit
+};
+
+/// @param name of a channel, a column of a sweep or a key   @param unit its SI unit
+[[nodiscard]] CVTFLOW_EXPORT DisplayUnit display_unit(const std::string& name, const std::string& unit);
+
 }  // namespace v0
 }  // namespace cvtflow

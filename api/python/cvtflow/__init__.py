@@ -16,7 +16,7 @@ from ._cvtflow import *  # noqa: F401,F403
 from ._cvtflow import Scene, Simulation, library_version
 from . import _classes, _cvtflow
 from ._results import Record, Rows, run
-from ._sweep import Results, Sweep
+from ._sweep import Fit, Results, Sweep, fit
 
 __version__ = library_version()
 

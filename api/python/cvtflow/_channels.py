@@ -4,12 +4,23 @@ import re
 import weakref
 from collections.abc import Mapping
 
+from ._cvtflow import display_unit
 from ._scene import suggestion
+
+REDUCTIONS = ("mean", "median", "max", "min", "final", "rms")
+
+
+def shown(name, unit, si=False):
+    """Label and factor from SI with which pictures show a channel or a column, as the program does: ("mean slip [%]", 100)."""
+    unit, factor = (unit, 1.0) if si else display_unit(name, unit)
+    first, _, last = name.rpartition("_")
+    words = f"{last} {first}" if last in REDUCTIONS and first else name
+    return words.replace("_", " ") + ("" if unit in ("", "1") else f" [{unit.replace('*', '·')}]"), factor
 
 
 def split(name):
     """"links/tension[3]" as its channel and element; the element is None without one."""
-    found = re.fullmatch(r"(.*)\[(\d+)\]", name)
+    found = re.fullmatch(r"(.*)\[(\d+)\]", name) if name.endswith("]") else None
     return (found.group(1), int(found.group(2))) if found else (name, None)
 
 
@@ -66,7 +77,8 @@ class Channels(Mapping):
         if name in info:
             return self[name]
         if name in groups:
-            return Channels(self._read, self._columns, f"{self._prefix}{name}/")
+            group = self.__dict__[name] = Channels(self._read, self._columns, f"{self._prefix}{name}/")  # found directly from now on
+            return group
         raise AttributeError(unknown(name, {*info, *groups}).args[0])
 
     def __dir__(self):

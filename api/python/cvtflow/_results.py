@@ -5,7 +5,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ._channels import Channels, Columns, split, unknown
+from ._channels import Channels, Columns, shown, split, unknown
 from ._cvtflow import RecordFile, Simulation, Threads, quantity
 
 _MILLI = 1e3
@@ -13,10 +13,6 @@ _MILLI = 1e3
 
 class Series:
     """Arrays over time by name, "time" [s] among them. Derived classes define __getitem__ and info (name -> Column)."""
-
-    def _label(self, name):
-        unit = self.info[split(name)[0]].unit
-        return name if unit == "1" else f"{name} [{unit}]"
 
     def frame(self, channels=None):
         """A pandas.DataFrame with the time [s] as index; channels of several numbers become columns "links/tension[0]", ...
@@ -37,18 +33,34 @@ class Series:
         frame.attrs["units"] = units
         return frame
 
-    def plot(self, *channels, ax=None, **style):
+    def to_xarray(self, channels=None):
+        """An xarray.Dataset over the time [s]; links/tension has the dimensions time and link. Units are attributes. channels as in
+        frame(). Raises ImportError where xarray is not installed."""
+        import xarray
+
+        names = [name for name, column in self.info.items() if column.width == 1] if channels is None else channels
+        made = {}
+        for name in names:
+            values, column = self[name], self.info[split(name)[0]]
+            axes = ["time"] if values.ndim == 1 else ["time", f"{name.replace('/', '_')}_number"]
+            made[name] = (axes, values, {"units": column.unit, "long_name": column.description})
+        return xarray.Dataset(made, coords={"time": ("time", self["time"], {"units": "s"})})
+
+    def plot(self, *channels, ax=None, si=False, **style):
         """Draws channels over time with Matplotlib: those of one unit in one panel, panels with a shared time axis. Returns the Axes, or
         an array of them.
 
         ax     Axes, or one for each unit; None: a new figure
-        style  goes to Axes.plot
+        si     whether units are SI, as those of the values, instead of bar, l/min, rpm, kN, mm and %
+        style  is passed to Axes.plot
         """
         import matplotlib.pyplot as pyplot
 
         panels = {}
         for name in channels:
-            panels.setdefault(self.info[split(name)[0]].unit, []).append(name)
+            label, factor = shown(name, self.info[split(name)[0]].unit, si)
+            unit = label.rpartition(" [")[2] if label.endswith("]") and " [" in label else ""
+            panels.setdefault(unit, []).append((name, label, factor))
         if not panels:
             raise TypeError("plot() takes the names of one channel or more")
         if ax is None:
@@ -56,12 +68,12 @@ class Series:
             ax = pyplot.subplots(len(panels), sharex=True, squeeze=False, figsize=size, layout="constrained")[1][:, 0]
         axes = np.atleast_1d(ax)
         for axis, (unit, names) in zip(axes, panels.items()):
-            for name in names:
-                axis.plot(_MILLI * self["time"], self[name], label=name, **style)
-            axis.set_ylabel(self._label(names[0]) if len(names) == 1 else f"[{unit}]")
+            for name, _, factor in names:
+                axis.plot(self["time"] * (1.0 if si else _MILLI), factor * self[name], label=name, **style)
+            axis.set_ylabel(names[0][1] if len(names) == 1 else unit and f"[{unit}")
             if len(names) > 1:
                 axis.legend()
-        axes[-1].set_xlabel("time [ms]")
+        axes[-1].set_xlabel("time [s]" if si else "time [ms]")
         return axes[0] if len(axes) == 1 else axes
 
 

@@ -152,12 +152,11 @@ def _default(key):
 
 
 def _range(key):
-    if key.choices:
-        return ", ".join(key.choices)
-    return f"{key.range[0]:g} to {key.range[1]:g}{_unit(key)}" if key.range else ""
+    numbers = f"{key.range[0]:g} to {key.range[1]:g}{_unit(key)}" if key.range else ""
+    return " or ".join(each for each in (numbers, ", ".join(key.choices)) if each)
 
 
 def key_repr(key):
     """Display of a KeyInfo."""
-    range_text = "one of " + _range(key) if key.choices else _range(key)
+    range_text = "one of " + _range(key) if key.choices and not key.range else _range(key)
     return f"<cvtflow.KeyInfo {key.name}: default {_default(key)}{range_text and ', ' + range_text}; {key.help}>"

@@ -1,12 +1,16 @@
 """Many variants of a scene, as `cvtflow batch` and the scripts for Slurm run them."""
 
+import math
 import os
 import re
 import tempfile
 import threading
 from pathlib import Path
 
-from ._cvtflow import RecordError, Scene, SceneError, SweepFile, Table
+import numpy as np
+
+from ._channels import shown
+from ._cvtflow import RecordError, Scene, SceneError, SweepFile, Table, quantity
 from ._scene import all_keys, flat, resolve, suggestion, toml
 
 
@@ -36,38 +40,120 @@ class Results(dict):
             return plain
         raise KeyError(f"unknown column '{name}'" + suggestion(plain, self))
 
-    def plot(self, x, y, by=None, ax=None, **style):
+    def where(self, **values):
+        """The Results of the cases with these values, numbers in SI or texts with a unit: where(load__torque="6 N*m", status="ok")."""
+        kept = np.ones(len(self["case"]), dtype=bool)
+        for name, value in values.items():
+            name = self.column(name.replace("__", "_"))
+            unit = self.info[name].unit
+            value = quantity(value, unit) if isinstance(value, str) and unit else value
+            kept &= np.isclose(self[name], value, rtol=1e-12, atol=0.0) if unit else np.asarray(self[name]) == value
+        some = dict.__new__(Results)
+        some.update({name: np.asarray(column)[kept] for name, column in self.items()})
+        some.info = self.info
+        return some
+
+    def plot(self, x, y, by=None, ax=None, si=False, **style):
         """Draws a column over another with Matplotlib, one line for each value of the others that vary. Returns the Axes.
 
         by     a column, or a list of them, that lines are drawn for; None: every key of the scene that varies beside x
         ax     None: a new figure
-        style  goes to Axes.plot
+        si     whether units are SI, as those of the values, instead of bar, l/min, rpm, kN, mm and %
+        style  is passed to Axes.plot
         """
         import matplotlib.pyplot as pyplot
-        import numpy as np
 
         x, y = self.column(x), self.column(y)
         by = self._other_axes(x, y) if by is None else [self.column(name) for name in ([by] if isinstance(by, str) else by)]
         axes = ax or pyplot.subplots(layout="constrained")[1]
-        cases = list(zip(*(self[name] for name in by))) if by else [()] * len(self[x])
+        across, up = self._shown(x, si)[1], self._shown(y, si)[1]
+        cases = list(zip(*(self[name] for name in by))) if by else [()] * len(across)
         for group in sorted(set(cases)):
             chosen = np.array([number for number, case in enumerate(cases) if case == group])
-            chosen = chosen[np.argsort(np.asarray(self[x])[chosen], kind="stable")]
-            label = ", ".join(f"{self._label(name)} = {_short(value)}" for name, value in zip(by, group)) or None
-            axes.plot(np.asarray(self[x])[chosen], np.asarray(self[y])[chosen], label=label, **{"marker": "o", **style})
-        axes.set(xlabel=self._label(x), ylabel=self._label(y))
+            chosen = chosen[np.argsort(across[chosen], kind="stable")]
+            label = ", ".join(self._setting(name, value, si) for name, value in zip(by, group)) or None
+            axes.plot(across[chosen], up[chosen], label=label, **{"marker": "o", **style})
+        axes.set(xlabel=self._shown(x, si)[0], ylabel=self._shown(y, si)[0])
         if by:
             axes.legend()
         return axes
+
+    def map(self, x, y, value, ax=None, si=False, **style):
+        """Draws a column as colours over two others with Matplotlib: a smooth map with contours where the cases form a grid, else points.
+        Returns the Axes. Raises ValueError for several cases at one point: where() chooses among them.
+
+        si     as in plot()
+        style  is passed to Axes.pcolormesh or Axes.scatter
+        """
+        import matplotlib.pyplot as pyplot
+
+        x, y, value = (self.column(name) for name in (x, y, value))
+        across, up, colours = (self._shown(name, si)[1] for name in (x, y, value))
+        xs, column = np.unique(across, return_inverse=True)
+        ys, row = np.unique(up, return_inverse=True)
+        grid = np.full((len(ys), len(xs)), np.nan)
+        if len(set(zip(column, row))) < len(column):
+            raise ValueError(f"several cases at one point of {x} and {y}: choose with where() among {', '.join(self._other_axes(x, y))}")
+        grid[row, column] = colours
+        axes = ax or pyplot.subplots(layout="constrained")[1]
+        if min(grid.shape) > 1 and np.isfinite(grid).all():
+            drawn = axes.pcolormesh(xs, ys, grid, **{"shading": "gouraud", **style})
+            axes.clabel(axes.contour(xs, ys, grid, colors="black", linewidths=0.8))
+        else:
+            drawn = axes.scatter(across, up, c=colours, **style)
+        axes.figure.colorbar(drawn, ax=axes, label=self._shown(value, si)[0])
+        axes.set(xlabel=self._shown(x, si)[0], ylabel=self._shown(y, si)[0])
+        return axes
+
+    def pivot(self, index, columns, values):
+        """A pandas.DataFrame of one column over two others, in SI units. Raises ValueError for several cases at one point."""
+        index, columns, values = (self.column(name) for name in (index, columns, values))
+        return self.frame().pivot(index=index, columns=columns, values=values)
+
+    def axes(self):
+        """The columns of keys of the scene that vary and distinguish the cases: one that only follows another is left out."""
+        keys, found, known = {name.replace(".", "_") for name in all_keys()}, [], 1
+        for name in self:
+            distinct = len(set(zip(*(self[each] for each in [*found, name])))) if name in keys else 0
+            if distinct > known:
+                found, known = [*found, name], distinct
+        return found
+
+    def to_xarray(self):
+        """An xarray.Dataset with a dimension for each of axes() and a variable for each other column; points without a case are NaN, or
+        empty texts. Units are attributes. Raises ImportError where xarray is not installed, ValueError for several cases at one point."""
+        import xarray
+
+        axes = self.axes()
+        points = [np.unique(self[name], return_inverse=True) for name in axes]
+        place, shape = tuple(inverse for _, inverse in points), tuple(len(values) for values, _ in points)
+        if len(set(zip(*place))) < len(self["case"]):
+            raise ValueError(f"several cases at one point of {', '.join(axes)}: choose with where()")
+        made = {}
+        for name, column in self.items():
+            if name not in axes:
+                text = isinstance(column[0], str)
+                grid = np.full(shape, "" if text else np.nan, dtype=object if text else float)
+                grid[place] = column
+                made[name] = (axes, grid, {"units": self.info[name].unit, "long_name": self.info[name].description})
+        coords = {name: (name, values, {"units": self.info[name].unit}) for name, (values, _) in zip(axes, points)}
+        return xarray.Dataset(made, coords=coords)
 
     def _other_axes(self, x, y):
         """Columns of keys that vary while x does not: what varies with x, as keys of one axis do, makes no line of its own."""
         keys = {name.replace(".", "_") for name in all_keys()}
         return [name for name in self if name in keys - {x, y} and len(set(zip(self[x], self[name]))) > len(set(self[x]))]
 
-    def _label(self, name):
-        unit = self.info[name].unit
-        return name if unit in ("", "1") else f"{name} [{unit}]"
+    def _shown(self, name, si):
+        """Label and values with which pictures show a column."""
+        label, factor = shown(name, self.info[name].unit, si)
+        return label, factor * np.asarray(self[name], dtype=float)
+
+    def _setting(self, name, value, si):
+        """load torque = 6 N·m, of a legend."""
+        label, factor = shown(name, self.info[name].unit, si)
+        words, _, unit = label.partition(" [")
+        return f"{words} = {_short(factor * value if isinstance(value, (int, float)) else value)} {unit.rstrip(']')}".rstrip()
 
     def __repr__(self):
         return f"<cvtflow.Results: {len(self['case'])} cases of {', '.join(self)}>"
@@ -96,6 +182,12 @@ class Sweep:
         self.scene, self.axes, self.scalars = scene, dict(axes), list(scalars)
         self.settings, self.detail, self.start, self.from_ = dict(settings or {}), detail, start, from_
         self.name = name
+
+    def __repr__(self):
+        lengths = [f"{keys if isinstance(keys, str) else ' with '.join(keys)} ({len(values)})" for keys, values in self.axes.items()]
+        name = self.scene.name if isinstance(self.scene, Scene) else self.scene
+        cases = math.prod(len(values) for values in self.axes.values())
+        return f"<cvtflow.Sweep of {name}: {cases} cases over {', '.join(lengths)}; {', '.join(self.scalars)}>"
 
     def _scene(self):
         """The scene, for the resolution of short keys."""
@@ -135,7 +227,7 @@ class Sweep:
     def write(self, path):
         """Writes the sweep file, and a Scene beside it, and checks the sweep. Raises SceneError with every problem.
 
-        Existing files are replaced only if a Sweep has written them: their first line says so. Raises RecordError for others.
+        Existing files are replaced only if a Sweep has written them, which their first line states. Raises RecordError for others.
         """
         files = self._files(Path(path))
         _check(files)
@@ -154,14 +246,14 @@ class Sweep:
         """Runs what is missing in the folder, on so many threads (0: all), and returns results(folder).
 
         progress  called as progress(SweepProgress) after each case, on a worker's thread
-        Ctrl-C ends it; running cases leave checkpoints, and the next call goes on. Raises StateError if the folder holds another sweep,
+        Ctrl-C ends it; running cases leave checkpoints, and the next call continues. Raises StateError if the folder holds another sweep,
         whose files stay as they are.
         """
         folder = Path(folder)
         folder.mkdir(parents=True, exist_ok=True)
         files = self._files(folder / "sweep.toml")
         if (folder / "cases.h5").exists() and not all(file.is_file() and file.read_bytes() == text.encode() for file, text in files.items()):
-            with tempfile.TemporaryDirectory() as elsewhere:  # of another sweep: it is refused; else it goes on
+            with tempfile.TemporaryDirectory() as elsewhere:  # of another sweep: it is refused; else it continues
                 self.write(Path(elsewhere, "sweep.toml")).run(str(folder), threads, progress)
         else:
             self.write(folder / "sweep.toml").run(str(folder), threads, progress)
@@ -185,6 +277,75 @@ class Sweep:
         _check(files)
         _replace(files, lambda there, text: there == text)
         return subprocess.run([script, str(next(iter(files))), str(folder), *arguments], check=True, capture_output=True, text=True).stdout
+
+
+class Fit:
+    """Result of fit(): values by key in SI, confidence intervals by key, residuals (simulated less measured) by column, and the scene."""
+
+    def __init__(self, scene, values, confidence, residuals, level):
+        self.scene, self.values, self.confidence, self.residuals, self.level = scene, values, confidence, residuals, level
+
+    def __repr__(self):
+        lines = [f"{key} = {value:.5g} ({self.confidence[key][0]:.5g} to {self.confidence[key][1]:.5g} at {100 * self.level:g} %)"
+                 for key, value in self.values.items()]
+        rest = [f"{name}: {math.sqrt(np.mean(each ** 2)):.3g} rms" for name, each in self.residuals.items()]
+        return f"<cvtflow.Fit {', '.join(lines)}; residuals {', '.join(rest)}>"
+
+
+def fit(scene, parameters, measured, *, deviations=None, level=0.95, settings=None, threads=0, step=0.02):
+    """Adjusts keys of a scene to measured values by least squares (scipy.optimize.least_squares). Returns a Fit.
+
+    fit("baseline", {"tip.friction_coefficient": (0.05, 0.14)}, {"load.torque": [60, 120, 180], "slip mean": [0.0015, 0.0028, 0.0046]})
+
+    parameters  least and largest value by key, in SI or with units; the search begins at the value of the scene
+    measured    arrays of equal length by name, or a pandas.DataFrame: keys of the scene are operating points, other names are scalars of a
+                sweep ("slip mean", "efficiency mean", "thrust_ratio mean") with their measured values, in SI
+    deviations  standard deviation of a measured value by scalar; None: 1 % of its largest magnitude
+    level       of the confidence intervals, from the Jacobian and the residuals; infinite without more values than parameters
+    settings    further values of keys by name, such as run.until
+    step        relative change of a key for its derivative
+    Raises ImportError where SciPy is not installed, ValueError for malformed arguments, RuntimeError for a case without a result.
+    """
+    from scipy.optimize import least_squares
+    from scipy.stats import t as student
+
+    scene = Sweep(scene, {}, [])._scene().with_(settings or {})
+    columns = {name: np.asarray(measured[name], dtype=float) for name in measured}
+    points = {name: each for name, each in columns.items() if name in all_keys()}
+    targets = {name: each for name, each in columns.items() if name not in points}
+    if not points or not targets or len({len(each) for each in columns.values()}) != 1:
+        raise ValueError("measured: one key of the scene or more, and one scalar or more, of equal lengths")
+    keys = [resolve(scene, name) for name in parameters]
+    low, high = np.array([[_in_si(key, value) for value in ends] for key, ends in zip(keys, parameters.values())], dtype=float).T
+    if not np.all(low < high):
+        raise ValueError("parameters: the least value of a key is not below its largest")
+    scale = {name: (deviations or {}).get(name, 0.01 * np.max(np.abs(each))) for name, each in targets.items()}
+
+    def residuals_at(values):
+        axes = {tuple(points): list(zip(*points.values()))} if len(points) > 1 else {name: list(each) for name, each in points.items()}
+        sweep = Sweep(scene.with_({key: float(value) for key, value in zip(keys, values)}), axes, list(targets))
+        with tempfile.TemporaryDirectory() as folder:
+            results = sweep.run(folder, threads)
+        for number, status in enumerate(results["status"]):
+            if status != "ok":
+                raise RuntimeError(f"case {number} of {dict(zip(keys, values))} ended with the status {status}")
+        return {name: np.asarray(results[results.column(name)]) - each for name, each in targets.items()}
+
+    def weighted(values):
+        return np.concatenate([each / scale[name] for name, each in residuals_at(values).items()])
+
+    first = np.clip([float(scene[key]) for key in keys], low + 1e-6 * (high - low), high - 1e-6 * (high - low))
+    found = least_squares(weighted, first, bounds=(low, high), x_scale=high - low, diff_step=step, xtol=1e-4, ftol=1e-8)
+    free = len(found.fun) - len(keys)
+    spread = np.sqrt(np.diag(np.linalg.pinv(found.jac.T @ found.jac)) * (2.0 * found.cost / free)) if free > 0 else np.full(len(keys), np.inf)
+    reach = spread * (student.ppf(0.5 + 0.5 * level, free) if free > 0 else 1.0)
+    values = {key: float(value) for key, value in zip(keys, found.x)}
+    intervals = {key: (float(value - each), float(value + each)) for key, value, each in zip(keys, found.x, reach)}
+    return Fit(scene.with_(values), values, intervals, residuals_at(found.x), level)
+
+
+def _in_si(key, value):
+    return quantity(value, all_keys()[key].unit) if isinstance(value, str) else float(value)
 
 
 def _script():
