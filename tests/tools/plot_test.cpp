@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <regex>
 #include <set>
 #include <sstream>
@@ -170,10 +171,10 @@ TEST_F(PlotCommand, ALongRunIsDrawnAsMeansOverPinPeriods) {
     ASSERT_GT(means.size(), 60U);
     EXPECT_LT(means.size(), 80U) << "50 ms of 0.71 ms";
     EXPECT_NEAR(means[1].first - means[0].first, 1e3 * 8.12e-3 / (2000.0 / 60.0 * 2.0 * std::numbers::pi * 54.44e-3), 0.01);
-    ASSERT_EQ(run({"plot", "long.h5", "--losses", "-o", "losses.csv"}).status, 0);
+    ASSERT_EQ(run({"plot", "long.h5", "loss", "-o", "losses.csv"}).status, 0);
     std::istringstream lines(read("losses.csv"));
     long joints = 0;
-    for (std::string line; std::getline(lines, line);) joints += line.find("joint friction") != std::string::npos ? 1 : 0;
+    for (std::string line; std::getline(lines, line);) joints += line.find("\"loss/joint_friction\"") != std::string::npos ? 1 : 0;
     EXPECT_EQ(joints, static_cast<long>(means.size())) << "losses as well";
     for (const auto& [time, slip] : means) EXPECT_TRUE(slip > 0.1 && slip < 0.6) << time << ": " << slip << " %";
 }
@@ -181,7 +182,11 @@ TEST_F(PlotCommand, ALongRunIsDrawnAsMeansOverPinPeriods) {
 TEST_F(PlotCommand, SeveralRecordsStandInOnePicture) {
     std::filesystem::copy_file(folder_ / "run.h5", folder_ / "other.h5");
     ASSERT_EQ(run({"plot", "run.h5", "other.h5", "slip", "-o", "p.svg"}).status, 0);
-    EXPECT_THAT(read("p.svg"), testing::AllOf(HasSubstr("slip, run.h5"), HasSubstr("slip, other.h5")));
+    EXPECT_THAT(read("p.svg"),
+                testing::AllOf(HasSubstr("slip, run.h5<"), HasSubstr("slip, other.h5<"), HasSubstr("tiny, own detail, rk4")));
+    ASSERT_EQ(run_briefly({"-o", "heavy.h5", "--set", "run.output_interval=1 us", "--until", "40 us", "--set", "load.torque=7"}).status, 0);
+    ASSERT_EQ(run({"plot", "run.h5", "heavy.h5", "slip", "-o", "p.svg"}).status, 0);
+    EXPECT_THAT(read("p.svg"), HasSubstr(">slip, heavy.h5 (load.torque 7 N*m)<")) << "the one key that differs";
 }
 
 TEST_F(PlotCommand, DrawsSweepsAsCurvesAndAsMaps) {
@@ -203,6 +208,37 @@ TEST_F(PlotCommand, TakesConditionsWithUnits) {
     };
     EXPECT_EQ(drawn("clamping.driven=20 kN"), drawn("clamping.driven=20000"));
     EXPECT_EQ(run({"plot", sweep, "--x", "load_torque", "--y", "efficiency", "--where", "clamping.driven=21 kN"}).status, 2);
+}
+
+TEST_F(PlotCommand, DrawsMeasuredDataAsPoints) {
+    write("bench.csv", "time [us],slip [%],shaft_1_speed [rpm],oil [degC]\n0,1.5,2000,80\n20,1.6,,80\n");
+    ASSERT_EQ(run({"plot", "run.h5", "slip", "shaft_1/speed", "--with", "bench.csv", "-o", "p.csv"}).status, 0);
+    const auto slip = points_of(read("p.csv"), "slip, bench.csv", "slip");
+    ASSERT_EQ(slip.size(), 2U);
+    EXPECT_NEAR(slip[1].first, 0.02, 1e-12) << "milliseconds, as the axis";
+    EXPECT_NEAR(slip[1].second, 1.6, 1e-12);
+    EXPECT_EQ(points_of(read("p.csv"), "shaft_1/speed, bench.csv", "shaft_1/speed").size(), 1U) << "an empty cell is no point";
+    const Words plot{"plot", "run.h5", "-o", "q.svg", "--with", "bench.csv"};
+    EXPECT_THAT(run(plot + Words{"ratio"}).err, HasSubstr("--with bench.csv: its columns are none of the channels that are drawn"));
+    EXPECT_EQ(run(plot + Words{"--losses"}).status, 2);
+    write("bench.csv", "time [us],slip [N]\n0,1.5\n");
+    EXPECT_THAT(run(plot + Words{"slip"}).err, HasSubstr("bench.csv: slip [N]: a plain number expected (1)"));
+    write("bench.csv", "time [us],slip [hogshead]\n0,1.5\n");
+    EXPECT_THAT(run(plot + Words{"slip"}).err, HasSubstr("bench.csv: slip [hogshead]: "));
+    write("bench.csv", "slip [%]\n1.5\n");
+    EXPECT_THAT(run(plot + Words{"slip"}).err, HasSubstr("--with bench.csv: no column 'time', only slip"));
+    EXPECT_EQ(run({"plot", "run.h5", "slip", "--with", "none.csv"}).status, 1);
+}
+
+TEST_F(PlotCommand, DrawsMeasuredDataBesideASweep) {
+    write("cases.csv", table);
+    write("bench.csv", "load.torque [N*m];slip_mean [%]\n10;9,5\n20;21\n");
+    const Words plot{"plot", "cases.csv", "--x", "load.torque", "--with", "bench.csv"};
+    ASSERT_EQ(run(plot + Words{"--y", "slip_mean", "-o", "p.csv"}).status, 0);
+    const std::vector<std::pair<double, double>> expected{{10.0, 9.5}, {20.0, 21.0}};
+    EXPECT_EQ(points_of(read("p.csv"), "bench.csv", "mean slip over load torque"), expected);
+    EXPECT_EQ(run(plot + Words{"--y", "start.ratio"}).status, 2) << "it has no such column";
+    EXPECT_EQ(run(plot + Words{"--y", "start.ratio", "--colour", "slip_mean"}).status, 2);
 }
 
 TEST_F(PlotCommand, LegendOfTheShippedSweepLeavesThePicture) {
@@ -234,8 +270,8 @@ TEST_F(PlotCommand, PanelsBelowOneAnotherHaveTheirTimeAtTheSamePlace) {
     EXPECT_EQ(places.size(), 1U);
 }
 
-TEST_F(PlotCommand, TwoLossesNeverHaveTheSameStyle) {
-    ASSERT_EQ(run({"plot", "run.h5", "--losses", "-o", "p.svg"}).status, 0);
+TEST_F(PlotCommand, CurvesNeverHaveTheSameStyle) {
+    ASSERT_EQ(run({"plot", "run.h5", "energy", "dissipated", "work", "-o", "p.svg"}).status, 0);
     const std::string text = read("p.svg");
     static const std::regex entry("<g transform=[^>]*><path d=\"M-12 0h24\" ([^/]*)/>");
     std::set<std::string> styles;
@@ -243,6 +279,43 @@ TEST_F(PlotCommand, TwoLossesNeverHaveTheSameStyle) {
     for (std::sregex_iterator each(text.begin(), text.end(), entry), end; each != end; ++each, ++entries) styles.insert((*each)[1].str());
     EXPECT_GT(entries, 8U) << "more than there are colours";
     EXPECT_EQ(styles.size(), entries);
+}
+
+/// The bars are as long as the means of the record, the largest first, and kinds that are zero are only named: the cylinders
+/// do not damp.
+TEST_F(PlotCommand, LossesAreBars) {
+    const Words settings{"--set", "pulley.cylinder_damping=0", "--set", "run.output_interval=1 us", "--until", "20 us"};
+    ASSERT_EQ(run_briefly(Words{"-o", "free.h5"} + settings).status, 0);
+    ASSERT_EQ(run({"plot", "free.h5", "--losses", "-o", "p.svg"}).status, 0);
+    ASSERT_EQ(run({"plot", "free.h5", "--losses", "-o", "p.csv"}).status, 0);
+    const engine::RunReader record((folder_ / "free.h5").string());
+    const auto mean = [&](const char* channel) {
+        const std::vector<double> values = record.channel(channel);
+        return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+    };
+    ASSERT_EQ(mean("loss/cylinder"), 0.0);
+    const std::string text = read("p.svg");
+    EXPECT_THAT(text, testing::AllOf(HasSubstr(">tip friction<"), testing::Not(HasSubstr(">cylinder<")), HasSubstr("; zero: cylinder<"),
+                                     HasSubstr("Losses by kind: ")));
+    const std::string csv = read("p.csv"), row = "\"tip friction\",";
+    const auto at = csv.find(row);
+    ASSERT_NE(at, std::string::npos);
+    EXPECT_NEAR(std::stod(csv.substr(csv.find(',', at + row.size()) + 1)), mean("loss/tip_friction"), 1e-7 * mean("loss/tip_friction"));
+    static const std::regex bar("class=\"bar\" x=\"[0-9.]+\" y=\"[0-9.]+\" width=\"([0-9.]+)\"");
+    double before = INFINITY;
+    std::size_t bars = 0;
+    for (std::sregex_iterator each(text.begin(), text.end(), bar), end; each != end; ++each, ++bars) {
+        EXPECT_LE(std::stod((*each)[1]), before);
+        before = std::stod((*each)[1]);
+    }
+    EXPECT_GT(bars, 4U);
+}
+
+TEST_F(PlotCommand, CurvesThatAreZeroAreNamedInTheSubtitleAlone) {
+    ASSERT_EQ(run({"plot", "run.h5", "slip", "control/limited", "-o", "p.svg"}).status, 0);
+    EXPECT_THAT(read("p.svg"), testing::AllOf(HasSubstr("; zero: control/limited<"), testing::Not(HasSubstr(">control/limited<"))));
+    ASSERT_EQ(run({"plot", "run.h5", "control/limited", "-o", "one.svg"}).status, 0) << "there is no other";
+    EXPECT_THAT(read("one.svg"), HasSubstr(">control/limited<"));
 }
 
 TEST_F(PlotCommand, ReportsHowAChannelIsRecordedThatExists) {

@@ -45,7 +45,9 @@ TEST_F(ReportCommand, ContainsTheLicencesOfItsScripts) {
 TEST_F(ReportCommand, ReportsWhatWasSimulatedAndWhatIsNotTheDefault) {
     ASSERT_EQ(run({"report", "run.h5"}).status, 0);
     const std::string page = read("run.html");
-    EXPECT_LT(page.find("class=\"status\""), page.find("What was simulated"));
+    EXPECT_LT(page.find("class=\"status\""), page.find("\">Key figures</h2>"));
+    EXPECT_LT(page.find("\">Key figures</h2>"), page.find("\">What was simulated</h2>"));
+    EXPECT_LT(page.find("\">What was simulated</h2>"), page.find("\">Curves</h2>"));
     EXPECT_THAT(page, HasSubstr("<td><code>load.torque</code></td><td>7 N*m</td>"));
     EXPECT_THAT(page, Not(HasSubstr("<td><code>chain.pitch</code></td>")));
     EXPECT_THAT(page, HasSubstr("shaft 1 drives ("));
@@ -119,6 +121,13 @@ TEST_F(ReportCommand, OfTwoRecordsShowsTheirDifferences) {
     EXPECT_THAT(page, HasSubstr("<tr data-key=\"load.torque\"><td><code>load.torque</code></td><td>7 N*m</td><td>8 N*m</td>"));
     EXPECT_THAT(page, Not(HasSubstr("<tr data-key=\"chain.pitch\">")));
     EXPECT_THAT(page, testing::AllOf(HasSubstr("<tr data-difference=\"slip\">"), HasSubstr("slip: B - A")));
+    EXPECT_THAT(page, HasSubstr("<title>cvtflow: tiny: load.torque 7 N*m, load.torque 8 N*m</title>"));
+    EXPECT_LT(page.find("\">Differences</h2>"), page.find("\">Key figures</h2>"));
+    const std::string simulated = page.substr(page.find("id=\"simulated\""), page.find("id=\"curves\"") - page.find("id=\"simulated\""));
+    EXPECT_EQ(simulated.find("24 pins around"), simulated.rfind("24 pins around")) << "what records share is stated once";
+    EXPECT_THAT(simulated, testing::AllOf(HasSubstr("24 pins around"), HasSubstr("run.h5"), HasSubstr("other.h5")));
+    EXPECT_THAT(page, HasSubstr("common to all records"));
+    EXPECT_THAT(page, Not(HasSubstr("<td><code>load.torque</code></td><td>7 N*m</td><td>150 N*m</td>")));
     ASSERT_EQ(run({"report", "run.h5", "-o", "one.html"}).status, 0);
     EXPECT_THAT(read("one.html"), Not(HasSubstr("id=\"differences\"")));
     std::filesystem::copy_file(folder_ / "run.h5", folder_ / "copy.h5");

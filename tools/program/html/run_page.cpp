@@ -58,23 +58,24 @@ std::string brief(const std::string& value) {
     return fmt::format("{}], … ({} points)", value.substr(0, end), std::count(value.begin(), value.end(), '[') - 1);
 }
 
-/// Name and description of the scene are no difference.
-std::vector<tasks::KeyDifference> differing_keys(const tasks::Scene& a, const tasks::Scene& b) {
-    const auto counts = [](const tasks::Parameter& key) { return key.section() != "scene"; };
-    return tasks::differing_keys(a, b, counts, tasks::readable_value);
-}
-
-/// Keys whose values are not the defaults.
-std::string differences(const tasks::Scene& scene) {
-    const std::vector<tasks::KeyDifference> keys = differing_keys(scene, {});
+/// Keys whose values are not the defaults, folded; of several records those that all share.
+std::string differences(const std::vector<RecordedRun>& runs) {
+    const tasks::Scene& scene = *runs.front().scene();
+    std::vector<tasks::KeyDifference> keys = differing_keys(scene, {});
+    for (const RecordedRun& run : runs) {
+        const std::vector<tasks::KeyDifference> apart = differing_keys(scene, *run.scene());
+        std::erase_if(keys, [&](const auto& key) { return std::ranges::count(apart, key.key, &tasks::KeyDifference::key) > 0; });
+    }
     std::string rows;
     for (const tasks::KeyDifference& each : keys)
         rows += fmt::format("<tr><td><code>{}</code></td><td>{}</td><td>{}</td><td>{}</td></tr>\n", each.key->key, html(brief(each.a)),
                             html(each.b), html(each.key->meaning));
-    if (rows.empty()) return "<p>Every key of the scene has its default.</p>\n";
+    if (rows.empty())
+        return fmt::format("<p>Every key {} has its default.</p>\n", runs.size() > 1 ? "that the records share" : "of the scene");
     std::string shown = table("", "", {"key", "here", "default", "meaning"}, rows);
     shown.insert(shown.size() - 1, "</details>");
-    return fmt::format("<details><summary>{} from defaults</summary>{}", plural(static_cast<long>(keys.size()), "difference"), shown);
+    return fmt::format("<details><summary>{} from defaults{}</summary>{}", plural(static_cast<long>(keys.size()), "difference"),
+                       runs.size() > 1 ? ", common to all records" : "", shown);
 }
 
 /// Mean power that flows into a shaft from outside [W]; NaN if the record does not contain it.
@@ -95,15 +96,34 @@ std::string drive_text(const RecordedRun& run) {
                        out >= 0.0 ? "delivers" : "also takes", 1e-3 * std::abs(out));
 }
 
-std::string simulated(const RecordedRun& run) {
+using Rows = std::vector<std::pair<std::string, std::string>>;  ///< of a definition table: label, HTML
+
+Rows simulated(const RecordedRun& run) {
     const auto& times = run.times();
-    std::vector<std::pair<std::string, std::string>> rows{{"record", html(run.path())}, {"scene", html(attribute(run, "scene"))}};
+    Rows rows{{"record", html(run.path())}, {"scene", html(attribute(run, "scene"))}};
     if (run.scene()) rows.insert(rows.end(), {{"", html(run.scene()->description)}, {"detail", html(detail_text(*run.scene()))}});
     rows.push_back({"conditions", html(run.conditions())});
     if (const std::string drive = drive_text(run); !drive.empty()) rows.push_back({"power", html(drive)});
     rows.push_back({"time", fmt::format("{} to {}, {} rows, {} states", time_text(times.front()), time_text(times.back()),
                                         count_text(static_cast<long>(times.size())), run.reader().state_times().size())});
-    return definition_table(rows) + (run.scene() ? differences(*run.scene()) : "<p>This program cannot read the record's scene.</p>\n");
+    return rows;
+}
+
+/// What all records share once, then the rest of each.
+std::string simulated(const std::vector<RecordedRun>& runs) {
+    Rows common = simulated(runs.front());
+    for (const RecordedRun& run : runs) {
+        const Rows other = simulated(run);
+        std::erase_if(common, [&](const auto& row) { return std::ranges::count(other, row) == 0; });
+    }
+    std::string text = definition_table(common);
+    for (const RecordedRun& run : runs) {
+        Rows rest = simulated(run);
+        std::erase_if(rest, [&](const auto& row) { return std::ranges::count(common, row) > 0; });
+        if (!rest.empty()) text += definition_table(rest);
+    }
+    const bool readable = std::ranges::all_of(runs, [](const RecordedRun& run) { return run.scene().has_value(); });
+    return text + (readable ? differences(runs) : "<p>This program cannot read the record's scene.</p>\n");
 }
 
 /// Mean of all rows, of the last fifth, least and largest.
@@ -248,24 +268,24 @@ nlohmann::json curve_data(const RecordedRun& run, std::size_t max_bytes) {
     return {{"label", run.path()}, {"rows", rows}, {"shown", times.size()}, {"t", packed(times)}, {"curves", std::move(list)}};
 }
 
-nlohmann::json motion_data(const ChainMotion& motion) {
+/// Labels of the shafts are by the power that flows into them.
+nlohmann::json motion_data(const RecordedRun& run, const ChainMotion& motion) {
     nlohmann::json data{
         {"pins", motion.pins},       {"recorded", motion.recorded}, {"t", packed(motion.times)},          {"x", quantised(motion.x)},
         {"y", quantised(motion.y)},  {"z", quantised(motion.z)},    {"distance", motion.centre_distance}, {"length", motion.pin_length},
         {"width", motion.pin_width}, {"flank", motion.flank},       {"innermost", motion.innermost},      {"outermost", motion.outermost},
         {"span", motion.plate_span}, {"plates", motion.plates},     {"pulleys", motion.pulleys}};
     data["colours"] = nlohmann::json::array();
-    const auto add = [&](const char* name, const char* unit, const std::vector<float>& values) {
-        if (!values.empty()) data["colours"].push_back({{"n", name}, {"u", unit}, {"v", quantised(values)}});
+    const auto add = [&](const char* name, const char* unit, std::vector<float> values) {
+        const Shown how = shown(name, unit);
+        for (float& value : values) value *= static_cast<float>(how.factor);
+        if (!values.empty()) data["colours"].push_back({{"n", name}, {"u", how.unit}, {"v", quantised(values)}});
     };
     add("tip force", "N", motion.force);
     add("tension", "N", motion.tension);
-    if (motion.pulleys) {
-        const Shown how = shown("slip", "1");
-        std::vector<float> slip = motion.slip;
-        for (float& value : slip) value *= static_cast<float>(how.factor);
-        add("slip", how.unit.c_str(), slip);
-    }
+    if (motion.pulleys) add("slip", "1", motion.slip);
+    const bool first_drives = !(power_into(run, 1) < power_into(run, 2));
+    data["labels"] = {first_drives ? "drive" : "driven", first_drives ? "driven" : "drive"};
     for (const std::size_t shaft : {0U, 1U})
         data["shafts"].push_back({{"angle", packed(motion.angle[shaft])}, {"radius", packed(motion.radius[shaft])}});
     return data;
@@ -386,32 +406,42 @@ void add_chain(Page& page, const RecordedRun& run) {
         return;
     }
     for (const char* script : {"three.min.js", "solids.js", "chain.js"}) page.scripts.push_back(script);
-    page.data["motion"] = motion_data(motion);
+    page.data["motion"] = motion_data(run, motion);
     page.sections.push_back({"running", "Running chain", chain_body(motion)});
     if (motion.pulleys && !motion.force.empty())
         page.sections.push_back({"tips", "Tip forces", picture(tip_force_plot(motion, run.conditions()))});
+}
+
+/// "baseline", of several records "baseline, tiny" or "baseline: load.torque 7 N*m, load.torque 8 N*m".
+std::string title_of(const std::vector<RecordedRun>& runs) {
+    std::string names, settings;
+    for (const RecordedRun& run : runs) {
+        const std::string name = attribute(run, "scene"), setting = only_difference(runs, run);
+        if (&run == &runs.front() || name != attribute(runs.front(), "scene")) names += (names.empty() ? "" : ", ") + name;
+        if (!setting.empty()) settings += (settings.empty() ? ": " : ", ") + setting;
+    }
+    return names + settings;
 }
 
 }  // namespace
 
 std::string run_page(const std::vector<RecordedRun>& runs) {
     Page page;
-    page.title = "cvtflow: " + attribute(runs.front(), "scene");
-    for (std::size_t k = 1; k < runs.size(); ++k) page.title += ", " + attribute(runs[k], "scene");
+    page.title = "cvtflow: " + title_of(runs);
     page.scripts = {"dygraph.min.js", "report.js"};
     page.lead = of_all(runs, status_list);
     for (const RecordedRun& run : runs) page.data["runs"].push_back(curve_data(run, bytes_of_curves / runs.size()));
-    page.sections = {{"simulated", "What was simulated", of_all(runs, simulated)},
-                     {"figures", "Key figures", of_all(runs, figures)},
-                     {"curves", "Curves", curves_body(page.data)}};
-    if (runs.size() > 1) page.sections.insert(page.sections.begin() + 2, {"differences", "Differences", difference_body(runs)});
+    if (runs.size() > 1) page.sections.push_back({"differences", "Differences", difference_body(runs)});
+    page.sections.push_back({"figures", "Key figures", of_all(runs, figures)});
+    page.sections.push_back({"simulated", "What was simulated", simulated(runs)});
+    page.sections.push_back({"curves", "Curves", curves_body(page.data)});
     add_chain(page, runs.front());
-    page.sections.push_back({"spectra", "Spectra", spectra(runs)});
     const auto has_losses = [](const RecordedRun& run) { return !run.group("loss").empty(); };
     if (std::all_of(runs.begin(), runs.end(), has_losses))
         page.sections.push_back(
-            {"losses", "Losses", of_all(runs, [](const RecordedRun& run) { return picture(loss_plot(run, false)) + energies(run); })});
+            {"losses", "Losses", of_all(runs, [](const RecordedRun& run) { return picture(loss_plot(run)) + energies(run); })});
     if (std::all_of(runs.begin(), runs.end(), has_wear)) page.sections.push_back({"wear", "Wear", of_all(runs, wear)});
+    page.sections.push_back({"spectra", "Spectra", spectra(runs)});
     std::string origins;
     for (const RecordedRun& run : runs)
         origins += fmt::format("<h3>{}</h3>\n", html(run.path())) + attribute_table(run.reader().attributes());

@@ -52,6 +52,13 @@ struct Field {
     std::vector<double> values;  ///< [y][x]; cells with a corner that is not finite stay empty
 };
 
+/// A horizontal bar, with its name before it and a text behind it.
+struct Bar {
+    std::string name;
+    double value;      ///< in the unit of Plot::y
+    std::string text;  ///< "123 W (45 %)"
+};
+
 struct Plot {
     std::string title;
     std::string subtitle;  ///< conditions, in smaller letters; may be empty
@@ -59,6 +66,7 @@ struct Plot {
     std::vector<Series> series;
     std::vector<Region> regions;               ///< below the series, in this order
     std::vector<Field> fields{};               ///< above the regions, below the series
+    std::vector<Bar> bars{};                   ///< if there are any, they are the picture, from top to bottom
     double width = 860.0, height = 540.0;      ///< of the picture [px], without a legend below it
     double left_room = 0.0, right_room = 0.0;  ///< beside the frame, at least: aligns pictures below one another [px]
 };

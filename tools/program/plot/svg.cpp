@@ -304,6 +304,37 @@ private:
     double left_ = 0.0, right_ = 0.0, top_ = 0.0, bottom_ = 0.0;  ///< of the frame [px]
 };
 
+constexpr double bar_row = 24.0, above_bars = 62.0;  // [px]
+
+double height_of_bars(const Plot& plot) { return above_bars + bar_row * static_cast<double>(plot.bars.size()) + 16.0; }
+
+std::string bars_svg(const Plot& plot) {
+    double names = 0.0, texts = 0.0, largest = 1e-300;
+    for (const Bar& bar : plot.bars) {
+        names = std::max(names, letters(bar.name)), texts = std::max(texts, letters(bar.text));
+        largest = std::max(largest, std::abs(bar.value));
+    }
+    const double left = 24.0 + letter * names, longest = std::max(40.0, plot.width - left - 24.0 - letter * texts);
+    std::string made = fmt::format(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" role=\"img\" "
+        "font-family=\"Helvetica, Arial, sans-serif\" font-size=\"12\" fill=\"#222\">\n<title>{2}</title>\n"
+        "<rect width=\"{0}\" height=\"{1}\" fill=\"#ffffff\"/>\n",
+        px(plot.width), px(height_of_bars(plot)), escaped(plot.title));
+    made += text_at(16.0, 24.0, plot.title, "font-size=\"16\" font-weight=\"bold\"") + text_at(16.0, 44.0, plot.subtitle, "fill=\"#555\"");
+    double y = above_bars;
+    for (const Bar& bar : plot.bars) {
+        const double length = longest * std::abs(bar.value) / largest;
+        made += text_at(left - 8.0, y + 15.0, bar.name, "text-anchor=\"end\"") +
+                fmt::format("<rect class=\"bar\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"16\" fill=\"{}\"/>\n", px(left), px(y + 3.0),
+                            px(length), bar.value < 0.0 ? palette(1) : palette(0)) +
+                text_at(left + length + 6.0, y + 15.0, bar.text, "class=\"value\"");
+        y += bar_row;
+    }
+    return made + "</svg>\n";
+}
+
+PictureSize size_of(const Plot& plot) { return plot.bars.empty() ? Drawing(plot).size() : PictureSize{height_of_bars(plot), 0.0, 0.0}; }
+
 /// Room beside the axes of plots that share a horizontal axis and a width.
 struct Room {
     double left = 0.0, right = 0.0;  ///< [px]
@@ -321,13 +352,13 @@ Line palette_line(std::size_t number) {
     return lines[number / 8 % lines.size()];
 }
 
-std::string svg(const Plot& plot) { return Drawing(plot).text(); }
+std::string svg(const Plot& plot) { return plot.bars.empty() ? Drawing(plot).text() : bars_svg(plot); }
 
 std::string svg(const std::vector<Plot>& plots) {
     if (plots.size() == 1) return svg(plots.front());
     std::map<std::pair<std::string, double>, Room> rooms;
     for (const Plot& plot : plots) {
-        const PictureSize size = Drawing(plot).size();
+        const PictureSize size = size_of(plot);
         Room& room = rooms[{plot.x.label, plot.width}];
         room = {std::max(room.left, size.left), std::max(room.right, size.right)};
     }
@@ -342,7 +373,7 @@ std::string svg(const std::vector<Plot>& plots) {
         part.insert(part.find("<svg") + 4, fmt::format(" y=\"{:g}\"", height));
         parts += part;
         width = std::max(width, plot.width);
-        height += Drawing(aligned).size().height;
+        height += size_of(aligned).height;
     }
     return fmt::format(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:g}\" height=\"{1:g}\" viewBox=\"0 0 {0:g} {1:g}\" role=\"img\">\n"

@@ -108,7 +108,25 @@ std::string RecordedRun::name() const {
 
 std::string RecordedRun::conditions() const {
     const auto& all = reader_.attributes();
-    return fmt::format("{}, {}, step {}", text_of(all, "scene"), text_of(all, "method"), step_text(all));
+    return fmt::format("{}, {}{}, step {}", text_of(all, "scene"), scene_ ? level_text(*scene_) + ", " : "", text_of(all, "method"),
+                       step_text(all));
+}
+
+std::vector<tasks::KeyDifference> differing_keys(const tasks::Scene& a, const tasks::Scene& b) {
+    const auto counts = [](const tasks::Parameter& key) { return key.section() != "scene"; };
+    return tasks::differing_keys(a, b, counts, tasks::readable_value);
+}
+
+std::string only_difference(const std::vector<RecordedRun>& runs, const RecordedRun& run) {
+    const tasks::Parameter* key = nullptr;
+    for (const RecordedRun& other : runs) {
+        if (!other.scene() || !runs.front().scene()) return {};
+        for (const tasks::KeyDifference& each : differing_keys(*other.scene(), *runs.front().scene())) {
+            if (key != nullptr && key != each.key) return {};
+            key = each.key;
+        }
+    }
+    return key == nullptr ? "" : fmt::format("{} {}", key->key, tasks::readable_value(*key, *run.scene()));
 }
 
 const engine::ChannelInfo* RecordedRun::channel(const std::string& name) const {

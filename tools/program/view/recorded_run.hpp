@@ -13,6 +13,7 @@
 
 #include "engine/record/run/run_reader.hpp"
 #include "model/parameters/chain_layout.hpp"
+#include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/scene.hpp"
 
 namespace cvtflow::tools {
@@ -38,7 +39,7 @@ public:
     [[nodiscard]] const engine::RunReader& reader() const noexcept { return reader_; }
     /// Empty if this program cannot read it.
     [[nodiscard]] const std::optional<tasks::Scene>& scene() const noexcept { return scene_; }
-    /// "baseline, rk4, 50 ns".
+    /// "baseline, fine, rk4, step 50 ns".
     [[nodiscard]] std::string conditions() const;
     /// Times of the rows [s].
     [[nodiscard]] const std::vector<double>& times() const noexcept { return times_; }
@@ -70,6 +71,12 @@ private:
     std::optional<tasks::Scene> scene_;
     std::vector<double> times_;
 };
+
+/// Keys of two scenes with different values. Name and description of the scene are no difference.
+[[nodiscard]] std::vector<tasks::KeyDifference> differing_keys(const tasks::Scene& a, const tasks::Scene& b);
+
+/// "load.torque 8 N*m" of one of several records whose scenes differ in one key alone; otherwise empty.
+[[nodiscard]] std::string only_difference(const std::vector<RecordedRun>& runs, const RecordedRun& run);
 
 /// One state of a record. Its size and phases are compared with the machine, because the file may be forged.
 /// @throws engine::RecordError for another number of unknowns or phases, and for invalid phases

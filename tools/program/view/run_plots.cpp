@@ -44,16 +44,21 @@ std::vector<Curve> chosen(const RecordedRun& run, const std::vector<std::string>
 
 std::string subtitle_of(const std::vector<RecordedRun>& runs) {
     std::string text;
-    for (const RecordedRun& run : runs) text += (text.empty() ? "" : "; ") + run.conditions();
+    for (const RecordedRun& run : runs) {
+        const std::string conditions = run.conditions();
+        if (text.find(conditions) == std::string::npos) text += (text.empty() ? "" : "; ") + conditions;
+    }
     return text;
 }
 
 /// One number without a unit is a quantity of its own: ratio and efficiency share no axis.
 std::string kind_of(const Curve& curve) { return curve.unit == "1" ? curve.name : shown(curve.name, curve.unit).unit; }
 
-/// "shaft_1/speed" of one run, "shaft_1/speed, other.h5" of several.
+/// "shaft_1/speed" of one run, "shaft_1/speed, other.h5 (load.torque 8 N*m)" of several.
 std::string name_in(const std::vector<RecordedRun>& runs, const RecordedRun& run, const std::string& name) {
-    return runs.size() == 1 ? name : fmt::format("{}, {}", name, run.path());
+    if (runs.size() == 1) return name;
+    const std::string setting = only_difference(runs, run);
+    return fmt::format("{}, {}{}", name, run.path(), setting.empty() ? "" : " (" + setting + ")");
 }
 
 double mean_of(const std::vector<double>& values) { return FiniteFigures(values).mean; }
@@ -90,6 +95,25 @@ std::vector<Plot> finished(std::vector<Panel>& panels, const std::string& subtit
         plots.push_back(std::move(plot));
     }
     return plots;
+}
+
+bool is_zero(const Series& series) {
+    return std::all_of(series.points.begin(), series.points.end(), [](const Point& point) { return !(std::abs(point.y) > 0.0); });
+}
+
+/// Removes curves that are zero throughout, unless all are. @return "; zero: loss/cylinder, …"
+std::string remove_zeros(std::vector<Panel>& panels) {
+    const auto empty = [](const Panel& panel) { return std::ranges::all_of(panel.plot.series, is_zero); };
+    if (std::ranges::all_of(panels, empty)) return "";
+    std::string names;
+    for (Panel& panel : panels) {
+        std::erase_if(panel.plot.series, [&](const Series& series) {
+            if (is_zero(series)) names += (names.empty() ? "; zero: " : ", ") + series.name;
+            return is_zero(series);
+        });
+    }
+    std::erase_if(panels, [](const Panel& panel) { return panel.plot.series.empty(); });
+    return names;
 }
 
 Series line_through(const std::string& name, const std::vector<double>& x, const std::vector<double>& y) {
@@ -278,7 +302,25 @@ std::vector<Point> thinned(const std::vector<Point>& points, std::size_t columns
     return kept;
 }
 
-std::vector<Plot> time_plots(const std::vector<RecordedRun>& runs, const std::vector<std::string>& words, bool every_output) {
+namespace {
+
+/// Points of the measured columns among the curves of the first run. @throws UsageError if there is none
+void add_measured(std::vector<Panel>& panels, const std::vector<Curve>& curves, const Measured& measured, double per_second) {
+    bool any = false;
+    for (const Curve& curve : curves) {
+        if (measured.find(curve.name, curve.unit) == nullptr) continue;
+        Series points = measured.points({"time", "s"}, {curve.name, curve.unit}, fmt::format("{}, {}", curve.name, measured.name));
+        for (Point& point : points.points) point.x *= per_second / shown("time", "s").factor;
+        panel_of(panels, curve).series.push_back(std::move(points));
+        any = true;
+    }
+    if (!any) throw UsageError(fmt::format("--with {}: its columns are none of the channels that are drawn", measured.path));
+}
+
+}  // namespace
+
+std::vector<Plot> time_plots(const std::vector<RecordedRun>& runs, const std::vector<std::string>& words, bool every_output,
+                             const Measured* measured) {
     std::vector<Panel> panels;
     std::string means;
     const TimeAxis axis(std::any_of(runs.begin(), runs.end(), [](const RecordedRun& run) { return run.times().back() > long_record; }));
@@ -293,7 +335,9 @@ std::vector<Plot> time_plots(const std::vector<RecordedRun>& runs, const std::ve
             plot.series.push_back(line_through(name_in(runs, run, curve.name), axis.of(drawn.times), drawn.values));
         }
     }
-    return finished(panels, subtitle_of(runs) + means);
+    if (measured != nullptr) add_measured(panels, chosen(runs.front(), words), *measured, axis.per_second);
+    const std::string zeros = remove_zeros(panels);
+    return finished(panels, subtitle_of(runs) + means + zeros);
 }
 
 std::vector<Plot> order_plots(const std::vector<RecordedRun>& runs, const std::vector<std::string>& words) {
@@ -357,26 +401,28 @@ Plot round_plot(const std::vector<RecordedRun>& runs) {
     return plot;
 }
 
-Plot loss_plot(const RecordedRun& run, bool every_output) {
+Plot loss_plot(const RecordedRun& run) {
     std::vector<Curve> kinds = run.group("loss");
     if (kinds.empty()) throw UsageError(run.path() + ": the record has no losses");
+    std::erase_if(kinds, [](const Curve& kind) { return kind.name == "loss/total"; });
     std::sort(kinds.begin(), kinds.end(), [](const Curve& a, const Curve& b) { return mean_of(a.values) > mean_of(b.values); });
     double total = 0.0;
     for (const Curve& kind : kinds) total += mean_of(kind.values);
     Plot plot;
     plot.title = fmt::format("Losses by kind: {:.4g} W on average", total);
-    const double period = every_output ? 0.0 : averaged_period(run);
-    plot.subtitle = run.conditions() + means_text(period);
-    const TimeAxis axis(run.times().back() > long_record);
-    plot.x.label = axis.label, plot.y.label = "power dissipated [W]";
+    plot.width = 620.0;
+    plot.y.label = "mean power dissipated [W]";
+    std::string zeros;
     for (const Curve& kind : kinds) {
         const double mean = mean_of(kind.values);
-        const PeriodMeans drawn = drawn_of(run, kind, period);
-        const std::string share = total > 0.0 ? fmt::format(" ({:.1f} %)", 100.0 * mean / total) : "";
         std::string name = kind.name.substr(5);
         std::replace(name.begin(), name.end(), '_', ' ');
-        plot.series.push_back(line_through(fmt::format("{}: {:.4g} W{}", name, mean, share), axis.of(drawn.times), drawn.values));
+        if (mean == 0.0) zeros += (zeros.empty() ? "; zero: " : ", ") + name;
+        const std::string share = total > 0.0 ? fmt::format(" ({:.1f} %)", 100.0 * mean / total) : "";
+        if (mean != 0.0) plot.bars.push_back({name, mean, fmt::format("{:.4g} W{}", mean, share)});
     }
+    if (plot.bars.empty()) plot.bars.push_back({"all kinds", 0.0, "0 W"});
+    plot.subtitle = run.conditions() + zeros;
     return plot;
 }
 
@@ -391,6 +437,9 @@ std::string csv(const std::vector<Plot>& plots) {
                 text += fmt::format("{},{},{:.9g},{:.9g},{:.9g}{}", quoted(plot.title), quoted(field.label), field.x[k % field.x.size()],
                                     field.y[k / field.x.size()], field.values[k], axes);
         }
+        for (std::size_t k = 0; k < plot.bars.size(); ++k)
+            text += fmt::format("{},{},{},{:.9g}{}{}", quoted(plot.title), quoted(plot.bars[k].name), k, plot.bars[k].value,
+                                fields ? "," : "", axes);
         for (const Series& series : plot.series) {
             const std::string name = quoted(series.name.empty() ? plot.title : series.name);
             for (const Point& point : series.points) {

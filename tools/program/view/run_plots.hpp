@@ -8,6 +8,7 @@
 
 #include "tools/program/plot/plot.hpp"
 #include "tools/program/view/recorded_run.hpp"
+#include "tools/program/view/sweep_view.hpp"
 
 namespace cvtflow::tools {
 
@@ -42,9 +43,11 @@ struct Repetition {
 [[nodiscard]] std::string orders_text(const std::vector<Repetition>& all);
 
 /// Curves over time, a plot per unit; several runs in each. Runs longer than 60 pin periods are shown as means over pin periods.
-/// @param words channels and groups; none: the overview   @param every_output also of long runs
+/// Curves that are zero throughout are named in the subtitle, unless there is no other.
+/// @param words channels and groups; none: the overview   @param every_output also of long runs   @param measured drawn as points if given
 /// @throws UsageError for a word that names nothing
-[[nodiscard]] std::vector<Plot> time_plots(const std::vector<RecordedRun>& runs, const std::vector<std::string>& words, bool every_output);
+[[nodiscard]] std::vector<Plot> time_plots(const std::vector<RecordedRun>& runs, const std::vector<std::string>& words, bool every_output,
+                                           const Measured* measured = nullptr);
 
 /// Their amplitudes over orders of the pins that pass in the first run; over frequency if the record does not contain them.
 [[nodiscard]] std::vector<Plot> order_plots(const std::vector<RecordedRun>& runs, const std::vector<std::string>& words);
@@ -52,9 +55,8 @@ struct Repetition {
 /// The way of the followed pin in the plane of the chain. @throws UsageError if a record does not have it
 [[nodiscard]] Plot round_plot(const std::vector<RecordedRun>& runs);
 
-/// Losses of one run by kind over time, their means and shares in the legend, largest first. @param every_output as above
-/// @throws UsageError if it has none
-[[nodiscard]] Plot loss_plot(const RecordedRun& run, bool every_output);
+/// Mean losses of one run by kind as bars with their shares, largest first. @throws UsageError if it has none
+[[nodiscard]] Plot loss_plot(const RecordedRun& run);
 
 /// Points thinned without visible change of a line through them: minimum and maximum of each of `columns` stretches.
 [[nodiscard]] std::vector<Point> thinned(const std::vector<Point>& points, std::size_t columns);

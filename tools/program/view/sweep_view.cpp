@@ -40,7 +40,8 @@ const tasks::Parameter* key_of(const std::string& column) {
 
 double as_number(const std::string& cell) { return engine::number_of(cell).value_or(NAN); }
 
-SweepView from_csv(const std::string& path) {
+/// Cells by line, the headings first.
+std::vector<std::vector<std::string>> lines_of(const std::string& path) {
     std::string text;
     try {
         text = engine::read_text_input(path, longest_table);
@@ -51,14 +52,17 @@ SweepView from_csv(const std::string& path) {
         throw engine::RecordError(fmt::format("{}:{}: {}", path, doubtful->line, doubtful->problem));
     auto lines = tasks::csv_lines(text, tasks::csv_separator(text.substr(0, text.find('\n'))));
     std::erase_if(lines, [](const auto& cells) { return cells.size() == 1 && cells[0].empty(); });
+    return lines;
+}
+
+SweepView from_csv(const std::string& path) {
+    auto lines = lines_of(path);
     if (lines.size() < 2 || std::find(lines[0].begin(), lines[0].end(), "status") == lines[0].end())
         throw engine::RecordError(path + ": not a sweep's table as cvtflow table --csv prints it");
     SweepView view{path, std::filesystem::path(path).stem().string(), {}, {}, {}};
-    for (const std::string& heading : lines[0]) {  // "slip_mean", or "slip_mean [1]" as --units prints it
-        const auto unit = heading.ends_with("]") ? heading.find(" [") : std::string::npos;
-        const bool without = unit == std::string::npos;
-        view.columns.push_back(
-            {heading.substr(0, unit), without ? "" : heading.substr(unit + 2, heading.size() - unit - 3), "", false, false});
+    for (const std::string& cell : lines[0]) {
+        const tasks::Heading heading = tasks::heading_of(cell);  // "slip_mean", or "slip_mean [1]" as --units prints it
+        view.columns.push_back({heading.name, heading.unit, "", false, false});
     }
     for (std::size_t line = 1; line < lines.size(); ++line) {
         if (lines[line].size() != view.columns.size())
@@ -207,7 +211,59 @@ std::map<std::pair<double, double>, double> by_place(const SweepView& sweep, std
     return places;
 }
 
+/// As in a table of a sweep: "shaft_1/speed" and "load.torque" with '_'.
+std::string plain_name(std::string name) {
+    std::replace(name.begin(), name.end(), '/', '_');
+    return in_table(std::move(name));
+}
+
 }  // namespace
+
+Measured read_measured(const std::string& path) {
+    const auto lines = lines_of(path);
+    if (lines.size() < 2) throw engine::RecordError(path + ": not a CSV with headings and numbers");
+    Measured measured{path, std::filesystem::path(path).filename().string(), {}};
+    for (const std::string& cell : lines[0]) {
+        const tasks::Heading heading = tasks::heading_of(cell);
+        const auto unit = tasks::parse_quantity("1 " + heading.unit);
+        if (const auto* wrong = std::get_if<std::string>(&unit)) throw engine::RecordError(fmt::format("{}: {}: {}", path, cell, *wrong));
+        measured.columns.push_back({heading.name, heading.unit, std::get<tasks::Quantity>(unit).value, {}});
+    }
+    for (std::size_t line = 1; line < lines.size(); ++line) {
+        if (lines[line].size() != lines[0].size())
+            throw engine::RecordError(fmt::format("{}:{}: {} cells, not {}", path, line + 1, lines[line].size(), lines[0].size()));
+        for (std::size_t c = 0; c < lines[line].size(); ++c) {
+            MeasuredColumn& column = measured.columns[c];
+            column.values.push_back(column.factor * as_number(lines[line][c]));
+        }
+    }
+    return measured;
+}
+
+const MeasuredColumn* Measured::find(const std::string& name, const std::string& unit) const {
+    const auto found = std::ranges::find(columns, plain_name(name), [](const auto& column) { return plain_name(column.name); });
+    if (found == columns.end()) return nullptr;
+    const std::string si = unit.empty() ? "1" : unit;
+    if (!found->unit.empty() && tasks::dimension_of(found->unit) != tasks::dimension_of(si))
+        throw UsageError(fmt::format("{}: {} [{}]: {} expected ({})", path, found->name, found->unit,
+                                     tasks::dimension_name(tasks::dimension_of(si)), si));
+    return &*found;
+}
+
+const MeasuredColumn& Measured::at(const std::string& name, const std::string& unit) const {
+    if (const MeasuredColumn* column = find(name, unit)) return *column;
+    std::string names;
+    for (const MeasuredColumn& column : columns) names += (names.empty() ? "" : ", ") + column.name;
+    throw UsageError(fmt::format("--with {}: no column '{}', only {}", path, name, names));
+}
+
+Series Measured::points(const Quantities& x, const Quantities& y, const std::string& series) const {
+    const MeasuredColumn &across = at(x.name, x.unit), &up = at(y.name, y.unit);
+    const double fx = shown(x.name, x.unit).factor, fy = shown(y.name, y.unit).factor;
+    Series drawn{series, {}, Mark::ring, Line::none, "#222222"};
+    for (std::size_t k = 0; k < up.values.size(); ++k) drawn.points.push_back({fx * across.values[k], fy * up.values[k]});
+    return drawn;
+}
 
 std::size_t SweepView::column(const std::string& word) const {
     std::vector<std::string> names;
@@ -283,7 +339,7 @@ SweepView read_sweep(const std::string& path) {
     return view;
 }
 
-Plot sweep_curves(const SweepView& sweep, const std::string& x, const std::string& y) {
+Plot sweep_curves(const SweepView& sweep, const std::string& x, const std::string& y, const Measured* measured) {
     const std::size_t xc = numbers_of(sweep, x), yc = numbers_of(sweep, y);
     Chosen made = begin_plot(sweep, sweep.columns[xc], sweep.columns[yc],
                              fmt::format("{} over {}", title_of(sweep.columns[yc]), title_of(sweep.columns[xc])));
@@ -301,6 +357,8 @@ Plot sweep_curves(const SweepView& sweep, const std::string& x, const std::strin
         std::stable_sort(points.begin(), points.end(), [](const Point& a, const Point& b) { return a.x < b.x; });
         made.plot.series.push_back({name, points, Mark::dot, Line::solid, "", 1.4});
     }
+    const SweepColumn &across = sweep.columns[xc], &up = sweep.columns[yc];
+    if (measured != nullptr) made.plot.series.push_back(measured->points({across.name, across.unit}, {up.name, up.unit}, measured->name));
     return made.plot;
 }
 

@@ -32,6 +32,32 @@ struct SweepView {
     void keep_good();
 };
 
+/// A column of measured data.
+struct MeasuredColumn {
+    std::string name, unit;      ///< as in the heading: "slip [%]"; without a unit the numbers are in SI
+    double factor = 1.0;         ///< from its unit to SI
+    std::vector<double> values;  ///< in SI; NaN for a cell that is no number
+};
+
+/// Measured data beside a simulation: a CSV whose headings are names of channels, columns or keys with units.
+struct Measured {
+    std::string path, name;
+    std::vector<MeasuredColumn> columns;
+
+    /// A name and its SI unit.
+    struct Quantities {
+        std::string name, unit;
+    };
+    /// nullptr if there is none. '.', '/' and '_' are the same. @throws UsageError for a unit of another dimension
+    [[nodiscard]] const MeasuredColumn* find(const std::string& name, const std::string& unit) const;
+    /// @throws UsageError if there is none, with the names that there are
+    [[nodiscard]] const MeasuredColumn& at(const std::string& name, const std::string& unit) const;
+    /// One column over another as rings, in units of display. @param series in the legend
+    [[nodiscard]] Series points(const Quantities& x, const Quantities& y, const std::string& series) const;
+};
+/// @throws engine::RecordError
+[[nodiscard]] Measured read_measured(const std::string& path);
+
 /// Whether a path is that of a sweep: a folder, a table of cases, or a CSV.
 [[nodiscard]] bool is_sweep(const std::string& path);
 
@@ -44,8 +70,8 @@ struct SweepView {
 [[nodiscard]] SweepView read_sweep(const std::string& path);
 
 /// y over x; a curve for each combination of the other axes. Cases that did not end well are left out and counted.
-/// @throws UsageError for columns that are not there or hold no numbers
-[[nodiscard]] Plot sweep_curves(const SweepView& sweep, const std::string& x, const std::string& y);
+/// @param measured drawn as points if given   @throws UsageError for columns that are not there or hold no numbers
+[[nodiscard]] Plot sweep_curves(const SweepView& sweep, const std::string& x, const std::string& y, const Measured* measured = nullptr);
 
 /// `colour` over x and y: with contours where the cases form a grid, as coloured points where they do not.
 /// @throws UsageError as above, and where several cases fall on one point, with the axes in which they differ

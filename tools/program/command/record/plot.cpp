@@ -30,7 +30,7 @@ namespace {
 
 struct PlotArguments {
     std::vector<std::string> words;
-    std::string output, x, y, colour;
+    std::string output, x, y, colour, with;
     std::vector<std::string> where;
     bool orders = false, round = false, losses = false, wear = false, every_output = false, force = false;
 };
@@ -50,19 +50,26 @@ PlotWords sorted_words(const std::vector<std::string>& words) {
     return sorted;
 }
 
+std::optional<Measured> measured_of(const PlotArguments& arguments) {
+    return arguments.with.empty() ? std::nullopt : std::optional(read_measured(arguments.with));
+}
+
 std::vector<Plot> plots_of_runs(const PlotArguments& arguments, const PlotWords& words, std::string& of) {
     if (!arguments.x.empty() || !arguments.y.empty() || !arguments.colour.empty() || !arguments.where.empty())
         throw UsageError("--x, --y, --colour and --where are for sweeps; " + words.files.front() + " is not a sweep");
     std::vector<RecordedRun> runs;
     for (const std::string& file : words.files) runs.emplace_back(file);
     of = runs.front().name();
+    const std::optional<Measured> measured = measured_of(arguments);
+    if (measured && (arguments.wear || arguments.round || arguments.orders || arguments.losses))
+        throw UsageError("--with adds points to curves over time, and to --x and --y of a sweep");
     if (arguments.wear && runs.size() > 1) throw UsageError("--wear draws one record");
     if (arguments.wear) return wear_plots(runs.front());
     if (arguments.round) return {round_plot(runs)};
     if (arguments.orders) return order_plots(runs, words.channels);
-    if (!arguments.losses) return time_plots(runs, words.channels, arguments.every_output);
+    if (!arguments.losses) return time_plots(runs, words.channels, arguments.every_output, measured ? &*measured : nullptr);
     std::vector<Plot> plots;
-    for (const RecordedRun& run : runs) plots.push_back(loss_plot(run, arguments.every_output));
+    for (const RecordedRun& run : runs) plots.push_back(loss_plot(run));
     return plots;
 }
 
@@ -72,12 +79,14 @@ std::vector<Plot> plots_of_sweeps(const PlotArguments& arguments, const PlotWord
         throw UsageError("channels, --orders, --round, --losses and --wear are for records; " + words.files.front() + " is a sweep");
     if (arguments.x.empty() || arguments.y.empty())
         throw UsageError("a sweep needs --x COLUMN and --y COLUMN; cvtflow table shows its columns");
+    const std::optional<Measured> measured = measured_of(arguments);
+    if (measured && !arguments.colour.empty()) throw UsageError("--with adds points to curves, not to a map (--colour)");
     std::vector<Plot> plots;
     for (const std::string& file : words.files) {
         SweepView sweep = read_sweep(file);
         if (of.empty()) of = sweep.name;
         for (const std::string& condition : arguments.where) sweep.keep(condition);
-        plots.push_back(arguments.colour.empty() ? sweep_curves(sweep, arguments.x, arguments.y)
+        plots.push_back(arguments.colour.empty() ? sweep_curves(sweep, arguments.x, arguments.y, measured ? &*measured : nullptr)
                                                  : sweep_map(sweep, arguments.x, arguments.y, arguments.colour));
         for (const std::string& condition : arguments.where) plots.back().subtitle += ", " + condition;
     }
@@ -150,7 +159,9 @@ ExitStatus plot(const PlotArguments& arguments) {
     const std::string kind = std::filesystem::path(path).extension().string();
     if (kind != ".svg" && kind != ".png" && kind != ".csv")
         throw UsageError(fmt::format("-o {}: expected FILE.svg, FILE.png or FILE.csv", path));
-    const std::vector<std::filesystem::path> inputs = read_files(words.files);
+    std::vector<std::string> files = words.files;
+    if (!arguments.with.empty()) files.push_back(arguments.with);
+    const std::vector<std::filesystem::path> inputs = read_files(files);
     engine::require_no_input(path, inputs);
     std::string of;
     const std::vector<Plot> plots =
@@ -180,11 +191,13 @@ Action declare_plot(CLI::App& app) {
     app.add_flag("--every-output", arguments->every_output,
                  "Draw every output, also for more than 60 pin periods (default then: means over each period)");
     app.add_flag("--round", arguments->round, "Draw quantities of the followed pin around the chain's path");
-    app.add_flag("--losses", arguments->losses, "Draw losses by kind, with means and shares");
+    app.add_flag("--losses", arguments->losses, "Draw mean losses by kind as bars with their shares; over time: cvtflow plot FILE loss");
     app.add_flag("--wear", arguments->wear, "Draw wear over the sheaves' radii and over the tips (record.channels = wear/*)");
     app.add_option("--x", arguments->x, "Sweeps: column along the horizontal axis")->type_name("COLUMN");
     app.add_option("--y", arguments->y, "Sweeps: column along the vertical axis")->type_name("COLUMN");
     app.add_option("--colour", arguments->colour, "Sweeps: column drawn as a map with contours")->type_name("COLUMN");
+    app.add_option("--with", arguments->with, "Measured data as points: a CSV with headings such as \"time [ms]\", \"slip [%]\"")
+        ->type_name("FILE");
     declare_repeated(app, "--where", arguments->where, "Sweeps: only cases with that value; may be repeated", "COLUMN=VALUE");
     app.add_flag_callback("--si", show_si, si_meaning);
     app.add_flag("--force", arguments->force, force_meaning);
@@ -192,6 +205,7 @@ Action declare_plot(CLI::App& app) {
         "cvtflow plot run.h5 slip efficiency          cvtflow plot a.h5 b.h5 shaft_1/speed   (both in one picture)\n"
         "cvtflow plot run.h5 'tips/axial_force[7]'    cvtflow plot run.h5 tight_tension --orders -o orders.png\n"
         "cvtflow plot SWEEP --x load.torque --y start.ratio --colour slip_mean --where clamping.driven=20000\n"
+        "cvtflow plot run.h5 slip --with bench.csv    cvtflow plot SWEEP --x load.torque --y efficiency --with bench.csv\n"
         "For channels of more than four numbers, minimum, mean and maximum are drawn. PNG requires rsvg-convert (librsvg2-bin).\n"
         "A picture of the same scene or sweep is replaced, any other file only with --force.");
     return [arguments] { return plot(*arguments); };

@@ -75,8 +75,9 @@ Action declare_report(CLI::App& app) {
     app.add_flag_callback("--si", show_si, si_meaning);
     app.add_flag("--force", arguments->force, force_meaning);
     app.footer(
-        "The page is one file and needs no network: status and warnings, scene, key figures, curves, running chain, spectra, losses,\n"
-        "tip forces, provenance. A page of the same scene or sweep is replaced, any other file only with --force. Long records are thinned "
+        "The page is one file and needs no network: status and warnings, differences of several records, key figures, scene, curves,\n"
+        "running chain, tip forces, losses, spectra, provenance. A page of the same scene or sweep is replaced, any other file only with "
+        "--force. Long records are thinned "
         "to minima and maxima, and the page states it.");
     return [arguments] { return report(*arguments); };
 }

@@ -41,6 +41,23 @@ class DrawnChain {
     if (this.motion.pulleys)
       for (const shaft of [0, 1])
         for (const side of [-1, 1]) this.sheaves.push(this.sheave(shaft, side));
+    this.labels = (this.motion.labels || []).map((text, shaft) => this.label(text, shaft));
+  }
+
+  /** A name in the middle of a pulley, in front of everything. */
+  label(text, shaft) {
+    const THREE = window.THREE, canvas = element("canvas", {width: 256, height: 64}), paint = canvas.getContext("2d");
+    paint.fillStyle = "rgba(28, 33, 38, 0.8)";
+    paint.fillRect(0, 0, 256, 64);
+    paint.fillStyle = "#ffffff";
+    paint.font = "bold 40px sans-serif";
+    paint.textAlign = "center";
+    paint.fillText(text, 128, 46);
+    const sprite = new THREE.Sprite(new THREE.SpriteMaterial({map: new THREE.CanvasTexture(canvas), depthTest: false, transparent: true}));
+    sprite.position.set(shaft * 1e3 * this.motion.distance, 0, 0);
+    sprite.renderOrder = 1;
+    this.scene.add(sprite);
+    return sprite;
   }
 
   /** Equal solids with a colour each, which instances of older releases of three do not have. */
@@ -64,6 +81,12 @@ class DrawnChain {
   middle(values) {
     const first = values.slice(0, this.motion.pins);
     return 0.5 * (Math.min(...first) + Math.max(...first));
+  }
+  /** Half of the width of what is drawn. */
+  halfWidth() {
+    if (this.motion.pulleys) return 500 * this.motion.distance + 1e3 * this.motion.outermost;
+    const first = this.x.slice(0, this.motion.pins);
+    return 0.55 * (Math.max(...first) - Math.min(...first));
   }
   pitch() {
     const dx = this.x[1] - this.x[0], dy = this.y[1] - this.y[0];
@@ -156,6 +179,10 @@ class DrawnChain {
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.renderer.setSize(clientWidth, clientHeight, false);
     this.camera.aspect = clientWidth / clientHeight;
+    const half = Math.tan(Math.PI / 9), wide = 1.15 * this.halfWidth() / (this.view.distance * this.camera.aspect),
+          widened = Math.max(half, wide);   // of the picture's height: a narrow canvas shows the whole width as well
+    this.camera.fov = 360 / Math.PI * Math.atan(widened);
+    for (const label of this.labels) label.scale.set(56 * widened / half, 14 * widened / half, 1);
     this.camera.updateProjectionMatrix();
     this.frame();
   }
