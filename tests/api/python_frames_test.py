@@ -241,7 +241,8 @@ class Sweeps(Folder):
         self.assertEqual(axes.figure.axes[1].get_ylabel(), "mean slip [%]")
         points = results.where(clamping__driving="7 kN").map("load.torque", "clamping.driving", "slip mean")
         np.testing.assert_allclose(points.collections[0].get_offsets(), [[12, 7], [6, 7]])
-        with self.assertRaisesRegex(ValueError, "several cases at one point of load_torque and load_torque: choose with where.*clamping_driving"):
+        several = "several cases at one point of load_torque and load_torque: choose with where.*clamping_driving"
+        with self.assertRaisesRegex(ValueError, several):
             results.map("load.torque", "load.torque", "slip mean")
 
     @pandas_only

@@ -89,6 +89,11 @@ def in_percent(channel):
     return 100 if "slip" in channel or channel == "efficiency" else 1
 
 
+def shown_factor(channel):
+    """From the record to the page: per cent, rpm, kN."""
+    return 30 / numpy.pi if channel.endswith("/speed") else 1e-3 if "tension" in channel else in_percent(channel)
+
+
 class Page(unittest.TestCase):
     """A page that is opened anew for each test, and must neither complain nor ask for anything."""
 
@@ -124,7 +129,7 @@ class RunReport(Page):
             [r.dataset.channel, r.cells[1].textContent, ...[...r.querySelectorAll("[data-value]")].map((c) => Number(c.dataset.value))])""")
         self.assertGreater(len(rows), 4)
         for name, unit, mean, _, least, largest in rows:
-            values = self.record["channels/" + name][:] * in_percent(name)
+            values = self.record["channels/" + name][:] * shown_factor(name)
             self.assertEqual(unit == "%", in_percent(name) == 100, name)
             for shown, true in ((mean, values.mean()), (least, values.min()), (largest, values.max())):
                 self.assertAlmostEqual(shown, true, delta=1e-8 * abs(true) + 1e-300)  # nine digits
@@ -142,7 +147,7 @@ class RunReport(Page):
         for name in ("ratio", "slip", "shaft_1/speed", "tight_tension"):
             self.assertIn(name, names)
             shown = numpy.array(self.value(f"[...curves.of(curves.runs[0], {name!r})]"))
-            true = self.record["channels/" + name][:] * in_percent(name)
+            true = self.record["channels/" + name][:] * shown_factor(name)
             numpy.testing.assert_allclose(shown, true, rtol=1e-7)  # 24 bits
 
     def test_slip_and_efficiency_have_panels_of_their_own_in_per_cent(self):
@@ -183,7 +188,7 @@ class RunReport(Page):
     def test_what_is_said_of_a_pin_is_in_the_record(self):
         self.value("chain.show(chain.t.length - 1); chain.pick(0)")
         self.assertIn("pin 0 at 0.4 ms", self.value("document.getElementById('pin').textContent"))
-        tension = self.record["channels/links/tension"][:]
+        tension = 1e-3 * self.record["channels/links/tension"][:]  # the page shows kN
         shown = self.value("chain.at(chain.colours.find((c) => c.name === 'tension').values, 0, chain.t.length - 1)")
         self.assertAlmostEqual(shown, tension[-1, 0], delta=(tension.max() - tension.min()) / 65535)
         tips = numpy.abs(self.record["channels/tips/axial_force"][-1])

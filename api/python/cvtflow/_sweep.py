@@ -93,7 +93,8 @@ class Results(dict):
         ys, row = np.unique(up, return_inverse=True)
         grid = np.full((len(ys), len(xs)), np.nan)
         if len(set(zip(column, row))) < len(column):
-            raise ValueError(f"several cases at one point of {x} and {y}: choose with where() among {', '.join(self._other_axes(x, y))}")
+            among = ", ".join(self._other_axes(x, y))
+            raise ValueError(f"several cases at one point of {x} and {y}: choose with where() among {among}")
         grid[row, column] = colours
         axes = ax or pyplot.subplots(layout="constrained")[1]
         if min(grid.shape) > 1 and np.isfinite(grid).all():
@@ -322,7 +323,8 @@ def fit(scene, parameters, measured, *, deviations=None, level=0.95, settings=No
     scale = {name: (deviations or {}).get(name, 0.01 * np.max(np.abs(each))) for name, each in targets.items()}
 
     def residuals_at(values):
-        axes = {tuple(points): list(zip(*points.values()))} if len(points) > 1 else {name: list(each) for name, each in points.items()}
+        rows = list(zip(*points.values()))
+        axes = {tuple(points): rows} if len(points) > 1 else {key: list(each) for key, each in points.items()}
         sweep = Sweep(scene.with_({key: float(value) for key, value in zip(keys, values)}), axes, list(targets))
         with tempfile.TemporaryDirectory() as folder:
             results = sweep.run(folder, threads)
@@ -337,7 +339,8 @@ def fit(scene, parameters, measured, *, deviations=None, level=0.95, settings=No
     first = np.clip([float(scene[key]) for key in keys], low + 1e-6 * (high - low), high - 1e-6 * (high - low))
     found = least_squares(weighted, first, bounds=(low, high), x_scale=high - low, diff_step=step, xtol=1e-4, ftol=1e-8)
     free = len(found.fun) - len(keys)
-    spread = np.sqrt(np.diag(np.linalg.pinv(found.jac.T @ found.jac)) * (2.0 * found.cost / free)) if free > 0 else np.full(len(keys), np.inf)
+    covariance = np.linalg.pinv(found.jac.T @ found.jac)
+    spread = np.sqrt(np.diag(covariance) * (2.0 * found.cost / free)) if free > 0 else np.full(len(keys), np.inf)
     reach = spread * (student.ppf(0.5 + 0.5 * level, free) if free > 0 else 1.0)
     values = {key: float(value) for key, value in zip(keys, found.x)}
     intervals = {key: (float(value - each), float(value + each)) for key, value, each in zip(keys, found.x, reach)}

@@ -109,7 +109,7 @@ Rows simulated(const RecordedRun& run) {
     return rows;
 }
 
-/// What all records share once, then the rest of each.
+/// Rows that all records share once, then the rest of each.
 std::string simulated(const std::vector<RecordedRun>& runs) {
     Rows common = simulated(runs.front());
     for (const RecordedRun& run : runs) {
