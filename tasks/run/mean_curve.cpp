@@ -152,7 +152,7 @@ namespace {
 constexpr std::size_t max_blocks = 8, min_blocks = 4;
 /// Quantiles of Student's distribution, two-sided 95 %, by number n of blocks: n - 2 degrees of freedom.
 constexpr double student[max_blocks + 1] = {0, 0, 0, 0, 4.30, 3.18, 2.78, 2.57, 2.45};
-/// The same quantiles by degrees of freedom.
+/// Quantiles by degrees of freedom.
 constexpr double quantile[max_blocks - 2] = {0, 12.71, 4.30, 3.18, 2.78, 2.57};
 constexpr double sag_counts = 1.5;            ///< a swing that turns has no trend: by its bend, the mean is off by about that much
 constexpr double share_of_efficiency = 0.02;  ///< of the tolerance of other means
