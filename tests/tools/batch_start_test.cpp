@@ -54,7 +54,8 @@ TEST_F(BatchStart, NamesTheCommandOfAFileOfTheOtherKind) {
     EXPECT_EQ(run({"run", "sweep.toml"}).err,
               "cvtflow: sweep.toml:1:2: sweep: this is a sweep, not a scene; to run it: cvtflow batch sweep.toml\n");
     EXPECT_EQ(run({"batch", "tiny"}).err,
-              "cvtflow: no sweep 'tiny'; ready sweeps: operating_map, slip_efficiency; to run the scene of that name: cvtflow run tiny\n");
+              "cvtflow: no sweep 'tiny'; ready sweeps: operating_map, slip_efficiency, steady_map; to run the scene of that name: "
+              "cvtflow run tiny\n");
     EXPECT_EQ(run({"run", "slip_efficiency"}).err,
               "cvtflow: 'slip_efficiency' is a ready sweep, not a scene; to run it: cvtflow batch slip_efficiency\n");
 }
