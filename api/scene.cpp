@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "api/host/entry.hpp"
+#include "api/host/state_bytes.hpp"
 #include "api/scene_data.hpp"
 #include "engine/base/text.hpp"
 #include "tasks/scene/parameter_table.hpp"
@@ -24,25 +25,38 @@ namespace {
 
 }  // namespace
 
+const model::StartState& Scene::Data::placed_start() const {
+    return mutex_.guard([this]() -> const model::StartState& {
+        if (!placed_start_) placed_start_ = model::start_state(scene.parameters);
+        return *placed_start_;
+    });
+}
+
+std::uint64_t Scene::Data::fingerprint() const {
+    return mutex_.guard([this] {
+        if (!fingerprint_) fingerprint_ = api::fingerprint(scene);
+        return *fingerprint_;
+    });
+}
+
 Scene::Scene(std::shared_ptr<const Data> data) noexcept : data_(std::move(data)) {}
 
 Scene Scene::read(const std::string& path) {
-    return api::entered(ErrorCode::scene, [&] { return Scene(std::make_shared<const Data>(Data{tasks::read_scene(path)})); });
+    return api::entered(ErrorCode::scene, [&] { return Scene(std::make_shared<const Data>(tasks::read_scene(path))); });
 }
 
 Scene Scene::parse(const std::string& text, const std::string& name) {
-    return api::entered(ErrorCode::scene, [&] { return Scene(std::make_shared<const Data>(Data{tasks::parse_scene(text, name)})); });
+    return api::entered(ErrorCode::scene, [&] { return Scene(std::make_shared<const Data>(tasks::parse_scene(text, name))); });
 }
 
 Scene Scene::ready(const std::string& name) {
-    return api::entered(ErrorCode::scene,
-                        [&] { return Scene(std::make_shared<const Data>(Data{tasks::read_scene(tasks::find_scene(name))})); });
+    return api::entered(ErrorCode::scene, [&] { return Scene(std::make_shared<const Data>(tasks::read_scene(tasks::find_scene(name)))); });
 }
 
 Scene Scene::with(std::span<const std::string> settings) const {
     return api::entered(ErrorCode::scene, [&] {
-        Data changed = *data_;
-        tasks::set_values(changed.scene, settings, "");
+        tasks::Scene changed = data_->scene;
+        tasks::set_values(changed, settings, "");
         return Scene(std::make_shared<const Data>(std::move(changed)));
     });
 }
@@ -51,9 +65,9 @@ Scene Scene::with(const std::string& setting) const { return with(std::span(&set
 
 Scene Scene::with_detail(const std::string& preset) const {
     return api::entered(ErrorCode::scene, [&] {
-        Data changed = *data_;
-        tasks::apply_detail(changed.scene, preset);
-        if (resolution(changed.scene) != resolution(data_->scene)) changed.scene.state_file.clear();
+        tasks::Scene changed = data_->scene;
+        tasks::apply_detail(changed, preset);
+        if (resolution(changed) != resolution(data_->scene)) changed.state_file.clear();
         return Scene(std::make_shared<const Data>(std::move(changed)));
     });
 }

@@ -66,7 +66,7 @@ State Simulation::state() const {
     return entered(ErrorCode::internal, [&] {
         const Impl::Scope scope(*impl_, Impl::Scope::As::visitor);
         State state;
-        state.bytes_ = api::write_state_bytes(impl_->record());
+        state.bytes_ = impl_->state_bytes();
         return state;
     });
 }
@@ -130,7 +130,7 @@ void Simulation::on_transition(std::function<void(Simulation&, const Transition&
 }
 
 std::vector<std::string> Simulation::Impl::notices() const {
-    std::vector<std::string> lines = simulation_.start_differences();
+    std::vector<std::string> lines = start_differences_;
     if (!energy().reliable) lines.push_back(tasks::unreliable_text(energy().suspicion, data().run.step, simulation_.step()));
     const engine::ThreadShortage threads = engine::thread_shortage();
     if (threads.requested > 0)

@@ -50,14 +50,15 @@ template <class Function>
 
 }  // namespace
 
-Simulation::Impl::Impl(const Scene& scene, Threads threads, int segments)
+Simulation::Impl::Impl(const Scene& scene, Threads threads, int segments, const model::StartState* start)
     : scene_(scene),
       threads_(threads),
       segments_(segments),
       schedule_(schedule_of(data(), threads, segments)),
-      simulation_(data(), schedule_),
+      simulation_(data(), schedule_, nullptr, start == nullptr && data().state_file.empty() ? &scene_.data_->placed_start() : start),
       slope_(simulation_.variator(), simulation_.workspace().rule),
-      observer_(simulation_.variator()) {
+      observer_(simulation_.variator()),
+      start_differences_(simulation_.start_differences()) {
     for (const tasks::Channel& row : tasks::channels()) {
         if (!row.is(tasks::Channel::any_machine) && data().parameters.detail.pulleys == model::PulleyDetail::absent) continue;
         channels_.push_back(&row);
@@ -180,20 +181,23 @@ void Simulation::Impl::advance(Simulation& self, double until, long steps) {
 
 std::unique_ptr<Simulation::Impl> Simulation::Impl::copy() {
     const Scope scope(*this, Scope::As::visitor);
-    auto other = std::make_unique<Impl>(scene_, threads_, segments_);
-    other->restore(record());
+    const tasks::IntegrationState& now = simulation_.integration_state();
+    const model::StartState start{now.state, now.phases, {}, 0.0};
+    auto other = std::make_unique<Impl>(scene_, threads_, segments_, &start);
+    other->restore({scene_.data_->fingerprint(), simulation_.variator().pulleys().held(), now});
+    other->start_differences_ = start_differences_;
     return other;
 }
 
-api::StateRecord Simulation::Impl::record() const {
-    return {api::fingerprint(data()), simulation_.variator().pulleys().held(), simulation_.integration_state()};
+std::vector<std::byte> Simulation::Impl::state_bytes() const {
+    return api::write_state_bytes(scene_.data_->fingerprint(), simulation_.variator().pulleys().held(), simulation_.integration_state());
 }
 
-void Simulation::Impl::restore(const StateRecord& record) {
+void Simulation::Impl::restore(StateRecord record) {
     const Scope scope(*this, Scope::As::stepper);
-    if (record.fingerprint != api::fingerprint(data()))
+    if (record.fingerprint != scene_.data_->fingerprint())
         throw Error(ErrorCode::state, "saved state: it belongs to another scene, method or step");
-    api::translated(ErrorCode::state, [&] { simulation_.restore(record.integration); });
+    api::translated(ErrorCode::state, [&] { simulation_.restore(std::move(record.integration)); });
     hold(record.held);
     last_stop_ = std::numeric_limits<double>::infinity();
     transitions_.clear();

@@ -22,7 +22,8 @@ class Simulation::Impl final : private tasks::RunObserver {
 public:
     using StateRecord = api::StateRecord;
 
-    Impl(const Scene& scene, Threads threads, int segments);
+    /// @param start to begin in, instead of the scene's; nullptr: the scene's
+    Impl(const Scene& scene, Threads threads, int segments, const model::StartState* start = nullptr);
 
     /// A stay inside the simulation: alone, or (for what callbacks may do) as the thread that is inside already.
     class Scope {
@@ -45,8 +46,8 @@ public:
     [[nodiscard]] std::unique_ptr<Impl> copy();
     void advance(Simulation& self, double until, long steps);  ///< until [s]
     void cancel() noexcept { cancel_.request(); }
-    [[nodiscard]] StateRecord record() const;
-    void restore(const StateRecord& record);
+    [[nodiscard]] std::vector<std::byte> state_bytes() const;
+    void restore(StateRecord record);
     void set_input(Input input, double value);  ///< value [unit of the input]
     [[nodiscard]] double input(Input input) const;
     void rhs(double t, std::span<const double> x, std::span<double> out);  ///< t [s], x [unknowns], out [unknowns, per second]
@@ -91,6 +92,7 @@ private:
     model::Observer observer_;
     const model::Observation* observation_ = nullptr;  ///< of the present state; nullptr: not made yet
     bool chain_observed_ = false;                      ///< it is not of the shafts alone
+    std::vector<std::string> start_differences_;  ///< tasks::Simulation::start_differences() at the start of this one or what it copies
     std::vector<const tasks::Channel*> channels_;
     std::vector<std::vector<double>> values_;  ///< [channel][width]
     engine::ReentryGuard entry_;

@@ -93,8 +93,7 @@ Tuning tune(const Scene& scene, const TuneOptions& options) {
                 tasks::tuned_scene(scene.data_->scene, settings,
                                    options.folder.empty() ? tasks::usual_tuning_folder() : std::filesystem::path(options.folder), cancel);
             const std::string choice = tuned.kept.choice.text();
-            return {Scene(std::make_shared<const Scene::Data>(Scene::Data{std::move(tuned.scene)})), choice, tuned.kept.error,
-                    !tuned.result};
+            return {Scene(std::make_shared<const Scene::Data>(std::move(tuned.scene))), choice, tuned.kept.error, !tuned.result};
         } catch (const engine::RecordError& error) {
             throw Error(ErrorCode::start_state, error.what());
         } catch (const tasks::SimulationError& error) {

@@ -11,7 +11,7 @@ namespace cvtflow::api {
 
 namespace {
 
-constexpr std::string_view magic = "CVTFLOW5";
+constexpr std::string_view magic = "CVTFLOW6";
 
 [[noreturn]] void reject(const char* why) { throw Error(ErrorCode::state, std::string("saved state: ") + why); }
 
@@ -19,14 +19,20 @@ constexpr std::string_view magic = "CVTFLOW5";
 template <class T>
 using Stored = std::conditional_t<std::is_same_v<T, long>, std::int64_t, T>;
 
+/// Whether a sequence of values is stored as it lies in memory.
+template <class T>
+inline constexpr bool is_stored_as_it_is = std::is_trivially_copyable_v<T> && !std::is_pointer_v<T> && std::is_same_v<T, Stored<T>>;
+
+/// Writes from a place on; nullptr: only counts.
 class Writer {
 public:
+    explicit Writer(std::byte* to) : to_(to) {}
+
     template <class T>
     void operator()(const T& value) {
         static_assert(std::is_trivially_copyable_v<T> && !std::is_pointer_v<T>);
         const Stored<T> stored = value;
-        const auto* from = reinterpret_cast<const std::byte*>(&stored);
-        bytes.insert(bytes.end(), from, from + sizeof stored);
+        put(&stored, sizeof stored);
     }
     void operator()(const std::optional<double>& value) {
         (*this)(static_cast<std::uint8_t>(value.has_value()));
@@ -34,10 +40,20 @@ public:
     }
     template <class T>
     void operator()(const std::vector<T>& values) {
+        static_assert(is_stored_as_it_is<T>);
         (*this)(static_cast<std::uint64_t>(values.size()));
-        for (const T& value : values) (*this)(value);
+        put(values.data(), values.size() * sizeof(T));
     }
-    std::vector<std::byte> bytes;
+    [[nodiscard]] std::size_t size() const noexcept { return size_; }
+
+private:
+    void put(const void* from, std::size_t bytes) {
+        if (to_ != nullptr && bytes > 0) std::memcpy(to_ + size_, from, bytes);
+        size_ += bytes;
+    }
+
+    std::byte* to_;
+    std::size_t size_ = 0;
 };
 
 class Reader {
@@ -70,8 +86,10 @@ public:
         std::uint64_t size = 0;
         (*this)(size);
         if (size > rest_.size() / sizeof(T)) reject("a length is too large");
+        static_assert(is_stored_as_it_is<T>);
         values.resize(size);
-        for (T& value : values) (*this)(value);
+        if (size > 0) std::memcpy(values.data(), rest_.data(), size * sizeof(T));
+        rest_ = rest_.subspan(size * sizeof(T));
     }
     [[nodiscard]] bool empty() const noexcept { return rest_.empty(); }
 
@@ -95,7 +113,7 @@ void visit(Stream& stream, Record& record) {
     tasks::visit_fields(record.integration, field);
 }
 
-[[nodiscard]] std::uint64_t checksum(std::span<const std::byte> bytes) { return engine::Hash().add(bytes).value(); }
+[[nodiscard]] std::uint64_t checksum(std::span<const std::byte> bytes) { return engine::Checksum().add(bytes).value(); }
 
 }  // namespace
 
@@ -110,12 +128,23 @@ std::uint64_t fingerprint(const tasks::Scene& scene) {
     return engine::Hash().add(std::string_view(tasks::write_scene(plain))).value();
 }
 
-std::vector<std::byte> write_state_bytes(const StateRecord& record) {
-    Writer writer;
-    for (const char letter : magic) writer(letter);
-    visit(writer, record);
-    writer(checksum(writer.bytes));
-    return std::move(writer.bytes);
+std::vector<std::byte> write_state_bytes(std::uint64_t fingerprint, const model::HeldInputs& held,
+                                         const tasks::IntegrationState& integration) {
+    const struct {
+        std::uint64_t fingerprint;
+        const model::HeldInputs& held;
+        const tasks::IntegrationState& integration;
+    } record{fingerprint, held, integration};
+    const auto write = [&](Writer writer) {
+        for (const char letter : magic) writer(letter);
+        visit(writer, record);
+        return writer.size();
+    };
+    const std::size_t size = write(Writer(nullptr));
+    std::vector<std::byte> bytes(size + sizeof(std::uint64_t));
+    write(Writer(bytes.data()));
+    Writer(bytes.data() + size)(checksum(std::span(bytes).first(size)));
+    return bytes;
 }
 
 void check_state_bytes(std::span<const std::byte> bytes) {

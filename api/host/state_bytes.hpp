@@ -1,7 +1,7 @@
 #pragma once
 /// An integration state as bytes, for hosts to keep and bring back. Internal to api.
 ///
-///     "CVTFLOW5"  fingerprint of the scene  held inputs  integration state  FNV-1a of all before
+///     "CVTFLOW6"  fingerprint of the scene  held inputs  integration state  checksum of all before
 ///
 /// Numbers lie as they are in memory (little-endian, IEEE 754): states travel between processes, not between architectures.
 
@@ -25,7 +25,9 @@ struct StateRecord {
 /// Hash of everything in a scene that the course of a simulation depends on; schedules, names, budgets and the end of the run are not.
 [[nodiscard]] std::uint64_t fingerprint(const tasks::Scene& scene);
 
-[[nodiscard]] std::vector<std::byte> write_state_bytes(const StateRecord& record);
+/// Bytes of a StateRecord of these.
+[[nodiscard]] std::vector<std::byte> write_state_bytes(std::uint64_t fingerprint, const model::HeldInputs& held,
+                                                       const tasks::IntegrationState& integration);
 /// @throws Error (state) for bytes that are damaged or of another version
 [[nodiscard]] StateRecord read_state_bytes(std::span<const std::byte> bytes);
 /// Checks frame and checksum only. @throws Error (state)

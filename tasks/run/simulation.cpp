@@ -6,6 +6,7 @@
 #include <cmath>
 #include <span>
 #include <tuple>
+#include <utility>
 
 #include "engine/base/hash.hpp"
 #include "engine/executor/cancellation.hpp"
@@ -59,15 +60,15 @@ void find_gains(Scene& scene) {
 
 Simulation::Simulation(const Scene& scene) : Simulation(scene, schedules_for(scene), ChooserOptions{}) {}
 
-Simulation::Simulation(const Scene& scene, const Schedule& schedule, engine::StampRecorder* recorder)
-    : Simulation(scene, std::vector{schedule}, ChooserOptions{}, recorder) {}
+Simulation::Simulation(const Scene& scene, const Schedule& schedule, engine::StampRecorder* recorder, const model::StartState* start)
+    : Simulation(scene, std::vector{schedule}, ChooserOptions{}, recorder, start) {}
 
 Simulation::Simulation(const Scene& scene, const std::vector<Schedule>& candidates, const ChooserOptions& options,
-                       engine::StampRecorder* recorder)
+                       engine::StampRecorder* recorder, const model::StartState* start)
     : scene_(with_gains(scene)), integrator_(integrator_of(scene_, candidates, options, recorder)), workspace_(&integrator_->workspace()) {
-    const auto saved = scene_.state_file.empty() ? nullptr : saved_start(scene_);
+    const auto saved = start != nullptr || scene_.state_file.empty() ? nullptr : saved_start(scene_);
     if (saved != nullptr) start_differences_ = tasks::start_differences(*saved, scene_);
-    begin_with(saved.get(), nullptr);
+    begin_with(saved.get(), start);
     rest_at_start();
 }
 
@@ -323,7 +324,7 @@ void Simulation::rest_at_start() {
     rest_.step_choice.clear();
 }
 
-void Simulation::restore(const IntegrationState& from) {
+void Simulation::restore(IntegrationState from) {
     if (const char* why = from.unsound()) throw SimulationError(why);
     Workspace& w = *workspace_;
     const std::size_t size = static_cast<std::size_t>(w.layout().size()), tips = w.tips.phases.size();
@@ -343,10 +344,10 @@ void Simulation::restore(const IntegrationState& from) {
     w.heat.restart(scene_.parameters);
     if (!w.heat.load(from.heat)) throw SimulationError("the state contains malformed temperatures");
     w.warm();
-    rest_ = from;
-    needs_settling_ = from.settling;
-    time_ = from.time;
-    counters_ = from.counters;
+    rest_ = std::move(from);
+    needs_settling_ = rest_.settling;
+    time_ = rest_.time;
+    counters_ = rest_.counters;
 }
 
 /// Couplings and hydraulics take over where a run begins: at t = 0 after settling, or at a start that needs none.

@@ -45,10 +45,12 @@ public:
     /// @throws SimulationError, engine::RecordError (state file), std::invalid_argument (the chain does not close)
     explicit Simulation(const Scene& scene);
     /// Prepares the start state for a given schedule and, optionally, time stamps of its tasks.
-    Simulation(const Scene& scene, const Schedule& schedule, engine::StampRecorder* recorder = nullptr);
+    /// @param start begins there; neither reads a state nor places a chain. nullptr: prepares it
+    Simulation(const Scene& scene, const Schedule& schedule, engine::StampRecorder* recorder = nullptr,
+               const model::StartState* start = nullptr);
     /// Prepares the start state for schedules to choose from while it runs, serial first (see ScheduleChooser).
     Simulation(const Scene& scene, const std::vector<Schedule>& candidates, const ChooserOptions& options,
-               engine::StampRecorder* recorder = nullptr);
+               engine::StampRecorder* recorder = nullptr, const model::StartState* start = nullptr);
     ~Simulation();
 
     /// Whether reset() may be used: the same unknowns and the same method.
@@ -82,7 +84,7 @@ public:
     [[nodiscard]] const IntegrationState& integration_state() const;
     /// Takes an integration_state() of a simulation of the same scene and method, in whatever process.
     /// @throws SimulationError if the numbers of unknowns or tips differ
-    void restore(const IntegrationState& state);
+    void restore(IntegrationState state);
 
     /// At present.
     [[nodiscard]] const Schedule& schedule() const noexcept { return runner().schedule(); }

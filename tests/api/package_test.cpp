@@ -78,6 +78,30 @@ TEST_F(Package, IsFoundByPkgConfig) {
     EXPECT_THAT(run(with + "ls $(pkg-config --variable=scenesdir cvtflow)"), testing::HasSubstr("tiny.toml"));
 }
 
+/// Scenes and simulations alone, for hosts that have none of the libraries of the whole: by CMake and by pkg-config, static and shared.
+TEST_F(Package, OfTheCoreNeedsNoLibraryButThoseOfCxx) {
+    run("cmake --install '" CVTFLOW_BINARY_DIR "' --component core --prefix first && mv first p");
+    run("mkdir c && printf 'cmake_minimum_required(VERSION 3.25)\nproject(c CXX)\nfind_package(cvtflow " +
+        std::to_string(CVTFLOW_VERSION_MAJOR) + "." + std::to_string(CVTFLOW_VERSION_MINOR) +
+        " REQUIRED COMPONENTS core)\nforeach(kind core core_shared)\nadd_executable(by_${kind} " CVTFLOW_SOURCE_DIR
+        "/examples/core_host.cpp)\ntarget_link_libraries(by_${kind} cvtflow::${kind})\nendforeach()\n' > c/CMakeLists.txt");
+    run("cmake -S c -B c/b -G Ninja -DCMAKE_PREFIX_PATH=$PWD/p -DCMAKE_CXX_COMPILER=" CVTFLOW_CXX " && cmake --build c/b");
+    const std::string config = run("dirname $(find p -name cvtflow-core.pc)");
+    const std::string with = "export PKG_CONFIG_PATH=" + config.substr(0, config.size() - 1) + "; ";
+    const std::string compile =
+        with + CVTFLOW_CXX " -std=c++20 $(pkg-config --cflags cvtflow-core) " CVTFLOW_SOURCE_DIR "/examples/core_host.cpp ";
+    run(compile + "$(pkg-config --variable=static cvtflow-core) -o c/b/static");
+    run(compile + "$(pkg-config --libs cvtflow-core) $(pkg-config --variable=rpath cvtflow-core) -o c/b/shared");
+    const std::string expected = run("c/b/by_core p/share/cvtflow/scenes/tiny.toml");
+    EXPECT_THAT(expected, testing::HasSubstr("slip"));
+    for (const std::string program : {"c/b/by_core", "c/b/by_core_shared", "c/b/static", "c/b/shared"}) {
+        EXPECT_EQ(run(program + " p/share/cvtflow/scenes/tiny.toml"), expected) << program;
+        EXPECT_EQ(run("ldd " + program + " | grep -vE 'linux-vdso|ld-linux|lib(c|m|gcc_s|stdc[+][+]|cvtflow-core)[.]so' || true"), "")
+            << program;
+    }
+    EXPECT_EQ(run("find p -name 'cvtflow*.hpp' -o -name record.hpp -o -name 'libcvtflow.so*'"), "") << "what is not in it";
+}
+
 /// As a reader opens them: pages refer to one another by relative paths.
 TEST_F(Package, HoldsPagesAndExamplesWhoseLinksLead) {
     install("p");

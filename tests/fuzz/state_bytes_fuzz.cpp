@@ -35,10 +35,10 @@ void resume(const tasks::IntegrationState& from) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
     std::vector<std::byte> framed;
-    for (const char letter : std::string_view("CVTFLOW5")) framed.push_back(static_cast<std::byte>(letter));
+    for (const char letter : std::string_view("CVTFLOW6")) framed.push_back(static_cast<std::byte>(letter));
     const auto* begin = reinterpret_cast<const std::byte*>(bytes);
     framed.insert(framed.end(), begin, begin + size);
-    const std::uint64_t sum = engine::Hash().add(std::span<const std::byte>(framed)).value();
+    const std::uint64_t sum = engine::Checksum().add(std::span<const std::byte>(framed)).value();
     const auto* tail = reinterpret_cast<const std::byte*>(&sum);
     framed.insert(framed.end(), tail, tail + sizeof sum);
     try {
