@@ -11,7 +11,7 @@
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/units.hpp"
-#include "tasks/schedule/auto_schedule.hpp"
+#include "tasks/schedule/schedule.hpp"
 
 namespace cvtflow {
 inline namespace v0 {

@@ -11,7 +11,7 @@
 #include "tasks/method/auto_step.hpp"
 #include "tasks/method/method_choice.hpp"
 #include "tasks/run/saved_start.hpp"
-#include "tasks/schedule/auto_schedule.hpp"
+#include "tasks/schedule/schedule.hpp"
 
 namespace cvtflow::tasks {
 

@@ -128,7 +128,8 @@ double Instant::chain_torque(std::size_t shaft) const noexcept {
 std::span<const Channel> channels() {
     static const std::vector<Channel> all = [] {
         std::vector<Channel> rows(std::begin(table), std::end(table));
-        for (const auto more : {energy_channels(), force_channels(), coupling_channels(), hydraulic_channels(), wear_channels()})
+        for (const auto more :
+             {energy_channels(), force_channels(), coupling_channels(), vehicle_channels(), hydraulic_channels(), wear_channels()})
             rows.insert(rows.end(), more.begin(), more.end());
         return rows;
     }();

@@ -79,6 +79,9 @@ struct Channel {
 /// Couplings of the shafts, on demand.
 [[nodiscard]] std::span<const Channel> coupling_channels();
 
+/// The vehicle of a cycle, on demand.
+[[nodiscard]] std::span<const Channel> vehicle_channels();
+
 /// Cylinders, valves and pump; those of a machine with hydraulics, on demand of all others, where they are zero.
 [[nodiscard]] std::span<const Channel> hydraulic_channels();
 

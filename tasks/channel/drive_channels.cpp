@@ -36,6 +36,13 @@ Channel::Read chain_impulse(std::size_t shaft) {
     };
 }
 
+void vehicle_speed(const Instant& now, double* out) { *out = now.workspace.trip.speed(now.observation.time); }
+Channel::Read trip(model::TripAccount account) {
+    return [account](const Instant& now, double* out) {
+        *out = now.workspace.trip.sums(now.observation.time)[static_cast<std::size_t>(account)];
+    };
+}
+
 const Channel table_of_couplings[] = {
     {"shaft_1/impulse", "N*m*s", "angular impulse of the drive on the driving shaft so far: its change over a time is the mean torque",
      impulse(0), on_demand | without_chain},
@@ -78,6 +85,27 @@ void efficiency_with_pump(const Instant& now, double* out) {
 }  // namespace
 
 std::span<const Channel> coupling_channels() { return table_of_couplings; }
+
+std::span<const Channel> vehicle_channels() {
+    using A = model::TripAccount;
+    static const Channel table[] = {
+        {"vehicle/speed", "m/s", "speed of the vehicle by the cycle; zero without one, as all of vehicle/", vehicle_speed,
+         on_demand | without_chain},
+        {"vehicle/distance", "m", "distance so far", trip(A::distance), on_demand | without_chain},
+        {"vehicle/traction", "J", "work of the traction force at the wheels so far, where it drives", trip(A::traction),
+         on_demand | without_chain},
+        {"vehicle/shaft_2", "J", "work that the cycle needs of shaft 2 so far: the sum of the following", trip(A::shaft),
+         on_demand | without_chain},
+        {"vehicle/kinetic", "J", "kinetic energy of the vehicle, gained so far", trip(A::kinetic), on_demand | without_chain},
+        {"vehicle/climb", "J", "work against gravity so far", trip(A::climb), on_demand | without_chain},
+        {"vehicle/air", "J", "work against the drag of air so far", trip(A::air), on_demand | without_chain},
+        {"vehicle/rolling", "J", "work against rolling resistance so far", trip(A::rolling), on_demand | without_chain},
+        {"vehicle/brakes", "J", "dissipated in the wheels' brakes so far", trip(A::brakes), on_demand | without_chain},
+        {"vehicle/clutch", "J", "dissipated in the starting clutch so far", trip(A::clutch), on_demand | without_chain},
+        {"vehicle/final_drive", "J", "dissipated in the final drive so far", trip(A::final_drive), on_demand | without_chain},
+    };
+    return table;
+}
 
 std::span<const Channel> hydraulic_channels() {
     using I = HydraulicInstant;

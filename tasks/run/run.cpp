@@ -159,6 +159,7 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
     report.energy = simulation.energy().balance(recorder.means().mark());
     report.couplings = couplings_of(simulation);
     report.heat = simulation.workspace().heat;
+    report.trip = simulation.workspace().trip.sums(report.end);
     report.balance_error_ratio = simulation.balance_error_ratio(recorder.means().mark());
     report.settling_residual = simulation.integration_state().settling_residual;
     report.method_report = simulation.method_report();

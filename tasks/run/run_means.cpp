@@ -101,6 +101,10 @@ void fill_energies(const MeanPoint& before, const MeanPoint& after, SpanMeans& m
     means.carried = lost > 0.0 ? taken / lost : 0.0;
     means.stored = in > 0.0 ? change / in : 0.0;
     if (!(lasted > 0.0)) return;
+    for (const model::Work by : {model::Work::drive, model::Work::load}) {
+        const auto k = static_cast<std::size_t>(by);
+        means.shaft_power[by == model::Work::drive ? 0 : 1] = (to.work[k] - from.work[k]) / lasted;
+    }
     means.input = in / lasted;
     means.lost = lost / lasted;
     means.taken = (in - lost - change) / lasted;

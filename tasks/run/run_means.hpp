@@ -34,6 +34,7 @@ struct SpanMeans {
     std::array<double, 4> axial_force{};   ///< on sheaves 1-, 1+, 2-, 2+ [N]
     double efficiency = 0.0;               ///< 1 - losses/input; not a number without input or without load [1]
     double input = 0.0, taken = 0.0;       ///< power of the inputs that brought energy, and of those that took any [W]
+    std::array<double, 2> shaft_power{};   ///< of drive and load, negative: taken out [W]
     double lost = 0.0;                     ///< [W]
     double stored = 0.0;                   ///< change of the stored energy over the input; 0 without input [1]
     bool no_load = false;                  ///< no shaft took a hundredth of the input: there is no efficiency

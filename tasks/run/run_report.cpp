@@ -38,12 +38,27 @@ std::string hydraulic_lines(const RunReport& r) {
     return text + "\n";
 }
 
+/// Energies of a cycle, of the vehicle and of the shafts.
+std::string trip_lines(const RunReport& r) {
+    using enum model::TripAccount;
+    const auto of = [&r](model::TripAccount account) { return 1e-3 * r.trip[static_cast<std::size_t>(account)]; };
+    if (of(distance) == 0.0) return {};
+    const double lasted = r.end - r.whole.begin;
+    return fmt::format(
+        "  vehicle             {:.4g} m; traction {:.4g} kJ at the wheels; shaft 2 needs {:.4g} kJ: kinetic {:.4g}  climb {:.4g}  air "
+        "{:.4g}\n"
+        "                      rolling {:.4g}  brakes {:.4g}  clutch {:.4g}  final drive {:.4g} kJ; shaft 1 delivers {:.4g}, shaft 2 "
+        "{:.4g} kJ\n",
+        1e3 * of(distance), of(traction), of(shaft), of(kinetic), of(climb), of(air), of(rolling), of(brakes), of(clutch), of(final_drive),
+        1e-3 * lasted * r.whole.shaft_power[0], -1e-3 * lasted * r.whole.shaft_power[1]);
+}
+
 std::string outside_lines(const RunReport& r) {
     std::string text;
     for (const CouplingReport& c : r.couplings)
         text += fmt::format("  coupling of shaft {} twist {:.4g} rad, {:.4g} J stored at the end; far end: {} {:.4g} J; {:.3g} J lost\n",
                             c.shaft + 1, c.twist, c.stored, c.far_work >= 0.0 ? "brought" : "took", std::abs(c.far_work), c.dissipated);
-    return text + hydraulic_lines(r);
+    return text + hydraulic_lines(r) + trip_lines(r);
 }
 
 std::string heat_text(const model::HeatBalance& heat) {

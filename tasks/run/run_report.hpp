@@ -28,6 +28,7 @@ struct RunReport : RunHistory {
     SteadyMeans steady;                        ///< with run.until = "steady": errors of those means
     double revolutions = 0.0;                  ///< likewise, of the chain, until their begin [1]
     std::vector<CouplingReport> couplings;     ///< of the shafts that have one
+    model::TripSums trip{};                    ///< of the cycle at the end; zero without one
     model::HeatBalance heat;                   ///< as the run has left it
     std::vector<Note> notes;                   ///< what is odd about results that are right
     std::vector<std::string> start_differences;

@@ -16,7 +16,7 @@
 #include "tasks/method/method_choice.hpp"
 #include "tasks/run/saved_start.hpp"
 #include "tasks/scene/parameter_table.hpp"
-#include "tasks/schedule/auto_schedule.hpp"
+#include "tasks/schedule/schedule.hpp"
 #include "tasks/step/control/step_controller.hpp"
 #include "tasks/step/integration_state.hpp"
 
@@ -307,6 +307,7 @@ void Simulation::rest_at_start() {
         choice_ = std::make_unique<AutoStep>(w.variator, scene_.parameters, method());
     workspace_->energy.restart(integrator_->method().observation_stride());
     workspace_->heat.restart(scene_.parameters);
+    workspace_->trip = model::Trip(scene_.vehicle, scene_.cycle);
     workspace_->warm();
     rest_.started = false;
     rest_.settling = needs_settling_;

@@ -1,4 +1,4 @@
-#include "tasks/scene/cross_checks.hpp"
+#include "tasks/scene/parameter_table.hpp"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -236,6 +236,40 @@ Violation controllers_differ(const Scene& scene) {
     return "control.driven: control.quantity already controls the clamping force of shaft 2";
 }
 
+Violation vehicle_loads_shaft(const Scene& scene) {
+    const auto& p = scene.parameters;
+    if (!scene.vehicle.present()) return {};
+    if (p.detail.pulleys == PulleyDetail::absent) return "vehicle.mass: a vehicle needs pulleys, but detail.pulleys is \"absent\"";
+    if (p.load.mode != model::LoadMode::torque) return "load.mode: a vehicle loads shaft 2 with load.mode = \"torque\" only";
+    for (const auto& [key, value] : {std::pair{"load.inertia", p.load.inertia},
+                                     {"load.quadratic", p.load.quadratic},
+                                     {"load.torque", p.load.torque.largest_magnitude()},
+                                     {"drive.speed", p.drive.speed.largest_magnitude()}}) {
+        const Parameter& row = *find_parameter(key);
+        if (follows_vehicle(scene, key) && value > row.max)
+            return fmt::format("vehicle.mass: {} = {} {} follows from the vehicle, above {}", key, number_text(value), row.unit,
+                               number_text(row.max));
+    }
+    return {};
+}
+
+Violation cycle_is_driven(const Scene& scene) {
+    const auto& [drive, control] = std::tie(scene.parameters.drive, scene.parameters.control);
+    const model::Cycle& cycle = scene.cycle;
+    if (!cycle.present()) return {};
+    if (!scene.vehicle.present()) return "cycle.speed: a cycle needs a vehicle, but vehicle.mass is 0";
+    if (drive.mode != DriveMode::speed) return "drive.mode: a cycle turns shaft 1 with drive.mode = \"speed\" only";
+    if (!control.enabled || control.quantity != model::ControlledQuantity::ratio)
+        return "control.enabled: a cycle needs control of the ratio (control.enabled = true, control.quantity = \"ratio\")";
+    if (cycle.min_ratio > cycle.max_ratio)
+        return fmt::format("cycle.min_ratio: {} is above cycle.max_ratio = {}", number_text(cycle.min_ratio), number_text(cycle.max_ratio));
+    if (cycle.begin >= cycle.speed.time.back())
+        return fmt::format("cycle.begin: {} is not before the end of cycle.speed, {}", seconds(cycle.begin),
+                           seconds(cycle.speed.time.back()));
+    if (cycle.intervals() < static_cast<double>(max_points)) return {};
+    return fmt::format("cycle.pedal_time: {} divides the cycle into more than {} points", seconds(cycle.pedal_time), max_points);
+}
+
 Violation outputs_take_steps(const Scene& scene) {
     if (scene.run.output_interval >= scene.run.step) return {};  // an automatic step is 0 here: it gives way
     return fmt::format("run.output_interval: {} is shorter than run.step = {}", seconds(scene.run.output_interval),
@@ -393,6 +427,11 @@ const std::vector<CrossCheck>& machine_checks() {
         {{"tip.friction_table", "tip.limiting_traction", "tip.friction_law", "tip.friction_coefficient"}, tip_law_has_its_largest},
         {{"tip.friction_law", "detail.pins", "detail.friction"}, tip_law_has_piecewise_corner},
         {{"imperfection.attachment", "imperfection.runout", "imperfection.misalignment", "detail.pulleys"}, imperfections_have_pulleys},
+        {{"vehicle.mass", "vehicle.wheel_radius", "vehicle.final_drive", "vehicle.drag_area", "load.mode", "detail.pulleys"},
+         vehicle_loads_shaft},
+        {{"cycle.speed", "cycle.begin", "cycle.pedal_time", "cycle.min_ratio", "cycle.max_ratio", "vehicle.mass", "drive.mode",
+          "control.enabled", "control.quantity"},
+         cycle_is_driven},
         {{"hydraulics.mode", "detail.pulleys"}, hydraulics_have_pulleys},
         {{"hydraulics.oil_volume", "hydraulics.oil_modulus", "hydraulics.valve_conductance", "hydraulics.driving_area",
           "hydraulics.driven_area", "pulley.sheave_mass"},

@@ -2,6 +2,7 @@
 /// The table of all keys of a scene. Parser, --set, explain, JSON schema, writer and tests loop over it; no other list of keys exists.
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -56,6 +57,23 @@ struct Parameter {
 /// Sets the member of `parameter` in `scene` to the value of `node`: type, unit, dimension and range are those of its row. Errors are
 /// appended to `problems`, with the position of the number, text or list element concerned, and leave the member unchanged.
 void read_value(const Parameter& parameter, const Node& node, Scene& scene, std::vector<Problem>& problems);
+
+/// A condition that the values of a scene must satisfy together.
+struct CrossCheck {
+    std::vector<std::string_view> keys;  ///< keys whose values are compared; a problem is reported at the first that the scene gives
+    /// The violation (a full sentence with its key), or nothing. Expects every key to be in its own range.
+    std::optional<std::string> (*violation)(const Scene&);
+};
+[[nodiscard]] std::span<const CrossCheck> cross_checks();
+
+/// Whether vehicle and cycle of the scene determine the value of `key`, and the scene must not.
+[[nodiscard]] bool follows_vehicle(const Scene& scene, std::string_view key) noexcept;
+/// The problem of a scene that sets such a key.
+[[nodiscard]] std::string follows_text(const Scene& scene, std::string_view key);
+/// Sets those keys; no effect without a vehicle.
+void follow_vehicle(Scene& scene);
+/// Sets them to their defaults, before another vehicle or cycle is set.
+void forget_vehicle(Scene& scene);
 
 /// Suggestions for an unknown key: similar spelling, or the same name in other sections. May be empty.
 [[nodiscard]] std::vector<std::string> nearest_keys(std::string_view key);

@@ -17,7 +17,6 @@
 #include "engine/thread/guards.hpp"
 #include "model/start/belt.hpp"
 #include "tasks/method/automatic_method.hpp"
-#include "tasks/scene/cross_checks.hpp"
 #include "tasks/scene/csv.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/toml_tree.hpp"
@@ -59,7 +58,9 @@ public:
     /// Relative start.state paths count from `folder`.
     /// @param nowhere  position of a violation of which no key was given
     Reading(Scene scene, std::filesystem::path folder, StartState start = StartState::required, Position nowhere = {})
-        : scene_(std::move(scene)), folder_(std::move(folder)), start_(start), nowhere_(nowhere) {}
+        : scene_(std::move(scene)), folder_(std::move(folder)), start_(start), nowhere_(nowhere) {
+        forget_vehicle(scene_);
+    }
 
     void document(const Node::Table& sections);
     void value(const Parameter& parameter, const Node& node);
@@ -78,6 +79,7 @@ private:
     void section(const Entry& entry);
     void resolve_state(const Node& node);
     void check(const CrossCheck& cross_check);
+    void follow();
 
     Scene scene_;
     std::filesystem::path folder_;
@@ -152,7 +154,20 @@ void Reading::check(const CrossCheck& cross_check) {
     problem(first == keys.end() ? nowhere_ : given_[*first], std::move(*violation));
 }
 
+/// Keys that follow from vehicle and cycle may be given with the value that follows only, as in the scene of a record.
+void Reading::follow() {
+    if (!problems_.empty() || !scene_.vehicle.present()) return;
+    const Scene before = scene_;
+    follow_vehicle(scene_);
+    for (const auto& [key, position] : given_) {
+        const Parameter& parameter = *find_parameter(key);
+        if (follows_vehicle(scene_, key) && value_text(parameter, before) != value_text(parameter, scene_))
+            problem(position, follows_text(scene_, key));
+    }
+}
+
 Scene Reading::finish(const std::function<std::string(Position)>& place) {
+    follow();
     for (const CrossCheck& cross_check : cross_checks()) check(cross_check);
     for (const auto& [key, to] : {std::pair{"start.state", &scene_.state_place}, {"run.method", &scene_.method_place}}) {
         if (const auto given = given_.find(key); given != given_.end()) *to = place(given->second) + ": ";
@@ -243,6 +258,31 @@ void set_values(Scene& scene, std::span<const std::string> settings, std::string
 void set_value(Scene& scene, std::string_view setting) {
     const std::string text(setting);
     set_values(scene, {&text, 1});
+}
+
+bool follows_vehicle(const Scene& scene, std::string_view key) noexcept {
+    if (!scene.vehicle.present()) return false;
+    if (scene.cycle.present()) return key == "load.torque" || key == "drive.speed" || key == "control.ratio" || key == "start.ratio";
+    return key == "load.torque" || key == "load.inertia" || key == "load.quadratic";
+}
+
+std::string follows_text(const Scene& scene, std::string_view key) {
+    return fmt::format("{}: follows from [vehicle]{}; remove it", key, scene.cycle.present() ? " and [cycle]" : "");
+}
+
+void follow_vehicle(Scene& scene) {
+    if (!scene.vehicle.present()) return;
+    if (!scene.cycle.present()) return model::load_by(scene.vehicle, scene.parameters.load);
+    if (scene.cycle.intervals() < static_cast<double>(max_points)) model::Trip(scene.vehicle, scene.cycle).command(scene.parameters);
+}
+
+void forget_vehicle(Scene& scene) {
+    if (!scene.vehicle.present()) return;
+    Scene defaults;
+    for (const Parameter& key : parameter_table()) {
+        if (!follows_vehicle(scene, key.key)) continue;
+        std::visit([&](auto* member) { *member = *std::get<decltype(member)>(key.member(defaults)); }, key.member(scene));
+    }
 }
 
 double latest_end(const Scene& scene) {

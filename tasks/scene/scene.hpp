@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "engine/record/run/state_file.hpp"
+#include "model/machine/vehicle.hpp"
 #include "model/parameters/parameters.hpp"
 #include "tasks/step/assembly/assembly_kind.hpp"
 #include "tasks/step/control/step_control.hpp"
@@ -83,6 +84,8 @@ struct Scene {
     std::string description;
     model::Parameters parameters;
     RunSettings run;
+    model::Vehicle vehicle;  ///< load, drive and control of `parameters` follow from it and the cycle (follow_vehicle)
+    model::Cycle cycle;
     ControlGains gains = ControlGains::given;
     std::string state_file;      ///< absolute path of the state to start from; empty: geometric start
     std::string state_place;     ///< where start.state was given, for problems that show later: `scene.toml:12:9: `; empty: nowhere

@@ -1,4 +1,4 @@
-#include "tasks/schedule/auto_schedule.hpp"
+#include "tasks/schedule/schedule.hpp"
 
 #include <algorithm>
 

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "tasks/method/automatic_method.hpp"
-#include "tasks/schedule/auto_schedule.hpp"
+#include "tasks/schedule/schedule.hpp"
 
 namespace cvtflow::tasks {
 

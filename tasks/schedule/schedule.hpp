@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "engine/executor/executor.hpp"
 #include "engine/thread/executor_options.hpp"
@@ -65,5 +66,15 @@ void balance(const std::vector<model::Phase>& phases, std::span<int> cuts, const
 /// Cost of the most costly segment between such cuts.
 [[nodiscard]] double longest_segment(const std::vector<model::Phase>& phases, std::span<const int> cuts,
                                      const LinkCosts& costs = {}) noexcept;
+
+/// Candidate schedules of a scene: its own schedule, or, if run.schedule is "auto", what is worth trying: serial first, then `flow` in both
+/// assemblies, with one segment and two segments per thread, with equal and with balanced segments, and on half the threads where there are
+/// four or more. Numbers of segments and threads that the scene gives are respected, and so are assembly and partition if they are not the
+/// usual ones. Only serial on one usable processor.
+/// @throws SceneError for an executor that does not exist
+[[nodiscard]] std::vector<Schedule> schedules_for(const Scene& scene);
+
+/// Segments, and with them threads, that a step of this machine can be cut into: rigid pins are one, everything else as many as links.
+[[nodiscard]] int max_segments(const model::Parameters& parameters) noexcept;
 
 }  // namespace cvtflow::tasks

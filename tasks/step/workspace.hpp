@@ -11,6 +11,7 @@
 #include "engine/method/compiled_plan.hpp"
 #include "model/law/phase_rule.hpp"
 #include "model/machine/heat_balance.hpp"
+#include "model/machine/vehicle.hpp"
 #include "model/observe/observation.hpp"
 #include "model/rigid/rigid_chain.hpp"
 #include "model/variator/variator.hpp"
@@ -167,6 +168,7 @@ public:
     FrameMemory frame;                               ///< of the controller's coroutine
     EnergyLedger energy;                             ///< works, losses and balance so far, written by the controller
     model::HeatBalance heat;                         ///< temperatures, changed at outputs by the controller
+    model::Trip trip;                                ///< of the scene's vehicle; empty without a cycle
     std::unique_ptr<AssemblyMemory> further;         ///< of the assembly that the laboratory adds; nullptr in the product
     bool sums_missing = false;                       ///< evaluate cycles of the present assembly do not fill links.sums
 

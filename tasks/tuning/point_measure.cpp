@@ -26,11 +26,12 @@ struct Input {
 
 model::TimeTable& table_of(const Parameter& key, Scene& scene) { return *std::get<model::TimeTable*>(key.member(scene)); }
 
+/// Tables over time but for those of vehicle and cycle, which act by other ones.
 std::vector<Input> inputs_of(const Scene& scene) {
     Scene copy = scene;
     std::vector<Input> inputs;
     for (const Parameter& key : parameter_table()) {
-        if (key.kind() != Kind::time_table) continue;
+        if (key.kind() != Kind::time_table || key.section() == "vehicle" || key.section() == "cycle") continue;
         const model::TimeTable& table = table_of(key, copy);
         const auto [low, high] = std::minmax_element(table.value.begin(), table.value.end());
         inputs.push_back({&key, *low, *high, table.at(0.0)});

@@ -12,7 +12,6 @@
 #include "tasks/method/method.hpp"
 #include "tasks/run/checkpoint.hpp"
 #include "tasks/run/saved_start.hpp"
-#include "tasks/scene/cross_checks.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/toml_tree.hpp"
 #include "tasks/scene/units.hpp"
@@ -31,10 +30,12 @@ std::size_t Sweep::row(long number, std::size_t axis) const noexcept {
 }
 
 void Sweep::apply_case(long number, Scene& of) const {
+    forget_vehicle(of);
     for (std::size_t a = 0; a < axes.size(); ++a) {
         const std::size_t at = row(number, a);
         for (std::size_t k = 0; k < axes[a].keys.size(); ++k) apply(*axes[a].keys[k], axes[a].at(at, k), of);
     }
+    follow_vehicle(of);
 }
 
 namespace {
@@ -194,6 +195,7 @@ private:
             std::error_code unreadable;
             sweep_.scene = read_scene(std::filesystem::is_regular_file(beside, unreadable) ? beside : find_scene_(name));
             if (const auto preset = view.text("detail")) apply_detail(sweep_.scene, *preset);
+            forget_vehicle(sweep_.scene);
         } catch (const SceneError& error) {
             view.problem(view.find("scene")->position, fmt::format("scene: {}", error.what()));
         }
@@ -217,6 +219,7 @@ private:
     }
 
     void setting(const Parameter& parameter, const Node& node) {
+        set_.emplace_back(parameter.key, node.position);
         read_value(parameter, node, sweep_.scene, problems_);
         if (parameter.key != "start.state" || sweep_.scene.state_file.empty()) return;
         sweep_.scene.state_place = fmt::format("{}:{}:{}: ", sweep_.path.string(), node.position.line, node.position.column);
@@ -314,6 +317,8 @@ private:
 
     void consistent() {
         if (!problems_.empty()) return;
+        follow_vehicle(sweep_.scene);
+        for (const auto& [key, position] : set_) independent(key, position);
         if (sweep_.axes.empty()) problems_.push_back({{}, "axes: none given; nothing varies"});
         if (sweep_.scalars.empty()) problems_.push_back({{}, "outputs.scalars: none given"});
         std::vector<std::string_view> seen;
@@ -323,6 +328,7 @@ private:
                     problems_.push_back({{}, fmt::format("axes: {} varies on two axes", key->key)});
                 seen.push_back(key->key);
                 tunable(key->key);
+                independent(key->key, {});
             }
         }
         if (sweep_.accuracy.target > 0.0 && sweep_.start == StartMode::shared)
@@ -378,8 +384,13 @@ private:
             problems_.push_back({{}, fmt::format("accuracy: {} varies, but detail, method and step are chosen by [accuracy]", key)});
     }
 
+    void independent(std::string_view key, Position position) {
+        if (follows_vehicle(sweep_.scene, key)) problems_.push_back({position, follows_text(sweep_.scene, key)});
+    }
+
     const FindScene& find_scene_;
     Sweep sweep_;
+    std::vector<std::pair<std::string_view, Position>> set_;  ///< keys of [set]
     std::vector<Problem> problems_;
 };
 

@@ -1,4 +1,3 @@
-#include "tasks/scene/cross_checks.hpp"
 
 #include <algorithm>
 #include <cmath>

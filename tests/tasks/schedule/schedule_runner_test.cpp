@@ -8,7 +8,7 @@
 
 #include "tasks/method/method_choice.hpp"
 #include "tasks/run/simulation.hpp"
-#include "tasks/schedule/auto_schedule.hpp"
+#include "tasks/schedule/schedule.hpp"
 #include "tests/engine/allocation_fixture.hpp"
 #include "tests/engine/executor/executor_fixture.hpp"
 #include "tests/sample_fixture.hpp"

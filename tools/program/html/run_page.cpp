@@ -144,7 +144,7 @@ std::string figures(const RecordedRun& run) {
 /// Increase of each channel of accumulated energy over the record, by kind. Empty if the record has none.
 std::string energies(const RecordedRun& run) {
     std::string rows;
-    for (const char* group : {"work", "dissipated", "hydraulics"}) {
+    for (const char* group : {"work", "dissipated", "hydraulics", "vehicle"}) {
         for (const Curve& curve : run.group(group)) {
             const double gained = curve.values.back() - curve.values.front();
             if (curve.unit != "J" || gained == 0.0) continue;

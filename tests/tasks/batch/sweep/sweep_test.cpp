@@ -73,6 +73,16 @@ TEST_F(SweepFile, MultipliesItsAxesTheLastFastest) {
     EXPECT_NEAR(value(sweep, 4, "clamping.driven"), 1e4, 1e-8);
 }
 
+TEST_F(SweepFile, KeysThatFollowAVehicleFollowEachOfItsCases) {
+    const std::string masses = head + "[[axes]]\nkey = \"vehicle.mass\"\nvalues = [\"0 kg\", \"100 kg\", \"200 kg\"]\n";
+    const Sweep sweep = read(masses);
+    EXPECT_EQ(value(sweep, 0, "load.torque"), sweep.scene.parameters.load.torque.at(0.0)) << "no vehicle";
+    EXPECT_NEAR(value(sweep, 1, "load.inertia"), 100.0 * std::pow(0.3 / 5.5, 2), 1e-12);
+    EXPECT_NEAR(value(sweep, 2, "load.torque"), 2.0 * value(sweep, 1, "load.torque"), 1e-12);
+    EXPECT_EQ(error(masses + "[[axes]]\nkey = \"load.torque\"\nvalues = [1, 2]\n[set]\n\"vehicle.mass\" = 50\n"),
+              "s.toml:1:1: load.torque: follows from [vehicle]; remove it");
+}
+
 TEST_F(SweepFile, ZipsKeysAndReadsCsv) {
     write("rows.csv", "# measured\nload.torque [N*m], detail.pulleys, clamping.driven\n1, elastic, 5 kN\n2.5, rigid, \"6 kN\"\n");
     const Sweep sweep = read(head +
