@@ -6,6 +6,7 @@
 #include <unistd.h>
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cstring>
 #include <filesystem>
 #include <optional>
@@ -317,7 +318,7 @@ void require_no_link(const std::string& path) {
 
 }  // namespace
 
-FolderLock::FolderLock(const std::string& folder) {
+FolderLock::FolderLock(const std::string& folder, int attempts) {
     std::error_code error;
     std::filesystem::create_directory(folder, error);
     std::error_code unreadable;
@@ -327,14 +328,93 @@ FolderLock::FolderLock(const std::string& folder) {
     const std::string lock = folder + "/lock";
     Descriptor file(open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666));
     if (file.number() < 0) throw RecordError(folder + ": cannot write into it: " + std::strerror(errno));
-    for (int attempt = 0; !try_lock(file.number(), lock); ++attempt) {
-        if (attempt == 100) throw RecordError(folder + ": another sweep is writing into it");  // one that was killed is gone before that
+    while (!try_lock(file.number(), lock)) {
+        if (--attempts <= 0) return;
         usleep(10'000);
     }
     descriptor_ = file.give_away();
 }
 
-FolderLock::~FolderLock() { close(descriptor_); }
+FolderLock::FolderLock(const std::string& folder) : FolderLock(folder, 100) {  // one that was killed is gone before that
+    if (descriptor_ < 0) throw RecordError(folder + ": another sweep is writing into it");
+}
+
+std::unique_ptr<FolderLock> FolderLock::if_free(const std::string& folder) {
+    std::unique_ptr<FolderLock> lock(new FolderLock(folder, 1));
+    return lock->descriptor_ >= 0 ? std::move(lock) : nullptr;
+}
+
+FolderLock::~FolderLock() {
+    if (descriptor_ >= 0) close(descriptor_);
+}
+
+namespace {
+
+constexpr std::size_t claim_bytes = 8 + 1 + 12 + 1 + 12 + 1;
+constexpr int claim_attempts = 30'000;  ///< of 2 ms: a claim takes far less than a minute, also on a slow shared folder
+constexpr long claims_of_rest = 256;
+
+/// @throws RecordError
+std::vector<Claim> parsed_claims(const std::string& path, const std::string& text) {
+    std::vector<Claim> claims;
+    for (std::size_t at = 0; at + claim_bytes <= text.size(); at += claim_bytes) {
+        const auto count = [&](std::size_t from, std::size_t width) {
+            const std::size_t first = text.find_first_not_of(' ', at + from);
+            long number = -1;
+            const char* end = text.data() + at + from + width;
+            const auto [stop, error] = std::from_chars(text.data() + std::min(first, at + from + width), end, number);
+            return error == std::errc() && stop == end ? number : -1L;
+        };
+        const Claim claim{static_cast<int>(count(0, 8)), count(9, 12), count(22, 12)};
+        const bool follows = claim.first == (claims.empty() ? 0 : claims.back().end());
+        if (!follows || claim.worker < 1 || claim.cases < 1 || text[at + claim_bytes - 1] != '\n')
+            throw RecordError(path + ": malformed in line " + std::to_string(claims.size() + 1) +
+                              "; without this file, workers claim all cases anew");
+        claims.push_back(claim);
+    }
+    return claims;
+}
+
+/// @throws RecordError
+std::string text_behind(int descriptor, const std::string& path) {
+    std::string text;
+    char some[4096];
+    for (ssize_t count = 1; count != 0;) {
+        count = pread(descriptor, some, sizeof some, static_cast<off_t>(text.size()));
+        if (count < 0 && errno != EINTR) throw RecordError(path + ": cannot be read: " + std::strerror(errno));
+        text.append(some, static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+    }
+    return text;
+}
+
+}  // namespace
+
+std::vector<Claim> read_claims(const std::string& path) {
+    const Descriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+    if (file.number() < 0 && errno == ENOENT) return {};
+    if (file.number() < 0) throw RecordError(path + ": cannot be read: " + std::strerror(errno));
+    return parsed_claims(path, text_behind(file.number(), path));
+}
+
+Claim claim_cases(const std::string& path, int worker, long cases, long strand) {
+    const Descriptor file(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666));
+    if (file.number() < 0) throw RecordError(path + ": cannot create: " + std::strerror(errno));
+    for (int attempt = 0; !try_lock(file.number(), path); ++attempt) {
+        if (attempt == claim_attempts) throw RecordError(path + ": another worker does not release its lock");
+        usleep(2'000);
+    }
+    const std::vector<Claim> claims = parsed_claims(path, text_behind(file.number(), path));
+    Claim claim{worker, claims.empty() ? 0 : claims.back().end()};
+    const long strands = (cases - claim.first) / strand;
+    if (strands <= 0) return claim;
+    claim.cases = strand * std::max(1L, strands / claims_of_rest);
+    const std::string line = fmt::format("{:8} {:12} {:12}\n", worker, claim.first, claim.cases);
+    const auto end = static_cast<off_t>(claims.size() * claim_bytes);
+    errno = EIO;
+    if (pwrite(file.number(), line.data(), line.size(), end) != static_cast<ssize_t>(claim_bytes))
+        throw RecordError(path + ": cannot write: " + std::strerror(errno));
+    return claim;
+}
 
 namespace {
 

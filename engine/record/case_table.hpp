@@ -143,13 +143,31 @@ class FolderLock {
 public:
     /// Errors (RecordError): no such parent, not writable, "DIR: another sweep is writing into it".
     explicit FolderLock(const std::string& folder);
+    /// The lock, unless another process has it; then nullptr. It outlasts this object in processes that were forked meanwhile.
+    [[nodiscard]] static std::unique_ptr<FolderLock> if_free(const std::string& folder);
     ~FolderLock();
     FolderLock(const FolderLock&) = delete;
     FolderLock& operator=(const FolderLock&) = delete;
 
 private:
+    FolderLock(const std::string& folder, int attempts);
     int descriptor_ = -1;
 };
+
+/// A range of cases that a worker has claimed.
+struct Claim {
+    int worker = 0;
+    long first = 0, cases = 0;
+    [[nodiscard]] long end() const noexcept { return first + cases; }
+};
+
+/// The claims in a file, without gaps from case 0 on; none if it does not exist. A line that a killed worker left unfinished is no claim.
+/// @throws RecordError  cannot be read; malformed
+[[nodiscard]] std::vector<Claim> read_claims(const std::string& path);
+
+/// Claims the next cases for a worker under the file's lock: whole strands, the fewer the fewer are left (1/256 of them, at least one).
+/// @param cases of the sweep   @return no cases if all are claimed   @throws RecordError  as above; cannot be locked or written
+[[nodiscard]] Claim claim_cases(const std::string& path, int worker, long cases, long strand);
 
 /// Whether a file was given up while it grew, and contains a text that identifies it. Also false for files that cannot be read,
 /// and for finished ones (they end with a seal), which nothing but a fault of the disk can have changed.

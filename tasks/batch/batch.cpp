@@ -148,19 +148,20 @@ public:
     Session(const Sweep& sweep, const BatchOptions& options)
         : sweep_(sweep),
           options_(options),
-          folder_(shard_folder(options.folder, options.shard)),
+          folder_(options.worker > 0 ? worker_folder(options.folder, options.worker) : shard_folder(options.folder, options.shard)),
           file_((fs::path(folder_) / "cases.h5").string()),
           outer_(made(options.folder)),
-          lock_(folder_),
+          lock_(options.worker > 0 ? nullptr : std::make_unique<engine::FolderLock>(folder_)),
           cancel_(options.cancel != nullptr ? *options.cancel : never),
           threads_(options.threads > 0 ? options.threads : usable_threads()),
           starts_(sweep, fs::path(options.folder) / "states", options.mixed),
           control_(threads_, options.grace, cancel_, options.notice),
-          cases_(shard_cases(sweep, options.shard)),
+          cases_(options.worker > 0 ? std::vector<long>{} : shard_cases(sweep, options.shard)),
           failing_alike_(!options.keep_going && !options.part.only) {}
 
     BatchReport run() {
         engine::CaseTable table = read_or_begin();
+        if (options_.worker > 0) take_claimed();
         progress_.cases = static_cast<long>(cases_.size());
         progress_.before = static_cast<long>(table.size());
         {
@@ -182,7 +183,8 @@ private:
 
     engine::CaseTable read_or_begin() {
         engine::CaseTable begin = empty_table(sweep_);
-        begin.set({"shard", fmt::format("{}/{}", options_.shard.number, options_.shard.of)});
+        begin.set({"shard", options_.worker > 0 ? fmt::format("worker {}", options_.worker)
+                                                : fmt::format("{}/{}", options_.shard.number, options_.shard.of)});
         set_mark(begin);
         done_.assign(static_cast<std::size_t>(sweep_.cases()), 0);
         std::error_code missing;
@@ -199,6 +201,28 @@ private:
         keep_done(table, done_);
         table.set({"status", "running"});
         return table;
+    }
+
+    /// The strands of a worker so far: those that it has claimed, and of rows in its table whose claims were lost. Ascending.
+    void take_claimed() {
+        std::vector<char> taken = done_;
+        for (const engine::Claim& claim : engine::read_claims(claims_file(options_.folder))) {
+            for (long number = claim.first; claim.worker == options_.worker && number < std::min(claim.end(), sweep_.cases()); ++number)
+                taken[static_cast<std::size_t>(number)] = 1;
+        }
+        const auto strand = sweep_.strand();
+        for (auto first = taken.begin(); first != taken.end(); first += strand) {
+            if (std::find(first, first + strand, char{1}) == first + strand) continue;
+            for (long k = 0; k < strand; ++k) cases_.push_back(first - taken.begin() + k);
+        }
+    }
+
+    /// More cases for a worker. @return whether there are any
+    bool claim() {
+        if (options_.worker == 0 || options_.part.only) return false;
+        const engine::Claim claimed = engine::claim_cases(claims_file(options_.folder), options_.worker, sweep_.cases(), sweep_.strand());
+        for (long number = claimed.first; number < claimed.end(); ++number) cases_.push_back(number);
+        return claimed.cases > 0;
     }
 
     /// The existing table; if a power cut has torn it, its intact rows.
@@ -263,7 +287,7 @@ private:
     }
 
     std::optional<long> next() {
-        while (!stopping() && position_ < cases_.size()) {
+        while (!stopping() && (position_ < cases_.size() || claim())) {
             const long number = cases_[position_];
             position_ += static_cast<std::size_t>(sweep_.strand());
             for (long k = number; k < number + sweep_.strand(); ++k) {
@@ -329,19 +353,20 @@ private:
     BatchReport report() {
         OrderedRows rows(file_);
         engine::CaseTable head = rows.head();
+        progress_.cases = static_cast<long>(cases_.size());
         BatchReport result{folder_,
                            progress_,
                            rows.tally(),
-                           rows.size() == cases_.size(),
+                           rows.size() == cases_.size() && !(options_.worker > 0 && failing_alike_.hopeless()),
                            rows.hash(),
                            threads_,
                            {},
                            head.attribute("continuation_error"),
                            head.attribute("steady_check")};
         if (!result.finished && failing_alike_.hopeless()) result.hopeless = failing_alike_.text();
-        if (result.finished && (progress_.done > 0 || result.continuation_error.empty()))
-            result.continuation_error = check_continuation(rows);
-        if (result.finished && (progress_.done > 0 || result.steady_check.empty())) result.steady_check = check_steady(rows);
+        const bool checks = result.finished && options_.worker == 0;  // of workers' cases, when they are merged
+        if (checks && (progress_.done > 0 || result.continuation_error.empty())) result.continuation_error = check_continuation(rows);
+        if (checks && (progress_.done > 0 || result.steady_check.empty())) result.steady_check = check_steady(rows);
         head.set({"continuation_error", result.continuation_error});
         head.set({"steady_check", result.steady_check});
         head.set({"status", result.finished ? "finished" : "interrupted"});
@@ -358,7 +383,7 @@ private:
     std::string folder_, file_;
     engine::Permit permit_;
     int outer_;
-    engine::FolderLock lock_;
+    std::unique_ptr<engine::FolderLock> lock_;  ///< of a worker's place the caller has it
     const engine::Cancellation& cancel_;
     int threads_;
     StartStates starts_;

@@ -6,11 +6,15 @@
 ///     DIR/states/HASH.h5           settled states
 ///     DIR/records/case-N.h5        records, if the sweep asks for them
 ///     DIR/shard-I-of-N/            the same for a share of the sweep; merge() makes DIR/cases.h5 of them
+///     DIR/workers/0001/            the same for the cases that a worker has claimed in DIR/workers/claims; merge() likewise
 ///
-/// Results do not depend on threads, shards, kills or order. run_batch() itself dies with a case that takes its process down; supervise()
-/// starts it again (supervisor.hpp), as the program does.
+/// Results do not depend on threads, shards, workers, kills or order. run_batch() itself dies with a case that takes its process down;
+/// supervise() starts it again (supervisor.hpp), as the program does.
 
 #include <functional>
+#include <memory>
+#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -48,6 +52,7 @@ struct BatchOptions {
     double grace = 30.0;             ///< after a request to stop, time for running cases to finish; others write a checkpoint [s]
     double checkpoint_every = 60.0;  ///< of every running case, wall time [s]
     Shard shard;
+    int worker = 0;                          ///< place of a worker, which the caller holds (WorkerPlaces); 0: none, the cases of `shard`
     std::vector<std::string> retry;          ///< statuses whose cases run again
     bool mixed = false;                      ///< also if rows there are of another version of the program or another start.state
     bool keep_going = false;                 ///< also if the first dozen cases fail with the same message
@@ -79,6 +84,38 @@ struct BatchReport {
 [[nodiscard]] std::vector<long> shard_cases(const Sweep& sweep, const Shard& shard);
 [[nodiscard]] std::string shard_folder(const std::string& folder, const Shard& shard);
 
+/// The place of a worker: a folder that no other process writes into as long as the lock lives.
+struct WorkerPlace {
+    int number = 0;
+    std::unique_ptr<engine::FolderLock> lock;
+};
+
+/// The folders of all workers of a sweep, seen by one of them. A worker is alive as long as its folder is locked. Places of dead workers,
+/// with claimed cases that they have not done, are taken over.
+class WorkerPlaces {
+public:
+    /// @throws SimulationError  results of another sweep, or of this one without workers; engine::RecordError
+    WorkerPlaces(const Sweep& sweep, const std::string& folder);
+    /// A place with cases to run that no other process works in; nothing: there is none now. @throws engine::RecordError
+    [[nodiscard]] std::optional<WorkerPlace> next();
+    /// Whether all cases are done, as of the last call of next().
+    [[nodiscard]] bool done() const noexcept { return done_; }
+
+private:
+    [[nodiscard]] bool has_work(int number, const std::vector<engine::Claim>& claims) const;
+    const Sweep& sweep_;
+    std::string folder_;      ///< of the sweep
+    std::set<int> finished_;  ///< places whose claimed cases are done
+    bool done_ = false;
+};
+
+[[nodiscard]] std::string workers_folder(const std::string& folder);
+[[nodiscard]] std::string worker_folder(const std::string& folder, int worker);
+[[nodiscard]] std::string claims_file(const std::string& folder);
+/// Whether a sweep has cases for workers: its folder contains no table yet, a partial one of merge(), or an unfinished one of a single
+/// process.
+[[nodiscard]] bool awaits_workers(const std::string& folder);
+
 /// Wall time of a step on one thread, measured on a run's first steps, which are begun again where the run is shorter [s]. Zero if it
 /// cannot take one. @param seconds to spend [s]   @param untried why not   @param fault that ended the steps, if one did
 [[nodiscard]] double step_wall(const Scene& scene, double seconds, std::string& untried, Fault* fault = nullptr);
@@ -104,7 +141,7 @@ struct MergeReport {
     std::string results_hash;
 };
 
-/// Joins the tables of all shards of a folder into DIR/cases.h5.
+/// Joins the tables of all shards or workers of a folder into DIR/cases.h5.
 /// @param partial write the table even if shards or cases are missing; they stay missing, and an attribute names them
 /// @param mixed join rows of different versions of the program or starts
 /// @throws SimulationError nothing to join; shards of other sweeps, or cut in another number; engine::RecordError

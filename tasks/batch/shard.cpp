@@ -63,6 +63,17 @@ namespace fs = std::filesystem;
 
 namespace {
 
+/// Tables of all workers.
+std::vector<std::string> worker_tables(const std::string& folder) {
+    std::vector<std::string> tables;
+    std::error_code absent;
+    for (int worker = 1; fs::exists(worker_folder(folder, worker), absent); ++worker) {
+        const std::string file = worker_folder(folder, worker) + "/cases.h5";
+        if (fs::exists(file, absent)) tables.push_back(file);
+    }
+    return tables;
+}
+
 /// Number of shards, from the names of the folders. @throws SimulationError
 int shard_count(const std::string& folder) {
     std::set<int> counts;
@@ -86,9 +97,11 @@ public:
     }
 
     MergeReport run(bool partial) {
-        const int shards = shard_count(folder_);
+        const std::vector<std::string> workers = worker_tables(folder_);
+        const int shards = workers.empty() ? shard_count(folder_) : 0;
         const engine::FolderLock lock(folder_);
-        for (int number = 1; number <= shards; ++number) add(shard_folder(folder_, {number, shards}));
+        for (int number = 1; number <= shards; ++number) add_shard(shard_folder(folder_, {number, shards}));
+        for (const std::string& file : workers) add(file, true);
         if (!table_) throw SimulationError(folder_ + ": no shard has results");
         find_missing();
         const bool whole = report_.missing_cases.empty() && report_.missing_shards.empty();
@@ -97,10 +110,15 @@ public:
     }
 
 private:
-    void add(const std::string& shard) {
+    void add_shard(const std::string& shard) {
         const std::string file = (fs::path(shard) / "cases.h5").string();
         std::error_code missing;
         if (!fs::exists(file, missing)) return report_.missing_shards.push_back(shard);
+        add(file, false);
+    }
+
+    /// @param repeats  whether a case may be there twice, with equal results; its first row is taken
+    void add(const std::string& file, bool repeats) {
         const engine::CaseTable part = read_results(file);
         if (!table_) {
             table_ = part;
@@ -112,8 +130,9 @@ private:
         const std::size_t number = part.layout.column("case");
         for (std::size_t i = 0; i < part.size(); ++i) {
             const auto row = part.row(i);
-            if (!seen_.insert(part.layout.integer(row, number)).second)
-                throw SimulationError(fmt::format("{}: case {} is in two shards", file, part.layout.integer(row, number)));
+            const bool repeated = !seen_.insert(part.layout.integer(row, number)).second;
+            if (repeated && repeats) continue;
+            if (repeated) throw SimulationError(fmt::format("{}: case {} is in two shards", file, part.layout.integer(row, number)));
             report_.tally.add(part.layout, row);
             table_->rows.insert(table_->rows.end(), row.begin(), row.end());
         }
@@ -159,6 +178,72 @@ private:
 };
 
 }  // namespace
+
+std::string workers_folder(const std::string& folder) { return (fs::path(folder) / "workers").string(); }
+std::string worker_folder(const std::string& folder, int worker) {
+    return (fs::path(workers_folder(folder)) / fmt::format("{:04}", worker)).string();
+}
+std::string claims_file(const std::string& folder) { return (fs::path(workers_folder(folder)) / "claims").string(); }
+
+bool awaits_workers(const std::string& folder) try {
+    const std::string file = (fs::path(folder) / "cases.h5").string();
+    std::error_code absent;
+    if (!fs::exists(file, absent)) return true;
+    const std::string status = engine::CaseReader(file).head().attribute("status");
+    return fs::exists(workers_folder(folder), absent) ? status == "incomplete" : status != "finished";
+} catch (const engine::RecordError&) {
+    return false;  // damaged: recovered or reported where it is continued
+}
+
+WorkerPlaces::WorkerPlaces(const Sweep& sweep, const std::string& folder) : sweep_(sweep), folder_(folder) {
+    std::error_code absent;
+    if (fs::exists(fs::path(folder) / "cases.h5", absent) && !fs::exists(workers_folder(folder), absent))
+        throw SimulationError(folder + ": this sweep was begun without workers; continue it without --worker");
+    for (const auto& entry : fs::directory_iterator(folder, absent))
+        if (entry.path().filename().string().starts_with("shard-"))
+            throw SimulationError(entry.path().string() + ": this sweep was begun as shards; continue it without --worker");
+    for (const std::string& made : {folder, workers_folder(folder)}) static_cast<void>(engine::FolderLock::if_free(made));
+    const engine::CaseTable here = empty_table(sweep);
+    for (const std::string& file : worker_tables(folder)) {
+        try {
+            require_same_sweep(file, engine::CaseReader(file).head(), here);
+        } catch (const engine::RecordError&) {}  // damaged: recovered or reported by the worker that takes this place
+    }
+}
+
+/// Whether a worker has not done all that it has claimed. @throws engine::RecordError
+bool WorkerPlaces::has_work(int number, const std::vector<engine::Claim>& claims) const {
+    const std::string file = worker_folder(folder_, number) + "/cases.h5";
+    std::error_code absent;
+    const bool claimed = std::ranges::any_of(claims, [&](const engine::Claim& claim) { return claim.worker == number; });
+    if (!claimed || !fs::exists(file, absent)) return claimed;
+    try {
+        OrderedRows rows(file);
+        return std::ranges::any_of(claims, [&](const engine::Claim& claim) {
+            for (long k = claim.first; claim.worker == number && k < claim.end(); ++k)
+                if (rows.of_case(k).empty()) return true;
+            return false;
+        });
+    } catch (const engine::RecordError&) {
+        return true;  // damaged: the worker that takes this place recovers or reports it
+    }
+}
+
+std::optional<WorkerPlace> WorkerPlaces::next() {
+    const std::vector<engine::Claim> claims = engine::read_claims(claims_file(folder_));
+    const bool open = claims.empty() || claims.back().end() < sweep_.cases();
+    int last = 0;
+    for (const engine::Claim& claim : claims) last = std::max(last, claim.worker);
+    for (int number = 1; open || number <= last; ++number) {
+        if (!open && finished_.contains(number)) continue;
+        std::unique_ptr<engine::FolderLock> lock = engine::FolderLock::if_free(worker_folder(folder_, number));
+        if (lock == nullptr) continue;
+        if (open || has_work(number, claims)) return WorkerPlace{number, std::move(lock)};
+        finished_.insert(number);
+    }
+    done_ = !open && static_cast<int>(finished_.size()) >= last;
+    return {};
+}
 
 MergeReport merge(const std::string& folder, bool partial, bool mixed) { return Merge(folder, mixed).run(partial); }
 

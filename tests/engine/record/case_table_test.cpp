@@ -105,5 +105,63 @@ TEST_F(TornTable, IsReplacedIfItsBeginningWasTornAndNoRecordWas) {
     EXPECT_FALSE(own(file_));  // finished tables are never torn
 }
 
+using Claims = RecordTest;
+
+TEST_F(Claims, OfProcessesSideBySideCoverEveryCaseOnce) {
+    const std::string file = path("claims");
+    EXPECT_TRUE(read_claims(file).empty());
+    std::vector<int> workers;
+    for (int worker = 1; worker <= 4; ++worker) {
+        workers.push_back(start_child([&] {
+            while (claim_cases(file, worker, 2000, 2).cases > 0) {}
+        }));
+    }
+    for (const int worker : workers) EXPECT_EQ(wait_for(worker), 0);
+    const std::vector<Claim> claims = read_claims(file);
+    ASSERT_FALSE(claims.empty());
+    EXPECT_EQ(claims.front().cases, 2 * (1000 / 256)) << "a 256th of the strands";
+    for (std::size_t i = 1; i < claims.size(); ++i) EXPECT_LE(claims[i].cases, claims[i - 1].cases);
+    EXPECT_EQ(claims.back().cases, 2) << "one strand at last";
+    EXPECT_EQ(claims.back().end(), 2000);
+    long sum = 0;
+    for (const Claim& claim : claims) sum += claim.cases;
+    EXPECT_EQ(sum, 2000) << "without a gap";
+}
+
+TEST_F(Claims, OfWhichAKillLeftAPieceAreContinuedAndMalformedOnesRefused) {
+    const std::string file = path("claims");
+    EXPECT_EQ(claim_cases(file, 3, 20, 1).first, 0);
+    EXPECT_EQ(claim_cases(file, 12, 20, 1).first, 1);
+    const std::string text = read_text_file(file);
+    std::ofstream(file) << text.substr(0, text.size() - 1);
+    EXPECT_EQ(read_claims(file).size(), 1u);
+    EXPECT_EQ(claim_cases(file, 4, 20, 1).first, 1);
+    EXPECT_EQ(read_claims(file).back().worker, 4);
+    for (const auto& [from, to] : {std::pair{"           1            1", "           2            1"}, {"4", "0"}, {"4", "x"}}) {
+        std::string other = read_text_file(file);
+        const auto at = other.find(from, 35);
+        ASSERT_NE(at, std::string::npos);
+        std::ofstream(file) << other.replace(at, std::string(from).size(), to);
+        EXPECT_EQ(error_of([&] { (void)read_claims(file); }),
+                  file + ": malformed in line 2; without this file, workers claim all cases anew");
+        std::ofstream(file) << text.substr(0, 35) << "       4            1            1\n";
+    }
+    std::filesystem::create_symlink(file, path("link"));
+    EXPECT_EQ(error_of([&] { (void)claim_cases(path("link"), 1, 20, 1); }),
+              path("link") + ": cannot create: Too many levels of symbolic links");
+}
+
+TEST_F(Claims, FolderLockIsFreeOnlyWhenItsProcessAndThatProcesssChildrenAreGone) {
+    const std::string folder = path("place");
+    auto lock = FolderLock::if_free(folder);
+    ASSERT_NE(lock, nullptr);
+    EXPECT_EQ(FolderLock::if_free(folder), nullptr);
+    const int child = start_child([] { usleep(200'000); });
+    lock.reset();
+    EXPECT_EQ(FolderLock::if_free(folder), nullptr) << "the child has it still";
+    EXPECT_EQ(wait_for(child), 0);
+    EXPECT_NE(FolderLock::if_free(folder), nullptr);
+}
+
 }  // namespace
 }  // namespace cvtflow::engine

@@ -1,6 +1,7 @@
 #include "tools/program/command/sweep/batch.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -9,6 +10,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "engine/record/case_table.hpp"
 #include "tasks/batch/results/results.hpp"
@@ -25,19 +27,24 @@ namespace cvtflow::tools {
 
 namespace {
 
-std::string progress_line(const tasks::BatchProgress& p) {
+/// @param worker  its number; it knows only the cases that it has claimed so far
+std::string progress_line(const tasks::BatchProgress& p, int worker) {
     const double rate = static_cast<double>(p.done) / std::max(p.wall, 1e-9), left = p.left();
+    if (worker > 0)
+        return fmt::format("worker {}: {}, {:.3g} a second{}", worker, plural(p.before + p.done, "case"), rate,
+                           p.failed > 0 ? fmt::format(", {} failed", p.failed) : "");
     return fmt::format("{} of {} cases, {:.3g} a second{}{}", p.before + p.done, p.cases, rate,
                        std::isnan(left) ? "" : fmt::format(", {} left", clock_text(left)),
                        p.failed > 0 ? fmt::format(", {} failed", p.failed) : "");
 }
 
-void print_end(const tasks::Sweep& sweep, const tasks::BatchReport& report, const std::string& folder) {
+void print_end(const tasks::Sweep& sweep, const tasks::BatchReport& report, const tasks::BatchOptions& options) {
     const tasks::BatchProgress& p = report.progress;
+    const std::string of_all = options.worker > 0 ? "" : fmt::format(" of {}", p.cases);
     fmt::print("{}: {}\n", sweep.name,
                report.finished ? "finished"
-                               : fmt::format("stopped after {} of {} cases; to continue: cvtflow resume {}{}", p.before + p.done, p.cases,
-                                             folder, report.hopeless.empty() ? "" : " --keep-going"));
+                               : fmt::format("stopped after {}{} cases; to continue: cvtflow resume {}{}", p.before + p.done, of_all,
+                                             options.folder, report.hopeless.empty() ? "" : " --keep-going"));
     fmt::print("{}", field("cases", fmt::format("{} now in {:.2f} s on {}, {:.3g} a second{}", p.done, p.wall,
                                                 plural(report.threads, "thread"), static_cast<double>(p.done) / std::max(p.wall, 1e-9),
                                                 p.before > 0 ? fmt::format("; {} before", p.before) : "")));
@@ -72,17 +79,21 @@ ExitStatus run_part(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, t
     {
         StatusLine line(quiet);
         options.cancel = &interrupted;
-        options.progress = [&line](const tasks::BatchProgress& progress) {
-            if (line.due()) line.show(progress_line(progress));
+        options.progress = [&line, worker = options.worker](const tasks::BatchProgress& progress) {
+            if (line.due()) line.show(progress_line(progress, worker));
         };
         options.notice = [&line](const std::string& what) { line.say(what); };
         if (options.part.only) options.threads = 1;
         report = tasks::run_batch(sweep, options);
     }
     if (options.part.only && !interrupted.requested()) return ExitStatus::finished;
+    if (options.worker > 0 && report.finished && !interrupted.requested()) {
+        say(quiet, progress_line(report.progress, options.worker));
+        return ExitStatus::finished;
+    }
     const bool accurate = !report.finished || verified(asked, tuned, report, quiet);
     if (!quiet) {
-        print_end(sweep, report, options.folder);
+        print_end(sweep, report, options);
         print_notices();
     }
     if (!report.hopeless.empty()) {
@@ -104,6 +115,46 @@ tasks::TunedSweep tuned_here(const tasks::Sweep& sweep, const std::string& folde
     return tuned;
 }
 
+/// Runs the sweep or its part in child processes.
+ExitStatus run_supervised(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, tasks::BatchOptions options, bool quiet) {
+    engine::SharedSlots journal(options.threads);
+    options.journal = &journal;
+    const auto work = [&](const tasks::SweepPart& part) {
+        tasks::BatchOptions here = options;
+        here.part = part;
+        return guarded([&] { return static_cast<int>(run_part(asked, tuned, here, quiet)); });
+    };
+    return static_cast<ExitStatus>(tasks::supervise(journal, work, print_error));
+}
+
+/// @return whether it was interrupted
+bool pause() {
+    usleep(200'000);
+    return catch_interrupts().requested();
+}
+
+/// One of several processes that share the cases of a sweep. Each ends when all cases are done; the first one then merges their tables.
+ExitStatus run_worker(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, tasks::BatchOptions options, bool quiet) {
+    const std::vector<std::string> retry = std::exchange(options.retry, {});  // of the merged table
+    for (tasks::WorkerPlaces places(tuned.sweep, options.folder); !places.done();) {
+        if (const std::optional<tasks::WorkerPlace> place = places.next()) {
+            options.worker = place->number;
+            const ExitStatus status = run_supervised(asked, tuned, options, quiet);
+            if (status != ExitStatus::finished) return status;
+        } else if (!places.done() && pause()) {
+            return ExitStatus::cancelled;
+        }
+    }
+    std::unique_ptr<engine::FolderLock> ending;  // one worker after the other
+    while ((ending = engine::FolderLock::if_free(tasks::workers_folder(options.folder))) == nullptr)
+        if (pause()) return ExitStatus::cancelled;
+    if (tasks::awaits_workers(options.folder) && !tasks::merge(options.folder, false, options.mixed).missing_cases.empty())
+        throw tasks::SimulationError(options.folder + ": cases are missing although all were claimed; cvtflow merge lists them");
+    options.worker = 0;
+    options.retry = retry;
+    return run_supervised(asked, tuned, options, quiet);
+}
+
 constexpr long shown_cases = 20;
 
 struct BatchArguments {
@@ -111,7 +162,7 @@ struct BatchArguments {
     std::optional<std::string> shard, grace, every;  ///< empty text is an error
     std::vector<std::string> retry;
     int threads = 0;
-    bool dry = false, pin = false, quiet = false, keep_going = false, mixed = false;
+    bool dry = false, pin = false, quiet = false, keep_going = false, mixed = false, worker = false;
 };
 
 tasks::Shard shard_of(const std::string& text) {
@@ -202,7 +253,7 @@ ExitStatus batch(const BatchArguments& arguments) {
         std::error_code reported_later;
         std::filesystem::create_directories("results", reported_later);
     }
-    return run_sweep(sweep, options, arguments.quiet);
+    return run_sweep(sweep, options, arguments.quiet, arguments.worker);
 }
 
 constexpr std::size_t named_cases = 20, named_shards = 5;
@@ -293,17 +344,13 @@ bool say_verification(const std::string& name, const std::string& file, bool qui
     return verification.held();
 }
 
-ExitStatus run_sweep(const tasks::Sweep& sweep, tasks::BatchOptions options, bool quiet) try {
+ExitStatus run_sweep(const tasks::Sweep& sweep, tasks::BatchOptions options, bool quiet, bool as_worker) try {
     if (options.threads <= 0) options.threads = tasks::usable_threads();
     const tasks::TunedSweep tuned = tuned_here(sweep, options.folder, quiet);
-    engine::SharedSlots journal(options.threads);
-    options.journal = &journal;
-    const auto work = [&](const tasks::SweepPart& part) {
-        tasks::BatchOptions here = options;
-        here.part = part;
-        return guarded([&] { return static_cast<int>(run_part(sweep, tuned, here, quiet)); });
-    };
-    return static_cast<ExitStatus>(tasks::supervise(journal, work, print_error));
+    std::error_code absent;
+    const bool begun_by_workers = options.shard.of == 1 && std::filesystem::exists(tasks::workers_folder(options.folder), absent);
+    if ((as_worker || begun_by_workers) && tasks::awaits_workers(options.folder)) return run_worker(sweep, tuned, options, quiet);
+    return run_supervised(sweep, tuned, options, quiet);
 } catch (const tasks::AccuracyError& error) {
     print_error(error.what());
     return ExitStatus::inaccurate;
@@ -333,10 +380,13 @@ Action declare_batch(CLI::App& app) {
         ->type_name("TIME");
     declare_repeated(app, "--retry", arguments->retry, "Repeat cases that ended with this status, e.g. budget; may be given several times",
                      "STATUS");
+    CLI::Option* worker = app.add_flag("--worker", arguments->worker,
+                                       "Share the cases with other processes that run this command with the same DIR, on any machine");
+    for (const char* other : {"--shard", "--retry", "--dry-run"}) worker->excludes(other);
     app.add_flag("--keep-going", arguments->keep_going, keep_going_meaning);
     app.add_flag("--mixed", arguments->mixed, mixed_meaning);
     app.add_flag("-q,--quiet", arguments->quiet, "Print errors only");
-    app.footer("Results do not depend on threads, shards or interruptions. cvtflow table DIR shows them.\n\n" +
+    app.footer("Results do not depend on threads, shards, workers or interruptions. cvtflow table DIR shows them.\n\n" +
                std::string(exit_status_help));
     return [arguments] { return batch(*arguments); };
 }

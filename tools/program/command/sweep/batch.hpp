@@ -20,7 +20,8 @@ inline constexpr const char* keep_going_meaning = "Continue a sweep if its first
 [[nodiscard]] std::string sweep_of(const std::string& folder);
 
 /// Runs or continues a sweep; shows progress and a summary.
-ExitStatus run_sweep(const tasks::Sweep& sweep, tasks::BatchOptions options, bool quiet);
+/// @param as_worker  together with other processes; also where workers have begun it and not all cases are done
+ExitStatus run_sweep(const tasks::Sweep& sweep, tasks::BatchOptions options, bool quiet, bool as_worker = false);
 
 /// Prints the verified errors of a table to stderr, if its sweep has a target accuracy; quiet: only if it is missed.
 /// @return whether the target is met, or there is none   @throws engine::RecordError

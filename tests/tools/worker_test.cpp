@@ -1,0 +1,182 @@
+/// Workers: processes that share the cases of one sweep folder.
+
+#include <gmock/gmock.h>
+
+#include <csignal>
+#include <fstream>
+#include <memory>
+#include <random>
+
+#include "tests/tools/batch_fixture.hpp"
+
+namespace cvtflow::tools {
+namespace {
+
+using testing::HasSubstr;
+
+class Worker : public Sweeps {
+protected:
+    [[nodiscard]] std::unique_ptr<Child> start(const Words& more = {}) const { return std::make_unique<Child>(line_ + more, folder_); }
+    [[nodiscard]] std::string whole_hash() const { return hash_in(run({"batch", "sweep.toml", "-o", "whole"}).out); }
+    /// Number of cases in the table of a worker.
+    [[nodiscard]] std::size_t rows(const std::string& place) const {
+        return exists("out/workers/" + place + "/cases.h5") ? table("out/workers/" + place).size() : 0;
+    }
+    /// Workers that die by kill -9 at random moments, every second one for good while others live.
+    void kill_workers(std::size_t workers, int kills, unsigned seed) const;
+
+    const Words line_{"batch", "sweep.toml", "-o", "out", "--worker", "--threads", "1"};
+    static constexpr const char* twenty = "\"6 N*m\", \"9 N*m\", \"12 N*m\", \"15 N*m\", \"18 N*m\"";
+};
+
+void Worker::kill_workers(std::size_t workers, int kills, unsigned seed) const {
+    std::mt19937 chance(seed);
+    std::vector<std::unique_ptr<Child>> alive;
+    for (std::size_t k = 0; k < workers; ++k) alive.push_back(start({"--checkpoint-every", "10 ms"}));
+    for (int kill = 0; kill < kills; ++kill) {
+        std::this_thread::sleep_for(std::chrono::microseconds(20'000 + chance() % 200'000));
+        const std::size_t which = chance() % alive.size();
+        alive[which]->send(SIGKILL);
+        const int status = alive[which]->wait().status;
+        ASSERT_TRUE(status == 128 + SIGKILL || status == 0) << status;
+        alive.erase(alive.begin() + static_cast<std::ptrdiff_t>(which));
+        if (kill % 2 == 0 || alive.empty()) alive.push_back(start({"--checkpoint-every", "10 ms"}));
+    }
+    for (const auto& worker : alive) {
+        const Outcome outcome = worker->wait();
+        EXPECT_EQ(outcome.status, 0) << outcome.err;
+    }
+}
+
+TEST_F(Worker, KilledOnesAreReplacedByTheOthersAndTheHashIsThatOfOneProcess) {
+    write_sweep(twenty, "80 us");
+    const std::string expected = whole_hash();
+    kill_workers(3, 6, 7);
+    const Outcome shown = run({"table", "out"});
+    EXPECT_EQ(hash_in(shown.out), expected) << shown.err;
+    EXPECT_EQ(column("hash"), column("hash", "whole"));
+    EXPECT_EQ(column("evaluations"), column("evaluations", "whole"));
+}
+
+using NightlyWorker = Worker;
+
+TEST_F(NightlyWorker, OneTwoAndSevenOfThemGiveTheHashOfOneProcessAtManyKills) {
+    write_sweep(twenty + std::string(", \"7 N*m\", \"8 N*m\", \"10 N*m\", \"11 N*m\", \"13 N*m\""), "80 us");
+    const std::string expected = whole_hash();
+    for (const std::size_t workers : {1u, 2u, 7u}) {
+        kill_workers(workers, 20, static_cast<unsigned>(workers));
+        EXPECT_EQ(hash_in(run({"table", "out"}).out), expected) << workers;
+        std::filesystem::remove_all(folder_ / "out");
+    }
+}
+
+TEST_F(Worker, TakesOverThePlaceOfADeadOneWhileAnotherWorks) {
+    write_sweep(twenty, "80 us");
+    const auto dies = start();
+    ASSERT_TRUE(eventually([&] { return rows("0001") >= 1; }));
+    const auto works = start();
+    ASSERT_TRUE(eventually([&] { return rows("0002") >= 1; }));
+    dies->send(SIGKILL);
+    EXPECT_EQ(dies->wait().status, 128 + SIGKILL);
+    const Outcome outcome = works->wait();
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("20 ok"));
+    EXPECT_EQ(hash_in(outcome.out), whole_hash());
+    EXPECT_FALSE(exists("out/workers/0003"));
+}
+
+TEST_F(Worker, ThatIsStoppedIsContinuedByAnyCommandForTheFolder) {
+    write_sweep(twenty, "80 us");
+    const auto first = start({"--grace", "1 us"});
+    ASSERT_TRUE(eventually([&] { return rows("0001") >= 2; }));
+    first->send(SIGTERM);
+    const Outcome stopped = first->wait();
+    EXPECT_EQ(stopped.status, 130);
+    EXPECT_THAT(stopped.out, HasSubstr("to continue: cvtflow resume out\n"));
+    EXPECT_FALSE(exists("out/cases.h5"));
+    const std::size_t before = rows("0001");
+    EXPECT_EQ(run({"merge", "out"}).status, 5) << "cases are missing";
+    const Outcome rest = run({"resume", "out"});
+    EXPECT_EQ(rest.status, 0) << rest.err;
+    EXPECT_EQ(rows("0001"), 20u);
+    EXPECT_LT(before, 20u);
+    EXPECT_EQ(hash_in(rest.out), whole_hash());
+    const Outcome again = batch();
+    EXPECT_EQ(again.status, 0) << again.err;
+    EXPECT_THAT(again.out, HasSubstr("; 20 before"));
+}
+
+TEST_F(Worker, KeepsItsPlaceWhenACaseTakesItsProcessDown) {
+    write_sweep(twenty, "0.2 ms");
+    const auto worker = start();
+    ASSERT_TRUE(eventually([&] { return rows("0001") >= 1; }));
+    std::ifstream children("/proc/" + std::to_string(worker->id()) + "/task/" + std::to_string(worker->id()) + "/children");
+    pid_t process = 0;
+    children >> process;
+    ASSERT_GT(process, 0);
+    ASSERT_EQ(kill(process, SIGSEGV), 0);
+    const Outcome outcome = worker->wait();
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("its cases run again one by one"));
+    EXPECT_FALSE(exists("out/workers/0002"));
+    EXPECT_EQ(hash_in(outcome.out), whole_hash());
+}
+
+TEST_F(Worker, ContinuesStrandsAndChecksThemAsOneProcessDoes) {
+    write_sweep("\"6 N*m\", \"9 N*m\", \"12 N*m\"", "40 us", "continuation = \"clamping.driven\"\ncheck = 2\n");
+    const Outcome whole = run({"batch", "sweep.toml", "-o", "whole"});
+    const auto other = start();
+    const Outcome outcome = start()->wait();
+    EXPECT_EQ(other->wait().status, 0);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(hash_in(outcome.out), hash_in(whole.out));
+    EXPECT_EQ(table().attribute("continuation_error"), table("whole").attribute("continuation_error"));
+}
+
+TEST_F(Worker, OfCasesThatAllFailAlikeStops) {
+    write_sweep(twenty, "40 us", "[[axes]]\nkey = \"chain.pins\"\nvalues = [4]\n");
+    const Outcome outcome = run(line_);
+    EXPECT_EQ(outcome.status, 5);
+    EXPECT_THAT(outcome.err, HasSubstr("the first 12 cases all failed alike"));
+    EXPECT_FALSE(exists("out/cases.h5"));
+}
+
+TEST_F(Worker, RefusesAFolderOfAnotherKindOrSweep) {
+    write_sweep();
+    ASSERT_EQ(run({"batch", "sweep.toml", "-o", "cut", "--shard", "1/3"}).status, 0);
+    EXPECT_EQ(run({"batch", "sweep.toml", "-o", "cut", "--worker"}).err,
+              "cvtflow: cut/shard-0001-of-0003: this sweep was begun as shards; continue it without --worker\n");
+    ASSERT_EQ(run({"batch", "sweep.toml", "-o", "plain"}).status, 0);
+    EXPECT_EQ(run({"batch", "sweep.toml", "-o", "plain", "--worker"}).status, 0) << "all cases are done";
+    write_sweep("\"6 N*m\"", "20 ms");
+    const auto plain = std::make_unique<Child>(Words{"batch", "sweep.toml", "-o", "begun"}, folder_);
+    ASSERT_TRUE(eventually([&] { return exists("begun/cases.h5"); }));
+    EXPECT_EQ(run({"batch", "sweep.toml", "-o", "begun", "--worker"}).err,
+              "cvtflow: begun: this sweep was begun without workers; continue it without --worker\n");
+    write_sweep();
+    ASSERT_EQ(run(line_).status, 0);
+    std::filesystem::remove(folder_ / "out/cases.h5");
+    write_sweep("\"7 N*m\"");
+    const Outcome other = run(line_);
+    EXPECT_EQ(other.status, 1);
+    EXPECT_THAT(other.err, HasSubstr("out/workers/0001/cases.h5: results of another sweep:\n"));
+    for (const char* option : {"--shard=1/2", "--retry=budget", "--dry-run"}) EXPECT_EQ(run(line_ + Words{option}).status, 2) << option;
+}
+
+TEST_F(Worker, WithDamagedClaimsReportsTheFile) {
+    write_sweep();
+    ASSERT_EQ(run(line_).status, 0);
+    std::filesystem::remove(folder_ / "out/cases.h5");
+    const std::string claims = read("out/workers/claims");
+    ASSERT_EQ(claims.size(), 12u * 35u);
+    write("out/workers/claims", claims.substr(0, 40));  // one and a piece: what a kill leaves
+    EXPECT_EQ(hash_in(run(line_).out), whole_hash());
+    std::filesystem::remove(folder_ / "out/cases.h5");
+    write("out/workers/claims", "       1            5            1\n" + claims.substr(35));
+    const Outcome damaged = run(line_);
+    EXPECT_EQ(damaged.status, 1);
+    EXPECT_EQ(damaged.err, "cvtflow: out/workers/claims: malformed in line 1; without this file, workers claim all cases anew\n");
+}
+
+}  // namespace
+}  // namespace cvtflow::tools
