@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cinttypes>
 #include <cmath>
-#include <cstdio>
 #include <cvtflow/error.hpp>
 #include <cvtflow/simulation.hpp>
 #include <map>
@@ -12,8 +10,10 @@
 #include <string>
 #include <vector>
 
+#include "engine/base/hash.hpp"
 #include "model/parameters/chain_layout.hpp"
 #include "tasks/scene/scene.hpp"
+#include "tasks/scene/units.hpp"
 
 namespace {
 
@@ -173,11 +173,8 @@ const char* live_scene() {
     text.clear();
     tried([&] {
         std::vector<std::string> changes;
-        for (const auto& [number, value] : live->changed) {
-            char digits[32];
-            std::snprintf(digits, sizeof digits, "%.17g", value);
-            changes.push_back(std::string(keys.at(number)) + "=" + digits);
-        }
+        for (const auto& [number, value] : live->changed)
+            changes.push_back(std::string(keys.at(number)) + "=" + cvtflow::tasks::number_text(value));
         text = live->simulation.scene().with(std::span<const std::string>(changes)).text();
     });
     return text.c_str();
@@ -185,9 +182,7 @@ const char* live_scene() {
 
 /// Hash of the state, 16 digits.
 const char* live_hash() {
-    char digits[17];
-    std::snprintf(digits, sizeof digits, "%016" PRIx64, live->simulation.hash());
-    text = digits;
+    text = cvtflow::engine::hex(live->simulation.hash());
     return text.c_str();
 }
 }
