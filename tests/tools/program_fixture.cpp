@@ -129,7 +129,10 @@ Words run_to_be_ended(const std::string& record) {
     return words;
 }
 
-Program::Program() : folder_(fs::temp_directory_path() / unique_name("test")) { fs::create_directory(folder_); }
+Program::Program() : folder_(fs::temp_directory_path() / unique_name("test")) {
+    fs::remove_all(folder_);  // of a test with the same process number that was killed
+    fs::create_directory(folder_);
+}
 
 Program::~Program() {
     std::error_code ignored;
