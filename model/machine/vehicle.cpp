@@ -35,7 +35,10 @@ void load_by(const Vehicle& vehicle, Load& load) {
     }
 }
 
-Trip::Trip(const Vehicle& vehicle, const Cycle& cycle) : vehicle_(vehicle), cycle_(cycle) {
+void Trip::follow(const Vehicle& vehicle, const Cycle& cycle) {
+    vehicle_ = vehicle;
+    cycle_ = cycle;
+    sums_.clear();
     if (!vehicle.present() || !cycle.present()) return;
     engine_speed_ = TimeTable(cycle.engine_speed.speed, cycle.engine_speed.value);
     const double spacing = cycle.pedal_time;

@@ -51,7 +51,9 @@ void load_by(const Vehicle& vehicle, Load& load);
 class Trip {
 public:
     Trip() = default;
-    Trip(const Vehicle& vehicle, const Cycle& cycle);
+    Trip(const Vehicle& vehicle, const Cycle& cycle) { follow(vehicle, cycle); }
+    /// Becomes the trip of these. Allocates nothing if neither is a longer table than before.
+    void follow(const Vehicle& vehicle, const Cycle& cycle);
 
     [[nodiscard]] double speed(double t) const noexcept;  ///< of the vehicle [m/s]. t [s]
     /// Accounts from t = 0 on; zero without a cycle. t [s]

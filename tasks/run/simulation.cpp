@@ -307,7 +307,7 @@ void Simulation::rest_at_start() {
         choice_ = std::make_unique<AutoStep>(w.variator, scene_.parameters, method());
     workspace_->energy.restart(integrator_->method().observation_stride());
     workspace_->heat.restart(scene_.parameters);
-    workspace_->trip = model::Trip(scene_.vehicle, scene_.cycle);
+    workspace_->trip.follow(scene_.vehicle, scene_.cycle);
     workspace_->warm();
     rest_.started = false;
     rest_.settling = needs_settling_;
