@@ -105,11 +105,15 @@ inline void find_near_pins(const RigidCoefficients& c, const SheaveMotion* sheav
     return -1;
 }
 
-/// Tips' numbers of pins that are no longer near become zeros; those of a block that reached beyond the last pin belong to the first ones.
-inline void finish_near_pins(RigidColumns& columns, int beyond) noexcept {
-    constexpr Column last = Column::tip_radius + (rigid_tips - 1);
+/// Moves the numbers of a block that reached beyond the last pin to the first pins, but for depths, which a step does not write.
+inline void unwrap_pressed_tips(RigidColumns& columns, int beyond) noexcept {
     columns.unwrap(Column::tip_stiffness_front, Column::tip_moment_rear, beyond);
-    columns.unwrap(Column::tip_force_x, last, beyond);
+    columns.unwrap(Column::tip_force_x, Column::tip_radius + (rigid_tips - 1), beyond);
+}
+
+/// Tips' numbers of pins that are no longer near become zeros.
+inline void forget_far_pins(RigidColumns& columns) noexcept {
+    constexpr Column last = Column::tip_radius + (rigid_tips - 1);
     const PinLanes now(1.0), no(0.0);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const PinLanes written = read(columns, Column::written, i), kept = select_greater<rigid_lanes>(written, now, now, no);
@@ -132,8 +136,8 @@ inline void clear_tips(RigidColumns& columns) noexcept {
 }
 /// Moves the numbers of a block that reached beyond the last pin to the first pins.
 inline void unwrap_tips(RigidColumns& columns, int beyond) noexcept {
-    columns.unwrap(Column::tip_depth, Column::tip_moment_rear, beyond);
-    columns.unwrap(Column::tip_force_x, Column::tip_radius + (rigid_tips - 1), beyond);
+    columns.unwrap(Column::tip_depth, Column::tip_depth + (rigid_tips - 1), beyond);
+    unwrap_pressed_tips(columns, beyond);
 }
 
 /// Calls press(block) for blocks that have all near pins. A block that reaches beyond the last pin continues with copies of the first ones.

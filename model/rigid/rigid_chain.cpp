@@ -80,6 +80,13 @@ double RigidInstant::kinetic() const noexcept {
     return sum;
 }
 
+double RigidInstant::contact_rate() const noexcept {
+    double stiffest = 0.0;
+    for (const Column half : {Column::tip_stiffness_front, Column::tip_stiffness_rear})
+        stiffest = std::max(stiffest, *std::max_element(columns[half], columns[half] + columns.pins()));
+    return std::sqrt(stiffest / (0.5 * model.coefficients().mass));
+}
+
 RigidSums RigidInstant::sums() const noexcept {
     RigidSums sums;
     model.kernels().observe(model.coefficients(), lead, columns, sums);
@@ -125,7 +132,12 @@ RigidColumns RigidModel::columns() const {
 void RigidModel::accelerate(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
     link_forces(kick, columns, f);
     plate_friction(sheaves, kick, columns, f);
-    tip_forces(sheaves, kick, columns, f);
+    if (kick.implicit()) {
+        press_tips(sheaves, kick, columns, f);
+        rub_tips(sheaves, columns, f);
+    } else {
+        tip_forces(sheaves, columns, f);
+    }
     sum_forces(kick, columns, f);
 }
 
@@ -150,10 +162,26 @@ void RigidModel::plate_friction(const SheaveMotion* sheaves, const RigidKick& ki
     columns.wrap(Column::joint_friction, Column::joint_friction);
 }
 
-void RigidModel::tip_forces(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
+void RigidModel::tip_forces(const SheaveMotion* sheaves, RigidColumns& columns, RigidForces& f) const noexcept {
     f.reaction = {};
     if (sheaves == nullptr) return;
-    kernels_.tips(coefficients_, sheaves, kick, columns, f.reaction, f.account);
+    kernels_.tips(coefficients_, sheaves, columns, f.reaction, f.account);
+    wrap_tips(columns);
+}
+
+void RigidModel::press_tips(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
+    f.reaction = {};
+    if (sheaves != nullptr) kernels_.press_tips(coefficients_, sheaves, kick, columns, f.room.data(), f.reaction, f.account);
+    kernels_.waves(coefficients_, kick, columns);
+}
+
+void RigidModel::rub_tips(const SheaveMotion* sheaves, RigidColumns& columns, RigidForces& f) const noexcept {
+    if (sheaves == nullptr) return;
+    kernels_.rub_tips(columns, f.room.data(), f.reaction, f.account);
+    wrap_tips(columns);
+}
+
+void RigidModel::wrap_tips(RigidColumns& columns) noexcept {
     columns.wrap(Column::tip_offset_moment_x, Column::tip_moment_rear);
     columns.wrap(Column::tip_normal, Column::tip_normal + (rigid_tips - 1));
 }
@@ -162,7 +190,7 @@ void RigidModel::sum_forces(const RigidKick& kick, RigidColumns& columns, RigidF
     kernels_.joint_friction(coefficients_, kick, columns, f.account);
     kernels_.moments(columns);
     columns.wrap(Column::tip_moment, Column::tip_moment_before);
-    kernels_.accelerate(coefficients_, columns);
+    kernels_.accelerate(coefficients_, kick, columns);
 }
 
 void RigidModel::accelerate(const SheaveMotion* sheaves, RigidColumns& columns, RigidForces& forces) const noexcept {
@@ -201,7 +229,9 @@ RigidState::RigidState(const RigidModel& of)
       columns(of.columns()),
       tail(static_cast<std::size_t>(of.layout().pulley_block() + of.layout().controls), 0.0),
       tail_slope(tail.size(), 0.0),
-      ledger(of.layout().ledger ? static_cast<std::size_t>(of.layout().size() - of.layout().ledger_begin()) : 0, 0.0) {}
+      ledger(of.layout().ledger ? static_cast<std::size_t>(of.layout().size() - of.layout().ledger_begin()) : 0, 0.0) {
+    forces.room.resize(of.kernels().room_bytes(of.layout().links));
+}
 
 void RigidState::read(const double* y) {
     const ChainLayout& at = model.layout();
@@ -233,18 +263,32 @@ std::size_t RigidState::kicked_end() const noexcept {
     return tail.size() - (model.layout().hydraulic() ? static_cast<std::size_t>(hydraulic_unknowns) : 0);
 }
 
-double RigidState::acceleration_energy() const noexcept {
+double RigidState::energy_of_lead(double time) const noexcept {
     const RigidCoefficients& c = model.coefficients();
+    const double square = time * time, per_stiffness = 4.0 * wave_share * square;
     double sum = 0.0;
     for (int k = 0; k < rigid_coordinates; ++k) {
         const double *a = columns[Column::acceleration_x + k], mass = c.inertia(k);
-        for (int pin = 0; pin < c.pins; ++pin) sum += 0.5 * mass * a[pin] * a[pin];
+        for (int pin = 0; pin < c.pins; ++pin) sum -= 0.5 * mass * square * a[pin] * a[pin];
+    }
+    for (int link = 0; link < c.pins; ++link) {
+        const int next = model.layout().next(link);
+        const auto along = [&](Column of) {
+            const double *x = columns[of], *y = columns[of + 1];
+            return (x[next] - x[link]) * columns[Column::line_x][link] + (y[next] - y[link]) * columns[Column::line_y][link];
+        };
+        const auto product = [&](Column velocity, Column acceleration) {
+            const double change = along(acceleration), rate = along(velocity) - lead * change;
+            return rate * rate - square * change * change;
+        };
+        sum += 0.5 * per_stiffness * c.pull.stiffness * product(Column::vx, Column::acceleration_x);
+        sum += 0.5 * per_stiffness * columns[Column::yaw_stiffness][link] * product(Column::vp, Column::acceleration_p);
     }
     return sum;
 }
 
 std::size_t RigidState::bytes() const noexcept {
-    return sizeof(*this) + columns.bytes() + (tail.size() + tail_slope.size() + ledger.size()) * sizeof(double);
+    return sizeof(*this) + columns.bytes() + forces.room.size() + (tail.size() + tail_slope.size() + ledger.size()) * sizeof(double);
 }
 
 }  // namespace cvtflow::model

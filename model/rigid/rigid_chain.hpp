@@ -2,6 +2,7 @@
 /// A chain of rigid pins: the forces on its pins and sheaves, by kernels over all pins (RigidModel); the same chain as a ChainModel
 /// evaluates it (RigidChain); its state between two steps of a leapfrog, in columns (RigidState). (model/EQUATIONS.md section 11)
 
+#include <cstddef>
 #include <vector>
 
 #include "model/kernels/available_isas.hpp"
@@ -12,7 +13,8 @@ namespace cvtflow::model {
 /// Forces of an instant beside those in the columns.
 struct RigidForces {
     RigidReaction reaction;
-    Account account;  ///< potential energies and losses of the chain
+    Account account;             ///< potential energies and losses of the chain
+    LineVector<std::byte> room;  ///< for tips of a step [RigidKernels::room_bytes()]; empty where no steps are made
 };
 
 class RigidModel {
@@ -36,7 +38,10 @@ public:
     // Parts of accelerate(), one after the other.
     void link_forces(const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
     void plate_friction(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
-    void tip_forces(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
+    void tip_forces(const SheaveMotion* sheaves, RigidColumns& columns, RigidForces& forces) const noexcept;  ///< of velocities as they are
+    /// Normal forces, and the changes of velocities by waves. @param kick must live until rub_tips()
+    void press_tips(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
+    void rub_tips(const SheaveMotion* sheaves, RigidColumns& columns, RigidForces& forces) const noexcept;
     void sum_forces(const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
 
     /// Scale of a coordinate or velocity in the columns, over that of a state.
@@ -48,6 +53,8 @@ public:
     void acceleration(const RigidColumns& columns, int pin, double* of_pin) const noexcept;
 
 private:
+    static void wrap_tips(RigidColumns& columns) noexcept;
+
     Parameters parameters_;
     ChainLayout layout_;
     RigidCoefficients coefficients_;
@@ -70,6 +77,8 @@ struct RigidInstant {
 
     [[nodiscard]] double kinetic() const noexcept;  ///< energy of the pins [J]
     [[nodiscard]] RigidSums sums() const noexcept;
+    /// Fastest oscillation of a pin half along its axis on the contacts of its tips [rad/s].
+    [[nodiscard]] double contact_rate() const noexcept;
     /// Column of a tip number 2 end + side of a link, and its entry: the pin whose half is the one at that end.
     [[nodiscard]] double of_tip(Column first, int link, int tip) const noexcept {
         const int pin = tip < rigid_tips / 2 ? link : model.layout().next(link);
@@ -117,8 +126,9 @@ struct RigidState {
     /// The unknowns that a kick changes behind the pulleys' coordinates end here: velocities and integrals. Unknowns of the hydraulics
     /// drift.
     [[nodiscard]] std::size_t kicked_end() const noexcept;
-    /// Kinetic energy that the accelerations of the pins would have as velocities, ½ a·M a [J/s²].
-    [[nodiscard]] double acceleration_energy() const noexcept;
+    /// ½ v·M v' of velocities that trail and lead by a time, M with the waves' inertia of a step of twice that time, less the kinetic
+    /// energy of the pins [J]
+    [[nodiscard]] double energy_of_lead(double time) const noexcept;
     [[nodiscard]] std::size_t bytes() const noexcept;
 
     const RigidModel& model;

@@ -124,17 +124,35 @@ enum class Column {
     joint_coupling,            ///< β: share of a force parting the halves that friction between them takes, 0 … 1
     axial_free_speed,          ///< z' without friction of plates [m/s]
     tip_force_slide_expected,  ///< force of the tips on ζ that the frictions along the pin count with [N]
-    // Equations of the plates' friction, in the order of RingShares: entry row · lanes + lane.
-    ring_rhs,             ///< plate_rhs [N]
-    ring_secant,          ///< plate_secant [N·s/m]
-    ring_coupling_rear,   ///< joint_coupling of the pin at the rear of the link
-    ring_coupling_front,  ///< joint_coupling of the pin at its front
-    ring_upper,           ///< factor of the next row
-    ring_lower,           ///< factor of the last row of the lane before
-    ring_solution,        ///< plate_friction [N]
+    plate_excess,              ///< factor of P_i in its own equation, less 1
+    plate_rear,                ///< opposite of that of P_{i-1}
+    plate_front,               ///< opposite of that of P_{i+1}
+    // Waves of the links in a step.
+    wave_force_x,                    ///< all forces on x [N]
+    wave_force_y,                    ///< on y [N]
+    wave_force_p,                    ///< on p [N]
+    wave_force_q,                    ///< on q [N]
+    growth_x,                        ///< change of x' with the tips' friction of the last step [m/s]
+    growth_y,                        ///< of y' [m/s]
+    growth_p,                        ///< of p' [m/s]
+    growth_q,                        ///< of q' [m/s]
+    wave_cosine,                     ///< of the angle between the pitch lines behind and ahead of the pin
+    wave_rhs,                        ///< [2] change of stretch and of yaw of a link without waves, times its inertia [N·s]
+    wave_excess = wave_rhs + 2,      ///< [2] factor of the link's own impulse, less 1
+    wave_impulse = wave_excess + 2,  ///< [2] that stretch and yaw of a link add in the step [N·s]
+    // Equations around the ring of links, in the order of RingShares: entry row · lanes + lane. Two systems of the same couplings.
+    ring_rear = wave_impulse + 2,    ///< opposite of the factor of the link behind
+    ring_front,                      ///< opposite of that of the link ahead
+    ring_rhs,                        ///< [2] right-hand side
+    ring_excess = ring_rhs + 2,      ///< [2] factor of the link's own unknown, less 1
+    ring_inverse = ring_excess + 2,  ///< [2] 1 over that factor behind the elimination
+    ring_first = ring_inverse + 2,   ///< [2] factor of this row in the first one of its lane
+    ring_upper = ring_first + 2,     ///< [2] factor of the next row
+    ring_lower = ring_upper + 2,     ///< [2] factor of the last row of the lane before
+    ring_solution = ring_lower + 2,  ///< [2]
     // Which tips are computed.
-    near,     ///< > 0: the pin may touch in this step
-    written,  ///< tips' columns were written: 1 in the last step, 2 in this one, 0 not
+    near = ring_solution + 2,  ///< > 0: the pin may touch in this step
+    written,                   ///< tips' columns were written: 1 in the last step, 2 in this one, 0 not
     // Contact of a pin's tips as a whole. Depth holds for velocities as they are (RigidKick), too.
     tip_depth,                                     ///< [4] δ_0: depth of each tip, `far_depth` of pins that certainly do not touch [m]
     tip_stiffness_front = tip_depth + rigid_tips,  ///< of the front half along z, against its moving [N/m]
@@ -156,6 +174,10 @@ enum class Column {
     tip_force_slide,   ///< on ζ [N]
     tip_force_bend_x,  ///< on bend_x [N]
     tip_force_bend_y,  ///< on bend_y [N]
+    tip_push_x,        ///< on x with the friction of the last step [N]
+    tip_push_y,        ///< the same on y [N]
+    tip_push_p,        ///< on p [N]
+    tip_push_q,        ///< on q [N]
     lengthening,       ///< e': outward velocity of an end against the middle as the pin lengthens, mean of halves and ends [m/s]
     // Force of each tip, [4]: front half at -z and +z, rear half at -z and +z.
     tip_normal,                                       ///< [4] N: normal force [N]

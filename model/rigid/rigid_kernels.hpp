@@ -2,6 +2,7 @@
 /// The loops over rigid pins: one set of functions per instruction set, with the same bits for all. (model/EQUATIONS.md section 11)
 
 #include <array>
+#include <cstddef>
 
 #include "model/basis/isa.hpp"
 #include "model/force/account.hpp"
@@ -9,6 +10,10 @@
 #include "model/rigid/rigid_coefficients.hpp"
 
 namespace cvtflow::model {
+
+/// β of the waves' inertia κ = β h² k. A quarter is the trapezoidal rule, with which a wave is stable for itself at any step; a third
+/// leaves h ω at most √3 of 2, and room for what κ leaves out: halves that roll, and friction.
+inline constexpr double wave_share = 1.0 / 3.0;
 
 /// Step of the implicit friction [s]; zero: friction of the velocities as they are.
 struct RigidKick {
@@ -53,19 +58,28 @@ struct RigidKernels {
     void (*axial_rates)(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns) noexcept;
     /// Friction of plates along the pins, which lengthen meanwhile: in a step, as they did in the last one.
     void (*plate_friction)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
-    /// Normal forces and friction of the tips. @param sheaves [4]
-    void (*tips)(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
-                 RigidReaction& reaction, Account& account) noexcept;
+    /// Normal forces and friction of the tips, of velocities as they are. @param sheaves [4]
+    void (*tips)(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns, RigidReaction& reaction,
+                 Account& account) noexcept;
+    /// In a step: normal forces of the tips, and their forces with the friction of the last step. @param sheaves [4]
+    /// @param kick must live until rub_tips()   @param room [room_bytes()] on a cache line, for rub_tips()
+    void (*press_tips)(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
+                       std::byte* room, RigidReaction& reaction, Account& account) noexcept;
+    std::size_t (*room_bytes)(int pins) noexcept;
+    /// Then: changes of the velocities in the plane over the step, by all forces so far.
+    void (*waves)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns) noexcept;
+    /// Then: friction of the tips that these velocities leave, and forces by it.
+    void (*rub_tips)(RigidColumns& columns, std::byte* room, RigidReaction& reaction, Account& account) noexcept;
     /// Friction of the halves of a pin on each other, behind the tips.
     void (*joint_friction)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
     /// Moments of the tips on the pitch lines.
     void (*moments)(RigidColumns& columns) noexcept;
     /// Accelerations by the sum of all forces.
-    void (*accelerate)(const RigidCoefficients& c, RigidColumns& columns) noexcept;
+    void (*accelerate)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns) noexcept;
     /// Coordinates by velocities over a time [s].
     void (*drift)(double step, RigidColumns& columns) noexcept;
     /// Velocities by accelerations over a time [s]. @return ½ v·M v' of the pins' velocities before and after, which a leapfrog conserves
-    /// in any linear oscillation [J]
+    /// in any linear oscillation; M with the inertia of waves [J]
     double (*kick)(const RigidCoefficients& c, double step, RigidColumns& columns) noexcept;
     /// Depths of the tips of pins 0 … 7 [m]. @param depth [tips][8]
     void (*depths)(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns, double* depth) noexcept;

@@ -3,6 +3,9 @@
 /// chain that may touch. (model/EQUATIONS.md section 11)
 
 #include <algorithm>
+#include <cstddef>
+#include <new>
+#include <type_traits>
 
 #include "model/rigid/near_pins.hpp"
 #include "model/rigid/rigid_links.hpp"
@@ -15,8 +18,8 @@ namespace {
 /// Energy and losses of tips: of each pin of a group, added up over groups.
 template <int W>
 struct TipAccount {
-    Lanes<W> energy{0.0};                               ///< [J]
-    Lanes<W> damping{0.0}, friction{0.0}, plates{0.0};  ///< plates: as pins lengthen [W]
+    Lanes<W> energy{0.0};                ///< [J]
+    Lanes<W> damping{0.0}, plates{0.0};  ///< plates: as pins lengthen [W]
 };
 
 /// Tips of eight pins: in floats for the steps of a leapfrog, in doubles for velocities as they are.
@@ -90,16 +93,15 @@ public:
         account.damping += here * damped;
     }
 
-    /// Predicts the changes of the pins' velocities in the step if friction stays constant.
-    [[gnu::always_inline]] void predict() noexcept {
-        if (!implicit) return;
+    /// Forces if friction is that of the last step, and the changes of velocities along the pin and by bending in the step.
+    [[gnu::always_inline]] void push() noexcept {
         RigidTipForces<W> total;
         for (std::size_t tip = 0; tip < rigid_tips; ++tip) {
             const RigidTipForce<W> force = rigid_tip_force<W>(side_of(tip), tips_[tip], normal_[tip], pull_, memory(tip));
             total.add(n_, side_of(tip), half_[half_of_tip(tip)], half_of_tip(tip), force);
         }
-        growth_ = n_.per_mass * (convert<W>(read_plane_of(Column::force_x)) + total.half[0] + total.half[1]);
-        end_growth_ = n_.per_tilt * (convert<W>(read_plane_of(Column::force_p)) + total.end);
+        write_plane_of(Column::tip_push_x, total.half[0] + total.half[1]);
+        write_plane_of(Column::tip_push_p, total.end);
         bend_growth_ = n_.per_bend * (convert<W>(read_plane_of(Column::force_bend_x)) + total.bend);
         const D front = read_pins(Column::plate_friction, -1), rear = read_pins(Column::plate_friction),
                 tips = read_pins(Column::tip_force_slide_expected);
@@ -110,7 +112,12 @@ public:
         growth_z_[0] = mean + apart, growth_z_[1] = mean - apart;
     }
 
-    [[gnu::always_inline]] void rub(ReactionSum<W>& reaction, TipAccount<W>& account) noexcept {
+    /// Friction behind the waves, and forces by it.
+    [[gnu::always_inline]] void rub(ReactionSum<W>& reaction, V& lost) noexcept {
+        if constexpr (implicit) {
+            growth_ = convert<W>(read_plane_of(Column::growth_x));
+            end_growth_ = convert<W>(read_plane_of(Column::growth_p));
+        }
         RigidTipForces<W> total;
         typename ReactionSum<W>::Sides on_side;
         V rubbed(0.0);
@@ -123,7 +130,7 @@ public:
             show(static_cast<int>(tip), force);
         }
         const V here = Base::present();
-        account.friction += here * rubbed;
+        lost += here * rubbed;
         reaction.subtract(driven_, here, on_side);
         store(total);
     }
@@ -216,6 +223,11 @@ private:
         for (int k = 0; k < rigid_coordinates; ++k) write_pins(Column::tip_force_x + k, widened<W>(forces[k]));
     }
 
+    [[gnu::always_inline]] void write_plane_of(Column first, const PlaneV& values) noexcept {
+        write_pins(first, widened<W>(values.x));
+        write_pins(first + 1, widened<W>(values.y));
+    }
+
     PlaneV growth_, end_growth_, bend_growth_;  ///< of the velocities in this step
     V growth_z_[2], loose_;                     ///< of the halves; share of a force parting them that friction between them leaves
     TipPlace<W> tips_[rigid_tips];
@@ -224,63 +236,112 @@ private:
     RigidSlip<W> begin_[rigid_tips];  ///< sliding velocities at the beginning of the step
 };
 
-/// Sums over the tips of a whole chain.
 template <int W>
-class TipSums {
-public:
-    TipSums(const RigidCoefficients& c, const RigidKick& kick) noexcept : numbers_(c, kick) {}
+[[nodiscard]] inline double total(const Lanes<W>& terms) noexcept {
+    return sum<lane_count<W>>(widened<W>(terms));
+}
 
-    [[gnu::noinline]] void add(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
-                               const typename TipGroup<W>::Blocks& blocks) noexcept {
-        TipGroup<W> group(c, numbers_, sheaves, kick, columns, blocks);
+template <int W>
+inline void count(const TipAccount<W>& tips, Account& account) noexcept {
+    account.store(Energy::tips, total<W>(tips.energy));
+    account.lose(Loss::tip_damping, total<W>(tips.damping));
+    account.lose(Loss::plate_friction, total<W>(tips.plates));
+}
+
+/// Tips of a step between their two passes, in memory of the caller's: groups that press, in the order of the pins.
+class TipRoom {
+public:
+    static constexpr int W = rigid_singles;
+    using Group = TipGroup<W>;
+
+    /// Bytes for a chain of so many pins.
+    [[nodiscard]] static std::size_t bytes(int pins) noexcept {
+        const std::size_t blocks = static_cast<std::size_t>(pins + rigid_lanes - 1) / rigid_lanes + 1;
+        return sizeof(TipRoom) + (blocks + 2) / 2 * sizeof(Group);
+    }
+
+    TipRoom(const RigidCoefficients& c, const RigidKick& kick) noexcept : numbers_(c, kick) {}
+
+    [[gnu::noinline]] void press(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
+                                 const Group::Blocks& blocks) noexcept {
+        Group& group = *new (groups() + count_) Group(c, numbers_, sheaves, kick, columns, blocks);
         group.place();
         group.bound(bounds_);
-        if constexpr (!is_single<W>) group.show_depths();
         if (group.free()) return group.release();
+        ++count_;
         group.press(sheaves, account_);
-        group.predict();
-        group.rub(on_sheaves_, account_);
+        group.push();
     }
-    void store(const RigidCoefficients& c, RigidReaction& reaction, Account& account) const noexcept {
-        on_sheaves_.store(reaction.sheaves);
+    void end_press(const RigidCoefficients& c, int beyond, RigidReaction& reaction, Account& account) noexcept {
+        beyond_ = beyond;
         bounds_.store(c, reaction);
-        account.store(Energy::tips, total(account_.energy));
-        account.lose(Loss::tip_damping, total(account_.damping));
-        account.lose(Loss::tip_friction, total(account_.friction));
-        account.lose(Loss::plate_friction, total(account_.plates));
+        count(account_, account);
+    }
+    /// @return pins beyond the last one that were written
+    [[nodiscard]] int rub(RigidReaction& reaction, Account& account) noexcept {
+        ReactionSum<W> on_sheaves;
+        Lanes<W> lost(0.0);
+        for (int k = 0; k < count_; ++k) rub(groups()[k], on_sheaves, lost);
+        on_sheaves.store(reaction.sheaves);
+        account.lose(Loss::tip_friction, total<W>(lost));
+        return beyond_;
     }
 
 private:
-    [[nodiscard]] static double total(const Lanes<W>& terms) noexcept { return sum<lane_count<W>>(widened<W>(terms)); }
+    [[gnu::noinline]] static void rub(Group& group, ReactionSum<W>& on_sheaves, Lanes<W>& lost) noexcept { group.rub(on_sheaves, lost); }
+    [[nodiscard]] Group* groups() noexcept { return reinterpret_cast<Group*>(this + 1); }
 
     TipNumbers<W> numbers_;
     TipAccount<W> account_;
-    ReactionSum<W> on_sheaves_;
     TipBounds<W> bounds_;
+    int count_ = 0, beyond_ = 0;
 };
+static_assert(std::is_trivially_destructible_v<TipRoom> && std::is_trivially_destructible_v<TipRoom::Group>);
+static_assert(alignof(TipRoom) <= cache_line && sizeof(TipRoom) % alignof(TipRoom::Group) == 0);
 
 /// Two blocks at a time.
-inline void press_near_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
-                            RigidReaction& reaction, Account& account) noexcept {
+inline void press_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
+                       std::byte* room, RigidReaction& reaction, Account& account) noexcept {
     find_near_pins(c, sheaves, kick, columns);
-    TipSums<rigid_singles> sums(c, kick);
+    TipRoom& tips = *new (room) TipRoom(c, kick);
     PinBlock waiting{0, 0};
     const int beyond = over_near_pins(columns, [&](const PinBlock& block) {
-        if (waiting.count != 0) sums.add(c, sheaves, kick, columns, {waiting, block});
+        if (waiting.count != 0) tips.press(c, sheaves, kick, columns, {waiting, block});
         waiting = waiting.count != 0 ? PinBlock{0, 0} : block;
     });
-    if (waiting.count != 0) sums.add(c, sheaves, kick, columns, {waiting, {waiting.first, 0}});
-    finish_near_pins(columns, beyond);
-    sums.store(c, reaction, account);
+    if (waiting.count != 0) tips.press(c, sheaves, kick, columns, {waiting, {waiting.first, 0}});
+    columns.unwrap(Column::tip_push_x, Column::tip_push_q, beyond);
+    forget_far_pins(columns);
+    tips.end_press(c, beyond, reaction, account);
 }
 
-inline void press_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
-                       RigidReaction& reaction, Account& account) noexcept {
-    if (kick.implicit()) return press_near_tips(c, sheaves, kick, columns, reaction, account);
-    TipSums<rigid_lanes> sums(c, kick);
-    unwrap_tips(columns, over_near_pins(columns, [&](const PinBlock& block) { sums.add(c, sheaves, kick, columns, {block}); }));
+inline void rub_tips(RigidColumns& columns, std::byte* room, RigidReaction& reaction, Account& account) noexcept {
+    unwrap_pressed_tips(columns, std::launder(reinterpret_cast<TipRoom*>(room))->rub(reaction, account));
+}
+
+/// Normal forces and friction of velocities as they are.
+inline void tip_forces(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns, RigidReaction& reaction,
+                       Account& account) noexcept {
+    const RigidKick kick;
+    const TipNumbers<rigid_lanes> numbers(c, kick);
+    TipAccount<rigid_lanes> sums;
+    TipBounds<rigid_lanes> bounds;
+    ReactionSum<rigid_lanes> on_sheaves;
+    PinLanes lost(0.0);
+    unwrap_tips(columns, over_near_pins(columns, [&](const PinBlock& block) {
+                    TipGroup<rigid_lanes> group(c, numbers, sheaves, kick, columns, {block});
+                    group.place();
+                    group.bound(bounds);
+                    group.show_depths();
+                    if (group.free()) return group.release();
+                    group.press(sheaves, sums);
+                    group.rub(on_sheaves, lost);
+                }));
     std::fill_n(columns[Column::written], columns.padded(), 1.0);
-    sums.store(c, reaction, account);
+    on_sheaves.store(reaction.sheaves);
+    bounds.store(c, reaction);
+    count(sums, account);
+    account.lose(Loss::tip_friction, sum<rigid_lanes>(lost));
 }
 
 inline void tip_depths(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns, double* depth) noexcept {

@@ -65,7 +65,7 @@ void RigidLeapfrog::add_tasks(engine::TaskGraph& graph) {
                    rigid_cycle,
                    engine::code_of<&RigidLeapfrog::kick>(*this),
                    0,
-                   {reads(link_force), writes(plate_force), reads(tip_force), writes(motion), writes(energies)}}),
+                   {reads(link_force), writes(plate_force), writes(tip_force), writes(motion), writes(energies)}}),
     };
     for (int k = 0; k < 3; ++k) graph.order(tasks[k], tasks[k + 1]);
 }
@@ -87,7 +87,10 @@ void RigidLeapfrog::links(int) noexcept {
 
 void RigidLeapfrog::plates(int) noexcept { pins_.model.plate_friction(pulleys_.sheaves(), kick_, pins_.columns, pins_.forces); }
 
-void RigidLeapfrog::tips(int) noexcept { pins_.model.tip_forces(pulleys_.sheaves(), kick_, pins_.columns, pins_.forces); }
+void RigidLeapfrog::tips(int) noexcept {
+    pins_.model.press_tips(pulleys_.sheaves(), kick_, pins_.columns, pins_.forces);
+    pins_.model.rub_tips(pulleys_.sheaves(), pins_.columns, pins_.forces);
+}
 
 void RigidLeapfrog::kick(int) noexcept {
     pins_.model.sum_forces(kick_, pins_.columns, pins_.forces);
@@ -150,7 +153,7 @@ void RigidLeapfrog::count_energy(const model::WorkRates& power) noexcept {
 /// When the length of steps changes: velocities by what the mean of both lengths leaves out, by the forces of the last step.
 void RigidLeapfrog::set_lead(double lead) noexcept {
     const double more = lead - pins_.lead;
-    shift_ += (lead * lead - pins_.lead * pins_.lead) * pins_.acceleration_energy();  // ½ v·M v' at the coordinates, with no work done
+    shift_ += pins_.energy_of_lead(pins_.lead) - pins_.energy_of_lead(lead);  // ½ v·M v' at the coordinates, with no work done
     pins_.model.kernels().kick(pins_.model.coefficients(), more, pins_.columns);
     pulleys_.advance(more);
     EnergyAccount& to = half_way_;

@@ -1,5 +1,5 @@
 #pragma once
-/// Leapfrog of rigid pins, with implicit friction solved where it acts. (model/EQUATIONS.md section 11)
+/// Leapfrog of rigid pins, with implicit waves of the links, and implicit friction solved where it acts. (model/EQUATIONS.md section 11)
 ///
 ///     links ─► plates ─► tips ─► kick     one task each, of the whole chain
 ///
@@ -94,7 +94,7 @@ public:
     // Bodies of tasks.
     void links(int) noexcept;   ///< coordinates half a step on each side of the forces; forces of links
     void plates(int) noexcept;  ///< friction of plates along the pins, and of halves on each other
-    void tips(int) noexcept;    ///< normal forces and friction of the tips
+    void tips(int) noexcept;    ///< normal forces of the tips, waves of the links, friction of the tips
     void kick(int) noexcept;    ///< accelerations, and velocities by them
 
 private:
