@@ -225,8 +225,9 @@ void print_parts(const tasks::Scene& scene) {
     time_part("link_forces", [&] { k.link_forces(c, kick, columns, forces.account); });
     time_part("joint_forces", [&] { k.joint_forces(c, kick, columns, forces.account); });
     time_part("sum_link_forces", [&] { k.sum_link_forces(columns); });
-    time_part("plate_friction", [&] { k.plate_friction(c, kick, columns, forces.account); });
     time_part("press_tips", [&] { k.press_tips(c, sheaves, kick, columns, forces.room.data(), forces.reaction, forces.account); });
+    time_part("plate_friction", [&] { k.plate_friction(c, kick, columns, forces.account); });
+    time_part("push_tips", [&] { k.push_tips(columns, forces.room.data(), forces.account); });
     time_part("waves", [&] { k.waves(c, kick, columns); });
     time_part("rub_tips", [&] { k.rub_tips(columns, forces.room.data(), forces.reaction, forces.account); });
     time_part("moments", [&] { k.moments(columns); });

@@ -80,13 +80,6 @@ double RigidInstant::kinetic() const noexcept {
     return sum;
 }
 
-double RigidInstant::contact_rate() const noexcept {
-    double stiffest = 0.0;
-    for (const Column half : {Column::tip_stiffness_front, Column::tip_stiffness_rear})
-        stiffest = std::max(stiffest, *std::max_element(columns[half], columns[half] + columns.pins()));
-    return std::sqrt(stiffest / (0.5 * model.coefficients().mass));
-}
-
 RigidSums RigidInstant::sums() const noexcept {
     RigidSums sums;
     model.kernels().observe(model.coefficients(), lead, columns, sums);
@@ -131,10 +124,10 @@ RigidColumns RigidModel::columns() const {
 
 void RigidModel::accelerate(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
     link_forces(kick, columns, f);
+    if (kick.implicit()) press_tips(sheaves, kick, columns, f);
     plate_friction(sheaves, kick, columns, f);
     if (kick.implicit()) {
-        press_tips(sheaves, kick, columns, f);
-        rub_tips(sheaves, columns, f);
+        rub_tips(sheaves, kick, columns, f);
     } else {
         tip_forces(sheaves, columns, f);
     }
@@ -158,6 +151,7 @@ void RigidModel::link_forces(const RigidKick& kick, RigidColumns& columns, Rigid
 void RigidModel::plate_friction(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
     if (sheaves != nullptr && !kick.implicit()) kernels_.axial_rates(coefficients_, sheaves, columns);
     columns.wrap(Column::lengthening, Column::lengthening);
+    columns.wrap(Column::tip_stiffness_front, Column::tip_stiffness_rear);
     kernels_.plate_friction(coefficients_, kick, columns, f.account);
     columns.wrap(Column::joint_friction, Column::joint_friction);
 }
@@ -172,10 +166,11 @@ void RigidModel::tip_forces(const SheaveMotion* sheaves, RigidColumns& columns, 
 void RigidModel::press_tips(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
     f.reaction = {};
     if (sheaves != nullptr) kernels_.press_tips(coefficients_, sheaves, kick, columns, f.room.data(), f.reaction, f.account);
-    kernels_.waves(coefficients_, kick, columns);
 }
 
-void RigidModel::rub_tips(const SheaveMotion* sheaves, RigidColumns& columns, RigidForces& f) const noexcept {
+void RigidModel::rub_tips(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
+    if (sheaves != nullptr) kernels_.push_tips(columns, f.room.data(), f.account);
+    kernels_.waves(coefficients_, kick, columns);
     if (sheaves == nullptr) return;
     kernels_.rub_tips(columns, f.room.data(), f.reaction, f.account);
     wrap_tips(columns);
@@ -187,7 +182,7 @@ void RigidModel::wrap_tips(RigidColumns& columns) noexcept {
 }
 
 void RigidModel::sum_forces(const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
-    kernels_.joint_friction(coefficients_, kick, columns, f.account);
+    kernels_.joint_friction(kick, columns, f.account);
     kernels_.moments(columns);
     columns.wrap(Column::tip_moment, Column::tip_moment_before);
     kernels_.accelerate(coefficients_, kick, columns);
@@ -263,26 +258,36 @@ std::size_t RigidState::kicked_end() const noexcept {
     return tail.size() - (model.layout().hydraulic() ? static_cast<std::size_t>(hydraulic_unknowns) : 0);
 }
 
+/// With κ of both leads, a the accelerations by the last step, r and c deflections' rates of the velocities at the coordinates and of a:
+/// ½ κ r² + time (κ - κ_before) r c + ½ time² (κ - 2κ_before) c², as (M + κ_before) a is the force that the next step has begun with.
 double RigidState::energy_of_lead(double time) const noexcept {
     const RigidCoefficients& c = model.coefficients();
-    const double square = time * time, per_stiffness = 4.0 * wave_share * square;
+    const double square = time * time, share = 4.0 * wave_share * square, before = 4.0 * wave_share * lead * lead;
     double sum = 0.0;
     for (int k = 0; k < rigid_coordinates; ++k) {
         const double *a = columns[Column::acceleration_x + k], mass = c.inertia(k);
         for (int pin = 0; pin < c.pins; ++pin) sum -= 0.5 * mass * square * a[pin] * a[pin];
     }
+    const auto add = [&](double stiffness, double ahead, double change) {
+        const double rate = ahead - lead * change;
+        sum += 0.5 * stiffness *
+               (share * rate * rate + 2.0 * time * (share - before) * rate * change + square * (share - 2.0 * before) * change * change);
+    };
     for (int link = 0; link < c.pins; ++link) {
         const int next = model.layout().next(link);
         const auto along = [&](Column of) {
             const double *x = columns[of], *y = columns[of + 1];
             return (x[next] - x[link]) * columns[Column::line_x][link] + (y[next] - y[link]) * columns[Column::line_y][link];
         };
-        const auto product = [&](Column velocity, Column acceleration) {
-            const double change = along(acceleration), rate = along(velocity) - lead * change;
-            return rate * rate - square * change * change;
-        };
-        sum += 0.5 * per_stiffness * c.pull.stiffness * product(Column::vx, Column::acceleration_x);
-        sum += 0.5 * per_stiffness * columns[Column::yaw_stiffness][link] * product(Column::vp, Column::acceleration_p);
+        add(c.pull.stiffness, along(Column::vx), along(Column::acceleration_x));
+        add(columns[Column::yaw_stiffness][link], along(Column::vp), along(Column::acceleration_p));
+        for (int half = 0; half < 2; ++half) {
+            const auto of_half = [&](Column mean, Column slide) {
+                return columns[mean][link] + (half == 0 ? 0.5 : -0.5) * columns[slide][link];
+            };
+            add(columns[Column::tip_stiffness_front + half][link], of_half(Column::vz, Column::vslide),
+                of_half(Column::acceleration_z, Column::acceleration_slide));
+        }
     }
     return sum;
 }

@@ -39,9 +39,10 @@ public:
     void link_forces(const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
     void plate_friction(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
     void tip_forces(const SheaveMotion* sheaves, RigidColumns& columns, RigidForces& forces) const noexcept;  ///< of velocities as they are
-    /// Normal forces, and the changes of velocities by waves. @param kick must live until rub_tips()
+    /// In a step before plate_friction(): normal forces. @param kick must live until rub_tips()
     void press_tips(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
-    void rub_tips(const SheaveMotion* sheaves, RigidColumns& columns, RigidForces& forces) const noexcept;
+    /// Then, behind plate_friction(): the changes of velocities by waves, and friction of the tips.
+    void rub_tips(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
     void sum_forces(const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
 
     /// Scale of a coordinate or velocity in the columns, over that of a state.
@@ -77,8 +78,6 @@ struct RigidInstant {
 
     [[nodiscard]] double kinetic() const noexcept;  ///< energy of the pins [J]
     [[nodiscard]] RigidSums sums() const noexcept;
-    /// Fastest oscillation of a pin half along its axis on the contacts of its tips [rad/s].
-    [[nodiscard]] double contact_rate() const noexcept;
     /// Column of a tip number 2 end + side of a link, and its entry: the pin whose half is the one at that end.
     [[nodiscard]] double of_tip(Column first, int link, int tip) const noexcept {
         const int pin = tip < rigid_tips / 2 ? link : model.layout().next(link);
@@ -144,13 +143,10 @@ inline constexpr Column kept_columns[][2] = {{Column::x, Column::vbend_y},
                                              {Column::stretch_damping_force, Column::bend_damping_force_across},
                                              {Column::rolling_moment, Column::rolling_moment},
                                              {Column::acceleration_x, Column::acceleration_bend_y},
-                                             {Column::plate_friction, Column::plate_slip_high},
+                                             {Column::plate_friction, Column::plate_parting},
                                              {Column::joint_friction, Column::joint_slip},
-                                             {Column::tip_stiffness_front, Column::tip_loading_rear},
+                                             {Column::tip_stiffness_front, Column::tip_stiffness_rear},
                                              {Column::tip_moment, Column::tip_moment},
-                                             {Column::tip_force_z, Column::tip_force_z},
-                                             {Column::tip_force_slide, Column::tip_force_slide},
-                                             {Column::lengthening, Column::lengthening},
                                              {Column::tip_normal, Column::tip_radial + (rigid_tips - 1)}};
 
 }  // namespace cvtflow::model

@@ -68,6 +68,7 @@ RigidCoefficients::RigidCoefficients(const Parameters& parameters) {
     hertz = p.tip.hertz;
     damping = c.tip.damping;
     softness = hertz * cosine * cosine * half_length / (p.chain.young_modulus * p.half.area);
+    yield_of_stiffness = 0.25 * softness / (hertz * cosine * cosine * cosine);
     further_steps = softness * std::sqrt(p.tip.deepest) > well_started_softness ? 4 : 0;
     tip_friction = c.tip.friction;
     tip_law = c.tip.law;

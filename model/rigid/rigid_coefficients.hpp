@@ -35,15 +35,16 @@ struct RigidCoefficients {
     FrictionCurve plate_friction, joint_friction;
 
     // Tips.
-    double sine, cosine;     ///< of β
-    double radius;           ///< R_p [m]
-    double outward;          ///< R_p sin β [m]
-    double inverse_reach;    ///< 1/(R_c + R_p) [1/m]
-    double touching_radius;  ///< r_m + R_p sin β [m]
-    double lever;            ///< 1 - (2/ℓ_p) R_p cos β: displacement of a sphere's centre per end displacement
-    double hertz, damping;   ///< K of one tip [N/m^1.5], χ_T [s/m]
-    double softness;         ///< b = K cos²β/k_e: axial compliance of half a pin beside Hertz's [1/√m]
-    int further_steps;       ///< of Newton's method, for tips that yield more than its start is made for
+    double sine, cosine;        ///< of β
+    double radius;              ///< R_p [m]
+    double outward;             ///< R_p sin β [m]
+    double inverse_reach;       ///< 1/(R_c + R_p) [1/m]
+    double touching_radius;     ///< r_m + R_p sin β [m]
+    double lever;               ///< 1 - (2/ℓ_p) R_p cos β: displacement of a sphere's centre per end displacement
+    double hertz, damping;      ///< K of one tip [N/m^1.5], χ_T [s/m]
+    double softness;            ///< b = K cos²β/k_e: axial compliance of half a pin beside Hertz's [1/√m]
+    double yield_of_stiffness;  ///< η of four tips over the stiffness of both halves along z [m/N]
+    int further_steps;          ///< of Newton's method, for tips that yield more than its start is made for
     FrictionCurve tip_friction;
     std::shared_ptr<TipLaw> tip_law;  ///< nullptr: none
     double middle;                    ///< a/2 [m]

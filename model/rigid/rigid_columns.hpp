@@ -111,22 +111,26 @@ enum class Column {
     plate_friction_moment_before,  ///< moment of the last step [N]
     plate_slip_low,                ///< |sliding speed| at the end of the step [m/s]
     plate_slip_high,               ///< |sliding speed| at the end of the step [m/s]
+    plate_parting,                 ///< ξ̂ Δe': what the lengthening of both pins adds to it at +z [m/s]
     plate_free_slip,               ///< sliding speed without plate friction [m/s]
     plate_rhs,                     ///< B: friction of the free sliding speeds [N]
     plate_secant,                  ///< F: friction per sliding speed, of all plates [N·s/m]
     plate_secant_high,             ///< friction per sliding speed, of those at +z [N·s/m]
     // Friction between the halves of a pin along z.
-    joint_friction,            ///< on ζ, opposite [N]
-    joint_friction_before,     ///< that of the last step [N]
-    joint_slip,                ///< |ζ'| at the end of the step [m/s]
-    joint_free_slip,           ///< ζ' without this friction [m/s]
-    joint_secant,              ///< friction per free sliding speed [N·s/m]
-    joint_coupling,            ///< β: share of a force parting the halves that friction between them takes, 0 … 1
-    axial_free_speed,          ///< z' without friction of plates [m/s]
-    tip_force_slide_expected,  ///< force of the tips on ζ that the frictions along the pin count with [N]
-    plate_excess,              ///< factor of P_i in its own equation, less 1
-    plate_rear,                ///< opposite of that of P_{i-1}
-    plate_front,               ///< opposite of that of P_{i+1}
+    joint_friction,         ///< on ζ, opposite [N]
+    joint_friction_before,  ///< that of the last step [N]
+    joint_slip,             ///< |ζ'| at the end of the step [m/s]
+    joint_free_slip,        ///< ζ' without this friction [m/s]
+    joint_secant,           ///< H: friction per free sliding speed [N·s/m]
+    joint_coupling,         ///< speed of a half by a force on the other one, over the step [m/s/N]
+    // Halves of a pin along z.
+    axial_mobility_front,  ///< 1 over the front half's inertia in the step [1/kg]
+    axial_mobility_rear,   ///< the rear half's [1/kg]
+    axial_free_front,      ///< z' of the front half without friction of plates and of the other half [m/s]
+    axial_free_rear,       ///< that of the rear half [m/s]
+    plate_excess,          ///< factor of P_i in its own equation, less 1
+    plate_rear,            ///< opposite of that of P_{i-1}
+    plate_front,           ///< opposite of that of P_{i+1}
     // Waves of the links in a step.
     wave_force_x,                    ///< all forces on x [N]
     wave_force_y,                    ///< on y [N]
@@ -137,7 +141,8 @@ enum class Column {
     growth_p,                        ///< of p' [m/s]
     growth_q,                        ///< of q' [m/s]
     wave_cosine,                     ///< of the angle between the pitch lines behind and ahead of the pin
-    wave_rhs,                        ///< [2] change of stretch and of yaw of a link without waves, times its inertia [N·s]
+    wave_turning,                    ///< [2] what turning adds to wave_rhs [N·s]
+    wave_rhs = wave_turning + 2,     ///< [2] change of stretch and of yaw of a link without waves, times its inertia [N·s]
     wave_excess = wave_rhs + 2,      ///< [2] factor of the link's own impulse, less 1
     wave_impulse = wave_excess + 2,  ///< [2] that stretch and yaw of a link add in the step [N·s]
     // Equations around the ring of links, in the order of RingShares: entry row · lanes + lane. Two systems of the same couplings.
@@ -157,8 +162,8 @@ enum class Column {
     tip_depth,                                     ///< [4] δ_0: depth of each tip, `far_depth` of pins that certainly do not touch [m]
     tip_stiffness_front = tip_depth + rigid_tips,  ///< of the front half along z, against its moving [N/m]
     tip_stiffness_rear,                            ///< of the rear half [N/m]
-    tip_loading_front,                             ///< rate of the force on the front half if it stood still along z [N/s]
-    tip_loading_rear,                              ///< rate of the force on the rear half [N/s]
+    tip_press_front,                               ///< force on the front half along z with the friction of the last step [N]
+    tip_press_rear,                                ///< on the rear half [N]
     tip_offset_moment_x,                           ///< A g of the tips' forces, x [N·m]
     tip_offset_moment_y,                           ///< A g of the tips' forces, y [N·m]
     tip_moment_front,                              ///< of the front half's tips on the pitch line behind the pin [N·m]

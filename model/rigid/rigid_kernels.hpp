@@ -56,22 +56,24 @@ struct RigidKernels {
     void (*sum_link_forces)(RigidColumns& columns) noexcept;
     /// Rates at which pins lengthen along their axes, of velocities as they are. @param sheaves [4]
     void (*axial_rates)(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns) noexcept;
-    /// Friction of plates along the pins, which lengthen meanwhile: in a step, as they did in the last one.
+    /// Friction of plates along the pins, which lengthen meanwhile; in a step behind press_tips().
     void (*plate_friction)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
     /// Normal forces and friction of the tips, of velocities as they are. @param sheaves [4]
     void (*tips)(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns, RigidReaction& reaction,
                  Account& account) noexcept;
-    /// In a step: normal forces of the tips, and their forces with the friction of the last step. @param sheaves [4]
+    /// In a step: normal forces of the tips, and their forces along the pins with the friction of the last step. @param sheaves [4]
     /// @param kick must live until rub_tips()   @param room [room_bytes()] on a cache line, for rub_tips()
     void (*press_tips)(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
                        std::byte* room, RigidReaction& reaction, Account& account) noexcept;
     std::size_t (*room_bytes)(int pins) noexcept;
+    /// Behind plate_friction(): forces of the tips with the friction of the last step.
+    void (*push_tips)(RigidColumns& columns, std::byte* room, Account& account) noexcept;
     /// Then: changes of the velocities in the plane over the step, by all forces so far.
     void (*waves)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns) noexcept;
     /// Then: friction of the tips that these velocities leave, and forces by it.
     void (*rub_tips)(RigidColumns& columns, std::byte* room, RigidReaction& reaction, Account& account) noexcept;
     /// Friction of the halves of a pin on each other, behind the tips.
-    void (*joint_friction)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
+    void (*joint_friction)(const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
     /// Moments of the tips on the pitch lines.
     void (*moments)(RigidColumns& columns) noexcept;
     /// Accelerations by the sum of all forces.

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <new>
 #include <type_traits>
+#include <utility>
 
 #include "model/rigid/near_pins.hpp"
 #include "model/rigid/rigid_links.hpp"
@@ -68,8 +69,8 @@ public:
 
     [[gnu::always_inline]] void press(const SheaveMotion* sheaves, TipAccount<W>& account) noexcept {
         Base::read_rates(sheaves);
-        V stored(0.0), damped(0.0), shortened(0.0);
-        AxialResponse<W> response[2];
+        V stored(0.0), damped(0.0), stiffness[2] = {V(0.0), V(0.0)};
+        shortened_ = V(0.0);
         for (std::size_t tip = 0; tip < rigid_tips; ++tip) {
             const HalfMotion<W>& half = half_[half_of_tip(tip)];
             const SideMotion<W>& side = side_[end_of_tip(tip)];
@@ -77,24 +78,29 @@ public:
             RigidNormalForce<W>& n = normal_[tip] = rigid_normal_force<W>(n_, tips_[tip].depth, rate);
             const V shortening = n.shortening * rate;
             begin_[tip] = tip_slip<W>(n_, half, side, tips_[tip], shortening);
-            shortened += shortening;
-            response[half_of_tip(tip)].add(tips_[tip], n, rate);
+            shortened_ += shortening;
+            stiffness[half_of_tip(tip)] += n.shortening * (tips_[tip].in * tips_[tip].in);
             write_pins(Column::tip_normal + static_cast<int>(tip), widened<W>(n.force));
             stored += n.energy;
             damped += damping_power(Column::tip_damping_force + static_cast<int>(tip), n.force - n.elastic, rate);
         }
-        write_pins(Column::lengthening, widened<W>(V(-0.25) * shortened));
-        store(response);
-        const auto pull = [&](Column spread) { return V(0.25 * c_.plate_reach) * convert<W>(read_pins(spread) - read_pins(spread, -1)); };
-        pull_ = pull(Column::plate_friction_moment);
+        write_pins(Column::lengthening, widened<W>(V(-0.25) * shortened_));
+        for (int k = 0; k < 2; ++k) write_pins(Column::tip_stiffness_front + k, widened<W>(n_.stiffness * stiffness[k]));
+        pull_ = pull();
         const V here = Base::present();
-        account.plates += here * ((implicit ? V(0.5) * (pull_ + pull(Column::plate_friction_moment_before)) : pull_) * shortened);
         account.energy += here * stored;
         account.damping += here * damped;
+        if constexpr (implicit) {
+            press_halves();
+        } else {
+            account.plates += here * (pull_ * shortened_);
+        }
     }
 
-    /// Forces if friction is that of the last step, and the changes of velocities along the pin and by bending in the step.
-    [[gnu::always_inline]] void push() noexcept {
+    /// Forces if friction of the tips is that of the last step, and the changes of velocities along the pin and by bending in the step.
+    [[gnu::always_inline]] void push(V& lost) noexcept {
+        const V before = std::exchange(pull_, pull());
+        lost += Base::present() * (V(0.5) * (before + pull_) * shortened_);
         RigidTipForces<W> total;
         for (std::size_t tip = 0; tip < rigid_tips; ++tip) {
             const RigidTipForce<W> force = rigid_tip_force<W>(side_of(tip), tips_[tip], normal_[tip], pull_, memory(tip));
@@ -103,13 +109,19 @@ public:
         write_plane_of(Column::tip_push_x, total.half[0] + total.half[1]);
         write_plane_of(Column::tip_push_p, total.end);
         bend_growth_ = n_.per_bend * (convert<W>(read_plane_of(Column::force_bend_x)) + total.bend);
-        const D front = read_pins(Column::plate_friction, -1), rear = read_pins(Column::plate_friction),
-                tips = read_pins(Column::tip_force_slide_expected);
-        const D free = read_pins(Column::force_slide) + tips - D(0.5) * (rear + front) - read_pins(Column::joint_friction);
-        loose_ = convert<W>(D(1.0) - read_pins(Column::joint_coupling));
-        const V mean = n_.per_mass * (convert<W>(read_pins(Column::force_z) + (rear - front)) + (total.z[0] + total.z[1]));
-        const V apart = n_.per_half_mass * (convert<W>(free) + loose_ * (V(0.5) * (total.z[0] - total.z[1]) - convert<W>(tips)));
-        growth_z_[0] = mean + apart, growth_z_[1] = mean - apart;
+        const D both = D(0.5) * read_pins(Column::force_z), parting = read_pins(Column::force_slide) - read_pins(Column::joint_friction);
+        const D on_half[] = {both + parting - read_pins(Column::plate_friction, -1), both - parting + read_pins(Column::plate_friction)};
+        const V secant = convert<W>(read_pins(Column::joint_secant));
+        V change[2];
+        for (int k = 0; k < 2; ++k) {
+            const V response = V(kick_.step) * convert<W>(read_pins(Column::axial_mobility_front + k));
+            const D pressed = read_pins(Column::tip_press_front + k);
+            own_response_[k] = response - response * response * secant;
+            growth_z_[k] = response * convert<W>(on_half[k] + pressed);
+            change[k] = total.z[k] - convert<W>(pressed);
+        }
+        cross_response_ = convert<W>(read_pins(Column::joint_coupling));
+        for (int k = 0; k < 2; ++k) growth_z_[k] += own_response_[k] * change[k] + cross_response_ * change[1 - k];
     }
 
     /// Friction behind the waves, and forces by it.
@@ -122,6 +134,10 @@ public:
         typename ReactionSum<W>::Sides on_side;
         V rubbed(0.0);
         for (auto& forces : on_side) forces.fill(V(0.0));
+        if constexpr (implicit) {  // a first sweep, whose friction the second one begins with
+            V ignored(0.0);
+            for (std::size_t tip = 0; tip < rigid_tips; ++tip) static_cast<void>(friction(tip, ignored));
+        }
         for (std::size_t tip = 0; tip < rigid_tips; ++tip) {
             const RigidTipForce<W> force = rigid_tip_force<W>(side_of(tip), tips_[tip], normal_[tip], pull_, friction(tip, rubbed));
             total.add(n_, side_of(tip), half_[half_of_tip(tip)], half_of_tip(tip), force);
@@ -136,6 +152,22 @@ public:
     }
 
 private:
+    /// A fourth of what plates lengthen the pin with [N].
+    [[nodiscard, gnu::always_inline]] V pull() const noexcept {
+        const D spread = read_pins(Column::plate_friction_moment) - read_pins(Column::plate_friction_moment, -1);
+        return V(0.25 * c_.plate_reach) * convert<W>(spread);
+    }
+
+    /// Forces on the halves along z, with the friction and the plates of the last step.
+    [[gnu::always_inline]] void press_halves() noexcept {
+        V on_half[2] = {V(0.0), V(0.0)};
+        for (std::size_t tip = 0; tip < rigid_tips; ++tip) {
+            const RigidTipForce<W> force = rigid_tip_force<W>(side_of(tip), tips_[tip], normal_[tip], pull_, memory(tip));
+            on_half[half_of_tip(tip)] += force.push_z + force.friction_z;
+        }
+        for (int k = 0; k < 2; ++k) write_pins(Column::tip_press_front + k, widened<W>(on_half[k]));
+    }
+
     /// As drag_power().
     [[nodiscard, gnu::always_inline]] V damping_power(Column c, const V& force, const V& rate) noexcept {
         const V acting = implicit ? 0.5 * (force + convert<W>(read_pins(c))) : force;
@@ -150,7 +182,7 @@ private:
         write_pins(Column::sheave_axial + tip, widened<W>(-(f.push_z + f.friction_z)));
     }
 
-    /// Friction of the last step.
+    /// Friction so far: of the last step, or of the first sweep.
     [[nodiscard]] RigidSlip<W> memory(std::size_t tip) const noexcept {
         const int number = static_cast<int>(tip);
         return {convert<W>(read_pins(Column::tip_tangential + number)), convert<W>(read_pins(Column::tip_radial + number))};
@@ -165,7 +197,7 @@ private:
     }
 
     /// Friction now, one contact of a pin after the other, each with the velocities that those before it leave. The velocity that its
-    /// friction of the last step leaves is corrected by r times the change, r its own response.
+    /// friction so far leaves is corrected by r times the change, r its own response.
     [[nodiscard, gnu::always_inline]] RigidSlip<W> friction(std::size_t tip, V& lost) noexcept {
         const RigidSlip<W> old = memory(tip);
         const RigidSlip<W> free = implicit ? slip_now(tip) - n_.response * old : begin_[tip];
@@ -197,18 +229,11 @@ private:
         growth_ = growth_ + n_.per_mass * f;
         end_growth_ = end_growth_ + (V(side_of(tip)) * n_.per_tilt) * f;
         bend_growth_ = bend_growth_ + n_.per_bend * f;
-        const V along = (V(side_of(tip)) * n_.per_mass) * (change.radial * place.out), apart = loose_ * along;
-        growth_z_[half_of_tip(tip)] += along + apart;
-        growth_z_[1 - half_of_tip(tip)] += along - apart;
+        const V along = V(side_of(tip)) * (change.radial * place.out);
+        growth_z_[half_of_tip(tip)] += own_response_[half_of_tip(tip)] * along;
+        growth_z_[1 - half_of_tip(tip)] += cross_response_ * along;
     }
 
-    [[gnu::always_inline]] void store(const AxialResponse<W> (&of_half)[2]) noexcept {
-        for (int k = 0; k < 2; ++k) {
-            const V speed = convert<W>(rate_.z) + half_[k].ahead;
-            write_pins(Column::tip_stiffness_front + k, widened<W>(n_.stiffness * of_half[k].stiffness));
-            write_pins(Column::tip_loading_front + k, widened<W>(n_.stiffness * of_half[k].loading_at_rest(speed)));
-        }
-    }
     [[gnu::always_inline]] void store(const RigidTipForces<W>& total) noexcept {
         const PlaneV opening = V(0.5) * (total.half[0] - total.half[1]), sum = total.half[0] + total.half[1];
         over_blocks([&](auto block) {
@@ -229,7 +254,9 @@ private:
     }
 
     PlaneV growth_, end_growth_, bend_growth_;  ///< of the velocities in this step
-    V growth_z_[2], loose_;                     ///< of the halves; share of a force parting them that friction between them leaves
+    V growth_z_[2];                             ///< of the halves along z
+    V own_response_[2], cross_response_;        ///< of a half's velocity along z to a force on it and on the other one [m/s/N]
+    V shortened_;                               ///< sum of η δ_0' of the tips [m/s]
     TipPlace<W> tips_[rigid_tips];
     RigidNormalForce<W> normal_[rigid_tips];
     V pull_;                          ///< a fourth of what plates lengthen the pin with [N]
@@ -270,12 +297,18 @@ public:
         if (group.free()) return group.release();
         ++count_;
         group.press(sheaves, account_);
-        group.push();
     }
     void end_press(const RigidCoefficients& c, int beyond, RigidReaction& reaction, Account& account) noexcept {
         beyond_ = beyond;
         bounds_.store(c, reaction);
         count(account_, account);
+    }
+    /// @return pins beyond the last one that were written
+    [[nodiscard]] int push(Account& account) noexcept {
+        Lanes<W> lost(0.0);
+        for (int k = 0; k < count_; ++k) push(groups()[k], lost);
+        account.lose(Loss::plate_friction, total<W>(lost));
+        return beyond_;
     }
     /// @return pins beyond the last one that were written
     [[nodiscard]] int rub(RigidReaction& reaction, Account& account) noexcept {
@@ -288,6 +321,7 @@ public:
     }
 
 private:
+    [[gnu::noinline]] static void push(Group& group, Lanes<W>& lost) noexcept { group.push(lost); }
     [[gnu::noinline]] static void rub(Group& group, ReactionSum<W>& on_sheaves, Lanes<W>& lost) noexcept { group.rub(on_sheaves, lost); }
     [[nodiscard]] Group* groups() noexcept { return reinterpret_cast<Group*>(this + 1); }
 
@@ -310,9 +344,15 @@ inline void press_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, 
         waiting = waiting.count != 0 ? PinBlock{0, 0} : block;
     });
     if (waiting.count != 0) tips.press(c, sheaves, kick, columns, {waiting, {waiting.first, 0}});
-    columns.unwrap(Column::tip_push_x, Column::tip_push_q, beyond);
+    columns.unwrap(Column::tip_stiffness_front, Column::tip_press_rear, beyond);
+    columns.unwrap(Column::lengthening, Column::lengthening, beyond);
     forget_far_pins(columns);
     tips.end_press(c, beyond, reaction, account);
+}
+
+inline void push_tips(RigidColumns& columns, std::byte* room, Account& account) noexcept {
+    const int beyond = std::launder(reinterpret_cast<TipRoom*>(room))->push(account);
+    columns.unwrap(Column::tip_push_x, Column::tip_push_q, beyond);
 }
 
 inline void rub_tips(RigidColumns& columns, std::byte* room, RigidReaction& reaction, Account& account) noexcept {

@@ -1,6 +1,6 @@
 #pragma once
-/// Plane vectors of pins side by side, how columns are read and written, sums over pins, and friction of a contact. (model/EQUATIONS.md
-/// section 11)
+/// Plane vectors of pins side by side, how columns are read and written, sums over pins, friction of a contact, and linear equations around
+/// the ring of links. (model/EQUATIONS.md section 11)
 
 #include <algorithm>
 #include <array>
@@ -199,6 +199,164 @@ template <int W>
     const Lanes<W> secant = slip_factor<W>(curve, sliding_speed<W>(curve, braking, speed));
     return capacity * secant / (1.0 + braking * secant);
 }
+
+/// How the links of the chain are shared out over lanes: lane L has links begin(L) … begin(L + 1) - 1, in the last of its rows; rows in
+/// front of them are absent. A chain of fewer than 8 links is repeated, which does not change the solution.
+struct RingShares {
+    int pins, links, rows;
+
+    explicit RingShares(int pins_of_chain) noexcept
+        : pins(pins_of_chain),
+          links(pins >= rigid_lanes ? pins : (rigid_lanes + pins - 1) / pins * pins),
+          rows(std::max(2, (links + rigid_lanes - 1) / rigid_lanes)) {}
+
+    [[nodiscard]] int begin(int lane) const noexcept { return links * lane / rigid_lanes; }
+    [[nodiscard]] int absent(int lane) const noexcept { return rows - (begin(lane + 1) - begin(lane)); }
+    /// Calls visit(place in the rows, link). In a chain that is repeated, links after the last one are copies in the columns.
+    template <class Visit>
+    void for_links(const Visit& visit) const noexcept {
+        for (int lane = 0; lane < rigid_lanes; ++lane) {
+            const int skipped = absent(lane), first = begin(lane) - skipped;
+            for (int row = skipped; row < rows; ++row) visit(row * rigid_lanes + lane, first + row);
+        }
+    }
+    [[nodiscard]] PinLanes absent_rows() const noexcept {
+        PinLanes all;
+        for (int lane = 0; lane < rigid_lanes; ++lane) all.set(static_cast<std::size_t>(lane), absent(lane));
+        return all;
+    }
+};
+
+/// Lane L + by of a vector, around the ring of lanes.
+template <int by, int W = rigid_lanes>
+[[nodiscard]] inline Lanes<W> neighbour(const Lanes<W>& lanes) noexcept {
+    return lanes_across<(by + W) % W>(lanes, lanes);
+}
+
+/// x_L = free + behind x_{L-by} + ahead x_{L+by}: one unknown per lane.
+struct LaneRing {
+    PinLanes free, behind, ahead;
+
+    /// The ring of lanes at twice the distance.
+    template <int by>
+    [[nodiscard]] LaneRing halved() const noexcept {
+        const PinLanes to = neighbour<-by>(ahead), from = neighbour<by>(behind);
+        const PinLanes inverse = 1.0 / (1.0 - behind * to - ahead * from);
+        return {(free + behind * neighbour<-by>(free) + ahead * neighbour<by>(free)) * inverse, behind * neighbour<-by>(behind) * inverse,
+                ahead * neighbour<by>(ahead) * inverse};
+    }
+    [[nodiscard]] PinLanes solution() const noexcept {
+        static_assert(rigid_lanes == 8);
+        const LaneRing opposite = halved<1>().halved<2>();  // both neighbours are the same lane
+        const PinLanes both = opposite.behind + opposite.ahead;
+        return (opposite.free + both * neighbour<4>(opposite.free)) / (1.0 - both * neighbour<4>(both));
+    }
+};
+
+/// x of all links, (1 + excess_i) x_i - rear_i x_{i-1} - front_i x_{i+1} = rhs_i around the ring, of systems with the same rear and front
+/// side by side. Each lane eliminates its links but the last, x_r = free + behind x_{last of the lane before} + ahead x_{r+1}; the
+/// remaining system has one unknown per lane.
+/// @tparam systems 1 or 2
+template <std::size_t systems>
+class LinkRing {
+public:
+    using OfSystems = std::array<Column, systems>;
+
+    explicit LinkRing(RigidColumns& columns) noexcept
+        : shares_(columns.pins()), columns_(columns), last_((shares_.rows - 1) * rigid_lanes) {}
+
+    /// All but the right-hand sides, for any number of solve(). @param front entries link + shift of it
+    void eliminate(const OfSystems& excess, Column rear, Column front, int shift) noexcept {
+        double *behind = columns_[Column::ring_rear], *ahead = columns_[Column::ring_front];
+        const double *from_rear = columns_[rear], *from_front = columns_[front] + shift;
+        shares_.for_links([&](int place, int link) {
+            behind[place] = from_rear[link];
+            ahead[place] = from_front[link];
+        });
+        for (std::size_t s = 0; s < systems; ++s) gather(excess[s], of_system(Column::ring_excess, s));
+        const PinLanes absent = shares_.absent_rows();
+        Factors factors[systems];
+        for (int at = 0, row = 0; at < last_; at += rigid_lanes, ++row) {
+            for (std::size_t s = 0; s < systems; ++s) eliminate(factors[s], s, at, absent, PinLanes(row));
+        }
+        for (std::size_t s = 0; s < systems; ++s) eliminate_last(factors[s], s);
+    }
+
+    void solve(const OfSystems& rhs, const OfSystems& solution) noexcept {
+        PinLanes free[systems], first[systems], before[systems];
+        for (std::size_t s = 0; s < systems; ++s) {
+            gather(rhs[s], of_system(Column::ring_rhs, s));
+            free[s] = first[s] = PinLanes(0.0);
+        }
+        for (int at = 0; at < last_; at += rigid_lanes) {
+            for (std::size_t s = 0; s < systems; ++s) {
+                free[s] =
+                    (get(Column::ring_rhs, s, at) + read(columns_, Column::ring_rear, at) * free[s]) * get(Column::ring_inverse, s, at);
+                first[s] += get(Column::ring_first, s, at) * free[s];
+                put(Column::ring_solution, s, at, free[s]);
+            }
+        }
+        for (std::size_t s = 0; s < systems; ++s) {
+            const PinLanes rest = get(Column::ring_rhs, s, last_) + read(columns_, Column::ring_rear, last_) * free[s] +
+                                  read(columns_, Column::ring_front, last_) * neighbour<1>(first[s]);
+            free[s] =
+                LaneRing{rest * get(Column::ring_inverse, s, last_), get(Column::ring_lower, s, last_), get(Column::ring_upper, s, last_)}
+                    .solution();
+            before[s] = neighbour<-1>(free[s]);
+            put(Column::ring_solution, s, last_, free[s]);
+        }
+        for (int at = last_ - rigid_lanes; at >= 0; at -= rigid_lanes) {
+            for (std::size_t s = 0; s < systems; ++s) {
+                free[s] = get(Column::ring_solution, s, at) + get(Column::ring_lower, s, at) * before[s] +
+                          get(Column::ring_upper, s, at) * free[s];
+                put(Column::ring_solution, s, at, free[s]);
+            }
+        }
+        for (std::size_t s = 0; s < systems; ++s) {
+            double* to = columns_[solution[s]];
+            const double* from = columns_[of_system(Column::ring_solution, s)];
+            shares_.for_links([&](int place, int link) { to[link] = from[place]; });
+        }
+    }
+
+private:
+    /// Of the row before; first_…: x of a lane's first link by x of both last ones.
+    struct Factors {
+        PinLanes behind{1.0}, ahead{0.0}, first_behind{0.0}, first_ahead{1.0};
+    };
+
+    [[nodiscard]] static Column of_system(Column first, std::size_t s) noexcept { return first + static_cast<int>(s); }
+    [[nodiscard]] PinLanes get(Column first, std::size_t s, int at) const noexcept { return read(columns_, of_system(first, s), at); }
+    void put(Column first, std::size_t s, int at, const PinLanes& value) noexcept { write(columns_, of_system(first, s), at, value); }
+    void gather(Column of, Column to) noexcept {
+        double* rows = columns_[to];
+        const double* from = columns_[of];
+        shares_.for_links([&](int place, int link) { rows[place] = from[link]; });
+    }
+    [[gnu::always_inline]] void eliminate(Factors& f, std::size_t s, int at, const PinLanes& absent, const PinLanes& row) noexcept {
+        const PinLanes back = read(columns_, Column::ring_rear, at);
+        const PinLanes inverse = 1.0 / ((1.0 + get(Column::ring_excess, s, at)) - back * f.ahead);  // each row waits for this
+        f.behind = select_greater<rigid_lanes>(absent, row, f.behind, back * f.behind * inverse);
+        f.ahead = read(columns_, Column::ring_front, at) * inverse;
+        put(Column::ring_first, s, at, f.first_ahead);
+        f.first_behind += select_greater<rigid_lanes>(absent, row, PinLanes(0.0), f.first_ahead * f.behind);
+        f.first_ahead = select_greater<rigid_lanes>(absent, row, f.first_ahead, f.first_ahead * f.ahead);
+        put(Column::ring_inverse, s, at, inverse);
+        put(Column::ring_lower, s, at, f.behind);
+        put(Column::ring_upper, s, at, f.ahead);
+    }
+    void eliminate_last(const Factors& f, std::size_t s) noexcept {
+        const PinLanes back = read(columns_, Column::ring_rear, last_), on = read(columns_, Column::ring_front, last_);
+        const PinLanes inverse = 1.0 / ((1.0 + get(Column::ring_excess, s, last_)) - back * f.ahead - on * neighbour<1>(f.first_behind));
+        put(Column::ring_inverse, s, last_, inverse);
+        put(Column::ring_lower, s, last_, back * f.behind * inverse);
+        put(Column::ring_upper, s, last_, on * neighbour<1>(f.first_ahead) * inverse);
+    }
+
+    const RingShares shares_;
+    const RigidView columns_;
+    const int last_;  ///< where the last row begins
+};
 
 }  // namespace
 

@@ -102,7 +102,6 @@ struct TipNumbers {
           bent_outward_per_half(c.bend_slope * c.outward / c.half_length),
           bent_per_half(c.bend_slope / c.half_length),
           per_mass(kick.step / c.mass),
-          per_half_mass(2.0 * kick.step / c.mass),
           per_tilt(kick.step / c.tilt_mass),
           per_bend(kick.step / c.bend_mass),
           response(1.6 * kick.step * (1.0 / c.mass + 1.0 / c.tilt_mass + 1.0 / c.bend_mass)),
@@ -115,7 +114,7 @@ struct TipNumbers {
     Lanes<W> per_half;                                                                     ///< 1/(ℓ_p/2) [1/m]
     Lanes<W> bend_lever;                                                                   ///< as of RigidCoefficients
     Lanes<W> bent_outward_per_half, bent_per_half;                                         ///< the same for bending
-    Lanes<W> per_mass, per_half_mass, per_tilt, per_bend;                                  ///< velocity per force over the step [m/s/N]
+    Lanes<W> per_mass, per_tilt, per_bend;                                                 ///< velocity per force over the step [m/s/N]
     Lanes<W> response;  ///< of the sliding velocity to friction, with some room for neighbours [m/s/N]
     int further_steps;  ///< of Newton's method
 };

@@ -55,10 +55,6 @@ constexpr double accurate_growth = 0.15;
 /// 0.417) lost 1.6 % too little in 100 steps per pin, 0.5 % in 140, 0.1 % in 200; at 2000 rpm a pin takes 270 steps of 2 us and more.
 constexpr double steps_per_rigid_pin = 60.0, steps_per_pin_of_halves = 150.0;
 
-/// Largest h ω of rigid pins' halves along their axes on the contacts of their tips. Plates hold pins there by friction that counts with
-/// forces expected of them: `baseline` is right at 1.25 and diverges at 1.5, machines of the lottery from 1.2 on.
-constexpr double contact_reach = 1.05;
-
 /// Longest stable step of an oscillation ω with an explicit damping δ. A leapfrog that takes the damping at velocities extrapolated to the
 /// middle of the step is stable up to (h ω/2)² + h δ = 1. Where friction beside it takes some of the stability away, shares add up instead:
 /// h ω/2 + h δ = 1.
@@ -104,7 +100,7 @@ void AutoStep::restart() noexcept {
     checked_ = begun_ = damped_at_ = turned_ = -1e300;
     part_ = no_part;
     damping_due_ = false;
-    stable_ = growth_ = contact_ = pin_period_ = 0.0;
+    stable_ = growth_ = pin_period_ = 0.0;
     damped_ = forever;
     evaluations_ = 0;
 }
@@ -142,7 +138,6 @@ void AutoStep::estimate(double time, const double* state, const model::Phase* ph
         const bool oscillation = part_ == 0 && reach_.decay == forever;
         evaluations_ +=
             oscillation ? part.estimate_oscillation(time, state, phases, budget) : part.estimate_at_rest(time, state, phases, budget);
-        if (part_ == 0 && keeps_directions_ && reach_.damping != forever) contact_ = variator_.chain().rigid()->last().contact_rate();
         if (!part.complete()) return;
         ++part_;
     } while (part_ < parts && budget == SpectralBound::unlimited);
@@ -162,7 +157,6 @@ LargestStep AutoStep::largest() const noexcept {
         {share * within(reach_.decay, bound_.real()), StepLimiter::decay, bound_.real()},
         {share * damped_, StepLimiter::damping, bound_.imaginary()},
         {within(reach_.accurate, bound_.imaginary()), StepLimiter::accuracy, bound_.imaginary()},
-        {within(contact_reach, contact_), StepLimiter::oscillation, contact_},
         {within(accurate_growth, growth_), StepLimiter::growth, growth_},
     };
     const LargestStep least = *std::ranges::min_element(limits, {}, &LargestStep::step);
@@ -184,7 +178,7 @@ std::string text_of(const LargestStep& limit) {
 }
 
 void AutoStep::save(std::vector<double>& memory) const {
-    memory.assign({checked_, begun_, stable_, damped_, damped_at_, growth_, pin_period_, contact_, static_cast<double>(evaluations_)});
+    memory.assign({checked_, begun_, stable_, damped_, damped_at_, growth_, pin_period_, static_cast<double>(evaluations_)});
     bound_.save(memory);
     if (!keeps_directions_) return;
     for (const SpectralBound& part : damped_parts_) part.save(memory);
@@ -196,7 +190,7 @@ void AutoStep::save(std::vector<double>& memory) const {
 void AutoStep::load(std::span<const double> memory) {
     restart();
     if (memory.empty()) return;
-    const auto numbers = pop_front(memory, 8);
+    const auto numbers = pop_front(memory, 7);
     checked_ = numbers[0];
     begun_ = numbers[1];
     stable_ = numbers[2];
@@ -204,7 +198,6 @@ void AutoStep::load(std::span<const double> memory) {
     damped_at_ = numbers[4];
     growth_ = numbers[5];
     pin_period_ = numbers[6];
-    contact_ = numbers[7];
     evaluations_ = pop_integer(memory, 0, std::numeric_limits<int>::max());
     memory = bound_.load(memory);
     if (!keeps_directions_) return;

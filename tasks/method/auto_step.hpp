@@ -119,7 +119,6 @@ private:
     std::vector<SpectralBound> damped_parts_;                  ///< of it
     double damped_ = std::numeric_limits<double>::infinity();  ///< longest stable step without friction [s]
     std::unique_ptr<FallingFriction> falling_;                 ///< of machines whose friction depends on the sliding speed
-    double contact_ = 0.0;                                     ///< RigidInstant::contact_rate() as found; 0: sets no limit [rad/s]
     double growth_ = 0.0;                                      ///< of sliding, as found [1/s]
     const model::Variator& variator_;
     model::Chain chain_;

@@ -62,7 +62,7 @@ constexpr double longest_swept_step = 2.0e-6;
 
 /// A record with an output every 50 us has steps of 8.3 us. At 10 us two of 24 points drawn by a seed settle with an energy balance that is
 /// off by more than its tolerance. The step is shorter where friction falls and where the chain is fast (auto_step.cpp) [s].
-constexpr double longest_rigid_step = 8.4e-6;
+constexpr double longest_rigid_step = 10e-6;
 
 /// Reach along oscillations, of which those of the links are implicit: what is explicit is slower, by a factor that depends on the machine.
 /// At `baseline`, whose waves alone would allow 7.2 us, 10 us are stable and 12.5 are not; a machine with light pins, stiff joints and

@@ -51,11 +51,16 @@ void RigidLeapfrog::add_tasks(engine::TaskGraph& graph) {
                    engine::code_of<&RigidLeapfrog::links>(*this),
                    0,
                    {writes(motion), writes(link_force), writes(energies)}}),
+        graph.add({"contacts",
+                   rigid_cycle,
+                   engine::code_of<&RigidLeapfrog::contacts>(*this),
+                   0,
+                   {reads(motion), reads(plate_force), writes(tip_force), writes(energies)}}),
         graph.add({"plates",
                    rigid_cycle,
                    engine::code_of<&RigidLeapfrog::plates>(*this),
                    0,
-                   {reads(motion), reads(link_force), writes(plate_force), writes(energies)}}),
+                   {reads(motion), reads(link_force), reads(tip_force), writes(plate_force), writes(energies)}}),
         graph.add({"tips",
                    rigid_cycle,
                    engine::code_of<&RigidLeapfrog::tips>(*this),
@@ -67,7 +72,7 @@ void RigidLeapfrog::add_tasks(engine::TaskGraph& graph) {
                    0,
                    {reads(link_force), writes(plate_force), writes(tip_force), writes(motion), writes(energies)}}),
     };
-    for (int k = 0; k < 3; ++k) graph.order(tasks[k], tasks[k + 1]);
+    for (int k = 0; k < 4; ++k) graph.order(tasks[k], tasks[k + 1]);
 }
 
 CycleSequence RigidLeapfrog::step() {
@@ -85,12 +90,11 @@ void RigidLeapfrog::links(int) noexcept {
     pins_.model.link_forces(kick_, pins_.columns, pins_.forces);
 }
 
+void RigidLeapfrog::contacts(int) noexcept { pins_.model.press_tips(pulleys_.sheaves(), kick_, pins_.columns, pins_.forces); }
+
 void RigidLeapfrog::plates(int) noexcept { pins_.model.plate_friction(pulleys_.sheaves(), kick_, pins_.columns, pins_.forces); }
 
-void RigidLeapfrog::tips(int) noexcept {
-    pins_.model.press_tips(pulleys_.sheaves(), kick_, pins_.columns, pins_.forces);
-    pins_.model.rub_tips(pulleys_.sheaves(), pins_.columns, pins_.forces);
-}
+void RigidLeapfrog::tips(int) noexcept { pins_.model.rub_tips(pulleys_.sheaves(), kick_, pins_.columns, pins_.forces); }
 
 void RigidLeapfrog::kick(int) noexcept {
     pins_.model.sum_forces(kick_, pins_.columns, pins_.forces);

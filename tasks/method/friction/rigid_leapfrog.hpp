@@ -1,7 +1,7 @@
 #pragma once
 /// Leapfrog of rigid pins, with implicit waves of the links, and implicit friction solved where it acts. (model/EQUATIONS.md section 11)
 ///
-///     links ─► plates ─► tips ─► kick     one task each, of the whole chain
+///     links ─► contacts ─► plates ─► tips ─► kick     one task each, of the whole chain
 ///
 /// Between steps velocities are half a step ahead of coordinates; forces are those at the coordinates. All of it is in the workspace's
 /// columns, which are the state while this method runs. Works and losses are sums of what each step does.
@@ -92,10 +92,11 @@ public:
     [[nodiscard]] std::optional<std::size_t> bytes() const noexcept override { return sizeof(*this); }
 
     // Bodies of tasks.
-    void links(int) noexcept;   ///< coordinates half a step on each side of the forces; forces of links
-    void plates(int) noexcept;  ///< friction of plates along the pins, and of halves on each other
-    void tips(int) noexcept;    ///< normal forces of the tips, waves of the links, friction of the tips
-    void kick(int) noexcept;    ///< accelerations, and velocities by them
+    void links(int) noexcept;     ///< coordinates half a step on each side of the forces; forces of links
+    void contacts(int) noexcept;  ///< normal forces of the tips
+    void plates(int) noexcept;    ///< friction of plates along the pins, and of halves on each other
+    void tips(int) noexcept;      ///< waves of the links, friction of the tips
+    void kick(int) noexcept;      ///< accelerations, and velocities by them
 
 private:
     void start();

@@ -35,7 +35,14 @@ void fill(RigidColumns& columns, unsigned seed) {
         columns[Column::plate_slip_low][pin] = between(0.0, 0.03);
         columns[Column::plate_slip_high][pin] = between(0.0, 0.03);
         columns[Column::lengthening][pin] = between(-0.03, 0.03);
+        columns[Column::plate_parting][pin] = between(-0.03, 0.03);
+        for (int half = 0; half < 2; ++half) {
+            columns[Column::tip_stiffness_front + half][pin] = std::max(0.0, between(-4e7, 8e7));
+            columns[Column::tip_press_front + half][pin] =
+                0.5 * columns[Column::tip_force_z][pin] + (half == 0 ? 1.0 : -1.0) * columns[Column::tip_force_slide][pin];
+        }
     }
+    columns.wrap(Column::tip_stiffness_front, Column::tip_press_rear);
     columns.wrap(Column::vz, Column::vslide);
     columns.wrap(Column::force_z, Column::force_slide);
     columns.wrap(Column::tip_force_z, Column::tip_force_slide);
@@ -53,15 +60,29 @@ double grip_of(const Parameters& p, const Friction& friction, double normal, dou
     return friction.coefficient * normal * secant;
 }
 
-/// Speed of the front (+1) or rear (-1) half of pin `of` behind a step: half of the pin's mass each, held by its link (of the front half
-/// that of pin `from`) and by the other half.
+/// Speed of the front (+1) or rear (-1) half of pin `of` behind a step: half of the pin's mass each and what the step adds on its contacts,
+/// held by its link (of the front half that of pin `from`) and by the other half.
 double speed_behind(const RigidModel& model, const RigidColumns& columns, int of, int from, double half, double step) {
     const double both = columns[Column::force_z][of] + columns[Column::tip_force_z][of];
     const double apart = columns[Column::force_slide][of] + columns[Column::tip_force_slide][of];
     const double plates = half > 0.0 ? -columns[Column::plate_friction][from] : columns[Column::plate_friction][of];
     const double force = 0.5 * both + half * (apart - columns[Column::joint_friction][of]) + plates;
     const double speed = columns[Column::vz][of] + 0.5 * half * columns[Column::vslide][of];
-    return speed + step / (0.5 * model.coefficients().mass) * force;
+    const double stiffness = columns[Column::tip_stiffness_front + (half > 0.0 ? 0 : 1)][of];
+    return speed + step / (0.5 * model.coefficients().mass + step * step * stiffness / 3.0) * force;
+}
+
+/// Sliding that lengthening adds: as fast as the tips can follow a force of the plates on the pins. @param grip of all plates
+double parting_of(const RigidModel& model, const RigidColumns& columns, int pin, int next, double before, double grip, double step) {
+    const RigidCoefficients& c = model.coefficients();
+    const auto response = [&](int of) {
+        const double stiffness = columns[Column::tip_stiffness_front][of] + columns[Column::tip_stiffness_rear][of];
+        const double yielding = 0.25 * stiffness * c.softness / (c.hertz * std::pow(c.cosine, 3));
+        return step * std::pow(c.sine * yielding, 2) * (1.0 / c.mass + c.bend_lever * c.bend_lever / c.bend_mass);
+    };
+    const double now = c.plate_reach * (columns[Column::lengthening][next] - columns[Column::lengthening][pin]);
+    const double held = 0.5 * c.plate_square * (response(pin) + response(next)) * grip;
+    return (now + held * before) / (1.0 + held);
 }
 
 /// The friction of each half of a link's plates, and of the halves of a pin, is its grip times the sliding speed that all frictions
@@ -77,9 +98,10 @@ TEST(RigidPlates, FrictionFollowsFromTheVelocitiesThatTheWholeChainLeavesBehind)
             fill(columns, static_cast<unsigned>(pins));
             const auto copy_of = [&](Column c) { return std::vector<double>(columns[c], columns[c] + pins); };
             const auto low = copy_of(Column::plate_slip_low), high = copy_of(Column::plate_slip_high), kept = copy_of(Column::joint_slip);
+            const auto parted = copy_of(Column::plate_parting);
             Account account;
             model.kernels().plate_friction(model.coefficients(), {step}, columns, account);
-            model.kernels().joint_friction(model.coefficients(), {step}, columns, account);
+            model.kernels().joint_friction({step}, columns, account);
             const double *rub = columns[Column::plate_friction], *joint = columns[Column::joint_friction];
             double largest = 0.0, held = 0.0;
             for (int pin = 0; pin < pins; ++pin) {
@@ -90,11 +112,13 @@ TEST(RigidPlates, FrictionFollowsFromTheVelocitiesThatTheWholeChainLeavesBehind)
                 const double holds = grip_of(p, p.joint.friction, columns[Column::joint_normal][pin], kept[static_cast<std::size_t>(pin)]);
                 EXPECT_NEAR(joint[pin], holds * parts, 1e-9) << pin;
                 EXPECT_NEAR(columns[Column::joint_slip][pin], std::abs(parts), 1e-12) << pin;
-                const double parting =
-                    model.coefficients().plate_reach * (columns[Column::lengthening][next] - columns[Column::lengthening][pin]);
                 const double tension = 0.5 * columns[Column::tension][pin];
-                const double at_low = grip_of(p, p.plate.friction, tension, low[static_cast<std::size_t>(pin)]) * (slides - parting);
-                const double at_high = grip_of(p, p.plate.friction, tension, high[static_cast<std::size_t>(pin)]) * (slides + parting);
+                const auto grip = [&](const std::vector<double>& at) {
+                    return grip_of(p, p.plate.friction, tension, at[static_cast<std::size_t>(pin)]);
+                };
+                const double parting =
+                    parting_of(model, columns, pin, next, parted[static_cast<std::size_t>(pin)], grip(low) + grip(high), step);
+                const double at_low = grip(low) * (slides - parting), at_high = grip(high) * (slides + parting);
                 EXPECT_NEAR(rub[pin], at_low + at_high, 1e-9) << pin;
                 EXPECT_NEAR(columns[Column::plate_friction_moment][pin], at_high - at_low, 1e-9) << pin;
                 EXPECT_NEAR(columns[Column::plate_slip_low][pin], std::abs(slides - parting), 1e-12) << pin;
