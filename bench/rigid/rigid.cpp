@@ -228,10 +228,10 @@ void print_parts(const tasks::Scene& scene) {
     time_part("press_tips", [&] { k.press_tips(c, sheaves, kick, columns, forces.room.data(), forces.reaction, forces.account); });
     time_part("plate_friction", [&] { k.plate_friction(c, kick, columns, forces.account); });
     time_part("push_tips", [&] { k.push_tips(columns, forces.room.data(), forces.account); });
-    time_part("waves", [&] { k.waves(c, kick, columns); });
+    time_part("waves", [&] { k.waves(c, kick, columns, forces.waves.data()); });
     time_part("rub_tips", [&] { k.rub_tips(columns, forces.room.data(), forces.reaction, forces.account); });
     time_part("moments", [&] { k.moments(columns); });
-    time_part("accelerate", [&] { k.accelerate(c, kick, columns); });
+    time_part("accelerate", [&] { k.accelerate(c, kick, columns, forces.waves.data()); });
     time_part("inputs", [&] { inputs = pulleys.inputs(0.0, tail); });
     time_part("pulleys", [&] { pulleys.slope(tail, inputs, forces.reaction.sheaves, slope.data(), &forces.account); });
     time_part("wrap", [&] { columns.wrap(model::Column::x, model::Column::tension); });

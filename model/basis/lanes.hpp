@@ -267,5 +267,18 @@ inline void store_rounded(const Lanes<W>& lanes, float* to) noexcept {
     }
 }
 
+/// Floats as doubles. from [W]
+template <int W>
+[[nodiscard]] inline Lanes<W> load_widened(const float* from) noexcept {
+    if constexpr (W > native_lanes) {
+        return {load_widened<W / 2>(from), load_widened<W / 2>(from + W / 2)};
+    } else {
+        typedef float Rounded __attribute__((vector_size(W * sizeof(float))));
+        Rounded rounded;
+        std::memcpy(&rounded, from, sizeof rounded);
+        return __builtin_convertvector(rounded, Native<W>);
+    }
+}
+
 }  // namespace
 }  // namespace cvtflow::model

@@ -170,7 +170,7 @@ void RigidModel::press_tips(const SheaveMotion* sheaves, const RigidKick& kick, 
 
 void RigidModel::rub_tips(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
     if (sheaves != nullptr) kernels_.push_tips(columns, f.room.data(), f.account);
-    kernels_.waves(coefficients_, kick, columns);
+    kernels_.waves(coefficients_, kick, columns, f.waves.data());
     if (sheaves == nullptr) return;
     kernels_.rub_tips(columns, f.room.data(), f.reaction, f.account);
     wrap_tips(columns);
@@ -185,7 +185,7 @@ void RigidModel::sum_forces(const RigidKick& kick, RigidColumns& columns, RigidF
     kernels_.joint_friction(kick, columns, f.account);
     kernels_.moments(columns);
     columns.wrap(Column::tip_moment, Column::tip_moment_before);
-    kernels_.accelerate(coefficients_, kick, columns);
+    kernels_.accelerate(coefficients_, kick, columns, f.waves.data());
 }
 
 void RigidModel::accelerate(const SheaveMotion* sheaves, RigidColumns& columns, RigidForces& forces) const noexcept {
@@ -226,6 +226,7 @@ RigidState::RigidState(const RigidModel& of)
       tail_slope(tail.size(), 0.0),
       ledger(of.layout().ledger ? static_cast<std::size_t>(of.layout().size() - of.layout().ledger_begin()) : 0, 0.0) {
     forces.room.resize(of.kernels().room_bytes(of.layout().links));
+    forces.waves.resize(of.kernels().wave_bytes(of.layout().links));
 }
 
 void RigidState::read(const double* y) {
@@ -293,7 +294,8 @@ double RigidState::energy_of_lead(double time) const noexcept {
 }
 
 std::size_t RigidState::bytes() const noexcept {
-    return sizeof(*this) + columns.bytes() + forces.room.size() + (tail.size() + tail_slope.size() + ledger.size()) * sizeof(double);
+    return sizeof(*this) + columns.bytes() + forces.room.size() + forces.waves.size() +
+           (tail.size() + tail_slope.size() + ledger.size()) * sizeof(double);
 }
 
 }  // namespace cvtflow::model

@@ -13,8 +13,10 @@ namespace cvtflow::model {
 /// Forces of an instant beside those in the columns.
 struct RigidForces {
     RigidReaction reaction;
-    Account account;             ///< potential energies and losses of the chain
-    LineVector<std::byte> room;  ///< for tips of a step [RigidKernels::room_bytes()]; empty where no steps are made
+    Account account;  ///< potential energies and losses of the chain
+    // Empty where no steps are made.
+    LineVector<std::byte> room;   ///< for tips of a step [RigidKernels::room_bytes()]
+    LineVector<std::byte> waves;  ///< [RigidKernels::wave_bytes()]
 };
 
 class RigidModel {

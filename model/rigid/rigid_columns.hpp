@@ -141,23 +141,20 @@ enum class Column {
     growth_p,                        ///< of p' [m/s]
     growth_q,                        ///< of q' [m/s]
     wave_cosine,                     ///< of the angle between the pitch lines behind and ahead of the pin
-    wave_turning,                    ///< [2] what turning adds to wave_rhs [N·s]
-    wave_rhs = wave_turning + 2,     ///< [2] change of stretch and of yaw of a link without waves, times its inertia [N·s]
-    wave_excess = wave_rhs + 2,      ///< [2] factor of the link's own impulse, less 1
-    wave_impulse = wave_excess + 2,  ///< [2] that stretch and yaw of a link add in the step [N·s]
-    // Equations around the ring of links, in the order of RingShares: entry row · lanes + lane. Two systems of the same couplings.
-    ring_rear = wave_impulse + 2,    ///< opposite of the factor of the link behind
-    ring_front,                      ///< opposite of that of the link ahead
-    ring_rhs,                        ///< [2] right-hand side
-    ring_excess = ring_rhs + 2,      ///< [2] factor of the link's own unknown, less 1
-    ring_inverse = ring_excess + 2,  ///< [2] 1 over that factor behind the elimination
-    ring_first = ring_inverse + 2,   ///< [2] factor of this row in the first one of its lane
-    ring_upper = ring_first + 2,     ///< [2] factor of the next row
-    ring_lower = ring_upper + 2,     ///< [2] factor of the last row of the lane before
-    ring_solution = ring_lower + 2,  ///< [2]
+    wave_turning,                    ///< [2] what turning adds to the rate of stretch and of yaw, times the inertia [N·s]
+    wave_factor = wave_turning + 2,  ///< [2] change of the impulse of stretch and of yaw per what the link is driven by
+    wave_impulse = wave_factor + 2,  ///< [2] that stretch and yaw of a link add in the step [N·s]
+    // Equations of the plates' friction, in the order of RingShares: entry row · lanes + lane.
+    ring_rear = wave_impulse + 2,  ///< opposite of the factor of the link behind
+    ring_front,                    ///< opposite of that of the link ahead
+    ring_rhs,                      ///< right-hand side
+    ring_excess,                   ///< factor of the link's own unknown, less 1
+    ring_upper,                    ///< factor of the next row
+    ring_lower,                    ///< factor of the last row of the lane before
+    ring_solution,                 ///< plate_friction [N]
     // Which tips are computed.
-    near = ring_solution + 2,  ///< > 0: the pin may touch in this step
-    written,                   ///< tips' columns were written: 1 in the last step, 2 in this one, 0 not
+    near,     ///< > 0: the pin may touch in this step
+    written,  ///< tips' columns were written: 1 in the last step, 2 in this one, 0 not
     // Contact of a pin's tips as a whole. Depth holds for velocities as they are (RigidKick), too.
     tip_depth,                                     ///< [4] δ_0: depth of each tip, `far_depth` of pins that certainly do not touch [m]
     tip_stiffness_front = tip_depth + rigid_tips,  ///< of the front half along z, against its moving [N/m]

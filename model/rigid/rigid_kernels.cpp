@@ -11,9 +11,9 @@ namespace cvtflow::model {
 
 template <>
 RigidKernels rigid_kernels<compiled_isa>() noexcept {
-    return {pitch_lines, rolling_frames,  link_forces,    joint_forces, sum_link_forces, axial_rates,     plate_friction,
-            tip_forces,  press_tips,      TipRoom::bytes, push_tips,    predict_waves,   rub_tips,        joint_friction,
-            tip_moments, accelerate_pins, drift_pins,     kick_pins,    tip_depths,      contact_changes, observe_pins};
+    return {pitch_lines,     rolling_frames, link_forces,  joint_forces, sum_link_forces, axial_rates, plate_friction, tip_forces,
+            press_tips,      TipRoom::bytes, Waves::bytes, push_tips,    predict_waves,   rub_tips,    joint_friction, tip_moments,
+            accelerate_pins, drift_pins,     kick_pins,    tip_depths,   contact_changes, observe_pins};
 }
 
 }  // namespace cvtflow::model

@@ -66,10 +66,12 @@ struct RigidKernels {
     void (*press_tips)(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
                        std::byte* room, RigidReaction& reaction, Account& account) noexcept;
     std::size_t (*room_bytes)(int pins) noexcept;
+    /// Of waves() and accelerate(), of zeros at first.
+    std::size_t (*wave_bytes)(int pins) noexcept;
     /// Behind plate_friction(): forces of the tips with the friction of the last step.
     void (*push_tips)(RigidColumns& columns, std::byte* room, Account& account) noexcept;
     /// Then: changes of the velocities in the plane over the step, by all forces so far.
-    void (*waves)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns) noexcept;
+    void (*waves)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, std::byte* room) noexcept;
     /// Then: friction of the tips that these velocities leave, and forces by it.
     void (*rub_tips)(RigidColumns& columns, std::byte* room, RigidReaction& reaction, Account& account) noexcept;
     /// Friction of the halves of a pin on each other, behind the tips.
@@ -77,7 +79,7 @@ struct RigidKernels {
     /// Moments of the tips on the pitch lines.
     void (*moments)(RigidColumns& columns) noexcept;
     /// Accelerations by the sum of all forces.
-    void (*accelerate)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns) noexcept;
+    void (*accelerate)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, std::byte* room) noexcept;
     /// Coordinates by velocities over a time [s].
     void (*drift)(double step, RigidColumns& columns) noexcept;
     /// Velocities by accelerations over a time [s]. @return ½ v·M v' of the pins' velocities before and after, which a leapfrog conserves

@@ -130,9 +130,7 @@ inline void solve_friction(const RigidKick& kick, RigidColumns& all) noexcept {
     }
     all.wrap(Column::plate_rhs, Column::plate_rhs);
     all.wrap(Column::plate_excess, Column::plate_front);
-    LinkRing<1> ring(all);
-    ring.eliminate({Column::plate_excess}, Column::plate_rear, Column::plate_front, 0);
-    ring.solve({Column::plate_rhs}, {Column::plate_friction});
+    LinkRing(all).solve(Column::plate_excess, Column::plate_rear, Column::plate_front, Column::plate_rhs, Column::plate_friction);
     all.wrap(Column::plate_friction, Column::plate_friction);
 }
 
@@ -208,53 +206,83 @@ inline void plate_friction(const RigidCoefficients& c, const RigidKick& kick, Ri
     joint_friction_expected(kick, all);
 }
 
-inline constexpr std::array<Column, 2> of_stretch_and_yaw(Column first) noexcept { return {first, first + 1}; }
+/// Impulses λ_i = κ_i t_i·(v_{i+1} - v_i) of stretch and of yaw of the links, v the changes of velocities in a step:
+/// (m/κ_i + 2) λ_i = t_{i-1}·t_i λ_{i-1} + t_i·t_{i+1} λ_{i+1} + what the link is driven by.
+class Waves {
+public:
+    [[nodiscard]] static std::size_t bytes(int pins) noexcept { return FadingRing::bytes(pins, systems); }
+    /// @param memory [bytes()], of zeros at first, on a cache line
+    Waves(const RigidCoefficients& c, double step, RigidColumns& columns, std::byte* memory) noexcept
+        : c_(c), step_(step), all_(columns), columns_(columns), ring_(columns.pins(), memory) {}
 
-/// The left side of the equations of the links' impulses λ_i = κ_i t_i·(v_{i+1} - v_i), v the changes of velocities in a step:
-/// (m/κ_i + 2) λ_i - t_{i-1}·t_i λ_{i-1} - t_i·t_{i+1} λ_{i+1}.
-inline void begin_waves(const RigidCoefficients& c, double step, RigidColumns& all) noexcept {
-    const RigidView columns(all);
-    const StepInertia inertia(c, step);
-    const PinLanes duration(step);
-    for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-        write(columns, Column::wave_cosine, i, dot(read_plane(columns, Column::line_x, i - 1), read_plane(columns, Column::line_x, i)));
-        const Plane across = turned(read_plane(columns, Column::line_x, i));
-        const PinLanes turn = duration * read(columns, Column::line_turn, i);
-        const auto turning = [&](Column v) { return turn * dot(read_plane(columns, v, i + 1) - read_plane(columns, v, i), across); };
-        write(columns, Column::wave_turning, i, c.mass * turning(Column::vx));
-        write(columns, Column::wave_turning + 1, i, c.tilt_mass * turning(Column::vp));
-        write(columns, Column::wave_excess, i, 1.0 + c.mass / inertia.stretch());
-        write(columns, Column::wave_excess + 1, i, 1.0 + c.tilt_mass / inertia.yaw(columns, i));
+    /// All but the forces, for any number of hold().
+    void begin() noexcept {
+        const StepInertia inertia(c_, step_);
+        const PinLanes duration(step_), stretch = inertia.stretch() / (c_.mass + 2.0 * inertia.stretch());
+        for (int i = 0; i < columns_.padded(); i += rigid_lanes) {
+            const Plane line = read_plane(columns_, Column::line_x, i), across = turned(line);
+            write(columns_, Column::wave_cosine, i, dot(read_plane(columns_, Column::line_x, i - 1), line));
+            const PinLanes turn = duration * read(columns_, Column::line_turn, i), yaw = inertia.yaw(columns_, i);
+            const auto turning = [&](Column v) { return turn * dot(read_plane(columns_, v, i + 1) - read_plane(columns_, v, i), across); };
+            write(columns_, Column::wave_turning, i, c_.mass * turning(Column::vx));
+            write(columns_, Column::wave_turning + 1, i, c_.tilt_mass * turning(Column::vp));
+            write(columns_, Column::wave_factor, i, stretch);
+            write(columns_, Column::wave_factor + 1, i, yaw / (c_.tilt_mass + 2.0 * yaw));
+        }
+        all_.wrap(Column::wave_cosine, Column::wave_cosine);
+        for (int system = 0; system < systems; ++system) {
+            for (int i = 0; i < columns_.padded(); i += rigid_lanes) {
+                const PinLanes factor = read(columns_, Column::wave_factor + system, i);
+                store_rounded<rigid_lanes>(factor * read(columns_, Column::wave_cosine, i), ring_.behind(system) + i);
+                store_rounded<rigid_lanes>(factor * read(columns_, Column::wave_cosine, i + 1), ring_.ahead(system) + i);
+            }
+            ring_.eliminate(system);
+        }
     }
-    all.wrap(Column::wave_cosine, Column::wave_cosine);
-    all.wrap(Column::wave_excess, Column::wave_excess + 1);
-    LinkRing<2>(all).eliminate(of_stretch_and_yaw(Column::wave_excess), Column::wave_cosine, Column::wave_cosine, 1);
-}
 
-/// Changes v of the velocities in a step by the forces F of the columns wave_force_x …: (M + β h² K) v = h F, K of stretch and yaw along
-/// the pitch lines. Behind begin_waves().
-inline void hold_waves(const RigidCoefficients& c, double step, RigidColumns& all) noexcept {
-    const RigidView columns(all);
-    const PinLanes per_mass(1.0 / c.mass), per_tilt(1.0 / c.tilt_mass), duration(step);
-    for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-        const Plane t = read_plane(columns, Column::line_x, i);
-        const auto parting = [&](Column of) { return dot(read_plane(columns, of, i + 1) - read_plane(columns, of, i), t); };
-        write(columns, Column::wave_rhs, i, duration * parting(Column::wave_force_x) + read(columns, Column::wave_turning, i));
-        write(columns, Column::wave_rhs + 1, i, duration * parting(Column::wave_force_p) + read(columns, Column::wave_turning + 1, i));
+    /// Changes v of the velocities in a step by the forces F of the columns wave_force_x …: (M + β h² K) v = h F, K of stretch and yaw
+    /// along the pitch lines.
+    void hold() noexcept {
+        const PinLanes duration(step_);
+        for (int i = 0; i < columns_.padded(); i += rigid_lanes) {
+            const Plane line = read_plane(columns_, Column::line_x, i);
+            for (int system = 0; system < systems; ++system) {
+                const Column force = force_of(system);
+                const PinLanes parting = dot(read_plane(columns_, force, i + 1) - read_plane(columns_, force, i), line);
+                store_rounded<rigid_lanes>(read(columns_, Column::wave_factor + system, i) *
+                                               (duration * parting + read(columns_, Column::wave_turning + system, i)),
+                                           ring_.free(system) + i);
+            }
+        }
+        for (int system = 0; system < systems; ++system) {
+            const float* impulse = ring_.solve(system);
+            for (int i = 0; i < columns_.padded(); i += rigid_lanes)
+                write(columns_, Column::wave_impulse + system, i, load_widened<rigid_lanes>(impulse + i));
+        }
+        all_.wrap(Column::wave_impulse, Column::wave_impulse + 1);
+        const PinLanes per_inertia[] = {1.0 / c_.mass, 1.0 / c_.tilt_mass};
+        for (int i = 0; i < columns_.padded(); i += rigid_lanes) {
+            const Plane behind = read_plane(columns_, Column::line_x, i - 1), ahead = read_plane(columns_, Column::line_x, i);
+            for (int system = 0; system < systems; ++system) {
+                const Column impulse = Column::wave_impulse + system;
+                const Plane held = duration * read_plane(columns_, force_of(system), i) + read(columns_, impulse, i) * ahead -
+                                   read(columns_, impulse, i - 1) * behind;
+                write_plane(columns_, Column::growth_x + 2 * system, i, per_inertia[system] * held);
+            }
+        }
+        all_.wrap(Column::growth_x, Column::growth_q);
     }
-    all.wrap(Column::wave_rhs, Column::wave_rhs + 1);
-    LinkRing<2>(all).solve(of_stretch_and_yaw(Column::wave_rhs), of_stretch_and_yaw(Column::wave_impulse));
-    all.wrap(Column::wave_impulse, Column::wave_impulse + 1);
-    for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-        const Plane behind = read_plane(columns, Column::line_x, i - 1), ahead = read_plane(columns, Column::line_x, i);
-        const auto held = [&](Column force, Column impulse) {
-            return duration * read_plane(columns, force, i) + read(columns, impulse, i) * ahead - read(columns, impulse, i - 1) * behind;
-        };
-        write_plane(columns, Column::growth_x, i, per_mass * held(Column::wave_force_x, Column::wave_impulse));
-        write_plane(columns, Column::growth_p, i, per_tilt * held(Column::wave_force_p, Column::wave_impulse + 1));
-    }
-    all.wrap(Column::growth_x, Column::growth_q);
-}
+
+private:
+    static constexpr int systems = 2;  ///< stretch by x and y, yaw by p and q
+    [[nodiscard]] static Column force_of(int system) noexcept { return Column::wave_force_x + 2 * system; }
+
+    const RigidCoefficients& c_;
+    const double step_;
+    RigidColumns& all_;
+    const RigidView columns_;
+    FadingRing ring_;
+};
 
 /// Change of the moment on pitch line i by this step's tips, as a force on pin i+1.
 [[nodiscard, gnu::always_inline]] inline Plane moment_thrust(const RigidView& columns, int i) noexcept {
@@ -274,7 +302,7 @@ inline void hold_waves(const RigidCoefficients& c, double step, RigidColumns& al
     write(columns, Column::acceleration_slide, i, front - rear);
 }
 
-inline void accelerate_pins(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all) noexcept {
+inline void accelerate_pins(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all, std::byte* room) noexcept {
     const RigidView columns(all);
     const PinLanes per_mass(1.0 / c.mass), per_tilt(1.0 / c.tilt_mass), per_bend(1.0 / c.bend_mass);
     Plane last{0.0, 0.0};  // of the eight links before
@@ -293,7 +321,7 @@ inline void accelerate_pins(const RigidCoefficients& c, const RigidKick& kick, R
     }
     if (!kick.implicit()) return;
     all.wrap(Column::wave_force_x, Column::wave_force_q);
-    hold_waves(c, kick.step, all);
+    Waves(c, kick.step, all, room).hold();
     const PinLanes per_step(1.0 / kick.step);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         for (int k = 0; k < 2; ++k) {
@@ -303,8 +331,8 @@ inline void accelerate_pins(const RigidCoefficients& c, const RigidKick& kick, R
     }
 }
 
-/// Changes of the velocities in the plane over the step, with the tips' friction of the last one.
-inline void predict_waves(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all) noexcept {
+/// Changes of the velocities in the plane over the step, with the tips' friction of the last one. @param room [Waves::bytes()]
+inline void predict_waves(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all, std::byte* room) noexcept {
     const RigidView columns(all);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const auto sum = [&](Column links, Column tips) { return read_plane(columns, links, i) + read_plane(columns, tips, i); };
@@ -312,8 +340,9 @@ inline void predict_waves(const RigidCoefficients& c, const RigidKick& kick, Rig
         write_plane(columns, Column::wave_force_p, i, sum(Column::force_p, Column::tip_push_p));
     }
     all.wrap(Column::wave_force_x, Column::wave_force_q);
-    begin_waves(c, kick.step, all);
-    hold_waves(c, kick.step, all);
+    Waves waves(c, kick.step, all, room);
+    waves.begin();
+    waves.hold();
 }
 
 inline void drift_pins(double step, RigidColumns& all) noexcept {

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
+#include <cstring>
 
 #include "model/basis/lanes.hpp"
 #include "model/law/friction_laws.hpp"
@@ -253,109 +255,163 @@ struct LaneRing {
     }
 };
 
-/// x of all links, (1 + excess_i) x_i - rear_i x_{i-1} - front_i x_{i+1} = rhs_i around the ring, of systems with the same rear and front
-/// side by side. Each lane eliminates its links but the last, x_r = free + behind x_{last of the lane before} + ahead x_{r+1}; the
-/// remaining system has one unknown per lane.
-/// @tparam systems 1 or 2
-template <std::size_t systems>
+/// x of all links, (1 + excess_i) x_i - rear_i x_{i-1} - front_i x_{i+1} = rhs_i around the ring, however much one link depends on others
+/// far away. Each lane eliminates its links but the last, x_r = free + behind x_{last of the lane before} + ahead x_{r+1}; the remaining
+/// system has one unknown per lane.
 class LinkRing {
 public:
-    using OfSystems = std::array<Column, systems>;
-
     explicit LinkRing(RigidColumns& columns) noexcept
         : shares_(columns.pins()), columns_(columns), last_((shares_.rows - 1) * rigid_lanes) {}
 
-    /// All but the right-hand sides, for any number of solve(). @param front entries link + shift of it
-    void eliminate(const OfSystems& excess, Column rear, Column front, int shift) noexcept {
-        double *behind = columns_[Column::ring_rear], *ahead = columns_[Column::ring_front];
-        const double *from_rear = columns_[rear], *from_front = columns_[front] + shift;
-        shares_.for_links([&](int place, int link) {
-            behind[place] = from_rear[link];
-            ahead[place] = from_front[link];
-        });
-        for (std::size_t s = 0; s < systems; ++s) gather(excess[s], of_system(Column::ring_excess, s));
-        const PinLanes absent = shares_.absent_rows();
-        Factors factors[systems];
-        for (int at = 0, row = 0; at < last_; at += rigid_lanes, ++row) {
-            for (std::size_t s = 0; s < systems; ++s) eliminate(factors[s], s, at, absent, PinLanes(row));
-        }
-        for (std::size_t s = 0; s < systems; ++s) eliminate_last(factors[s], s);
-    }
-
-    void solve(const OfSystems& rhs, const OfSystems& solution) noexcept {
-        PinLanes free[systems], first[systems], before[systems];
-        for (std::size_t s = 0; s < systems; ++s) {
-            gather(rhs[s], of_system(Column::ring_rhs, s));
-            free[s] = first[s] = PinLanes(0.0);
-        }
-        for (int at = 0; at < last_; at += rigid_lanes) {
-            for (std::size_t s = 0; s < systems; ++s) {
-                free[s] =
-                    (get(Column::ring_rhs, s, at) + read(columns_, Column::ring_rear, at) * free[s]) * get(Column::ring_inverse, s, at);
-                first[s] += get(Column::ring_first, s, at) * free[s];
-                put(Column::ring_solution, s, at, free[s]);
-            }
-        }
-        for (std::size_t s = 0; s < systems; ++s) {
-            const PinLanes rest = get(Column::ring_rhs, s, last_) + read(columns_, Column::ring_rear, last_) * free[s] +
-                                  read(columns_, Column::ring_front, last_) * neighbour<1>(first[s]);
-            free[s] =
-                LaneRing{rest * get(Column::ring_inverse, s, last_), get(Column::ring_lower, s, last_), get(Column::ring_upper, s, last_)}
-                    .solution();
-            before[s] = neighbour<-1>(free[s]);
-            put(Column::ring_solution, s, last_, free[s]);
-        }
-        for (int at = last_ - rigid_lanes; at >= 0; at -= rigid_lanes) {
-            for (std::size_t s = 0; s < systems; ++s) {
-                free[s] = get(Column::ring_solution, s, at) + get(Column::ring_lower, s, at) * before[s] +
-                          get(Column::ring_upper, s, at) * free[s];
-                put(Column::ring_solution, s, at, free[s]);
-            }
-        }
-        for (std::size_t s = 0; s < systems; ++s) {
-            double* to = columns_[solution[s]];
-            const double* from = columns_[of_system(Column::ring_solution, s)];
-            shares_.for_links([&](int place, int link) { to[link] = from[place]; });
-        }
+    void solve(Column excess, Column rear, Column front, Column rhs, Column solution) noexcept {
+        gather(excess, Column::ring_excess);
+        gather(rear, Column::ring_rear);
+        gather(front, Column::ring_front);
+        gather(rhs, Column::ring_rhs);
+        eliminate();
+        substitute();
+        double* to = columns_[solution];
+        const double* from = columns_[Column::ring_solution];
+        shares_.for_links([&](int place, int link) { to[link] = from[place]; });
     }
 
 private:
-    /// Of the row before; first_…: x of a lane's first link by x of both last ones.
-    struct Factors {
-        PinLanes behind{1.0}, ahead{0.0}, first_behind{0.0}, first_ahead{1.0};
-    };
-
-    [[nodiscard]] static Column of_system(Column first, std::size_t s) noexcept { return first + static_cast<int>(s); }
-    [[nodiscard]] PinLanes get(Column first, std::size_t s, int at) const noexcept { return read(columns_, of_system(first, s), at); }
-    void put(Column first, std::size_t s, int at, const PinLanes& value) noexcept { write(columns_, of_system(first, s), at, value); }
+    [[nodiscard]] PinLanes get(Column c, int at) const noexcept { return read(columns_, c, at); }
+    void put(Column c, int at, const PinLanes& value) noexcept { write(columns_, c, at, value); }
     void gather(Column of, Column to) noexcept {
         double* rows = columns_[to];
         const double* from = columns_[of];
         shares_.for_links([&](int place, int link) { rows[place] = from[link]; });
     }
-    [[gnu::always_inline]] void eliminate(Factors& f, std::size_t s, int at, const PinLanes& absent, const PinLanes& row) noexcept {
-        const PinLanes back = read(columns_, Column::ring_rear, at);
-        const PinLanes inverse = 1.0 / ((1.0 + get(Column::ring_excess, s, at)) - back * f.ahead);  // each row waits for this
-        f.behind = select_greater<rigid_lanes>(absent, row, f.behind, back * f.behind * inverse);
-        f.ahead = read(columns_, Column::ring_front, at) * inverse;
-        put(Column::ring_first, s, at, f.first_ahead);
-        f.first_behind += select_greater<rigid_lanes>(absent, row, PinLanes(0.0), f.first_ahead * f.behind);
-        f.first_ahead = select_greater<rigid_lanes>(absent, row, f.first_ahead, f.first_ahead * f.ahead);
-        put(Column::ring_inverse, s, at, inverse);
-        put(Column::ring_lower, s, at, f.behind);
-        put(Column::ring_upper, s, at, f.ahead);
+    /// Rows x = free + behind x_{last of the lane before} + ahead x_{next row}; first_…: x of a lane's first link by x of both last ones.
+    void eliminate() noexcept {
+        const PinLanes absent = shares_.absent_rows(), none(0.0);
+        PinLanes free(0.0), behind(1.0), ahead(0.0), first_free(0.0), first_behind(0.0), first_ahead(1.0);
+        int row = 0;
+        for (int at = 0; at < last_; at += rigid_lanes, ++row) {
+            const PinLanes back = get(Column::ring_rear, at), number(row);
+            const PinLanes inverse = 1.0 / ((1.0 + get(Column::ring_excess, at)) - back * ahead);  // each row waits for this
+            free = (get(Column::ring_rhs, at) + back * free) * inverse;
+            behind = select_greater<rigid_lanes>(absent, number, behind, back * behind * inverse);
+            ahead = get(Column::ring_front, at) * inverse;
+            first_free += first_ahead * free;
+            first_behind += select_greater<rigid_lanes>(absent, number, none, first_ahead * behind);
+            first_ahead = select_greater<rigid_lanes>(absent, number, first_ahead, first_ahead * ahead);
+            put(Column::ring_solution, at, free);
+            put(Column::ring_lower, at, behind);
+            put(Column::ring_upper, at, ahead);
+        }
+        const PinLanes back = get(Column::ring_rear, last_), on = get(Column::ring_front, last_);
+        const PinLanes inverse = 1.0 / ((1.0 + get(Column::ring_excess, last_)) - back * ahead - on * neighbour<1>(first_behind));
+        put(Column::ring_solution, last_,
+            LaneRing{(get(Column::ring_rhs, last_) + back * free + on * neighbour<1>(first_free)) * inverse, back * behind * inverse,
+                     on * neighbour<1>(first_ahead) * inverse}
+                .solution());
     }
-    void eliminate_last(const Factors& f, std::size_t s) noexcept {
-        const PinLanes back = read(columns_, Column::ring_rear, last_), on = read(columns_, Column::ring_front, last_);
-        const PinLanes inverse = 1.0 / ((1.0 + get(Column::ring_excess, s, last_)) - back * f.ahead - on * neighbour<1>(f.first_behind));
-        put(Column::ring_inverse, s, last_, inverse);
-        put(Column::ring_lower, s, last_, back * f.behind * inverse);
-        put(Column::ring_upper, s, last_, on * neighbour<1>(f.first_ahead) * inverse);
+    void substitute() noexcept {
+        PinLanes solution = get(Column::ring_solution, last_);
+        const PinLanes before = neighbour<-1>(solution);
+        for (int at = last_ - rigid_lanes; at >= 0; at -= rigid_lanes) {
+            solution = get(Column::ring_solution, at) + get(Column::ring_lower, at) * before + get(Column::ring_upper, at) * solution;
+            put(Column::ring_solution, at, solution);
+        }
     }
 
     const RingShares shares_;
     const RigidView columns_;
     const int last_;  ///< where the last row begins
+};
+
+/// Unknowns x_i = free_i + behind_i x_{i-1} + ahead_i x_{i+1} around the ring of links, for couplings that fade within a few links: each
+/// level puts the equations of both neighbours into a link's own, so that it depends on links twice as far away. Links more than 16 away
+/// are left out. Factors of 1/4 have become 4e-10 there, those of 0.36 1e-6. In floats, of several systems side by side, in memory of the
+/// caller's.
+class FadingRing {
+public:
+    static constexpr int W = rigid_singles, levels = 4, reach = 1 << (levels - 1);
+    using V = Lanes<W>;
+
+    [[nodiscard]] static std::size_t bytes(int pins, int systems) noexcept {
+        return static_cast<std::size_t>(systems * arrays * stride_of(pins)) * sizeof(float);
+    }
+    /// @param memory [bytes()], of zeros at first, on a cache line
+    FadingRing(int pins, std::byte* memory) noexcept : pins_(pins), stride_(stride_of(pins)), values_(reinterpret_cast<float*>(memory)) {}
+
+    // Where a system's factors and free parts are to be written, entry i that of link i; then eliminate() and solve().
+    [[nodiscard]] float* behind(int system) noexcept { return array(system, 0); }
+    [[nodiscard]] float* ahead(int system) noexcept { return array(system, 2); }
+    [[nodiscard]] float* free(int system) noexcept { return array(system, 4); }
+
+    void eliminate(int system) noexcept {
+        wrap(behind(system));
+        wrap(ahead(system));
+        eliminate_level<0>(system);
+    }
+    /// @return where the unknowns are
+    [[nodiscard]] const float* solve(int system) noexcept {
+        for (int level = 0, distance = 1; level < levels; ++level, distance *= 2) {
+            float *from = array(system, 4 + level % 2), *to = array(system, 5 - level % 2);
+            wrap(from);
+            const float *own = factors(system, level, 0), *rear = factors(system, level, 1), *front = factors(system, level, 2);
+            for (int i = 0; i < pins_; i += lanes) {
+                const V x = load<W>(own + i) * load<W>(from + i) + load<W>(rear + i) * load<W>(from + i - distance) +
+                            load<W>(front + i) * load<W>(from + i + distance);
+                x.copy_to(to + i);
+            }
+        }
+        return array(system, 4 + levels % 2);
+    }
+
+private:
+    static constexpr int lanes = lane_count<W>, arrays = 6 + 3 * levels;
+
+    [[nodiscard]] static int stride_of(int pins) noexcept { return (pins + lanes - 1) / lanes * lanes + 2 * lanes; }
+    [[nodiscard]] float* array(int system, int number) noexcept { return values_ + ((system * arrays + number) * stride_ + lanes); }
+    [[nodiscard]] float* factors(int system, int level, int which) noexcept { return array(system, 6 + 3 * level + which); }
+    /// Copies of neighbours at both ends.
+    void wrap(float* values) const noexcept {
+        if (pins_ >= reach) {
+            std::array<float, reach> first, last;  // copied at once, see RigidColumns::wrap()
+            std::memcpy(first.data(), values, sizeof first);
+            std::memcpy(last.data(), values + (pins_ - reach), sizeof last);
+            std::memcpy(values + pins_, first.data(), sizeof first);
+            std::memcpy(values - reach, last.data(), sizeof last);
+        } else {
+            for (int k = 0; k < reach; ++k) values[pins_ + k] = values[k];
+            for (int k = 1; k <= reach; ++k) values[-k] = values[pins_ - k];
+        }
+    }
+    /// 1/(1 - e) to e^8.
+    [[nodiscard]] static V growth(const V& e) noexcept {
+        const V square = e * e;
+        return (1.0 + e) * ((1.0 + square) * (1.0 + square * square));
+    }
+    template <int level>
+    void eliminate_level(int system) noexcept {
+        constexpr int distance = 1 << level;
+        const float *behind = array(system, level % 2), *ahead = array(system, 2 + level % 2);
+        float *next_behind = array(system, 1 - level % 2), *next_ahead = array(system, 3 - level % 2);
+        float *own = factors(system, level, 0), *rear = factors(system, level, 1), *front = factors(system, level, 2);
+        for (int i = 0; i < pins_; i += lanes) {
+            const V back = load<W>(behind + i), on = load<W>(ahead + i);
+            const V echo = back * load<W>(ahead + i - distance) + on * load<W>(behind + i + distance);
+            const V inverse = level == 0 ? 1.0 / (1.0 - echo) : growth(echo);
+            const V from_rear = back * inverse, from_front = on * inverse;
+            inverse.copy_to(own + i);
+            from_rear.copy_to(rear + i);
+            from_front.copy_to(front + i);
+            (from_rear * load<W>(behind + i - distance)).copy_to(next_behind + i);
+            (from_front * load<W>(ahead + i + distance)).copy_to(next_ahead + i);
+        }
+        if constexpr (level + 1 < levels) {
+            wrap(next_behind);
+            wrap(next_ahead);
+            eliminate_level<level + 1>(system);
+        }
+    }
+
+    const int pins_, stride_;
+    float* const values_;
 };
 
 }  // namespace
