@@ -1,13 +1,18 @@
 """Headless Chromium by its DevTools protocol over a pair of pipes: nothing but Python's standard library."""
 
 import base64
+import importlib.util
 import json
 import os
 import select
 import shutil
 import subprocess
+import sys
 import tempfile
 import time
+
+
+SKIPPED = 77
 
 
 class BrowserError(Exception):
@@ -17,6 +22,17 @@ class BrowserError(Exception):
 def program():
     """Path of Chromium, or None."""
     return shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+
+
+def require(*modules):
+    """Ends with exit status 77 without Chromium or one of these modules. modules: name of the import and of Debian's package by turns"""
+    for module, package in zip(modules[::2], modules[1::2]):
+        if importlib.util.find_spec(module) is None:
+            print(f"skipped: {package} is not installed")
+            sys.exit(SKIPPED)
+    if program() is None:
+        print("skipped: chromium is not installed")
+        sys.exit(SKIPPED)
 
 
 class Browser:

@@ -14,18 +14,11 @@ import sys
 import tempfile
 import unittest
 
-SKIPPED = 77
-try:
-    import h5py
-    import numpy
-except ImportError:
-    print("skipped: python3-h5py is not installed")
-    sys.exit(SKIPPED)
-from browser import Browser, BrowserError, program
+from browser import SKIPPED, Browser, BrowserError, require
 
-if program() is None:
-    print("skipped: chromium is not installed")
-    sys.exit(SKIPPED)
+require("h5py", "python3-h5py", "numpy", "python3-numpy")
+import h5py
+import numpy
 
 CVTFLOW, SOURCE = (os.path.abspath(path) for path in sys.argv[1:3])
 folder = tempfile.TemporaryDirectory(prefix="cvtflow-report-")

@@ -12,12 +12,9 @@ import sys
 import time
 import unittest
 
-from browser import Browser, program
+from browser import Browser, require
 
-SKIPPED = 77
-if program() is None:
-    print("skipped: chromium is not installed")
-    sys.exit(SKIPPED)
+require()
 
 HTML, SOURCE = (os.path.abspath(path) for path in sys.argv[1:3])
 LINKS = "[...document.querySelectorAll('.wy-menu-vertical li.toctree-l1 > a')]"

@@ -326,42 +326,13 @@ function begin() {
         strips.forEach((strip) => strip.draw());
     });
     const canvas = $('chain');
-    let held = null;
-    const move = (turn, lift, zoom) => {
-        if (!chain) return;
-        const {view} = chain;
-        Object.assign(view, {
-            turn: view.turn + turn,
-            lift: Math.min(Math.max(view.lift + lift, -1.5), 1.5),
-            distance: Math.min(Math.max(view.distance * zoom, 60), 2500)
-        });
-        chain.frame();
+    const look = (...by) => {
+        if (chain) chain.look(...by);
     };
-    canvas.addEventListener('pointerdown', (event) => {
-        held = event;
-        canvas.setPointerCapture(event.pointerId);
-    });
-    canvas.addEventListener('pointermove', (event) => {
-        if (!held) return;
-        move(-0.006 * (event.clientX - held.clientX), 0.006 * (event.clientY - held.clientY), 1);
-        held = event;
-    });
-    canvas.addEventListener('pointerup', () => { held = null; });
-    canvas.addEventListener('wheel', (event) => {
-        event.preventDefault();
-        move(0, 0, Math.exp(1e-3 * event.deltaY));
-    }, {passive: false});
+    lookAround(canvas, look, () => {});
     canvas.addEventListener('keydown', (event) => {
-        const turns = {
-            ArrowLeft: [-0.1, 0, 1],
-            ArrowRight: [0.1, 0, 1],
-            ArrowUp: [0, 0.1, 1],
-            ArrowDown: [0, -0.1, 1],
-            '+': [0, 0, 0.9],
-            '-': [0, 0, 1.1]
-        };
-        if (!turns[event.key]) return;
-        move(...turns[event.key]);
+        if (!keyTurns[event.key]) return;
+        look(...keyTurns[event.key]);
         event.preventDefault();
     });
     restart();

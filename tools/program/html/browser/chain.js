@@ -53,26 +53,7 @@ class RunningChain extends DrawnChain {
     });
     document.getElementById("play").addEventListener("click", () => this.play(!this.playing));
     window.addEventListener("resize", () => this.resize());
-    let held = null;
-    this.canvas.addEventListener("pointerdown", (e) => {
-      held = {x: e.clientX, y: e.clientY, moved: false};
-      this.canvas.setPointerCapture(e.pointerId);
-    });
-    this.canvas.addEventListener("pointermove", (e) => {
-      if (!held) return;
-      const dx = e.clientX - held.x, dy = e.clientY - held.y;
-      if (!held.moved && Math.hypot(dx, dy) < 4) return;
-      held = {x: e.clientX, y: e.clientY, moved: true};
-      this.look(-0.006 * dx, 0.006 * dy, 1);
-    });
-    this.canvas.addEventListener("pointerup", (e) => {
-      if (held && !held.moved) this.click(e);
-      held = null;
-    });
-    this.canvas.addEventListener("wheel", (e) => {
-      e.preventDefault();
-      this.look(0, 0, Math.exp(1e-3 * e.deltaY));
-    }, {passive: false});
+    lookAround(this.canvas, (...by) => this.look(...by), (e) => this.click(e));
   }
 
   choose(number) {
@@ -82,25 +63,10 @@ class RunningChain extends DrawnChain {
     if (this.pin >= 0) this.plotPin();
   }
 
-  look(turn, lift, zoom) {
-    this.view.turn += turn;
-    this.view.lift = Math.min(Math.max(this.view.lift + lift, -1.5), 1.5);
-    this.view.distance = Math.min(Math.max(this.view.distance * zoom, 60), 2500);
-    this.frame();
-  }
-
   keys() {
-    const turns = {
-      ArrowLeft: [-0.1, 0, 1],
-      ArrowRight: [0.1, 0, 1],
-      ArrowUp: [0, 0.1, 1],
-      ArrowDown: [0, -0.1, 1],
-      "+": [0, 0, 0.9],
-      "-": [0, 0, 1.1]
-    };
     this.canvas.addEventListener("keydown", (e) => {
-      if (turns[e.key])
-        this.look(...turns[e.key]);
+      if (keyTurns[e.key])
+        this.look(...keyTurns[e.key]);
       else if (e.key === " ")
         this.play(!this.playing);
       else if (e.key === "," || e.key === ".")

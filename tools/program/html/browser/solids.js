@@ -8,6 +8,39 @@ function restored(series) {
   return values;
 }
 
+/** Turn, lift and zoom of a view by a key. */
+const keyTurns = {
+  ArrowLeft: [-0.1, 0, 1],
+  ArrowRight: [0.1, 0, 1],
+  ArrowUp: [0, 0.1, 1],
+  ArrowDown: [0, -0.1, 1],
+  "+": [0, 0, 0.9],
+  "-": [0, 0, 1.1]
+};
+/** Calls look(turn, lift, zoom) for drags and the wheel on a canvas, click(event) where it was pressed and not dragged. */
+function lookAround(canvas, look, click) {
+  let held = null;
+  canvas.addEventListener("pointerdown", (e) => {
+    held = {x: e.clientX, y: e.clientY, moved: false};
+    canvas.setPointerCapture(e.pointerId);
+  });
+  canvas.addEventListener("pointermove", (e) => {
+    if (!held) return;
+    const dx = e.clientX - held.x, dy = e.clientY - held.y;
+    if (!held.moved && Math.hypot(dx, dy) < 4) return;
+    held = {x: e.clientX, y: e.clientY, moved: true};
+    look(-0.006 * dx, 0.006 * dy, 1);
+  });
+  canvas.addEventListener("pointerup", (e) => {
+    if (held && !held.moved) click(e);
+    held = null;
+  });
+  canvas.addEventListener("wheel", (e) => {
+    e.preventDefault();
+    look(0, 0, Math.exp(1e-3 * e.deltaY));
+  }, {passive: false});
+}
+
 /** Places everything at a moment, counted in recorded states, and draws it. */
 class DrawnChain {
   constructor(motion) {
@@ -21,6 +54,13 @@ class DrawnChain {
     this.view = {turn: 0.45, lift: 0.5, distance: 420, x: this.middle(this.x), y: this.middle(this.y)};
     this.canvas = document.getElementById("chain");
     this.build();
+  }
+
+  look(turn, lift, zoom) {
+    this.view.turn += turn;
+    this.view.lift = Math.min(Math.max(this.view.lift + lift, -1.5), 1.5);
+    this.view.distance = Math.min(Math.max(this.view.distance * zoom, 60), 2500);
+    this.frame();
   }
 
   build() {
