@@ -282,10 +282,14 @@ void sort_rows(engine::CaseTable& table) {
     }
 }
 
+bool is_hashed(std::string_view column) noexcept {
+    return std::find(std::begin(unhashed), std::end(unhashed), column) == std::end(unhashed);
+}
+
 void add_result(engine::Hash& hash, const engine::RowLayout& layout, std::span<const std::byte> row) {
     for (std::size_t c = 0; c < layout.columns().size(); ++c) {
         const CaseColumn& column = layout.columns()[c];
-        if (std::find(std::begin(unhashed), std::end(unhashed), column.name) != std::end(unhashed)) continue;
+        if (!is_hashed(column.name)) continue;
         hash.add(row.subspan(layout.offset(c), static_cast<std::size_t>(column.width)));
     }
 }

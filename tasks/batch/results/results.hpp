@@ -72,6 +72,9 @@ void require_same_sweep(const std::string& path, const engine::CaseTable& there,
 /// Rows in the order of their cases.
 void sort_rows(engine::CaseTable& table);
 
+/// Whether a column is part of the hash: not wall time and threads, nor what a row comes from (program, start state).
+[[nodiscard]] bool is_hashed(std::string_view column) noexcept;
+
 /// Everything of a row but wall time, threads, and what it comes from (program, start state).
 void add_result(engine::Hash& hash, const engine::RowLayout& layout, std::span<const std::byte> row);
 
