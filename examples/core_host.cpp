@@ -2,6 +2,8 @@
 /// Links cvtflow::core or cvtflow::core_shared (package cvtflow-core).
 ///
 ///     core_host SCENE.toml [--costs]    --costs: also what copies and states take
+#include <malloc.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -49,6 +51,17 @@ int main(int count, char** arguments) try {
         print_cost("Simulation(scene)", [&] { const cvtflow::Simulation another(scene); });
         print_cost("copy()", [&] { const cvtflow::Simulation another = now.copy(); });
         print_cost("state()", [&] { const cvtflow::State state = now.state(); });
+        const auto steps = [&now](int count, bool each) {
+            const double until = now.time() + (count - 0.5) * now.step_length();
+            for (int k = 0; each && k < count; ++k) now.step();
+            now.advance_to(until);
+        };
+        print_cost("20 steps, 1 call", [&] { steps(20, false); });
+        print_cost("20 steps, 20 calls", [&] { steps(20, true); });
+        const auto allocated = [] { return mallinfo2().uordblks + mallinfo2().hblkhd; };
+        const std::size_t before = allocated();
+        const cvtflow::Simulation another = now.copy();
+        std::printf("%-20s %7.1f kB\n", "memory of a copy", 1e-3 * static_cast<double>(allocated() - before));
         print_cost("set_state()", [&now, state = now.state()] { now.set_state(state); });
     }
     return 0;

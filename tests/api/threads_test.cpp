@@ -6,6 +6,7 @@
 #include <pthread.h>
 
 #include <atomic>
+#include <map>
 #include <thread>
 
 #include "host_fixture.hpp"
@@ -43,6 +44,39 @@ TEST(HostThreads, EightThreadsWithFourSimulationsEachGetTheSerialHash) {
         }
         EXPECT_EQ(right, 32) << static_cast<int>(threads.way());
     }
+}
+
+TEST(HostThreads, OthersReadASnapshotWhileItSteps) {
+    Simulation simulation(tiny());
+    Snapshot gauges(simulation, {"run/steps", "shaft_1/angle", "links/tension"});
+    ASSERT_EQ(gauges.size(), 3u + 24u);
+    std::map<double, std::vector<double>> written;  // by time
+    const auto take = [&](Simulation& now) {
+        gauges.take(now);
+        written[now.time()] = gauges.read();
+    };
+    take(simulation);
+    simulation.on_output(1e-6, take);
+    std::atomic<bool> done = false;
+    std::vector<std::vector<std::vector<double>>> seen(2);
+    {
+        std::vector<std::jthread> readers;
+        for (auto& mine : seen)
+            readers.emplace_back([&] {
+                for (mine.push_back(gauges.read()); !done; std::this_thread::yield())
+                    if (std::vector<double> now = gauges.read(); now != mine.back()) mine.push_back(std::move(now));
+            });
+        simulation.advance_to(-2e-4);
+        done = true;
+    }
+    EXPECT_GT(written.size(), 90u);
+    for (const auto& mine : seen) {
+        EXPECT_GT(mine.size(), 1u);
+        for (const std::vector<double>& values : mine) EXPECT_EQ(values, written.at(values[0])) << "values of different moments";
+    }
+    std::vector<double> too_few(3);
+    EXPECT_EQ(code_of([&] { gauges.read(too_few); }), ErrorCode::argument);
+    EXPECT_EQ(code_of([&] { Snapshot(simulation, {"no/such"}); }), ErrorCode::argument);
 }
 
 TEST(HostThreads, ASimulationMayWanderFromThreadToThread) {
