@@ -5,7 +5,9 @@
 #include <csignal>
 #include <fstream>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <random>
+#include <sstream>
 
 #include "tests/tools/batch_fixture.hpp"
 
@@ -83,6 +85,41 @@ TEST_F(Worker, TakesOverThePlaceOfADeadOneWhileAnotherWorks) {
     EXPECT_THAT(outcome.out, HasSubstr("20 ok"));
     EXPECT_EQ(hash_in(outcome.out), whole_hash());
     EXPECT_FALSE(exists("out/workers/0003"));
+}
+
+TEST_F(Worker, FolderShowsItsProgressToPeopleAndPrograms) {
+    write_sweep(twenty, "80 us");
+    const auto worker = start();
+    ASSERT_TRUE(eventually([&] { return rows("0001") >= 2; }));
+    const auto during = nlohmann::json::parse(run({"info", "out", "--json"}).out);
+    EXPECT_EQ(during["running"], 1);
+    EXPECT_EQ(during["cases"], 20);
+    EXPECT_GE(during["done"], 2);
+    EXPECT_LT(during["done"], 20);
+    EXPECT_EQ(during["parts"][0]["folder"], "out/workers/0001");
+    EXPECT_GE(during["parts"][0]["claimed"], during["parts"][0]["done"]);
+    EXPECT_EQ(during["parts"][0]["process"], "running");
+    worker->send(SIGKILL);
+    EXPECT_EQ(worker->wait().status, 128 + SIGKILL);
+    const Outcome after = run({"info", "out"});
+    EXPECT_EQ(after.status, 0) << after.err;
+    EXPECT_THAT(after.out, HasSubstr("out: a sweep in parts, 0 of 1 running\n"));
+    EXPECT_EQ(run(line_).status, 0) << "info has locked or changed something";
+    EXPECT_EQ(hash_in(run({"info", "out"}).out), whole_hash());
+}
+
+TEST_F(Worker, EndsWithALineOfJson) {
+    write_sweep();
+    const Outcome outcome = run(line_ + Words{"--json"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    std::istringstream lines(outcome.out);
+    nlohmann::json last;
+    for (std::string line; std::getline(lines, line);) last = nlohmann::json::parse(line);
+    EXPECT_EQ(last["event"], "finished");
+    EXPECT_EQ(last["statuses"], (nlohmann::json{{"ok", 12}}));
+    EXPECT_EQ(last["done"], 12);
+    EXPECT_EQ(last["exit_status"], 0);
+    EXPECT_EQ(last["results_hash"], whole_hash());
 }
 
 TEST_F(Worker, ThatIsStoppedIsContinuedByAnyCommandForTheFolder) {

@@ -63,9 +63,12 @@ int open_part(const std::string& path) {
 
 }  // namespace
 
-bool being_written(const std::string& part) {
-    const Descriptor descriptor(open(part.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW));
-    return descriptor.number() >= 0 && !try_lock(descriptor.number(), part);
+bool being_written(const std::string& path) {
+    const Descriptor descriptor(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+    struct flock whole {};
+    whole.l_type = F_WRLCK;
+    whole.l_whence = SEEK_SET;
+    return descriptor.number() >= 0 && fcntl(descriptor.number(), F_OFD_GETLK, &whole) == 0 && whole.l_type != F_UNLCK;
 }
 
 PartFile::PartFile(const Permit& permit) : final_path_(permit.path()), part_path_(final_path_ + ".part") {

@@ -67,8 +67,8 @@ private:
     std::size_t reserved_ = 0;
 };
 
-/// Whether a PartFile is open on it: in another process, or here.
-[[nodiscard]] bool being_written(const std::string& part);
+/// Whether a file is locked by try_lock: in another process, or here. Takes no lock; false for a file that cannot be read.
+[[nodiscard]] bool being_written(const std::string& path);
 
 /// Files of a run that is resumed.
 struct FormerFiles {

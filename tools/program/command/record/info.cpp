@@ -6,14 +6,16 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <utility>
 
 #include "engine/base/hash.hpp"
 #include "engine/base/text.hpp"
 #include "engine/record/run/run_reader.hpp"
 #include "engine/record/run/state_file.hpp"
-#include "tasks/batch/results/results.hpp"
+#include "tasks/batch/folder_progress.hpp"
 #include "tools/program/command/command.hpp"
 #include "tools/program/command/sweep/batch.hpp"
+#include "tools/program/guard.hpp"
 #include "tools/program/text/scene_text.hpp"
 #include "tools/program/text/text.hpp"
 #include "tools/program/view/recorded_run.hpp"
@@ -96,27 +98,79 @@ std::string state_text(const std::string& path) {
     return text;
 }
 
-/// @param path folder of a sweep, or its table
-std::string sweep_text(const std::string& path) {
-    const std::string file = table_path(path);
+std::string columns_text(const engine::RowLayout& layout) {
+    Table columns({{"column"}, {"unit"}, {"meaning"}});
+    for (const engine::CaseColumn& column : layout.columns()) columns.add({column.name, column.unit, column.description});
+    return "\n" + columns.text(2);
+}
+
+/// @param file a sweep's table   @param running whether a process is known to write it
+std::string sweep_text(const std::string& file, bool running) {
     const engine::CaseTable table = tasks::read_results(file);
     const auto of = [&](const char* name) { return engine::visible(table.attribute(name)); };
     tasks::CaseTally tally;
     for (std::size_t row = 0; row < table.size(); ++row) tally.add(table.layout, table.row(row));
     std::string text = fmt::format("{}: results of a sweep, {}\n", file, size_text(static_cast<double>(std::filesystem::file_size(file))));
-    text += field("sweep", of("sweep")) + field("", of("description")) + field("status", of("status"));
+    text += field("sweep", of("sweep")) + (of("description").empty() ? "" : field("", of("description"))) +
+            field("status", of("status") == "running" && !running ? "not finished, or running elsewhere" : of("status"));
     text += field("cases", fmt::format("{} of {}", table.size(), of("cases"))) + tally_text(tally);
     text += field("program", fmt::format("cvtflow {} ({})", of("program_version"), of("commit"))) + field("date", of("date"));
-    text += field("results hash", tasks::results_hash(table)) + field("rows", "cvtflow table " + path) + "\n";
-    Table columns({{"column"}, {"unit"}, {"meaning"}});
-    for (const engine::CaseColumn& column : table.layout.columns()) columns.add({column.name, column.unit, column.description});
-    return text + columns.text(2);
+    text += field("results hash", tasks::results_hash(table)) + field("rows", "cvtflow table " + file);
+    return text + columns_text(table.layout);
+}
+
+/// @throws engine::RecordError also for a folder without a table, with what it contains
+tasks::FolderProgress folder_progress(const std::string& folder) {
+    tasks::FolderProgress progress = tasks::folder_progress(folder);
+    if (progress.parts.empty()) static_cast<void>(table_path(folder));
+    return progress;
+}
+
+/// One process may have been killed: what it had claimed is then done by others.
+std::string part_state(const tasks::FolderProgress::Part& part) {
+    return part.running ? "running" : part.claimed > part.done ? "stopped" : "ended";
+}
+
+std::string table_text(const std::string& file) { return sweep_text(file, false); }
+
+/// How far the processes are that share a folder.
+std::string shared_text(const std::string& folder, tasks::FolderProgress progress) {
+    constexpr std::size_t shown_parts = 20;
+    const auto of = [&](const char* name) { return engine::visible(progress.head.attribute(name)); };
+    std::string text = fmt::format("{}: a sweep in parts, {} of {} running\n", folder, progress.running(), progress.parts.size());
+    text += field("sweep", of("sweep")) + (of("description").empty() ? "" : field("", of("description")));
+    text += field("cases", fmt::format("{} of {}", progress.tally.rows(), progress.cases)) + tally_text(progress.tally);
+    Table table({{"folder"}, {"cases claimed", Align::right}, {"done", Align::right}, {"process"}});
+    std::ranges::stable_partition(progress.parts, &tasks::FolderProgress::Part::running);
+    for (std::size_t k = 0; k < std::min(shown_parts, progress.parts.size()); ++k) {
+        const tasks::FolderProgress::Part& part = progress.parts[k];
+        table.add({part.folder, std::to_string(part.claimed), std::to_string(part.done), part_state(part)});
+    }
+    const std::size_t more = progress.parts.size() - std::min(shown_parts, progress.parts.size());
+    return text + "\n" + table.text(2) + (more > 0 ? fmt::format("  … and {} more\n", more) : "");
+}
+
+nlohmann::ordered_json sweep_json(const std::string& folder) {
+    const tasks::FolderProgress progress = folder_progress(folder);
+    nlohmann::ordered_json parts = nlohmann::ordered_json::array();
+    for (const tasks::FolderProgress::Part& part : progress.parts)
+        parts.push_back({{"folder", part.folder}, {"claimed", part.claimed}, {"done", part.done}, {"process", part_state(part)}});
+    nlohmann::ordered_json all{
+        {"folder", folder}, {"sweep", progress.head.attribute("sweep")}, {"cases", progress.cases}, {"done", progress.tally.rows()}};
+    all.update(tally_json(progress.tally));
+    all["running"] = progress.running();
+    all["parts"] = parts;
+    return all;
 }
 
 /// Text for the kind of the file.
 std::string info_text(const std::string& path) {
-    if (std::filesystem::is_directory(path)) return sweep_text(path);
-    constexpr std::string (*kinds[])(const std::string&) = {run_text, state_text, sweep_text};
+    if (std::filesystem::is_directory(path)) {
+        tasks::FolderProgress progress = folder_progress(path);
+        if (progress.parts.front().folder != path) return shared_text(path, std::move(progress));
+        return sweep_text(table_path(path), progress.running() > 0);
+    }
+    constexpr std::string (*kinds[])(const std::string&) = {run_text, state_text, table_text};
     for (const auto kind : kinds) {
         try {
             return kind(path);
@@ -135,8 +189,11 @@ Action declare_info(CLI::App& app) {
     app.add_option("FILE", *path, "Record (also FILE.part of a running or killed run), state file, or a sweep's folder or cases.h5")
         ->required()
         ->type_name("");
-    return [path] {
-        fmt::print("{}", info_text(*path));
+    const auto json = std::make_shared<bool>(false);
+    app.add_flag("--json", *json, "A sweep's folder: how far it is, as JSON");
+    return [path, json] {
+        if (*json && !std::filesystem::is_directory(*path)) throw UsageError("--json requires the folder of a sweep");
+        fmt::print("{}", *json ? sweep_json(*path).dump(2) + "\n" : info_text(*path));
         return ExitStatus::finished;
     };
 }

@@ -101,7 +101,7 @@ ExitStatus resume_sweep(const ResumeArguments& arguments) {
         options.folder = folder.parent_path().string();
         options.shard = shard;
     }
-    return run_sweep(load_sweep(sweep_of(arguments.what)), options, arguments.quiet);
+    return run_sweep(load_sweep(sweep_of(arguments.what)), options, {.quiet = arguments.quiet});
 }
 
 ExitStatus resume_run(const ResumeArguments& arguments) {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -36,6 +37,38 @@ std::string progress_line(const tasks::BatchProgress& p, int worker) {
     return fmt::format("{} of {} cases, {:.3g} a second{}{}", p.before + p.done, p.cases, rate,
                        std::isnan(left) ? "" : fmt::format(", {} left", clock_text(left)),
                        p.failed > 0 ? fmt::format(", {} failed", p.failed) : "");
+}
+
+/// A line of standard output, for programs that read it while the sweep runs.
+void print_json(const nlohmann::ordered_json& line) {
+    fmt::print("{}\n", line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+    std::fflush(stdout);
+}
+
+nlohmann::ordered_json progress_json(const tasks::BatchProgress& p, int worker) {
+    nlohmann::ordered_json line{{"event", "progress"}, {"done", p.before + p.done}, {"failed_now", p.failed}, {"wall", p.wall}};
+    if (worker > 0) return line.update({{"worker", worker}}), line;
+    return line.update({{"cases", p.cases}, {"left", p.left()}}), line;  // NaN becomes null
+}
+
+/// The last line of batch --json.
+nlohmann::ordered_json end_json(const tasks::Sweep& sweep, const tasks::BatchReport& report, ExitStatus status) {
+    const tasks::BatchProgress& p = report.progress;
+    nlohmann::ordered_json line{{"event", report.finished ? "finished" : "stopped"},
+                                {"sweep", sweep.name},
+                                {"folder", report.folder},
+                                {"table", report.folder + "/cases.h5"},
+                                {"cases", p.cases},
+                                {"done", p.before + p.done},
+                                {"done_now", p.done},
+                                {"wall", p.wall},
+                                {"threads", report.threads},
+                                {"results_hash", report.results_hash}};
+    line.update(tally_json(report.tally));
+    if (!report.continuation_error.empty()) line["continuation_error"] = report.continuation_error;
+    if (!report.steady_check.empty()) line["steady_check"] = report.steady_check;
+    line["exit_status"] = static_cast<int>(status);
+    return line;
 }
 
 void print_end(const tasks::Sweep& sweep, const tasks::BatchReport& report, const tasks::BatchOptions& options) {
@@ -72,15 +105,19 @@ bool verified(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, tasks::
 }
 
 /// In the child.
-ExitStatus run_part(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, tasks::BatchOptions options, bool quiet) {
+ExitStatus run_part(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, tasks::BatchOptions options, SweepOutput output) {
     const tasks::Sweep& sweep = tuned.sweep;
+    const bool quiet = output.quiet;
     tasks::BatchReport report;
     const engine::Cancellation& interrupted = catch_interrupts();
     {
         StatusLine line(quiet);
         options.cancel = &interrupted;
-        options.progress = [&line, worker = options.worker](const tasks::BatchProgress& progress) {
-            if (line.due()) line.show(progress_line(progress, worker));
+        options.progress = [&line, json = output.json, worker = options.worker](const tasks::BatchProgress& progress) {
+            if (!line.due()) return;
+            if (!json) return line.show(progress_line(progress, worker));
+            print_json(progress_json(progress, worker));
+            line.wait();
         };
         options.notice = [&line](const std::string& what) { line.say(what); };
         if (options.part.only) options.threads = 1;
@@ -88,20 +125,19 @@ ExitStatus run_part(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, t
     }
     if (options.part.only && !interrupted.requested()) return ExitStatus::finished;
     if (options.worker > 0 && report.finished && !interrupted.requested()) {
-        say(quiet, progress_line(report.progress, options.worker));
+        if (!output.json) say(quiet, progress_line(report.progress, options.worker));
         return ExitStatus::finished;
     }
     const bool accurate = !report.finished || verified(asked, tuned, report, quiet);
-    if (!quiet) {
-        print_end(sweep, report, options);
-        print_notices();
-    }
-    if (!report.hopeless.empty()) {
-        print_error(fmt::format("{}: {}; --keep-going runs the others", sweep.name, report.hopeless));
-        return ExitStatus::incomplete;
-    }
-    if (!report.finished || interrupted.requested()) return ExitStatus::cancelled;
-    return accurate ? exit_status(report.tally) : ExitStatus::inaccurate;
+    const ExitStatus status = !report.hopeless.empty()                      ? ExitStatus::incomplete
+                              : !report.finished || interrupted.requested() ? ExitStatus::cancelled
+                              : accurate                                    ? exit_status(report.tally)
+                                                                            : ExitStatus::inaccurate;
+    if (output.json) print_json(end_json(sweep, report, status));
+    if (!quiet && !output.json) print_end(sweep, report, options);
+    if (!quiet) print_notices();
+    if (!report.hopeless.empty()) print_error(fmt::format("{}: {}; --keep-going runs the others", sweep.name, report.hopeless));
+    return status;
 }
 
 /// In the parent: once for all children.
@@ -116,13 +152,13 @@ tasks::TunedSweep tuned_here(const tasks::Sweep& sweep, const std::string& folde
 }
 
 /// Runs the sweep or its part in child processes.
-ExitStatus run_supervised(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, tasks::BatchOptions options, bool quiet) {
+ExitStatus run_supervised(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, tasks::BatchOptions options, SweepOutput output) {
     engine::SharedSlots journal(options.threads);
     options.journal = &journal;
     const auto work = [&](const tasks::SweepPart& part) {
         tasks::BatchOptions here = options;
         here.part = part;
-        return guarded([&] { return static_cast<int>(run_part(asked, tuned, here, quiet)); });
+        return guarded([&] { return static_cast<int>(run_part(asked, tuned, here, output)); });
     };
     return static_cast<ExitStatus>(tasks::supervise(journal, work, print_error));
 }
@@ -134,12 +170,12 @@ bool pause() {
 }
 
 /// One of several processes that share the cases of a sweep. Each ends when all cases are done; the first one then merges their tables.
-ExitStatus run_worker(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, tasks::BatchOptions options, bool quiet) {
+ExitStatus run_worker(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, tasks::BatchOptions options, SweepOutput output) {
     const std::vector<std::string> retry = std::exchange(options.retry, {});  // of the merged table
     for (tasks::WorkerPlaces places(tuned.sweep, options.folder); !places.done();) {
         if (const std::optional<tasks::WorkerPlace> place = places.next()) {
             options.worker = place->number;
-            const ExitStatus status = run_supervised(asked, tuned, options, quiet);
+            const ExitStatus status = run_supervised(asked, tuned, options, output);
             if (status != ExitStatus::finished) return status;
         } else if (!places.done() && pause()) {
             return ExitStatus::cancelled;
@@ -152,7 +188,7 @@ ExitStatus run_worker(const tasks::Sweep& asked, const tasks::TunedSweep& tuned,
         throw tasks::SimulationError(options.folder + ": cases are missing although all were claimed; cvtflow merge lists them");
     options.worker = 0;
     options.retry = retry;
-    return run_supervised(asked, tuned, options, quiet);
+    return run_supervised(asked, tuned, options, output);
 }
 
 constexpr long shown_cases = 20;
@@ -162,7 +198,8 @@ struct BatchArguments {
     std::optional<std::string> shard, grace, every;  ///< empty text is an error
     std::vector<std::string> retry;
     int threads = 0;
-    bool dry = false, pin = false, quiet = false, keep_going = false, mixed = false, worker = false;
+    SweepOutput output;
+    bool dry = false, pin = false, keep_going = false, mixed = false, worker = false;
 };
 
 tasks::Shard shard_of(const std::string& text) {
@@ -253,7 +290,7 @@ ExitStatus batch(const BatchArguments& arguments) {
         std::error_code reported_later;
         std::filesystem::create_directories("results", reported_later);
     }
-    return run_sweep(sweep, options, arguments.quiet, arguments.worker);
+    return run_sweep(sweep, options, arguments.output, arguments.worker);
 }
 
 constexpr std::size_t named_cases = 20, named_shards = 5;
@@ -332,6 +369,13 @@ std::string tally_text(const tasks::CaseTally& tally) {
     return text + (parts.empty() ? "" : field("notes", fmt::format("{}", fmt::join(parts, ", "))));
 }
 
+nlohmann::ordered_json tally_json(const tasks::CaseTally& tally) {
+    nlohmann::ordered_json failures = nlohmann::ordered_json::array();
+    for (const tasks::CaseTally::Failure& failure : tally.failures())
+        failures.push_back({{"status", failure.status}, {"error", failure.error}, {"first_case", failure.first}, {"cases", failure.cases}});
+    return {{"statuses", tally.statuses()}, {"failed", tally.failed()}, {"failures", failures}, {"notes", tally.notes()}};
+}
+
 ExitStatus exit_status(const tasks::CaseTally& tally) noexcept {
     return tally.failed() == 0 ? ExitStatus::finished : ExitStatus::incomplete;
 }
@@ -344,13 +388,13 @@ bool say_verification(const std::string& name, const std::string& file, bool qui
     return verification.held();
 }
 
-ExitStatus run_sweep(const tasks::Sweep& sweep, tasks::BatchOptions options, bool quiet, bool as_worker) try {
+ExitStatus run_sweep(const tasks::Sweep& sweep, tasks::BatchOptions options, SweepOutput output, bool as_worker) try {
     if (options.threads <= 0) options.threads = tasks::usable_threads();
-    const tasks::TunedSweep tuned = tuned_here(sweep, options.folder, quiet);
+    const tasks::TunedSweep tuned = tuned_here(sweep, options.folder, output.quiet);
     std::error_code absent;
     const bool begun_by_workers = options.shard.of == 1 && std::filesystem::exists(tasks::workers_folder(options.folder), absent);
-    if ((as_worker || begun_by_workers) && tasks::awaits_workers(options.folder)) return run_worker(sweep, tuned, options, quiet);
-    return run_supervised(sweep, tuned, options, quiet);
+    if ((as_worker || begun_by_workers) && tasks::awaits_workers(options.folder)) return run_worker(sweep, tuned, options, output);
+    return run_supervised(sweep, tuned, options, output);
 } catch (const tasks::AccuracyError& error) {
     print_error(error.what());
     return ExitStatus::inaccurate;
@@ -385,7 +429,10 @@ Action declare_batch(CLI::App& app) {
     for (const char* other : {"--shard", "--retry", "--dry-run"}) worker->excludes(other);
     app.add_flag("--keep-going", arguments->keep_going, keep_going_meaning);
     app.add_flag("--mixed", arguments->mixed, mixed_meaning);
-    app.add_flag("-q,--quiet", arguments->quiet, "Print errors only");
+    app.add_flag("-q,--quiet", arguments->output.quiet, "Print errors only");
+    app.add_flag("--json", arguments->output.json,
+                 "Print lines of JSON: at most every 10 s the progress (not with -q), at the end a summary with the exit status")
+        ->excludes("--dry-run");
     app.footer("Results do not depend on threads, shards, workers or interruptions. cvtflow table DIR shows them.\n\n" +
                std::string(exit_status_help));
     return [arguments] { return batch(*arguments); };

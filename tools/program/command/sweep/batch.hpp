@@ -1,6 +1,7 @@
 #pragma once
 /// Functions shared by the commands for sweeps.
 
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -19,9 +20,14 @@ inline constexpr const char* keep_going_meaning = "Continue a sweep if its first
 /// The sweep whose results a folder contains. @throws SimulationError, engine::RecordError
 [[nodiscard]] std::string sweep_of(const std::string& folder);
 
+struct SweepOutput {
+    bool quiet = false;  ///< errors only, and with `json` the summary
+    bool json = false;   ///< progress and summary as lines of JSON
+};
+
 /// Runs or continues a sweep; shows progress and a summary.
 /// @param as_worker  together with other processes; also where workers have begun it and not all cases are done
-ExitStatus run_sweep(const tasks::Sweep& sweep, tasks::BatchOptions options, bool quiet, bool as_worker = false);
+ExitStatus run_sweep(const tasks::Sweep& sweep, tasks::BatchOptions options, SweepOutput output, bool as_worker = false);
 
 /// Prints the verified errors of a table to stderr, if its sweep has a target accuracy; quiet: only if it is missed.
 /// @return whether the target is met, or there is none   @throws engine::RecordError
@@ -32,6 +38,8 @@ void require_statuses(const std::string& option, const std::vector<std::string>&
 
 /// Lines of a summary: statuses, how many cases failed and with which messages, how many have which notes.
 [[nodiscard]] std::string tally_text(const tasks::CaseTally& tally);
+/// Members of a JSON object for them: statuses, failed, failures, notes.
+[[nodiscard]] nlohmann::ordered_json tally_json(const tasks::CaseTally& tally);
 /// Exit status of a complete sweep: `finished` only if all cases are ok.
 [[nodiscard]] ExitStatus exit_status(const tasks::CaseTally& tally) noexcept;
 
