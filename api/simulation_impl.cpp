@@ -56,7 +56,6 @@ Simulation::Impl::Impl(const Scene& scene, Threads threads, int segments, const 
       segments_(segments),
       schedule_(schedule_of(data(), threads, segments)),
       simulation_(data(), schedule_, nullptr, start == nullptr && data().state_file.empty() ? &scene_.data_->placed_start() : start),
-      slope_(simulation_.variator(), simulation_.workspace().rule),
       observer_(simulation_.variator()),
       start_differences_(simulation_.start_differences()) {
     for (const tasks::Channel& row : tasks::channels()) {
@@ -211,7 +210,8 @@ void Simulation::Impl::rhs(double t, std::span<const double> x, std::span<double
                                              " numbers for " + std::to_string(size) + " unknowns");
     }
     const Scope scope(*this, Scope::As::visitor);
-    slope_(t, x.data(), out.data());
+    if (!slope_) slope_.emplace(simulation_.variator(), simulation_.workspace().rule);
+    (*slope_)(t, x.data(), out.data());
 }
 
 const tasks::Channel& Simulation::Impl::channel_row(std::size_t index) const {

@@ -88,7 +88,7 @@ private:
     int segments_;
     tasks::Schedule schedule_;
     tasks::Simulation simulation_;
-    tasks::PlainSlope slope_;
+    std::optional<tasks::PlainSlope> slope_;  ///< of rhs(), from its first call on
     model::Observer observer_;
     const model::Observation* observation_ = nullptr;  ///< of the present state; nullptr: not made yet
     bool chain_observed_ = false;                      ///< it is not of the shafts alone

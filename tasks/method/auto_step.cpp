@@ -71,7 +71,8 @@ AutoStep::AutoStep(const model::Variator& variator, const model::Parameters& par
       longest_(longest_automatic_step(method, parameters)),
       interval_(parameters.detail.pins == model::PinDetail::rigid && reach_.damping != forever ? rigid_check_interval : check_interval),
       keeps_directions_(parameters.detail.pins == model::PinDetail::rigid),
-      bound_(variator),
+      memory_(std::make_shared<SpectralMemory>(variator.layout())),
+      bound_(variator, MovedPart::all, memory_),
       variator_(variator),
       chain_(parameters.chain) {
     if (variator.chain().coefficients().tip.law != nullptr) falling_ = std::make_unique<FallingFriction>(variator, parameters);
@@ -82,7 +83,7 @@ AutoStep::AutoStep(const model::Variator& variator, const model::Parameters& par
     for (model::Friction* friction : {&without_friction.plate.friction, &without_friction.joint.friction, &without_friction.tip.friction})
         friction->coefficient = 0.0;
     frictionless_ = std::make_unique<model::Variator>(without_friction);
-    for (const MovedPart part : {MovedPart::links, MovedPart::pulleys}) damped_parts_.emplace_back(*frictionless_, part);
+    for (const MovedPart part : {MovedPart::links, MovedPart::pulleys}) damped_parts_.emplace_back(*frictionless_, part, memory_);
 }
 
 /// Treats the strongest damping as if it acted on the fastest oscillation, which need not be so. Links and pulleys are estimated

@@ -110,9 +110,10 @@ private:
     void estimate(double time, const double* state, const model::Phase* phases, int budget) noexcept;
 
     MethodReach reach_;
-    double longest_;         ///< of all steps [s]
-    double interval_;        ///< between two estimates, in the long run [s]
-    bool keeps_directions_;  ///< damped_parts_ begin with the directions of the last estimate: rigid pins
+    double longest_;                          ///< of all steps [s]
+    double interval_;                         ///< between two estimates, in the long run [s]
+    bool keeps_directions_;                   ///< damped_parts_ begin with the directions of the last estimate: rigid pins
+    std::shared_ptr<SpectralMemory> memory_;  ///< of all bounds
     SpectralBound bound_;
     std::unique_ptr<const model::Variator> frictionless_;      ///< the machine without friction, where damping has a limit of its own
     bool friction_matters_ = true;                             ///< for the stability of oscillations with damping

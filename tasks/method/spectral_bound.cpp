@@ -20,11 +20,17 @@ double seed(int index) { return model::portable_sin(1.0 + 2.399963 * index) + 0.
 
 }  // namespace
 
-SpectralBound::SpectralBound(const model::Variator& variator, MovedPart part)
-    : variator_(variator), part_(part), scratch_(variator.layout()) {
-    const auto size = static_cast<std::size_t>(variator.layout().size());
-    rest_phases_.resize(static_cast<std::size_t>(model::tips_per_link * variator.layout().links));
-    for (auto* field : {&velocity_.direction, &coordinate_.direction, &base_, &moved_, &slope_, &rest_}) field->assign(size, 0.0);
+SpectralMemory::SpectralMemory(const model::ChainLayout& layout)
+    : rest_phases(static_cast<std::size_t>(model::tips_per_link * layout.links)), scratch(layout) {
+    for (auto* field : {&base, &moved, &slope, &rest}) field->assign(static_cast<std::size_t>(layout.size()), 0.0);
+}
+
+SpectralBound::SpectralBound(const model::Variator& variator, MovedPart part, std::shared_ptr<SpectralMemory> memory)
+    : variator_(variator),
+      part_(part),
+      memory_(memory != nullptr ? std::move(memory) : std::make_shared<SpectralMemory>(variator.layout())) {
+    for (auto* field : {&velocity_.direction, &coordinate_.direction})
+        field->assign(static_cast<std::size_t>(variator.layout().size()), 0.0);
     velocity_.size = 1e-9;
     coordinate_.size = 1e-11;
 }
@@ -55,15 +61,15 @@ int SpectralBound::iterate(Iteration& iteration, bool of_velocities, double t, c
         const double scale = iteration.size / largest;
         double before = 0.0, after = 0.0;
         for (std::size_t k = 0; k < direction.size(); ++k) {
-            moved_[k] = state[k] + scale * direction[k];
-            before += (moved_[k] - state[k]) * (moved_[k] - state[k]);
+            memory_->moved[k] = state[k] + scale * direction[k];
+            before += (memory_->moved[k] - state[k]) * (memory_->moved[k] - state[k]);
         }
-        model::right_hand_side(variator_, t, moved_.data(), phases, slope_.data(), scratch_);
+        model::right_hand_side(variator_, t, memory_->moved.data(), phases, memory_->slope.data(), memory_->scratch);
         ++evaluations;
         ++iteration.taken;
         for_each_unknown([&](int q, int v) {
             const auto acceleration = static_cast<std::size_t>(v);
-            const double change = slope_[acceleration] - base_[acceleration];
+            const double change = memory_->slope[acceleration] - memory_->base[acceleration];
             direction[of_velocities ? acceleration : static_cast<std::size_t>(q)] = change;
             after += change * change;
         });
@@ -90,14 +96,15 @@ void SpectralBound::begin() noexcept {
 }
 
 int SpectralBound::iterate_at_rest(double t, const double* state, const model::Phase* phases, int budget) noexcept {
-    std::copy_n(state, rest_.size(), rest_.begin());
+    auto& [base, moved, slope, rest, rest_phases, scratch] = *memory_;
+    std::copy_n(state, rest.size(), rest.begin());
     const model::ChainLayout& at = variator_.layout();
-    for (int link = 0; link < at.links; ++link) std::fill_n(rest_.begin() + at.link_begin(link) + at.link_size(), at.link_size(), 0.0);
-    std::fill_n(rest_.begin() + at.pulley_begin() + at.pulley_size, at.pulley_size, 0.0);
-    std::transform(phases, phases + rest_phases_.size(), rest_phases_.begin(),
+    for (int link = 0; link < at.links; ++link) std::fill_n(rest.begin() + at.link_begin(link) + at.link_size(), at.link_size(), 0.0);
+    std::fill_n(rest.begin() + at.pulley_begin() + at.pulley_size, at.pulley_size, 0.0);
+    std::transform(phases, phases + rest_phases.size(), rest_phases.begin(),
                    [](model::Phase phase) { return phase == model::Phase::slip ? model::Phase::stick : phase; });
-    model::right_hand_side(variator_, t, rest_.data(), rest_phases_.data(), base_.data(), scratch_);
-    return 1 + iterate(velocity_, true, t, rest_.data(), rest_phases_.data(), budget - 1);
+    model::right_hand_side(variator_, t, rest.data(), rest_phases.data(), base.data(), scratch);
+    return 1 + iterate(velocity_, true, t, rest.data(), rest_phases.data(), budget - 1);
 }
 
 int SpectralBound::estimate_at_rest(double t, const double* state, const model::Phase* phases, int budget) noexcept {
@@ -113,7 +120,7 @@ int SpectralBound::estimate_at_rest(double t, const double* state, const model::
 
 int SpectralBound::estimate_oscillation(double t, const double* state, const model::Phase* phases, int budget) noexcept {
     if (complete()) begin();
-    model::right_hand_side(variator_, t, state, phases, base_.data(), scratch_);
+    model::right_hand_side(variator_, t, state, phases, memory_->base.data(), memory_->scratch);
     const int evaluations = 1 + iterate(coordinate_, false, t, state, phases, budget - 1);
     if (coordinate_.taken == 0) publish();
     return evaluations;
@@ -121,7 +128,7 @@ int SpectralBound::estimate_oscillation(double t, const double* state, const mod
 
 int SpectralBound::estimate(double t, const double* state, const model::Phase* phases) noexcept {
     begin();
-    model::right_hand_side(variator_, t, state, phases, base_.data(), scratch_);
+    model::right_hand_side(variator_, t, state, phases, memory_->base.data(), memory_->scratch);
     const int evaluations =
         1 + iterate(velocity_, true, t, state, phases, unlimited) + iterate(coordinate_, false, t, state, phases, unlimited);
     publish();

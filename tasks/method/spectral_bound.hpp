@@ -4,6 +4,7 @@
 /// closes or begins to slide for them: at most a nanometre per second, or ten picometres.
 
 #include <limits>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -14,10 +15,20 @@ namespace cvtflow::tasks {
 /// Whose unknowns are moved; those of the others stay where they are.
 enum class MovedPart { all, links, pulleys };
 
+/// Memory of an estimate, which bounds of machines with the same layout share as long as they take turns.
+struct SpectralMemory {
+    explicit SpectralMemory(const model::ChainLayout& layout);
+
+    std::vector<double> base, moved, slope, rest;  ///< [unknowns]
+    std::vector<model::Phase> rest_phases;         ///< none of them slips
+    model::EvaluationScratch scratch;
+};
+
 class SpectralBound {
 public:
-    /// `variator` must outlive it. Takes all its memory here.
-    explicit SpectralBound(const model::Variator& variator, MovedPart part = MovedPart::all);
+    /// `variator` must outlive it. Takes all its memory here, but for what is given.
+    explicit SpectralBound(const model::Variator& variator, MovedPart part = MovedPart::all,
+                           std::shared_ptr<SpectralMemory> memory = nullptr);
 
     /// Estimates at a state with its phases held: serial, deterministic, a warm start from the last call. [layout.size()]
     /// Those with a budget stop once it is used up; the next call continues, at the state then: the iteration forgets where it began.
@@ -76,9 +87,7 @@ private:
     const model::Variator& variator_;
     const MovedPart part_;
     Iteration velocity_, coordinate_;
-    std::vector<double> base_, moved_, slope_, rest_;  ///< [unknowns]
-    std::vector<model::Phase> rest_phases_;            ///< none of them slips
-    model::EvaluationScratch scratch_;
+    std::shared_ptr<SpectralMemory> memory_;
     bool cold_ = true;
     bool velocity_complete_ = false;  ///< of the present estimate, unlike the coordinates
 };
