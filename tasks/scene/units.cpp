@@ -103,17 +103,28 @@ struct DisplayRow {
 };
 
 constexpr double degrees = 180.0 / std::numbers::pi;
-constexpr std::array<DisplayRow, 20> display_table{{
-    {"1", "slip", "%", 100.0},        {"1", "efficiency", "%", 100.0},
-    {"1", "creep", "%", 100.0},       {"Pa", "tip_pressure", "MPa", 1e-6},
-    {"Pa", "modulus", "GPa", 1e-9},   {"Pa", "", "bar", 1e-5},
-    {"m^3/s", "", "l/min", 6e4},      {"rad/s", "", "rpm", degrees / 6.0},
-    {"rad", "", "deg", degrees},      {"N", "plate", "N", 1.0},
-    {"N", "tension", "kN", 1e-3},     {"N", "clamping", "kN", 1e-3},
-    {"N", "sheaves", "kN", 1e-3},     {"N", "bearing_force", "kN", 1e-3},
-    {"W", "power_drive", "kW", 1e-3}, {"W", "power_load", "kW", 1e-3},
-    {"m", "deepest", "um", 1e6},      {"m", "", "mm", 1e3},
-    {"s", "time", "ms", 1e3},         {"s", "interval", "ms", 1e3},
+constexpr std::array<DisplayRow, 21> display_table{{
+    {"1", "slip", "%", 100.0},
+    {"1", "efficiency", "%", 100.0},
+    {"1", "creep", "%", 100.0},
+    {"Pa", "tip_pressure", "MPa", 1e-6},
+    {"Pa", "modulus", "GPa", 1e-9},
+    {"Pa", "", "bar", 1e-5},
+    {"m^3/s", "", "l/min", 6e4},
+    {"rad/s", "", "rpm", degrees / 6.0},
+    {"rad", "", "deg", degrees},
+    {"N", "plate", "N", 1.0},
+    {"N", "tension", "kN", 1e-3},
+    {"N", "clamping", "kN", 1e-3},
+    {"N", "tip", "kN", 1e-3},
+    {"N", "sheaves", "kN", 1e-3},
+    {"N", "bearing_force", "kN", 1e-3},
+    {"W", "power_drive", "kW", 1e-3},
+    {"W", "power_load", "kW", 1e-3},
+    {"m", "deepest", "um", 1e6},
+    {"m", "", "mm", 1e3},
+    {"s", "time", "ms", 1e3},
+    {"s", "interval", "ms", 1e3},
 }};
 
 /// A product of units, while it is read.

@@ -184,10 +184,10 @@ class RunReport(Page):
         tension = 1e-3 * self.record["channels/links/tension"][:]  # the page shows kN
         shown = self.value("chain.at(chain.colours.find((c) => c.name === 'tension').values, 0, chain.t.length - 1)")
         self.assertAlmostEqual(shown, tension[-1, 0], delta=(tension.max() - tension.min()) / 65535)
-        tips = numpy.abs(self.record["channels/tips/axial_force"][-1])
+        tips = 1e-3 * numpy.abs(self.record["channels/tips/axial_force"][-1])
         pins = range(self.value("chain.motion.pins"))
         force = [self.value(f"chain.at(chain.colours[0].values, {pin}, chain.t.length - 1)") for pin in pins]
-        self.assertAlmostEqual(2 * sum(force), tips.sum(), delta=1e-3 * tips.sum() + 0.1)
+        self.assertAlmostEqual(2 * sum(force), tips.sum(), delta=1e-3 * tips.sum() + 1e-4)
 
     def test_a_click_on_a_pin_plots_it(self):
         self.at("document.getElementById('chain')")

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <regex>
+#include <sstream>
 
 #include "tests/tools/forgery_fixture.hpp"
 #include "tests/tools/program_fixture.hpp"
@@ -187,6 +188,38 @@ TEST_F(ReportCommand, ReportsWhatIsWrong) {
     EXPECT_THAT(run({"report", "other.csv"}).err, HasSubstr("not a sweep's table"));
     EXPECT_EQ(run({"report", "run.h5", "-o", "run.h5"}).status, 1);
     EXPECT_EQ(run({"report", "run.h5", "-o", "none/page.html"}).status, 1);
+}
+
+/// Deviations are those between the curve that plot draws and the measured numbers; points beyond the record do not count.
+TEST_F(ReportCommand, ShowsMeasuredDataAndItsDeviations) {
+    write("bench.csv", "time [us],slip [%]\n0,1.5\n20,1.6\n50,9\n");
+    ASSERT_EQ(run({"report", "run.h5", "--with", "bench.csv", "-o", "page.html"}).status, 0);
+    ASSERT_EQ(run({"plot", "run.h5", "slip", "-o", "slip.csv"}).status, 0);
+    std::istringstream lines(read("slip.csv"));
+    std::vector<double> slip;
+    for (std::string line; std::getline(lines, line);)
+        if (const std::string curve = "\"slip\",\"slip\","; line.starts_with(curve))
+            slip.push_back(std::stod(line.substr(line.find(',', curve.size()) + 1)));
+    ASSERT_GE(slip.size(), 2u);
+    const std::string page = read("page.html");
+    std::smatch row;
+    const std::regex expected("<td>run.h5</td><td>slip</td><td>%</td><td[^>]*>2</td><td[^>]*data-value=\"([^\"]*)\"");
+    ASSERT_TRUE(std::regex_search(page, row, expected));
+    EXPECT_NEAR(std::stod(row[1]), 0.5 * (slip.front() - 1.5 + slip.back() - 1.6), 1e-5) << "six digits of the curve";
+    EXPECT_THAT(page, HasSubstr("slip, bench.csv"));
+    write("bench.csv", "time [us],oil [degC]\n0,80\n");
+    const Outcome refused = run({"report", "run.h5", "--with", "bench.csv"});
+    EXPECT_EQ(refused.status, 2);
+    EXPECT_THAT(refused.err, HasSubstr("--with bench.csv: no heading is a channel of run.h5: time, oil"));
+}
+
+TEST_F(ReportCommand, ShowsMeasuredDataBesideASweep) {
+    write("cases.csv", "case,status,load_torque,slip_mean\n0,ok,10,0.01\n1,ok,20,0.02\n");
+    write("bench.csv", "load.torque [N*m],slip_mean [%]\n10,0.9\n20,2.1\n");
+    ASSERT_EQ(run({"report", "cases.csv", "--with", "bench.csv", "-o", "page.html"}).status, 0);
+    EXPECT_THAT(read("page.html"), testing::AllOf(HasSubstr("Measured data</h2>"), HasSubstr(">bench.csv</text>")));
+    write("bench.csv", "slip_mean [%]\n0.9\n");
+    EXPECT_EQ(run({"report", "cases.csv", "--with", "bench.csv", "-o", "page.html"}).status, 2);
 }
 
 }  // namespace

@@ -173,7 +173,7 @@ TEST(Units, OfDisplayAreThoseOfEngineersWithTheirFactors) {
     expect("drive.speed", "rad/s", "rpm");
     expect("tight_tension", "N", "kN");
     expect("clamping.driven", "N", "kN");
-    expect("tips/axial_force", "N", "N");
+    expect("tips/axial_force", "N", "kN");
     expect("followed_pin/plate_tension", "N", "N");
     expect("shaft_1/radius", "m", "mm");
     expect("tip.angle", "rad", "deg");

@@ -323,7 +323,7 @@ std::string side_by_side(const RunDifference& d) {
 
 /// Curves of the channels that differ.
 std::string curves_of_differences(const RunDifference& d) {
-    const Shown time = shown("time", "s");
+    const Shown time = shown_time(d.times.back());
     std::string text, same;
     for (const ChannelDifference& each : d.channels) {
         if (each.largest == 0.0) {
@@ -425,14 +425,17 @@ std::string title_of(const std::vector<RecordedRun>& runs) {
 
 }  // namespace
 
-std::string run_page(const std::vector<RecordedRun>& runs) {
+std::string run_page(const std::vector<RecordedRun>& runs, const Measured* measured) {
     Page page;
     page.title = "cvtflow: " + title_of(runs);
     page.scripts = {"dygraph.min.js", "report.js"};
     page.lead = of_all(runs, status_list);
     for (const RecordedRun& run : runs) page.data["runs"].push_back(curve_data(run, bytes_of_curves / runs.size()));
+    const Shown time = shown_time(last_time(runs));
+    page.data["time"] = {{"u", time.unit}, {"f", time.factor}};
     if (runs.size() > 1) page.sections.push_back({"differences", "Differences", difference_body(runs)});
     page.sections.push_back({"figures", "Key figures", of_all(runs, figures)});
+    if (measured != nullptr) page.sections.push_back({"measured", "Measured data", measured_body(runs, *measured)});
     page.sections.push_back({"simulated", "What was simulated", simulated(runs)});
     page.sections.push_back({"curves", "Curves", curves_body(page.data)});
     add_chain(page, runs.front());

@@ -107,7 +107,7 @@ std::string origin(const SweepView& sweep) {
 
 }  // namespace
 
-std::string sweep_page(const SweepView& sweep) {
+std::string sweep_page(const SweepView& sweep, const Measured* measured) {
     Page page;
     page.title = "cvtflow: sweep " + sweep.name;
     page.lead = endings(sweep);
@@ -123,6 +123,8 @@ std::string sweep_page(const SweepView& sweep) {
              "<p class=\"small\">Only cases with status ok are shown. Maps with contours: cvtflow plot SWEEP --x --y --colour.</p>\n"},
         {"cases", "Cases", cases_table(sweep)},
         {"provenance", "Provenance", origin(sweep)}};
+    if (measured != nullptr)
+        page.sections.insert(page.sections.begin() + 1, {"measured", "Measured data", measured_body(sweep, *measured)});
     if (!grid.empty()) page.sections.insert(page.sections.begin() + 1, {"maps", "Maps", grid});
     return text_of(page);
 }

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "model/parameters/chain_layout.hpp"
+#include "tools/program/text/text.hpp"
 #include "tools/program/view/recorded_run.hpp"
 
 namespace cvtflow::tools {
@@ -137,8 +138,9 @@ Plot tip_force_plot(const ChainMotion& motion, const std::string& conditions) {
     Plot plot;
     plot.title = "Axial force of the tips round the pulleys";
     plot.subtitle = conditions + ", mean over all states; thin: minimum and maximum";
-    plot.x.label = "angle about the shaft in its sense of turning, 0: away from the other shaft [°]",
-    plot.y.label = "force on each sheave [N]";
+    plot.x.label = "angle about the shaft in its sense of turning, 0: away from the other shaft [°]";
+    const Shown how = shown("tip force", "N");
+    plot.y.label = fmt::format("force on each sheave [{}]", how.unit);
     plot.x.from = -130.0, plot.x.to = 130.0;
     for (const int shaft : {1, 2}) {
         std::vector<RoundBin> round(bins);
@@ -156,8 +158,8 @@ Plot tip_force_plot(const ChainMotion& motion, const std::string& conditions) {
         for (int k = 0; k < bins; ++k) {
             const RoundBin& bin = round[static_cast<std::size_t>(k)];
             const double angle = -180.0 + 360.0 * (k + 0.5) / bins, nothing = NAN;
-            mean.points.push_back({angle, bin.count > 0.0 ? bin.sum / bin.count : nothing});
-            low.points.push_back({angle, bin.least}), high.points.push_back({angle, bin.largest});
+            mean.points.push_back({angle, bin.count > 0.0 ? how.factor * bin.sum / bin.count : nothing});
+            low.points.push_back({angle, how.factor * bin.least}), high.points.push_back({angle, how.factor * bin.largest});
         }
         for (Series* series : {&mean, &low, &high}) plot.series.push_back(std::move(*series));
     }

@@ -112,6 +112,12 @@ std::string RecordedRun::conditions() const {
                        step_text(all));
 }
 
+double last_time(const std::vector<RecordedRun>& runs) {
+    double last = -INFINITY;
+    for (const RecordedRun& run : runs) last = std::max(last, run.times().back());
+    return last;
+}
+
 std::vector<tasks::KeyDifference> differing_keys(const tasks::Scene& a, const tasks::Scene& b) {
     const auto counts = [](const tasks::Parameter& key) { return key.section() != "scene"; };
     return tasks::differing_keys(a, b, counts, tasks::readable_value);

@@ -72,6 +72,9 @@ private:
     std::vector<double> times_;
 };
 
+/// The last time of all records [s].
+[[nodiscard]] double last_time(const std::vector<RecordedRun>& runs);
+
 /// Keys of two scenes with different values. Name and description of the scene are no difference.
 [[nodiscard]] std::vector<tasks::KeyDifference> differing_keys(const tasks::Scene& a, const tasks::Scene& b);
 

@@ -122,13 +122,10 @@ Series line_through(const std::string& name, const std::vector<double>& x, const
     return {name, thinned(points, columns_drawn), Mark::none, Line::solid, "", 1.4};
 }
 
-constexpr double long_record = 10.0;  ///< time from which pictures count in seconds [s]
-
 struct TimeAxis {
     std::string label;
     double per_second;
 
-    explicit TimeAxis(bool is_long) : TimeAxis(is_long ? Shown{"time [s]", 1.0, "s"} : shown("time", "s")) {}
     explicit TimeAxis(const Shown& how) : label(how.label), per_second(how.factor) {}
     [[nodiscard]] std::vector<double> of(std::vector<double> times) const {
         for (double& time : times) time *= per_second;
@@ -323,7 +320,7 @@ std::vector<Plot> time_plots(const std::vector<RecordedRun>& runs, const std::ve
                              const Measured* measured) {
     std::vector<Panel> panels;
     std::string means;
-    const TimeAxis axis(std::any_of(runs.begin(), runs.end(), [](const RecordedRun& run) { return run.times().back() > long_record; }));
+    const TimeAxis axis(shown_time(last_time(runs)));
     for (const RecordedRun& run : runs) {
         const double period = every_output ? 0.0 : averaged_period(run);
         means = period > 0.0 ? means_text(period) : means;

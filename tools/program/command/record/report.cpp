@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "tools/program/command/command.hpp"
 #include "tools/program/guard.hpp"
@@ -16,7 +17,7 @@ namespace {
 
 struct ReportArguments {
     std::vector<std::string> files;
-    std::string output;
+    std::string output, with;
     bool force = false;
 };
 
@@ -37,25 +38,29 @@ struct MadePage {
     std::string text, of;  ///< of: name of the scene or sweep
 };
 
-MadePage page_of(const std::vector<std::string>& files) {
+/// @param measured nullptr: none
+MadePage page_of(const std::vector<std::string>& files, const Measured* measured) {
     if (is_sweep(files.front())) {
         if (files.size() > 1) throw UsageError("a report covers one sweep, or one or more records");
         const SweepView sweep = read_sweep(files.front());
-        return {sweep_page(sweep), sweep.name};
+        return {sweep_page(sweep, measured), sweep.name};
     }
     std::vector<RecordedRun> runs;
     for (const std::string& file : files) {
         runs.emplace_back(file);
         warn_without_machine(runs.back(), file);
     }
-    return {run_page(runs), runs.front().name()};
+    return {run_page(runs, measured), runs.front().name()};
 }
 
 ExitStatus report(const ReportArguments& arguments) {
     const std::string path = picture_path(arguments.output, arguments.files.front(), "report.html");
-    const std::vector<std::filesystem::path> inputs = read_files(arguments.files);
+    std::vector<std::string> files = arguments.files;
+    if (!arguments.with.empty()) files.push_back(arguments.with);
+    const std::vector<std::filesystem::path> inputs = read_files(files);
     engine::require_no_input(path, inputs);
-    const MadePage page = page_of(arguments.files);
+    const std::optional<Measured> measured = arguments.with.empty() ? std::nullopt : std::optional(read_measured(arguments.with));
+    const MadePage page = page_of(arguments.files, measured ? &*measured : nullptr);
     engine::OutputRule rule = marked_rule("page", page.of);
     rule.inputs = inputs;
     rule.force = arguments.force;
@@ -72,6 +77,7 @@ Action declare_report(CLI::App& app) {
         ->required()
         ->type_name("...");
     app.add_option("-o,--output", arguments->output, "Page to write (default: beside the input, .html)")->type_name("FILE");
+    app.add_option("--with", arguments->with, "Measured data beside the results: a CSV as plot --with takes it")->type_name("FILE");
     app.add_flag_callback("--si", show_si, si_meaning);
     app.add_flag("--force", arguments->force, force_meaning);
     app.footer(

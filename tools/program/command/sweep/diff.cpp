@@ -33,7 +33,7 @@ struct ColumnDifference {
     std::string example;                   ///< the case of the largest relative difference, and both cells
 };
 
-/// @param tolerance with one, the hash of a case says nothing: it differs where any bit does
+/// @param tolerance with one, hashes of cases do not count: they differ where any bit does
 bool is_compared(const SweepColumn& column, double tolerance) {
     return !column.axis && column.name != "case" && tasks::is_hashed(column.name) && !(tolerance > 0.0 && column.name == "hash");
 }

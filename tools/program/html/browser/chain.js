@@ -17,7 +17,7 @@ class RunningChain extends DrawnChain {
     this.place();
     this.frame();
     document.getElementById("moment").value = this.moment;
-    document.getElementById("moment-text").textContent = readable(1e3 * this.time()) + " ms";
+    document.getElementById("moment-text").textContent = `${readable(data.time.f * this.time())} ${data.time.u}`;
     this.tellPin();
   }
 
@@ -112,25 +112,25 @@ class RunningChain extends DrawnChain {
     if (this.pin < 0) return;
     const numbers =
         this.colours.map((c) => `${c.name} ${readable(this.at(c.values, this.pin, this.moment))}${c.unit === "" ? "" : " " + c.unit}`);
-    document.getElementById("pin").textContent = `pin ${this.pin} at ${readable(1e3 * this.time())} ms: ${numbers.join(", ")}`;
+    document.getElementById("pin").textContent = `pin ${this.pin} at ${readable(data.time.f * this.time())} ${data.time.u}: ${numbers.join(", ")}`;
   }
 
   plotPin() {
     if (this.chart) this.chart.destroy();
-    const pins = this.motion.pins, rows = [...this.t].map((t, k) => [1e3 * t, this.colour.values[k * pins + this.pin]]);
+    const pins = this.motion.pins, rows = [...this.t].map((t, k) => [data.time.f * t, this.colour.values[k * pins + this.pin]]);
     const place = document.getElementById("pin-plot"), name = `${this.colour.name} of pin ${this.pin}`, style = getComputedStyle(root);
     place.className = "panel";
     this.chart = new Dygraph(place, rows, {
-      labels: ["time [ms]", name],
+      labels: [`time [${data.time.u}]`, name],
       title: name,
-      xlabel: "time [ms]",
+      xlabel: `time [${data.time.u}]`,
       ylabel: this.colour.unit === "" ? "" : `[${this.colour.unit}]`,
       titleHeight: 20,
       colors: [colours[1]],
       axisLineColor: style.getPropertyValue("--soft"),
       gridLineColor: style.getPropertyValue("--line"),
       axes: {y: {valueFormatter: readable, axisLabelFormatter: readable, axisLabelWidth: 64}},
-      clickCallback: (event, time) => this.show(this.t.findIndex((t) => 1e3 * t >= time - 1e-9)),
+      clickCallback: (event, time) => this.show(this.t.findIndex((t) => data.time.f * t >= time - 1e-9)),
     });
   }
 }

@@ -92,7 +92,7 @@ class Curves {
     this.values = new Map();
     this.charts = [];
     this.chosen = new Set();
-    this.ends = [Math.min(...this.runs.map((r) => r.t[0])) * 1e3, Math.max(...this.runs.map((r) => r.t[r.t.length - 1])) * 1e3];
+    this.ends = [Math.min(...this.runs.map((r) => r.t[0])), Math.max(...this.runs.map((r) => r.t[r.t.length - 1]))].map((t) => data.time.f * t);
     this.window = [...this.ends];
     this.list(runs[0].curves);
     this.buttons();
@@ -162,7 +162,7 @@ class Curves {
     this.runs.forEach((run, r) => names.forEach((name, c) => {
       const values = this.of(run, name);
       for (let k = 0; values && k < run.t.length; ++k) {
-        const t = run.t[k] * 1e3;
+        const t = data.time.f * run.t[k];
         if (!at.has(t)) at.set(t, [t, ...new Array(columns).fill(null)]);
         at.get(t)[1 + r * names.length + c] = values[k];
       }
@@ -183,7 +183,7 @@ class Curves {
   }
 
   chart(panel, key, names) {
-    const labels = ["time [ms]"];
+    const time = `time [${data.time.u}]`, labels = [time];
     for (const run of this.runs)
       for (const name of names) labels.push(this.runs.length > 1 ? name + ", " + run.label : name);
     const style = getComputedStyle(root), unit = this.runs[0].curves.get(names[0]).u;
@@ -194,14 +194,14 @@ class Curves {
       strokeWidth: 1.2,
             labelsSeparateLines: true,
       legend: labels.length > 2 ? "always" : "onmouseover",
-      xlabel: "time [ms]",
+      xlabel: time,
       ylabel: escaped(unit === "" ? key : unit === "%" ? key + " [%]" : "[" + unit + "]"),
       dateWindow: this.window,
       axisLineColor: style.getPropertyValue("--soft"),
       gridLineColor: style.getPropertyValue("--line"),
       axes: {
         y: {valueFormatter: readable, axisLabelFormatter: readable, axisLabelWidth: 64},
-        x: {valueFormatter: (t) => readable(t) + " ms"}
+        x: {valueFormatter: (t) => readable(t) + " " + data.time.u}
       },
       zoomCallback: (from, to) => this.show([from, to]),
     });
