@@ -1,7 +1,7 @@
-/// A host that has no threads, files or other libraries: a time step of 1 ms, an input from outside, and two futures of one state.
+/// A host without files or other libraries: a time step of 1 ms, an input from outside, and two futures of one state.
 /// Links cvtflow::core or cvtflow::core_shared (package cvtflow-core).
 ///
-///     core_host SCENE.toml [--costs]    --costs: also what copies and states take
+///     core_host SCENE.toml [--costs]    --costs: also what copies, states and calls take, and 100 copies on threads of the host
 #include <malloc.h>
 
 #include <algorithm>
@@ -12,6 +12,7 @@
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace {
@@ -27,6 +28,25 @@ void print_cost(const char* name, const Call& call) {
     }
     std::nth_element(times.begin(), times.begin() + 50, times.end());
     std::printf("%-20s %7.1f us\n", name, times[50]);
+}
+
+/// Prints the time in which 100 copies advance by 1 ms, shared by threads of the host.
+void print_fleet(const cvtflow::Simulation& origin, int threads) {
+    std::vector<cvtflow::Simulation> fleet;
+    for (int k = 0; k < 100; ++k) fleet.push_back(origin.copy());
+    const double until = origin.time() + 1e-3;
+    const auto begin = std::chrono::steady_clock::now();
+    {
+        std::vector<std::jthread> hosts;
+        for (int host = 0; host < threads; ++host)
+            hosts.emplace_back([&, host] {
+                for (std::size_t k = host; k < fleet.size(); k += threads) fleet[k].advance_to(until);
+            });
+    }
+    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
+    for (const cvtflow::Simulation& each : fleet)
+        if (each.hash() != fleet.front().hash()) throw cvtflow::Error(cvtflow::ErrorCode::internal, "copies differ");
+    std::printf("100 x 1 ms, %d thread%s %7.1f ms\n", threads, threads > 1 ? "s" : " ", took.count());
 }
 
 }  // namespace
@@ -62,6 +82,7 @@ int main(int count, char** arguments) try {
         const std::size_t before = allocated();
         const cvtflow::Simulation another = now.copy();
         std::printf("%-20s %7.1f kB\n", "memory of a copy", 1e-3 * static_cast<double>(allocated() - before));
+        for (const int threads : {1, 2}) print_fleet(now, threads);
         print_cost("set_state()", [&now, state = now.state()] { now.set_state(state); });
     }
     return 0;
