@@ -141,7 +141,8 @@ std::string shared_text(const std::string& folder, tasks::FolderProgress progres
     text += field("sweep", of("sweep")) + (of("description").empty() ? "" : field("", of("description")));
     text += field("cases", fmt::format("{} of {}", progress.tally.rows(), progress.cases)) + tally_text(progress.tally);
     Table table({{"folder"}, {"cases claimed", Align::right}, {"done", Align::right}, {"process"}});
-    std::ranges::stable_partition(progress.parts, &tasks::FolderProgress::Part::running);
+    std::stable_partition(progress.parts.begin(), progress.parts.end(),
+                          [](const tasks::FolderProgress::Part& part) { return part.running; });
     for (std::size_t k = 0; k < std::min(shown_parts, progress.parts.size()); ++k) {
         const tasks::FolderProgress::Part& part = progress.parts[k];
         table.add({part.folder, std::to_string(part.claimed), std::to_string(part.done), part_state(part)});
