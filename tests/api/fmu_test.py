@@ -308,13 +308,30 @@ class Vehicle(unittest.TestCase):
             self.assertEqual(self.run_example("5", "--fmu", file), self.run_example("5"))
 
 
+class Car(unittest.TestCase):
+    """A car that follows a driving cycle, by the step of the description."""
+
+    def test_bits_are_those_of_the_core(self):
+        for version in (2, 3):
+            with self.subTest(fmi=version), tempfile.TemporaryDirectory() as folder:
+                subprocess.run([PROGRAM, "export-fmu", "ece15", "-o", f"{folder}/car.fmu", "-q", "--fmi", str(version), "--outputs", "vehicle/*"], check=True)
+                rows = simulate_fmu(f"{folder}/car.fmu", stop_time=0.2)
+                alone = cvtflow.Simulation(cvtflow.Scene.ready("ece15"))
+                alone.advance_to(0.0)
+                self.assertEqual(len(rows), 201)
+                for row in rows:
+                    alone.advance_to(row["time"])
+                    for name in ("speed", "kinetic", "rolling", "clutch"):
+                        self.assertEqual(row[f"vehicle.{name}"], alone.channel(f"vehicle/{name}")[0])
+
+
 class Description(unittest.TestCase):
     """What importers show."""
 
-    def parts(self, version, *more, environment=None):
+    def parts(self, version, *more, environment=None, scene="tiny"):
         """Roots of the XML files in an FMU, by their names."""
         with tempfile.TemporaryDirectory() as folder:
-            command = [PROGRAM, "export-fmu", "tiny", "-o", f"{folder}/one.fmu", "-q", "--fmi", str(version), *more]
+            command = [PROGRAM, "export-fmu", scene, "-o", f"{folder}/one.fmu", "-q", "--fmi", str(version), *more]
             subprocess.run(command, check=True, env={**os.environ, **(environment or {})})
             with zipfile.ZipFile(f"{folder}/one.fmu") as file:
                 return {name: etree.fromstring(file.read(name)) for name in file.namelist() if name.endswith(".xml")}

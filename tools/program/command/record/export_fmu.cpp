@@ -206,8 +206,14 @@ std::string fmu_bytes(const FmuArguments& arguments, const std::vector<FmuSystem
     const std::string table = variables_text(variables);
     const std::string token = fmt::format(
         "{{{:016x}}}", engine::Hash().add(std::string_view(text)).add(std::string_view(state_bytes)).add(std::string_view(table)).value());
-    const FmuFacts facts{scene.name,        identifier_of(scene.name), token, scene.description, arguments.author,
-                         generation_date(), tasks::latest_end(scene)};
+    const FmuFacts facts{scene.name,
+                         identifier_of(scene.name),
+                         token,
+                         scene.description,
+                         arguments.author,
+                         generation_date(),
+                         tasks::latest_end(scene),
+                         scene.vehicle.present()};
     std::vector<ZipPart> files{
         {"modelDescription.xml", third ? model_description_3(facts, variables) : model_description_2(facts, variables)}};
     for (const FmuSystem& system : systems)

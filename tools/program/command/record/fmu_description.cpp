@@ -137,8 +137,16 @@ std::vector<FmuVariable> outputs(Simulation& simulation, const Names& requested,
         names.emplace_back(info.name);
         if (info.width == 1) scalars.emplace_back(info.name);
     }
+    Names single;  // groups such as "vehicle/*" as their channels
+    for (const std::string& name : requested) {
+        const auto in_group = [&](const std::string& channel) { return channel.starts_with(name.substr(0, name.size() - 1)); };
+        if (name.ends_with("/*") && std::any_of(names.begin(), names.end(), in_group))
+            std::copy_if(names.begin(), names.end(), std::back_inserter(single), in_group);
+        else
+            single.push_back(name);
+    }
     std::vector<FmuVariable> rows;
-    for (const std::string& channel : chosen("--outputs", requested, names, scalars, usual_outputs)) {
+    for (const std::string& channel : chosen("--outputs", single, names, scalars, usual_outputs)) {
         const ChannelInfo info = simulation.channel_info(simulation.find_channel(channel));
         const std::span<const double> now = simulation.channel(channel);
         const double largest =
@@ -221,15 +229,15 @@ std::string head(const FmuFacts& facts, const char* version, const char* token) 
         attribute("author", facts.author), attribute("generationDateAndTime", facts.date));
 }
 
-/// Communication step of the default experiment, which importers use by default. It is long, so that a call costs little beside its steps.
-/// [s]
-double communication_step(double until) { return until >= 0.05 ? 1e-3 : std::min(1e-4, until); }
+/// Communication step of the default experiment, which importers use by default: that of vehicles, whose controllers run every 1 to 10 ms;
+/// shorter for transients of the chain alone. [s]
+double communication_step(const FmuFacts& facts) { return std::min(facts.vehicle || facts.until >= 0.05 ? 1e-3 : 1e-4, facts.until); }
 
 std::string middle(const FmuFacts& facts, const std::vector<FmuVariable>& variables) {
     std::string text = unit_definitions(variables) + "  <LogCategories>\n";
     for (const char* category : {"logStatusError", "logStatusWarning"}) text += fmt::format("    <Category name=\"{}\"/>\n", category);
     return text + fmt::format("  </LogCategories>\n  <DefaultExperiment startTime=\"0\" stopTime=\"{}\" stepSize=\"{}\"/>\n",
-                              number(facts.until), number(communication_step(facts.until)));
+                              number(facts.until), number(communication_step(facts)));
 }
 
 /// Attributes that both versions give a variable.
@@ -274,8 +282,18 @@ std::string member_name(const FmuVariable& variable, std::string_view terminal) 
 std::vector<FmuVariable> fmu_variables(Simulation& simulation, const FmuChoice& choice, bool arrays) {
     std::vector<FmuVariable> all{{0, "time", "time", "s", "simulated time", 1, 0.0, "time"}};
     for (auto& rows : {inputs(simulation, choice.inputs), outputs(simulation, choice.outputs, arrays),
+/// A channel named twice is one variable; a key that has a channel's name gets one of its own.
+void add_once(std::vector<FmuVariable>& all, std::vector<FmuVariable> rows) {
+    for (FmuVariable& row : rows) {
+        const bool taken = std::any_of(all.begin(), all.end(), [&](const FmuVariable& other) { return other.name == row.name; });
+        if (taken && row.kind == "output") continue;
+        if (taken) row.name += "_parameter";
+        all.push_back(row);
+    }
+}
+
                        parameters(simulation.scene(), choice.parameters)})
-        all.insert(all.end(), rows.begin(), rows.end());
+        add_once(all, rows);
     for (std::size_t number = 0; number < all.size(); ++number) all[number].reference = static_cast<std::uint32_t>(number);
     return all;
 }

@@ -45,7 +45,8 @@ struct FmuFacts {
     std::string description;  ///< one line
     std::string author;       ///< empty: not stated
     std::string date;         ///< of generation, UTC, ISO 8601; empty: unknown
-    double until = 0.0;       ///< of the default experiment [s]
+    double until = 0.0;       ///< end of the default experiment [s]
+    bool vehicle = false;     ///< whether the scene has one
 };
 
 [[nodiscard]] std::string model_description_2(const FmuFacts& facts, const std::vector<FmuVariable>& variables);
