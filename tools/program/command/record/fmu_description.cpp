@@ -240,12 +240,17 @@ std::string middle(const FmuFacts& facts, const std::vector<FmuVariable>& variab
                               number(facts.until), number(communication_step(facts)));
 }
 
+bool is_output(const FmuVariable& row) { return row.kind == "output" || row.kind == "flag"; }
+
 /// Attributes that both versions give a variable.
 std::string causality(const FmuVariable& row) {
-    const bool parameter = row.kind == "parameter";
+    const char* variability = row.kind == "parameter" ? "fixed" : row.kind == "flag" ? "discrete" : "continuous";
     return fmt::format("name=\"{}\" valueReference=\"{}\" causality=\"{}\" variability=\"{}\" description=\"{}\"", html(row.name),
-                       row.reference, row.kind == "time" ? "independent" : row.kind, parameter ? "fixed" : "continuous",
-                       html(row.description));
+                       row.reference,
+                       row.kind == "time" ? "independent"
+                       : is_output(row)   ? "output"
+                                          : row.kind,
+                       variability, html(row.description));
 }
 
 std::string start_attribute(const FmuVariable& row) {
@@ -277,11 +282,6 @@ std::string member_name(const FmuVariable& variable, std::string_view terminal) 
     return variable.kind == "output" && variable.name.starts_with(group) ? variable.name.substr(group.size()) : "";
 }
 
-}  // namespace
-
-std::vector<FmuVariable> fmu_variables(Simulation& simulation, const FmuChoice& choice, bool arrays) {
-    std::vector<FmuVariable> all{{0, "time", "time", "s", "simulated time", 1, 0.0, "time"}};
-    for (auto& rows : {inputs(simulation, choice.inputs), outputs(simulation, choice.outputs, arrays),
 /// A channel named twice is one variable; a key that has a channel's name gets one of its own.
 void add_once(std::vector<FmuVariable>& all, std::vector<FmuVariable> rows) {
     for (FmuVariable& row : rows) {
@@ -292,8 +292,15 @@ void add_once(std::vector<FmuVariable>& all, std::vector<FmuVariable> rows) {
     }
 }
 
+}  // namespace
+
+std::vector<FmuVariable> fmu_variables(Simulation& simulation, const FmuChoice& choice, bool arrays) {
+    std::vector<FmuVariable> all{{0, "time", "time", "s", "simulated time", 1, 0.0, "time"}};
+    for (auto& rows : {inputs(simulation, choice.inputs), outputs(simulation, choice.outputs, arrays),
                        parameters(simulation.scene(), choice.parameters)})
         add_once(all, rows);
+    all.push_back({0, "flag", "unreliable", "1", "the energy balance does not close, so results are wrong (balance.suspicion is above 1)",
+                   1, 0.0, "unreliable"});
     for (std::size_t number = 0; number < all.size(); ++number) all[number].reference = static_cast<std::uint32_t>(number);
     return all;
 }
@@ -315,9 +322,9 @@ std::string model_description_2(const FmuFacts& facts, const std::vector<FmuVari
     std::string unknowns;
     for (std::size_t index = 0; index < variables.size(); ++index) {
         const FmuVariable& row = variables[index];
-        text += fmt::format("    <ScalarVariable {}><Real{}{}/></ScalarVariable>\n", causality(row), start_attribute(row),
-                            type_attributes(row));
-        if (row.kind == "output") unknowns += fmt::format("      <Unknown index=\"{}\"/>\n", index + 1);
+        text += fmt::format("    <ScalarVariable {}><{}{}{}/></ScalarVariable>\n", causality(row), row.kind == "flag" ? "Boolean" : "Real",
+                            start_attribute(row), type_attributes(row));
+        if (is_output(row)) unknowns += fmt::format("      <Unknown index=\"{}\"/>\n", index + 1);
     }
     return text + fmt::format(
                       "  </ModelVariables>\n  <ModelStructure>\n    <Outputs>\n{0}    </Outputs>\n    <InitialUnknowns>\n{0}    "
@@ -336,8 +343,9 @@ std::string model_description_3(const FmuFacts& facts, const std::vector<FmuVari
     std::string outputs, initial;
     for (const FmuVariable& row : variables) {
         const std::string dimension = row.width > 1 ? fmt::format("<Dimension start=\"{}\"/>", row.width) : "";
-        text += fmt::format("    <Float64 {}{}{}>{}</Float64>\n", causality(row), start_attribute(row), type_attributes(row), dimension);
-        if (row.kind != "output") continue;
+        text += fmt::format("    <{0} {1}{2}{3}>{4}</{0}>\n", row.kind == "flag" ? "Boolean" : "Float64", causality(row),
+                            start_attribute(row), type_attributes(row), dimension);
+        if (!is_output(row)) continue;
         outputs += fmt::format("    <Output valueReference=\"{}\"/>\n", row.reference);
         initial += fmt::format("    <InitialUnknown valueReference=\"{}\"/>\n", row.reference);
     }

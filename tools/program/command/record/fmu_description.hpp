@@ -12,7 +12,7 @@ namespace cvtflow::tools {
 
 struct FmuVariable {
     std::uint32_t reference = 0;
-    std::string kind;  ///< "time", "input", "output", "parameter"
+    std::string kind;  ///< "time", "input", "output", "parameter"; "flag": a Boolean output
     std::string name;  ///< as importers see it, structured: shaft_1.speed; elements are links.tension[0], …
     std::string unit;
     std::string description;
