@@ -369,6 +369,25 @@ class Description(unittest.TestCase):
         self.assertEqual(rows["tip.friction_coefficient"]["nominal"], "0.01")
         self.assertEqual(float(rows["load_torque"]["start"]), 12.0)
 
+    def test_page_licence_and_icon_are_where_the_standard_has_them(self):
+        places = {2: {"model.png"}, 3: {"terminalsAndIcons/icon.png", "terminalsAndIcons/icon.svg"}}
+        for version, icons in places.items():
+            with self.subTest(fmi=version), tempfile.TemporaryDirectory() as folder:
+                export(f"{folder}/one.fmu", version)
+                with zipfile.ZipFile(f"{folder}/one.fmu") as file:
+                    self.assertLessEqual(icons | {"documentation/index.html", "documentation/licenses/license.txt"}, set(file.namelist()))
+                    self.assertTrue(all(file.read(icon).startswith((b"\x89PNG", b"<svg")) for icon in icons))
+                    page, licences = (file.read(f"documentation/{name}").decode() for name in ("index.html", "licenses/license.txt"))
+                for name in ("tip.friction_coefficient", "unreliable", "shaft_2.speed"):
+                    self.assertIn(f"<td>{name}</td>", page)
+                for text in ("Apache License", "Niels Lohmann", "Victor Zverovich", "Mark Gillard"):
+                    self.assertIn(text, licences)
+
+    def test_steps_suit_a_vehicle(self):
+        for scene, until, step in (("ece15", "195 s", "0.001"), ("ece15", "20 ms", "0.001"), ("tiny", "20 ms", "0.0001"), ("tiny", "50 ms", "0.001")):
+            root = self.parts(3, "--set", f"run.until={until}", scene=scene)["modelDescription.xml"]
+            self.assertEqual(root.find("DefaultExperiment").get("stepSize"), step, (scene, until))
+
     def test_author_and_date_are_stated(self):
         plain = self.parts(3)["modelDescription.xml"]
         self.assertIsNone(plain.get("author"))

@@ -366,9 +366,11 @@ std::string terminals_text(const std::vector<FmuVariable>& variables) {
             text += fmt::format("    <Terminal name=\"{}\" matchingRule=\"bus\" description=\"{}\">\n{}    </Terminal>\n", terminal.name,
                                 terminal.description, members);
     }
-    if (text.empty()) return "";
-    return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiTerminalsAndIcons fmiVersion=\"3.0\">\n  <Terminals>\n" + text +
-           "  </Terminals>\n</fmiTerminalsAndIcons>\n";
+    if (!text.empty()) text = "  <Terminals>\n" + text + "  </Terminals>\n";
+    return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiTerminalsAndIcons fmiVersion=\"3.0\">\n  <GraphicalRepresentation>\n"
+           "    <CoordinateSystem x1=\"-100\" y1=\"-100\" x2=\"100\" y2=\"100\" suggestedScalingFactorTo_mm=\"0.1\"/>\n"
+           "    <Icon x1=\"-100\" y1=\"-100\" x2=\"100\" y2=\"100\"/>\n  </GraphicalRepresentation>\n" +
+           text + "</fmiTerminalsAndIcons>\n";
 }
 
 std::string generation_date() {

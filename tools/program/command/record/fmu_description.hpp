@@ -52,8 +52,8 @@ struct FmuFacts {
 [[nodiscard]] std::string model_description_2(const FmuFacts& facts, const std::vector<FmuVariable>& variables);
 [[nodiscard]] std::string model_description_3(const FmuFacts& facts, const std::vector<FmuVariable>& variables);
 
-/// terminalsAndIcons/terminalsAndIcons.xml: a bus for each shaft, with its inputs and with the outputs whose names begin with it. Empty if
-/// no variable belongs to a shaft.
+/// terminalsAndIcons/terminalsAndIcons.xml: the icon, and a bus for each shaft, with its inputs and with the outputs whose names begin with
+/// it.
 [[nodiscard]] std::string terminals_text(const std::vector<FmuVariable>& variables);
 
 /// SOURCE_DATE_EPOCH [s since 1970], else the date of the commit that this program was built from: UTC, ISO 8601. Empty if neither is
