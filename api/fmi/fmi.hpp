@@ -121,7 +121,7 @@ int finish_initialisation(void* component) noexcept;
 int terminate(void* component) noexcept;
 int reset(void* component) noexcept;
 int get_values(void* component, const std::uint32_t* references, std::size_t count, double* values, std::size_t room) noexcept;
-/// Of the Boolean variable. @tparam Flag  type of the standard's version: int or bool
+/// Values of the Boolean variable. @tparam Flag  type of the standard's version: int or bool
 template <class Flag>
 int get_flags(void* component, const std::uint32_t* references, std::size_t count, Flag* values, std::size_t room) noexcept;
 int set_values(void* component, const std::uint32_t* references, std::size_t count, const double* values, std::size_t number) noexcept;

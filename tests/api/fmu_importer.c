@@ -17,7 +17,7 @@
 static fmi2_import_t* two;
 static fmi3_import_t* three;
 
-/* CALL(do_step, (…of 2.0…), (…of 3.0…)): status of the function in the version at hand */
+/* CALL(do_step, (…of 2.0…), (…of 3.0…)): status of the function in the FMU's version */
 #define CALL(name, of_2, of_3) checked(three ? (int)fmi3_import_##name of_3 : (int)fmi2_import_##name of_2, #name)
 #define SAME(name, ...) CALL(name, (two, ##__VA_ARGS__), (three, ##__VA_ARGS__))
 

@@ -1,16 +1,18 @@
 """FMUs in a second importer that others wrote, FMI Library (fmu_importer.c). Exit status 77: its source was not there when tests were built."""
 
+import concurrent.futures
 import os
 import struct
 import subprocess
 import sys
 import tempfile
 import unittest
+import xml.etree.ElementTree
 import zipfile
 
 import cvtflow
 
-PROGRAM, IMPORTER = os.environ["CVTFLOW_PROGRAM"], os.environ.get("CVTFLOW_FMU_IMPORTER", "")
+PROGRAM, COMPILER, IMPORTER = (os.environ.get(f"CVTFLOW_{name}", "") for name in ("PROGRAM", "CXX", "FMU_IMPORTER"))
 if not IMPORTER:
     print("skipped: no source of FMI Library (-DCVTFLOW_FMI_LIBRARY=folder)")
     sys.exit(77)
@@ -93,6 +95,33 @@ class FmiLibrary(unittest.TestCase):
                 self.assertEqual((flags[0], flags[-1]), (False, True))
                 self.assertEqual(said.count("do_step: status 1"), 1, said)
                 self.assertIn("log: status 1, logStatusWarning: unreliable: the residual of the energy balance", said)
+
+    def test_the_library_made_of_its_sources_gives_its_bits(self):
+        names, files = ["ratio", "shaft_1.angle"], {}
+        for version in (2, 3):
+            export(self.file, "tiny", version, "--sources", "--outputs", "ratio,shaft_1/angle")
+            folder = f"{self.folder.name}/{version}"
+            with zipfile.ZipFile(self.file) as parts:
+                parts.extractall(folder)
+            description = xml.etree.ElementTree.parse(f"{folder}/{'modelDescription' if version == 2 else 'sources/buildDescription'}.xml")
+            files[version] = [row.get("name") for row in description.iter("File" if version == 2 else "SourceFile")]
+            self.assertEqual(sorted(files[version]), sorted(f"groups/{name}" for name in os.listdir(f"{folder}/sources/groups")))
+        # The words of build.txt, not optimised and two files at a time: minutes less.
+        words = open(f"{folder}/sources/build.txt").read().split()
+        self.assertEqual([word for word in words if word.endswith(".cpp")], files[3])
+        options = [word for word in words if not word.endswith(".cpp") and word not in ("-O3", "-shared")] + ["-O0"]
+
+        def compiled(name):
+            made = subprocess.run([COMPILER, *options, "-c", name, "-o", f"{name}.o"], cwd=f"{folder}/sources", capture_output=True, text=True)
+            return made.stderr if made.returncode else ""
+
+        with concurrent.futures.ThreadPoolExecutor(2) as pool:
+            self.assertEqual([said for said in pool.map(compiled, files[3]) if said], [])
+        library = f"{folder}/of_sources.so"
+        subprocess.run([COMPILER, "-shared", *(f"{name}.o" for name in files[3]), "-o", library], cwd=f"{folder}/sources", check=True)
+        expected, _ = imported(self.file, 20, 1e-5, ("load_torque", 9.5), names)
+        rows, _ = imported(self.file, 20, 1e-5, ("load_torque", 9.5), names, library)
+        self.assertEqual(rows, expected)
 
 
 if __name__ == "__main__":

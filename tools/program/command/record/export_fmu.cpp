@@ -37,27 +37,26 @@ struct FmuArguments {
     std::string output, author;
     FmuChoice choice;
     int version = 3;
-    bool force = false, quiet = false;
+    bool sources = false, force = false, quiet = false;
 };
 
 std::string bytes_of(const fs::path& path) {
     std::ifstream file(path, std::ios::binary);
     std::error_code error;
-    std::string bytes(file ? fs::file_size(path, error) : 0, '\0');  // in one piece: the library has some 12 MB
+    std::string bytes(file ? fs::file_size(path, error) : 0, '\0');  // in one piece: the library has some 7 MB
     if (!file || error || !file.read(bytes.data(), static_cast<std::streamsize>(bytes.size())))
         throw engine::RecordError(fmt::format("{}: cannot read: {}", path.string(), error ? error.message() : std::strerror(errno)));
     return bytes;
 }
 
-/// A library that an FMU runs, if it is there: beside the program as it was built, or in lib/cvtflow or lib/ARCHITECTURE/cvtflow of its
+/// A part of FMUs, if it is there: beside the program as it was built, or in lib/cvtflow or lib/ARCHITECTURE/cvtflow of its
 /// installation; else empty.
-fs::path fmu_library(const char* name) {
+fs::path fmu_part(const char* name) {
     std::error_code unknown;
     const fs::path folder = fs::canonical("/proc/self/exe", unknown).parent_path(), lib = folder.parent_path() / "lib";
     std::vector<fs::path> places{folder / name, lib / "cvtflow" / name};
     for (const fs::directory_entry& entry : fs::directory_iterator(lib, unknown)) places.push_back(entry.path() / "cvtflow" / name);
-    const auto found =
-        std::find_if(places.begin(), places.end(), [&](const fs::path& place) { return fs::is_regular_file(place, unknown); });
+    const auto found = std::find_if(places.begin(), places.end(), [&](const fs::path& place) { return fs::exists(place, unknown); });
     return found == places.end() ? fs::path() : *found;
 }
 
@@ -70,7 +69,7 @@ struct FmuSystem {
 std::vector<FmuSystem> fmu_systems() {
     std::vector<FmuSystem> systems{{"Linux", "cvtflow_fmu.so", ".so", "linux64", "x86_64-linux"},
                                    {"Windows", "cvtflow_fmu.dll", ".dll", "win64", "x86_64-windows"}};
-    for (FmuSystem& system : systems) system.file = fmu_library(system.library);
+    for (FmuSystem& system : systems) system.file = fmu_part(system.library);
     if (systems[0].file.empty())
         throw engine::RecordError(
             fmt::format("{}: found neither beside this program nor in lib/cvtflow of its installation (cmake --build build --target "
@@ -100,6 +99,30 @@ Simulation settled(const Scene& scene) {
     return simulation;
 }
 
+/// Sources of the library, in the order of their names. @throws RecordError if they are missing
+std::vector<ZipPart> fmu_sources() {
+    const fs::path folder = fmu_part("cvtflow_fmu_sources");
+    if (folder.empty())
+        throw engine::RecordError("cvtflow_fmu_sources: found neither beside this program nor in lib/cvtflow of its installation");
+    std::vector<ZipPart> parts;
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+        if (entry.is_regular_file())
+            parts.push_back({"sources/" + entry.path().lexically_relative(folder).generic_string(), bytes_of(entry.path())});
+    }
+    std::sort(parts.begin(), parts.end(), [](const ZipPart& one, const ZipPart& other) { return one.name < other.name; });
+    return parts;
+}
+
+/// Names of the sources to compile, relative to sources/.
+std::vector<std::string> compiled_sources(const std::vector<ZipPart>& parts) {
+    std::vector<std::string> names;
+    for (const ZipPart& part : parts) {
+        constexpr std::string_view folder = "sources/";
+        if (part.name.starts_with("sources/groups/")) names.push_back(part.name.substr(folder.size()));
+    }
+    return names;
+}
+
 std::string fmu_bytes(const FmuArguments& arguments, const std::vector<FmuSystem>& systems, const tasks::Scene& scene,
                       Simulation& simulation) {
     const bool third = arguments.version == 3;
@@ -111,6 +134,7 @@ std::string fmu_bytes(const FmuArguments& arguments, const std::vector<FmuSystem
     const std::string table = variables_text(variables);
     const std::string token = fmt::format(
         "{{{:016x}}}", engine::Hash().add(std::string_view(text)).add(std::string_view(state_bytes)).add(std::string_view(table)).value());
+    std::vector<ZipPart> sources = arguments.sources ? fmu_sources() : std::vector<ZipPart>();
     const FmuFacts facts{scene.name,
                          identifier_of(scene.name),
                          token,
@@ -118,7 +142,8 @@ std::string fmu_bytes(const FmuArguments& arguments, const std::vector<FmuSystem
                          arguments.author,
                          generation_date(),
                          tasks::latest_end(scene),
-                         scene.vehicle.present()};
+                         scene.vehicle.present(),
+                         compiled_sources(sources)};
     std::vector<ZipPart> files{
         {"modelDescription.xml", third ? model_description_3(facts, variables) : model_description_2(facts, variables)}};
     for (const FmuSystem& system : systems)
@@ -129,6 +154,11 @@ std::string fmu_bytes(const FmuArguments& arguments, const std::vector<FmuSystem
     files.push_back({"resources/variables.txt", table});
     if (third) files.push_back({"terminalsAndIcons/terminalsAndIcons.xml", terminals_text(variables)});
     for (ZipPart& part : fmu_documents(facts, variables, arguments.version)) files.push_back(std::move(part));
+    if (arguments.sources) {
+        if (third) files.push_back({"sources/buildDescription.xml", build_description(facts)});
+        files.push_back({"sources/build.txt", fmt::format("{} -shared -I.\n{}\n", compiler_options, fmt::join(facts.sources, "\n"))});
+    }
+    for (ZipPart& part : sources) files.push_back(std::move(part));
     return zip_file(files);
 }
 
@@ -183,6 +213,7 @@ Action declare_export_fmu(CLI::App& app) {
         ->type_name("KEY,...")
         ->delimiter(',');
     app.add_option("--author", arguments->author, "Author in the model description (default: none)")->type_name("NAME");
+    app.add_flag("--sources", arguments->sources, "Put the sources of the library into the file too, to be compiled for other systems");
     declare_shortcut(app, arguments->scene, "--method", "run.method", "NAME");
     declare_shortcut(app, arguments->scene, "--step", "run.step", "TIME");
     declare_fresh_start(app, arguments->scene);

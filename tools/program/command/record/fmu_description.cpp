@@ -292,6 +292,12 @@ void add_once(std::vector<FmuVariable>& all, std::vector<FmuVariable> rows) {
     }
 }
 
+std::string file_elements(const char* element, const std::vector<std::string>& names) {
+    std::string text;
+    for (const std::string& name : names) text += fmt::format("      <{} name=\"{}\"/>\n", element, html(name));
+    return text;
+}
+
 }  // namespace
 
 std::vector<FmuVariable> fmu_variables(Simulation& simulation, const FmuChoice& choice, bool arrays) {
@@ -299,8 +305,8 @@ std::vector<FmuVariable> fmu_variables(Simulation& simulation, const FmuChoice& 
     for (auto& rows : {inputs(simulation, choice.inputs), outputs(simulation, choice.outputs, arrays),
                        parameters(simulation.scene(), choice.parameters)})
         add_once(all, rows);
-    all.push_back({0, "flag", "unreliable", "1", "the energy balance does not close, so results are wrong (balance.suspicion is above 1)",
-                   1, 0.0, "unreliable"});
+    all.push_back(
+        {0, "flag", "unreliable", "1", "whether the energy balance does not close, so that results are wrong", 1, 0.0, "unreliable"});
     for (std::size_t number = 0; number < all.size(); ++number) all[number].reference = static_cast<std::uint32_t>(number);
     return all;
 }
@@ -316,8 +322,10 @@ std::string model_description_2(const FmuFacts& facts, const std::vector<FmuVari
     std::string text = head(facts, "2.0", "guid");
     text += fmt::format(
         "  <CoSimulation modelIdentifier=\"{}\" canHandleVariableCommunicationStepSize=\"true\" canGetAndSetFMUstate=\"true\" "
-        "canSerializeFMUstate=\"true\"/>\n",
+        "canSerializeFMUstate=\"true\">\n",
         facts.identifier);
+    if (!facts.sources.empty()) text += "    <SourceFiles>\n" + file_elements("File", facts.sources) + "    </SourceFiles>\n";
+    text += "  </CoSimulation>\n";
     text += middle(facts, variables) + "  <ModelVariables>\n";
     std::string unknowns;
     for (std::size_t index = 0; index < variables.size(); ++index) {
@@ -350,6 +358,16 @@ std::string model_description_3(const FmuFacts& facts, const std::vector<FmuVari
         initial += fmt::format("    <InitialUnknown valueReference=\"{}\"/>\n", row.reference);
     }
     return text + "  </ModelVariables>\n  <ModelStructure>\n" + outputs + initial + "  </ModelStructure>\n</fmiModelDescription>\n";
+}
+
+std::string build_description(const FmuFacts& facts) {
+    return fmt::format(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiBuildDescription fmiVersion=\"3.0\">\n  <BuildConfiguration "
+        "modelIdentifier=\"{}\" "
+        "description=\"A shared library, by GCC or Clang: in sources/, c++ @build.txt -o LIBRARY\">\n    <SourceFileSet language=\"C++20\" "
+        "compiler=\"gcc\" compilerOptions=\"{}\">\n{}      <IncludeDirectory name=\".\"/>\n    </SourceFileSet>\n  </BuildConfiguration>\n"
+        "</fmiBuildDescription>\n",
+        facts.identifier, compiler_options, file_elements("SourceFile", facts.sources));
 }
 
 std::string terminals_text(const std::vector<FmuVariable>& variables) {

@@ -6,6 +6,7 @@
 #include <cvtflow/cvtflow.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace cvtflow::tools {
@@ -39,18 +40,25 @@ struct FmuChoice {
 [[nodiscard]] std::string variables_text(const std::vector<FmuVariable>& variables);
 
 struct FmuFacts {
-    std::string name;         ///< of the scene
-    std::string identifier;   ///< of the library inside: a name in C
-    std::string token;        ///< unique to this FMU
-    std::string description;  ///< one line
-    std::string author;       ///< empty: not stated
-    std::string date;         ///< of generation, UTC, ISO 8601; empty: unknown
-    double until = 0.0;       ///< end of the default experiment [s]
-    bool vehicle = false;     ///< whether the scene has one
+    std::string name;                       ///< of the scene
+    std::string identifier;                 ///< of the library inside: a name in C
+    std::string token;                      ///< unique to this FMU
+    std::string description;                ///< one line
+    std::string author;                     ///< empty: not stated
+    std::string date;                       ///< of generation, UTC, ISO 8601; empty: unknown
+    double until = 0.0;                     ///< end of the default experiment [s]
+    bool vehicle = false;                   ///< whether the scene has one
+    std::vector<std::string> sources = {};  ///< files to compile, relative to sources/; empty: the FMU has no sources
 };
 
 [[nodiscard]] std::string model_description_2(const FmuFacts& facts, const std::vector<FmuVariable>& variables);
 [[nodiscard]] std::string model_description_3(const FmuFacts& facts, const std::vector<FmuVariable>& variables);
+
+/// Options that compile the sources to the bits of the libraries; one line.
+inline constexpr std::string_view compiler_options =
+    "-std=c++20 -O3 -DNDEBUG -fPIC -fvisibility=hidden -ffp-contract=off -fno-math-errno -fno-trapping-math";
+/// sources/buildDescription.xml of FMI 3; 2.0 has the files in its description.
+[[nodiscard]] std::string build_description(const FmuFacts& facts);
 
 /// terminalsAndIcons/terminalsAndIcons.xml: the icon, and a bus for each shaft, with its inputs and with the outputs whose names begin with
 /// it.

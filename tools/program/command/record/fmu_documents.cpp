@@ -27,10 +27,15 @@ std::string page_of(const FmuFacts& facts, const std::vector<FmuVariable>& varia
         "of its importer. Communication steps may have any length; inputs are constant within a step. The FMU starts from a settled state; "
         "after a change of a parameter it settles again while its initialisation ends.</p>\n"
         "<p>Where the balance of energy does not close, results are wrong: <code>unreliable</code> becomes true, the step in which it does "
-        "returns a warning, and the log states the reason.</p>\n{4}<p><a "
+        "returns a warning, and the log states the reason.</p>\n{5}{4}<p><a "
         "href=\"licenses/license.txt\">Licences</a></p>\n</body>\n</html>\n",
         html(facts.name), html(facts.description), version, engine::current_provenance().version,
-        table("", "Variables", {"name", "causality", "unit", "meaning"}, rows_of(variables)));
+        table("", "Variables", {"name", "causality", "unit", "meaning"}, rows_of(variables)),
+        facts.sources.empty() ? ""
+                              : fmt::format("<p>sources/ has the library's sources. In that folder, GCC or Clang build it by<br><code>c++ "
+                                            "@build.txt -o ../binaries/{}/{}.so</code><br>and with -march=native for this processor: "
+                                            "the bits are the same.</p>\n",
+                                            version == 2 ? "linux64" : "x86_64-linux", facts.identifier));
 }
 
 }  // namespace

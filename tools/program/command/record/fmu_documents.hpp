@@ -1,5 +1,5 @@
 #pragma once
-/// What an FMU says about itself beside its description: a page, licences, an icon.
+/// Documents of an FMU beside its description: a page, licences, an icon.
 
 #include <vector>
 
