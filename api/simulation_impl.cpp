@@ -1,7 +1,6 @@
 #include "api/simulation_impl.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <utility>
 
@@ -141,10 +140,7 @@ std::string Simulation::Impl::advice(tasks::FaultKind kind) const {
         return "";
     const double stable = simulation_.largest_step().step;
     if (!(stable > 0.0 && std::isfinite(stable))) return "";
-    char digits[64];
-    char* const end = std::to_chars(digits, digits + sizeof digits, stable, std::chars_format::general, 2).ptr;
-    return "; " + simulation_.method_name() + " is stable for steps up to about " +
-           std::string(digits, static_cast<std::size_t>(end - digits)) + " s here";
+    return "; " + tasks::stable_text(simulation_.method_name(), stable);
 }
 
 double Simulation::Impl::earliest_stop() const noexcept {

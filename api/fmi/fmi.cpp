@@ -16,6 +16,7 @@ void check_room(std::size_t variables, std::size_t values) {
 
 [[nodiscard]] const Snapshot& snapshot_behind(const void* state) { return given(static_cast<const Snapshot*>(state), "the state"); }
 
+/// Writes them to the log.
 void say_notices(Component& self) {
     for (const std::string& notice : self.instance.notices()) self.say(fmi_warning, "logStatusWarning", notice);
 }
@@ -30,10 +31,19 @@ void free_instance(void* component) noexcept {
         delete self;
 }
 
+int advance(Component& self, double begin, double length, const Intermediate& intermediate) {
+    const bool was_unreliable = self.instance.unreliable();
+    self.instance.step(begin, length, intermediate);
+    if (was_unreliable || !self.instance.unreliable()) return fmi_ok;
+    say_notices(self);
+    return fmi_warning;
+}
+
 int finish_initialisation(void* component) noexcept {
     return staged(component, "ExitInitializationMode", Stage::initialising, Stage::stepping, [](Component& self) {
         self.instance.finish_initialisation();
         say_notices(self);
+        return self.instance.unreliable() ? fmi_warning : fmi_ok;
     });
 }
 
@@ -55,6 +65,18 @@ int get_values(void* component, const std::uint32_t* references, std::size_t cou
         std::copy(self.found.begin(), self.found.end(), to.begin());
     });
 }
+
+template <class Flag>
+int get_flags(void* component, const std::uint32_t* references, std::size_t count, Flag* values, std::size_t room) noexcept {
+    return guarded(component, [&](Component& self) {
+        check_room(count, room);
+        const std::span<Flag> to = given(values, room, "values");
+        const std::span<const std::uint32_t> from = given(references, count, "value references");
+        std::transform(from.begin(), from.end(), to.begin(), [&](std::uint32_t reference) { return self.instance.flag(reference); });
+    });
+}
+template int get_flags(void*, const std::uint32_t*, std::size_t, int*, std::size_t) noexcept;
+template int get_flags(void*, const std::uint32_t*, std::size_t, bool*, std::size_t) noexcept;
 
 int set_values(void* component, const std::uint32_t* references, std::size_t count, const double* values, std::size_t number) noexcept {
     return guarded(component, [&](Component& self) {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "api/fmi/instance.hpp"
@@ -63,14 +64,24 @@ struct Component {
     }
 }
 
+/// Status that an action returns; OK of one that returns nothing.
+template <class Action>
+int status_of(Action&& action, Component& self) {
+    if constexpr (std::is_void_v<decltype(action(self))>) {
+        action(self);
+        return fmi_ok;
+    } else {
+        return action(self);
+    }
+}
+
 /// Runs `action` on the component; whatever it throws becomes a line in the log and an error.
 template <class Action>
 int guarded(void* component, Action&& action) noexcept {
     if (component == nullptr) return fmi_error;
     auto& self = *static_cast<Component*>(component);
     try {
-        action(self);
-        return fmi_ok;
+        return status_of(action, self);
     } catch (const std::exception& error) {
         try {
             self.say(fmi_error, "logStatusError", error.what());
@@ -86,8 +97,9 @@ template <class Action>
 int staged(void* component, const char* function, Stage from, Stage to, Action&& action) noexcept {
     return guarded(component, [&](Component& self) {
         if (self.stage != from) throw Error(ErrorCode::argument, std::string(function) + ": not allowed now: " + stage_text(self.stage));
-        action(self);
+        const int status = status_of(action, self);
         self.stage = to;
+        return status;
     });
 }
 
@@ -109,6 +121,9 @@ int finish_initialisation(void* component) noexcept;
 int terminate(void* component) noexcept;
 int reset(void* component) noexcept;
 int get_values(void* component, const std::uint32_t* references, std::size_t count, double* values, std::size_t room) noexcept;
+/// Values of the Boolean variable. @tparam Flag  type of the standard's version: int or bool
+template <class Flag>
+int get_flags(void* component, const std::uint32_t* references, std::size_t count, Flag* values, std::size_t room) noexcept;
 int set_values(void* component, const std::uint32_t* references, std::size_t count, const double* values, std::size_t number) noexcept;
 int get_state(void* component, void** state) noexcept;
 int set_state(void* component, const void* state) noexcept;
@@ -117,6 +132,8 @@ int state_size(void* component, const void* state, std::size_t* size) noexcept;
 int write_state(void* component, const void* state, void* bytes, std::size_t size) noexcept;
 int read_state(void* component, const void* bytes, std::size_t size, void** state) noexcept;
 int set_logging(void* component, bool on, std::size_t count, const char* const* categories) noexcept;
+/// Instance::step(). @return a warning, with lines in the log, if the results have become unreliable in it, else OK
+int advance(Component& self, double begin, double length, const Intermediate& intermediate);
 /// For functions of the standard that this FMU does not offer.
 int not_offered(void* component, const char* function) noexcept;
 

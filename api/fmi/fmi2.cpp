@@ -89,13 +89,16 @@ CVTFLOW_FMI int fmi2Reset(void* c) { return fmi::reset(c); }
 CVTFLOW_FMI int fmi2GetReal(void* c, const Reference references[], size_t count, double values[]) {
     return fmi::get_values(c, references, count, values, count);
 }
+CVTFLOW_FMI int fmi2GetBoolean(void* c, const Reference references[], size_t count, int values[]) {
+    return fmi::get_flags(c, references, count, values, count);
+}
 CVTFLOW_FMI int fmi2SetReal(void* c, const Reference references[], size_t count, const double values[]) {
     return fmi::set_values(c, references, count, values, count);
 }
 
 CVTFLOW_FMI int fmi2DoStep(void* c, double begin, double length, int) {
     return staged(c, "fmi2DoStep", Stage::stepping, Stage::stepping,
-                  [&](Component& self) { static_cast<void>(self.instance.step(begin, length, {})); });
+                  [&](Component& self) { return fmi::advance(self, begin, length, {}); });
 }
 
 CVTFLOW_FMI int fmi2GetFMUstate(void* c, void** state) { return fmi::get_state(c, state); }
@@ -113,11 +116,10 @@ CVTFLOW_FMI int fmi2GetRealStatus(void* c, int kind, double* value) {
     return guarded(c, [&](Component& self) { given(value, "the value") = self.instance.now(); });
 }
 
-// No variable has these types, and nothing runs after a call has returned.
+// No variable that can be set has these types, and nothing runs after a call has returned.
 #define NOT_OFFERED(name, ...) \
     CVTFLOW_FMI int name(void* c, __VA_ARGS__) { return not_offered(c, #name); }
 NOT_OFFERED(fmi2GetInteger, const Reference[], size_t, int[])
-NOT_OFFERED(fmi2GetBoolean, const Reference[], size_t, int[])
 NOT_OFFERED(fmi2GetString, const Reference[], size_t, const char*[])
 NOT_OFFERED(fmi2SetInteger, const Reference[], size_t, const int[])
 NOT_OFFERED(fmi2SetBoolean, const Reference[], size_t, const int[])

@@ -81,6 +81,9 @@ CVTFLOW_FMI int fmi3Reset(void* c) { return fmi::reset(c); }
 CVTFLOW_FMI int fmi3GetFloat64(void* c, const Reference references[], size_t count, double values[], size_t room) {
     return fmi::get_values(c, references, count, values, room);
 }
+CVTFLOW_FMI int fmi3GetBoolean(void* c, const Reference references[], size_t count, bool values[], size_t room) {
+    return fmi::get_flags(c, references, count, values, room);
+}
 CVTFLOW_FMI int fmi3SetFloat64(void* c, const Reference references[], size_t count, const double values[], size_t number) {
     return fmi::set_values(c, references, count, values, number);
 }
@@ -89,8 +92,10 @@ CVTFLOW_FMI int fmi3DoStep(void* c, double begin, double length, bool, bool* eve
     const int status = staged(c, "fmi3DoStep", Stage::stepping, Stage::stepping, [&](Component& self) {
         given(event, "eventHandlingNeeded") = given(terminate, "terminateSimulation") = given(early, "earlyReturn") = false;
         given(reached, "lastSuccessfulTime") = self.instance.now();
-        *reached = self.instance.step(begin, length, static_cast<Component3&>(self).intermediate());
+        const int outcome = fmi::advance(self, begin, length, static_cast<Component3&>(self).intermediate());
+        *reached = self.instance.now();
         *early = *reached < begin + length;
+        return outcome;
     });
     if (c != nullptr && static_cast<Component*>(c)->freed) fmi::free_instance(c);
     return status;
@@ -141,12 +146,13 @@ NO_VALUES(Int32, std::int32_t)
 NO_VALUES(UInt32, std::uint32_t)
 NO_VALUES(Int64, std::int64_t)
 NO_VALUES(UInt64, std::uint64_t)
-NO_VALUES(Boolean, bool)
 NO_VALUES(String, Text)
 NOT_OFFERED(fmi3GetBinary, const Reference[], size_t, size_t[], const std::uint8_t*[], size_t)
 NOT_OFFERED(fmi3SetBinary, const Reference[], size_t, const size_t[], const std::uint8_t* const[], size_t)
 NOT_OFFERED(fmi3GetClock, const Reference[], size_t, bool[])
 NOT_OFFERED(fmi3SetClock, const Reference[], size_t, const bool[])
+
+NOT_OFFERED(fmi3SetBoolean, const Reference[], size_t, const bool[], size_t)
 
 // Derivatives.
 NOT_OFFERED(fmi3GetVariableDependencies, Reference, size_t[], Reference[], size_t[], int[], size_t)

@@ -104,10 +104,17 @@ void Instance::get(std::uint32_t reference, std::vector<double>& values) {
     if (row.kind == VariableKind::time) return values.push_back(now_);
     if (row.kind == VariableKind::parameter) return values.push_back(parameter(row.name));
     if (row.kind == VariableKind::input) return values.push_back(simulation().input(input_of(row.name)));
+    if (row.kind == VariableKind::flag) throw Error(ErrorCode::argument, row.name + ": is Boolean");
     const std::span<const double> now = simulation().channel(row.name);
     if (row.element + row.width > now.size()) throw Error(ErrorCode::argument, row.name + ": has fewer values");
     values.insert(values.end(), now.begin() + static_cast<std::ptrdiff_t>(row.element),
                   now.begin() + static_cast<std::ptrdiff_t>(row.element + row.width));
+}
+
+bool Instance::flag(std::uint32_t reference) {
+    const Variable& row = variable(reference);
+    if (row.kind != VariableKind::flag) throw Error(ErrorCode::argument, row.name + ": is not Boolean");
+    return unreliable();
 }
 
 void Instance::set(std::uint32_t reference, double value) {
@@ -129,7 +136,7 @@ void Instance::require_step(double begin, double length) const {
     if (length > 0.0 && !(begin + length > begin)) throw Error(ErrorCode::argument, step + ": shorter than the resolution of time there");
 }
 
-double Instance::step(double begin, double length, const Intermediate& intermediate) {
+void Instance::step(double begin, double length, const Intermediate& intermediate) {
     require_step(begin, length);
     const double last = now_, end = std::max(begin + length, now_);
     Simulation& inside = simulation();
@@ -150,7 +157,6 @@ double Instance::step(double begin, double length, const Intermediate& intermedi
         now_ = last;
         throw;
     }
-    return now_;
 }
 
 Snapshot Instance::snapshot() { return {parameters_, start_, now_, ready_, simulation().state()}; }
@@ -180,7 +186,8 @@ Variables read_variables(const std::string& path) {
     static const std::map<std::string, VariableKind> kinds{{"time", VariableKind::time},
                                                            {"input", VariableKind::input},
                                                            {"output", VariableKind::output},
-                                                           {"parameter", VariableKind::parameter}};
+                                                           {"parameter", VariableKind::parameter},
+                                                           {"flag", VariableKind::flag}};
     Variables variables;
     std::istringstream lines(read_file(path));
     for (std::string line; std::getline(lines, line);) {

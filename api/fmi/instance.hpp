@@ -12,7 +12,7 @@
 
 namespace cvtflow::fmi {
 
-enum class VariableKind { time, input, output, parameter };
+enum class VariableKind { time, input, output, parameter, flag };
 
 struct Variable {
     VariableKind kind = VariableKind::time;
@@ -28,6 +28,7 @@ struct Variable {
 ///     5 output 24 links/tension        value reference, kind, values, name
 ///     29 output 1 links/tension 3      one element of a channel, counted from 0
 ///     40 parameter 1 tip.mass
+///     41 flag 1 unreliable                 the only Boolean
 using Variables = std::map<std::uint32_t, Variable>;
 
 /// @throws Error (argument) for malformed lines
@@ -61,21 +62,25 @@ public:
     void finish_initialisation();
     void reset();
 
-    /// All values of a variable, appended. @throws Error (argument) for an unknown reference
+    /// All values of a variable, appended. @throws Error (argument) for an unknown reference, and for the flag
     void get(std::uint32_t reference, std::vector<double>& values);
+    /// Value of the flag. @throws Error (argument) for other references
+    [[nodiscard]] bool flag(std::uint32_t reference);
     /// value [unit of the variable]. @throws Error (argument) for outputs, and for parameters after the initialisation
     void set(std::uint32_t reference, double value);
     [[nodiscard]] std::size_t width(std::uint32_t reference) const { return variable(reference).width; }
 
-    /// One communication step. @return the time it reached: its end, or where `intermediate` ended it [s]
-    /// @throws Error (argument) if it does not begin where the last one ended; faults, after which now() is the end of the last step
-    double step(double begin, double length, const Intermediate& intermediate);
+    /// One communication step [s]; now() is then its end, or where `intermediate` ended it. @throws Error (argument) if it does not
+    /// begin where the last one ended; faults, after which now() is the end of the last step
+    void step(double begin, double length, const Intermediate& intermediate);
 
     [[nodiscard]] Snapshot snapshot();
     /// @throws Error (state); nothing has changed then
     void restore(const Snapshot& snapshot);
     /// Inside a step the time of the callback [s].
     [[nodiscard]] double now() const noexcept { return now_; }
+    /// Whether the energy balance does not close, so that results are wrong.
+    [[nodiscard]] bool unreliable() { return !simulation().energy().reliable; }
     /// Warnings, one line each.
     [[nodiscard]] std::vector<std::string> notices() { return simulation().notices(); }
 

@@ -436,4 +436,8 @@ std::string unreliable_text(double balance_error_ratio, const AutoNumber& settin
     return fmt::format("unreliable: the residual of the energy balance is {:.2g} times the tolerance; {}", balance_error_ratio, advice);
 }
 
+std::string stable_text(const std::string& method, double step) {
+    return fmt::format("{} is stable for steps up to about {:.2g} s here", method, step);
+}
+
 }  // namespace cvtflow::tasks

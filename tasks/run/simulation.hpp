@@ -205,5 +205,7 @@ private:
 /// EnergyLedger::balance_error_ratio(), above 1
 /// @param setting run.step   @param step the last one that was chosen [s]
 [[nodiscard]] std::string unreliable_text(double balance_error_ratio, const AutoNumber& setting, double step);
+/// @param step  largest stable one of the method [s]
+[[nodiscard]] std::string stable_text(const std::string& method, double step);
 
 }  // namespace cvtflow::tasks

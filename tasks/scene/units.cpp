@@ -319,18 +319,20 @@ DisplayUnit display_unit(std::string_view name, std::string_view unit) {
     return {unit, 1.0};
 }
 
-std::string number_text(double number) {
+std::string number_text(double number) {  // by fmt: std::to_chars would bring 100 kB of tables into the core library
     if (number == 0.0) return "0";
-    const auto written = [number](std::chars_format format) {
-        std::array<char, 400> buffer{};
-        return std::string(buffer.data(), std::to_chars(buffer.data(), buffer.data() + buffer.size(), number, format).ptr);
-    };
+    const std::string shortest = fmt::format("{}", number);  // 1234.5, 0.0012, 1.2e-07, inf
+    if (!std::isfinite(number)) return shortest;
     const double size = std::abs(number);
-    std::string scientific = written(std::chars_format::scientific);
-    const auto e = scientific.find('e');
-    if (e == std::string::npos) return scientific;  // inf, nan
-    scientific = fmt::format("{}e{}", scientific.substr(0, e), std::atoi(scientific.c_str() + e + 1));
-    std::string fixed = written(std::chars_format::fixed);
+    const std::size_t e = std::min(shortest.find('e'), shortest.size()), whole = std::min(shortest.find('.'), e);
+    std::string digits = shortest.substr(0, whole) + (whole < e ? shortest.substr(whole + 1, e - whole - 1) : "");
+    const std::size_t first = digits.find_first_not_of("-0");
+    const int exponent =
+        static_cast<int>(whole) - static_cast<int>(first) - 1 + (e < shortest.size() ? std::stoi(shortest.substr(e + 1)) : 0);
+    digits = digits.substr(first, digits.find_last_not_of('0') + 1 - first);
+    if (digits.size() > 1) digits.insert(1, ".");
+    const std::string scientific = fmt::format("{}{}e{}", number < 0.0 ? "-" : "", digits, exponent);
+    const std::string fixed = size < 1e16 ? shortest : fmt::format("{:.0f}", number);
     const bool plain = (size >= 0.1 && size < 1e4) || (size >= 1e4 && fixed.size() <= scientific.size());
     return plain ? fixed : scientific;
 }

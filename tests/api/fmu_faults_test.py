@@ -12,7 +12,7 @@ import subprocess
 import tempfile
 import unittest
 
-from fmu_stages_test import ERROR, OK, Fmu
+from fmu_stages_test import ERROR, OK, WARNING, Fmu
 
 # Arguments after the instance: i number, d time, b flag, n count, r a value reference, p pointer, s a state.
 STATES = {"GetFMU{}": "p", "SetFMU{}": "s", "FreeFMU{}": "p", "SerializedFMU{}Size": "sp", "SerializeFMU{}": "spN"}
@@ -180,6 +180,27 @@ class Faults(unittest.TestCase):
             with self.subTest(fmi=version, start=start), tempfile.TemporaryDirectory() as folder:
                 fmu = Fmu(folder, version)
                 self.assertIn(ERROR, [fmu.setup(start), fmu.enter(start), fmu.exit(), fmu.step(start, 1e-5)])
+
+
+class Unreliable(unittest.TestCase):
+    def test_a_step_that_makes_results_unreliable_warns_once(self):
+        for version in (2, 3):
+            with self.subTest(fmi=version), tempfile.TemporaryDirectory() as folder:
+                fmu = ready(folder, version, more=("--method", "rk4", "--step", "200 ns"))
+                state, one, reference = snapshot(fmu), ctypes.c_size_t(1), (ctypes.c_uint * 1)(fmu.references["unreliable"])
+
+                def unreliable():
+                    flag = (ctypes.c_int if version == 2 else ctypes.c_bool)()
+                    room = [one] if version == 3 else []
+                    self.assertEqual(fmu.call("GetBoolean", reference, one, ctypes.byref(flag), *room), OK)
+                    return bool(flag.value)
+
+                for _ in range(2):  # also after the return to a reliable state
+                    self.assertFalse(unreliable())
+                    statuses = [fmu.step(1e-5 * number, 1e-5) for number in range(10)]
+                    self.assertEqual(sorted(statuses), [OK] * 9 + [WARNING])
+                    self.assertTrue(unreliable())
+                    self.assertEqual(fmu.call(name_of(fmu, "SetFMUState"), state), OK)
 
 
 class Callbacks(unittest.TestCase):

@@ -16,24 +16,24 @@ import zipfile
 
 PROGRAM = sys.argv.pop(1)
 sys.dont_write_bytecode = True
-OK, ERROR = 0, 3
+OK, WARNING, ERROR = 0, 1, 3
 
 
 @functools.cache
-def exported(scene, version):
+def exported(scene, version, more):
     with tempfile.TemporaryDirectory() as folder:
         file = pathlib.Path(folder, "one.fmu")
-        subprocess.run([PROGRAM, "export-fmu", scene, "-o", file, "-q", "--fmi", str(version)], check=True)
+        subprocess.run([PROGRAM, "export-fmu", scene, "-o", file, "-q", "--fmi", str(version), *more], check=True)
         return file.read_bytes()
 
 
 class Fmu:
     """One instance of version 2 or 3, by its functions' short names."""
 
-    def __init__(self, folder, version, scene="tiny", update=None):
+    def __init__(self, folder, version, scene="tiny", update=None, more=()):
         self.version = version
         inside = pathlib.Path(folder, f"fmi{version}")
-        with zipfile.ZipFile(io.BytesIO(exported(scene, version))) as parts:
+        with zipfile.ZipFile(io.BytesIO(exported(scene, version, more))) as parts:
             parts.extractall(inside)
         token = xml.etree.ElementTree.parse(inside / "modelDescription.xml").getroot()
         self.references = {row.get("name"): int(row.get("valueReference")) for row in token.iter() if row.get("valueReference")}

@@ -308,22 +308,39 @@ class Vehicle(unittest.TestCase):
             self.assertEqual(self.run_example("5", "--fmu", file), self.run_example("5"))
 
 
+class Car(unittest.TestCase):
+    """A car that follows a driving cycle, by the step of the description."""
+
+    def test_bits_are_those_of_the_core(self):
+        for version in (2, 3):
+            with self.subTest(fmi=version), tempfile.TemporaryDirectory() as folder:
+                subprocess.run([PROGRAM, "export-fmu", "ece15", "-o", f"{folder}/car.fmu", "-q", "--fmi", str(version), "--outputs", "vehicle/*"], check=True)
+                rows = simulate_fmu(f"{folder}/car.fmu", stop_time=0.2)
+                alone = cvtflow.Simulation(cvtflow.Scene.ready("ece15"))
+                alone.advance_to(0.0)
+                self.assertEqual(len(rows), 201)
+                for row in rows:
+                    alone.advance_to(row["time"])
+                    for name in ("speed", "kinetic", "rolling", "clutch"):
+                        self.assertEqual(row[f"vehicle.{name}"], alone.channel(f"vehicle/{name}")[0])
+
+
 class Description(unittest.TestCase):
     """What importers show."""
 
-    def parts(self, version, *more, environment=None):
+    def parts(self, version, *more, environment=None, scene="tiny"):
         """Roots of the XML files in an FMU, by their names."""
         with tempfile.TemporaryDirectory() as folder:
-            command = [PROGRAM, "export-fmu", "tiny", "-o", f"{folder}/one.fmu", "-q", "--fmi", str(version), *more]
+            command = [PROGRAM, "export-fmu", scene, "-o", f"{folder}/one.fmu", "-q", "--fmi", str(version), *more]
             subprocess.run(command, check=True, env={**os.environ, **(environment or {})})
             with zipfile.ZipFile(f"{folder}/one.fmu") as file:
                 return {name: etree.fromstring(file.read(name)) for name in file.namelist() if name.endswith(".xml")}
 
     def test_all_xml_follows_the_schemas_of_the_standard(self):
         everything = ["--outputs", "all", "--parameters", "all", "--set", "control.enabled=true"]
-        for version, more in itertools.product((2, 3), ([], everything)):
+        for version, more in itertools.product((2, 3), ([], everything, ["--sources"])):
             for name, root in self.parts(version, *more).items():
-                kind = {"modelDescription.xml": "ModelDescription", "terminalsAndIcons/terminalsAndIcons.xml": "TerminalsAndIcons"}[name]
+                kind = {"sources/buildDescription.xml": "BuildDescription", "modelDescription.xml": "ModelDescription", "terminalsAndIcons/terminalsAndIcons.xml": "TerminalsAndIcons"}[name]
                 schema = etree.XMLSchema(file=f"{FMPY}/fmpy/schema/fmi{version}/fmi{version}{kind}.xsd")
                 self.assertTrue(schema.validate(root), (version, more, name, schema.error_log))
 
@@ -351,6 +368,25 @@ class Description(unittest.TestCase):
                 self.assertLessEqual(float(row["start"]), float(row["max"]))
         self.assertEqual(rows["tip.friction_coefficient"]["nominal"], "0.01")
         self.assertEqual(float(rows["load_torque"]["start"]), 12.0)
+
+    def test_page_licence_and_icon_are_where_the_standard_has_them(self):
+        places = {2: {"model.png"}, 3: {"terminalsAndIcons/icon.png", "terminalsAndIcons/icon.svg"}}
+        for version, icons in places.items():
+            with self.subTest(fmi=version), tempfile.TemporaryDirectory() as folder:
+                export(f"{folder}/one.fmu", version)
+                with zipfile.ZipFile(f"{folder}/one.fmu") as file:
+                    self.assertLessEqual(icons | {"documentation/index.html", "documentation/licenses/license.txt"}, set(file.namelist()))
+                    self.assertTrue(all(file.read(icon).startswith((b"\x89PNG", b"<svg")) for icon in icons))
+                    page, licences = (file.read(f"documentation/{name}").decode() for name in ("index.html", "licenses/license.txt"))
+                for name in ("tip.friction_coefficient", "unreliable", "shaft_2.speed"):
+                    self.assertIn(f"<td>{name}</td>", page)
+                for text in ("Apache License", "Niels Lohmann", "Victor Zverovich", "Mark Gillard"):
+                    self.assertIn(text, licences)
+
+    def test_steps_suit_a_vehicle(self):
+        for scene, until, step in (("ece15", "195 s", "0.001"), ("ece15", "20 ms", "0.001"), ("tiny", "20 ms", "0.0001"), ("tiny", "50 ms", "0.001")):
+            root = self.parts(3, "--set", f"run.until={until}", scene=scene)["modelDescription.xml"]
+            self.assertEqual(root.find("DefaultExperiment").get("stepSize"), step, (scene, until))
 
     def test_author_and_date_are_stated(self):
         plain = self.parts(3)["modelDescription.xml"]

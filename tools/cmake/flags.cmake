@@ -43,6 +43,8 @@ endif()
 # Code that waits for the libraries' code: tests and command lines. Half of a build is theirs.
 add_library(cvtflow_outer INTERFACE)
 target_compile_options(cvtflow_outer INTERFACE $<$<CONFIG:Release>:-O1>)
+add_library(cvtflow_small INTERFACE)   # parts of FMUs that run seldom
+target_compile_options(cvtflow_small INTERFACE $<$<CONFIG:Release>:-Os>)
 add_library(cvtflow_tested INTERFACE)   # tests themselves
 target_compile_options(cvtflow_tested INTERFACE $<$<CONFIG:Release>:-Og>)
 

@@ -1,9 +1,13 @@
 #include "tasks/scene/units.hpp"
 
+#include <charconv>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <numbers>
+#include <random>
 #include <stdexcept>
+#include <string>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -196,6 +200,28 @@ TEST(NumberText, IsShortAndReadsBackEqual) {
     EXPECT_EQ(number_text(0), "0");
     for (const double number : {1.0 / 3.0, 209.43951023931953, 1e-300, 5e-324, 1.7976931348623157e308, -0.19198621771937624})
         EXPECT_EQ(std::strtod(number_text(number).c_str(), nullptr), number);
+}
+
+TEST(NumberText, HasTheDigitsOfTheStandardLibrary) {
+    const auto expected = [](double number) {
+        const auto written = [number](std::chars_format format) {
+            char text[400];
+            return std::string(text, std::to_chars(text, text + sizeof text, number, format).ptr);
+        };
+        std::string scientific = written(std::chars_format::scientific);
+        const std::size_t e = scientific.find('e');
+        scientific = scientific.substr(0, e + 1) + std::to_string(std::stoi(scientific.substr(e + 1)));
+        const double size = std::abs(number);
+        const std::string fixed = written(std::chars_format::fixed);
+        return (size >= 0.1 && size < 1e4) || (size >= 1e4 && fixed.size() <= scientific.size()) ? fixed : scientific;
+    };
+    std::mt19937_64 random(1);
+    for (int k = 0; k < 20000; ++k) {
+        const double number = (k % 2 == 0 ? 1.0 : -1.0) * std::pow(10.0, std::uniform_real_distribution(-8.0, 24.0)(random));
+        EXPECT_EQ(number_text(number), expected(number));
+        EXPECT_EQ(number_text(std::round(number)), std::round(number) == 0.0 ? "0" : expected(std::round(number)));
+    }
+    EXPECT_EQ(number_text(-std::numeric_limits<double>::infinity()), "-inf");
 }
 
 }  // namespace

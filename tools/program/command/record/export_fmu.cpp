@@ -1,20 +1,16 @@
 #include <fmt/format.h>
-#include <zlib.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
-#include <cstdint>
 #include <cstring>
 #include <cvtflow/cvtflow.hpp>
 #include <filesystem>
 #include <fstream>
-#include <limits>
 #include <memory>
-#include <new>
-#include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine/base/hash.hpp"
@@ -23,6 +19,8 @@
 #include "tools/program/arguments.hpp"
 #include "tools/program/command/command.hpp"
 #include "tools/program/command/record/fmu_description.hpp"
+#include "tools/program/command/record/fmu_documents.hpp"
+#include "tools/program/command/record/zip_file.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output.hpp"
 #include "tools/program/text/markup.hpp"
@@ -39,27 +37,26 @@ struct FmuArguments {
     std::string output, author;
     FmuChoice choice;
     int version = 3;
-    bool force = false, quiet = false;
+    bool sources = false, force = false, quiet = false;
 };
 
 std::string bytes_of(const fs::path& path) {
     std::ifstream file(path, std::ios::binary);
     std::error_code error;
-    std::string bytes(file ? fs::file_size(path, error) : 0, '\0');  // in one piece: the library has some 12 MB
+    std::string bytes(file ? fs::file_size(path, error) : 0, '\0');  // in one piece: the library has some 7 MB
     if (!file || error || !file.read(bytes.data(), static_cast<std::streamsize>(bytes.size())))
         throw engine::RecordError(fmt::format("{}: cannot read: {}", path.string(), error ? error.message() : std::strerror(errno)));
     return bytes;
 }
 
-/// A library that an FMU runs, if it is there: beside the program as it was built, or in lib/cvtflow or lib/ARCHITECTURE/cvtflow of its
+/// A part of FMUs, if it is there: beside the program as it was built, or in lib/cvtflow or lib/ARCHITECTURE/cvtflow of its
 /// installation; else empty.
-fs::path fmu_library(const char* name) {
+fs::path fmu_part(const char* name) {
     std::error_code unknown;
     const fs::path folder = fs::canonical("/proc/self/exe", unknown).parent_path(), lib = folder.parent_path() / "lib";
     std::vector<fs::path> places{folder / name, lib / "cvtflow" / name};
     for (const fs::directory_entry& entry : fs::directory_iterator(lib, unknown)) places.push_back(entry.path() / "cvtflow" / name);
-    const auto found =
-        std::find_if(places.begin(), places.end(), [&](const fs::path& place) { return fs::is_regular_file(place, unknown); });
+    const auto found = std::find_if(places.begin(), places.end(), [&](const fs::path& place) { return fs::exists(place, unknown); });
     return found == places.end() ? fs::path() : *found;
 }
 
@@ -72,7 +69,7 @@ struct FmuSystem {
 std::vector<FmuSystem> fmu_systems() {
     std::vector<FmuSystem> systems{{"Linux", "cvtflow_fmu.so", ".so", "linux64", "x86_64-linux"},
                                    {"Windows", "cvtflow_fmu.dll", ".dll", "win64", "x86_64-windows"}};
-    for (FmuSystem& system : systems) system.file = fmu_library(system.library);
+    for (FmuSystem& system : systems) system.file = fmu_part(system.library);
     if (systems[0].file.empty())
         throw engine::RecordError(
             fmt::format("{}: found neither beside this program nor in lib/cvtflow of its installation (cmake --build build --target "
@@ -102,97 +99,28 @@ Simulation settled(const Scene& scene) {
     return simulation;
 }
 
-/// A part of a ZIP file.
-struct ZipPart {
-    std::string name;  ///< with '/' between folders
-    std::string bytes;
-};
-
-constexpr std::uint16_t version = 20;                  // of the format: folders
-constexpr std::uint16_t first_of_january_1980 = 0x21;  // a file is the same whenever it is made
-constexpr std::uint32_t plain_file = 0100644u << 16;
-constexpr std::uint16_t from_unix = 3 << 8 | version;
-
-constexpr std::size_t worth_compressing = 65536;
-
-/// Without zlib's own header, as ZIP wants it.
-std::string deflated(const std::string& bytes) {
-    z_stream stream{};
-    if (deflateInit2(&stream, Z_BEST_COMPRESSION, Z_DEFLATED, -MAX_WBITS, MAX_MEM_LEVEL, Z_DEFAULT_STRATEGY) != Z_OK)
-        throw std::bad_alloc();
-    std::string out(deflateBound(&stream, bytes.size()), '\0');
-    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-    stream.avail_in = static_cast<uInt>(bytes.size());
-    stream.next_out = reinterpret_cast<Bytef*>(out.data());
-    stream.avail_out = static_cast<uInt>(out.size());
-    const int status = deflate(&stream, Z_FINISH);
-    out.resize(stream.total_out);
-    deflateEnd(&stream);
-    if (status != Z_STREAM_END) throw std::runtime_error("zip: zlib cannot compress");
-    return out;
-}
-
-/// A part as it is in the file.
-struct Packed {
-    const ZipPart& part;
-    bool compressed = part.bytes.size() >= worth_compressing;
-    std::string bytes = compressed ? deflated(part.bytes) : part.bytes;
-    std::uint32_t sum =
-        static_cast<std::uint32_t>(crc32(0, reinterpret_cast<const Bytef*>(part.bytes.data()), static_cast<uInt>(part.bytes.size())));
-};
-
-template <class T>
-void add(std::string& file, T number) {
-    for (std::size_t byte = 0; byte < sizeof number; ++byte) file += static_cast<char>(number >> 8 * byte & 0xFFu);
-}
-
-/// Facts that local header and directory have in common: flags, method, time, date, sum, sizes, lengths.
-void add_facts(std::string& file, const Packed& packed) {
-    add<std::uint16_t>(file, 0x0800);  // names are UTF-8
-    add<std::uint16_t>(file, packed.compressed ? Z_DEFLATED : 0);
-    add<std::uint16_t>(file, 0);
-    add(file, first_of_january_1980);
-    add(file, packed.sum);
-    add(file, static_cast<std::uint32_t>(packed.bytes.size()));
-    add(file, static_cast<std::uint32_t>(packed.part.bytes.size()));
-    add(file, static_cast<std::uint16_t>(packed.part.name.size()));
-    add<std::uint16_t>(file, 0);
-}
-
-/// The parts as a ZIP file, compressed from 64 KiB on: the same bytes for the same parts and version of zlib. @throws std::length_error
-/// beyond 2 GiB
-std::string zip_file(const std::vector<ZipPart>& parts) {
-    std::string file, directory;
-    for (const ZipPart& part : parts) {
-        if (part.bytes.size() > std::numeric_limits<std::uint32_t>::max() / 2) throw std::length_error("zip: a part of more than 2 GiB");
-        const Packed packed{part};
-        const auto begin = static_cast<std::uint32_t>(file.size());
-        add<std::uint32_t>(file, 0x04034B50);
-        add(file, version);
-        add_facts(file, packed);
-        file += part.name + packed.bytes;
-        if (file.size() > std::numeric_limits<std::uint32_t>::max() / 2) throw std::length_error("zip: more than 2 GiB");
-        add<std::uint32_t>(directory, 0x02014B50);
-        add(directory, from_unix);
-        add(directory, version);
-        add_facts(directory, packed);
-        add<std::uint16_t>(directory, 0);
-        add<std::uint16_t>(directory, 0);
-        add<std::uint16_t>(directory, 0);
-        add(directory, plain_file);
-        add(directory, begin);
-        directory += part.name;
+/// Sources of the library, in the order of their names. @throws RecordError if they are missing
+std::vector<ZipPart> fmu_sources() {
+    const fs::path folder = fmu_part("cvtflow_fmu_sources");
+    if (folder.empty())
+        throw engine::RecordError("cvtflow_fmu_sources: found neither beside this program nor in lib/cvtflow of its installation");
+    std::vector<ZipPart> parts;
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+        if (entry.is_regular_file())
+            parts.push_back({"sources/" + entry.path().lexically_relative(folder).generic_string(), bytes_of(entry.path())});
     }
-    const auto place = static_cast<std::uint32_t>(file.size());
-    file += directory;
-    add<std::uint32_t>(file, 0x06054B50);
-    add<std::uint32_t>(file, 0);
-    add(file, static_cast<std::uint16_t>(parts.size()));
-    add(file, static_cast<std::uint16_t>(parts.size()));
-    add(file, static_cast<std::uint32_t>(directory.size()));
-    add(file, place);
-    add<std::uint16_t>(file, 0);
-    return file;
+    std::sort(parts.begin(), parts.end(), [](const ZipPart& one, const ZipPart& other) { return one.name < other.name; });
+    return parts;
+}
+
+/// Names of the sources to compile, relative to sources/.
+std::vector<std::string> compiled_sources(const std::vector<ZipPart>& parts) {
+    std::vector<std::string> names;
+    for (const ZipPart& part : parts) {
+        constexpr std::string_view folder = "sources/";
+        if (part.name.starts_with("sources/groups/")) names.push_back(part.name.substr(folder.size()));
+    }
+    return names;
 }
 
 std::string fmu_bytes(const FmuArguments& arguments, const std::vector<FmuSystem>& systems, const tasks::Scene& scene,
@@ -206,8 +134,16 @@ std::string fmu_bytes(const FmuArguments& arguments, const std::vector<FmuSystem
     const std::string table = variables_text(variables);
     const std::string token = fmt::format(
         "{{{:016x}}}", engine::Hash().add(std::string_view(text)).add(std::string_view(state_bytes)).add(std::string_view(table)).value());
-    const FmuFacts facts{scene.name,        identifier_of(scene.name), token, scene.description, arguments.author,
-                         generation_date(), tasks::latest_end(scene)};
+    std::vector<ZipPart> sources = arguments.sources ? fmu_sources() : std::vector<ZipPart>();
+    const FmuFacts facts{scene.name,
+                         identifier_of(scene.name),
+                         token,
+                         scene.description,
+                         arguments.author,
+                         generation_date(),
+                         tasks::latest_end(scene),
+                         scene.vehicle.present(),
+                         compiled_sources(sources)};
     std::vector<ZipPart> files{
         {"modelDescription.xml", third ? model_description_3(facts, variables) : model_description_2(facts, variables)}};
     for (const FmuSystem& system : systems)
@@ -216,8 +152,13 @@ std::string fmu_bytes(const FmuArguments& arguments, const std::vector<FmuSystem
     files.push_back({"resources/scene.toml", text});
     files.push_back({"resources/state.bin", state_bytes});
     files.push_back({"resources/variables.txt", table});
-    const std::string terminals = third ? terminals_text(variables) : "";  // 2.0 has none
-    if (!terminals.empty()) files.push_back({"terminalsAndIcons/terminalsAndIcons.xml", terminals});
+    if (third) files.push_back({"terminalsAndIcons/terminalsAndIcons.xml", terminals_text(variables)});
+    for (ZipPart& part : fmu_documents(facts, variables, arguments.version)) files.push_back(std::move(part));
+    if (arguments.sources) {
+        if (third) files.push_back({"sources/buildDescription.xml", build_description(facts)});
+        files.push_back({"sources/build.txt", fmt::format("{} -shared -I.\n{}\n", compiler_options, fmt::join(facts.sources, "\n"))});
+    }
+    for (ZipPart& part : sources) files.push_back(std::move(part));
     return zip_file(files);
 }
 
@@ -272,6 +213,7 @@ Action declare_export_fmu(CLI::App& app) {
         ->type_name("KEY,...")
         ->delimiter(',');
     app.add_option("--author", arguments->author, "Author in the model description (default: none)")->type_name("NAME");
+    app.add_flag("--sources", arguments->sources, "Put the sources of the library into the file too, to be compiled for other systems");
     declare_shortcut(app, arguments->scene, "--method", "run.method", "NAME");
     declare_shortcut(app, arguments->scene, "--step", "run.step", "TIME");
     declare_fresh_start(app, arguments->scene);

@@ -137,8 +137,16 @@ std::vector<FmuVariable> outputs(Simulation& simulation, const Names& requested,
         names.emplace_back(info.name);
         if (info.width == 1) scalars.emplace_back(info.name);
     }
+    Names single;  // groups such as "vehicle/*" as their channels
+    for (const std::string& name : requested) {
+        const auto in_group = [&](const std::string& channel) { return channel.starts_with(name.substr(0, name.size() - 1)); };
+        if (name.ends_with("/*") && std::any_of(names.begin(), names.end(), in_group))
+            std::copy_if(names.begin(), names.end(), std::back_inserter(single), in_group);
+        else
+            single.push_back(name);
+    }
     std::vector<FmuVariable> rows;
-    for (const std::string& channel : chosen("--outputs", requested, names, scalars, usual_outputs)) {
+    for (const std::string& channel : chosen("--outputs", single, names, scalars, usual_outputs)) {
         const ChannelInfo info = simulation.channel_info(simulation.find_channel(channel));
         const std::span<const double> now = simulation.channel(channel);
         const double largest =
@@ -221,23 +229,28 @@ std::string head(const FmuFacts& facts, const char* version, const char* token) 
         attribute("author", facts.author), attribute("generationDateAndTime", facts.date));
 }
 
-/// Communication step of the default experiment, which importers use by default. It is long, so that a call costs little beside its steps.
-/// [s]
-double communication_step(double until) { return until >= 0.05 ? 1e-3 : std::min(1e-4, until); }
+/// Communication step of the default experiment, which importers use by default: that of vehicles, whose controllers run every 1 to 10 ms;
+/// shorter for transients of the chain alone. [s]
+double communication_step(const FmuFacts& facts) { return std::min(facts.vehicle || facts.until >= 0.05 ? 1e-3 : 1e-4, facts.until); }
 
 std::string middle(const FmuFacts& facts, const std::vector<FmuVariable>& variables) {
     std::string text = unit_definitions(variables) + "  <LogCategories>\n";
     for (const char* category : {"logStatusError", "logStatusWarning"}) text += fmt::format("    <Category name=\"{}\"/>\n", category);
     return text + fmt::format("  </LogCategories>\n  <DefaultExperiment startTime=\"0\" stopTime=\"{}\" stepSize=\"{}\"/>\n",
-                              number(facts.until), number(communication_step(facts.until)));
+                              number(facts.until), number(communication_step(facts)));
 }
+
+bool is_output(const FmuVariable& row) { return row.kind == "output" || row.kind == "flag"; }
 
 /// Attributes that both versions give a variable.
 std::string causality(const FmuVariable& row) {
-    const bool parameter = row.kind == "parameter";
+    const char* variability = row.kind == "parameter" ? "fixed" : row.kind == "flag" ? "discrete" : "continuous";
     return fmt::format("name=\"{}\" valueReference=\"{}\" causality=\"{}\" variability=\"{}\" description=\"{}\"", html(row.name),
-                       row.reference, row.kind == "time" ? "independent" : row.kind, parameter ? "fixed" : "continuous",
-                       html(row.description));
+                       row.reference,
+                       row.kind == "time" ? "independent"
+                       : is_output(row)   ? "output"
+                                          : row.kind,
+                       variability, html(row.description));
 }
 
 std::string start_attribute(const FmuVariable& row) {
@@ -269,13 +282,31 @@ std::string member_name(const FmuVariable& variable, std::string_view terminal) 
     return variable.kind == "output" && variable.name.starts_with(group) ? variable.name.substr(group.size()) : "";
 }
 
+/// A channel named twice is one variable; a key that has a channel's name gets one of its own.
+void add_once(std::vector<FmuVariable>& all, std::vector<FmuVariable> rows) {
+    for (FmuVariable& row : rows) {
+        const bool taken = std::any_of(all.begin(), all.end(), [&](const FmuVariable& other) { return other.name == row.name; });
+        if (taken && row.kind == "output") continue;
+        if (taken) row.name += "_parameter";
+        all.push_back(row);
+    }
+}
+
+std::string file_elements(const char* element, const std::vector<std::string>& names) {
+    std::string text;
+    for (const std::string& name : names) text += fmt::format("      <{} name=\"{}\"/>\n", element, html(name));
+    return text;
+}
+
 }  // namespace
 
 std::vector<FmuVariable> fmu_variables(Simulation& simulation, const FmuChoice& choice, bool arrays) {
     std::vector<FmuVariable> all{{0, "time", "time", "s", "simulated time", 1, 0.0, "time"}};
     for (auto& rows : {inputs(simulation, choice.inputs), outputs(simulation, choice.outputs, arrays),
                        parameters(simulation.scene(), choice.parameters)})
-        all.insert(all.end(), rows.begin(), rows.end());
+        add_once(all, rows);
+    all.push_back(
+        {0, "flag", "unreliable", "1", "whether the energy balance does not close, so that results are wrong", 1, 0.0, "unreliable"});
     for (std::size_t number = 0; number < all.size(); ++number) all[number].reference = static_cast<std::uint32_t>(number);
     return all;
 }
@@ -291,15 +322,17 @@ std::string model_description_2(const FmuFacts& facts, const std::vector<FmuVari
     std::string text = head(facts, "2.0", "guid");
     text += fmt::format(
         "  <CoSimulation modelIdentifier=\"{}\" canHandleVariableCommunicationStepSize=\"true\" canGetAndSetFMUstate=\"true\" "
-        "canSerializeFMUstate=\"true\"/>\n",
+        "canSerializeFMUstate=\"true\">\n",
         facts.identifier);
+    if (!facts.sources.empty()) text += "    <SourceFiles>\n" + file_elements("File", facts.sources) + "    </SourceFiles>\n";
+    text += "  </CoSimulation>\n";
     text += middle(facts, variables) + "  <ModelVariables>\n";
     std::string unknowns;
     for (std::size_t index = 0; index < variables.size(); ++index) {
         const FmuVariable& row = variables[index];
-        text += fmt::format("    <ScalarVariable {}><Real{}{}/></ScalarVariable>\n", causality(row), start_attribute(row),
-                            type_attributes(row));
-        if (row.kind == "output") unknowns += fmt::format("      <Unknown index=\"{}\"/>\n", index + 1);
+        text += fmt::format("    <ScalarVariable {}><{}{}{}/></ScalarVariable>\n", causality(row), row.kind == "flag" ? "Boolean" : "Real",
+                            start_attribute(row), type_attributes(row));
+        if (is_output(row)) unknowns += fmt::format("      <Unknown index=\"{}\"/>\n", index + 1);
     }
     return text + fmt::format(
                       "  </ModelVariables>\n  <ModelStructure>\n    <Outputs>\n{0}    </Outputs>\n    <InitialUnknowns>\n{0}    "
@@ -318,12 +351,23 @@ std::string model_description_3(const FmuFacts& facts, const std::vector<FmuVari
     std::string outputs, initial;
     for (const FmuVariable& row : variables) {
         const std::string dimension = row.width > 1 ? fmt::format("<Dimension start=\"{}\"/>", row.width) : "";
-        text += fmt::format("    <Float64 {}{}{}>{}</Float64>\n", causality(row), start_attribute(row), type_attributes(row), dimension);
-        if (row.kind != "output") continue;
+        text += fmt::format("    <{0} {1}{2}{3}>{4}</{0}>\n", row.kind == "flag" ? "Boolean" : "Float64", causality(row),
+                            start_attribute(row), type_attributes(row), dimension);
+        if (!is_output(row)) continue;
         outputs += fmt::format("    <Output valueReference=\"{}\"/>\n", row.reference);
         initial += fmt::format("    <InitialUnknown valueReference=\"{}\"/>\n", row.reference);
     }
     return text + "  </ModelVariables>\n  <ModelStructure>\n" + outputs + initial + "  </ModelStructure>\n</fmiModelDescription>\n";
+}
+
+std::string build_description(const FmuFacts& facts) {
+    return fmt::format(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiBuildDescription fmiVersion=\"3.0\">\n  <BuildConfiguration "
+        "modelIdentifier=\"{}\" "
+        "description=\"A shared library, by GCC or Clang: in sources/, c++ @build.txt -o LIBRARY\">\n    <SourceFileSet language=\"C++20\" "
+        "compiler=\"gcc\" compilerOptions=\"{}\">\n{}      <IncludeDirectory name=\".\"/>\n    </SourceFileSet>\n  </BuildConfiguration>\n"
+        "</fmiBuildDescription>\n",
+        facts.identifier, compiler_options, file_elements("SourceFile", facts.sources));
 }
 
 std::string terminals_text(const std::vector<FmuVariable>& variables) {
@@ -340,9 +384,11 @@ std::string terminals_text(const std::vector<FmuVariable>& variables) {
             text += fmt::format("    <Terminal name=\"{}\" matchingRule=\"bus\" description=\"{}\">\n{}    </Terminal>\n", terminal.name,
                                 terminal.description, members);
     }
-    if (text.empty()) return "";
-    return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiTerminalsAndIcons fmiVersion=\"3.0\">\n  <Terminals>\n" + text +
-           "  </Terminals>\n</fmiTerminalsAndIcons>\n";
+    if (!text.empty()) text = "  <Terminals>\n" + text + "  </Terminals>\n";
+    return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiTerminalsAndIcons fmiVersion=\"3.0\">\n  <GraphicalRepresentation>\n"
+           "    <CoordinateSystem x1=\"-100\" y1=\"-100\" x2=\"100\" y2=\"100\" suggestedScalingFactorTo_mm=\"0.1\"/>\n"
+           "    <Icon x1=\"-100\" y1=\"-100\" x2=\"100\" y2=\"100\"/>\n  </GraphicalRepresentation>\n" +
+           text + "</fmiTerminalsAndIcons>\n";
 }
 
 std::string generation_date() {

@@ -6,13 +6,14 @@
 #include <cvtflow/cvtflow.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace cvtflow::tools {
 
 struct FmuVariable {
     std::uint32_t reference = 0;
-    std::string kind;  ///< "time", "input", "output", "parameter"
+    std::string kind;  ///< "time", "input", "output", "parameter"; "flag": a Boolean output
     std::string name;  ///< as importers see it, structured: shaft_1.speed; elements are links.tension[0], …
     std::string unit;
     std::string description;
@@ -39,20 +40,28 @@ struct FmuChoice {
 [[nodiscard]] std::string variables_text(const std::vector<FmuVariable>& variables);
 
 struct FmuFacts {
-    std::string name;         ///< of the scene
-    std::string identifier;   ///< of the library inside: a name in C
-    std::string token;        ///< unique to this FMU
-    std::string description;  ///< one line
-    std::string author;       ///< empty: not stated
-    std::string date;         ///< of generation, UTC, ISO 8601; empty: unknown
-    double until = 0.0;       ///< of the default experiment [s]
+    std::string name;                       ///< of the scene
+    std::string identifier;                 ///< of the library inside: a name in C
+    std::string token;                      ///< unique to this FMU
+    std::string description;                ///< one line
+    std::string author;                     ///< empty: not stated
+    std::string date;                       ///< of generation, UTC, ISO 8601; empty: unknown
+    double until = 0.0;                     ///< end of the default experiment [s]
+    bool vehicle = false;                   ///< whether the scene has one
+    std::vector<std::string> sources = {};  ///< files to compile, relative to sources/; empty: the FMU has no sources
 };
 
 [[nodiscard]] std::string model_description_2(const FmuFacts& facts, const std::vector<FmuVariable>& variables);
 [[nodiscard]] std::string model_description_3(const FmuFacts& facts, const std::vector<FmuVariable>& variables);
 
-/// terminalsAndIcons/terminalsAndIcons.xml: a bus for each shaft, with its inputs and with the outputs whose names begin with it. Empty if
-/// no variable belongs to a shaft.
+/// Options that compile the sources to the bits of the libraries; one line.
+inline constexpr std::string_view compiler_options =
+    "-std=c++20 -O3 -DNDEBUG -fPIC -fvisibility=hidden -ffp-contract=off -fno-math-errno -fno-trapping-math";
+/// sources/buildDescription.xml of FMI 3; 2.0 has the files in its description.
+[[nodiscard]] std::string build_description(const FmuFacts& facts);
+
+/// terminalsAndIcons/terminalsAndIcons.xml: the icon, and a bus for each shaft, with its inputs and with the outputs whose names begin with
+/// it.
 [[nodiscard]] std::string terminals_text(const std::vector<FmuVariable>& variables);
 
 /// SOURCE_DATE_EPOCH [s since 1970], else the date of the commit that this program was built from: UTC, ISO 8601. Empty if neither is
