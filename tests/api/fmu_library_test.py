@@ -2,6 +2,7 @@
 
 import concurrent.futures
 import os
+import pathlib
 import struct
 import subprocess
 import sys
@@ -31,7 +32,7 @@ def imported(file, steps, length, change, names, binary=None):
         if binary:
             with zipfile.ZipFile(file) as parts, zipfile.ZipFile(f"{folder}/other.fmu", "w") as other:
                 for name in parts.namelist():
-                    other.writestr(name, open(binary, "rb").read() if name.endswith(".so") else parts.read(name))
+                    other.writestr(name, pathlib.Path(binary).read_bytes() if name.endswith(".so") else parts.read(name))
             file = f"{folder}/other.fmu"
         os.mkdir(f"{folder}/inside")
         done = subprocess.run([IMPORTER, file, f"{folder}/inside", str(steps), repr(length), *map(str, change), *names], capture_output=True, text=True)
@@ -107,7 +108,7 @@ class FmiLibrary(unittest.TestCase):
             files[version] = [row.get("name") for row in description.iter("File" if version == 2 else "SourceFile")]
             self.assertEqual(sorted(files[version]), sorted(f"groups/{name}" for name in os.listdir(f"{folder}/sources/groups")))
         # The words of build.txt, not optimised and two files at a time: minutes less.
-        words = open(f"{folder}/sources/build.txt").read().split()
+        words = pathlib.Path(folder, "sources/build.txt").read_text().split()
         self.assertEqual([word for word in words if word.endswith(".cpp")], files[3])
         options = [word for word in words if not word.endswith(".cpp") and word not in ("-O3", "-shared")] + ["-O0"]
 

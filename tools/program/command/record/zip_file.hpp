@@ -12,7 +12,7 @@ struct ZipPart {
     std::string bytes;
 };
 
-/// The parts as a ZIP file, compressed; the first, up to 64 KiB, is not, so that its text can be found. The same bytes for the same parts
+/// The parts as a ZIP file, compressed; the first, up to 64 KiB, is not, so that its text can be found. Equal bytes for the same parts
 /// and version of zlib.
 /// @throws std::length_error beyond 2 GiB
 [[nodiscard]] std::string zip_file(const std::vector<ZipPart>& parts);
