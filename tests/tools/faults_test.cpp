@@ -57,6 +57,7 @@ const std::vector<Order>& orders() {
         {"check", {"check", "tiny"}},
         {"settle", {"settle", "tiny", "-o", "state.h5", "--time", "20us", "--set", "start.ramp_time=10us"}},
         {"merge", {"merge", "shards"}},
+        {"diff", {"diff", "old", "old"}},
         {"method", {"method", "rk4"}},
         {"list", {"list", "scenes"}},
         {"dot", {"dot", "tiny"}},
