@@ -84,9 +84,9 @@ std::string line_text(const ProgressNumbers& now) {
 
 }  // namespace
 
-StatusLine::StatusLine(bool quiet) : quiet_(quiet), redraws_(false) {
+StatusLine::StatusLine(bool quiet, bool plain) : quiet_(quiet), redraws_(false) {
     const char* terminal = std::getenv("TERM");
-    redraws_ = isatty(STDERR_FILENO) == 1 && terminal != nullptr && std::string_view(terminal) != "dumb";
+    redraws_ = !plain && isatty(STDERR_FILENO) == 1 && terminal != nullptr && std::string_view(terminal) != "dumb";
 }
 
 bool StatusLine::due() const {

@@ -11,7 +11,8 @@ namespace cvtflow::tools {
 /// A line on stderr: redrawn at most 10 times a second on a terminal that can redraw a line, printed at most every 10 s elsewhere.
 class StatusLine {
 public:
-    explicit StatusLine(bool quiet);
+    /// @param plain  also on a terminal as elsewhere
+    explicit StatusLine(bool quiet, bool plain = false);
     ~StatusLine() { clear(); }
     StatusLine(const StatusLine&) = delete;
     StatusLine& operator=(const StatusLine&) = delete;

@@ -111,7 +111,7 @@ ExitStatus run_part(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, t
     tasks::BatchReport report;
     const engine::Cancellation& interrupted = catch_interrupts();
     {
-        StatusLine line(quiet);
+        StatusLine line(quiet, output.json);
         options.cancel = &interrupted;
         options.progress = [&line, json = output.json, worker = options.worker](const tasks::BatchProgress& progress) {
             if (!line.due()) return;
