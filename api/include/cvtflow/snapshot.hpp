@@ -1,7 +1,7 @@
 #pragma once
 /// Values of a few channels that other threads may read while a simulation steps: for displays and loggers beside a control loop.
 ///
-///     cvtflow::Snapshot gauges(simulation, {"slip/percent", "shaft_1/torque"});
+///     cvtflow::Snapshot gauges(simulation, {"slip", "shaft_1/torque"});
 ///     simulation.on_output(1e-3, [&](cvtflow::Simulation& now) { gauges.take(now); });
 ///     ...  any thread:  const std::vector<double> values = gauges.read();
 

@@ -15,11 +15,20 @@
 
 namespace cvtflow::engine {
 
-/// An open-file-description lock: gone with the process, however it ends, and unseen by HDF5, which asks for flock locks.
-bool try_lock(int descriptor, const std::string& path) {
+namespace {
+
+struct flock whole_file() {
     struct flock whole {};
     whole.l_type = F_WRLCK;
     whole.l_whence = SEEK_SET;
+    return whole;
+}
+
+}  // namespace
+
+/// An open-file-description lock: gone with the process, however it ends, and unseen by HDF5, which asks for flock locks.
+bool try_lock(int descriptor, const std::string& path) {
+    struct flock whole = whole_file();
     int result = 0;
     do {
         result = fcntl(descriptor, F_OFD_SETLK, &whole);
@@ -65,9 +74,7 @@ int open_part(const std::string& path) {
 
 bool being_written(const std::string& path) {
     const Descriptor descriptor(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
-    struct flock whole {};
-    whole.l_type = F_WRLCK;
-    whole.l_whence = SEEK_SET;
+    struct flock whole = whole_file();
     return descriptor.number() >= 0 && fcntl(descriptor.number(), F_OFD_GETLK, &whole) == 0 && whole.l_type != F_UNLCK;
 }
 

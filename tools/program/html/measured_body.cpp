@@ -13,15 +13,6 @@ namespace cvtflow::tools {
 
 namespace {
 
-/// A curve between its outputs; NaN outside.
-double interpolated(const std::vector<double>& times, const std::vector<double>& values, double time) {
-    if (times.empty() || !(time >= times.front()) || !(time <= times.back())) return NAN;
-    const auto after = static_cast<std::size_t>(std::upper_bound(times.begin(), times.end() - 1, time) - times.begin());
-    if (after == 0) return values.front();
-    const double share = (time - times[after - 1]) / (times[after] - times[after - 1]);
-    return (1.0 - share) * values[after - 1] + share * values[after];
-}
-
 /// How far a record is from the points measured within its time, a row of a table.
 std::string deviation_row(const RecordedRun& run, const engine::ChannelInfo& channel, const Measured& measured) {
     const std::vector<double> values = run.values(channel.name);
@@ -29,7 +20,8 @@ std::string deviation_row(const RecordedRun& run, const engine::ChannelInfo& cha
     double sum = 0.0, squares = 0.0, largest = 0.0;
     long count = 0;
     for (std::size_t k = 0; k < column.values.size(); ++k) {
-        const double deviation = interpolated(run.times(), values, time.values[k]) - column.values[k];
+        if (!(time.values[k] >= run.times().front() && time.values[k] <= run.times().back())) continue;
+        const double deviation = on_line(run.times(), values, time.values[k]) - column.values[k];
         if (!std::isfinite(deviation)) continue;
         sum += deviation, squares += deviation * deviation, ++count;
         if (std::abs(deviation) > std::abs(largest)) largest = deviation;
@@ -40,12 +32,6 @@ std::string deviation_row(const RecordedRun& run, const engine::ChannelInfo& cha
                        html(channel.name), html(how.unit), count, count) +
            number_cell(how.factor * sum / points, "{:+.4g}") + number_cell(how.factor * std::sqrt(squares / points), "{:.4g}") +
            number_cell(how.factor * largest, "{:+.4g}") + "</tr>\n";
-}
-
-std::string names_of(const Measured& measured) {
-    std::string names;
-    for (const MeasuredColumn& column : measured.columns) names += (names.empty() ? "" : ", ") + column.name;
-    return names;
 }
 
 }  // namespace
@@ -59,8 +45,7 @@ std::string measured_body(const std::vector<RecordedRun>& runs, const Measured& 
             if (run.channel(channel.name) != nullptr) rows += deviation_row(run, channel, measured);
     }
     if (pictures.empty())
-        throw UsageError(
-            fmt::format("--with {}: no heading is a channel of {}: {}", measured.path, runs.front().path(), names_of(measured)));
+        throw UsageError(fmt::format("--with {}: no heading is a channel of {}: {}", measured.path, runs.front().path(), measured.names()));
     return pictures + table("sortable", "Simulated - measured, at the measured times within the record; outputs are interpolated linearly",
                             {"record", "channel", "unit", "points", "mean", "root mean square", "largest"}, rows);
 }
@@ -77,7 +62,7 @@ std::string measured_body(const SweepView& sweep, const Measured& measured) {
     }
     if (key == nullptr || outputs.empty())
         throw UsageError(fmt::format("--with {}: a key and an output of {} are needed among its headings: {}", measured.path, sweep.path,
-                                     names_of(measured)));
+                                     measured.names()));
     std::string pictures;
     for (const SweepColumn* output : outputs)
         pictures += "<figure>" + svg(sweep_curves(sweep, key->name, output->name, &measured)) + "</figure>\n";

@@ -56,15 +56,6 @@ std::pair<std::string, int> taken_apart(const std::string& word) {
     return {word.substr(0, bracket), number};
 }
 
-/// The value at `time` of a line through points, ascending; `time` lies within them.
-double on_line(const std::vector<double>& times, const std::vector<double>& values, double time) {
-    const auto after = std::lower_bound(times.begin(), times.end(), time);
-    const auto k = static_cast<std::size_t>(after - times.begin());
-    if (k == 0 || times[k] == time) return values[k];
-    const double share = (time - times[k - 1]) / (times[k] - times[k - 1]);
-    return values[k - 1] + share * (values[k] - values[k - 1]);
-}
-
 double mean_from(const std::vector<double>& values, std::size_t first) { return FiniteFigures(std::span(values).subspan(first)).mean; }
 
 ChannelDifference of_channel(const Curve& curve, std::vector<double> a, const std::vector<double>& b, const std::vector<double>& times) {
@@ -110,6 +101,14 @@ std::string RecordedRun::conditions() const {
     const auto& all = reader_.attributes();
     return fmt::format("{}, {}{}, step {}", text_of(all, "scene"), scene_ ? level_text(*scene_) + ", " : "", text_of(all, "method"),
                        step_text(all));
+}
+
+double on_line(const std::vector<double>& times, const std::vector<double>& values, double time) {
+    const auto after = std::lower_bound(times.begin(), times.end(), time);
+    const auto k = static_cast<std::size_t>(after - times.begin());
+    if (k == 0 || times[k] == time) return values[k];
+    const double share = (time - times[k - 1]) / (times[k] - times[k - 1]);
+    return values[k - 1] + share * (values[k] - values[k - 1]);
 }
 
 double last_time(const std::vector<RecordedRun>& runs) {

@@ -72,6 +72,9 @@ private:
     std::vector<double> times_;
 };
 
+/// The value at a time of a line through points. @param times ascending, in the unit of `time`, which lies within them
+[[nodiscard]] double on_line(const std::vector<double>& times, const std::vector<double>& values, double time);
+
 /// The last time of all records [s].
 [[nodiscard]] double last_time(const std::vector<RecordedRun>& runs);
 

@@ -240,6 +240,12 @@ Measured read_measured(const std::string& path) {
     return measured;
 }
 
+std::string Measured::names() const {
+    std::string names;
+    for (const MeasuredColumn& column : columns) names += (names.empty() ? "" : ", ") + column.name;
+    return names;
+}
+
 const MeasuredColumn* Measured::find(const std::string& name, const std::string& unit) const {
     const auto found = std::ranges::find(columns, plain_name(name), [](const auto& column) { return plain_name(column.name); });
     if (found == columns.end()) return nullptr;
@@ -252,9 +258,7 @@ const MeasuredColumn* Measured::find(const std::string& name, const std::string&
 
 const MeasuredColumn& Measured::at(const std::string& name, const std::string& unit) const {
     if (const MeasuredColumn* column = find(name, unit)) return *column;
-    std::string names;
-    for (const MeasuredColumn& column : columns) names += (names.empty() ? "" : ", ") + column.name;
-    throw UsageError(fmt::format("--with {}: no column '{}', only {}", path, name, names));
+    throw UsageError(fmt::format("--with {}: no column '{}', only {}", path, name, names()));
 }
 
 Series Measured::points(const Quantities& x, const Quantities& y, const std::string& series) const {

@@ -48,6 +48,8 @@ struct Measured {
     struct Quantities {
         std::string name, unit;
     };
+    /// Names of its columns: "time, slip".
+    [[nodiscard]] std::string names() const;
     /// nullptr if there is none. '.', '/' and '_' are the same. @throws UsageError for a unit of another dimension
     [[nodiscard]] const MeasuredColumn* find(const std::string& name, const std::string& unit) const;
     /// @throws UsageError if there is none, with the names that there are

@@ -10,6 +10,7 @@
 
 #include "engine/base/hash.hpp"
 #include "engine/base/text.hpp"
+#include "engine/record/run/part_file.hpp"
 #include "engine/record/run/run_reader.hpp"
 #include "engine/record/run/state_file.hpp"
 #include "tasks/batch/folder_progress.hpp"
@@ -104,8 +105,9 @@ std::string columns_text(const engine::RowLayout& layout) {
     return "\n" + columns.text(2);
 }
 
-/// @param file a sweep's table   @param running whether a process is known to write it
-std::string sweep_text(const std::string& file, bool running) {
+/// @param file a sweep's table
+std::string sweep_text(const std::string& file) {
+    const bool running = engine::being_written((std::filesystem::path(file).parent_path() / "lock").string());
     const engine::CaseTable table = tasks::read_results(file);
     const auto of = [&](const char* name) { return engine::visible(table.attribute(name)); };
     tasks::CaseTally tally;
@@ -130,8 +132,6 @@ tasks::FolderProgress folder_progress(const std::string& folder) {
 std::string part_state(const tasks::FolderProgress::Part& part) {
     return part.running ? "running" : part.claimed > part.done ? "stopped" : "ended";
 }
-
-std::string table_text(const std::string& file) { return sweep_text(file, false); }
 
 /// How far the processes are that share a folder.
 std::string shared_text(const std::string& folder, tasks::FolderProgress progress) {
@@ -167,11 +167,10 @@ nlohmann::ordered_json sweep_json(const std::string& folder) {
 /// Text for the kind of the file.
 std::string info_text(const std::string& path) {
     if (std::filesystem::is_directory(path)) {
-        tasks::FolderProgress progress = folder_progress(path);
-        if (progress.parts.front().folder != path) return shared_text(path, std::move(progress));
-        return sweep_text(table_path(path), progress.running() > 0);
+        const bool whole = std::filesystem::exists(std::filesystem::path(path) / "cases.h5");
+        return whole ? sweep_text(table_path(path)) : shared_text(path, folder_progress(path));
     }
-    constexpr std::string (*kinds[])(const std::string&) = {run_text, state_text, table_text};
+    constexpr std::string (*kinds[])(const std::string&) = {run_text, state_text, sweep_text};
     for (const auto kind : kinds) {
         try {
             return kind(path);

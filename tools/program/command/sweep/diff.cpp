@@ -41,10 +41,12 @@ bool is_compared(const SweepColumn& column, double tolerance) {
 /// Cases by the values of the keys that both tables have. @throws UsageError if these do not tell the cases of a table apart
 std::map<std::string, std::size_t> rows_by_keys(const SweepView& sweep, const std::vector<std::string>& keys) {
     std::map<std::string, std::size_t> rows;
+    std::vector<std::size_t> columns;
+    for (const std::string& key : keys) columns.push_back(sweep.column(key));
     for (std::size_t row = 0; row < sweep.cells.size(); ++row) {
         std::string name;
-        for (const std::string& key : keys)
-            name += fmt::format("{}{} = {}", name.empty() ? "" : ", ", key, sweep.cells[row][sweep.column(key)]);
+        for (std::size_t k = 0; k < keys.size(); ++k)
+            name += fmt::format("{}{} = {}", name.empty() ? "" : ", ", keys[k], sweep.cells[row][columns[k]]);
         if (!rows.emplace(name, row).second)
             throw UsageError(fmt::format("{}: several cases have {}; both tables need the keys in which they differ", sweep.path,
                                          name.empty() ? "no key" : name));
