@@ -36,9 +36,10 @@ std::string head_of(const std::string& path) {
 }
 
 /// Whether HDF5 created the file and has not flushed it yet: it contains no row, because a run flushes its file before the first one.
+/// Other blocks may be on disk before the superblock (48 bytes in version 3), also in the same page.
 bool is_unflushed(const std::string& path) {
-    const std::string head = head_of(path);
-    return !head.empty() && head.find_first_not_of('\0') == std::string::npos;
+    const std::string superblock = head_of(path).substr(0, 48);
+    return !superblock.empty() && superblock.find_first_not_of('\0') == std::string::npos;
 }
 
 /// Version of the superblock that an HDF5 file begins with: 2 in states, 3 in records and tables; -1: no HDF5 file.
@@ -185,8 +186,14 @@ bool is_torn_beginning(const std::string& part) {
 IsOwn table_with(std::string attribute, std::string text) {
     return [attribute = std::move(attribute), text = std::move(text)](const std::string& file) {
         if (hdf5_version(file) != 3) return false;
-        if (!format_of(file)) return !holds_rows(file) || torn_while_growing(file, "cvtflow cases") || is_torn_beginning(file);
-        return CaseReader(file).head().attribute(attribute) == text;
+        const std::optional<std::string> format = format_of(file);
+        if (!format) return !holds_rows(file) || torn_while_growing(file, "cvtflow cases") || is_torn_beginning(file);
+        if (*format != "cvtflow cases") return false;
+        try {
+            return CaseReader(file).head().attribute(attribute) == text;
+        } catch (const RecordError&) {  // other attributes than `format` may be torn
+            return file.ends_with(".part") && torn_while_growing(file, *format);
+        }
     };
 }
 
