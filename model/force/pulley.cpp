@@ -69,14 +69,16 @@ std::array<double, 2> PulleyModel::eccentricity(double angle) const noexcept {
 }
 
 WorkRates PulleyModel::works(const double* block, const Inputs& inputs) const noexcept {
-    WorkRates rates{inputs.drive_torque * shaft_speed(block, 0), inputs.load_torque * shaft_speed(block, 1), 0.0};
+    const std::array<double, 2> torque = inputs.on_shafts();
+    WorkRates rates{torque[0] * shaft_speed(block, 0), torque[1] * shaft_speed(block, 1), 0.0};
     for (int shaft = 0; shaft < 2; ++shaft) rates[2] -= movable_side(shaft) * inputs.clamping[shaft] * opening(block + size(), shaft);
     return rates;
 }
 
 WorkRates PulleyModel::work(const double* from, const double* to, const Inputs& inputs) const noexcept {
     const auto turned = [&](int shaft) { return to[rotation(shaft)] - from[rotation(shaft)]; };
-    WorkRates done{inputs.drive_torque * turned(0), inputs.load_torque * turned(1), 0.0};
+    const std::array<double, 2> torque = inputs.on_shafts();
+    WorkRates done{torque[0] * turned(0), torque[1] * turned(1), 0.0};
     for (int shaft = 0; shaft < 2; ++shaft)
         done[2] -= movable_side(shaft) * inputs.clamping[shaft] * (opening(to, shaft) - opening(from, shaft));
     return done;
@@ -141,8 +143,7 @@ void PulleyModel::slope(const double* block, const Inputs& inputs, const SheaveF
     add_gyroscopic(v, force);
     add_clamping(block, inputs, force, account);
     add_chain(block, chain, force);
-    force[rotation(0)] += inputs.drive_torque;
-    force[rotation(1)] += inputs.load_torque;
+    for (int shaft = 0; shaft < 2; ++shaft) force[rotation(shaft)] += inputs.on_shafts()[static_cast<std::size_t>(shaft)];
     for (int k = 0; k < size(); ++k) force[k] /= inertia_[k];
 }
 

@@ -8,6 +8,11 @@
 #include "model/basis/portable_math.hpp"
 
 namespace cvtflow::model {
+namespace {
+
+constexpr double full_drag_speed = 1.0;  ///< below, dry drag is proportional to the speed [rad/s]
+
+}  // namespace
 
 void PulleyInputs::adopt(const Parameters& p) {
     ShaftTorques::adopt(p);
@@ -17,6 +22,9 @@ void PulleyInputs::adopt(const Parameters& p) {
     start_ = p.start;
     gripping_ = 2.0 * p.tip.friction.coefficient / portable_cos(p.tip.angle);
     reference_speed_ = p.drive.mode != DriveMode::torque ? p.drive.speed.largest_magnitude() : p.control.reference_speed;
+    drag_ = p.drag;
+    centre_distance_ = p.pulley.centre_distance;
+    wedge_ = 2.0 * portable_sin(p.tip.angle) / portable_cos(p.tip.angle);
     add_controllers();
 }
 
@@ -68,11 +76,35 @@ std::array<double, 2> PulleyInputs::given_clamping(double now, const double* tai
 
 Inputs PulleyInputs::inputs(double t, const double* tail) const noexcept {
     Inputs in = requested(t, tail);
-    if (!hydraulics_act()) return in;
-    const HydraulicInstant now = hydraulics_of(t, tail, in);
-    in.clamping = now.force;
-    hydraulics_.rates(now, in.control_rate.data() + controllers_);
+    if (hydraulics_act()) {
+        const HydraulicInstant now = hydraulics_of(t, tail, in);
+        in.clamping = now.force;
+        hydraulics_.rates(now, in.control_rate.data() + controllers_);
+    }
+    if (drag_.present()) in.drag = drag(ramp(start_, t), in.clamping, tail);
     return in;
+}
+
+/// The wedge of the flanks holds the tension F = 2 S tan β/α along a wrap α (beyond what centrifugal force takes), and both strands pull
+/// with 2 F sin(α/2): equally on both shafts, so the mean of what both forces say is the pull.
+double PulleyInputs::strand_pull(const std::array<double, 2>& clamping, const double* block) const noexcept {
+    const double rise = std::clamp((running_radius(block, 0) - running_radius(block, 1)) / centre_distance_, -1.0, 1.0);
+    const double lean = 2.0 * portable_asin(rise);
+    const double by_wrap = clamping[0] / (std::numbers::pi + lean) + clamping[1] / (std::numbers::pi - lean);
+    return wedge_ * std::sqrt(1.0 - rise * rise) * by_wrap;
+}
+
+std::array<double, 2> PulleyInputs::drag(double factor, const std::array<double, 2>& clamping, const double* block) const noexcept {
+    const double lever = 0.5 * drag_.bearing_friction * drag_.bearing_diameter;
+    const double loaded = lever > 0.0 ? lever * strand_pull(clamping, block) : 0.0;
+    std::array<double, 2> torque{};
+    for (int shaft = 0; shaft < 2; ++shaft) {
+        const ShaftDrag& of = shaft == 0 ? drag_.driving : drag_.driven;
+        const double turning = shaft_speed(block, shaft);
+        const double dry = (of.seals + loaded) * std::clamp(turning / full_drag_speed, -1.0, 1.0);
+        torque[static_cast<std::size_t>(shaft)] = factor * (dry + (of.viscous + of.churning * std::abs(turning)) * turning);
+    }
+    return torque;
 }
 
 HydraulicInstant PulleyInputs::hydraulics_of(double t, const double* tail, const Inputs& requested) const noexcept {

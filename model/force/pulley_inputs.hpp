@@ -122,12 +122,16 @@ private:
 
 /// Input torques, clamping forces and rates of the controllers at one instant.
 struct Inputs {
-    double drive_torque = 0.0;         ///< on shaft 1 [N·m]
-    double load_torque = 0.0;          ///< on shaft 2, negative brakes [N·m]
+    double drive_torque = 0.0;         ///< on shaft 1 from outside [N·m]
+    double load_torque = 0.0;          ///< on shaft 2 from outside, negative brakes [N·m]
     std::array<double, 2> clamping{};  ///< S_1, S_2 [N]
+    std::array<double, 2> drag{};      ///< D_1, D_2 of bearings, seals and oil on the shafts, positive against a positive speed [N·m]
     /// I' of the controllers [1], then rates of the hydraulics; zero without them
     std::array<double, 2 + hydraulic_unknowns> control_rate{};
     bool control_limited = false;  ///< a controller asks for more than its authority
+
+    /// Torques on the variator's shafts behind bearings and seals, of drive and load [N·m].
+    [[nodiscard]] std::array<double, 2> on_shafts() const noexcept { return {drive_torque - drag[0], load_torque - drag[1]}; }
 };
 
 class PulleyInputs : public ShaftTorques {
@@ -158,7 +162,11 @@ private:
     [[nodiscard]] double driven_clamping(double table, double load, const double* block) const noexcept;
     /// Clamping forces before limits and controllers: of the tables or a host; by pressures where these are requested. now ≥ 0 [s]
     [[nodiscard]] std::array<double, 2> given_clamping(double now, const double* tail) const noexcept;  ///< tail as inputs()
-    [[nodiscard]] Inputs requested(double t, const double* tail) const noexcept;                        ///< as inputs(), before hydraulics
+    /// Drag of seals, bearings and oil [N·m]. factor: ramp(t) [1], clamping [N], block [unknowns of the pulleys]
+    [[nodiscard]] std::array<double, 2> drag(double factor, const std::array<double, 2>& clamping, const double* block) const noexcept;
+    /// Pull of both strands on each shaft's bearings, by the tension that the clamping forces make [N]. block [unknowns of the pulleys]
+    [[nodiscard]] double strand_pull(const std::array<double, 2>& clamping, const double* block) const noexcept;
+    [[nodiscard]] Inputs requested(double t, const double* tail) const noexcept;  ///< as inputs(), before hydraulics
     [[nodiscard]] bool hydraulics_act() const noexcept { return hydraulics_.present() && held().coupled && size() != 0; }
     [[nodiscard]] HydraulicInstant hydraulics_of(double t, const double* tail, const Inputs& requested) const noexcept;
     [[nodiscard]] const double* oil(const double* tail) const noexcept { return tail + 2 * size() + controllers_; }
@@ -170,6 +178,9 @@ private:
     std::array<Governing, 2> governing_;
     HydraulicModel hydraulics_;
     Start start_;
+    Drag drag_;
+    double centre_distance_ = 0.0;  ///< [m]
+    double wedge_ = 0.0;            ///< 2 tan β [1]
     double gripping_ = 0.0;         ///< 2μ/cos β, tangential force that a pulley can carry per clamping force [1]
     double reference_speed_ = 0.0;  ///< [rad/s]
 };

@@ -220,6 +220,7 @@ void Observer::read_shafts(const double* behind) noexcept {
     const Inputs inputs = pulleys.inputs(o.time, behind);
     o.work = pulleys.works(behind, inputs);
     o.torque = {inputs.drive_torque, inputs.load_torque};
+    o.drag = inputs.drag;
     o.clamping = inputs.clamping;
     o.hydraulics = pulleys.hydraulics(o.time, behind);
     o.hydraulic_energy = pulleys.hydraulic_energy(behind);

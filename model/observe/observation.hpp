@@ -30,6 +30,7 @@ struct Observation {
     std::array<double, 2> speed{};            ///< of the shafts [rad/s]
     std::array<double, 2> angle{};            ///< of the shafts [rad]
     std::array<double, 2> torque{};           ///< on the shafts from outside: drive, load (negative brakes) [N·m]
+    std::array<double, 2> drag{};             ///< of seals, bearings and oil on the shafts, against a positive speed [N·m]
     std::array<double, 2> chain_torque{};     ///< of the chain on the sheaves of each shaft [N·m]
     std::array<double, 2> clamping{};         ///< S_1, S_2 [N]
     std::array<double, 2> radius{};           ///< mean running radius of the links that touch [m]

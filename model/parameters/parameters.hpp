@@ -257,6 +257,23 @@ struct Load {
     bool operator==(const Load&) const = default;
 };
 
+/// Torque that seals, bearings and oil take from a shaft, by its speed; never brings energy.
+struct ShaftDrag {
+    double seals = 0.0;     ///< M_s, at any speed [N·m]
+    double viscous = 0.0;   ///< b, of bearings, per speed [N·m·s/rad]
+    double churning = 0.0;  ///< c, of oil, per speed squared [N·m·s²/rad²]
+    bool operator==(const ShaftDrag&) const = default;
+};
+
+/// Drag of both shafts; none by default.
+struct Drag {
+    ShaftDrag driving, driven;
+    double bearing_friction = 0.0;    ///< μ_B of both shafts' bearings under load [1]
+    double bearing_diameter = 40e-3;  ///< d_B, at which that friction acts [m]
+    [[nodiscard]] bool present() const noexcept { return driving != ShaftDrag{} || driven != ShaftDrag{} || bearing_friction != 0.0; }
+    bool operator==(const Drag&) const = default;
+};
+
 struct Clamping {
     TimeTable driving{27.1e3};  ///< S_1 [N]
     TimeTable driven{20e3};     ///< S_2 [N]
@@ -312,6 +329,7 @@ struct Parameters {
     Imperfection imperfection;
     Drive drive;
     Load load;
+    Drag drag;
     Clamping clamping;
     Control control;
     Hydraulics hydraulics;

@@ -36,6 +36,7 @@ struct Channel {
         may_be_undefined = 8,  ///< a quotient that is NaN where its divisor is zero; means and extremes leave such outputs out
         without_chain = 16,    ///< see needs_chain()
         of_hydraulics = 4 | on_demand | without_chain,  ///< recorded in every run with hydraulics also
+        of_drag = 32 | on_demand | without_chain,       ///< recorded in every run whose shafts have drag also
     };
 
     std::string_view name;  ///< as in the record; '/' groups
@@ -64,8 +65,9 @@ struct Channel {
 [[nodiscard]] std::span<const Channel> channels();
 
 /// Channels of a record: the usual ones and those in `names`, where the machine has them.
-/// @param names of channels, or of groups such as "tips/*"
-[[nodiscard]] std::vector<const Channel*> chosen_channels(std::span<const std::string> names, const model::ChainLayout& layout);
+/// @param names of channels, or of groups such as "tips/*"   @param drag whether the shafts have any
+[[nodiscard]] std::vector<const Channel*> chosen_channels(std::span<const std::string> names, const model::ChainLayout& layout,
+                                                          bool drag = false);
 
 /// Names of the catalogue, in its order.
 [[nodiscard]] std::vector<std::string> channel_names();
@@ -76,7 +78,7 @@ struct Channel {
 /// Energies, losses and works, their balance, counts of the run.
 [[nodiscard]] std::span<const Channel> energy_channels();
 
-/// Couplings of the shafts, on demand.
+/// Couplings of the shafts, on demand; their drag.
 [[nodiscard]] std::span<const Channel> coupling_channels();
 
 /// The vehicle of a cycle, on demand.

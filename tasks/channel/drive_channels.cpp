@@ -1,5 +1,5 @@
-/// Channels of what drives the variator from outside: couplings, the impulse that a co-simulation exchanges, and hydraulics (cylinders,
-/// valves, pump: model/EQUATIONS.md section 8).
+/// Channels of what drives the variator from outside: couplings, the impulse that a co-simulation exchanges, drag of the shafts, and
+/// hydraulics (cylinders, valves, pump: model/EQUATIONS.md section 8).
 
 #include "tasks/channel/channels.hpp"
 
@@ -32,8 +32,21 @@ Channel::Read impulse(std::size_t shaft) {
 }
 Channel::Read chain_impulse(std::size_t shaft) {
     return [shaft](const Instant& now, double* out) {
-        *out = now.workspace.shaft_momentum()[shaft] - now.workspace.energy.input_works().impulse[shaft];
+        *out = now.workspace.shaft_momentum()[shaft] - now.workspace.energy.input_works().net_impulse()[shaft];
     };
+}
+Channel::Read drag(std::size_t shaft) {
+    return [shaft](const Instant& now, double* out) { *out = now.observation.drag[shaft]; };
+}
+Channel::Read drag_power(std::size_t shaft) {
+    return [shaft](const Instant& now, double* out) { *out = now.observation.drag[shaft] * now.observation.speed[shaft]; };
+}
+Channel::Read dragged(std::size_t shaft) {
+    return [shaft](const Instant& now, double* out) { *out = now.workspace.energy.input_works().drag.energy[shaft]; };
+}
+void overall_efficiency(const Instant& now, double* out) {
+    const HydraulicInstant& oil = now.observation.hydraulics;
+    *out = now.workspace.energy.overall(now.observation.time, {oil.pump, oil.lost()});
 }
 
 void vehicle_speed(const Instant& now, double* out) { *out = now.workspace.trip.speed(now.observation.time); }
@@ -65,6 +78,17 @@ const Channel table_of_couplings[] = {
      on_demand | without_chain},
     {"shaft_2/coupling_dissipated", "J", "energy dissipated in the coupling of the driven shaft so far", dissipated(1),
      on_demand | without_chain},
+    {"shaft_1/drag", "N*m", "torque that seals, bearings and oil take from the driving shaft", drag(0), of_drag},
+    {"shaft_2/drag", "N*m", "torque that seals, bearings and oil take from the driven shaft", drag(1), of_drag},
+    {"loss/shaft_1", "W", "power that seals, bearings and oil take from the driving shaft; not in loss/total", drag_power(0), of_drag},
+    {"loss/shaft_2", "W", "power that seals, bearings and oil take from the driven shaft; not in loss/total", drag_power(1), of_drag},
+    {"dissipated/shaft_1", "J", "energy that seals, bearings and oil have taken from the driving shaft; not in dissipated/total",
+     dragged(0), of_drag},
+    {"dissipated/shaft_2", "J", "energy that seals, bearings and oil have taken from the driven shaft; not in dissipated/total", dragged(1),
+     of_drag},
+    {"overall_efficiency", "1",
+     "1 - losses/input over the last pin period from outside to outside: chain, drag of the shafts and pump; NaN without input",
+     overall_efficiency, of_drag | may_be_undefined},
 };
 
 Channel::Read of(double HydraulicInstant::*member) {

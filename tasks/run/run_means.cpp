@@ -66,6 +66,11 @@ constexpr NoteKind kinds[] = {
     return after.efficiency_since(before, means.hydraulics.pump * lasted, means.hydraulics.lost() * lasted);
 }
 
+[[nodiscard]] double overall_efficiency(const SpanMeans& means, const EnergySums& before, const EnergySums& after) noexcept {
+    const double lasted = after.time - before.time;
+    return after.overall_since(before, means.hydraulics.pump * lasted, means.hydraulics.lost() * lasted);
+}
+
 /// Means of one number each, with their places.
 constexpr std::pair<Mean, double SpanMeans::*> scalar_means[] = {
     {Mean::ratio, &SpanMeans::ratio}, {Mean::slip, &SpanMeans::slip},     {Mean::friction_slip, &SpanMeans::friction_slip},
@@ -98,12 +103,15 @@ void fill_energies(const MeanPoint& before, const MeanPoint& after, SpanMeans& m
     means.efficiency = means.no_load ? std::numeric_limits<double>::quiet_NaN() : to.efficiency_since(from);
     means.hydraulics = model::mean_powers(before.hydraulics, after.hydraulics, lasted);
     means.with_pump = means.no_load ? means.efficiency : efficiency_with_pump(means, from, to);
+    means.overall = means.no_load ? means.efficiency : overall_efficiency(means, from, to);
     means.carried = lost > 0.0 ? taken / lost : 0.0;
     means.stored = in > 0.0 ? change / in : 0.0;
     if (!(lasted > 0.0)) return;
     for (const model::Work by : {model::Work::drive, model::Work::load}) {
         const auto k = static_cast<std::size_t>(by);
-        means.shaft_power[by == model::Work::drive ? 0 : 1] = (to.work[k] - from.work[k]) / lasted;
+        const std::size_t shaft = by == model::Work::drive ? 0 : 1;
+        means.drag[shaft] = (to.drag[shaft] - from.drag[shaft]) / lasted;
+        means.shaft_power[shaft] = (to.work[k] - from.work[k]) / lasted + means.drag[shaft];
     }
     means.input = in / lasted;
     means.lost = lost / lasted;

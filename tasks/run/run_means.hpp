@@ -35,11 +35,13 @@ struct SpanMeans {
     double efficiency = 0.0;               ///< 1 - losses/input; not a number without input or without load [1]
     double input = 0.0, taken = 0.0;       ///< power of the inputs that brought energy, and of those that took any [W]
     std::array<double, 2> shaft_power{};   ///< of drive and load, negative: taken out [W]
+    std::array<double, 2> drag{};          ///< power that seals, bearings and oil take from the shafts [W]
     double lost = 0.0;                     ///< [W]
     double stored = 0.0;                   ///< change of the stored energy over the input; 0 without input [1]
     bool no_load = false;                  ///< no shaft took a hundredth of the input: there is no efficiency
     model::HydraulicEnergy hydraulics{};   ///< mean powers [W]; `stored` is the mean rate of what is stored
     double with_pump = 0.0;                ///< efficiency with the pump's power and losses; as efficiency where there is no pump [1]
+    double overall = 0.0;                  ///< efficiency from outside to outside: with pump and drag of the shafts [1]
     double carried = 0.0;                  ///< what drive and load have taken out of the machine over its losses, in the same time [1]
 };
 

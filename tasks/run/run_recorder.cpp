@@ -86,7 +86,8 @@ engine::RunContents contents_of(const Scene& scene, const model::ChainModel& cha
 double record_bytes(const Scene& scene, const model::ChainModel& chain) {
     const auto instants = [&](double interval) { return std::floor(latest_end(scene) / interval * (1.0 + 1e-12)) + 1.0; };
     double width = 1.0;  // its time
-    for (const Channel* channel : chosen_channels(scene.run.channels, chain.layout())) width += channel->width(chain);
+    for (const Channel* channel : chosen_channels(scene.run.channels, chain.layout(), scene.parameters.drag.present()))
+        width += channel->width(chain);
     const double state = sizeof(double) * (1.0 + chain.layout().size()) + model::tips_per_link * chain.layout().links;
     return instants(scene.run.output_interval) * sizeof(double) * width + instants(scene.run.state_interval) * state;
 }
@@ -97,7 +98,7 @@ RunRecorder::RunRecorder(const Scene& scene, const Simulation& simulation, const
       followed_pin_(scene.run.followed_pin),
       has_pulleys_(simulation.variator().layout().pulley_size != 0),
       observer_(simulation.variator()),
-      channels_(chosen_channels(scene.run.channels, simulation.variator().layout())) {
+      channels_(chosen_channels(scene.run.channels, simulation.variator().layout(), scene.parameters.drag.present())) {
     std::size_t width = 0;
     for (const Channel* channel : channels_) width += static_cast<std::size_t>(channel->width(simulation.variator().chain()));
     row_.resize(width);

@@ -38,6 +38,15 @@ std::string hydraulic_lines(const RunReport& r) {
     return text + "\n";
 }
 
+std::string drag_lines(const RunReport& r) {
+    const auto& [driving, driven] = r.whole.drag;
+    if (driving == 0.0 && driven == 0.0) return {};
+    std::string text =
+        fmt::format("  shafts              seals, bearings and oil take {:.4g} W from shaft 1, {:.4g} W from shaft 2", driving, driven);
+    if (std::isfinite(r.whole.overall)) text += fmt::format("; overall efficiency {:.2f} %", 100.0 * r.whole.overall);
+    return text + "\n";
+}
+
 /// Energies of a cycle, of the vehicle and of the shafts.
 std::string trip_lines(const RunReport& r) {
     using enum model::TripAccount;
@@ -58,7 +67,7 @@ std::string outside_lines(const RunReport& r) {
     for (const CouplingReport& c : r.couplings)
         text += fmt::format("  coupling of shaft {} twist {:.4g} rad, {:.4g} J stored at the end; far end: {} {:.4g} J; {:.3g} J lost\n",
                             c.shaft + 1, c.twist, c.stored, c.far_work >= 0.0 ? "brought" : "took", std::abs(c.far_work), c.dissipated);
-    return text + hydraulic_lines(r) + trip_lines(r);
+    return text + hydraulic_lines(r) + drag_lines(r) + trip_lines(r);
 }
 
 std::string heat_text(const model::HeatBalance& heat) {

@@ -63,6 +63,11 @@ Violation imperfections_have_pulleys(const Scene& scene) {
 using model::PulleyDetail;
 using Violation = std::optional<std::string>;
 
+Violation drag_has_shafts(const Scene& scene) {
+    if (!scene.parameters.drag.present() || scene.parameters.detail.pulleys != PulleyDetail::absent) return {};
+    return "drag.driving_seals: drag is of shafts, but detail.pulleys is \"absent\"";
+}
+
 Violation hydraulics_have_pulleys(const Scene& scene) {
     const auto& p = scene.parameters;
     if (p.hydraulics.mode == model::HydraulicMode::none || p.detail.pulleys != PulleyDetail::absent) return {};
@@ -432,6 +437,9 @@ const std::vector<CrossCheck>& machine_checks() {
         {{"cycle.speed", "cycle.begin", "cycle.pedal_time", "cycle.min_ratio", "cycle.max_ratio", "vehicle.mass", "drive.mode",
           "control.enabled", "control.quantity"},
          cycle_is_driven},
+        {{"drag.driving_seals", "drag.driving_viscous", "drag.driving_churning", "drag.driven_seals", "drag.driven_viscous",
+          "drag.driven_churning", "drag.bearing_friction", "detail.pulleys"},
+         drag_has_shafts},
         {{"hydraulics.mode", "detail.pulleys"}, hydraulics_have_pulleys},
         {{"hydraulics.oil_volume", "hydraulics.oil_modulus", "hydraulics.valve_conductance", "hydraulics.driving_area",
           "hydraulics.driven_area", "pulley.sheave_mass"},

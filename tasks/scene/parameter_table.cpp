@@ -6,8 +6,8 @@ namespace {
 // Ranges are wide on purpose: stiffnesses and masses may be a thousandth to a thousandfold of the default (so that limits of
 // stability can be studied); what makes no sense at all is refused. Defaults are those of the structs.
 // key, unit, min, max, choices / meaning / source, member
-const std::vector<Parameter>& rows() {
-    static const std::vector<Parameter> table{
+std::vector<Parameter> parameters_of_machine() {
+    return {
         // clang-format off
     {"scene.name", "", 0, 0, {}, "Name of the scene; the file's stem if absent.",
      "model choice", [](Scene& s) -> Slot { return &s.name; }},
@@ -214,209 +214,13 @@ const std::vector<Parameter>& rows() {
     {"imperfection.attachment", "1", 1e-2, 100, {},
      "Stiffness of the sheave's attachment against tilt over pulley.attachment_tilt; pulleys must be elastic.",
      "a perfect machine", [](Scene& s) -> Slot { return &s.parameters.imperfection.attachment; }},
+        // clang-format on
+    };
+}
 
-    {"drive.mode", "", 0, 0, {"speed", "torque", "coupling"},
-     "Shaft 1 is held at a speed by a governor, driven by a torque, or from t = 0 by a torsional spring and damper whose far end turns.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.drive.mode; }},
-    {"drive.speed", "rad/s", -3000, 3000, {}, "Speed over time of shaft 1 in mode speed, of the far end in mode coupling.",
-     "baseline operating point", [](Scene& s) -> Slot { return &s.parameters.drive.speed; }},
-    {"drive.torque", "N*m", -1e5, 1e5, {}, "Torque on shaft 1 over time, in mode torque.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.drive.torque; }},
-    {"drive.governor_frequency", "Hz", 1e-1, 1e5, {},
-     "Corner frequency of the governor of mode speed, which also holds shaft 1 while mode coupling settles.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.drive.governor_frequency; }},
-    {"drive.inertia", "kg*m^2", 0, 1e3, {}, "Moment of inertia added to shaft 1.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.drive.inertia; }},
-
-    {"drive.coupling_stiffness", "N*m/rad", 1e-1, 1e8, {}, "Stiffness of the coupling of mode coupling.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.drive.coupling.stiffness; }},
-    {"drive.coupling_damping", "N*m*s/rad", 0, 1e6, {}, "Damping of the coupling of mode coupling.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.drive.coupling.damping; }},
-
-    {"load.mode", "", 0, 0, {"torque", "speed", "coupling"},
-     "What holds shaft 2 from t = 0: a torque, a governor of its speed, or a torsional spring and damper whose far end turns.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.load.mode; }},
-    {"load.torque", "N*m", -1e5, 1e5, {},
-     "Torque against the travel of shaft 2 over time, in mode torque; the other modes take over at t = 0 with its first value.",
-     "baseline operating point", [](Scene& s) -> Slot { return &s.parameters.load.torque; }},
-    {"load.speed", "rad/s", -3000, 3000, {},
-     "Speed over time of shaft 2 in mode speed, of the far end in mode coupling, such as that of a vehicle.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.load.speed; }},
-    {"load.governor_frequency", "Hz", 1e-1, 1e5, {}, "Corner frequency of the governor of mode speed.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.load.governor_frequency; }},
-    {"load.coupling_stiffness", "N*m/rad", 1e-1, 1e8, {}, "Stiffness of the coupling of mode coupling.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.load.coupling.stiffness; }},
-    {"load.coupling_damping", "N*m*s/rad", 0, 1e6, {}, "Damping of the coupling of mode coupling.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.load.coupling.damping; }},
-    {"load.linear", "N*m*s/rad", 0, 1e3, {}, "Torque against the travel of shaft 2 added per its speed.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.load.linear; }},
-    {"load.quadratic", "N*m*s^2/rad^2", 0, 1e2, {},
-     "Torque against the travel of shaft 2 added per its speed squared, such as the drag of air.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.load.quadratic; }},
-    {"load.inertia", "kg*m^2", 0, 1e3, {}, "Moment of inertia added to shaft 2.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.load.inertia; }},
-
-    {"vehicle.mass", "kg", 0, 1e5, {}, "Mass of a vehicle that shaft 2 moves; [load] follows from it. 0: no vehicle.",
-     "model choice", [](Scene& s) -> Slot { return &s.vehicle.mass; }},
-    {"vehicle.wheel_radius", "m", 1e-2, 10, {}, "Rolling radius of the wheels.",
-     "typical passenger car", [](Scene& s) -> Slot { return &s.vehicle.wheel_radius; }},
-    {"vehicle.wheel_inertia", "kg*m^2", 0, 1e4, {}, "Moment of inertia of all wheels and of what turns with them.",
-     "model choice", [](Scene& s) -> Slot { return &s.vehicle.wheel_inertia; }},
-    {"vehicle.final_drive", "1", 1e-2, 100, {}, "Turns of shaft 2 per turn of the wheels.",
-     "typical passenger car", [](Scene& s) -> Slot { return &s.vehicle.final_drive; }},
-    {"vehicle.efficiency", "1", 0.1, 1, {}, "Efficiency of the final drive in a cycle, both ways; without a cycle it has no losses.",
-     "model choice", [](Scene& s) -> Slot { return &s.vehicle.efficiency; }},
-    {"vehicle.drag_area", "m^2", 0, 100, {}, "Drag coefficient times frontal area.",
-     "typical passenger car", [](Scene& s) -> Slot { return &s.vehicle.drag_area; }},
-    {"vehicle.air_density", "kg/m^3", 0, 10, {}, "Density of the air.",
-     "air at 20 degrees Celsius", [](Scene& s) -> Slot { return &s.vehicle.air_density; }},
-    {"vehicle.rolling_resistance", "1", 0, 1, {}, "Rolling resistance over the weight.",
-     "typical passenger car", [](Scene& s) -> Slot { return &s.vehicle.rolling_resistance; }},
-    {"vehicle.grade", "1", -1, 1, {}, "Rise of the road over its horizontal length, over time.",
-     "model choice", [](Scene& s) -> Slot { return &s.vehicle.grade; }},
-
-    {"cycle.speed", "m/s", 0, 200, {}, "Speed of the vehicle over time; speed, ratio and load of the shafts follow. 0: no cycle.",
-     "model choice", [](Scene& s) -> Slot { return &s.cycle.speed; }},
-    {"cycle.begin", "s", 0, latest_time, {}, "Time of the tables of cycle and grade at t = 0, where the run begins.",
-     "model choice", [](Scene& s) -> Slot { return &s.cycle.begin; }},
-    {"cycle.engine_speed", "rad/s", 0, 3000, {}, "Target speed of shaft 1 over the speed of the vehicle, linear between points.",
-     "model choice", [](Scene& s) -> Slot { return &s.cycle.engine_speed; }},
-    {"cycle.idle_speed", "rad/s", 1, 3000, {}, "Smallest speed of shaft 1: below, at cycle.max_ratio, the starting clutch slips.",
-     "typical engine", [](Scene& s) -> Slot { return &s.cycle.idle_speed; }},
-    {"cycle.min_ratio", "1", 0.05, 20, {}, "Smallest ratio (shaft 1 over shaft 2) that the cycle uses.",
-     "model choice", [](Scene& s) -> Slot { return &s.cycle.min_ratio; }},
-    {"cycle.max_ratio", "1", 0.05, 20, {}, "Largest ratio that the cycle uses.",
-     "model choice", [](Scene& s) -> Slot { return &s.cycle.max_ratio; }},
-    {"cycle.engine_drag", "N*m", 0, 1e5, {}, "Largest torque by which shaft 1 brakes the vehicle; brakes take the rest.",
-     "typical engine", [](Scene& s) -> Slot { return &s.cycle.engine_drag; }},
-    {"cycle.pedal_time", "s", 1e-3, 100, {}, "Time over which pedals move: speeds, ratio and torque are means over it.",
-     "model choice", [](Scene& s) -> Slot { return &s.cycle.pedal_time; }},
-
-    {"clamping.driving", "N", 0, 1e7, {}, "Clamping force of the movable sheave of shaft 1 over time.",
-     "baseline operating point", [](Scene& s) -> Slot { return &s.parameters.clamping.driving; }},
-    {"clamping.driven", "N", 0, 1e7, {}, "Clamping force of the movable sheave of shaft 2 over time.",
-     "baseline operating point", [](Scene& s) -> Slot { return &s.parameters.clamping.driven; }},
-
-    {"clamping.safety", "1", 0, 100, {},
-     "Lower limit of the clamping force of shaft 2: its friction carries this many times the load's torque, "
-     "2 mu S r/cos(beta). 0: no limit.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.clamping.safety; }},
-
-    {"control.enabled", "", 0, 0, {},
-     "A PI controller corrects a clamping force (control.quantity); with control.driven a second one corrects that of shaft 2.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.control.enabled; }},
-    {"control.quantity", "", 0, 0, {"ratio", "slip", "safety"},
-     "Controlled quantity: the speed ratio by the clamping force of shaft 1, or slip or the safety factor by that of shaft 2.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.control.quantity; }},
-    {"control.slip", "1", 0, 0.5, {},
-     "Target slip over time: loss of speed relative to the ratio of the radii, which follow from the sheaves' positions "
-     "with their elastic deformation.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.control.slip; }},
-    {"control.safety", "1", 0.1, 100, {},
-     "Target safety factor of shaft 2 over time: 2 mu S r/cos(beta) over the load's torque; the radius follows from the sheaves' position.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.control.safety; }},
-    {"control.ratio", "1", 0.05, 20, {}, "Target speed ratio (shaft 1 over shaft 2) over time.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.control.ratio; }},
-    {"control.gains", "", 0, 0, {"given", "found"},
-     "Gains of ratio control: control.proportional and control.integral, or found from clamping force and speed: a point then settles "
-     "without a swing, and the offset that the proportional part leaves moves into the integral part where settling ends.",
-     "model choice", [](Scene& s) -> Slot { return &s.gains; }},
-    {"control.proportional", "N", 0, 1e9, {},
-     "Proportional gain: clamping force per relative error of speed or safety, or per error of slip.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.control.proportional; }},
-    {"control.integral", "N/s", 0, 1e12, {},
-     "Integral gain: rate of clamping force per relative error of speed or safety, or per error of slip.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.control.integral; }},
-    {"control.authority", "N", 0, 1e6, {}, "Largest correction of the clamping force, either way.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.control.authority; }},
-    {"control.reference_speed", "rad/s", 1e-3, 3000, {}, "Speed that scales the error in drive.mode torque.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.control.reference_speed; }},
-
-    {"control.driven", "", 0, 0, {"none", "slip", "safety"},
-     "Quantity that a second PI controller holds by the clamping force of shaft 2, while the first one holds the ratio by that of shaft 1.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.control.driven; }},
-    {"control.driven_proportional", "N", 0, 1e9, {},
-     "Proportional gain of the second controller: clamping force per error of slip or relative error of the safety factor.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.control.driven_proportional; }},
-    {"control.driven_integral", "N/s", 0, 1e12, {},
-     "Integral gain of the second controller: rate of clamping force per error of slip or relative error of the safety factor.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.control.driven_integral; }},
-    {"control.driven_authority", "N", 0, 1e6, {}, "Largest correction of the clamping force by the second controller, either way.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.control.driven_authority; }},
-
-    {"hydraulics.mode", "", 0, 0, {"none", "force", "pressure"},
-     "What makes the clamping forces from t = 0 on: none: they act as requested; force, pressure: cylinders, valves and a pump, from "
-     "the forces of clamping and control, or from driving_pressure and driven_pressure with control.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.hydraulics.mode; }},
-    {"hydraulics.driving_area", "m^2", 1e-4, 1, {}, "Area of the piston of shaft 1.",
-     "typical size of a passenger-car variator", [](Scene& s) -> Slot { return &s.parameters.hydraulics.driving.area; }},
-    {"hydraulics.driving_inner", "m", 0, 1, {},
-     "Inner radius of the piston of shaft 1; with its area it determines the force of the rotating oil.",
-     "typical size of a passenger-car variator", [](Scene& s) -> Slot { return &s.parameters.hydraulics.driving.inner; }},
-    {"hydraulics.driving_compensation", "m^2", 0, 1, {},
-     "Area of the chamber that compensates rotating oil on shaft 1: oil without pressure on the other side of the piston.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.hydraulics.driving.compensation; }},
-    {"hydraulics.driving_spring", "N", 0, 1e6, {},
-     "Force of the spring behind the piston of shaft 1, where the running radius is pulley.arc_position.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.hydraulics.driving.spring; }},
-    {"hydraulics.driving_spring_rate", "N/m", 0, 1e7, {},
-     "Rate of the spring behind the piston of shaft 1: its force falls as the sheave moves toward the chain.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.hydraulics.driving.spring_rate; }},
-    {"hydraulics.driving_pressure", "Pa", 0, 1e10, {}, "Target pressure of the cylinder of shaft 1 over time, in mode pressure.",
-     "clamping force of the baseline", [](Scene& s) -> Slot { return &s.parameters.hydraulics.driving.pressure; }},
-    {"hydraulics.driven_area", "m^2", 1e-4, 1, {}, "Area of the piston of shaft 2.",
-     "typical size of a passenger-car variator", [](Scene& s) -> Slot { return &s.parameters.hydraulics.driven.area; }},
-    {"hydraulics.driven_inner", "m", 0, 1, {},
-     "Inner radius of the piston of shaft 2; with its area it determines the force of the rotating oil.",
-     "typical size of a passenger-car variator", [](Scene& s) -> Slot { return &s.parameters.hydraulics.driven.inner; }},
-    {"hydraulics.driven_compensation", "m^2", 0, 1, {},
-     "Area of the chamber that compensates rotating oil on shaft 2: oil without pressure on the other side of the piston.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.hydraulics.driven.compensation; }},
-    {"hydraulics.driven_spring", "N", 0, 1e6, {},
-     "Force of the spring behind the piston of shaft 2, where the running radius is pulley.arc_position.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.hydraulics.driven.spring; }},
-    {"hydraulics.driven_spring_rate", "N/m", 0, 1e7, {},
-     "Rate of the spring behind the piston of shaft 2: its force falls as the sheave moves toward the chain.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.hydraulics.driven.spring_rate; }},
-    {"hydraulics.driven_pressure", "Pa", 0, 1e10, {}, "Target pressure of the cylinder of shaft 2 over time, in mode pressure.",
-     "clamping force of the baseline", [](Scene& s) -> Slot { return &s.parameters.hydraulics.driven.pressure; }},
-    {"hydraulics.feed_radius", "m", 0, 1, {},
-     "Radius at which rotating oil has the pressure of its valve: of the bore that feeds the cylinders.",
-     "typical size of a passenger-car variator", [](Scene& s) -> Slot { return &s.parameters.hydraulics.feed_radius; }},
-    {"hydraulics.oil_density", "kg/m^3", 100, 2000, {}, "Density of the oil.",
-     "transmission fluid at 80 degrees Celsius", [](Scene& s) -> Slot { return &s.parameters.hydraulics.oil_density; }},
-    {"hydraulics.oil_modulus", "Pa", 1e6, 1e12, {}, "Bulk modulus of the oil with its air and lines.",
-     "transmission fluid with 1 % of air", [](Scene& s) -> Slot { return &s.parameters.hydraulics.oil_modulus; }},
-    {"hydraulics.oil_volume", "m^3", 1e-6, 1, {},
-     "Volume of oil behind a piston, with its line; with the modulus it determines how far the oil yields.",
-     "typical size of a passenger-car variator", [](Scene& s) -> Slot { return &s.parameters.hydraulics.oil_volume; }},
-    {"hydraulics.leakage", "m^3/s/Pa", 0, 1e-8, {}, "Leakage of a cylinder per pressure, through rotating seals.",
-     "0.5 l/min at 28 bar", [](Scene& s) -> Slot { return &s.parameters.hydraulics.leakage; }},
-    {"hydraulics.valve_conductance", "m^3/s/Pa", 1e-13, 1e-5, {}, "Flow of an open valve per drop of pressure.",
-     "12 l/min at 2 bar", [](Scene& s) -> Slot { return &s.parameters.hydraulics.valve_conductance; }},
-    {"hydraulics.valve_lag", "s", 1e-4, 10, {}, "Time constant of a valve's set pressure.",
-     "typical size of a passenger-car variator", [](Scene& s) -> Slot { return &s.parameters.hydraulics.valve_lag; }},
-    {"hydraulics.valve_rate", "Pa/s", 1e3, 1e12, {}, "Largest change of a valve's set pressure per time.",
-     "40 bar in 40 ms", [](Scene& s) -> Slot { return &s.parameters.hydraulics.valve_rate; }},
-    {"hydraulics.pump_displacement", "m^3", 0, 1e-2, {}, "Displacement of the pump per turn.",
-     "typical size of a passenger-car variator", [](Scene& s) -> Slot { return &s.parameters.hydraulics.pump_displacement; }},
-    {"hydraulics.pump_ratio", "1", 0, 20, {},
-     "Turns of the pump per turn of shaft 1; the pump takes its torque before shaft 1. 0: the pump has a motor of its own.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.hydraulics.pump_ratio; }},
-    {"hydraulics.pump_speed", "rad/s", 0, 3000, {},
-     "Speed of the pump over time beside that which it takes from shaft 1: of its own motor.",
-     "model choice", [](Scene& s) -> Slot { return &s.parameters.hydraulics.pump_speed; }},
-    {"hydraulics.pump_volumetric", "1", 0.01, 1, {}, "Volumetric efficiency of the pump: flow over speed times displacement.",
-     "typical size of a passenger-car variator", [](Scene& s) -> Slot { return &s.parameters.hydraulics.pump_volumetric; }},
-    {"hydraulics.pump_mechanical", "1", 0.01, 1, {}, "Mechanical efficiency of the pump: displacement times pressure over torque.",
-     "typical size of a passenger-car variator", [](Scene& s) -> Slot { return &s.parameters.hydraulics.pump_mechanical; }},
-    {"hydraulics.line_margin", "Pa", 0, 1e10, {}, "Line pressure above the higher of both set pressures.",
-     "typical size of a passenger-car variator", [](Scene& s) -> Slot { return &s.parameters.hydraulics.line_margin; }},
-    {"hydraulics.line_minimum", "Pa", 0, 1e10, {}, "Lowest line pressure, for lubrication and control.",
-     "typical size of a passenger-car variator", [](Scene& s) -> Slot { return &s.parameters.hydraulics.line_minimum; }},
-    {"hydraulics.relief_pressure", "Pa", 1e3, 1e10, {}, "Highest line pressure; set pressures end there.",
-     "typical size of a passenger-car variator", [](Scene& s) -> Slot { return &s.parameters.hydraulics.relief_pressure; }},
-
+std::vector<Parameter> parameters_of_run() {
+    return {
+        // clang-format off
     {"start.layout", "", 0, 0, {"belt", "ring"}, "Initial shape of the chain: around the pulleys, or a free ring.",
      "model choice", [](Scene& s) -> Slot { return &s.parameters.start.layout; }},
     {"start.ratio", "1", 0.05, 20, {}, "Speed ratio of the geometric start: running radius on shaft 2 over that on shaft 1.",
@@ -489,11 +293,17 @@ const std::vector<Parameter>& rows() {
      "model choice", [](Scene& s) -> Slot { return &s.run.channels; }},
         // clang-format on
     };
-    return table;
 }
 
 }  // namespace
 
-std::span<const Parameter> parameter_table() { return rows(); }
+std::span<const Parameter> parameter_table() {
+    static const std::vector<Parameter> table = [] {
+        std::vector<Parameter> rows = parameters_of_machine();
+        for (auto& more : {parameters_of_drive(), parameters_of_run()}) rows.insert(rows.end(), more.begin(), more.end());
+        return rows;
+    }();
+    return table;
+}
 
 }  // namespace cvtflow::tasks

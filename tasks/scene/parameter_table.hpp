@@ -51,6 +51,9 @@ struct Parameter {
 /// All rows; the keys of a section are adjacent.
 [[nodiscard]] std::span<const Parameter> parameter_table();
 
+/// Its rows of the sections [drive] to [hydraulics].
+[[nodiscard]] std::vector<Parameter> parameters_of_drive();
+
 /// The row of `key`, or nullptr.
 [[nodiscard]] const Parameter* find_parameter(std::string_view key);
 

@@ -206,6 +206,7 @@ std::vector<model::Parameters> coupled_cases() {
             p.load.speed = model::TimeTable(179.0);
             p.load.coupling = {400.0, 2.0};
             p.clamping.safety = load == model::LoadMode::speed ? 1.5 : 0.0;
+            p.drag = {.driving = {0.2, 1e-3, 3e-6}, .driven = {0.3, 2e-3, 1e-6}, .bearing_friction = 0.0015};
             cases.push_back(p);
         }
     }
@@ -233,6 +234,7 @@ std::vector<model::Parameters> hydraulic_cases() {
     cases[1].hydraulics.pump_speed = model::TimeTable(300.0);
     cases[2].hydraulics.pump_displacement = 1e-8;
     cases[3].detail.pulleys = model::PulleyDetail::rigid;
+    cases[3].drag = {.driving = {50.0, 1.0, 1e-3}, .driven = {80.0, 2.0, 1e-3}, .bearing_friction = 0.1};
     return cases;
 }
 

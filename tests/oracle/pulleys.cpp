@@ -252,14 +252,31 @@ void add_gyroscopic(const System& system, Totals& totals) {
     }
 }
 
+/// Seals, bearings and oil against the travel of a shaft [N·m].
+Real drag_torque(const System& system, int shaft, const std::array<Real, 2>& clamping) {
+    const auto& p = system.parameters;
+    Real pull = 0.0L;  // of both strands, by the tension that each pulley holds
+    for (const int pulley : {0, 1}) {
+        const Real larger = radius_by_position(system, pulley) - radius_by_position(system, 1 - pulley);
+        const Real wrap = std::numbers::pi_v<Real> + 2.0L * std::asin(larger / p.pulley.centre_distance);
+        const Real tension = 2.0L * clamping[pulley] * std::tan(Real{p.tip.angle}) / wrap;
+        pull += 0.5L * (2.0L * tension * std::sin(wrap / 2.0L));
+    }
+    const model::ShaftDrag& of = shaft == 0 ? p.drag.driving : p.drag.driven;
+    const Real dry = of.seals + p.drag.bearing_friction * pull * p.drag.bearing_diameter / 2.0L;
+    const Real speed = system.body[shaft].phi_rate;
+    const Real resisting = std::clamp(speed, -1.0L, 1.0L) * dry + of.viscous * speed + of.churning * speed * std::abs(speed);
+    return Real{model::ramp(p.start, system.t)} * resisting;
+}
+
 void add_inputs(const System& system, Totals& totals) {
     std::array<Real, 2> clamping{requested_force(system, 0), requested_force(system, 1)};
     if (system.layout.hydraulic() && system.far != nullptr) clamping = hydraulic_forces(system, clamping, totals);
     for (const int shaft : {0, 1}) add_clamping(system, shaft, clamping[shaft], totals);
-    const Real torque = drive_torque(system);
+    const Real torque = drive_torque(system) - drag_torque(system, 0, clamping);
     totals.body[0].moment.z += torque;
     totals.work(model::Work::drive) += torque * system.body[0].phi_rate;
-    const Real load = Real{model::ramp(system.parameters.start, system.t)} * load_of(system);
+    const Real load = Real{model::ramp(system.parameters.start, system.t)} * load_of(system) + drag_torque(system, 1, clamping);
     totals.body[1].moment.z -= load;
     totals.work(model::Work::load) -= load * system.body[1].phi_rate;
     for (int number = 0; number < system.controllers(); ++number) totals.control_rate[number] = Controller{system, number}.rate();

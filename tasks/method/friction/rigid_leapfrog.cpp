@@ -132,6 +132,8 @@ void RigidLeapfrog::count_energy(const model::WorkRates& power) noexcept {
         advance(to.lost, from.lost, share, pins_.forces.account.loss);
         advance(to.work, from.work, share, power);
         advance(to.impulse, from.impulse, share, pulleys_.torque());
+        advance(to.drag.impulse, from.drag.impulse, share, pulleys_.drag());
+        advance(to.drag.energy, from.drag.energy, share, pulleys_.drag_power());
         advance(to.couplings.work, from.couplings.work, share, pulleys_.far_power());
         advance(to.couplings.dissipated, from.couplings.dissipated, share, pulleys_.twist_power());
     };
@@ -160,6 +162,8 @@ void RigidLeapfrog::set_lead(double lead) noexcept {
     if (!pulleys_.absent()) {
         advance(to.work, to.work, more, pulleys_.works());
         advance(to.impulse, to.impulse, more, pulleys_.torque());
+        advance(to.drag.impulse, to.drag.impulse, more, pulleys_.drag());
+        advance(to.drag.energy, to.drag.energy, more, pulleys_.drag_power());
     }
     pins_.lead = lead;
 }
@@ -209,7 +213,8 @@ void RigidLeapfrog::visit(Method& m, const Visitor& visitor) {
     all(m.pins_.ledger, m.ledger_, m.pins_.forces.account.loss);
     RigidPulleys::visit(m.pulleys_, visitor);
     const auto energies_of = [&](auto& account) {
-        all(account.lost, account.work, account.impulse, account.couplings.work, account.couplings.dissipated);
+        all(account.lost, account.work, account.impulse, account.drag.energy, account.drag.impulse, account.couplings.work,
+            account.couplings.dissipated);
         visitor(&account.stored, 1);
     };
     energies_of(m.account_);
@@ -270,12 +275,14 @@ model::WorkRates RigidPulleys::kick(double time, double step) noexcept {
     evaluate(time);
     const std::array<double, 2> rates = coupling_rates(time);
     model::WorkRates power = works();
+    const std::array<double, 2> dragged = power_of_drag();
     const double before = kinetic_;
     kick_by_rates(step);
     mean_kinetic_ = 0.5 * (before + kinetic_);
     couple(time, rates);
     const model::WorkRates after = works();
     for (std::size_t k = 0; k < power.size(); ++k) power[k] = 0.5 * (power[k] + after[k]);
+    for (std::size_t k = 0; k < dragged.size(); ++k) drag_power_[k] = 0.5 * (dragged[k] + power_of_drag()[k]);
     return power;
 }
 
@@ -307,6 +314,15 @@ void RigidPulleys::couple(double time, const std::array<double, 2>& rates) noexc
         far_power_[k] = torque()[k] * pulleys.reference_speed(time, shaft);
         twist_power_[k] = now.damping * rates[k] * 0.5 * (rates[k] + now.rate);  // the damper's torque is of the velocities before
     }
+}
+
+std::array<double, 2> RigidPulleys::power_of_drag() const noexcept {
+    std::array<double, 2> power{};
+    for (int shaft = 0; shaft < 2 && !absent_; ++shaft) {
+        const auto k = static_cast<std::size_t>(shaft);
+        power[k] = inputs_.drag[k] * variator_.pulleys().shaft_speed(s_.tail.data(), shaft);
+    }
+    return power;
 }
 
 double RigidPulleys::kinetic_now() const noexcept { return absent_ ? 0.0 : variator_.pulleys().kinetic(s_.tail.data()); }

@@ -42,7 +42,10 @@ public:
     [[nodiscard]] double kinetic() const noexcept { return mean_kinetic_; }
     /// Torques of drive and load in the last kick [N·m].
     [[nodiscard]] std::array<double, 2> torque() const noexcept { return {inputs_.drive_torque, inputs_.load_torque}; }
-    [[nodiscard]] model::WorkRates works() const noexcept;  ///< of velocities as they are [W]
+    [[nodiscard]] const std::array<double, 2>& drag() const noexcept { return inputs_.drag; }  ///< of the shafts, likewise
+    [[nodiscard]] model::WorkRates works() const noexcept;                                     ///< of velocities as they are [W]
+    /// Power of the shafts' drag, mean of before and after the last kick [W].
+    [[nodiscard]] const std::array<double, 2>& drag_power() const noexcept { return drag_power_; }
     /// Powers of the couplings' far ends and of their dampers in the last kick [W].
     [[nodiscard]] const std::array<double, 2>& far_power() const noexcept { return far_power_; }
     [[nodiscard]] const std::array<double, 2>& twist_power() const noexcept { return twist_power_; }
@@ -51,7 +54,8 @@ public:
     template <class Pulleys, class Visitor>
     static void visit(Pulleys& pulleys, const Visitor& visitor) {
         visitor(&pulleys.kinetic_, 1);
-        for (auto* power : {&pulleys.far_power_, &pulleys.twist_power_}) visitor(power->data(), power->size());
+        for (auto* power : {&pulleys.far_power_, &pulleys.twist_power_, &pulleys.drag_power_, &pulleys.inputs_.drag})
+            visitor(power->data(), power->size());
         visitor(pulleys.s_.tail.data(), pulleys.s_.tail.size());
         visitor(pulleys.s_.tail_slope.data(), pulleys.s_.tail_slope.size());
         visitor(&pulleys.inputs_.drive_torque, 1);
@@ -64,6 +68,7 @@ private:
     void kick_by_rates(double time) noexcept;                               ///< [s]
     void couple(double time, const std::array<double, 2>& rates) noexcept;  ///< powers of the couplings; rates before the kick [rad/s]
     [[nodiscard]] std::array<double, 2> coupling_rates(double time) const noexcept;  ///< [rad/s], zero where no coupling acts
+    [[nodiscard]] std::array<double, 2> power_of_drag() const noexcept;              ///< of velocities as they are [W]
     [[nodiscard]] double kinetic_now() const noexcept;                               ///< [J]
 
     const model::Variator& variator_;
@@ -71,8 +76,8 @@ private:
     const bool absent_;
     model::SheaveMotion sheaves_[4]{};
     model::Inputs inputs_;
-    double kinetic_ = 0.0, mean_kinetic_ = 0.0;          ///< of velocities as they are; kinetic() [J]
-    std::array<double, 2> far_power_{}, twist_power_{};  ///< [W]
+    double kinetic_ = 0.0, mean_kinetic_ = 0.0;                         ///< of velocities as they are; kinetic() [J]
+    std::array<double, 2> far_power_{}, twist_power_{}, drag_power_{};  ///< [W]
 };
 
 class RigidLeapfrog final : public StepMethod {

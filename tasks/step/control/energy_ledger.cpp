@@ -37,6 +37,7 @@ constexpr double closer = 8.0;  ///< by which samples lie closer in doubt
     mean.drive_torque = 0.5 * (a.drive_torque + b.drive_torque);
     mean.load_torque = 0.5 * (a.load_torque + b.load_torque);
     for (std::size_t k = 0; k < 2; ++k) mean.clamping[k] = 0.5 * (a.clamping[k] + b.clamping[k]);
+    for (std::size_t k = 0; k < 2; ++k) mean.drag[k] = 0.5 * (a.drag[k] + b.drag[k]);
     return mean;
 }
 
@@ -104,6 +105,8 @@ void InputWorks::add(const model::PulleyModel& pulleys, double begin, const doub
     for (int shaft = 0; shaft < 2; ++shaft) {
         const auto k = static_cast<std::size_t>(shaft);
         impulse[k] += (end - begin) * torque[k];
+        drag.impulse[k] += (end - begin) * mean.drag[k];
+        drag.energy[k] += mean.drag[k] * (to[pulleys.rotation(shaft)] - from[pulleys.rotation(shaft)]);
         if (!pulleys.coupled(shaft)) continue;
         const model::CouplingState before = pulleys.coupling(begin, from, shaft), after = pulleys.coupling(end, to, shaft);
         couplings.work[k] += torque[k] * (pulleys.reference_angle(end, shaft) - pulleys.reference_angle(begin, shaft));
@@ -211,7 +214,7 @@ double EnergyLedger::balance_error_ratio(const EnergyMark& from) const noexcept 
 }
 
 EnergySums EnergyLedger::sums(double time) const noexcept {
-    EnergySums now{time, m_.loss, m_.inputs.work};
+    EnergySums now{time, m_.loss, m_.inputs.work, m_.inputs.drag.energy};
     if (m_.samples == 0.0) return now;
     for (std::size_t k = 0; k < now.loss.size(); ++k) now.loss[k] += (time - m_.sampled) * m_.power[k];
     return now;
@@ -220,7 +223,7 @@ EnergySums EnergyLedger::sums(double time) const noexcept {
 void EnergyLedger::output(double time, const std::array<double, 2>& momentum) noexcept {
     sample_counted(time, m_.pin_period);
     if (m_.outputs > 0.0) m_.chain_torque = m_.torque_since_output(time, momentum);
-    m_.impulse_output = m_.inputs.impulse;
+    m_.impulse_output = m_.inputs.net_impulse();
     m_.momentum_output = momentum;
     m_.output_time = time;
     m_.outputs += 1.0;
@@ -230,7 +233,7 @@ void EnergyLedger::output(double time, const std::array<double, 2>& momentum) no
 std::array<double, 2> EnergyLedger::Memory::torque_since_output(double time, const std::array<double, 2>& momentum) const noexcept {
     std::array<double, 2> torque{};
     for (std::size_t k = 0; k < 2; ++k) {
-        const double gained = momentum[k] - momentum_output[k], given = inputs.impulse[k] - impulse_output[k];
+        const double gained = momentum[k] - momentum_output[k], given = inputs.net_impulse()[k] - impulse_output[k];
         torque[k] = (gained - given) / (time - output_time);
     }
     return torque;
@@ -292,7 +295,8 @@ void EnergyLedger::Memory::visit(AnyMemory& m, Visitor&& visitor) {
     field("stored", m.stored), field("max_stored", m.max_stored), field("noise", m.noise), field("through", m.through);
     field("pin_period", m.pin_period);
     field("work", m.inputs.work), field("work_sampled", m.work_sampled);
-    field("impulse", m.inputs.impulse), field("impulse_output", m.impulse_output), field("momentum_output", m.momentum_output);
+    field("impulse", m.inputs.impulse), field("drag: energy, impulse", m.inputs.drag);
+    field("impulse_output", m.impulse_output), field("momentum_output", m.momentum_output);
     field("chain_torque", m.chain_torque), field("couplings: work, dissipated", m.inputs.couplings);
     field("outputs", m.outputs), field("output_time", m.output_time);
     constexpr const char* of_span = ": begin, loss, work, stored, through, noise, samples";
@@ -339,6 +343,7 @@ EnergySums EnergySums::between(const EnergySums& from, const EnergySums& to, dou
     at.time = time;
     for (std::size_t k = 0; k < at.loss.size(); ++k) at.loss[k] += share * (to.loss[k] - from.loss[k]);
     for (std::size_t k = 0; k < at.work.size(); ++k) at.work[k] += share * (to.work[k] - from.work[k]);
+    for (std::size_t k = 0; k < at.drag.size(); ++k) at.drag[k] += share * (to.drag[k] - from.drag[k]);
     return at;
 }
 
@@ -348,13 +353,25 @@ double EnergySums::efficiency_since(const EnergySums& before) const noexcept {
     return input > 0.0 ? 1.0 - (lost() - before.lost()) / input : std::numeric_limits<double>::quiet_NaN();
 }
 
-double EnergySums::efficiency_since(const EnergySums& before, double further_work, double further_loss) const noexcept {
-    double input = further_work;
+double EnergySums::overall_since(const EnergySums& before, double pump_work, double pump_loss) const noexcept {
+    constexpr auto clamping = static_cast<std::size_t>(model::Work::clamping);
+    double input = pump_work > 0.0 ? pump_work : std::max(0.0, work[clamping] - before.work[clamping]);
+    double lost_here = lost() - before.lost() + pump_loss;
+    for (std::size_t shaft = 0; shaft < drag.size(); ++shaft) {
+        const double taken = drag[shaft] - before.drag[shaft];
+        input += std::max(0.0, work[shaft] - before.work[shaft] + taken);
+        lost_here += taken;
+    }
+    return input > 0.0 ? 1.0 - lost_here / input : std::numeric_limits<double>::quiet_NaN();
+}
+
+double EnergySums::efficiency_since(const EnergySums& before, double pump_work, double pump_loss) const noexcept {
+    double input = pump_work;
     for (const model::Work by : {model::Work::drive, model::Work::load}) {
         const auto k = static_cast<std::size_t>(by);
         input += std::max(0.0, work[k] - before.work[k]);
     }
-    return input > 0.0 ? 1.0 - (lost() - before.lost() + further_loss) / input : std::numeric_limits<double>::quiet_NaN();
+    return input > 0.0 ? 1.0 - (lost() - before.lost() + pump_loss) / input : std::numeric_limits<double>::quiet_NaN();
 }
 
 double EnergyLedger::efficiency(double time) const noexcept {
@@ -362,11 +379,18 @@ double EnergyLedger::efficiency(double time) const noexcept {
     return before ? sums(time).efficiency_since(*before) : std::numeric_limits<double>::quiet_NaN();
 }
 
-double EnergyLedger::efficiency(double time, const FurtherPowers& further) const noexcept {
+double EnergyLedger::efficiency(double time, const FurtherPowers& pump) const noexcept {
     const std::optional<EnergySums> before = m_.past.before(time, m_.pin_period);
     if (!before) return std::numeric_limits<double>::quiet_NaN();
     const double lasted = time - before->time;
-    return sums(time).efficiency_since(*before, further.input * lasted, further.lost * lasted);
+    return sums(time).efficiency_since(*before, pump.input * lasted, pump.lost * lasted);
+}
+
+double EnergyLedger::overall(double time, const FurtherPowers& pump) const noexcept {
+    const std::optional<EnergySums> before = m_.past.before(time, m_.pin_period);
+    if (!before) return std::numeric_limits<double>::quiet_NaN();
+    const double lasted = time - before->time;
+    return sums(time).overall_since(*before, pump.input * lasted, pump.lost * lasted);
 }
 
 }  // namespace cvtflow::tasks

@@ -47,17 +47,20 @@ struct EnergySums {
     double time = 0.0;                             ///< [s]
     std::array<double, model::loss_kinds> loss{};  ///< by kind [J]
     model::WorkRates work{};                       ///< by input [J]
+    std::array<double, 2> drag{};                  ///< taken by seals, bearings and oil of the shafts before `work` [J]
 
     [[nodiscard]] double lost() const noexcept;
     /// Linear between two sums, at a time between theirs. time [s]
     [[nodiscard]] static EnergySums between(const EnergySums& from, const EnergySums& to, double time) noexcept;
     /// 1 - losses/input from `before` to here, input: the works of those inputs that brought energy; not a number without input.
     [[nodiscard]] double efficiency_since(const EnergySums& before) const noexcept;
-    /// Efficiency with further works and losses in that time [J]. Works are then those of the shafts: the further ones feed the clamping.
-    [[nodiscard]] double efficiency_since(const EnergySums& before, double further_work, double further_loss) const noexcept;
+    /// Efficiency with a pump's work and losses in that time [J]. Works are then those of the shafts: the pump feeds the clamping.
+    [[nodiscard]] double efficiency_since(const EnergySums& before, double pump_work, double pump_loss) const noexcept;
+    /// Efficiency from outside to outside: losses include the drag of the shafts and what a pump loses, 0: no pump.
+    [[nodiscard]] double overall_since(const EnergySums& before, double pump_work, double pump_loss) const noexcept;
 };
 
-/// Powers beside those of the ledger [W].
+/// Powers of a pump, beside those of the ledger; 0: no pump [W].
 struct FurtherPowers {
     double input = 0.0, lost = 0.0;
 };
@@ -67,11 +70,23 @@ struct CouplingSums {
     std::array<double, 2> work{}, dissipated{};  ///< [J]
 };
 
+/// Taken from both shafts by seals, bearings and oil so far.
+struct DragSums {
+    std::array<double, 2> energy{};   ///< [J]
+    std::array<double, 2> impulse{};  ///< of the torque [N·m·s]
+};
+
 /// Work of the inputs since the integration began.
 struct InputWorks {
     model::WorkRates work{};          ///< by input [J]
     std::array<double, 2> impulse{};  ///< of the torques from outside, drive and load, on both shafts [N·m·s]
+    DragSums drag;
     CouplingSums couplings;
+
+    /// Impulse of the torques on the shafts behind the drag [N·m·s].
+    [[nodiscard]] std::array<double, 2> net_impulse() const noexcept {
+        return {impulse[0] - drag.impulse[0], impulse[1] - drag.impulse[1]};
+    }
 
     /// Adds a step. @param begin, end of the step [s]   @param from, to states behind the links there   @param mean inputs of the step
     void add(const model::PulleyModel& pulleys, double begin, const double* from, double end, const double* to,
@@ -167,8 +182,10 @@ public:
     /// 1 - losses/input over the last whole pin period up to now, over less where a run has not lasted so long; not a number at the first
     /// output and before. time: now [s]
     [[nodiscard]] double efficiency(double time) const noexcept;
-    /// Efficiency with further powers that have lasted as long. time: now [s]
-    [[nodiscard]] double efficiency(double time, const FurtherPowers& further) const noexcept;
+    /// Efficiency with a pump's powers, which have lasted as long. time: now [s]
+    [[nodiscard]] double efficiency(double time, const FurtherPowers& pump) const noexcept;
+    /// Likewise with the drag of the shafts, from outside to outside.
+    [[nodiscard]] double overall(double time, const FurtherPowers& pump) const noexcept;
 
     /// So far.
     [[nodiscard]] const InputWorks& input_works() const noexcept { return m_.inputs; }

@@ -202,6 +202,28 @@ std::vector<double> turning(const PulleyModel& pulleys, double first = 0.0, doub
     return block;
 }
 
+/// Shaft 2 at 180 rad/s: seals 0.3, bearings 0.001 · 180, oil 2e-6 · 180², and half the bore times 0.0012 times the strands' pull, which at
+/// equal radii is 2 (S_1 + S_2) tan β/π.
+TEST(Inputs, DragGrowsWithSpeedAndClampingAndActsAgainstTheTurning) {
+    Parameters p;
+    p.drag.driven = {0.3, 1e-3, 2e-6};
+    p.drag.bearing_friction = 0.0012;
+    p.drag.bearing_diameter = 0.05;
+    const PulleyModel pulleys(p);
+    auto block = turning(pulleys);
+    const auto speed = [&](double value) { block[static_cast<std::size_t>(pulleys.size() + pulleys.rotation(1))] = value; };
+    const auto drag = [&] { return pulleys.inputs(0.0, block.data()).drag[1]; };
+    const double under_load = 0.0012 * 0.025 * 2.0 * (27.1e3 + 20e3) * std::tan(p.tip.angle) / pi;
+    EXPECT_NEAR(drag(), 0.3 + 0.18 + 0.0648 + under_load, 1e-12);
+    EXPECT_NEAR(pulleys.inputs(0.0, block.data()).drag[0], under_load, 1e-12);
+    speed(-180.0);
+    EXPECT_NEAR(drag(), -(0.3 + 0.18 + 0.0648 + under_load), 1e-12);
+    speed(0.5);
+    EXPECT_NEAR(drag(), 0.5 * (0.3 + under_load) + 0.5e-3 + 2e-6 * 0.25, 1e-12) << "proportional below 1 rad/s";
+    const Inputs inputs = pulleys.inputs(0.0, block.data());
+    EXPECT_EQ(inputs.on_shafts()[1], inputs.load_torque - drag());
+}
+
 TEST(Inputs, LoadGrowsWithSpeedAndItsSquareAgainstTheTravel) {
     Parameters p;
     p.load.torque = TimeTable(10.0);

@@ -1,0 +1,118 @@
+/// Drag of the shafts in a run: where its energy comes from, what the efficiency makes of it, and that a run continues bit for bit.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "tasks/channel/channels.hpp"
+#include "tasks/run/simulation.hpp"
+
+namespace cvtflow::tasks {
+namespace {
+
+SilentObserver drag_unwatched;
+const engine::Cancellation drag_uncancelled;
+
+constexpr double driving_torque = 14.0, loading_torque = 11.0;  // [N·m]
+
+/// `tiny` between two constant torques, its shafts with seals, bearings and oil.
+Scene dragged_scene(const std::string& detail, std::vector<std::string> more = {}) {
+    Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml");
+    apply_detail(scene, detail);
+    std::vector<std::string> settings{"start.settling_time=2 ms",
+                                      "start.ramp_time=1 ms",
+                                      "drive.mode=torque",
+                                      "drive.torque=14 N*m",
+                                      "load.torque=11 N*m",
+                                      "drag.driving_seals=0.3 N*m",
+                                      "drag.driving_viscous=2e-3 N*m*s/rad",
+                                      "drag.driven_seals=0.2 N*m",
+                                      "drag.driven_churning=1e-5 N*m*s^2/rad^2",
+                                      "drag.bearing_friction=0.0015"};
+    settings.emplace_back("run.step=0.2 us");
+    settings.insert(settings.end(), more.begin(), more.end());
+    set_values(scene, settings);
+    return scene;
+}
+
+void run_dragged(Simulation& simulation, double until) {
+    Fault fault;
+    if (simulation.needs_settling()) fault = simulation.advance({.until = 0.0}, drag_unwatched, drag_uncancelled);
+    if (!fault) fault = simulation.advance({.until = until}, drag_unwatched, drag_uncancelled);
+    ASSERT_FALSE(fault) << fault.message();
+}
+
+double shaft_angle(const Simulation& simulation, int shaft) {
+    const double* tail = simulation.state() + simulation.workspace().layout().pulley_begin();
+    return tail[simulation.variator().pulleys().rotation(shaft)];
+}
+
+class ShaftDrag : public testing::TestWithParam<std::string> {};
+
+/// Constant torques from outside do T Δφ, of which drag takes its part and the variator gets the rest.
+TEST_P(ShaftDrag, TakesWhatTheVariatorDoesNotGet) {
+    Simulation simulation(dragged_scene(GetParam()));
+    run_dragged(simulation, 0.0);
+    const double from[2] = {shaft_angle(simulation, 0), shaft_angle(simulation, 1)};
+    const EnergySums before = simulation.energy().sums(0.0);
+    run_dragged(simulation, 3e-3);
+    const EnergySums after = simulation.energy().sums(simulation.time());
+    const double torque[2] = {driving_torque, -loading_torque};
+    double brought = 0.0, dragged = 0.0;
+    for (std::size_t k = 0; k < 2; ++k) {
+        const double outside = torque[k] * (shaft_angle(simulation, static_cast<int>(k)) - from[k]);
+        const double taken = after.drag[k] - before.drag[k];
+        EXPECT_GT(taken, 0.015 * std::abs(outside)) << "shaft " << k + 1;
+        EXPECT_NEAR(outside, after.work[k] - before.work[k] + taken, 1e-3 * taken) << "shaft " << k + 1;
+        brought += std::max(0.0, outside);
+        dragged += taken;
+    }
+    EXPECT_LE(simulation.energy().balance_error_ratio(), 1.0);
+    const double clamping = std::max(0.0, after.work[2] - before.work[2]);
+    const double lost = after.lost() - before.lost() + dragged;
+    EXPECT_NEAR(after.overall_since(before, 0.0, 0.0), 1.0 - lost / (brought + clamping), 1e-5);
+    EXPECT_LT(after.overall_since(before, 0.0, 0.0), after.efficiency_since(before) - 0.02);
+}
+
+/// Impulses of drive and load are those from outside; the variator gets what drag leaves of them.
+TEST_P(ShaftDrag, LeavesTheImpulseFromOutsideAsItIs) {
+    Simulation with(dragged_scene(GetParam())),
+        without(dragged_scene(GetParam(), {"drag.driving_seals=0", "drag.driving_viscous=0", "drag.driven_seals=0",
+                                           "drag.driven_churning=0", "drag.bearing_friction=0"}));
+    for (Simulation* each : {&with, &without}) run_dragged(*each, 1e-3);
+    const InputWorks &dragged = with.energy().input_works(), &free = without.energy().input_works();
+    EXPECT_EQ(free.drag.energy[0], 0.0);
+    EXPECT_EQ(free.net_impulse()[1], free.impulse[1]);
+    EXPECT_NEAR(dragged.impulse[0], free.impulse[0], 1e-9) << "the drive's";
+    EXPECT_LT(dragged.net_impulse()[0], dragged.impulse[0] - 0.3 * 1e-3) << "of the seals alone";
+    EXPECT_LT(dragged.net_impulse()[1], dragged.impulse[1] - 0.2 * 1e-3);
+}
+
+TEST_P(ShaftDrag, ContinuesBitForBitFromAnIntegrationState) {
+    const Scene scene = dragged_scene(GetParam());
+    Simulation whole(scene), other(scene);
+    run_dragged(whole, 3e-4);
+    const IntegrationState middle = whole.integration_state();
+    run_dragged(whole, 6e-4);
+    other.restore(middle);
+    run_dragged(other, 6e-4);
+    EXPECT_EQ(other.hash(), whole.hash());
+    EXPECT_EQ(other.energy().input_works().drag.energy, whole.energy().input_works().drag.energy);
+}
+
+INSTANTIATE_TEST_SUITE_P(Levels, ShaftDrag, testing::Values("rigid", "medium"), [](const auto& instance) { return instance.param; });
+
+TEST(ShaftDragChannels, AreRecordedInScenesWithDragAlone) {
+    const model::ChainLayout variator;
+    const auto has = [&](bool drag) {
+        return std::ranges::any_of(chosen_channels({}, variator, drag),
+                                   [](const Channel* channel) { return channel->name == "overall_efficiency"; });
+    };
+    EXPECT_TRUE(has(true));
+    EXPECT_FALSE(has(false));
+}
+
+}  // namespace
+}  // namespace cvtflow::tasks
