@@ -246,7 +246,7 @@ void CaseEngine::judge_energy() {
     result_.balance_error_ratio = simulation_->balance_error_ratio(means_.mark());
     if (simulation_->workspace().layout().pulley_size != 0) {
         result_.efficiency = means_.all().efficiency;
-        means_.name_notes(balance, result_.notes);
+        name_notes(means_, balance, result_.notes);
     }
     if (result_.status != CaseStatus::ok || result_.balance_error_ratio <= 1.0) return;
     result_.status = CaseStatus::unreliable;
@@ -315,7 +315,7 @@ void CaseEngine::reduce(double time, const Workspace& workspace, const Counters&
 
 /// Where periods count, each has its own. Integrals begin at the last sample of the period before: they add up.
 std::span<Reducer> CaseEngine::present_reducers() {
-    const std::size_t count = sweep_.scalars.size(), first = by_periods() ? means_.periods() * count : 0;
+    const std::size_t count = sweep_.scalars.size(), first = by_periods() ? (means_.curve().points().size() - 1) * count : 0;
     for (std::size_t next = reducers_.size(); next < first + count; ++next)
         reducers_.push_back(reducers_[next - count].continued(sweep_.scalars[next % count]));
     return {reducers_.data() + first, count};

@@ -34,7 +34,9 @@ Channel::Read list(List Observation::*member) {
 
 /// Efficiency since the last output, or of the instant if there is none before.
 void efficiency(const Instant& now, double* out) {
-    *out = now.workspace.energy.efficiency(now.observation.time);
+    const EnergyLedger& energy = now.workspace.energy;
+    const std::optional<EnergySums> before = energy.sums_before(now.observation.time);
+    *out = before ? energy.sums(now.observation.time).efficiency_since(*before) : std::numeric_limits<double>::quiet_NaN();
     if (std::isfinite(*out)) return;
     EnergySums powers;
     powers.loss = now.observation.account.loss;

@@ -1,6 +1,9 @@
 /// Channels of what drives the variator from outside: couplings, the impulse that a co-simulation exchanges, drag of the shafts, and
 /// hydraulics (cylinders, valves, pump: model/EQUATIONS.md section 8).
 
+#include <limits>
+#include <optional>
+
 #include "tasks/channel/channels.hpp"
 
 namespace cvtflow::tasks {
@@ -44,9 +47,19 @@ Channel::Read drag_power(std::size_t shaft) {
 Channel::Read dragged(std::size_t shaft) {
     return [shaft](const Instant& now, double* out) { *out = now.workspace.energy.input_works().drag.energy[shaft]; };
 }
-void overall_efficiency(const Instant& now, double* out) {
-    const HydraulicInstant& oil = now.observation.hydraulics;
-    *out = now.workspace.energy.overall(now.observation.time, {oil.pump, oil.lost()});
+/// Over the last pin period; the pump's powers have lasted as long. Not all that it takes is input: what the oil does on the sheaves comes
+/// back. @param overall  the drag of the shafts included
+Channel::Read efficiency(bool overall) {
+    return [overall](const Instant& now, double* out) {
+        const double time = now.observation.time;
+        const HydraulicInstant& oil = now.observation.hydraulics;
+        const EnergyLedger& energy = now.workspace.energy;
+        const std::optional<EnergySums> before = energy.sums_before(time);
+        *out = std::numeric_limits<double>::quiet_NaN();
+        if (!before) return;
+        const double lasted = time - before->time, pump = lasted * oil.pump, lost = lasted * oil.lost();
+        *out = overall ? energy.sums(time).overall_since(*before, pump, lost) : energy.sums(time).efficiency_since(*before, pump, lost);
+    };
 }
 
 void vehicle_speed(const Instant& now, double* out) { *out = now.workspace.trip.speed(now.observation.time); }
@@ -88,7 +101,7 @@ const Channel table_of_couplings[] = {
      of_drag},
     {"overall_efficiency", "1",
      "1 - losses/input over the last pin period from outside to outside: chain, drag of the shafts and pump; NaN without input",
-     overall_efficiency, of_drag | may_be_undefined},
+     efficiency(true), of_drag | may_be_undefined},
 };
 
 Channel::Read of(double HydraulicInstant::*member) {
@@ -99,11 +112,6 @@ Channel::Read of(std::array<double, 2> HydraulicInstant::*member, std::size_t sh
 }
 Channel::Read energy(double HydraulicEnergy::*member) {
     return [member](const Instant& now, double* out) { *out = now.observation.hydraulic_energy.*member; };
-}
-/// Not all that the pump takes is input: what the oil does on the sheaves comes back.
-void efficiency_with_pump(const Instant& now, double* out) {
-    const HydraulicInstant& oil = now.observation.hydraulics;
-    *out = now.workspace.energy.efficiency(now.observation.time, {oil.pump, oil.lost()});
 }
 
 }  // namespace
@@ -163,7 +171,7 @@ std::span<const Channel> hydraulic_channels() {
         {"hydraulics/sheaves", "J", "work of the oil's pressure on the movable sheaves so far", energy(&E::sheaves), of_hydraulics},
         {"hydraulics/stored", "J", "energy of the compressed oil", energy(&E::stored), of_hydraulics},
         {"efficiency_with_pump", "1", "1 - losses/input over the last pin period, the pump's losses and power included; NaN without input",
-         efficiency_with_pump, of_hydraulics | may_be_undefined},
+         efficiency(false), of_hydraulics | may_be_undefined},
     };
     return table;
 }

@@ -197,31 +197,36 @@ std::span<const double> RunMeans::load(std::span<const double> memory) {
     return curve_.load(memory);
 }
 
-RunMeans::Change RunMeans::change() const {
-    const SpanMeans whole = all(), first = first_fifth(), last = last_fifth();
+namespace {
+
+/// Why means are over a changing state.
+enum class Change { none, drift, trend, brief, energy };
+
+[[nodiscard]] Change change_of(const RunMeans& means) {
+    const SpanMeans whole = means.all(), first = means.first_fifth(), last = means.last_fifth();
     const bool ratio_drifts = std::abs(last.ratio - first.ratio) > drifts_ratio * std::abs(whole.ratio);
     const bool slip_drifts = std::abs(last.slip - first.slip) > drifts_slip * std::abs(whole.slip) + min_slip;
     if (ratio_drifts || slip_drifts) return Change::drift;
-    if (trend().least() > moves) return Change::trend;
-    if (curve_.pin_period() > 0.0 && whole.periods < 1.0) return Change::brief;
+    if (means.trend().least() > moves) return Change::trend;
+    if (means.curve().pin_period() > 0.0 && whole.periods < 1.0) return Change::brief;
     return std::abs(whole.stored) > takes_energy ? Change::energy : Change::none;
 }
 
-std::string RunMeans::text_of(Change change) const {
-    const SpanMeans whole = all(), first = first_fifth(), last = last_fifth();
+[[nodiscard]] std::string text_of(Change change, const RunMeans& means) {
+    const SpanMeans whole = means.all(), first = means.first_fifth(), last = means.last_fifth();
     const auto percent = [](double share) { return fmt::format("{:.3g} %", 100.0 * share); };
     switch (change) {
         case Change::drift:
             return fmt::format("means are over a changing state: ratio {:.5g} … {:.5g}, slip {} … {}", first.ratio, last.ratio,
                                percent(first.slip), percent(last.slip));
         case Change::trend: {
-            const MeanTrend moving = trend();
+            const MeanTrend moving = means.trend();
             return fmt::format("means are over a changing state: change of {} from begin to end {} ± {}", moving.quantity,
                                percent(moving.change), percent(moving.uncertainty));
         }
         case Change::brief:
             return fmt::format("means are over less than the {:.3g} ms in which a pin takes the place of the next one",
-                               1e3 * curve_.pin_period());
+                               1e3 * means.curve().pin_period());
         case Change::energy:
             return fmt::format("means are over a changing state: the stored energy has {} {} of the input",
                                whole.stored > 0.0 ? "taken" : "given", percent(std::abs(whole.stored)));
@@ -230,9 +235,10 @@ std::string RunMeans::text_of(Change change) const {
     return {};
 }
 
-std::array<bool, 9> RunMeans::odd(const EnergyBalance& balance) const {
-    if (curve_.empty()) return {};
-    const SpanMeans whole = all(), last = last_fifth();
+/// Which of note_kinds() there are.
+[[nodiscard]] std::array<bool, std::size(kinds)> odd(const RunMeans& means, const EnergyBalance& balance) {
+    if (means.curve().empty()) return {};
+    const SpanMeans whole = means.all(), last = means.last_fifth();
     const auto impossible = [](double efficiency) { return efficiency < 0.0 || efficiency > 1.0; };  // not a number: none
     const bool stands = whole.turning < standing_speed;
     return {std::abs(last.slip) > gross_slip && !stands,
@@ -240,16 +246,18 @@ std::array<bool, 9> RunMeans::odd(const EnergyBalance& balance) const {
             last.loose > often,
             whole.beyond > 0.0,
             !whole.no_load && (impossible(whole.efficiency) || impossible(last.efficiency)),
-            change() != Change::none && !stands,
+            change_of(means) != Change::none && !stands,
             stands,
             (whole.no_load || (std::isfinite(whole.efficiency) && whole.carried < 1.0)) && !stands,
             unresolved(balance) > resolved_share * balance.loss};
 }
 
-std::vector<Note> RunMeans::notes(const EnergyBalance& balance, bool pulleys) const {
-    std::array<bool, 9> found = odd(balance);
+}  // namespace
+
+std::vector<Note> notes(const RunMeans& means, const EnergyBalance& balance, bool pulleys) {
+    std::array<bool, std::size(kinds)> found = odd(means, balance);
     if (!pulleys) std::fill(found.begin(), found.end() - 1, false);
-    const SpanMeans whole = all(), last = last_fifth();
+    const SpanMeans whole = means.all(), last = means.last_fifth();
     const auto percent = [](double share) { return fmt::format("{:.3g} %", 100.0 * share); };
     const std::string texts[] = {
         fmt::format("the chain slips by {}", percent(last.slip)),
@@ -258,7 +266,7 @@ std::vector<Note> RunMeans::notes(const EnergyBalance& balance, bool pulleys) co
         fmt::format("clamping exceeds wear.clamping_limit at its slip speed in {} of the time", percent(whole.beyond)),
         fmt::format("an efficiency of {} ({} in the last fifth) is none: what moves has taken or given energy", percent(whole.efficiency),
                     percent(last.efficiency)),
-        text_of(change()),
+        text_of(change_of(means), means),
         "the machine is at rest: slip is noise",
         fmt::format("no load: drive and load transfer {} of the losses{}", percent(whole.carried),
                     whole.no_load ? ": there is no efficiency, and slip is that of idling" : ": slip and efficiency are those of idling"),
@@ -272,8 +280,8 @@ std::vector<Note> RunMeans::notes(const EnergyBalance& balance, bool pulleys) co
     return notes;
 }
 
-void RunMeans::name_notes(const EnergyBalance& balance, std::string& names) const {
-    const std::array<bool, 9> found = odd(balance);
+void name_notes(const RunMeans& means, const EnergyBalance& balance, std::string& names) {
+    const std::array<bool, std::size(kinds)> found = odd(means, balance);
     names.clear();
     for (std::size_t k = 0; k < found.size(); ++k) {
         if (found[k]) names.append(names.empty() ? "" : " ").append(kinds[k].name);

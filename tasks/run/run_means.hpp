@@ -67,9 +67,6 @@ public:
     [[nodiscard]] bool ended() const noexcept { return ended_; }
     /// Checks at the end of a run that another rule ended.
     void conclude() noexcept { steady_ = steady_means(curve_, rule_); }
-    [[nodiscard]] bool begun() const noexcept { return !curve_.empty(); }
-    /// With a rule: pin periods that are complete.
-    [[nodiscard]] std::size_t periods() const noexcept { return curve_.points().size() - 1; }
     /// Result of the last check; no batches: none yet.
     [[nodiscard]] const SteadyMeans& steady() const noexcept { return steady_; }
     [[nodiscard]] const SteadyRule& rule() const noexcept { return rule_; }
@@ -77,17 +74,13 @@ public:
     [[nodiscard]] Fault steady_fault() const noexcept;
     /// Energies' ledger at the begin of the means. Without a rule where the run began.
     [[nodiscard]] EnergyMark mark() const noexcept { return curve_.empty() ? EnergyMark{} : curve_.at(begin()).mark; }
-    /// Whether samples are too far apart without another one now, after a step: outputs may lie farther apart than pins pass. time [s]
-    [[nodiscard]] bool due(double time) const noexcept { return curve_.due(time); }
     [[nodiscard]] const MeanCurve& curve() const noexcept { return curve_; }
 
     [[nodiscard]] SpanMeans all() const { return span(0.0, 1.0); }
     [[nodiscard]] SpanMeans first_fifth() const { return span(0.0, 0.2); }
     [[nodiscard]] SpanMeans last_fifth() const { return span(0.8, 1.0); }
-    /// Notes on unusual results. @param balance of the run   @param pulleys whether there are any: else only losses are checked
-    [[nodiscard]] std::vector<Note> notes(const EnergyBalance& balance, bool pulleys = true) const;
-    /// Their names, blank between them, in `names`.
-    void name_notes(const EnergyBalance& balance, std::string& names) const;
+    /// Largest change of a mean from begin to end of the window.
+    [[nodiscard]] MeanTrend trend() const;
 
     /// For checkpoints: continues bitwise. load() returns the rest of the memory. @throws std::invalid_argument for a malformed memory
     void save(std::vector<double>& memory) const;
@@ -95,15 +88,8 @@ public:
 
 private:
     void check_steady() noexcept;
-    [[nodiscard]] double begin() const noexcept;  ///< of the means [s]
-    [[nodiscard]] double end() const noexcept;    ///< [s]
-    /// Which of note_kinds() there are.
-    [[nodiscard]] std::array<bool, 9> odd(const EnergyBalance& balance) const;
-    /// Why means are over a changing state.
-    enum class Change { none, drift, trend, brief, energy };
-    [[nodiscard]] Change change() const;
-    [[nodiscard]] std::string text_of(Change change) const;
-    [[nodiscard]] MeanTrend trend() const;
+    [[nodiscard]] double begin() const noexcept;                 ///< of the means [s]
+    [[nodiscard]] double end() const noexcept;                   ///< [s]
     [[nodiscard]] SpanMeans span(double from, double to) const;  ///< from, to: shares of the time of the means [1]
 
     MeanCurve curve_;
@@ -118,6 +104,10 @@ struct NoteKind {
     std::string_view name, meaning;
 };
 [[nodiscard]] std::span<const NoteKind> note_kinds() noexcept;
+/// Notes on unusual results. @param balance of the run   @param pulleys whether there are any: else only losses are checked
+[[nodiscard]] std::vector<Note> notes(const RunMeans& means, const EnergyBalance& balance, bool pulleys = true);
+/// Their names, blank between them, in `names`.
+void name_notes(const RunMeans& means, const EnergyBalance& balance, std::string& names);
 
 class Workspace;
 
@@ -150,7 +140,7 @@ public:
     /// @param ledger of the run   @param before balance_error_ratio of its start state [1]
     [[nodiscard]] WatchResult result(const EnergyLedger& ledger, double before = 0.0) const;
     /// Whether add() is needed at this time, between outputs. time [s]
-    [[nodiscard]] bool due(double time) const noexcept { return begun_ && means_.due(time); }
+    [[nodiscard]] bool due(double time) const noexcept { return begun_ && means_.curve().due(time); }
     [[nodiscard]] const RunMeans& means() const noexcept { return means_; }
 
 private:

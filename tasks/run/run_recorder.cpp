@@ -206,7 +206,7 @@ void RunRecorder::finish(RunReport& report) {
     report.last_fifth = means_.last_fifth();
     report.steady = means_.steady();
     report.revolutions = static_cast<double>(report.steady.begin) / std::max(1.0, means_.rule().pins);
-    report.notes = means_.notes(report.energy, report.has_pulleys);
+    report.notes = notes(means_, report.energy, report.has_pulleys);
     if (!file_) return;
     file_->set_attribute({std::string(step_taken_attribute), report.step});
     if (report.fault)

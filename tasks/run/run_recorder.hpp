@@ -20,7 +20,7 @@ public:
     RunRecorder(const Scene& scene, const Simulation& simulation, const RunOptions& options);
 
     void output(double time, const Workspace& workspace, const Counters& counters) override;  ///< time [s]
-    [[nodiscard]] bool samples(double time) const noexcept override { return begin_ >= 0.0 && means_.due(time); }
+    [[nodiscard]] bool samples(double time) const noexcept override { return begin_ >= 0.0 && means_.curve().due(time); }
     void sample(double time, const Workspace& workspace, const Counters& counters) override;
     void transition(const TransitionRecord& record) override;
     /// Means so far: whether the run should end because they are steady.

@@ -72,7 +72,7 @@ public:
     void hold(const model::HeldInputs& held) noexcept { workspace_->variator.hold(held); }
     /// They are not those of the last step: what follows may be fast.
     void inputs_changed() {
-        workspace_->energy.inputs_changed(time_);
+        workspace_->energy.inputs_changed(time_, true);
         if (rest_.started && !controller_) workspace_->energy.save(rest_.energy);
         rest_known_ = !controller_;
     }
@@ -103,11 +103,8 @@ public:
     /// Works, losses and balance of the present part: settling, or the run.
     [[nodiscard]] const EnergyLedger& energy() const noexcept { return workspace_->energy; }
     /// The largest EnergyLedger::balance_error_ratio() of settling and run: above 1 the results are wrong.
-    [[nodiscard]] double balance_error_ratio() const noexcept {
-        return std::max(rest_.settling_balance_error_ratio, workspace_->energy.balance_error_ratio());
-    }
-    /// Likewise, of the run as a whole only what came after the mark.
-    [[nodiscard]] double balance_error_ratio(const EnergyMark& from) const noexcept {
+    /// @param from  of the run as a whole only what came after this mark
+    [[nodiscard]] double balance_error_ratio(const std::optional<EnergyMark>& from = {}) const noexcept {
         return std::max(rest_.settling_balance_error_ratio, workspace_->energy.balance_error_ratio(from));
     }
     /// false: keeps no energies from the next run on, for measurements of what that costs.

@@ -268,7 +268,7 @@ PointRun PointMeasure::measured(const TuneChoice& choice, bool settled, engine::
     book(*simulation, began, std::max(simulation->time() - begin, 1e-9), run);
     run.values = reader.values();
     std::string notes;
-    reader.watch().means().name_notes(simulation->energy().balance(), notes);
+    name_notes(reader.watch().means(), simulation->energy().balance(), notes);
     run.unsteady = notes.find("unsteady") != std::string::npos;
     if (fault)
         run.objection = fault.message();

@@ -18,8 +18,9 @@ constexpr int max_function_lines = 40;
 constexpr int max_methods = 20;
 constexpr std::ptrdiff_t most_columns = 140;
 
-/// The only file with a longer function, which is a table: path and what is tabulated.
+/// The only files with longer functions, which are tables: path and what is tabulated.
 const std::map<std::string, std::string> tables{
+    {"tasks/scene/drive_parameters.cpp", "one row per parameter"},
     {"tasks/scene/parameter_table.cpp", "one row per parameter"},
 };
 
@@ -33,9 +34,7 @@ const std::map<std::string, int> large_classes{
     {"model/parameters/chain_layout.hpp: ChainLayout", 24},
     {"tasks/batch/case_engine.hpp: CaseEngine", 35},
     {"tasks/method/friction/rigid_leapfrog.hpp: RigidLeapfrog", 22},
-    {"tasks/run/run_means.hpp: RunMeans", 28},
-    {"tasks/run/simulation.hpp: Simulation", 49},
-    {"tasks/step/control/energy_ledger.hpp: EnergyLedger", 24},
+    {"tasks/run/simulation.hpp: Simulation", 48},
     {"tasks/step/control/step_controller.hpp: StepController", 26},
     {"tasks/step/workspace.hpp: Workspace", 26},
     {"tests/engine/executor/interleaving_fixture.hpp: Interleavings", 32},

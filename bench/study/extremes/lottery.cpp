@@ -202,7 +202,7 @@ class Means final : public RunObserver {
 public:
     explicit Means(const model::Variator& variator) : eye_(variator) {}
     void output(double time, const Workspace& w, const Counters& counters) override { sample(time, w, counters); }
-    [[nodiscard]] bool samples(double time) const noexcept override { return means.due(time); }
+    [[nodiscard]] bool samples(double time) const noexcept override { return means.curve().due(time); }
     void sample(double time, const Workspace& w, const Counters&) override {
         means.add(w.observed_by(eye_, time), w.energy.sums(time), w.pin_period());
     }
@@ -267,7 +267,7 @@ void settle_and_run(const Scene& scene, LotteryTicket& ticket, const LotteryRule
     ticket.slip = means.means.all().slip;
     ticket.loss = simulation.energy().sums(simulation.time()).lost();
     ticket.residual = simulation.energy().balance().relative();
-    means.means.name_notes(simulation.energy().balance(), ticket.notes);
+    name_notes(means.means, simulation.energy().balance(), ticket.notes);
     run_exactly(simulation, scene, start, ticket, rules);
 }
 

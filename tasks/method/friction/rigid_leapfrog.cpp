@@ -274,15 +274,21 @@ void RigidPulleys::evaluate(double time) noexcept {
 model::WorkRates RigidPulleys::kick(double time, double step) noexcept {
     evaluate(time);
     const std::array<double, 2> rates = coupling_rates(time);
+    const auto speeds = [this] {
+        const model::PulleyModel& pulleys = variator_.pulleys();
+        return absent_ ? std::array<double, 2>{}
+                       : std::array{pulleys.shaft_speed(s_.tail.data(), 0), pulleys.shaft_speed(s_.tail.data(), 1)};
+    };
     model::WorkRates power = works();
-    const std::array<double, 2> dragged = power_of_drag();
+    const std::array<double, 2> turning = speeds();
     const double before = kinetic_;
     kick_by_rates(step);
     mean_kinetic_ = 0.5 * (before + kinetic_);
     couple(time, rates);
     const model::WorkRates after = works();
     for (std::size_t k = 0; k < power.size(); ++k) power[k] = 0.5 * (power[k] + after[k]);
-    for (std::size_t k = 0; k < dragged.size(); ++k) drag_power_[k] = 0.5 * (dragged[k] + power_of_drag()[k]);
+    const std::array<double, 2> turning_after = speeds();
+    for (std::size_t k = 0; k < turning.size(); ++k) drag_power_[k] = 0.5 * inputs_.drag[k] * (turning[k] + turning_after[k]);
     return power;
 }
 
@@ -314,15 +320,6 @@ void RigidPulleys::couple(double time, const std::array<double, 2>& rates) noexc
         far_power_[k] = torque()[k] * pulleys.reference_speed(time, shaft);
         twist_power_[k] = now.damping * rates[k] * 0.5 * (rates[k] + now.rate);  // the damper's torque is of the velocities before
     }
-}
-
-std::array<double, 2> RigidPulleys::power_of_drag() const noexcept {
-    std::array<double, 2> power{};
-    for (int shaft = 0; shaft < 2 && !absent_; ++shaft) {
-        const auto k = static_cast<std::size_t>(shaft);
-        power[k] = inputs_.drag[k] * variator_.pulleys().shaft_speed(s_.tail.data(), shaft);
-    }
-    return power;
 }
 
 double RigidPulleys::kinetic_now() const noexcept { return absent_ ? 0.0 : variator_.pulleys().kinetic(s_.tail.data()); }

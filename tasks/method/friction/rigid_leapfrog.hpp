@@ -68,7 +68,6 @@ private:
     void kick_by_rates(double time) noexcept;                               ///< [s]
     void couple(double time, const std::array<double, 2>& rates) noexcept;  ///< powers of the couplings; rates before the kick [rad/s]
     [[nodiscard]] std::array<double, 2> coupling_rates(double time) const noexcept;  ///< [rad/s], zero where no coupling acts
-    [[nodiscard]] std::array<double, 2> power_of_drag() const noexcept;              ///< of velocities as they are [W]
     [[nodiscard]] double kinetic_now() const noexcept;                               ///< [J]
 
     const model::Variator& variator_;

@@ -114,9 +114,9 @@ void InputWorks::add(const model::PulleyModel& pulleys, double begin, const doub
     }
 }
 
-void EnergyLedger::inputs_changed(double time) noexcept {
+void EnergyLedger::inputs_changed(double time, bool densely) noexcept {
     known_ = false;
-    if (m_.samples > 0.0 && time - m_.jumped > window) m_.jumped = time;
+    if (densely && m_.samples > 0.0 && time - m_.jumped > window) m_.jumped = time;
 }
 
 bool EnergyLedger::due(double time) const noexcept {
@@ -141,7 +141,7 @@ void EnergyLedger::sample(double time, const model::Account& links, const model:
     }
     m_.add_noise(power, spacing);
     m_.power = now.loss;
-    close_sample(time);
+    m_.close_sample(time);
 }
 
 /// Fourth differences hold what the trapezoidal rule cannot see, 70 times for noise without memory, and little of what passes smoothly.
@@ -166,21 +166,20 @@ void EnergyLedger::sample_counted(double time, double pin_period) noexcept {
     for (std::size_t k = 0; k < m_.inputs.work.size(); ++k) m_.through += std::max(0.0, m_.inputs.work[k] - m_.work_sampled[k]);
     m_.stored = account_.stored;
     m_.max_stored = std::max(m_.max_stored, m_.stored);
-    close_sample(time);
+    m_.close_sample(time);
 }
 
-/// Everything about a sample is known but for its consequences.
-void EnergyLedger::close_sample(double time) noexcept {
-    m_.sampled = time;
-    m_.work_sampled = m_.inputs.work;
-    m_.samples += 1.0;
-    m_.steps = 0.0;
-    if (m_.samples == 1.0) {
-        m_.jumped = time;
-        m_.judged_from = time < 0.0 ? 0.5 * time : time;
-        m_.all = m_.part = m_.here();
+void EnergyLedger::Memory::close_sample(double time) noexcept {
+    sampled = time;
+    work_sampled = inputs.work;
+    samples += 1.0;
+    steps = 0.0;
+    if (samples == 1.0) {
+        jumped = time;
+        judged_from = time < 0.0 ? 0.5 * time : time;
+        all = part = here();
     }
-    if (time - m_.part.begin >= window) m_.close_window();
+    if (time - part.begin >= window) close_window();
 }
 
 /// A residual that noise can explain is evaluated again; one that it cannot explain is kept.
@@ -207,9 +206,10 @@ EnergyBalance EnergyLedger::Memory::balance_since(const EnergyMark& span) const 
             now.samples - span.samples};
 }
 
-double EnergyLedger::balance_error_ratio(const EnergyMark& from) const noexcept {
+double EnergyLedger::balance_error_ratio(const std::optional<EnergyMark>& from) const noexcept {
     double most = m_.worst;
-    for (const EnergyMark* span : {&from, &m_.part}) most = std::max(most, balance_error_ratio_of(balance(*span), span->begin < 0.0));
+    for (const EnergyMark& span : {from.value_or(m_.all), m_.part})
+        most = std::max(most, balance_error_ratio_of(balance(span), span.begin < 0.0));
     return most;
 }
 
@@ -372,25 +372,6 @@ double EnergySums::efficiency_since(const EnergySums& before, double pump_work, 
         input += std::max(0.0, work[k] - before.work[k]);
     }
     return input > 0.0 ? 1.0 - (lost() - before.lost() + pump_loss) / input : std::numeric_limits<double>::quiet_NaN();
-}
-
-double EnergyLedger::efficiency(double time) const noexcept {
-    const std::optional<EnergySums> before = m_.past.before(time, m_.pin_period);
-    return before ? sums(time).efficiency_since(*before) : std::numeric_limits<double>::quiet_NaN();
-}
-
-double EnergyLedger::efficiency(double time, const FurtherPowers& pump) const noexcept {
-    const std::optional<EnergySums> before = m_.past.before(time, m_.pin_period);
-    if (!before) return std::numeric_limits<double>::quiet_NaN();
-    const double lasted = time - before->time;
-    return sums(time).efficiency_since(*before, pump.input * lasted, pump.lost * lasted);
-}
-
-double EnergyLedger::overall(double time, const FurtherPowers& pump) const noexcept {
-    const std::optional<EnergySums> before = m_.past.before(time, m_.pin_period);
-    if (!before) return std::numeric_limits<double>::quiet_NaN();
-    const double lasted = time - before->time;
-    return sums(time).overall_since(*before, pump.input * lasted, pump.lost * lasted);
 }
 
 }  // namespace cvtflow::tasks

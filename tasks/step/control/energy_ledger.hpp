@@ -60,11 +60,6 @@ struct EnergySums {
     [[nodiscard]] double overall_since(const EnergySums& before, double pump_work, double pump_loss) const noexcept;
 };
 
-/// Powers of a pump, beside those of the ledger; 0: no pump [W].
-struct FurtherPowers {
-    double input = 0.0, lost = 0.0;
-};
-
 /// Energies of the couplings of both shafts so far: work of their far ends, and their losses.
 struct CouplingSums {
     std::array<double, 2> work{}, dissipated{};  ///< [J]
@@ -138,10 +133,9 @@ public:
     void restart(long stride) noexcept;
     /// false: nothing is kept from the next restart on, to measure what keeping costs.
     void keep(bool on) noexcept { on_ = on; }
-    /// Inputs have been changed from outside: losses are sampled densely for a while, unless that has just been so. time [s]
-    void inputs_changed(double time) noexcept;
-    /// Inputs may be others than at the end of the last step, as where a host has set some.
-    void forget_inputs() noexcept { known_ = false; }
+    /// Inputs may be others than at the end of the last step. @param densely  they have been changed from outside at `time`: losses are
+    /// sampled densely for a while, unless that has just been so
+    void inputs_changed(double time, bool densely) noexcept;
     /// A method counts works and losses itself, from its restart() on and in every step. @return where
     [[nodiscard]] EnergyAccount& count() noexcept {
         counted_ = true;
@@ -163,29 +157,23 @@ public:
 
     /// At `time` ≥ the last sample; losses continue at their last rate. time [s]
     [[nodiscard]] EnergySums sums(double time) const noexcept;
-    /// From the beginning to the last sample.
-    [[nodiscard]] EnergyBalance balance() const noexcept { return balance(m_.all); }
     /// At the last sample.
     [[nodiscard]] EnergyMark mark() const noexcept { return m_.here(); }
-    /// From a mark of this ledger to the last sample.
-    [[nodiscard]] EnergyBalance balance(const EnergyMark& from) const noexcept { return m_.balance_since(from); }
-    /// |residual| over its tolerance, the largest of all windows, of the present one and of the whole; > 1: the results are wrong.
-    [[nodiscard]] double balance_error_ratio() const noexcept { return balance_error_ratio(m_.all); }
-    /// Likewise, with the whole since a mark.
-    [[nodiscard]] double balance_error_ratio(const EnergyMark& from) const noexcept;
+    /// From a mark of this ledger, or the beginning, to the last sample.
+    [[nodiscard]] EnergyBalance balance(const std::optional<EnergyMark>& from = {}) const noexcept {
+        return m_.balance_since(from.value_or(m_.all));
+    }
+    /// |residual| over its tolerance, the largest of all windows, of the present one and of the whole since a mark, or the beginning; > 1:
+    /// the results are wrong.
+    [[nodiscard]] double balance_error_ratio(const std::optional<EnergyMark>& from = {}) const noexcept;
 
     /// Mean torque of the chain on the sheaves of each shaft since the output before `time`, which is now: their change of momentum less
     /// the outside's impulse [N·m]. Not a number at the first output and before. Does not change the ledger: results do not depend on when
     /// a host calls it.
     /// @param time [s]   @param momentum of the shafts now [N·m·s]
     [[nodiscard]] std::array<double, 2> chain_torque(double time, const std::array<double, 2>& momentum) const noexcept;
-    /// 1 - losses/input over the last whole pin period up to now, over less where a run has not lasted so long; not a number at the first
-    /// output and before. time: now [s]
-    [[nodiscard]] double efficiency(double time) const noexcept;
-    /// Efficiency with a pump's powers, which have lasted as long. time: now [s]
-    [[nodiscard]] double efficiency(double time, const FurtherPowers& pump) const noexcept;
-    /// Likewise with the drag of the shafts, from outside to outside.
-    [[nodiscard]] double overall(double time, const FurtherPowers& pump) const noexcept;
+    /// Sums a whole pin period before now, less where a run has not lasted so long; none at the first output and before. time: now [s]
+    [[nodiscard]] std::optional<EnergySums> sums_before(double time) const noexcept { return m_.past.before(time, m_.pin_period); }
 
     /// So far.
     [[nodiscard]] const InputWorks& input_works() const noexcept { return m_.inputs; }
@@ -218,6 +206,8 @@ private:
         [[nodiscard]] std::array<double, 2> torque_since_output(double time, const std::array<double, 2>& momentum) const noexcept;
         [[nodiscard]] EnergyMark here() const noexcept;
         [[nodiscard]] EnergyBalance balance_since(const EnergyMark& span) const noexcept;
+        /// Everything about a sample is known but for its consequences. time [s]
+        void close_sample(double time) noexcept;
         void close_window() noexcept;
         /// Calls visitor(name, numbers) for each field. `memory` is a Memory or a const one.
         template <class AnyMemory, class Visitor>
@@ -225,8 +215,6 @@ private:
         /// Hash of names, lengths and order of the fields: memories of another layout are refused.
         [[nodiscard]] static double layout() noexcept;
     };
-
-    void close_sample(double time) noexcept;
 
     Memory m_{};
     model::Inputs inputs_;  ///< at the end of the last step

@@ -90,7 +90,7 @@ void StepController::resume(const StepSettings& settings, RunObserver& observer,
     observer_ = &observer;
     cancel_ = &cancel;
     started_ = std::chrono::steady_clock::now();
-    w_.energy.forget_inputs();
+    w_.energy.inputs_changed(w_.step.time, false);
     integration_.reset();  // its frame is that of the next one
     integration_.emplace(integrate());
 }

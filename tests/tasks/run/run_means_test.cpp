@@ -39,10 +39,10 @@ TEST(RunMeans, AreOverWholePinPeriodsAndSayWhatIsOdd) {
     EXPECT_EQ(means.all().periods, std::floor(0.1 / 7e-4));
     std::string names;
     EnergyBalance balance{.work = 20.0, .loss = 20.0, .through = 1e3, .stored = 4.0, .samples = 100.0};
-    means.name_notes(balance, names);
+    name_notes(means, balance, names);
     EXPECT_EQ(names, "gross_slip unsteady");
     balance.loss = 0.05;  // 1e-5 of what came in are a fifth of it
-    means.name_notes(balance, names);
+    name_notes(means, balance, names);
     EXPECT_EQ(names, "gross_slip unsteady unresolved");
     std::vector<double> memory;
     means.save(memory);
@@ -62,7 +62,7 @@ TEST(RunMeans, SayWhereClampingWasAboveItsLimit) {
             means.add(now, {}, 1e-3);
         }
         std::string names;
-        means.name_notes({}, names);
+        name_notes(means, {}, names);
         EXPECT_EQ(names.find("clamping_limit") != std::string::npos, most > 1.0) << names;
         EXPECT_NEAR(means.all().beyond, most > 1.0 ? 1e-3 : 0.0, 2e-6);  // a sample's share of the time
     }
@@ -85,7 +85,7 @@ std::string notes_of_idling(double speed) {
         means.add(now, sums, 1e-3);
     }
     std::string names;
-    means.name_notes({.work = 240.0, .loss = 90.0, .through = 250.0, .samples = 100.0}, names);
+    name_notes(means, {.work = 240.0, .loss = 90.0, .through = 250.0, .samples = 100.0}, names);
     return names;
 }
 
@@ -118,7 +118,7 @@ constexpr EnergyBalance closed_balance{.work = 10.0, .loss = 10.0, .through = 10
 
 std::string names_of(const RunMeans& means) {
     std::string names;
-    means.name_notes(closed_balance, names);
+    name_notes(means, closed_balance, names);
     return names;
 }
 
@@ -126,7 +126,7 @@ TEST(RunMeans, OfAStateThatStoresOrGivesEnergyAreNotSteady) {
     EXPECT_EQ(names_of(steady_means(10000.0, 9900.0)), "");
     EXPECT_EQ(names_of(steady_means(10000.0, 9600.0)), "unsteady") << "3 % of the input are stored";
     EXPECT_EQ(names_of(steady_means(6000.0, 9600.0)), "unsteady") << "the load is carried by what moves";
-    EXPECT_THAT(steady_means(6000.0, 9600.0).notes(closed_balance).front().text,
+    EXPECT_THAT(notes(steady_means(6000.0, 9600.0), closed_balance).front().text,
                 testing::HasSubstr("the stored energy has given 61.7 % of the input"));
     EXPECT_EQ(names_of(steady_means(10000.0, 9900.0, 0.2)), "unsteady") << "half a pin period";
 }
@@ -168,7 +168,7 @@ TEST(RunMeans, AreUnsteadyWhereOneStillMovesByMoreThanAPerCent) {
     EXPECT_EQ(names_of(rising_means(0.0, 0.02)), "") << "scatter";
     EXPECT_EQ(names_of(rising_means(0.02, 0.0)), "unsteady");
     EXPECT_EQ(names_of(rising_means(-0.02, 0.0)), "unsteady");
-    EXPECT_THAT(rising_means(0.02, 0.0).notes(closed_balance).front().text,
+    EXPECT_THAT(notes(rising_means(0.02, 0.0), closed_balance).front().text,
                 testing::HasSubstr("change of tight tension from begin to end 1.98 %"));
 }
 
