@@ -51,8 +51,24 @@ double PulleyInputs::control_error(const Governing& by, double now, double load,
     const double driving = shaft_speed(block, 0), driven = shaft_speed(block, 1);
     if (by.quantity == ControlledQuantity::ratio)
         return (driving - (held().ratio ? *held().ratio : control_.ratio.at(now)) * driven) / reference_speed_;
-    const double geared = driving * running_radius(block, 0);
-    return geared != 0.0 ? 1.0 - driven * running_radius(block, 1) / geared - control_.slip.at(now) : 0.0;
+    return driving * running_radius(block, 0) != 0.0 ? position_slip(block) - control_.slip.at(now) : 0.0;
+}
+
+double PulleyInputs::position_slip(const double* block) const noexcept {
+    const double geared = shaft_speed(block, 0) * running_radius(block, 0);
+    return geared != 0.0 ? 1.0 - shaft_speed(block, 1) * running_radius(block, 1) / geared : 0.0;
+}
+
+ControlInstant PulleyInputs::controlled(double t, const double* tail, const Inputs& now) const noexcept {
+    if (controllers_ == 0) return {};
+    const double when = std::max(t, 0.0);
+    switch (governing_[0].quantity) {
+        case ControlledQuantity::ratio:
+            return {held().ratio ? *held().ratio : control_.ratio.at(when), shaft_speed(tail, 0) / shaft_speed(tail, 1)};
+        case ControlledQuantity::slip: return {control_.slip.at(when), position_slip(tail)};
+        case ControlledQuantity::safety: break;
+    }
+    return {control_.safety.at(when), gripping_ * running_radius(tail, 1) * now.clamping[1] / std::abs(now.load_torque)};
 }
 
 CylinderMotion PulleyInputs::cylinder_motion(const double* block, int shaft) const noexcept {

@@ -134,6 +134,13 @@ struct Inputs {
     [[nodiscard]] std::array<double, 2> on_shafts() const noexcept { return {drive_torque - drag[0], load_torque - drag[1]}; }
 };
 
+/// Quantity that the first controller holds; zeros without one. [1]
+struct ControlInstant {
+    double target = 0.0, value = 0.0;
+    /// Deviation of the value over the target; 0 without one.
+    [[nodiscard]] double miss() const noexcept { return target != 0.0 ? value / target - 1.0 : 0.0; }
+};
+
 class PulleyInputs : public ShaftTorques {
 public:
     /// Becomes the inputs of other parameters, none held; allocates only what does not fit into the memory it has.
@@ -142,6 +149,8 @@ public:
     /// Inputs at time t. t [s], tail [unknowns of the pulleys, and behind them integrals I of controllers [s] and the hydraulics', if there
     /// are any]
     [[nodiscard]] Inputs inputs(double t, const double* tail) const noexcept;
+    /// Target and present value of the ratio, of the slip by the sheaves' positions, or of the safety factor. t [s], tail as inputs()
+    [[nodiscard]] ControlInstant controlled(double t, const double* tail, const Inputs& now) const noexcept;
     /// Oil with which cylinders have the clamping forces that act at this instant; call it before couple(). t [s], tail as inputs()
     void fill_cylinders(double t, double* tail) const noexcept;
     /// Hydraulics at one instant, and their energies so far; zero without any or before they act. t [s], tail as inputs()
@@ -158,6 +167,8 @@ private:
     void add_controllers();
     /// Error of what a controller holds [1]; `built_up` is the force of its shaft without its proportional part [N].
     [[nodiscard]] double control_error(const Governing& by, double now, double load, double built_up, const double* block) const noexcept;
+    /// Slip by the running radii; 0 where shaft 1 stands [1]. block [unknowns of the pulleys]
+    [[nodiscard]] double position_slip(const double* block) const noexcept;
     /// [N]. table: S_2(t) [N], load: M [N·m], block [unknowns of the pulleys]
     [[nodiscard]] double driven_clamping(double table, double load, const double* block) const noexcept;
     /// Clamping forces before limits and controllers: of the tables or a host; by pressures where these are requested. now ≥ 0 [s]

@@ -225,6 +225,7 @@ void Observer::read_shafts(const double* behind) noexcept {
     o.hydraulics = pulleys.hydraulics(o.time, behind);
     o.hydraulic_energy = pulleys.hydraulic_energy(behind);
     o.control_limited = inputs.control_limited;
+    o.control = pulleys.controlled(o.time, behind, inputs);
     for (int shaft = 0; shaft < 2; ++shaft) {
         const std::size_t k = index_of(shaft);
         o.speed[k] = pulleys.shaft_speed(behind, shaft);

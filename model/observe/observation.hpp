@@ -38,6 +38,7 @@ struct Observation {
     std::array<double, 4> axial_force{};      ///< of all tips on sheaves 1-, 1+, 2-, 2+ [N]
     double limit_use = 0.0;                   ///< largest clamping force over wear.clamping_limit at its slip speed; 0: no limit [1]
     bool control_limited = false;             ///< a controller asks for more than its authority
+    ControlInstant control{};                 ///< of the first controller
     double ratio = 0.0;                       ///< ω_1/ω_2 [1]
     std::array<double, 2> pin_speed{};        ///< mean angular speed about the shaft's axis of the pins that touch [rad/s]
     std::array<double, 2> free_speed{};       ///< at which friction would put no torque on the shaft: pins weighted by it [rad/s]

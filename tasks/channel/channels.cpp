@@ -175,9 +175,10 @@ bool means(std::string_view name, const Channel& channel) {
 
 std::vector<const Channel*> chosen_channels(std::span<const std::string> names, const model::ChainLayout& layout, bool drag) {
     std::vector<const Channel*> chosen;
+    const bool controlled = layout.controls > (layout.hydraulic() ? model::hydraulic_unknowns : 0);
     for (const Channel& channel : channels()) {
         const bool chosen_here = !channel.is(Channel::on_demand) || (channel.is(Channel::of_hydraulics) && layout.hydraulic()) ||
-                                 (channel.is(Channel::of_drag) && drag) ||
+                                 (channel.is(Channel::of_drag) && drag) || (channel.is(Channel::of_control) && controlled) ||
                                  std::any_of(names.begin(), names.end(), [&](const std::string& name) { return means(name, channel); });
         if (chosen_here && (channel.is(Channel::any_machine) || layout.pulley_size != 0)) chosen.push_back(&channel);
     }

@@ -36,6 +36,7 @@ struct Channel {
         may_be_undefined = 8,  ///< a quotient that is NaN where its divisor is zero; means and extremes leave such outputs out
         without_chain = 16,    ///< see needs_chain()
         of_hydraulics = 4 | on_demand | without_chain,  ///< recorded in every run with hydraulics also
+        of_control = 64 | on_demand | without_chain,    ///< recorded in every run with a controller also
         of_drag = 32 | on_demand | without_chain,       ///< recorded in every run whose shafts have drag also
     };
 

@@ -37,6 +37,8 @@ Channel::Read done(Work kind) {
 }
 void residual(const Instant& now, double* out) { *out = now.workspace.energy.balance().relative(); }
 void balance_error_ratio(const Instant& now, double* out) { *out = now.workspace.energy.balance_error_ratio(); }
+void control_target(const Instant& now, double* out) { *out = now.observation.control.target; }
+void control_error(const Instant& now, double* out) { *out = now.observation.control.value - now.observation.control.target; }
 void control_limited(const Instant& now, double* out) { *out = now.observation.control_limited ? 1.0 : 0.0; }
 Channel::Read count(long Counters::*member) {
     return [member](const Instant& now, double* out) { *out = static_cast<double>(now.counters.*member); };
@@ -60,8 +62,8 @@ const Channel table_of_energies[] = {
     {"loss/tip_friction", "W", "power dissipated by friction of tips on sheaves", loss(Loss::tip_friction)},
     {"loss/supports", "W", "power dissipated in bearings and sheave attachments", loss(Loss::supports)},
     {"loss/cylinder", "W", "power dissipated in the hydraulic cylinders", loss(Loss::cylinder)},
-    {"power/drive", "W", "power of the drive", work(Work::drive), without_chain},
-    {"power/load", "W", "power of the load (negative: taken out)", work(Work::load), without_chain},
+    {"power/drive", "W", "power of the drive on shaft 1, behind its drag", work(Work::drive), without_chain},
+    {"power/load", "W", "power of the load on shaft 2, before its drag (negative: taken out)", work(Work::load), without_chain},
     {"power/clamping", "W", "power of the clamping forces", work(Work::clamping), without_chain},
     {"dissipated/inner", "J", "energy dissipated inside pin halves and plate packs so far", dissipated(Loss::inner),
      any_machine | without_chain},
@@ -83,6 +85,9 @@ const Channel table_of_energies[] = {
     {"work/load", "J", "work of the load so far (negative: taken out)", done(Work::load), without_chain},
     {"work/clamping", "J", "work of the clamping forces so far", done(Work::clamping), without_chain},
     {"control/limited", "1", "1 while a controller is at the limit of its authority", control_limited, without_chain},
+    {"control/target", "1", "target of the first controller: ratio, slip by the sheaves' positions, or safety factor", control_target,
+     of_control},
+    {"control/error", "1", "deviation from that target", control_error, of_control},
     {"balance/residual", "1", "|change of stored energy - work + losses| over the losses so far", residual, any_machine | without_chain},
     {"balance/suspicion", "1", "residual of the energy balance over its tolerance; above 1 the results are unreliable", balance_error_ratio,
      any_machine | without_chain},

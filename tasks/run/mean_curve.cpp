@@ -27,6 +27,7 @@ static_assert(std::is_trivially_copyable_v<MeanPoint> && sizeof(MeanPoint) == si
     put(Mean::tight, now.tight);
     put(Mean::slack, now.slack);
     put(Mean::limited, now.control_limited ? 1.0 : 0.0);
+    put(Mean::missed, now.control.miss());
     put(Mean::loose, now.slack <= 0.0 ? 1.0 : 0.0);
     put(Mean::beyond, now.limit_use > 1.0 ? 1.0 : 0.0);
     put(Mean::turning, 0.5 * (std::abs(now.speed[0]) + std::abs(now.speed[1])));

@@ -20,6 +20,7 @@ enum class Mean {
     tight,
     slack,
     limited,  ///< 1 while a controller has reached its authority
+    missed,   ///< deviation of the first controller's quantity over its target
     loose,    ///< 1 while the slack strand carries no tension
     beyond,   ///< 1 while clamping is above its limit over the slip speed
     turning,  ///< speed of the shafts without its sign, mean of both [rad/s]

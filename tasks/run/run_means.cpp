@@ -16,6 +16,7 @@ namespace {
 
 constexpr double gross_slip = 0.03;  ///< creep of a holding chain stays below a hundredth, a sliding one is beyond
 constexpr double often = 0.05;       ///< share of time
+constexpr double misses = 0.01;      ///< of a controller's target
 constexpr double moves = 0.01;       ///< a mean, from begin to end of the window: it is no result to 1 %
 constexpr double drifts_ratio = 0.01, drifts_slip = 0.2, min_slip = 5e-4;
 constexpr double standing_speed = 0.1;   ///< of shafts, 5 mm/s at the chain: of the order of the speeds at which tips creep [rad/s]
@@ -26,6 +27,7 @@ constexpr double takes_energy = 0.02;    ///< of the input; 7e-4 over 11 pin per
 constexpr NoteKind kinds[] = {
     {"gross_slip", "mean slip of the last fifth above 3 %"},
     {"control_limit", "a controller was at the limit of its authority in more than 5 % of the last fifth"},
+    {"target_missed", "the mean of what the first controller holds is off its target by more than 1 % in the last fifth"},
     {"slack_strand", "the slack strand carried no tension in more than 5 % of the last fifth"},
     {"clamping_limit", "a clamping force was above wear.clamping_limit at the slip speed at some time"},
     {"efficiency", "efficiency of the whole run, or of its last fifth, outside 0 … 1"},
@@ -45,10 +47,21 @@ constexpr NoteKind kinds[] = {
     return balance.samples < min_samples ? 0.0 : balance.honest();
 }
 
+/// Work of an input from outside of the shafts' drag [J].
+[[nodiscard]] double outside(const EnergySums& before, const EnergySums& after, std::size_t input) noexcept {
+    const double done = after.work[input] - before.work[input];
+    return input < after.drag.size() ? done + (after.drag[input] - before.drag[input]) : done;
+}
+
+/// Taken by the drag of both shafts [J].
+[[nodiscard]] double dragged(const EnergySums& before, const EnergySums& after) noexcept {
+    return after.drag[0] - before.drag[0] + (after.drag[1] - before.drag[1]);
+}
+
 /// Energy from the inputs [J].
 [[nodiscard]] double input(const EnergySums& before, const EnergySums& after) noexcept {
     double in = 0.0;
-    for (std::size_t k = 0; k < after.work.size(); ++k) in += std::max(0.0, after.work[k] - before.work[k]);
+    for (std::size_t k = 0; k < after.work.size(); ++k) in += std::max(0.0, outside(before, after, k));
     return in;
 }
 
@@ -73,9 +86,10 @@ constexpr NoteKind kinds[] = {
 
 /// Means of one number each, with their places.
 constexpr std::pair<Mean, double SpanMeans::*> scalar_means[] = {
-    {Mean::ratio, &SpanMeans::ratio}, {Mean::slip, &SpanMeans::slip},     {Mean::friction_slip, &SpanMeans::friction_slip},
-    {Mean::tight, &SpanMeans::tight}, {Mean::slack, &SpanMeans::slack},   {Mean::limited, &SpanMeans::limited},
-    {Mean::loose, &SpanMeans::loose}, {Mean::beyond, &SpanMeans::beyond}, {Mean::turning, &SpanMeans::turning}};
+    {Mean::ratio, &SpanMeans::ratio},    {Mean::slip, &SpanMeans::slip},   {Mean::friction_slip, &SpanMeans::friction_slip},
+    {Mean::tight, &SpanMeans::tight},    {Mean::slack, &SpanMeans::slack}, {Mean::limited, &SpanMeans::limited},
+    {Mean::missed, &SpanMeans::missed},  {Mean::loose, &SpanMeans::loose}, {Mean::beyond, &SpanMeans::beyond},
+    {Mean::turning, &SpanMeans::turning}};
 
 void fill_means(const MeanPoint& before, const MeanPoint& after, SpanMeans& means) {
     const auto mean = [&](Mean quantity) { return after.mean_since(before, quantity); };
@@ -94,9 +108,9 @@ void fill_means(const MeanPoint& before, const MeanPoint& after, SpanMeans& mean
 
 void fill_energies(const MeanPoint& before, const MeanPoint& after, SpanMeans& means) {
     const EnergySums &from = before.energy, &to = after.energy;
-    const double lasted = after.time - before.time, lost = to.lost() - from.lost(), in = input(from, to);
+    const double lasted = after.time - before.time, lost = to.lost() - from.lost() + dragged(from, to), in = input(from, to);
     const auto taken_out = [&](model::Work by) {  // by a shaft, not by a cylinder
-        return std::max(0.0, from.work[static_cast<std::size_t>(by)] - to.work[static_cast<std::size_t>(by)]);
+        return std::max(0.0, -outside(from, to, static_cast<std::size_t>(by)));
     };
     const double taken = taken_out(model::Work::drive) + taken_out(model::Work::load), change = change_of_energy(from, to);
     means.no_load = in > 0.0 && taken < min_load * in;
@@ -111,7 +125,7 @@ void fill_energies(const MeanPoint& before, const MeanPoint& after, SpanMeans& m
         const auto k = static_cast<std::size_t>(by);
         const std::size_t shaft = by == model::Work::drive ? 0 : 1;
         means.drag[shaft] = (to.drag[shaft] - from.drag[shaft]) / lasted;
-        means.shaft_power[shaft] = (to.work[k] - from.work[k]) / lasted + means.drag[shaft];
+        means.shaft_power[shaft] = outside(from, to, k) / lasted;
     }
     means.input = in / lasted;
     means.lost = lost / lasted;
@@ -243,6 +257,7 @@ enum class Change { none, drift, trend, brief, energy };
     const bool stands = whole.turning < standing_speed;
     return {std::abs(last.slip) > gross_slip && !stands,
             last.limited > often,
+            std::abs(last.missed) > misses && !stands,
             last.loose > often,
             whole.beyond > 0.0,
             !whole.no_load && (impossible(whole.efficiency) || impossible(last.efficiency)),
@@ -262,6 +277,7 @@ std::vector<Note> notes(const RunMeans& means, const EnergyBalance& balance, boo
     const std::string texts[] = {
         fmt::format("the chain slips by {}", percent(last.slip)),
         fmt::format("control is at the limit of its authority ({} of the last fifth)", percent(last.limited)),
+        fmt::format("control misses its target by {} in the last fifth", percent(last.missed)),
         fmt::format("the slack strand carries no tension ({} of the last fifth)", percent(last.loose)),
         fmt::format("clamping exceeds wear.clamping_limit at its slip speed in {} of the time", percent(whole.beyond)),
         fmt::format("an efficiency of {} ({} in the last fifth) is none: what moves has taken or given energy", percent(whole.efficiency),

@@ -23,6 +23,7 @@ struct SpanMeans {
     double loss_slip = 0.0;                ///< power lost by creep over the power of shafts that bring any; 0 where none does [1]
     double tight = 0.0, slack = 0.0;       ///< [N]
     double limited = 0.0;                  ///< share of time in which a controller had reached its authority
+    double missed = 0.0;                   ///< deviation of the first controller's quantity over its target [1]
     double loose = 0.0;                    ///< share of time in which the slack strand carried no tension
     double beyond = 0.0;                   ///< share of time in which clamping was above its limit over the slip speed
     double turning = 0.0;                  ///< speed of the shafts without its sign, mean of both [rad/s]
@@ -36,7 +37,7 @@ struct SpanMeans {
     double input = 0.0, taken = 0.0;       ///< power of the inputs that brought energy, and of those that took any [W]
     std::array<double, 2> shaft_power{};   ///< of drive and load, negative: taken out [W]
     std::array<double, 2> drag{};          ///< power that seals, bearings and oil take from the shafts [W]
-    double lost = 0.0;                     ///< [W]
+    double lost = 0.0;                     ///< in the variator and by the drag of its shafts [W]
     double stored = 0.0;                   ///< change of the stored energy over the input; 0 without input [1]
     bool no_load = false;                  ///< no shaft took a hundredth of the input: there is no efficiency
     model::HydraulicEnergy hydraulics{};   ///< mean powers [W]; `stored` is the mean rate of what is stored

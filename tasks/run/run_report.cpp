@@ -41,10 +41,9 @@ std::string hydraulic_lines(const RunReport& r) {
 std::string drag_lines(const RunReport& r) {
     const auto& [driving, driven] = r.whole.drag;
     if (driving == 0.0 && driven == 0.0) return {};
-    std::string text =
-        fmt::format("  shafts              seals, bearings and oil take {:.4g} W from shaft 1, {:.4g} W from shaft 2", driving, driven);
-    if (std::isfinite(r.whole.overall)) text += fmt::format("; overall efficiency {:.2f} %", 100.0 * r.whole.overall);
-    return text + "\n";
+    return fmt::format(
+        "  drag                seals, bearings and oil take {:.4g} W from shaft 1 and {:.4g} W from shaft 2, part of what is lost\n",
+        driving, driven);
 }
 
 /// Energies of a cycle, of the vehicle and of the shafts.
@@ -115,7 +114,10 @@ std::string operating_point(const RunReport& r) {
     line("speed ratio         {:.5f}   (first fifth {:.5f}, last fifth {:.5f})", m.ratio, r.first_fifth.ratio, r.last_fifth.ratio);
     const auto percent = [&r](const SpanMeans& means) {
         if (r.whole.no_load || means.no_load) return std::string("- (no load)");
-        return std::isfinite(means.efficiency) ? fmt::format("{:.2f} %", 100.0 * means.efficiency) : std::string("- (no input)");
+        if (!std::isfinite(means.efficiency)) return std::string("- (no input)");
+        const bool drag = means.drag[0] != 0.0 || means.drag[1] != 0.0;
+        return fmt::format("{:.2f} %", 100.0 * means.efficiency) +
+               (drag ? fmt::format(", {:.2f} % with drag and pump", 100.0 * means.overall) : "");
     };
     line("slip                {:.3f} %      efficiency {}   (over {})", 100.0 * m.slip, percent(r.whole), periods_text(r.whole));
     if (r.whole.loss_slip > 0.0) {

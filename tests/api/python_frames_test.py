@@ -230,13 +230,27 @@ class Sweeps(Folder):
         self.assertEqual(list(axes.lines[0].get_xdata()), [7000, 8000])
         self.assertEqual(len(results.plot(x="load.torque", y="slip mean", by=[]).lines), 1)
 
+    @staticmethod
+    def drawn_value(axes, x, y, values):
+        """Value that the colour of the picture at (x, y) stands for, by the colour map from the least to the largest of the values."""
+        import matplotlib
+
+        canvas = axes.figure.canvas
+        canvas.draw()
+        pixels = np.asarray(canvas.buffer_rgba())
+        column, row = axes.transData.transform((x, y))
+        colour = pixels[len(pixels) - 1 - int(row), int(column), :3] / 255.0
+        palette = matplotlib.colormaps[matplotlib.rcParams["image.cmap"]](np.linspace(0.0, 1.0, 256))[:, :3]
+        return np.min(values) + np.ptp(values) * np.argmin(((palette - colour) ** 2).sum(axis=1)) / 255.0
+
     @matplotlib_only
     def test_results_are_drawn_as_a_map(self):
         results = self.results()
         axes = results.map("load.torque", "clamping.driving", "slip mean")
-        mesh = axes.collections[0]
         slip = 100.0 * results["slip_mean"]  # cases: 12 N*m at 7 and 8 kN, 6 N*m at 7 and 8 kN
-        np.testing.assert_allclose(np.ravel(mesh.get_array()), slip[[2, 0, 3, 1]])
+        for torque, force, case in ((12, 7, 0), (12, 8, 1), (6, 7, 2), (6, 8, 3)):
+            drawn = self.drawn_value(axes, torque + 0.05 * (9 - torque), force + 0.05 * (7.5 - force), slip)
+            self.assertLess(abs(drawn - slip[case]), 0.2 * np.ptp(slip), f"{torque} N*m, {force} kN")  # 12 steps of colour, near a corner
         self.assertEqual((axes.get_xlabel(), axes.get_ylabel()), ("load torque [N·m]", "clamping driving [kN]"))
         self.assertEqual(axes.figure.axes[1].get_ylabel(), "mean slip [%]")
         points = results.where(clamping__driving="7 kN").map("load.torque", "clamping.driving", "slip mean")

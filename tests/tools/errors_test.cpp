@@ -91,6 +91,7 @@ TEST_F(Errors, InTheProgramNameTheOtherOne) {
         if (std::find(own.begin(), own.end(), command) != own.end()) continue;  // both have it
         EXPECT_THAT(message(CVTFLOW_PROGRAM, command), testing::HasSubstr("(cvtflow --help, or cvtflow-lab " + command + ")\n"));
     }
+    EXPECT_THAT(message(CVTFLOW_PROGRAM, "fit"), testing::HasSubstr("did you mean 'cvtflow.fit of the Python module'?"));
     EXPECT_EQ(message(CVTFLOW_LAB, "report"), "cvtflow-lab: no command 'report' (cvtflow-lab --help, or cvtflow report)\n");
 }
 

@@ -100,6 +100,8 @@ TEST_F(Messages, OfACheckWarnOfALoadBeyondTheTorqueLimit) {
                                  HasSubstr("pins pass           1404 Hz"), HasSubstr("199.7 N*m on the driven pulley"),
                                  HasSubstr("load 150 N*m: safety factor 1.33\n"), Not(HasSubstr("exceeds the limit: the chain slips"))));
     EXPECT_THAT(heavy.out, AllOf(HasSubstr("safety factor 0.222\n"), HasSubstr("the load exceeds the limit: the chain slips")));
+    EXPECT_THAT(run({"check", "baseline", "--set", "drag.driven_seals=250"}).out,
+                HasSubstr("load and drag 400 N*m: safety factor 0.499\n"));
     EXPECT_THAT(run({"check", "free_ring"}).out, Not(HasSubstr("torque limit"))) << "it has no pulleys";
 }
 

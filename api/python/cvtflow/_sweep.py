@@ -83,7 +83,7 @@ class Results(dict):
         Returns the Axes. Raises ValueError for several cases at one point: where() chooses among them.
 
         si     as in plot()
-        style  is passed to Axes.pcolormesh or Axes.scatter
+        style  is passed to Axes.contourf or Axes.scatter
         """
         import matplotlib.pyplot as pyplot
 
@@ -98,8 +98,8 @@ class Results(dict):
         grid[row, column] = colours
         axes = ax or pyplot.subplots(layout="constrained")[1]
         if min(grid.shape) > 1 and np.isfinite(grid).all():
-            drawn = axes.pcolormesh(xs, ys, grid, **{"shading": "gouraud", **style})
-            axes.clabel(axes.contour(xs, ys, grid, colors="black", linewidths=0.8))
+            drawn = axes.contourf(xs, ys, grid, **{"levels": 12, **style})
+            axes.clabel(axes.contour(drawn, colors="black", linewidths=0.8))
         else:
             drawn = axes.scatter(across, up, c=colours, **style)
         axes.figure.colorbar(drawn, ax=axes, label=self._shown(value, si)[0])

@@ -113,9 +113,10 @@ engine::RowLayout result_layout(const Sweep& sweep) {
     columns.push_back({"energy_residual", "1", "|change of stored energy - work + losses| over the losses of the run"});
     columns.push_back({"energy_suspicion", "1",
                        "residual of the energy balance over its tolerance, settling included; above 1 the status is unreliable"});
-    columns.push_back({"notes", "",
-                       "remarks: gross_slip, control_limit, slack_strand, efficiency, unsteady, standstill, no_load, unresolved",
-                       Type::text, 96});
+    columns.push_back(
+        {"notes", "",
+         "remarks: gross_slip, control_limit, target_missed, slack_strand, efficiency, unsteady, standstill, no_load, unresolved",
+         Type::text, 96});
     columns.push_back({"start", "", "start of the case: scene, geometric, settled, shared or continued", Type::text, 16});
     columns.push_back({"start_state", "", "hash of the state that the case began with; none: it settled by itself", Type::text, 16});
     for (const auto& [name, what] : {std::pair{"steps", "accepted steps"},

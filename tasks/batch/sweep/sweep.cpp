@@ -357,7 +357,13 @@ private:
         const std::string text = fmt::format("is beyond run.until = {} s", number_text(end));
         if (beyond(sweep_.from))
             problems_.push_back({{}, fmt::format("outputs.from: {} s {}: no output would count", number_text(sweep_.from), text)});
+        const auto over_time = [](const ScalarTerm& term) { return term.reduction == Reduction::mean || term.reduction == Reduction::rms; };
+        const bool instant = std::isfinite(end) && sweep_.from >= end * (1.0 - 1e-9);
         for (const Scalar& scalar : sweep_.scalars) {
+            if (instant && !beyond(sweep_.from) && std::ranges::any_of(scalar.terms, over_time))
+                problems_.push_back(
+                    {{},
+                     fmt::format("outputs.from: {} s is run.until: no time is left for \"{}\"", number_text(sweep_.from), scalar.text)});
             const auto late = [&](const ScalarTerm& term) { return term.reduction == Reduction::at && beyond(term.time); };
             if (std::ranges::any_of(scalar.terms, late))
                 problems_.push_back({{}, fmt::format("outputs.scalars: \"{}\" {}", scalar.text, text)});

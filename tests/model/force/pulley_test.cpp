@@ -115,6 +115,32 @@ TEST(PulleyInputs, ControlClampsHarderIfTheDrivenSideIsTooSlowWithinItsAuthority
     EXPECT_EQ(inputs(PulleyModel(p), -1.0).clamping[0], 0.0) << "a cylinder cannot pull";
 }
 
+/// Target and value of ratio, of slip between equal radii, and of the safety factor: friction 2 μ S r/cos β over the load.
+TEST(PulleyInputs, ControlStatesWhatItHoldsAndHowFarItIsOff) {
+    Parameters p;
+    const auto controlled = [&](ControlledQuantity quantity) {
+        p.control.quantity = quantity;
+        const PulleyModel pulleys(p);
+        auto block = at_rest(pulleys);
+        block.push_back(0.0);  // the integral
+        block[static_cast<std::size_t>(pulleys.size() + pulleys.rotation(0))] = 200.0;
+        block[static_cast<std::size_t>(pulleys.size() + pulleys.rotation(1))] = 190.0;
+        return pulleys.controlled(0.0, block.data(), pulleys.inputs(0.0, block.data()));
+    };
+    EXPECT_EQ(controlled(ControlledQuantity::ratio).miss(), 0.0) << "no controller";
+    p.control.enabled = true;
+    p.control.ratio = TimeTable(1.25);
+    p.control.slip = TimeTable(0.04);
+    p.control.safety = TimeTable(1.6);
+    p.control.proportional = 0.0;
+    EXPECT_NEAR(controlled(ControlledQuantity::ratio).miss(), 200.0 / 190.0 / 1.25 - 1.0, 1e-15);
+    EXPECT_NEAR(controlled(ControlledQuantity::slip).value, 0.05, 1e-15);
+    EXPECT_NEAR(controlled(ControlledQuantity::slip).miss(), 0.25, 1e-13);
+    const double carried = 2.0 * p.tip.friction.coefficient * 20e3 * p.pulley.arc_position / std::cos(p.tip.angle);
+    EXPECT_NEAR(controlled(ControlledQuantity::safety).value, carried / 150.0, 1e-12);
+    EXPECT_EQ(controlled(ControlledQuantity::safety).target, 1.6);
+}
+
 TEST(Pulleys, ClampingPushesBothMovableSheavesTowardTheChain) {
     for (const PulleyDetail detail : {PulleyDetail::elastic, PulleyDetail::rigid}) {
         const PulleyModel pulleys(scene(detail));

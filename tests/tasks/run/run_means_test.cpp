@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -65,6 +66,25 @@ TEST(RunMeans, SayWhereClampingWasAboveItsLimit) {
         name_notes(means, {}, names);
         EXPECT_EQ(names.find("clamping_limit") != std::string::npos, most > 1.0) << names;
         EXPECT_NEAR(means.all().beyond, most > 1.0 ? 1e-3 : 0.0, 2e-6);  // a sample's share of the time
+    }
+}
+
+/// A ratio of 1.4 that control brings to 1.36, or to 1.39.
+TEST(RunMeans, SayWhereControlMissesItsTarget) {
+    for (const double ratio : {1.36, 1.39}) {
+        RunMeans means;
+        for (int k = 0; k <= 1000; ++k) {
+            model::Observation now;
+            now.time = 1e-3 * k;
+            now.speed = {200.0, 200.0 / ratio};
+            now.control = {1.4, ratio};
+            means.add(now, {}, 1e-3);
+        }
+        const std::vector<Note> found = notes(means, {});
+        const auto missed = std::ranges::find(found, "target_missed", &Note::name);
+        EXPECT_EQ(missed != found.end(), ratio < 1.38) << ratio;
+        if (missed == found.end()) continue;
+        EXPECT_EQ(missed->text, "control misses its target by -2.86 % in the last fifth");
     }
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tasks/channel/channels.hpp"
+#include "tasks/run/run_means.hpp"
 #include "tasks/run/simulation.hpp"
 
 namespace cvtflow::tasks {
@@ -103,6 +104,33 @@ TEST_P(ShaftDrag, ContinuesBitForBitFromAnIntegrationState) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Levels, ShaftDrag, testing::Values("rigid", "medium"), [](const auto& instance) { return instance.param; });
+
+/// Powers of the summary are from outside to outside: the drive's torque times its speed comes in.
+TEST(ShaftDragSummary, CountsDragAmongTheLosses) {
+    const Scene scene = dragged_scene("rigid");
+    Simulation simulation(scene);
+    run_dragged(simulation, 0.0);
+    RunWatch watch;
+    class Outputs final : public RunObserver {
+    public:
+        Outputs(RunWatch& watch, const Simulation& of) : watch_(watch), observer_(of.variator()) {}
+        void output(double time, const Workspace& workspace, const Counters&) override {
+            watch_.add(workspace.observed_by(observer_, time), workspace);
+        }
+        void transition(const TransitionRecord&) override {}
+
+    private:
+        RunWatch& watch_;
+        model::Observer observer_;
+    } outputs(watch, simulation);
+    ASSERT_FALSE(simulation.advance({.until = 3e-3, .anew = true}, outputs, drag_uncancelled));
+    const SpanMeans means = watch.result(simulation.energy()).means;
+    EXPECT_NEAR(means.shaft_power[0], driving_torque * means.speed[0], 1e-3 * means.input);
+    EXPECT_NEAR(-means.shaft_power[1], loading_torque * means.speed[1], 1e-3 * means.input);
+    EXPECT_GT(means.lost, means.drag[0] + means.drag[1]);
+    EXPECT_NEAR(means.overall, 1.0 - means.lost / means.input, 1e-9);
+    EXPECT_LT(means.overall, means.efficiency - 0.02);
+}
 
 TEST(ShaftDragChannels, AreRecordedInScenesWithDragAlone) {
     const model::ChainLayout variator;

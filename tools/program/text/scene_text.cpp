@@ -50,7 +50,14 @@ struct LeastSafety {
     double factor = INFINITY;        ///< [1]
 };
 
-/// 2 mu S_2 r_2/cos(beta), friction of all contacts along the circumference, over the load. @param radius of the driven pulley [m]
+/// Drag of shaft 2 without the chain's pull, at the speed that the tables ask of it [N*m].
+double drag_of_driven(const model::Parameters& p, double time) {
+    const double speed = std::abs(p.drive.speed.at(time)) / (p.control.enabled ? p.control.ratio.at(time) : p.start.ratio);
+    const model::ShaftDrag& of = p.drag.driven;
+    return of.seals + (of.viscous + of.churning * speed) * speed;
+}
+
+/// 2 mu S_2 r_2/cos(beta), friction of all contacts along the circumference, over load and drag. @param radius of the driven pulley [m]
 LeastSafety least_safety(const tasks::Scene& scene, double radius) {
     constexpr int instants = 200;
     const model::Parameters& p = scene.parameters;
@@ -58,7 +65,7 @@ LeastSafety least_safety(const tasks::Scene& scene, double radius) {
     for (int k = 0; k <= instants; ++k) {
         const double time = tasks::latest_end(scene) * k / instants;
         const double limit = 2.0 * p.tip.friction.coefficient * p.clamping.driven.at(time) * radius / std::cos(p.tip.angle);
-        const double load = std::abs(p.load.torque.at(time));
+        const double load = std::abs(p.load.torque.at(time) + drag_of_driven(p, time));
         if (load > 0.0 && limit / load < least.factor) least = {limit, load, limit / load};
     }
     return least;
@@ -141,9 +148,9 @@ std::string machine_lines(const tasks::Scene& scene) {
     if (!tables_act(p)) return text;
     const LeastSafety least = least_safety(scene, radii->driven);
     if (!std::isfinite(least.factor)) return text;
-    text +=
-        field("torque limit", fmt::format("{:.4g} N*m on the driven pulley (2 mu S_2 r_2/cos(beta)); load {:.4g} N*m: safety factor {:.3g}",
-                                          least.limit, least.load, least.factor));
+    text += field("torque limit",
+                  fmt::format("{:.4g} N*m on the driven pulley (2 mu S_2 r_2/cos(beta)); load{} {:.4g} N*m: safety factor {:.3g}",
+                              least.limit, p.drag.driven == model::ShaftDrag{} ? "" : " and drag", least.load, least.factor));
     if (least.factor < 1.0) text += field("", "the load exceeds the limit: the chain slips; raise clamping.driven or lower load.torque");
     return text;
 }

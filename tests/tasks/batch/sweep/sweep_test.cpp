@@ -238,7 +238,9 @@ TEST_F(SweepFile, AHundredThousandCasesAreEstimatedInSeconds) {
 TEST_F(SweepFile, RefusesOutputsBeyondTheEndOfACase) {
     const std::string cases = "[[axes]]\nkey = \"run.until\"\nvalues = [\"2 ms\", \"1 ms\"]\n";
     const std::string outputs = "[sweep]\nscene = \"tiny\"\n[outputs]\nscalars = [\"slip mean\", \"slip at ";
-    EXPECT_EQ(error(outputs + "1 ms\"]\nfrom = \"1 ms\"\n" + cases), "none");
+    EXPECT_EQ(error(outputs + "1 ms\"]\nfrom = \"0.9 ms\"\n" + cases), "none");
+    EXPECT_THAT(error(outputs + "1 ms\"]\nfrom = \"1 ms\"\n" + cases),
+                HasSubstr("outputs.from: 1e-3 s is run.until: no time is left for \"slip mean\""));
     EXPECT_THAT(error(outputs + "1 ms\"]\nfrom = \"1 s\"\n" + cases),
                 HasSubstr("outputs.from: 1 s is beyond run.until = 1e-3 s: no output"));
     EXPECT_THAT(error(outputs + "1.5 ms\"]\n" + cases), HasSubstr("outputs.scalars: \"slip at 1.5 ms\" is beyond run.until = 1e-3 s"));
