@@ -147,8 +147,11 @@ std::string step_text(const RunReport& r) {
 
 /// The energy balance, and what is odd.
 std::string trust_lines(const RunReport& r) {
-    std::string text = fmt::format("  energy balance      {} {:.2g} % of {:.3g} J lost", r.reliable() ? "closes to" : "is off by",
-                                   100.0 * r.energy.relative(), r.energy.loss);
+    const bool judged = !r.reliable() || r.energy.balance_error_ratio() > 0.0 || r.energy.relative() < 1.0;
+    std::string text = "  energy balance      not judged: too few samples of the losses";
+    if (judged)
+        text = fmt::format("  energy balance      {} {:.2g} % of {:.3g} J lost", r.reliable() ? "closes to" : "is off by",
+                           100.0 * r.energy.relative(), r.energy.loss);
     if (r.settled) text += fmt::format("; settling {:.2g} %", 100.0 * r.settling_residual);
     text += r.reliable() ? "\n" : "\n  " + unreliable_text(r) + "\n";
     for (const Note& note : r.notes) text += fmt::format("  note                {}\n", note.text);

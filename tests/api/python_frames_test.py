@@ -149,6 +149,9 @@ class Records(Folder):
     def test_a_run_becomes_a_frame(self):
         rows = cvtflow.run(tiny(), "20 us", channels=["ratio", "links/tension[3]"])
         self.assertEqual(list(rows.frame(["links/tension[3]"])), ["links/tension[3]"])
+        self.assertEqual(list(rows.frame("links/tension[3]")), ["links/tension[3]"])
+        self.assertEqual(list(cvtflow.run(tiny(), "20 us", channels="slip")), ["time", "slip"])
+        self.assertRaisesRegex(ValueError, "until: -0.001 s is before 0 s", cvtflow.run, tiny(), "-1 ms")
         self.assertEqual(rows.info["links/tension"].unit, "N")
         self.assertIn("3 rows of time, ratio", repr(rows))
         self.assertRaisesRegex(KeyError, "did you mean", cvtflow.run, tiny(), "20 us", channels=["rato"])

@@ -1,6 +1,9 @@
 #include <gmock/gmock.h>
 
+#include <fmt/format.h>
+
 #include <cmath>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -10,6 +13,7 @@
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tests/tools/program_fixture.hpp"
+#include "tools/program/command/reference/terms.hpp"
 
 namespace cvtflow::tools {
 namespace {
@@ -90,6 +94,28 @@ TEST_F(Commands, ExplainKeysAndSections) {
     const Outcome key = run({"explain", "tip.radius"});
     EXPECT_THAT(key.out, StartsWith("tip.radius\n"));
     EXPECT_THAT(run({"explain", "tip"}).out, AllOf(HasSubstr("tip.radius\n"), HasSubstr("tip.angle\n")));
+}
+
+/// Section joint and term joint: keys come first. Words of several keys' names stay errors with suggestions.
+TEST_F(Commands, ExplainTermsChannelsAndNotes) {
+    EXPECT_THAT(run({"explain", "creep"}).out, HasSubstr("creep\n  Sliding of tips that a chain which holds"));
+    EXPECT_THAT(run({"explain", "thrust ratio"}).out, HasSubstr("S_1/S_2"));
+    EXPECT_THAT(run({"explain", "friction_slip"}).out, HasSubstr("\n  channel of records; unit: 1\n"));
+    EXPECT_THAT(run({"explain", "target_missed"}).out, HasSubstr("\n  note of runs and cases\n"));
+    EXPECT_THAT(run({"explain", "joint"}).out, HasSubstr("joint.friction_coefficient\n"));
+}
+
+TEST_F(Commands, ListTermsAsTheGlossaryDoes) {
+    std::ifstream file(CVTFLOW_SOURCE_DIR "/docs/glossary.md");
+    const std::string page{std::istreambuf_iterator<char>(file), {}};
+    const std::string listed = run({"list", "terms"}).out;
+    std::size_t rows = 0;
+    for (const Term& term : terms) {
+        EXPECT_THAT(page, HasSubstr(fmt::format("\n| {} | {} |\n", term.word, term.meaning)));
+        EXPECT_THAT(listed, HasSubstr(std::string(term.word)));
+    }
+    for (std::size_t at = page.find("\n| "); at != std::string::npos; at = page.find("\n| ", at + 1)) ++rows;
+    EXPECT_EQ(rows, std::size(terms) + 1) << "and a heading";
 }
 
 TEST_F(Commands, ExplainReportsWhatAKeyIsInASceneAndHowFarItsStepIsStable) {

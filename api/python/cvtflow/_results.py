@@ -11,18 +11,23 @@ from ._cvtflow import RecordFile, Simulation, Threads, quantity
 _MILLI = 1e3
 
 
+def _names(channels):
+    """One name, or several."""
+    return [channels] if isinstance(channels, str) else channels
+
+
 class Series:
     """Arrays over time by name, "time" [s] among them. Derived classes define __getitem__ and info (name -> Column)."""
 
     def frame(self, channels=None):
         """A pandas.DataFrame with the time [s] as index; channels of several numbers become columns "links/tension[0]", ...
 
-        channels  names; None: all of one number per row
+        channels  a name or several; None: all of one number per row
         Units by column are in frame.attrs["units"]. Raises ImportError where pandas is not installed.
         """
         import pandas
 
-        names = [name for name, column in self.info.items() if column.width == 1] if channels is None else channels
+        names = [name for name, column in self.info.items() if column.width == 1] if channels is None else _names(channels)
         columns, units = {}, {}
         for name in names:
             values = self[name]
@@ -38,7 +43,7 @@ class Series:
         frame(). Raises ImportError where xarray is not installed."""
         import xarray
 
-        names = [name for name, column in self.info.items() if column.width == 1] if channels is None else channels
+        names = [name for name, column in self.info.items() if column.width == 1] if channels is None else _names(channels)
         made = {}
         for name in names:
             values, column = self[name], self.info[split(name)[0]]
@@ -185,7 +190,7 @@ def run(scene, until=None, *, channels=("ratio", "slip", "efficiency"), interval
     """Runs a scene and returns a dict of arrays over time: "time" [s] and the channels, [rows] or [rows, width], in SI units.
 
     until     end ("0.1 ms"; numbers are in s); None: run.until of the scene
-    channels  names, elements such as "links/tension[3]" among them
+    channels  a name or several, elements such as "links/tension[3]" among them
     interval  time between rows; None: run.output_interval
     inputs    called as inputs(time, simulation) before each row; returns a dict of inputs to set, or None
     threads   cvtflow.Threads; None: the calling thread
@@ -197,6 +202,9 @@ def run(scene, until=None, *, channels=("ratio", "slip", "efficiency"), interval
     interval = simulation.scene["run.output_interval"] if interval is None else _seconds(interval)
     if not interval > 0.0:
         raise ValueError("interval: must be positive")
+    if not until >= max(0.0, simulation.time):
+        raise ValueError(f"until: {until:g} s is before {max(0.0, simulation.time):g} s, where the run begins")
+    channels = _names(channels)
     now = simulation.channels
     for name in channels:
         now[name]  # raises what is wrong with a name before anything runs

@@ -6,11 +6,14 @@
 #include <optional>
 
 #include "tasks/batch/sweep/sweep_keys.hpp"
+#include "tasks/channel/channels.hpp"
 #include "tasks/method/automatic_method.hpp"
+#include "tasks/run/run_means.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/command/command.hpp"
+#include "tools/program/command/reference/terms.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::tools {
@@ -24,6 +27,19 @@ std::vector<std::string> keys_of(const std::string& word) {
         if (parameter.section() == word) keys.emplace_back(parameter.key);
     }
     return keys.empty() ? std::vector{word} : keys;
+}
+
+/// Meaning of a word that is no key: a term, a channel or a note. Empty if it is none.
+std::string meaning_of(std::string_view word) {
+    if (const auto* term = std::ranges::find(terms, word, &Term::word); term != std::end(terms))
+        return fmt::format("{}\n  {}\n", term->word, term->meaning);
+    const auto channels = tasks::channels();
+    if (const auto channel = std::ranges::find(channels, word, &tasks::Channel::name); channel != channels.end())
+        return fmt::format("{}\n  {}\n  channel of records; unit: {}\n", channel->name, channel->description, channel->unit);
+    const auto notes = tasks::note_kinds();
+    if (const auto note = std::ranges::find(notes, word, &tasks::NoteKind::name); note != notes.end())
+        return fmt::format("{}\n  {}\n  note of runs and cases\n", note->name, note->meaning);
+    return {};
 }
 
 struct ExplainArguments {
@@ -60,7 +76,12 @@ ExitStatus explain(const ExplainArguments& arguments) {
             text += (text.empty() ? "" : "\n") + tasks::explain_sweep(word);
             continue;
         }
-        for (const std::string& key : keys_of(word)) {
+        const std::vector<std::string> keys = keys_of(word);
+        if (const std::string meaning = meaning_of(word); !meaning.empty() && !tasks::find_parameter(keys.front())) {
+            text += (text.empty() ? "" : "\n") + meaning;
+            continue;
+        }
+        for (const std::string& key : keys) {
             text += (text.empty() ? "" : "\n") + tasks::explain(key);
             if (loaded) text += scene_lines(key, loaded->scene);
         }
@@ -73,8 +94,10 @@ ExitStatus explain(const ExplainArguments& arguments) {
 
 Action declare_explain(CLI::App& app) {
     const auto arguments = std::make_shared<ExplainArguments>();
-    app.add_option("KEY", arguments->words,
-                   "Key such as tip.radius, or a section such as tip for all its keys; for sweep files sweep.axes.key, sweep.axes, sweep")
+    app.add_option(
+           "KEY", arguments->words,
+           "Key such as tip.radius, or a section such as tip for all its keys; for sweep files sweep.axes.key, sweep.axes, sweep; a "
+           "channel, a note, or a term such as creep (cvtflow list terms)")
         ->required()
         ->type_name("");
     app.add_option("--scene", arguments->scene.scene, "Print the value in this scene too; for run.step also the largest step of its method")

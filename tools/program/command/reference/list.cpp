@@ -18,6 +18,7 @@
 #include "tasks/scene/units.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/command/command.hpp"
+#include "tools/program/command/reference/terms.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/html/page.hpp"
 #include "tools/program/text/text.hpp"
@@ -142,6 +143,12 @@ std::string notes() {
            "\"notes\" of sweeps have them.\n";
 }
 
+std::string words() {
+    Table table({{"word"}, {"meaning"}});
+    for (const Term& term : terms) table.add({std::string(term.word), std::string(term.meaning)});
+    return table.text();
+}
+
 std::string executors() { return executor_table() + fmt::format("\nRuntimes: {}.\n", engine::runtime_versions()) + absent_executor_text(); }
 
 std::string keys() {
@@ -184,6 +191,7 @@ constexpr std::array listings{
     Listing{"scenes", "Ready scenes", scenes},
     Listing{"sweeps", "Ready sweeps", sweeps},
     Listing{"notes", "Notes of runs and of cases of sweeps", notes},
+    Listing{"terms", "Words of the field, of scenes and of records", words},
     Listing{"executors", "Executors of the task graph; more for comparison: cvtflow-lab executors", executors},
     Listing{"keys", "All keys of scenes", keys},
     Listing{"units", "Units of quantities", units},

@@ -1,0 +1,46 @@
+#pragma once
+/// Words of the field and of this program that are no keys: for cvtflow explain, cvtflow list terms, and docs/glossary.md.
+
+#include <string_view>
+
+namespace cvtflow::tools {
+
+struct Term {
+    std::string_view word, meaning;
+};
+
+inline constexpr Term terms[] = {
+    {"shaft", "Shaft 1 drives, shaft 2 is driven; each carries a pulley."},
+    {"pulley", "Two sheaves on a shaft, with the chain between them."},
+    {"sheave", "A cone of a pulley. One of the two is fixed, the other one moves along the shaft."},
+    {"clamping force", "Force that presses the movable sheave toward the chain: S_1 on shaft 1, S_2 on shaft 2."},
+    {"thrust ratio", "S_1/S_2, which holds a ratio under a load."},
+    {"ratio", "Speed of shaft 1 over that of shaft 2; above 1 the variator slows down (low), below 1 it speeds up (overdrive)."},
+    {"running radius", "Radius of the chain on a pulley, as the position of the movable sheave gives it."},
+    {"wrap", "Angle of a pulley along which the chain touches it."},
+    {"pin", "Rocker pin between two links: two halves that roll on each other."},
+    {"half", "Half of a pin. Its two ends are tips."},
+    {"tip", "End of a half, which touches a sheave; friction of the tips carries the torque."},
+    {"link", "What joins two pins: plates side by side."},
+    {"plate", "Strip of steel around the halves of two neighbouring pins, which carries tension."},
+    {"joint", "Rolling contact of the two halves of a pin."},
+    {"pitch", "Distance from pin to pin along a link; unequal pitches make less tone."},
+    {"strand", "Free part of the chain between the pulleys: the tight one pulls more than the slack one."},
+    {"slip", "1 - ratio of speeds over ratio of radii by the pins: creep of a chain that holds, or sliding."},
+    {"creep", "Sliding of tips that a chain which holds needs to carry its torque: some per mille."},
+    {"safety factor", "Largest torque that friction carries over the load's; below 1 the chain slides."},
+    {"torque limit", "2 mu S_2 r_2/cos(beta): the load of safety factor 1."},
+    {"pin period", "Time in which a pin takes the place of the next one; means are over whole pin periods."},
+    {"efficiency", "1 - losses/input over whole pin periods. Small variators at small loads, as tiny, have less than 90 %."},
+    {"scene", "File of a machine, its inputs and a run (TOML)."},
+    {"level of detail", "How much of pins, plates and pulleys is modelled: rigid, medium, fine, full."},
+    {"sweep", "File that varies keys of a scene; each variant is a case, and each case a row of a table."},
+    {"record", "File of a run: channels over time, states, the scene (HDF5)."},
+    {"channel", "A recorded quantity: cvtflow list channels."},
+    {"state", "File of positions and velocities from which runs start (start.state)."},
+    {"checkpoint", "File from which an interrupted run continues bit for bit."},
+    {"unreliable", "Status of a run whose energy balance does not close: its step was too long, or its model is ill-posed."},
+    {"kernels", "The compiled arithmetic of the step for one instruction set; all give the same bits."},
+};
+
+}  // namespace cvtflow::tools
