@@ -17,13 +17,18 @@ namespace cvtflow::tasks {
 namespace {
 
 /// Rows of channels that are written together: handing all datasets to HDF5 costs as much as hundreds of rows. Thousands of channels take
-/// fewer rows, so that what is gathered stays within some megabytes.
-int rows_together(const std::vector<engine::ChannelInfo>& channels) {
-    constexpr std::size_t fewest = 512, most = 2048, numbers = std::size_t{1} << 21U;
+/// fewer rows, so that what is gathered stays within some megabytes. A short run has no more than it will write: a chunk takes its whole
+/// room in the file. @param rows of the whole run
+int rows_together(const std::vector<engine::ChannelInfo>& channels, double rows) {
+    constexpr std::size_t least = 16, fewest = 512, most = 2048, numbers = std::size_t{1} << 21U;
     std::size_t width = 1;  // of the time
     for (const engine::ChannelInfo& channel : channels) width += static_cast<std::size_t>(channel.width);
-    return static_cast<int>(std::clamp(numbers / width, fewest, most));
+    const std::size_t together = std::clamp(numbers / width, fewest, most);
+    return static_cast<int>(rows < static_cast<double>(together) ? std::max(least, static_cast<std::size_t>(rows)) : together);
 }
+
+/// Outputs or states of a run, the one at its begin included. interval [s]
+double instants(const Scene& scene, double interval) { return std::floor(latest_end(scene) / interval * (1.0 + 1e-12)) + 1.0; }
 
 engine::TableInfo transition_table() {
     return {"transitions",
@@ -84,12 +89,11 @@ engine::RunContents contents_of(const Scene& scene, const model::ChainModel& cha
 }  // namespace
 
 double record_bytes(const Scene& scene, const model::ChainModel& chain) {
-    const auto instants = [&](double interval) { return std::floor(latest_end(scene) / interval * (1.0 + 1e-12)) + 1.0; };
     double width = 1.0;  // its time
     for (const Channel* channel : chosen_channels(scene.run.channels, chain.layout(), scene.parameters.drag.present()))
         width += channel->width(chain);
     const double state = sizeof(double) * (1.0 + chain.layout().size()) + model::tips_per_link * chain.layout().links;
-    return instants(scene.run.output_interval) * sizeof(double) * width + instants(scene.run.state_interval) * state;
+    return instants(scene, scene.run.output_interval) * sizeof(double) * width + instants(scene, scene.run.state_interval) * state;
 }
 
 RunRecorder::RunRecorder(const Scene& scene, const Simulation& simulation, const RunOptions& options)
@@ -107,8 +111,9 @@ RunRecorder::RunRecorder(const Scene& scene, const Simulation& simulation, const
         run_ = options.from != nullptr && !options.from->run.empty() ? options.from->run : new_identity();
         contents_ = contents_of(scene, simulation.variator().chain(), channels_, run_);
         if (options.from != nullptr) former_ = former_record(options);
-        file_ = std::make_unique<engine::RunFile>(options.file, contents_,
-                                                  engine::RunFileOptions{.channel_rows = rows_together(contents_.channels)});
+        file_ = std::make_unique<engine::RunFile>(
+            options.file, contents_,
+            engine::RunFileOptions{.channel_rows = rows_together(contents_.channels, instants(scene, scene.run.output_interval))});
     }
 }
 

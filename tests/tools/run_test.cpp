@@ -2,8 +2,10 @@
 #include <gmock/gmock.h>
 
 #include <csignal>
+#include <filesystem>
 
 #include "engine/record/run/run_reader.hpp"
+#include "tasks/run/run_recorder.hpp"
 #include "tests/tools/program_fixture.hpp"
 
 namespace cvtflow::tools {
@@ -54,6 +56,20 @@ TEST_F(Run, RecordsInResultsAndSumsUp) {
     EXPECT_THAT(outcome.out, HasSubstr("\n  record              results/tiny.h5 ("));
     EXPECT_EQ(record("results/tiny.h5").status(), "finished");
     EXPECT_EQ(record("results/tiny.h5").rows(), 3u);  // 0, 10, 20 us
+}
+
+/// Beside what check states: attributes and one chunk of states, 0.4 MB. Chunks of 512 rows took 2 MB more.
+TEST_F(Run, TakesTheRoomThatCheckStates) {
+    const std::vector<std::string> settings{"start.settling_time=1 ms", "start.ramp_time=0.5 ms", "run.until=5 ms"};
+    std::vector<std::string> words{"run", "baseline", "--detail", "rigid", "-q", "-o", "short.h5"};
+    for (const std::string& setting : settings) words.insert(words.end(), {"--set", setting});
+    ASSERT_EQ(run(words).status, 0);
+    tasks::Scene scene = tasks::read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/baseline.toml");
+    tasks::apply_detail(scene, "rigid");
+    tasks::set_values(scene, settings);
+    const double stated = tasks::record_bytes(scene, model::make_chain(scene.parameters));
+    EXPECT_LT(static_cast<double>(std::filesystem::file_size(folder_ / "short.h5")), stated + 0.4e6);
+    EXPECT_EQ(record("short.h5").rows(), 101u);
 }
 
 TEST_F(Run, ReportsThatClampingWasAboveItsLimit) {
