@@ -74,6 +74,8 @@ TEST_F(ReportCommand, HasNoSpectraOfOutputsThatPinsOvertake) {
     change_record((folder_ / "slow.h5").string(), [](hid_t file) { put_text(file, "/", "notes", ""); });
     ASSERT_EQ(run({"report", "slow.h5"}).status, 0);
     EXPECT_THAT(read("slow.html"), HasSubstr("No spectra: slow.h5: outputs are 2 ms apart, and pins pass at "));
+    ASSERT_EQ(run({"plot", "slow.h5", "slip", "-o", "slow.svg"}).status, 0);
+    EXPECT_THAT(read("slow.svg"), testing::ContainsRegex("outputs are 2 ms apart, and pins pass at [0-9.]+ Hz: curves are samples"));
     const Outcome orders = run({"plot", "slow.h5", "slip", "--orders"});
     EXPECT_EQ(orders.status, 2);
     EXPECT_THAT(orders.err, HasSubstr("spectra require run.output_interval below "));

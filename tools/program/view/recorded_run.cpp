@@ -188,13 +188,17 @@ std::vector<Curve> RecordedRun::overview() const {
     return made;
 }
 
-std::string RecordedRun::unresolved() const {
+std::string RecordedRun::sparse() const {
     const auto pins = pin_frequency();
     if (!pins || times_.size() < 2) return {};
     const double between = (times_.back() - times_.front()) / static_cast<double>(times_.size() - 1);
     if (2.0 * *pins * between < 1.0) return {};
-    return fmt::format("outputs are {} apart, and pins pass at {:.4g} Hz: spectra require run.output_interval below {}", time_text(between),
-                       *pins, time_text(0.5 / *pins));
+    return fmt::format("outputs are {} apart, and pins pass at {:.4g} Hz", time_text(between), *pins);
+}
+
+std::string RecordedRun::unresolved() const {
+    const std::string how = sparse();
+    return how.empty() ? how : fmt::format("{}: spectra require run.output_interval below {}", how, time_text(0.5 / *pin_frequency()));
 }
 
 std::optional<double> RecordedRun::pin_frequency() const {

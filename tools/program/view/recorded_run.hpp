@@ -61,6 +61,8 @@ public:
 
     /// Pins that pass a place, by the mean speed of the chain and its mean pitch [Hz]; empty if the record does not contain them.
     [[nodiscard]] std::optional<double> pin_frequency() const;
+    /// How far outputs are apart where that is more than half a pin period: curves are samples of what passing pins do. Empty if less.
+    [[nodiscard]] std::string sparse() const;
     /// Why outputs are too far apart for spectra, with the interval that they require: passing pins would be aliased. Empty if they are
     /// not.
     [[nodiscard]] std::string unresolved() const;

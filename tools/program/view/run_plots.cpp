@@ -319,9 +319,10 @@ void add_measured(std::vector<Panel>& panels, const std::vector<Curve>& curves, 
 std::vector<Plot> time_plots(const std::vector<RecordedRun>& runs, const std::vector<std::string>& words, bool every_output,
                              const Measured* measured) {
     std::vector<Panel> panels;
-    std::string means;
+    std::string means, samples;
     const TimeAxis axis(shown_time(last_time(runs)));
     for (const RecordedRun& run : runs) {
+        if (const std::string sparse = run.sparse(); !sparse.empty()) samples = "; " + sparse + ": curves are samples";
         const double period = every_output ? 0.0 : averaged_period(run);
         means = period > 0.0 ? means_text(period) : means;
         for (const Curve& curve : chosen(run, words)) {
@@ -334,7 +335,7 @@ std::vector<Plot> time_plots(const std::vector<RecordedRun>& runs, const std::ve
     }
     if (measured != nullptr) add_measured(panels, chosen(runs.front(), words), *measured, axis.per_second);
     const std::string zeros = remove_zeros(panels);
-    return finished(panels, subtitle_of(runs) + means + zeros);
+    return finished(panels, subtitle_of(runs) + means + samples + zeros);
 }
 
 std::vector<Plot> order_plots(const std::vector<RecordedRun>& runs, const std::vector<std::string>& words) {
