@@ -225,4 +225,25 @@ class Faces(unittest.TestCase):
                 self.assertIn(part, repr(shown))
 
 
+class WrongTypes(unittest.TestCase):
+    def test_messages_state_what_is_taken_and_what_was_given(self):
+        simulation = cvtflow.Simulation(tiny())
+        for call, message in [
+            (lambda: cvtflow.Scene.ready(3), r"^Scene\.ready\(name: str\) was called with \(3\)$"),
+            (lambda: cvtflow.Scene.read(3.5), r"^Scene\.read\(path: os\.PathLike\).* was called with \(3\.5\)$"),
+            (lambda: tiny().with_detail(3), r"^Scene\.with_detail\(preset: str\).* was called with \(3\)$"),
+            (lambda: tiny()[3], r"^Scene\.__getitem__\(key: str\).* was called with \(3\)$"),
+            (lambda: cvtflow.Simulation(3), r"^Simulation\(scene: .*\) was called with \(3\)$"),
+            (lambda: cvtflow.State.from_bytes("x"), r"^State\.from_bytes\(bytes: bytes\).* was called with \('x'\)$"),
+            (lambda: cvtflow.Recording(simulation), r"^Recording\(simulation: Simulation, path: os\.PathLike\) was called with \(<cvtflow"),
+            (lambda: cvtflow.Record(3), r"^expected str, bytes or os.PathLike object, not int$"),
+            (lambda: cvtflow.quantity("3 kN"), r"^quantity\(text: str, unit: str\).* was called with \('3 kN'\)$"),
+            (lambda: cvtflow.tune(3), r"^tune\(scene: .* was called with \(3\)$"),
+            (lambda: cvtflow.Threads(2), r"^Threads has no constructor: Threads\.caller\(\), Threads\.private_arena\(n\)"),
+            (lambda: simulation.channels[3], r'^a channel has a name, such as "slip", and no number: 3$'),
+        ]:
+            with self.assertRaisesRegex(TypeError, message):
+                call()
+
+
 main() if __name__ == "__main__" else None

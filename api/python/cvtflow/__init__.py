@@ -12,14 +12,15 @@ Numbers are in SI units, texts carry their units. scene.keys() lists what a scen
 Python. Names are those of the C++ interface.
 """
 
-from ._cvtflow import *  # noqa: F401,F403
+from . import _classes
+
+_classes.install()  # before the names below are taken
+
+from ._cvtflow import *  # noqa: E402,F401,F403
 from ._cvtflow import Scene, Simulation, library_version
-from . import _classes, _cvtflow
 from ._results import Record, Rows, run
 from ._sweep import Fit, Results, Sweep, fit
 
 __version__ = library_version()
 
 Scene.__module__ = Simulation.__module__ = "cvtflow"
-tune = _classes.plain(_cvtflow.tune, "tune")
-_classes.install()

@@ -20,6 +20,8 @@ def shown(name, unit, si=False):
 
 def split(name):
     """"links/tension[3]" as its channel and element; the element is None without one."""
+    if not isinstance(name, str):
+        raise TypeError(f'a channel has a name, such as "slip", and no number: {name!r}')
     found = re.fullmatch(r"(.*)\[(\d+)\]", name) if name.endswith("]") else None
     return (found.group(1), int(found.group(2))) if found else (name, None)
 
@@ -59,7 +61,7 @@ class Channels(Mapping):
         return self._columns.below(self._prefix)
 
     def __getitem__(self, name):
-        return self._read(self._prefix + name)
+        return self._read(self._prefix + name if self._prefix else name)
 
     def __iter__(self):
         return iter(self._names()[0])

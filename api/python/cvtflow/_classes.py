@@ -129,13 +129,32 @@ def plain(function, name):
     return call
 
 
+# What users call with values of their own, and seldom enough that a call of Python's more does not count.
+_told = {
+    Simulation: "__init__ advance_to set_input set_state rhs on_output on_transition",
+    Scene: "read parse ready with_detail keys value __getitem__",
+    State: "from_bytes",
+    Threads: "current_arena private_arena",
+    _cvtflow.RecordFile: "__init__",
+    _cvtflow.Recording: "__init__",
+    _cvtflow: "quantity display_unit tune",
+}
+
+
+def _no_threads(*_, **__):
+    raise TypeError("Threads has no constructor: Threads.caller(), Threads.private_arena(n) or Threads.current_arena(slots)")
+
+
 def install():
     """Adds the methods to the classes."""
     Simulation.__reduce__ = _reduce
-    # Methods of Simulation that users call with values of their own.
-    for name in ("__init__", "advance_to", "set_input", "set_state", "rhs", "on_output", "on_transition"):
-        shown = "Simulation" if name == "__init__" else name
-        setattr(Simulation, name, plain(getattr(Simulation, name), shown))
+    for owner, names in _told.items():
+        for name in names.split():
+            bound = inspect.getattr_static(owner, name)
+            shown = name if owner in (_cvtflow, Simulation) else f"{owner.__name__}.{name}"
+            function = plain(getattr(owner, name), owner.__name__ if name == "__init__" else shown)
+            setattr(owner, name, staticmethod(function) if isinstance(bound, staticmethod) else function)
+    Threads.__init__ = _no_threads
     _cvtflow.Scene._repr_html_ = _scene_html
     _cvtflow.Scene.__repr__ = _scene_repr
     _cvtflow.Simulation._repr_html_ = _simulation_html

@@ -1,6 +1,7 @@
 """Results over time, with units, frames and plots: a run as one call, and records of runs, read on demand."""
 
 import math
+import os
 from collections.abc import Mapping
 
 import numpy as np
@@ -125,7 +126,7 @@ class Record(Series, Mapping):
     """
 
     def __init__(self, path):
-        self._file = RecordFile(str(path))
+        self._file = RecordFile(os.fspath(path))
         self._columns = self._file.channels()
         self.path = str(path)
 
