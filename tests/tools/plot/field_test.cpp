@@ -1,5 +1,6 @@
 #include "tools/program/plot/field.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -60,12 +61,30 @@ TEST(Field, ColoursBecomeBrighter) {
     for (int k = 0; k < 20; ++k) EXPECT_LT(brightness(heat_colour(0.05 * k)), brightness(heat_colour(0.05 * (k + 1))));
 }
 
-TEST(Field, IsInThePictureWithItsLegend) {
+TEST(Field, IsInThePictureWithItsColourBar) {
     Plot plot;
     plot.fields = {plane()};
     const std::string text = svg(plot);
     EXPECT_THAT(text, testing::HasSubstr("class=\"contour\""));
-    for (const auto& [name, colour] : field_legend(plane())) EXPECT_THAT(text, testing::HasSubstr("class=\"legend\">" + name + "<"));
+    EXPECT_THAT(text, testing::HasSubstr(colour_bar(plane()).svg));
+    EXPECT_THAT(text, testing::HasSubstr("class=\"legend\">z<"));
+}
+
+/// z is 0 … 7: a label lies at its share of the bar's height, where the stripe has the colour that the picture gives to the value.
+TEST(Field, TheColourBarHasTheColoursOfTheValuesBesideIt) {
+    const ColourBar bar = colour_bar(plane());
+    ASSERT_GE(bar.labels.size(), 4u);
+    for (const std::string& label : bar.labels) {
+        const double share = std::stod(label) / 7.0, y = (1.0 - share) * bar.height;
+        EXPECT_THAT(bar.svg, testing::HasSubstr(fmt::format("<path d=\"M12 {:.1f}h4\"", y)));
+        EXPECT_THAT(bar.svg, testing::HasSubstr(fmt::format("y=\"{:.1f}\" class=\"legend\">{}<", y + 4.0, label)));
+    }
+    for (const double y : {0.0, 58.0, 158.0})
+        EXPECT_THAT(bar.svg, testing::HasSubstr(fmt::format("y=\"{}\" width=\"24\" height=\"2\" fill=\"{}\"", y,
+                                                            heat_colour(1.0 - (y + 1.0) / bar.height))));
+    Field flat = plane();
+    flat.values.assign(flat.values.size(), 1.0);
+    EXPECT_EQ(colour_bar(flat).svg, "");
 }
 
 TEST(Field, SeveralPicturesStandBelowOneAnother) {

@@ -128,13 +128,23 @@ std::string heat_colour(double share) {
     return fmt::format("#{:02x}{:02x}{:02x}", mixed(0), mixed(1), mixed(2));
 }
 
-std::vector<std::pair<std::string, std::string>> field_legend(const Field& field) {
+ColourBar colour_bar(const Field& field) {
+    constexpr double height = 160.0, stripe = 2.0;
     const Range range = range_of(field);
     const std::vector<double> levels = contour_levels(field);
-    std::vector<std::pair<std::string, std::string>> legend;
-    for (const double level : levels) legend.emplace_back(tick_label(level, level_step(levels)), heat_colour(range.share(level)));
-    std::reverse(legend.begin(), legend.end());
-    return legend;
+    if (levels.empty()) return {};
+    ColourBar bar{{}, "<g shape-rendering=\"crispEdges\">\n", height};
+    for (double y = 0.0; y < height; y += stripe)
+        bar.svg += fmt::format("<rect x=\"-12\" y=\"{}\" width=\"24\" height=\"{}\" fill=\"{}\"/>\n", y, stripe,
+                               heat_colour(1.0 - (y + 0.5 * stripe) / height));
+    bar.svg += "</g>\n";
+    for (const double level : levels) {
+        const double y = (1.0 - range.share(level)) * height;
+        bar.labels.push_back(tick_label(level, level_step(levels)));
+        bar.svg += fmt::format("<path d=\"M12 {0:.1f}h4\" stroke=\"#222\"/><text x=\"20\" y=\"{1:.1f}\" class=\"legend\">{2}</text>\n", y,
+                               y + 4.0, bar.labels.back());
+    }
+    return bar;
 }
 
 std::string field_svg(const Field& field, const Place& x, const Place& y) {

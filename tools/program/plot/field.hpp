@@ -3,7 +3,6 @@
 
 #include <functional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "tools/program/plot/plot.hpp"
@@ -27,8 +26,13 @@ struct Segment {
 /// @throws std::invalid_argument for a grid of less than 2 x 2 points, or another number of values than it has points
 [[nodiscard]] std::string field_svg(const Field& field, const Place& x, const Place& y);
 
-/// Values with their colours, largest first.
-[[nodiscard]] std::vector<std::pair<std::string, std::string>> field_legend(const Field& field);
+/// All colours from the minimum of a field, at the bottom, to its maximum; the levels of the contours are marked and labelled.
+struct ColourBar {
+    std::vector<std::string> labels;  ///< from the bottom upwards; none for a field of one value, which has no bar
+    std::string svg;                  ///< 24 px wide around x = 0, from y = 0 down to the height
+    double height = 0.0;              ///< [px]
+};
+[[nodiscard]] ColourBar colour_bar(const Field& field);
 
 /// From dark blue (0) over green to yellow (1), as bright as it is large: distinguishable by colour-blind readers and in grey.
 [[nodiscard]] std::string heat_colour(double share);

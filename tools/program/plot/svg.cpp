@@ -78,6 +78,8 @@ Series styled(const Series& series, std::size_t number) {
 /// Series, regions and fields that have names. `drawing` is around the origin, 24 px wide.
 struct LegendEntry {
     std::string name, drawing;
+    double height = 20.0;            ///< [px]
+    double longest = letters(name);  ///< text beside the drawing [letters]
 };
 std::vector<LegendEntry> legend_of(const Plot& plot) {
     std::vector<LegendEntry> entries;
@@ -97,9 +99,11 @@ std::vector<LegendEntry> legend_of(const Plot& plot) {
                 {region.name, fmt::format("<rect x=\"-12\" y=\"-6\" width=\"24\" height=\"12\" fill=\"{}\"/>", escaped(region.colour))});
     }
     for (const Field& field : plot.fields) {
+        const ColourBar bar = colour_bar(field);
+        double longest = 0.0;
+        for (const std::string& label : bar.labels) longest = std::max(longest, letters(label));
         entries.push_back({field.label, ""});
-        for (const auto& [name, colour] : field_legend(field))
-            entries.push_back({name, fmt::format("<rect x=\"-12\" y=\"-10\" width=\"24\" height=\"20\" fill=\"{}\"/>", colour)});
+        entries.push_back({"", bar.svg, bar.height + 20.0, longest});
     }
     return entries;
 }
@@ -110,7 +114,7 @@ public:
     explicit Legend(const Plot& plot) : entries_(legend_of(plot)) {
         if (entries_.empty()) return;
         double names = 0.0;
-        for (const LegendEntry& entry : entries_) names = std::max(names, letters(entry.name));
+        for (const LegendEntry& entry : entries_) names = std::max(names, entry.longest);
         width_ = 56.0 + letter * names;
         below_ = width_ > plot.width / 3.0 && plot.fields.empty();
         column_ = 44.0 + letter * names;
@@ -122,9 +126,11 @@ public:
     /// @param left, right, top of the frame   @param end of the picture without the legend [px]
     [[nodiscard]] std::string text(double left, double right, double top, double end) const {
         std::string made;
+        double beside = top + 10.0;
         for (std::size_t k = 0; k < entries_.size(); ++k) {
             const double x = below_ ? left + 12.0 + column_ * static_cast<double>(k / rows_) : right + 26.0;
-            const double y = below_ ? end + 10.0 + 20.0 * static_cast<double>(k % rows_) : top + 10.0 + 20.0 * static_cast<double>(k);
+            const double y = below_ ? end + 10.0 + 20.0 * static_cast<double>(k % rows_) : beside;
+            beside += entries_[k].height;
             made += fmt::format("<g transform=\"translate({} {})\">{}{}</g>\n", px(x), px(y), entries_[k].drawing,
                                 fmt::format("<text x=\"18\" y=\"4\" class=\"legend\">{}</text>", escaped(entries_[k].name)));
         }
