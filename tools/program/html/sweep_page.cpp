@@ -59,7 +59,7 @@ nlohmann::json data_of(const SweepView& sweep) {
         const Shown how = how_to_show(column);
         nlohmann::json values = nlohmann::json::array();
         for (std::size_t row = 0; row < sweep.cells.size(); ++row) values.push_back(how.factor * sweep.number(row, c));
-        data["columns"].push_back({{"n", column.name}, {"u", how.unit}, {"axis", column.axis}, {"v", std::move(values)}});
+        data["columns"].push_back({{"n", column.name}, {"label", how.label}, {"axis", column.axis}, {"v", std::move(values)}});
     }
     const std::size_t status = sweep.column("status");
     for (const auto& row : sweep.cells) data["cases"].push_back(row[status]);

@@ -78,8 +78,7 @@ class SweepPicture {
   }
 
   heading(what) {
-    const column = this.columns.get(this.choices[what]);
-    return column.n + (column.u ? ` [${column.u}]` : "");
+    return this.columns.get(this.choices[what]).label;
   }
 
   frame(picture, box, x, y, px, py) {
@@ -100,9 +99,14 @@ class SweepPicture {
 
   scale(picture, c) {
     picture.append(drawn("text", {x: 716, y: 30}, this.heading("colour")));
-    for (let k = 0; k <= 6; ++k) {
-      picture.append(drawn("rect", {x: 716, y: 42 + 22 * (6 - k), width: 24, height: 22, fill: heatText(k / 6)}));
-      picture.append(drawn("text", {x: 748, y: 57 + 22 * (6 - k)}, readable(c[0] + k / 6 * (c[1] - c[0]))));
+    const top = 42, height = 160, stripes = 80;
+    for (let k = 0; k < stripes; ++k) {
+      const fill = heatText(1 - (k + 0.5) / stripes);
+      picture.append(drawn("rect", {x: 716, y: top + k * height / stripes, width: 24, height: height / stripes, fill, "shape-rendering": "crispEdges"}));
+    }
+    for (const tick of c[1] > c[0] ? roundTicks(...c) : c.slice(1)) {
+      const y = top + (c[1] > c[0] ? (c[1] - tick) / (c[1] - c[0]) : 0.5) * height;
+      picture.append(drawn("path", {d: `M740 ${y}h4`, stroke: "#222"}), drawn("text", {x: 748, y: y + 4}, readable(tick)));
     }
   }
 }
