@@ -342,7 +342,7 @@ private:
             if (row.empty() || layout.text(row, layout.column("status")) != status_name(CaseStatus::ok)) continue;
             const double settled = layout.real(row, layout.column("settled_for")) - sweep_.from;
             if (!engine) engine = std::make_unique<CaseEngine>(sweep_, starts_, control_, places());
-            const CaseResult& again = engine->run_longer(number, sweep_.from + 6.0 * settled);
+            const CaseResult& again = engine->run_from_own_start(number, sweep_.from + 6.0 * settled);
             if (again.status == CaseStatus::stopped) return {};
             if (again.status == CaseStatus::ok) changes.add(rows, again);
         }

@@ -15,11 +15,11 @@
 
 namespace cvtflow::tasks {
 
-std::string CaseEngine::checkpoint_file() const {
-    return (places_.checkpoints / fmt::format("{}-{:06}.h5", own_start_ ? "check" : "case", result_.number)).string();
+std::string case_file(const std::filesystem::path& folder, std::string_view kind, long number) {
+    return (folder / fmt::format("{}-{:06}.h5", kind, number)).string();
 }
 
-std::string CaseEngine::record_file() const { return (places_.records / fmt::format("case-{:06}.h5", result_.number)).string(); }
+std::string CaseEngine::checkpoint_file() const { return case_file(places_.checkpoints, own_start_ ? "check" : "case", result_.number); }
 
 void CaseEngine::save() {
     last_save_ = std::chrono::steady_clock::now();
@@ -27,9 +27,7 @@ void CaseEngine::save() {
     checkpoint.integration = simulation_->integration_state();
     checkpoint.history.settling = result_.settling;
     checkpoint.history.wall = elapsed();
-    checkpoint.recorder.push_back(static_cast<double>(reducers_.size()));
-    for (const Reducer& reducer : reducers_) reducer.save(checkpoint.recorder);
-    means_.save(checkpoint.recorder);
+    scalars_.save(checkpoint.recorder);
     if (recorder_) {
         checkpoint.run = recorder_->run();
         const std::vector<double> position = recorder_->position();
@@ -61,7 +59,7 @@ bool CaseEngine::restore() {
     if (!why.empty()) {
         control_.tell(fmt::format("case {} restarts: its checkpoint cannot be used: {}", result_.number, why));
         prepare();
-        std::filesystem::remove(record_file() + ".before", missing);
+        std::filesystem::remove(case_file(places_.records, "case", result_.number) + ".before", missing);
     }
     on_disk_ = true;
     return why.empty();
@@ -72,13 +70,9 @@ void CaseEngine::resume_from(const Checkpoint& checkpoint) {
     begin(nullptr);
     record_options_.from = nullptr;
     simulation_->restore(checkpoint.integration);
-    output_before_ = checkpoint.integration.time;
     result_.settling = checkpoint.history.settling;
     wall_before_ = checkpoint.history.wall;
-    std::span<const double> memory(checkpoint.recorder);
-    reducers_.resize(static_cast<std::size_t>(pop_integer(memory, 0, std::numeric_limits<int>::max())));
-    for (Reducer& reducer : reducers_) memory = reducer.load(memory);
-    memory = means_.load(memory);
+    const auto memory = scalars_.load(checkpoint.recorder, checkpoint.integration.time);
     if (recorder_) recorder_->restore({memory.begin(), memory.end()});
 }
 
@@ -114,52 +108,42 @@ void reopen_broken_strands(const Sweep& sweep, const CasePlaces& places, const s
     }
 }
 
-/// The latest end of a case before this one in its strand; nullptr if there is none. Ends alternate between two files, so that a case that
-/// was lost with a killed process finds the end before it.
-StartStates::State CaseEngine::end_before() const {
-    const long first = result_.number - result_.number % sweep_.strand();
+/// Ends alternate between two files, so that a case that was lost with a killed process finds the end before it. The end that a case starts
+/// from is kept until the case has its own.
+StartStates::State end_before(const Sweep& sweep, const CasePlaces& places, long number, const Scene& scene) {
+    const long first = number - number % sweep.strand();
     StartStates::State latest;
     std::optional<double> newest;
-    for (int parity = 0; parity < 2 && sweep_.strand() > 1 && result_.number > first && !own_start_; ++parity) {
-        const std::string file = end_file(places_, first / sweep_.strand(), parity);
+    for (int parity = 0; parity < 2 && sweep.strand() > 1 && number > first; ++parity) {
+        const std::string file = end_file(places, first / sweep.strand(), parity);
         std::error_code missing;
         if (!std::filesystem::exists(file, missing)) continue;
         auto state = std::make_shared<engine::SavedState>(engine::read_state(file));
-        const std::optional<double> number = case_of(*state);
-        if (!number || *number >= static_cast<double>(result_.number) || number <= newest) continue;
-        newest = number;
+        const std::optional<double> ended = case_of(*state);
+        if (!ended || *ended >= static_cast<double>(number) || ended <= newest) continue;
+        newest = ended;
         latest = std::move(state);
     }
-    return latest;
+    return latest && start_fits(*latest, scene) ? latest : nullptr;
 }
 
-/// Start of a case: the end state of the case before it if that fits its machine, else the start of any case. That end state is kept until
-/// the case has its own.
-StartStates::State CaseEngine::start() {
-    StartStates::State before = end_before();
-    if (before && !start_fits(*before, scene_)) before = nullptr;
-    if (before) result_.start = "continued";
-    return before ? before : starts_.of_case(result_.number, scene_, control_.stop());
-}
-
-/// The end as a start: shaft 1 is turned back by the angle that the governor's reference has gone.
-void CaseEngine::keep_for_neighbour() {
-    if (sweep_.strand() == 1 || own_start_) return;
-    simulation_->move_offset();
-    engine::SavedState saved = simulation_->saved_state();
-    const model::Variator& variator = simulation_->variator();
+void keep_for_neighbour(const Sweep& sweep, const CasePlaces& places, long number, const Scene& scene, Simulation& simulation) {
+    if (sweep.strand() == 1) return;
+    simulation.move_offset();
+    engine::SavedState saved = simulation.saved_state();
+    const model::Variator& variator = simulation.variator();
     const model::ChainLayout& at = variator.layout();
-    const double gone = scene_.parameters.drive.speed.integral(saved.time);
+    const double gone = scene.parameters.drive.speed.integral(saved.time);
     if (at.pulley_size != 0) {
         double* q = saved.state.data() + at.pulley_begin();
         q[variator.pulleys().rotation(0)] -= gone;
         for (int side = 0; side < 2 && at.pulley_size == 36; ++side) q[model::body_freedom(model::sheave_body(0, side), 5)] -= gone;
     }
     saved.time = 0.0;
-    saved.more = {{"case", {static_cast<double>(result_.number)}}};
-    std::filesystem::create_directories(places_.continuation);
-    const long strand = result_.number / sweep_.strand();
-    engine::write_state(permit_state(end_file(places_, strand, result_.number % 2), sweep_), saved);
+    saved.more = {{"case", {static_cast<double>(number)}}};
+    std::filesystem::create_directories(places.continuation);
+    const long strand = number / sweep.strand();
+    engine::write_state(permit_state(end_file(places, strand, number % 2), sweep), saved);
 }
 
 }  // namespace cvtflow::tasks

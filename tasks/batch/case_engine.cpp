@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "engine/base/text.hpp"
 #include "tasks/batch/batch.hpp"
@@ -22,11 +23,35 @@ constexpr std::string_view statuses[] = {"ok",      "unreliable", "diverged", "b
 constexpr double worth_a_switch = 0.2;  ///< wall time that a case must have left to get more threads [s]
 constexpr double trial_seconds = 0.05;  ///< in which more threads have to show their worth [s]
 constexpr double required_gain = 1.1;
-/// Where periods count, all samples lie equally far apart, whatever the outputs do, and scalars are of nothing else.
-constexpr Occasion each_sample{.sample = true, .output = true, .last = true};
 
 [[nodiscard]] double seconds_since(std::chrono::steady_clock::time_point then) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
+}
+
+void judge(const Fault& fault, CaseResult& result) {
+    switch (fault.kind) {
+        case FaultKind::none: result.status = CaseStatus::ok; return;
+        case FaultKind::cancelled: result.status = CaseStatus::stopped; return;
+        case FaultKind::max_steps:
+        case FaultKind::max_wall: result.status = CaseStatus::budget; break;
+        case FaultKind::not_steady: result.status = CaseStatus::not_steady; break;
+        default: result.status = CaseStatus::diverged; break;
+    }
+    result.error = fault.message();
+}
+
+/// Whether what came out can be believed, and what is odd about it.
+void judge_energy(const Simulation& simulation, const RunMeans& means, CaseResult& result) {
+    const EnergyBalance balance = simulation.energy().balance(means.mark());
+    result.residual = balance.relative();
+    result.balance_error_ratio = simulation.balance_error_ratio(means.mark());
+    if (simulation.workspace().layout().pulley_size != 0) {
+        result.efficiency = means.all().efficiency;
+        name_notes(means, balance, result.notes);
+    }
+    if (result.status != CaseStatus::ok || result.balance_error_ratio <= 1.0) return;
+    result.status = CaseStatus::unreliable;
+    result.error = fmt::format("the residual of the energy balance is {:.2g} times the tolerance", result.balance_error_ratio);
 }
 
 }  // namespace
@@ -35,7 +60,7 @@ std::span<const std::string_view> status_names() noexcept { return statuses; }
 std::string_view status_name(CaseStatus status) noexcept { return statuses[static_cast<int>(status)]; }
 
 CaseEngine::CaseEngine(const Sweep& sweep, StartStates& starts, BatchControl& control, CasePlaces places)
-    : sweep_(sweep), starts_(starts), control_(control), places_(std::move(places)), scene_(sweep.scene) {
+    : sweep_(sweep), starts_(starts), control_(control), places_(std::move(places)), scene_(sweep.scene), scalars_(sweep) {
     result_.scalars.resize(sweep.scalars.size());
     result_.errors.resize(sweep.scalars.size());
     std::error_code missing;
@@ -61,7 +86,7 @@ const CaseResult& CaseEngine::run(long number) {
     } catch (const std::filesystem::filesystem_error& error) {
         throw engine::RecordError(engine::error_text(error));
     } catch (const StartFault& fault) {
-        judge(fault.fault);
+        judge(fault.fault, result_);
         if (result_.status != CaseStatus::stopped) result_.error = fault.what();
     } catch (const std::bad_alloc&) {
         result_.status = CaseStatus::crashed;
@@ -76,17 +101,12 @@ const CaseResult& CaseEngine::run(long number) {
     return result_;
 }
 
-const CaseResult& CaseEngine::run_from_own_start(long number) {
+const CaseResult& CaseEngine::run_from_own_start(long number, double until) {
     own_start_ = true;
+    longer_ = until;
     const CaseResult& result = run(number);
     if (result.status != CaseStatus::stopped) forget_checkpoint();
     own_start_ = false;
-    return result;
-}
-
-const CaseResult& CaseEngine::run_longer(long number, double until) {
-    longer_ = until;
-    const CaseResult& result = run_from_own_start(number);
     longer_ = 0.0;
     return result;
 }
@@ -112,11 +132,8 @@ void CaseEngine::prepare() {
     pause_reason_ = Pause::none;
     recorder_.reset();
     record_options_.from = nullptr;
-    reducers_.resize(sweep_.scalars.size());
-    for (Reducer& reducer : reducers_) reducer.clear();
-    means_.clear();
+    scalars_.clear();
     std::fill(result_.errors.begin(), result_.errors.end(), std::numeric_limits<double>::quiet_NaN());
-    output_before_ = -std::numeric_limits<double>::infinity();
     result_.settled_for = std::numeric_limits<double>::quiet_NaN();
     result_.efficiency = result_.residual = result_.balance_error_ratio = std::numeric_limits<double>::quiet_NaN();
     result_.notes.clear();
@@ -142,13 +159,8 @@ void CaseEngine::begin(const StartStates::State& saved) {
     if (record_options_.from != nullptr)
         require_same(checkpoint_file(), *record_options_.from, scene_, simulation_->variator(), places_.mixed);
     if (!sweep_.records || own_start_) return;
-    record_options_.file = permit_record(record_file(), scene_);
+    record_options_.file = permit_record(case_file(places_.records, "case", result_.number), scene_);
     recorder_ = std::make_unique<RunRecorder>(scene_, *simulation_, record_options_);
-}
-
-double CaseEngine::end() const noexcept {
-    if (longer_ > 0.0) return longer_;
-    return by_periods() ? std::numeric_limits<double>::infinity() : scene_.run.until.value;
 }
 
 void CaseEngine::integrate() {
@@ -158,55 +170,38 @@ void CaseEngine::integrate() {
         rule.tolerance = 0.0;
         rule.limit = std::numeric_limits<double>::infinity();
     }
-    means_.seek_steady(rule);
+    RunMeans& means = scalars_.means();
+    means.seek_steady(rule);
     latest_ = longer_ > 0.0 ? longer_ : latest_end(scene_);
+    end_ = longer_ > 0.0 || !scalars_.by_periods() ? latest_ : std::numeric_limits<double>::infinity();
     const bool resumed = restore();
-    const StartStates::State from = start();
+    StartStates::State from = own_start_ ? nullptr : end_before(sweep_, places_, result_.number, scene_);
+    if (from)
+        result_.start = "continued";
+    else
+        from = starts_.of_case(result_.number, scene_, control_.stop());
     result_.start_state = from ? content_hash(*from) : 0;
     if (!resumed) begin(from);
     Fault fault;
     do fault = part();
-    while (!fault && !means_.ended() && simulation_->time() < end() - 1e-9 * scene_.run.output_interval);
-    if (longer_ > 0.0) means_.conclude();
-    judge(fault);
-    judge_energy();
+    while (!fault && !means.ended() && simulation_->time() < end_ - 1e-9 * scene_.run.output_interval);
+    if (longer_ > 0.0) means.conclude();
+    judge(fault, result_);
+    judge_energy(*simulation_, means, result_);
     result_.hash = simulation_->hash();
     result_.counters = simulation_->counters();
-    take_scalars();
+    scalars_.write(result_);
     if (result_.status == CaseStatus::stopped) return save();
-    finish_record(fault);
-    if (result_.status == CaseStatus::ok) keep_for_neighbour();
-}
-
-void CaseEngine::take_scalars() {
-    for (std::size_t i = 0; i < sweep_.scalars.size(); ++i) {
-        if (by_periods())
-            take_steady(i);
-        else
-            result_.scalars[i] = reducers_[i].result(sweep_.scalars[i]);
-        if (result_.status != CaseStatus::ok || std::isfinite(result_.scalars[i])) continue;
-        result_.status = CaseStatus::undefined;
-        result_.error = fmt::format("{} is not a finite number", sweep_.scalars[i].text);
+    if (recorder_) {
+        RunReport report;
+        report.fault = fault;
+        report.hash = result_.hash;
+        report.wall = elapsed();
+        report.energy = simulation_->energy().balance(means.mark());
+        report.balance_error_ratio = result_.balance_error_ratio;
+        std::exchange(recorder_, nullptr)->finish(report);
     }
-}
-
-/// A scalar over the pin periods of the means, and its error by their batches.
-void CaseEngine::take_steady(std::size_t i) {
-    const SteadyMeans& means = means_.steady();
-    const Scalar& scalar = sweep_.scalars[i];
-    std::vector<double> values(means.batches);
-    Reducer all;
-    for (std::size_t batch = 0; batch < means.batches; ++batch) {
-        Reducer part;
-        for (std::size_t period = 0; period < means.batch; ++period)
-            part.add(scalar, reducers_[(means.begin + batch * means.batch + period) * sweep_.scalars.size() + i]);
-        values[batch] = part.result(scalar);
-        all.add(scalar, part);
-    }
-    result_.scalars[i] = all.result(scalar);
-    if (means.batches == 0) return;
-    result_.settled_for = means_.all().begin;
-    if (scalar.averages() && result_.scalars[i] != 0.0) result_.errors[i] = error_of_mean(values).sum() / std::abs(result_.scalars[i]);
+    if (result_.status == CaseStatus::ok && !own_start_) keep_for_neighbour(sweep_, places_, result_.number, scene_, *simulation_);
 }
 
 /// Settles or runs from the present state until it is complete, pauses included.
@@ -216,9 +211,9 @@ Fault CaseEngine::part() {
         if (recorder_) recorder_->begin_part(s.needs_settling() ? -1.0 : s.time(), latest_);
         pause_ = false;
         const bool settling = s.needs_settling();
-        const Fault fault = s.advance({.until = end()}, *this, never_);
+        const Fault fault = s.advance({.until = end_}, *this, never_);
         if (settling) result_.settling = s.counters();
-        if (fault.kind == FaultKind::cancelled && means_.ended()) return means_.steady_fault();
+        if (fault.kind == FaultKind::cancelled && scalars_.means().ended()) return scalars_.means().steady_fault();
         if (fault.kind != FaultKind::cancelled || pause_reason_ == Pause::stop || pause_reason_ == Pause::none) return fault;
         if (pause_reason_ == Pause::checkpoint)
             save();
@@ -227,98 +222,30 @@ Fault CaseEngine::part() {
     }
 }
 
-void CaseEngine::judge(const Fault& fault) {
-    switch (fault.kind) {
-        case FaultKind::none: result_.status = CaseStatus::ok; return;
-        case FaultKind::cancelled: result_.status = CaseStatus::stopped; return;
-        case FaultKind::max_steps:
-        case FaultKind::max_wall: result_.status = CaseStatus::budget; break;
-        case FaultKind::not_steady: result_.status = CaseStatus::not_steady; break;
-        default: result_.status = CaseStatus::diverged; break;
-    }
-    result_.error = fault.message();
-}
-
-/// Whether what came out can be believed, and what is odd about it.
-void CaseEngine::judge_energy() {
-    const EnergyBalance balance = simulation_->energy().balance(means_.mark());
-    result_.residual = balance.relative();
-    result_.balance_error_ratio = simulation_->balance_error_ratio(means_.mark());
-    if (simulation_->workspace().layout().pulley_size != 0) {
-        result_.efficiency = means_.all().efficiency;
-        name_notes(means_, balance, result_.notes);
-    }
-    if (result_.status != CaseStatus::ok || result_.balance_error_ratio <= 1.0) return;
-    result_.status = CaseStatus::unreliable;
-    result_.error = fmt::format("the residual of the energy balance is {:.2g} times the tolerance", result_.balance_error_ratio);
-}
-
-void CaseEngine::finish_record(const Fault& fault) {
-    if (!recorder_) return;
-    RunReport report;
-    report.fault = fault;
-    report.hash = result_.hash;
-    report.wall = elapsed();
-    report.energy = simulation_->energy().balance(means_.mark());
-    report.balance_error_ratio = result_.balance_error_ratio;
-    recorder_->finish(report);
-    recorder_.reset();
-}
-
 /// Scalars and means are of the time from sweep.from on.
 bool CaseEngine::counts(double time) const noexcept { return !simulation_->needs_settling() && time >= sweep_.from * (1.0 - 1e-12); }
 
-bool CaseEngine::sample_due(double time) const noexcept { return means_.curve().empty() || means_.curve().due(time, samples_per_pitch); }
-
-/// Where samples lie apart by more than outputs, as at rest, outputs are samples.
 void CaseEngine::output(double time, const Workspace& workspace, const Counters& counters) {
     if (recorder_) recorder_->output(time, workspace, counters);
-    if (counts(time) && by_periods()) {
-        if (sample_due(time)) reduce(time, workspace, counters, each_sample);
-    } else if (counts(time)) {
-        const bool last = time >= end() - 1e-9 * scene_.run.output_interval;
-        const bool sample = last || sample_due(time) || means_.curve().last().time <= output_before_;
-        reduce(time, workspace, counters, {sample, true, last});
-    }
-    output_before_ = time;
+    if (counts(time))
+        scalars_.output({time, workspace, counters, *observer_, scene_.run.followed_pin}, time >= end_ - 1e-9 * scene_.run.output_interval);
     pause_reason_ = pause_for(time, counters);
-    pause_ = pause_reason_ != Pause::none || means_.ended();
+    pause_ = pause_reason_ != Pause::none || scalars_.means().ended();
 }
 
 bool CaseEngine::samples(double time) const noexcept {
-    return (counts(time) && sample_due(time)) || (recorder_ && recorder_->samples(time));
+    return (counts(time) && scalars_.due(time)) || (recorder_ && recorder_->samples(time));
 }
 
 void CaseEngine::sample(double time, const Workspace& workspace, const Counters& counters) {
     if (recorder_ && recorder_->samples(time)) recorder_->sample(time, workspace, counters);
-    if (!counts(time) || !sample_due(time)) return;
-    reduce(time, workspace, counters, by_periods() ? each_sample : Occasion{.sample = true});
-    pause_ = pause_ || means_.ended();
+    if (!counts(time)) return;
+    scalars_.sample({time, workspace, counters, *observer_, scene_.run.followed_pin});
+    pause_ = pause_ || scalars_.means().ended();
 }
 
 void CaseEngine::transition(const TransitionRecord& record) {
     if (recorder_) recorder_->transition(record);
-}
-
-void CaseEngine::reduce(double time, const Workspace& workspace, const Counters& counters, const Occasion& when) {
-    bool chain = when.sample;
-    for (std::size_t i = 0; i < sweep_.scalars.size() && !chain; ++i)
-        chain = reducers_[i].needs_chain(sweep_.scalars[i], time, when, counters);
-    const Instant now{chain ? workspace.observed_by(*observer_, time) : workspace.shafts_observed_by(*observer_, time), workspace, counters,
-                      scene_.run.followed_pin, *observer_};
-    if (when.sample)
-        means_.add(now.observation, workspace.energy.sums(time), workspace.pin_period(now.observation.chain_speed),
-                   workspace.energy.mark());
-    const std::span<Reducer> present = present_reducers();
-    for (std::size_t i = 0; i < present.size(); ++i) present[i].read(sweep_.scalars[i], now, when, values_);
-}
-
-/// Where periods count, each has its own. Integrals begin at the last sample of the period before: they add up.
-std::span<Reducer> CaseEngine::present_reducers() {
-    const std::size_t count = sweep_.scalars.size(), first = by_periods() ? (means_.curve().points().size() - 1) * count : 0;
-    for (std::size_t next = reducers_.size(); next < first + count; ++next)
-        reducers_.push_back(reducers_[next - count].continued(sweep_.scalars[next % count]));
-    return {reducers_.data() + first, count};
 }
 
 /// At an output: whether the case should pause, and for what.

@@ -7,9 +7,8 @@
 #include <memory>
 
 #include "engine/executor/tbb/job_pool.hpp"
+#include "tasks/batch/case_scalars.hpp"
 #include "tasks/batch/start_states.hpp"
-#include "tasks/batch/sweep/scalar.hpp"
-#include "tasks/batch/sweep/sweep.hpp"
 #include "tasks/run/run_recorder.hpp"
 
 namespace cvtflow::tasks {
@@ -82,6 +81,15 @@ struct CasePlaces {
 /// @throws engine::RecordError  an end is damaged
 void reopen_broken_strands(const Sweep& sweep, const CasePlaces& places, const std::vector<long>& ok, std::vector<char>& done);
 
+/// File of a case in a folder of CasePlaces.
+[[nodiscard]] std::string case_file(const std::filesystem::path& folder, std::string_view kind, long number);
+/// The latest end of a case before this one in its strand, if it fits the machine of this one; nullptr if there is none.
+/// @param scene of this case   @throws engine::RecordError
+[[nodiscard]] StartStates::State end_before(const Sweep& sweep, const CasePlaces& places, long number, const Scene& scene);
+/// Keeps the end of a case as a start for the next one of its strand: shaft 1 is turned back by the angle that the governor's reference has
+/// gone.
+void keep_for_neighbour(const Sweep& sweep, const CasePlaces& places, long number, const Scene& scene, Simulation& simulation);
+
 class CaseEngine final : public RunObserver {
 public:
     CaseEngine(const Sweep& sweep, StartStates& starts, BatchControl& control, CasePlaces places);
@@ -91,9 +99,8 @@ public:
     /// cannot be written. A case that was stopped has left a checkpoint.
     [[nodiscard]] const CaseResult& run(long number);
     /// Runs a case from the start that the case has without continuation, with neither a record nor an end for its neighbour.
-    [[nodiscard]] const CaseResult& run_from_own_start(long number);
-    /// Runs a case that ends when it is steady until a later time instead, with neither a record nor an end for its neighbour. until [s]
-    [[nodiscard]] const CaseResult& run_longer(long number, double until);
+    /// @param until  of a case that ends when it is steady, ends it at this later time instead; 0: does not [s]
+    [[nodiscard]] const CaseResult& run_from_own_start(long number, double until = 0.0);
     /// After run(), once its row is safe.
     void forget_checkpoint();
     /// The result of a case that took its process down.
@@ -112,26 +119,12 @@ private:
     void resume_from(const Checkpoint& checkpoint);
     void integrate();
     [[nodiscard]] Fault part();
-    void judge(const Fault& fault);
-    void judge_energy();
-    void finish_record(const Fault& fault);
-    [[nodiscard]] bool counts(double time) const noexcept;                                                 ///< time [s]
-    [[nodiscard]] bool sample_due(double time) const noexcept;                                             ///< time [s]
-    void reduce(double time, const Workspace& workspace, const Counters& counters, const Occasion& when);  ///< time [s]
-    [[nodiscard]] std::span<Reducer> present_reducers();
-    [[nodiscard]] bool by_periods() const noexcept { return means_.rule().limit > 0.0; }
-    [[nodiscard]] double end() const noexcept;  ///< of the run, infinite where it ends when it is steady [s]
-    void take_scalars();
-    void take_steady(std::size_t scalar);
+    [[nodiscard]] bool counts(double time) const noexcept;  ///< time [s]
     void save();
     void change_threads();
     [[nodiscard]] Pause pause_for(double time, const Counters& counters);  ///< time [s]
     [[nodiscard]] std::string checkpoint_file() const;
-    [[nodiscard]] std::string record_file() const;
     [[nodiscard]] double elapsed() const;
-    [[nodiscard]] StartStates::State start();
-    [[nodiscard]] StartStates::State end_before() const;
-    void keep_for_neighbour();
 
     const Sweep& sweep_;
     StartStates& starts_;
@@ -139,14 +132,12 @@ private:
     CasePlaces places_;
     Scene scene_;
     CaseResult result_;
-    std::vector<Reducer> reducers_;  ///< [scalars], or of every pin period [periods x scalars]
-    RunMeans means_;                 ///< since sweep.from, of the samples of scalars
-    double output_before_ = 0.0;     ///< time of the last output [s]
-    std::vector<double> values_;     ///< of one channel [width of the channel]
+    CaseScalars scalars_;
     std::unique_ptr<Simulation> serial_, parallel_;
     std::unique_ptr<model::Observer> serial_observer_, parallel_observer_;
     bool own_start_ = false;
     double longer_ = 0.0;               ///< end of the run in place of the scene's; 0: none [s]
+    double end_ = 0.0;                  ///< of the run, infinite where it ends when it is steady [s]
     double latest_ = 0.0;               ///< latest_end() of the case [s]
     bool resumable_ = false;            ///< there were checkpoints when the sweep began
     bool on_disk_ = false;              ///< the case has one

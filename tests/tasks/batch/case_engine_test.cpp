@@ -117,7 +117,7 @@ TEST_F(CaseOfAWorker, EndsWhenItIsSteady) {
     ASSERT_EQ(is.status, CaseStatus::ok) << is.error;
     EXPECT_GT(is.settled_for, 0.01);
     EXPECT_TRUE(std::isnan(is.errors[2])) << "the largest of all has no error";
-    const CaseResult longer = engine.run_longer(0, 6.0 * is.settled_for);
+    const CaseResult longer = engine.run_from_own_start(0, 6.0 * is.settled_for);
     ASSERT_EQ(longer.status, CaseStatus::ok) << longer.error;
     EXPECT_NEAR(longer.settled_for, 3.0 * is.settled_for, 0.1 * longer.settled_for);
     for (const std::size_t k : {0u, 1u, 3u}) EXPECT_NEAR(is.scalars[k], longer.scalars[k], is.errors[k] * std::abs(is.scalars[k])) << k;
