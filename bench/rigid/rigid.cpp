@@ -218,7 +218,7 @@ void print_parts(const tasks::Scene& scene) {
     pulleys.motions(tail, sheaves);
     model::RigidForces forces = pins.forces;
     model::Inputs inputs;
-    std::vector<double> slope(static_cast<std::size_t>(model.layout().pulley_block()));
+    std::vector<double> slope(static_cast<std::size_t>(2 * model.layout().pulley_size));
     fmt::print("part,us\n");
     time_part("pitch_lines", [&] { k.pitch_lines(columns); });
     time_part("rolling_frames", [&] { k.rolling_frames(c, columns); });

@@ -236,7 +236,7 @@ void copy_half(const PinReading& from, const Coefficients& c, int pin, End end, 
             target[to.x(end, m)] = source[from.at.x(end, m)];
             target[to.y(end, m)] = source[from.at.y(end, m)];
         }
-        target[to.z(end)] = source[from.at.z(end)] + side * source[from.at.slide()];
+        target[to.z(end)] = source[from.at.z(end)] + side * source[from.at.e(End::rear)];
         target[to.e(end)] = 0.0;
         const Point reach = rate == 0 ? r.offset : r.rate;
         target[to.x(end, 0)] = target[to.x(end, 0)] - c.plate_bow * source[from.at.x(end, 2)] + side * reach.x;

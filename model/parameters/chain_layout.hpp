@@ -30,6 +30,8 @@ inline constexpr int hydraulic_unknowns = 9;
 
 /// Which half of a link.
 enum class End { rear = 0, front = 1 };
+/// Number of an end's body in its block: a rigid pin is one body.
+[[nodiscard]] constexpr int body_of(End end, bool rigid) noexcept { return rigid ? 0 : static_cast<int>(end); }
 
 struct ChainLayout {
     int order = 3;         ///< p
@@ -47,24 +49,21 @@ struct ChainLayout {
     /// First index of a link's block: its q; its v follows at + link_size().
     [[nodiscard]] constexpr int link_begin(int link) const noexcept { return link * link_block(); }
     [[nodiscard]] constexpr int pulley_begin() const noexcept { return links * link_block(); }
-    [[nodiscard]] constexpr int pulley_block() const noexcept { return 2 * pulley_size; }
-    [[nodiscard]] constexpr int control_begin() const noexcept { return pulley_begin() + pulley_block(); }
+    [[nodiscard]] constexpr int control_begin() const noexcept { return pulley_begin() + 2 * pulley_size; }
     [[nodiscard]] constexpr int ledger_begin() const noexcept { return control_begin() + controls; }
+    /// Whether there are hydraulics; their unknowns are the last ones before the ledger.
     [[nodiscard]] constexpr bool hydraulic() const noexcept { return controls >= hydraulic_unknowns; }
-    /// First of the unknowns of the hydraulics, if there are any.
-    [[nodiscard]] constexpr int hydraulics_begin() const noexcept { return ledger_begin() - hydraulic_unknowns; }
     /// Number of unknowns.
     [[nodiscard]] constexpr int size() const noexcept { return ledger_begin() + (ledger ? loss_kinds + work_kinds : 0); }
     /// Number of generalized coordinates (half of the second-order unknowns).
     [[nodiscard]] constexpr int coordinates() const noexcept { return links * link_size() + pulley_size; }
 
-    /// Offsets inside a link's q (or v); of a rigid pin, whichever end is asked for.
-    [[nodiscard]] constexpr int x(End end, int m) const noexcept { return place(end) * lateral() + m; }
-    [[nodiscard]] constexpr int y(End end, int m) const noexcept { return (bodies() + place(end)) * lateral() + m; }
-    [[nodiscard]] constexpr int z(End end) const noexcept { return 2 * (bodies() * lateral() + place(end)); }
+    /// Offsets inside a link's q (or v); of a rigid pin, for either end the same.
+    [[nodiscard]] constexpr int x(End end, int m) const noexcept { return body_of(end, rigid) * lateral() + m; }
+    [[nodiscard]] constexpr int y(End end, int m) const noexcept { return (bodies() + body_of(end, rigid)) * lateral() + m; }
+    [[nodiscard]] constexpr int z(End end) const noexcept { return 2 * (bodies() * lateral() + body_of(end, rigid)); }
+    /// A rigid pin has ζ = z of the front half - z of the rear half here.
     [[nodiscard]] constexpr int e(End end) const noexcept { return z(end) + 1; }
-    /// Coordinate of a rigid pin instead of e: ζ = z of the front half - z of the rear half.
-    [[nodiscard]] constexpr int slide() const noexcept { return z(End::rear) + 1; }
 
     /// Neighbours on each side on which the forces on a block depend, and those on which contact of its tips depends.
     [[nodiscard]] constexpr int halo() const noexcept { return rigid ? 3 : 1; }
@@ -76,9 +75,6 @@ struct ChainLayout {
     [[nodiscard]] constexpr int wrapped(int link) const noexcept { return (link % links + links) % links; }
 
     bool operator==(const ChainLayout&) const = default;
-
-private:
-    [[nodiscard]] constexpr int place(End end) const noexcept { return rigid ? 0 : static_cast<int>(end); }
 };
 
 /// Largest number of unknowns of a block.

@@ -199,7 +199,7 @@ void RigidModel::acceleration(const RigidColumns& columns, int pin, double* of_p
 RigidState::RigidState(const RigidModel& of)
     : model(of),
       columns(of.columns()),
-      tail(static_cast<std::size_t>(of.layout().pulley_block() + of.layout().controls), 0.0),
+      tail(static_cast<std::size_t>(2 * of.layout().pulley_size + of.layout().controls), 0.0),
       tail_slope(tail.size(), 0.0),
       ledger(of.layout().ledger ? static_cast<std::size_t>(of.layout().size() - of.layout().ledger_begin()) : 0, 0.0) {}
 

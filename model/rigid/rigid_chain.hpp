@@ -57,7 +57,7 @@ private:
 /// Coordinate number k of the columns (x, y, z, p, q, ζ, bending) inside the block of a pin.
 [[nodiscard]] constexpr int rigid_place(const ChainLayout& at, int k) noexcept {
     const int places[rigid_coordinates] = {at.x(End::rear, 0), at.y(End::rear, 0), at.z(End::rear),    at.x(End::rear, 1),
-                                           at.y(End::rear, 1), at.slide(),         at.x(End::rear, 2), at.y(End::rear, 2)};
+                                           at.y(End::rear, 1), at.e(End::rear),    at.x(End::rear, 2), at.y(End::rear, 2)};
     return places[k];
 }
 

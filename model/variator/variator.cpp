@@ -86,7 +86,7 @@ void Variator::close(double t, const double* tail, const SheaveForces& chain, co
     if (at.pulley_size != 0) {
         const Inputs inputs = pulleys_.inputs(t, tail);
         pulleys_.slope(tail, inputs, chain, tail_slope, at.ledger ? &total : nullptr);
-        std::copy_n(inputs.control_rate.begin(), at.controls, tail_slope + at.pulley_block());
+        std::copy_n(inputs.control_rate.begin(), at.controls, tail_slope + 2 * at.pulley_size);
         works = pulleys_.works(tail, inputs);
     }
     if (!at.ledger) return;

@@ -25,7 +25,7 @@ void add_half(const ChainLayout& from, const double* source, const ChainLayout& 
     }
     target[to.z(end)] += weight * source[from.z(end)];
     if (to.rigid)
-        target[to.slide()] += (end == End::front ? 1.0 : -1.0) * source[from.z(end)];
+        target[to.e(End::rear)] += (end == End::front ? 1.0 : -1.0) * source[from.z(end)];
     else
         target[to.e(end)] += weight * source[from.e(end)];
 }

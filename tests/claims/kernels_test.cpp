@@ -130,8 +130,8 @@ TEST_P(ElasticForces, OnPulleysAreMinusTheGradientPlusInputs) {
     const model::PulleyModel& pulleys = gradient.variator().pulleys();
     const double* block = gradient.state().data() + at.pulley_begin();
     const model::Inputs inputs = pulleys.inputs(0.0, block);
-    std::vector<double> other(static_cast<std::size_t>(at.pulley_block()));  // what inputs and gyroscopic moments do alone, from rest
-    std::vector<double> straight(block, block + at.pulley_block());
+    std::vector<double> other(static_cast<std::size_t>(2 * at.pulley_size));  // what inputs and gyroscopic moments do alone, from rest
+    std::vector<double> straight(block, block + 2 * at.pulley_size);
     std::fill_n(straight.begin(), at.pulley_size, 0.0);
     pulleys.slope(straight.data(), inputs, {}, other.data(), nullptr);
     for (int k = 0; k < at.pulley_size; ++k) {

@@ -124,7 +124,7 @@ std::vector<RigidPin> unpack_pins(const model::Parameters& parameters, const mod
         const auto plane = [&](std::span<const Real> values, int m) {
             return Vec2{values[layout.x(End::rear, m)], values[layout.y(End::rear, m)]};
         };
-        const int z = layout.z(End::rear), slide = layout.slide();
+        const int z = layout.z(End::rear), slide = layout.e(End::rear);
         pins.push_back({plane(q, 0), plane(q, 1), at_ends * plane(q, 2), plane(v, 0), plane(v, 1), at_ends * plane(v, 2), q[z], q[slide],
                         v[z], v[slide]});
     }

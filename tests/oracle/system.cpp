@@ -125,7 +125,8 @@ System unpack(const model::Parameters& parameters, double t, std::span<const Rea
     if (parameters.detail.pulleys == PulleyDetail::elastic) system.body = unpack_elastic(q, v);
     if (parameters.detail.pulleys == PulleyDetail::rigid) system.body = unpack_rigid(q, v);
     for (int k = 0; k < system.controllers(); ++k) system.control_integral[k] = state[layout.control_begin() + k];
-    if (layout.hydraulic()) std::copy_n(state.begin() + layout.hydraulics_begin(), system.oil.size(), system.oil.begin());
+    if (layout.hydraulic())
+        std::copy_n(state.begin() + layout.ledger_begin() - model::hydraulic_unknowns, system.oil.size(), system.oil.begin());
     return system;
 }
 

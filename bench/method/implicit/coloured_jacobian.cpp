@@ -31,7 +31,7 @@ ColouredJacobian::Scratch::Scratch(const model::ChainLayout& layout)
     : evaluation(layout),
       slope(static_cast<std::size_t>(layout.size())),
       tail(static_cast<std::size_t>(layout.size() - layout.pulley_begin())),
-      zero(static_cast<std::size_t>(layout.pulley_block())),
+      zero(static_cast<std::size_t>(2 * layout.pulley_size)),
       reaction(zero) {}
 
 ColouredJacobian::ColouredJacobian(const model::Variator& variator, int batches)

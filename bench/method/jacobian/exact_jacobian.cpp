@@ -148,7 +148,7 @@ void ExactJacobian::own_corner(double t, const double* state, AccelerationJacobi
     const auto rates = [&](std::vector<double>& slope) {
         const Inputs inputs = variator_.pulleys().inputs(t, tail_.data());
         variator_.pulleys().slope(tail_.data(), inputs, SheaveForces{}, slope.data(), nullptr);
-        std::copy_n(inputs.control_rate.begin(), at.controls, slope.begin() + at.pulley_block());
+        std::copy_n(inputs.control_rate.begin(), at.controls, slope.begin() + 2 * at.pulley_size);
     };
     std::copy_n(tail, tail_.size(), tail_.begin());
     for (int k = 0; k < half + border; ++k) {

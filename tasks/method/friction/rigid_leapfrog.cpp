@@ -268,7 +268,7 @@ void RigidPulleys::evaluate(double time) noexcept {
     const model::PulleyModel& pulleys = variator_.pulleys();
     inputs_ = pulleys.inputs(time, s_.tail.data());
     pulleys.slope(s_.tail.data(), inputs_, s_.forces.reaction.sheaves, s_.tail_slope.data(), &s_.forces.account);
-    std::copy_n(inputs_.control_rate.begin(), variator_.layout().controls, s_.tail_slope.begin() + variator_.layout().pulley_block());
+    std::copy_n(inputs_.control_rate.begin(), variator_.layout().controls, s_.tail_slope.begin() + 2 * variator_.layout().pulley_size);
 }
 
 model::WorkRates RigidPulleys::kick(double time, double step) noexcept {

@@ -35,7 +35,7 @@ void combine_window(const Workspace& w, const Segment& own, int halo, double* wi
 
 [[nodiscard]] model::SheaveMotion* sheaves_at(Workspace& w, double theta, double* tail, model::SheaveMotion* sheaves) noexcept {
     const model::ChainLayout& layout = w.layout();
-    w.interpolant().evaluate(theta, layout.pulley_begin(), layout.pulley_begin() + layout.pulley_block(), tail);
+    w.interpolant().evaluate(theta, layout.pulley_begin(), layout.control_begin(), tail);
     w.variator.pulleys().motions(tail, sheaves);
     return sheaves;
 }

@@ -332,8 +332,7 @@ double ErrorControl::step_error() const {
     const model::ChainLayout& at = w_.layout();
     double largest = 0.0;
     if (at.pulley_size != 0) {
-        engine::combine(w_.step.error_row, w_.step.h, w_.slots(), at.pulley_begin(), at.pulley_begin() + 2 * at.pulley_size,
-                        w_.pulleys.tail.data());
+        engine::combine(w_.step.error_row, w_.step.h, w_.slots(), at.pulley_begin(), at.control_begin(), w_.pulleys.tail.data());
         largest = w_.step.error_scale.norm(w_.pulleys.tail.data(), at.pulley_size);
         if (!std::isfinite(largest)) return largest;
     }

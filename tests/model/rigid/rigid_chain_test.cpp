@@ -73,7 +73,7 @@ struct Evaluation {
         all = chain;
         if (at.pulley_size == 0) return;
         inputs = variator.pulleys().inputs(t, y.data() + at.pulley_begin());
-        std::vector<double> ignored(static_cast<std::size_t>(at.pulley_block()));
+        std::vector<double> ignored(static_cast<std::size_t>(2 * at.pulley_size));
         variator.pulleys().slope(y.data() + at.pulley_begin(), inputs, {}, ignored.data(), &all);
     }
     std::vector<double> slope;

@@ -71,7 +71,7 @@ TEST(DetailState, PutsARigidPinInTheMiddleBetweenItsHalves) {
         const double* v = q + to.link_size();
         const double before = front[from.link_size() + from.z(End::front)], behind = rear[from.link_size() + from.z(End::rear)];
         EXPECT_DOUBLE_EQ(v[to.z(End::rear)], 0.5 * (behind + before)) << pin;
-        EXPECT_DOUBLE_EQ(v[to.slide()], before - behind) << pin;
+        EXPECT_DOUBLE_EQ(v[to.e(End::rear)], before - behind) << pin;
     }
 }
 
@@ -86,7 +86,7 @@ TEST(DetailState, OfRigidPinsComesBackFromHalves) {
         const double* rear = over.state.data() + to.link_begin(pin);
         const double* front = over.state.data() + to.link_begin(to.previous(pin));
         const double* q = saved.state.data() + from.link_begin(pin);
-        EXPECT_NEAR(front[to.z(End::front)] - rear[to.z(End::rear)], q[from.slide()], 1e-18) << pin;
+        EXPECT_NEAR(front[to.z(End::front)] - rear[to.z(End::rear)], q[from.e(End::rear)], 1e-18) << pin;
         EXPECT_EQ(rear[to.x(End::rear, 2)], q[from.x(End::rear, 2)]) << pin;
         const double x = 0.5 * (rear[to.x(End::rear, 0)] + front[to.x(End::front, 0)]);
         EXPECT_NEAR(x, q[from.x(End::rear, 0)] - model::Coefficients(rigid).plate_bow * q[from.x(End::rear, 2)], 1e-17) << pin;
