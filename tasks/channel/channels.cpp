@@ -123,7 +123,7 @@ const Channel table[] = {
 }  // namespace
 
 double Instant::chain_torque(std::size_t shaft) const noexcept {
-    const double mean = workspace.energy.chain_torque(observation.time, workspace.shaft_momentum())[shaft];
+    const double mean = workspace.energy.chain_torque(observation.time, shaft_momentum(workspace))[shaft];
     return std::isfinite(mean) ? mean : observation.chain_torque[shaft];
 }
 

@@ -35,7 +35,7 @@ Channel::Read impulse(std::size_t shaft) {
 }
 Channel::Read chain_impulse(std::size_t shaft) {
     return [shaft](const Instant& now, double* out) {
-        *out = now.workspace.shaft_momentum()[shaft] - now.workspace.energy.input_works().net_impulse()[shaft];
+        *out = shaft_momentum(now.workspace)[shaft] - now.workspace.energy.input_works().net_impulse()[shaft];
     };
 }
 Channel::Read drag(std::size_t shaft) {

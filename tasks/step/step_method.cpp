@@ -35,7 +35,7 @@ CycleSequence StageMethod::step() {
     for (int stage = slope_at_ == SlopeAt::start && plan_->stages() > 1 ? 1 : 0; stage < plan_->stages(); ++stage) {
         prepare_stage(plan_->stage(stage));
         co_yield evaluate_cycle;
-        close_evaluation(w_, w_.step.time + w_.step.row.time * w_.step.h, w_.pulleys.tail.data(), w_.sheave_forces(), w_.step.slope_out);
+        close_evaluation(w_, w_.step.time + w_.step.row.time * w_.step.h, w_.pulleys.tail.data(), sheave_forces(w_), w_.step.slope_out);
     }
     w_.step.row = plan_->result();
     slope_at_ = plan_->last_is_result() ? SlopeAt::last : SlopeAt::nowhere;

@@ -86,12 +86,6 @@ void Workspace::adopt(const model::Parameters& other) {
     tips.changed.assign(tips.changed.size(), -1e300);
 }
 
-void Workspace::warm(double time) noexcept {
-    if (!heat.enabled()) return;
-    heat.advance(time, energy.sums(time).loss);
-    warm();
-}
-
 void Workspace::repartition(Partition parts) {
     partition = std::move(parts);
     segment_results.resize(static_cast<std::size_t>(partition.size()));
@@ -107,35 +101,19 @@ void Workspace::repartition(Partition parts) {
     }
 }
 
-void Workspace::add_up(const Segment& own) noexcept {
+void add_up(Workspace& w, const Segment& own) noexcept {
     constexpr int size = model::links_per_sum;
-    const int last = own.last == layout().links ? variator.sums() : own.last / size;
-    for (int group = (own.first + size - 1) / size; group < last; ++group) {
-        variator.add_up(group, tips.phases.data(), links.loads.data(), links.sums[static_cast<std::size_t>(group)]);
-    }
+    const int last = own.last == w.layout().links ? w.variator.sums() : own.last / size;
+    for (int group = (own.first + size - 1) / size; group < last; ++group)
+        w.variator.add_up(group, w.tips.phases.data(), w.links.loads.data(), w.links.sums[at(group)]);
 }
 
-model::SheaveForces Workspace::sheave_forces() noexcept {
-    if (layout().pulley_size == 0) return {};
-    if (sums_missing) return variator.sheave_forces(tips.phases.data(), links.loads.data());
-    for (const int group : links.split_sums)
-        variator.add_up(group, tips.phases.data(), links.loads.data(), links.sums[static_cast<std::size_t>(group)]);
-    return variator.sheave_forces(links.sums.data());
-}
-
-model::Account Workspace::observed_links() const noexcept {
-    model::Account total;
-    for (const model::Account& account : links.accounts) {
-        for (std::size_t kind = 0; kind < model::loss_kinds; ++kind) total.loss[kind] += account.loss[kind];
-        for (std::size_t kind = 0; kind < model::energy_kinds; ++kind) total.energy[kind] += account.energy[kind];
-    }
-    return total;
-}
-
-model::Account Workspace::observed_pulleys() const noexcept {
-    model::Account total;
-    if (layout().pulley_size != 0) variator.pulleys().account(tail(), total);
-    return total;
+model::SheaveForces sheave_forces(Workspace& w) noexcept {
+    if (w.layout().pulley_size == 0) return {};
+    if (w.sums_missing) return w.variator.sheave_forces(w.tips.phases.data(), w.links.loads.data());
+    for (const int group : w.links.split_sums)
+        w.variator.add_up(group, w.tips.phases.data(), w.links.loads.data(), w.links.sums[at(group)]);
+    return w.variator.sheave_forces(w.links.sums.data());
 }
 
 double Workspace::pin_period() const noexcept {
@@ -157,10 +135,10 @@ std::array<double, 3> Workspace::rear_half(int pin) const noexcept {
     return {block[at.x(model::End::rear, 0)], block[at.y(model::End::rear, 0)], block[at.z(model::End::rear)]};
 }
 
-std::array<double, 2> Workspace::shaft_momentum() const noexcept {
-    if (layout().pulley_size == 0) return {};
-    const double* block = tail();
-    return {variator.pulleys().momentum(block, 0), variator.pulleys().momentum(block, 1)};
+std::array<double, 2> shaft_momentum(const Workspace& w) noexcept {
+    if (w.layout().pulley_size == 0) return {};
+    const double* block = w.tail();
+    return {w.variator.pulleys().momentum(block, 0), w.variator.pulleys().momentum(block, 1)};
 }
 
 std::size_t Workspace::bytes() const noexcept {

@@ -197,8 +197,6 @@ public:
     }
     /// Another variator of the same layout, at rest before its start; between runs only.
     void adopt(const model::Parameters& other);
-    /// Temperatures follow the losses so far, and the tips' law the temperatures; at an output. time [s]
-    void warm(double time) noexcept;
     /// The tips' law takes the temperatures that are: at a start, and where an integration resumes.
     void warm() noexcept { variator.warm(parameters, heat.film()); }
     /// Sets other segments; while no executor runs, and between two steps. Then call StepMethod::repartitioned.
@@ -209,21 +207,12 @@ public:
     }
     /// The part of y behind the links; until the next cycle. @return [tail_size()]
     [[nodiscard]] const double* tail() const noexcept;
-    /// Adds up the reactions of a segment's links, for sums that contain no link of another segment.
-    void add_up(const Segment& own) noexcept;
-    /// Forces of the chain on the sheaves after an evaluate cycle; called by the controller.
-    [[nodiscard]] model::SheaveForces sheave_forces() noexcept;
-    /// Losses and energies after an observe cycle: of all links, added in their order; of the pulleys.
-    [[nodiscard]] model::Account observed_links() const noexcept;
-    [[nodiscard]] model::Account observed_pulleys() const noexcept;
     /// Time in which a pin reaches the position of the next one, by the chain's mean speed; 0: at rest [s].
     [[nodiscard]] double pin_period() const noexcept;
     /// Time in which a pin reaches the position of the next one at a mean speed; 0: at rest. speed [m/s]
     [[nodiscard]] double pin_period(double speed) const noexcept;
     /// Place of the middle of a pin's rear half; of a rigid pin's [m].
     [[nodiscard]] std::array<double, 3> rear_half(int pin) const noexcept;
-    /// Angular momentum of both shafts with their sheaves; zero without pulleys [N·m·s].
-    [[nodiscard]] std::array<double, 2> shaft_momentum() const noexcept;
     [[nodiscard]] int tail_size() const noexcept { return layout().size() - layout().pulley_begin(); }
     [[nodiscard]] engine::SlotView slots() const noexcept { return {states.data(), slopes.data()}; }
     [[nodiscard]] engine::Interpolant interpolant() const noexcept { return {states[0], slopes[0], end_state, end_slope, step.h}; }
@@ -237,5 +226,12 @@ private:
     bool columns_hold_forces_ = false;    ///< of the state
     mutable std::vector<double> tail_;    ///< of the columns [tail_size()]
 };
+
+/// Adds up the reactions of a segment's links, for sums that contain no link of another segment.
+void add_up(Workspace& w, const Segment& own) noexcept;
+/// Forces of the chain on the sheaves after an evaluate cycle; called by the controller.
+[[nodiscard]] model::SheaveForces sheave_forces(Workspace& w) noexcept;
+/// Angular momentum of both shafts with their sheaves; zero without pulleys [N·m·s].
+[[nodiscard]] std::array<double, 2> shaft_momentum(const Workspace& w) noexcept;
 
 }  // namespace cvtflow::tasks

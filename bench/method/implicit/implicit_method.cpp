@@ -118,7 +118,7 @@ int ImplicitMethod::evaluate(std::span<const engine::Term> states, double c, int
 }
 
 void ImplicitMethod::close_evaluate() noexcept {
-    close_evaluation(w_, w_.step.time + w_.step.row.time * w_.step.h, w_.pulleys.tail.data(), w_.sheave_forces(), w_.step.slope_out);
+    close_evaluation(w_, w_.step.time + w_.step.row.time * w_.step.h, w_.pulleys.tail.data(), sheave_forces(w_), w_.step.slope_out);
 }
 
 int ImplicitMethod::take_jacobian(double c, int state_slot, int slope_slot) noexcept {

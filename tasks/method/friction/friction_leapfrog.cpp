@@ -176,7 +176,7 @@ CycleSequence FrictionLeapfrog<Number>::step() {
     if (const Fault fault = choose_table()) co_return fault;
     while (stage_ < table_->plan.stages()) co_yield next_stages();  // v under friction and these forces
     co_yield finish_kick_cycle;                                     // q ← q + h/2 v
-    frame_.end(w_.sheave_forces());                                 // the pulleys by the forces of the tips
+    frame_.end(sheave_forces(w_));                                  // the pulleys by the forces of the tips
     co_return {};
 }
 

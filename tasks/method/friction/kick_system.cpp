@@ -143,7 +143,7 @@ void KickSystem<Number>::finish(Workspace& w, int segment) const noexcept {
             load.add(corner % 2, -force(0), -force(1), -force(2), p.x[corner], p.y[corner], p.z[corner]);
         }
     }
-    if (w.layout().pulley_size != 0) w.add_up(own);
+    if (w.layout().pulley_size != 0) add_up(w, own);
 
     const model::ChainLayout& layout = w.layout();
     // Velocities that others count from: still in the window that record() has filled.

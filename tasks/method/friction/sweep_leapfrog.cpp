@@ -273,7 +273,7 @@ int SweepLeapfrog<Number>::next_passes() noexcept {
 
 template <class Number>
 Fault SweepLeapfrog<Number>::finish() {
-    frame_.end(w_.sheave_forces());
+    frame_.end(sheave_forces(w_));
     system_.end();
     return decides_phases() ? close() : Fault{};
 }

@@ -125,7 +125,7 @@ void evaluate_segment(void* workspace, int segment) noexcept {
     } else {
         w.variator.chain().slopes(range, slope, w.links.loads.data() + own.first);
     }
-    if (layout.pulley_size != 0) w.add_up(own);
+    if (layout.pulley_size != 0) add_up(w, own);
 }
 
 void locate_segment(void* workspace, int segment) noexcept {

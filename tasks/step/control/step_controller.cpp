@@ -23,6 +23,23 @@ constexpr double min_gain = 1.05;
     return settings.automatic() ? settings.output_interval : std::min(settings.step, settings.output_interval);
 }
 
+/// Losses and energies after an observe cycle, of all links in their order.
+[[nodiscard]] model::Account observed_links(const Workspace& w) noexcept {
+    model::Account total;
+    for (const model::Account& account : w.links.accounts) {
+        for (std::size_t kind = 0; kind < model::loss_kinds; ++kind) total.loss[kind] += account.loss[kind];
+        for (std::size_t kind = 0; kind < model::energy_kinds; ++kind) total.energy[kind] += account.energy[kind];
+    }
+    return total;
+}
+
+/// Temperatures follow the losses so far, and the tips' law the temperatures.
+void warm(Workspace& w) noexcept {
+    if (!w.heat.enabled()) return;
+    w.heat.advance(w.step.time, w.energy.sums(w.step.time).loss);
+    w.warm();
+}
+
 }  // namespace
 
 StepController::StepController(Workspace& workspace, const StepSettings& settings, RunObserver& observer,
@@ -186,7 +203,9 @@ bool StepController::prepare_observation() {
 
 void StepController::sample_energy() {
     if (w_.energy.counted()) return w_.energy.sample_counted(w_.step.time, w_.pin_period());
-    w_.energy.sample(w_.step.time, w_.observed_links(), w_.observed_pulleys(), w_.pin_period());
+    model::Account pulleys;
+    if (w_.layout().pulley_size != 0) w_.variator.pulleys().account(w_.tail(), pulleys);
+    w_.energy.sample(w_.step.time, observed_links(w_), pulleys, w_.pin_period());
 }
 
 /// Delivers an output if one is due; true at the end of the integration.
@@ -195,8 +214,8 @@ bool StepController::deliver_output() {
     const bool due = w_.step.time == grid_.here() && grid_.at_output(outputs_);
     const bool over = w_.step.time >= settings_.until - 1e-9 * settings_.output_interval;
     if (due) {  // not where a call ends: no result depends on that
-        w_.energy.output(w_.step.time, w_.shaft_momentum());
-        w_.warm(w_.step.time);
+        w_.energy.output(w_.step.time, shaft_momentum(w_));
+        warm(w_);
     }
     if (due || over) observer_->output(w_.step.time, w_, counters_);
     if (due) ++outputs_;

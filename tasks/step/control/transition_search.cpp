@@ -46,7 +46,7 @@ void TransitionSearch::prepare_end_slope() {
 }
 
 void TransitionSearch::close_end_slope() {
-    close_evaluation(w_, w_.step.time + w_.step.h, w_.end_state + w_.layout().pulley_begin(), w_.sheave_forces(), w_.end_slope);
+    close_evaluation(w_, w_.step.time + w_.step.h, w_.end_state + w_.layout().pulley_begin(), sheave_forces(w_), w_.end_slope);
 }
 
 bool TransitionSearch::locate() {
