@@ -33,7 +33,6 @@ const std::map<std::string, int> large_classes{
     {"bench/method/linear/cyclic_border.hpp: CyclicBorder", 24},
     {"tasks/method/friction/rigid_leapfrog.hpp: RigidLeapfrog", 22},
     {"tasks/run/simulation.hpp: Simulation", 48},
-    {"tasks/step/control/step_controller.hpp: StepController", 26},
     {"tests/engine/executor/interleaving_fixture.hpp: Interleavings", 32},
 };
 

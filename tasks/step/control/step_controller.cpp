@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "tasks/step/control/step_grid.hpp"
 #include "tasks/step/integration_state.hpp"
@@ -40,6 +41,45 @@ void warm(Workspace& w) noexcept {
     w.warm();
 }
 
+/// Stages must have times of their own, and a step must advance the time by its length, to three digits.
+[[nodiscard]] Fault check_precision(double time, double step) noexcept {
+    const double shortest = 1e3 * std::numeric_limits<double>::epsilon() * std::abs(time);
+    if (step >= shortest) return {};
+    return {FaultKind::step_too_short, time, {}, step, shortest};
+}
+
+/// The sheaves for an observe cycle. @return false: losses and energies are known without one
+[[nodiscard]] bool prepare_observation(Workspace& w) noexcept {
+    if (w.energy.counted()) return false;
+    if (w.layout().pulley_size != 0) w.variator.pulleys().motions(w.states[0] + w.layout().pulley_begin(), w.pulleys.observed_sheaves);
+    return true;
+}
+
+void sample_energy(Workspace& w) noexcept {
+    if (w.energy.counted()) return w.energy.sample_counted(w.step.time, w.pin_period());
+    model::Account pulleys;
+    if (w.layout().pulley_size != 0) w.variator.pulleys().account(w.tail(), pulleys);
+    w.energy.sample(w.step.time, observed_links(w), pulleys, w.pin_period());
+}
+
+/// Phases of the start state, without dwell: a geometric start comes with all tips free.
+void probe_start(Workspace& w) noexcept {
+    const model::ChainLayout& at = w.layout();
+    if (at.pulley_size == 0) return;
+    w.variator.pulleys().motions(w.states[0] + at.pulley_begin(), w.pulleys.sheaves);
+    for (int link = 0; link < at.links; ++link) {
+        model::TipProbe probe;
+        model::NeighbourWindow strip;
+        w.variator.chain().probe(strip.of(at, w.states[0], link), w.pulleys.sheaves, w.parameters.detail.stick_slip, probe);
+        for (int corner = 0; corner < model::tips_per_link; ++corner) {
+            const std::size_t tip = static_cast<std::size_t>(model::tips_per_link * link + corner);
+            w.tips.before[tip] = {probe.depth[corner], probe.slip[corner]};
+            w.tips.phases[tip] = w.rule.next(w.tips.phases[tip], w.tips.before[tip]);
+        }
+    }
+    w.phases_changed();
+}
+
 }  // namespace
 
 StepController::StepController(Workspace& workspace, const StepSettings& settings, RunObserver& observer,
@@ -69,7 +109,7 @@ StepController::StepController(Workspace& workspace, std::unique_ptr<StepMethod>
     method_.load({});
     w_.energy.restart(method_.observation_stride());
     if (settings.choice != nullptr) settings.choice->restart();
-    probe_start();
+    probe_start(w_);
 }
 
 StepController::StepController(Workspace& workspace, StepMethod& method, const StepSettings& settings, const IntegrationState& from,
@@ -137,10 +177,10 @@ void StepController::save(IntegrationState& state) const {
 CycleSequence StepController::integrate() {
     const AtTransition at_transition = w_.step.at_transition;
     for (;;) {
-        if (const Fault fault = check_precision()) co_return fault;
+        if (const Fault fault = check_precision(w_.step.time, grid_.step)) co_return fault;
         if (w_.energy.due(w_.step.time)) {
-            if (prepare_observation()) co_yield observe_cycle;
-            sample_energy();
+            if (prepare_observation(w_)) co_yield observe_cycle;
+            sample_energy(w_);
         }
         if (deliver_output()) co_return {};
         if (const Fault fault = check_budget()) co_return fault;
@@ -152,7 +192,8 @@ CycleSequence StepController::integrate() {
             step.rethrow();
             if (step.fault()) co_return step.fault();
             if (at_transition == AtTransition::inside) break;
-            prepare_detection();
+            transitions_.prepare_detection();
+            errors_.prepare(method_);
             co_yield detect_cycle;
             const bool accurate = errors_.accepts(cut);
             if (const Fault fault = accurate ? transitions_.check(counters_) : reject()) co_return fault;
@@ -161,25 +202,17 @@ CycleSequence StepController::integrate() {
             transitions_.complete_start_slopes();
             if (cut) break;
             if (at_transition == AtTransition::interpolate) {
-                transitions_.prepare_end_slope();
-                co_yield evaluate_cycle;
+                co_yield transitions_.prepare_end_slope();
                 transitions_.close_end_slope();
             }
             co_yield locate_cycle;
             cut = transitions_.locate();
             if (!cut || at_transition == AtTransition::interpolate || w_.step.theta <= 0.0) break;
-            shorten_to_transition();
+            w_.step.h *= std::exchange(w_.step.theta, 1.0);
         }
-        if (cut) co_yield prepare_truncation();
+        if (cut) co_yield transitions_.prepare_truncation();
         cut ? truncate() : accept();
     }
-}
-
-/// Stages must have times of their own, and a step must advance the time by its length, to three digits.
-Fault StepController::check_precision() const {
-    const double shortest = 1e3 * std::numeric_limits<double>::epsilon() * std::abs(w_.step.time);
-    if (grid_.step >= shortest) return {};
-    return {FaultKind::step_too_short, w_.step.time, {}, grid_.step, shortest};
 }
 
 Fault StepController::check_budget() const {
@@ -192,20 +225,6 @@ Fault StepController::check_budget() const {
         if (wall > settings_.max_wall) return {FaultKind::max_wall, w_.step.time, {}, wall, settings_.max_wall};
     }
     return {};
-}
-
-/// The sheaves for an observe cycle. @return false: losses and energies are known without one
-bool StepController::prepare_observation() {
-    if (w_.energy.counted()) return false;
-    if (w_.layout().pulley_size != 0) w_.variator.pulleys().motions(w_.states[0] + w_.layout().pulley_begin(), w_.pulleys.observed_sheaves);
-    return true;
-}
-
-void StepController::sample_energy() {
-    if (w_.energy.counted()) return w_.energy.sample_counted(w_.step.time, w_.pin_period());
-    model::Account pulleys;
-    if (w_.layout().pulley_size != 0) w_.variator.pulleys().account(w_.tail(), pulleys);
-    w_.energy.sample(w_.step.time, observed_links(w_), pulleys, w_.pin_period());
 }
 
 /// Delivers an output if one is due; true at the end of the integration.
@@ -264,11 +283,6 @@ Fault StepController::reject() {
     return {};
 }
 
-void StepController::prepare_detection() {
-    transitions_.prepare_detection();
-    errors_.prepare(method_);
-}
-
 void StepController::accept() {
     const double begin = w_.step.time;
     if (reaches_grid_point_) grid_.pass();
@@ -282,16 +296,6 @@ void StepController::accept() {
         transitions_.report_changes(*observer_, counters_);
 }
 
-void StepController::shorten_to_transition() {
-    w_.step.h *= w_.step.theta;
-    w_.step.theta = 1.0;
-}
-
-int StepController::prepare_truncation() {
-    transitions_.prepare_truncation();
-    return truncate_cycle;
-}
-
 void StepController::truncate() {
     const double begin = w_.step.time;
     w_.step.time += w_.step.theta * w_.step.h;
@@ -299,24 +303,6 @@ void StepController::truncate() {
     ++counters_.truncated;
     ++counters_.steps;
     transitions_.truncate(*observer_, counters_);
-}
-
-/// Phases of the start state, without dwell: a geometric start comes with all tips free.
-void StepController::probe_start() {
-    const model::ChainLayout& at = w_.layout();
-    if (at.pulley_size == 0) return;
-    w_.variator.pulleys().motions(w_.states[0] + at.pulley_begin(), w_.pulleys.sheaves);
-    for (int link = 0; link < at.links; ++link) {
-        model::TipProbe probe;
-        model::NeighbourWindow strip;
-        w_.variator.chain().probe(strip.of(at, w_.states[0], link), w_.pulleys.sheaves, w_.parameters.detail.stick_slip, probe);
-        for (int corner = 0; corner < model::tips_per_link; ++corner) {
-            const std::size_t tip = static_cast<std::size_t>(model::tips_per_link * link + corner);
-            w_.tips.before[tip] = {probe.depth[corner], probe.slip[corner]};
-            w_.tips.phases[tip] = w_.rule.next(w_.tips.phases[tip], w_.tips.before[tip]);
-        }
-    }
-    w_.phases_changed();
 }
 
 ErrorControl::ErrorControl(Workspace& workspace, const StepMethod& method, const StepSettings& settings)

@@ -95,21 +95,14 @@ private:
     static constexpr double dwell_steps = 1.5;
 
     [[nodiscard]] CycleSequence integrate();
-    [[nodiscard]] Fault check_precision() const;
     [[nodiscard]] Fault check_budget() const;
-    [[nodiscard]] bool prepare_observation();
-    void sample_energy();
     [[nodiscard]] bool deliver_output();
     void plan_step();
     void choose_step();
     void propose_step();
-    void prepare_detection();
     [[nodiscard]] Fault reject();
     void accept();
-    void shorten_to_transition();
-    [[nodiscard]] int prepare_truncation();
     void truncate();
-    void probe_start();
 
     Workspace& w_;
     std::unique_ptr<StepMethod> own_method_;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tasks/step/assembly/segment_tasks.hpp"
+#include "tasks/step/step_graph.hpp"
 
 namespace cvtflow::tasks {
 
@@ -39,10 +40,11 @@ void TransitionSearch::complete_start_slopes() {
     }
 }
 
-void TransitionSearch::prepare_end_slope() {
+int TransitionSearch::prepare_end_slope() {
     w_.step.evaluate_end = true;
     w_.step.slope_out = w_.end_slope;
     std::copy(std::begin(w_.pulleys.end_sheaves), std::end(w_.pulleys.end_sheaves), std::begin(w_.pulleys.sheaves));
+    return evaluate_cycle;
 }
 
 void TransitionSearch::close_end_slope() {
@@ -60,11 +62,12 @@ bool TransitionSearch::locate() {
     return true;
 }
 
-void TransitionSearch::prepare_truncation() {
+int TransitionSearch::prepare_truncation() {
     std::copy(w_.tips.phases.begin(), w_.tips.phases.end(), w_.tips.phases_before.begin());
     const model::ChainLayout& at = w_.layout();
     w_.interpolant().evaluate(w_.step.theta, at.pulley_begin(), at.size(), w_.cut_state + at.pulley_begin());
     w_.variator.pulleys().motions(w_.cut_state + at.pulley_begin(), w_.pulleys.sheaves);
+    return truncate_cycle;
 }
 
 void TransitionSearch::truncate(RunObserver& observer, Counters& counters) {

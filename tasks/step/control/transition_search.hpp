@@ -18,13 +18,13 @@ public:
     [[nodiscard]] bool due() const noexcept { return due_; }
     /// Slopes of the links at the step's start, which locate and truncate cycles interpolate. Only few steps need them.
     void complete_start_slopes();
-    /// Before and after an evaluate cycle at the step's end: the slope there.
-    void prepare_end_slope();
+    /// Before and after an evaluate cycle at the step's end: the slope there. @return the cycle
+    [[nodiscard]] int prepare_end_slope();
     void close_end_slope();
     /// After a locate cycle: takes the earliest transition of all segments as the place of the cut; false if none lies within the step.
     [[nodiscard]] bool locate();
-    /// Before a truncate cycle: the pulleys at the cut.
-    void prepare_truncation();
+    /// Before a truncate cycle: the pulleys at the cut. @return the cycle
+    [[nodiscard]] int prepare_truncation();
     /// After it: the state at the cut is the current one. Reports every tip that has changed to `observer`.
     void truncate(RunObserver& observer, Counters& counters);
     /// Reports every tip that differs from tips.phases_before to `observer`.
