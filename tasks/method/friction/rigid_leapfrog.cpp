@@ -31,6 +31,34 @@ void advance(Values& to, const Values& from, double share, const Rates& rates) n
     for (std::size_t k = 0; k < to.size(); ++k) to[k] = from[k] + share * rates[k];
 }
 
+/// The phases are compared with all tips after the next step.
+void forget_touching(model::RigidColumns& columns, int pins) noexcept {
+    for (int tip = 0; tip < model::rigid_tips; ++tip) std::fill_n(columns[model::Column::touching + tip], pins, -1.0);
+}
+
+/// Tips of a pin are those of its front half, the front of the link behind, and of its rear half, the rear of the link ahead.
+void set_phase(Workspace& w, int pin, int tip, bool touches) noexcept {
+    const int link = tip < model::rigid_tips / 2 ? w.layout().previous(pin) : pin;
+    const std::size_t number = at(model::tips_per_link * link + (tip + model::rigid_tips / 2) % model::rigid_tips);
+    const model::Phase phase = touches ? model::Phase::touching : model::Phase::free;
+    if (std::exchange(w.tips.phases[number], phase) != phase) w.tips.changed[number] = w.step.time + w.step.h;
+}
+
+/// Phases of tips: touching where they press.
+void find_touching(Workspace& w, model::RigidState& pins) noexcept {
+    w.tips.have_changed = false;
+    for (int tip = 0; tip < model::rigid_tips; ++tip) {
+        const double* normal = pins.columns[model::Column::tip_normal + tip];
+        double* touching = pins.columns[model::Column::touching + tip];
+        if (pins.model.kernels().contact_changes(pins.columns, tip) == 0.0) continue;
+        if (!std::exchange(w.tips.have_changed, true)) w.tips.phases_before = w.tips.phases;
+        for (int pin = 0; pin < pins.columns.padded(); ++pin) {
+            const double touches = normal[pin] > 0.0 ? 1.0 : 0.0;
+            if (std::exchange(touching[pin], touches) != touches && pin < w.layout().links) set_phase(w, pin, tip, touches > 0.0);
+        }
+    }
+}
+
 }  // namespace
 
 RigidLeapfrog::RigidLeapfrog(Workspace& workspace)
@@ -107,7 +135,7 @@ void RigidLeapfrog::start() {
     ledger_ = pins_.ledger;
     shift_ = 0.0;
     kick_ = {};
-    forget_touching();
+    forget_touching(pins_.columns, w_.layout().links);
     pulleys_.place();
     pins_.model.accelerate(pulleys_.sheaves(), pins_.columns, pins_.forces);
     pulleys_.start(w_.step.time);
@@ -119,7 +147,7 @@ void RigidLeapfrog::start() {
 
 void RigidLeapfrog::finish() noexcept {
     count_energy(pulleys_.kick(w_.step.time + kick_.step, kick_.step));
-    find_touching();
+    find_touching(w_, pins_);
     w_.columns_advanced();
     ++w_.step.evaluations;
 }
@@ -166,33 +194,6 @@ void RigidLeapfrog::set_lead(double lead) noexcept {
         advance(to.drag.energy, to.drag.energy, more, pulleys_.drag_power());
     }
     pins_.lead = lead;
-}
-
-/// The phases are compared with all tips after the next step.
-void RigidLeapfrog::forget_touching() noexcept {
-    for (int tip = 0; tip < model::rigid_tips; ++tip) std::fill_n(pins_.columns[model::Column::touching + tip], w_.layout().links, -1.0);
-}
-
-void RigidLeapfrog::find_touching() noexcept {
-    w_.tips.have_changed = false;
-    for (int tip = 0; tip < model::rigid_tips; ++tip) {
-        const double* normal = pins_.columns[model::Column::tip_normal + tip];
-        double* touching = pins_.columns[model::Column::touching + tip];
-        if (pins_.model.kernels().contact_changes(pins_.columns, tip) == 0.0) continue;
-        if (!std::exchange(w_.tips.have_changed, true)) w_.tips.phases_before = w_.tips.phases;
-        for (int pin = 0; pin < pins_.columns.padded(); ++pin) {
-            const double touches = normal[pin] > 0.0 ? 1.0 : 0.0;
-            if (std::exchange(touching[pin], touches) != touches && pin < w_.layout().links) set_phase(pin, tip, touches > 0.0);
-        }
-    }
-}
-
-/// Tips of a pin are those of its front half, the front of the link behind, and of its rear half, the rear of the link ahead.
-void RigidLeapfrog::set_phase(int pin, int tip, bool touches) noexcept {
-    const int link = tip < model::rigid_tips / 2 ? w_.layout().previous(pin) : pin;
-    const std::size_t number = at(model::tips_per_link * link + (tip + model::rigid_tips / 2) % model::rigid_tips);
-    const model::Phase phase = touches ? model::Phase::touching : model::Phase::free;
-    if (std::exchange(w_.tips.phases[number], phase) != phase) w_.tips.changed[number] = w_.step.time + w_.step.h;
 }
 
 /// Whether a pin may be where or as fast as none should be; false for almost all steps without one.
@@ -242,7 +243,7 @@ void RigidLeapfrog::load(std::span<const double> memory) {
     });
     for (const auto& [first, last] : model::kept_columns) pins_.columns.wrap(first, last);
     std::fill_n(pins_.columns[model::Column::written], pins_.columns.pins(), 1.0);
-    forget_touching();
+    forget_touching(pins_.columns, w_.layout().links);
     cold_ = false;
 }
 

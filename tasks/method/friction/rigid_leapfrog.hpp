@@ -103,12 +103,9 @@ public:
 
 private:
     void start();
-    void set_lead(double lead) noexcept;  ///< velocities ahead of coordinates by a time [s]
-    void kick_pins() noexcept;            ///< velocities by accelerations, over the step
-    void finish() noexcept;               ///< pulleys, energies and phases of the tips
-    void find_touching() noexcept;        ///< phases of tips: touching where they press
-    void forget_touching() noexcept;
-    void set_phase(int pin, int tip, bool touches) noexcept;
+    void set_lead(double lead) noexcept;                        ///< velocities ahead of coordinates by a time [s]
+    void kick_pins() noexcept;                                  ///< velocities by accelerations, over the step
+    void finish() noexcept;                                     ///< pulleys, energies and phases of the tips
     void count_energy(const model::WorkRates& power) noexcept;  ///< [W]
     [[nodiscard]] bool is_suspect() const noexcept;
     /// Calls visitor(numbers, count) for all that the next step depends on. @tparam Method this class, const or not
