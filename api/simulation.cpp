@@ -56,7 +56,7 @@ double Simulation::time() const noexcept { return impl_->simulation().time(); }
 const std::string& Simulation::method() const noexcept { return impl_->simulation().method_name(); }
 double Simulation::step_length() const noexcept {
     const api::FloatingDefaults defaults;
-    return impl_->step_length();
+    return api::step_length(impl_->simulation(), impl_->scene().data_->scene);
 }
 void Simulation::advance_to(double t) { impl_->advance(*this, t, 0); }
 void Simulation::step() { impl_->advance(*this, 1e300, 1); }
@@ -65,8 +65,9 @@ void Simulation::cancel() noexcept { impl_->cancel(); }
 State Simulation::state() const {
     return entered(ErrorCode::internal, [&] {
         const Impl::Scope scope(*impl_, Impl::Scope::As::visitor);
+        const tasks::Simulation& now = impl_->simulation();
         State state;
-        state.bytes_ = impl_->state_bytes();
+        state.bytes_ = api::write_state_bytes(scene().data_->fingerprint(), now.variator().pulleys().held(), now.integration_state());
         return state;
     });
 }
@@ -91,57 +92,66 @@ void Simulation::rhs(double t, std::span<const double> x, std::span<double> out)
     entered(ErrorCode::internal, [&] { impl_->rhs(t, x, out); });
 }
 
-std::size_t Simulation::channels() const noexcept { return impl_->channels(); }
+std::size_t Simulation::channels() const noexcept { return impl_->channels().size(); }
 ChannelInfo Simulation::channel_info(std::size_t index) const {
     return entered(ErrorCode::internal, [&] {
-        const tasks::Channel& row = impl_->channel_row(index);
+        const tasks::Channel& row = impl_->channels().row(index);
         return ChannelInfo{row.name, row.unit, row.description,
                            static_cast<std::size_t>(row.width(impl_->simulation().variator().chain()))};
     });
 }
 std::size_t Simulation::find_channel(const std::string& name) const {
-    return entered(ErrorCode::internal, [&] { return impl_->find_channel(name); });
+    return entered(ErrorCode::internal, [&] { return impl_->channels().find(name); });
 }
 std::span<const double> Simulation::channel(std::size_t index) {
-    return entered(ErrorCode::internal, [&] { return impl_->channel(index); });
+    return entered(ErrorCode::internal, [&] {
+        const Impl::Scope scope(*impl_, Impl::Scope::As::visitor);
+        return impl_->channels().read(index);
+    });
 }
 std::span<const double> Simulation::channel(const std::string& name) { return channel(find_channel(name)); }
 
-Counters Simulation::counters() const noexcept { return impl_->counters(); }
+Counters Simulation::counters() const noexcept {
+    const tasks::Counters& so_far = impl_->simulation().counters_of_part();
+    return {so_far.steps, so_far.evaluations, so_far.detected, so_far.truncated, so_far.suppressed};
+}
 std::vector<std::string> Simulation::notices() const {
     return entered(ErrorCode::internal, [&] { return impl_->notices(); });
 }
 Energy Simulation::energy() const noexcept {
     const api::FloatingDefaults defaults;
-    return impl_->energy();
+    const tasks::EnergyBalance balance = impl_->simulation().energy().balance();
+    const double balance_error_ratio = impl_->simulation().balance_error_ratio();
+    return {balance.residual(), balance.loss, balance_error_ratio, balance_error_ratio <= 1.0};
 }
 double Simulation::largest_stable_step() {
-    return entered(ErrorCode::internal, [&] { return impl_->largest_stable_step(); });
+    return entered(ErrorCode::internal, [&] {
+        const Impl::Scope scope(*impl_, Impl::Scope::As::visitor);
+        return impl_->simulation().largest_step().step;
+    });
 }
 
 void Simulation::on_output(double interval, std::function<void(Simulation&)> callback) {
-    entered(ErrorCode::internal, [&] { impl_->on_output(interval, std::move(callback)); });
+    entered(ErrorCode::internal, [&] {
+        const Impl::Scope scope(*impl_, Impl::Scope::As::visitor);
+        impl_->callbacks().on_output(time(), interval, std::move(callback));
+    });
 }
 void Simulation::on_transition(std::function<void(Simulation&, const Transition&)> callback) {
     entered(ErrorCode::internal, [&] {
         const Impl::Scope scope(*impl_, Impl::Scope::As::visitor);
-        impl_->on_transition(std::move(callback));
+        impl_->callbacks().on_transition(std::move(callback));
     });
 }
 
 std::vector<std::string> Simulation::Impl::notices() const {
     std::vector<std::string> lines = start_differences_;
-    if (!energy().reliable) lines.push_back(tasks::unreliable_text(energy().suspicion, data().run.step, simulation_.step()));
+    const double ratio = simulation_.balance_error_ratio();
+    if (!(ratio <= 1.0)) lines.push_back(tasks::unreliable_text(ratio, data().run.step, simulation_.step()));
     const engine::ThreadShortage threads = engine::thread_shortage();
     if (threads.requested > 0)
         lines.push_back("threads: available " + std::to_string(threads.had) + " of " + std::to_string(threads.requested));
     return lines;
-}
-
-Energy Simulation::Impl::energy() const noexcept {
-    const tasks::EnergyBalance balance = simulation_.energy().balance();
-    const double balance_error_ratio = simulation_.balance_error_ratio();
-    return {balance.residual(), balance.loss, balance_error_ratio, balance_error_ratio <= 1.0};
 }
 
 namespace {
@@ -236,11 +246,6 @@ InputInfo input_info(Input input) {
     });
 }
 
-void Simulation::Impl::hold(const model::HeldInputs& held) {
-    simulation_.hold(held);
-    observation_ = nullptr;
-}
-
 void Simulation::Impl::set_input(Input input, double value) {
     const Scope scope(*this, Scope::As::visitor);
     const InputRow& row = input_row(input, data());
@@ -255,7 +260,8 @@ void Simulation::Impl::set_input(Input input, double value) {
         reference.since = now;
     }
     if (!row.is_angle()) held.*row.held = value;
-    hold(held);
+    simulation_.hold(held);
+    channels_.changed();
     simulation_.inputs_changed();
 }
 

@@ -13,6 +13,114 @@
 #include "tasks/schedule/schedule.hpp"
 
 namespace cvtflow {
+namespace api {
+
+namespace {
+
+/// nullptr: none.
+template <class Function>
+[[nodiscard]] std::shared_ptr<const Function> shared(Function&& function) {
+    return function ? std::make_shared<const Function>(std::move(function)) : nullptr;
+}
+
+/// Number of the first output after now [s].
+[[nodiscard]] long next_output(double now, double interval) { return static_cast<long>(std::floor(now / interval + 1e-9)) + 1; }
+
+}  // namespace
+
+ChannelReader::ChannelReader(const tasks::Simulation& simulation, const tasks::Scene& scene)
+    : simulation_(simulation), followed_pin_(scene.run.followed_pin), observer_(simulation.variator()) {
+    for (const tasks::Channel& row : tasks::channels()) {
+        if (!row.is(tasks::Channel::any_machine) && scene.parameters.detail.pulleys == model::PulleyDetail::absent) continue;
+        rows_.push_back(&row);
+        values_.emplace_back(static_cast<std::size_t>(row.width(simulation.variator().chain())));
+    }
+}
+
+const tasks::Channel& ChannelReader::row(std::size_t index) const {
+    if (index < rows_.size()) return *rows_[index];
+    throw Error(ErrorCode::argument, "channel: number " + std::to_string(index) + " of " + std::to_string(rows_.size()));
+}
+
+std::size_t ChannelReader::find(std::string_view name) const {
+    for (std::size_t index = 0; index < rows_.size(); ++index) {
+        if (rows_[index]->name == name) return index;
+    }
+    std::vector<std::string> names;
+    for (const tasks::Channel* row : rows_) names.emplace_back(row->name);
+    throw Error(ErrorCode::argument,
+                "channel: there is no '" + std::string(name) + "'" + engine::did_you_mean(engine::closest(name, names)));
+}
+
+std::span<const double> ChannelReader::read(std::size_t index) {
+    const tasks::Channel& channel = row(index);
+    const tasks::Workspace& workspace = simulation_.workspace();
+    const tasks::Counters& counters = simulation_.counters_of_part();
+    const bool chain = channel.needs_chain(counters);
+    if (observation_ == nullptr || (chain && !chain_observed_)) {
+        observation_ =
+            &(chain ? workspace.observed_by(observer_, simulation_.time()) : workspace.shafts_observed_by(observer_, simulation_.time()));
+        chain_observed_ = chain;
+    }
+    channel.read({*observation_, workspace, counters, followed_pin_, observer_}, values_[index].data());
+    return values_[index];
+}
+
+void HostCallbacks::on_output(double now, double interval, std::function<void(Simulation&)> callback) {
+    if (callback && !(interval > 0.0 && std::isfinite(interval)))
+        throw Error(ErrorCode::argument, "on_output: the interval must be positive");
+    output_ = shared(std::move(callback));
+    interval_ = interval;
+    if (output_) outputs_ = next_output(now, interval_);
+}
+
+void HostCallbacks::on_transition(std::function<void(Simulation&, const Transition&)> callback) {
+    transition_ = shared(std::move(callback));
+}
+
+void HostCallbacks::restart(double now) {
+    transitions_.clear();
+    if (output_) outputs_ = next_output(now, interval_);
+}
+
+void HostCallbacks::note(const tasks::TransitionRecord& record) {
+    if (!transition_) return;
+    transitions_.push_back({record.time, record.pin, record.tip, static_cast<int>(record.from), static_cast<int>(record.to)});
+}
+
+double HostCallbacks::next_stop(double now, double until) const noexcept {
+    double stop = until;
+    if (output_) stop = std::min(stop, static_cast<double>(outputs_) * interval_);
+    if (transition_) stop = std::min(stop, now + scene_interval_);
+    return stop;
+}
+
+/// The host's callbacks may replace themselves, so they are held while they are called.
+void HostCallbacks::deliver(Simulation& self, double now, const bool& abandoned, FloatingDefaults& defaults) {
+    happened_.clear();
+    std::swap(happened_, transitions_);
+    for (const Transition& transition : happened_) {
+        const auto callback = transition_;
+        if (!callback || abandoned) continue;
+        const FloatingDefaults::Outside outside(defaults);
+        (*callback)(self, transition);
+    }
+    now += 1e-9 * scene_interval_;
+    if (!output_ || abandoned || now < static_cast<double>(outputs_) * interval_) return;
+    outputs_ = static_cast<long>(std::floor(now / interval_)) + 1;
+    const auto callback = output_;
+    const FloatingDefaults::Outside outside(defaults);
+    (*callback)(self);
+}
+
+double step_length(const tasks::Simulation& simulation, const tasks::Scene& scene) {
+    const double interval = scene.run.output_interval;
+    if (scene.run.step.automatic()) return simulation.step() > 0.0 ? simulation.step() : simulation.automatic_step();
+    return interval / std::max(1.0, std::ceil(interval / scene.run.step * (1.0 - 1e-12)));
+}
+
+}  // namespace api
+
 inline namespace v0 {
 
 namespace {
@@ -41,10 +149,14 @@ constexpr int max_threads = 1024;
     return schedule;
 }
 
-/// nullptr: none.
-template <class Function>
-[[nodiscard]] std::shared_ptr<const Function> shared(Function&& function) {
-    return function ? std::make_shared<const Function>(std::move(function)) : nullptr;
+/// A step that would do, where the step is the likely reason of a fault.
+[[nodiscard]] std::string advice(const tasks::Simulation& simulation, tasks::FaultKind kind) {
+    using tasks::FaultKind;
+    if (kind != FaultKind::non_finite && kind != FaultKind::blow_up && kind != FaultKind::penetration && kind != FaultKind::left_sheave)
+        return "";
+    const double stable = simulation.largest_step().step;
+    if (!(stable > 0.0 && std::isfinite(stable))) return "";
+    return "; " + tasks::stable_text(simulation.method_name(), stable);
 }
 
 }  // namespace
@@ -55,14 +167,9 @@ Simulation::Impl::Impl(const Scene& scene, Threads threads, int segments, const 
       segments_(segments),
       schedule_(schedule_of(data(), threads, segments)),
       simulation_(data(), schedule_, nullptr, start == nullptr && data().state_file.empty() ? &scene_.data_->placed_start() : start),
-      observer_(simulation_.variator()),
-      start_differences_(simulation_.start_differences()) {
-    for (const tasks::Channel& row : tasks::channels()) {
-        if (!row.is(tasks::Channel::any_machine) && data().parameters.detail.pulleys == model::PulleyDetail::absent) continue;
-        channels_.push_back(&row);
-        values_.emplace_back(static_cast<std::size_t>(row.width(simulation_.variator().chain())));
-    }
-}
+      channels_(simulation_, data()),
+      callbacks_(data().run.output_interval),
+      start_differences_(simulation_.start_differences()) {}
 
 Simulation::Impl::Scope::Scope(Impl& impl, As as) : impl_(impl), entered_(impl.entry_.enter()) {
     if (entered_) return;
@@ -86,10 +193,6 @@ void Simulation::Impl::end(std::unique_ptr<Impl> impl) noexcept {
     }
 }
 
-void Simulation::Impl::require_owner() const {
-    if (abandoned_) throw Error(ErrorCode::cancelled, "the simulation was destroyed or moved by its own callback");
-}
-
 /// A process that was forked off after the first threaded step has the memory but not the threads.
 void Simulation::Impl::require_own_process() {
     if (schedule_.threads == 1) return;
@@ -101,50 +204,9 @@ void Simulation::Impl::require_own_process() {
     }
 }
 
-double Simulation::Impl::next_stop(double until) const {
-    double stop = until;
-    if (output_callback_) stop = std::min(stop, static_cast<double>(outputs_) * output_interval_);
-    if (transition_callback_) stop = std::min(stop, simulation_.time() + data().run.output_interval);
-    return stop;
-}
-
 void Simulation::Impl::transition(const tasks::TransitionRecord& record) {
     if (recorder_ != nullptr) recorder_->transition(record);
-    if (!transition_callback_) return;
-    transitions_.push_back({record.time, record.pin, record.tip, static_cast<int>(record.from), static_cast<int>(record.to)});
-}
-
-/// Calls back what has come due, in the host's floating-point environment. The host's callbacks may replace themselves, so they are held
-/// while they are called.
-void Simulation::Impl::deliver(Simulation& self, api::FloatingDefaults& defaults) {
-    happened_.clear();
-    std::swap(happened_, transitions_);
-    for (const Transition& transition : happened_) {
-        const auto callback = transition_callback_;
-        if (!callback || abandoned_) continue;
-        const api::FloatingDefaults::Outside outside(defaults);
-        (*callback)(self, transition);
-    }
-    const double now = simulation_.time() + 1e-9 * data().run.output_interval;
-    if (!output_callback_ || abandoned_ || now < static_cast<double>(outputs_) * output_interval_) return;
-    outputs_ = static_cast<long>(std::floor(now / output_interval_)) + 1;
-    const auto callback = output_callback_;
-    const api::FloatingDefaults::Outside outside(defaults);
-    (*callback)(self);
-}
-
-/// A step that would do, where the step is the likely reason of a fault.
-std::string Simulation::Impl::advice(tasks::FaultKind kind) const {
-    using tasks::FaultKind;
-    if (kind != FaultKind::non_finite && kind != FaultKind::blow_up && kind != FaultKind::penetration && kind != FaultKind::left_sheave)
-        return "";
-    const double stable = simulation_.largest_step().step;
-    if (!(stable > 0.0 && std::isfinite(stable))) return "";
-    return "; " + tasks::stable_text(simulation_.method_name(), stable);
-}
-
-double Simulation::Impl::earliest_stop() const noexcept {
-    return std::min(last_stop_, simulation_.time() - step_length()) - 1e-9 * data().run.output_interval;
+    callbacks_.note(record);
 }
 
 void Simulation::Impl::advance(Simulation& self, double until, long steps) {
@@ -153,24 +215,25 @@ void Simulation::Impl::advance(Simulation& self, double until, long steps) {
     const Scope scope(*this, Scope::As::stepper);
     abandoned_ = false;
     // A step may end after the requested time; requesting the same time again is allowed.
-    if (until < simulation_.time() && until < earliest_stop()) {
-        throw Error(ErrorCode::argument, "time: " + tasks::number_text(until) + " s is before " + tasks::number_text(simulation_.time()) +
+    const double now = simulation_.time(), tolerance = 1e-9 * data().run.output_interval;
+    if (until < now && until < std::min(last_stop_, now - api::step_length(simulation_, data())) - tolerance) {
+        throw Error(ErrorCode::argument, "time: " + tasks::number_text(until) + " s is before " + tasks::number_text(now) +
                                              " s, the present time; to go back, set a state");
     }
     require_own_process();
     last_stop_ = steps > 0 ? std::numeric_limits<double>::infinity() : until;
-    const double enough = until - 1e-9 * data().run.output_interval;
-    while (simulation_.time() < enough) {
+    while (simulation_.time() < until - tolerance) {
         if (cancel_.withdraw()) throw Error(ErrorCode::cancelled, "cancelled");
         const long steps_before = simulation_.counters_of_part().steps;
-        observation_ = nullptr;
-        const tasks::Fault fault = api::translated(
-            ErrorCode::internal, [&] { return simulation_.advance({.until = next_stop(until), .steps = steps}, *this, cancel_); });
-        deliver(self, defaults);
-        require_owner();
+        channels_.changed();
+        const tasks::Fault fault = api::translated(ErrorCode::internal, [&] {
+            return simulation_.advance({.until = callbacks_.next_stop(simulation_.time(), until), .steps = steps}, *this, cancel_);
+        });
+        callbacks_.deliver(self, simulation_.time(), abandoned_, defaults);
+        if (abandoned_) throw Error(ErrorCode::cancelled, "the simulation was destroyed or moved by its own callback");
         if (fault.kind == tasks::FaultKind::cancelled) cancel_.withdraw();
         if (steps > 0 && (simulation_.counters_of_part().steps != steps_before || !fault)) return;
-        if (fault) throw Error(api::code_of(fault.kind), fault.message() + advice(fault.kind));
+        if (fault) throw Error(api::code_of(fault.kind), fault.message() + advice(simulation_, fault.kind));
     }
 }
 
@@ -184,19 +247,15 @@ std::unique_ptr<Simulation::Impl> Simulation::Impl::copy() {
     return other;
 }
 
-std::vector<std::byte> Simulation::Impl::state_bytes() const {
-    return api::write_state_bytes(scene_.data_->fingerprint(), simulation_.variator().pulleys().held(), simulation_.integration_state());
-}
-
 void Simulation::Impl::restore(StateRecord record) {
     const Scope scope(*this, Scope::As::stepper);
     if (record.fingerprint != scene_.data_->fingerprint())
         throw Error(ErrorCode::state, "saved state: it belongs to another scene, method or step");
     api::translated(ErrorCode::state, [&] { simulation_.restore(std::move(record.integration)); });
-    hold(record.held);
+    simulation_.hold(record.held);
+    channels_.changed();
     last_stop_ = std::numeric_limits<double>::infinity();
-    transitions_.clear();
-    if (output_callback_) outputs_ = static_cast<long>(std::floor(simulation_.time() / output_interval_ + 1e-9)) + 1;
+    callbacks_.restart(simulation_.time());
 }
 
 void Simulation::Impl::rhs(double t, std::span<const double> x, std::span<double> out) {
@@ -208,65 +267,6 @@ void Simulation::Impl::rhs(double t, std::span<const double> x, std::span<double
     const Scope scope(*this, Scope::As::visitor);
     if (!slope_) slope_.emplace(simulation_.variator(), simulation_.workspace().rule);
     (*slope_)(t, x.data(), out.data());
-}
-
-const tasks::Channel& Simulation::Impl::channel_row(std::size_t index) const {
-    if (index < channels_.size()) return *channels_[index];
-    throw Error(ErrorCode::argument, "channel: number " + std::to_string(index) + " of " + std::to_string(channels_.size()));
-}
-
-std::size_t Simulation::Impl::find_channel(std::string_view name) const {
-    for (std::size_t index = 0; index < channels_.size(); ++index) {
-        if (channels_[index]->name == name) return index;
-    }
-    std::vector<std::string> names;
-    for (const tasks::Channel* row : channels_) names.emplace_back(row->name);
-    throw Error(ErrorCode::argument,
-                "channel: there is no '" + std::string(name) + "'" + engine::did_you_mean(engine::closest(name, names)));
-}
-
-std::span<const double> Simulation::Impl::channel(std::size_t index) {
-    const Scope scope(*this, Scope::As::visitor);
-    const tasks::Channel& row = channel_row(index);
-    const tasks::Workspace& workspace = simulation_.workspace();
-    const tasks::Counters& counters = simulation_.counters_of_part();
-    const bool chain = row.needs_chain(counters);
-    if (observation_ == nullptr || (chain && !chain_observed_)) {
-        observation_ =
-            &(chain ? workspace.observed_by(observer_, simulation_.time()) : workspace.shafts_observed_by(observer_, simulation_.time()));
-        chain_observed_ = chain;
-    }
-    row.read({*observation_, workspace, counters, data().run.followed_pin, observer_}, values_[index].data());
-    return values_[index];
-}
-
-void Simulation::Impl::on_transition(std::function<void(Simulation&, const Transition&)> callback) {
-    transition_callback_ = shared(std::move(callback));
-}
-
-void Simulation::Impl::on_output(double interval, std::function<void(Simulation&)> callback) {
-    const Scope scope(*this, Scope::As::visitor);
-    if (callback && !(interval > 0.0 && std::isfinite(interval)))
-        throw Error(ErrorCode::argument, "on_output: the interval must be positive");
-    output_callback_ = shared(std::move(callback));
-    output_interval_ = interval;
-    if (output_callback_) outputs_ = static_cast<long>(std::floor(simulation_.time() / interval + 1e-9)) + 1;
-}
-
-double Simulation::Impl::largest_stable_step() {
-    const Scope scope(*this, Scope::As::visitor);
-    return simulation_.largest_step().step;
-}
-
-double Simulation::Impl::step_length() const noexcept {
-    const double interval = data().run.output_interval;
-    if (data().run.step.automatic()) return simulation_.step() > 0.0 ? simulation_.step() : simulation_.automatic_step();
-    return interval / std::max(1.0, std::ceil(interval / data().run.step * (1.0 - 1e-12)));
-}
-
-Counters Simulation::Impl::counters() const noexcept {
-    const tasks::Counters& so_far = simulation_.counters_of_part();
-    return {so_far.steps, so_far.evaluations, so_far.detected, so_far.truncated, so_far.suppressed};
 }
 
 }  // namespace v0

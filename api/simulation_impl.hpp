@@ -16,6 +16,66 @@
 #include "tasks/step/integration_state.hpp"
 
 namespace cvtflow {
+
+namespace api {
+
+/// The channels that a simulation's machine has, and their present values.
+class ChannelReader {
+public:
+    /// The simulation must outlive this.
+    ChannelReader(const tasks::Simulation& simulation, const tasks::Scene& scene);
+
+    [[nodiscard]] std::size_t size() const noexcept { return rows_.size(); }
+    /// @throws Error (argument)
+    [[nodiscard]] const tasks::Channel& row(std::size_t index) const;
+    [[nodiscard]] std::size_t find(std::string_view name) const;    ///< @throws Error (argument)
+    [[nodiscard]] std::span<const double> read(std::size_t index);  ///< @throws Error (argument)
+    /// After every change of the simulation.
+    void changed() noexcept { observation_ = nullptr; }
+
+private:
+    const tasks::Simulation& simulation_;
+    const int followed_pin_;
+    model::Observer observer_;
+    const model::Observation* observation_ = nullptr;  ///< of the present state; nullptr: not made yet
+    bool chain_observed_ = false;                      ///< it is not of the shafts alone
+    std::vector<const tasks::Channel*> rows_;
+    std::vector<std::vector<double>> values_;  ///< [channel][width]
+};
+
+/// Functions of the host that a simulation calls at outputs and transitions.
+class HostCallbacks {
+public:
+    /// @param interval between outputs of the scene [s]
+    explicit HostCallbacks(double interval) : scene_interval_(interval) {}
+
+    /// Times are present ones. An empty function removes the one before. now, interval [s]
+    void on_output(double now, double interval, std::function<void(Simulation&)> callback);
+    void on_transition(std::function<void(Simulation&, const Transition&)> callback);
+    /// The simulation has another state. now [s]
+    void restart(double now);
+    void note(const tasks::TransitionRecord& record);
+    /// Time at which something may be due, at most `until`. now, until [s]
+    [[nodiscard]] double next_stop(double now, double until) const noexcept;
+    /// Calls back what has come due, in the host's floating-point environment. @param now [s]   @param abandoned  set by a callback, ends
+    /// it
+    void deliver(Simulation& self, double now, const bool& abandoned, FloatingDefaults& defaults);
+
+private:
+    const double scene_interval_;                                     ///< [s]
+    std::shared_ptr<const std::function<void(Simulation&)>> output_;  ///< shared: a callback may replace itself
+    double interval_ = 0.0;                                           ///< [s]
+    long outputs_ = 0;                                                ///< the next one is due at outputs_ * interval_
+    std::shared_ptr<const std::function<void(Simulation&, const Transition&)>> transition_;
+    std::vector<Transition> transitions_;  ///< not delivered yet
+    std::vector<Transition> happened_;     ///< being delivered
+};
+
+/// Length of a step without transitions [s].
+[[nodiscard]] double step_length(const tasks::Simulation& simulation, const tasks::Scene& scene);
+
+}  // namespace api
+
 inline namespace v0 {
 
 class Simulation::Impl final : private tasks::RunObserver {
@@ -46,28 +106,19 @@ public:
     [[nodiscard]] std::unique_ptr<Impl> copy();
     void advance(Simulation& self, double until, long steps);  ///< until [s]
     void cancel() noexcept { cancel_.request(); }
-    [[nodiscard]] std::vector<std::byte> state_bytes() const;
     void restore(StateRecord record);
     void set_input(Input input, double value);  ///< value [unit of the input]
     [[nodiscard]] double input(Input input) const;
     void rhs(double t, std::span<const double> x, std::span<double> out);  ///< t [s], x [unknowns], out [unknowns, per second]
-    [[nodiscard]] std::span<const double> channel(std::size_t index);
-    [[nodiscard]] const tasks::Channel& channel_row(std::size_t index) const;
-    [[nodiscard]] std::size_t find_channel(std::string_view name) const;
-    void on_output(double interval, std::function<void(Simulation&)> callback);  ///< interval [s]
-    void on_transition(std::function<void(Simulation&, const Transition&)> callback);
     [[nodiscard]] std::vector<std::string> notices() const;
-    [[nodiscard]] Energy energy() const noexcept;
-    [[nodiscard]] double largest_stable_step();
+    [[nodiscard]] api::ChannelReader& channels() noexcept { return channels_; }
+    [[nodiscard]] api::HostCallbacks& callbacks() noexcept { return callbacks_; }
 
     /// Observer of outputs and transitions; nullptr: none.
     [[nodiscard]] tasks::RunObserver*& recorder() noexcept { return recorder_; }
 
     [[nodiscard]] const Scene& scene() const noexcept { return scene_; }
     [[nodiscard]] const tasks::Simulation& simulation() const noexcept { return simulation_; }
-    [[nodiscard]] std::size_t channels() const noexcept { return channels_.size(); }
-    [[nodiscard]] double step_length() const noexcept;
-    [[nodiscard]] Counters counters() const noexcept;
 
 private:
     void output(double time, const tasks::Workspace& workspace, const tasks::Counters& counters) override {
@@ -76,12 +127,6 @@ private:
     void transition(const tasks::TransitionRecord& record) override;
     [[nodiscard]] const tasks::Scene& data() const noexcept { return scene_.data_->scene; }
     void require_own_process();
-    [[nodiscard]] double next_stop(double until) const;   ///< until [s]
-    [[nodiscard]] double earliest_stop() const noexcept;  ///< that advance() accepts [s]
-    void require_owner() const;
-    void deliver(Simulation& self, api::FloatingDefaults& defaults);
-    [[nodiscard]] std::string advice(tasks::FaultKind kind) const;
-    void hold(const model::HeldInputs& held);
 
     Scene scene_;
     Threads threads_;
@@ -89,12 +134,9 @@ private:
     tasks::Schedule schedule_;
     tasks::Simulation simulation_;
     std::optional<tasks::PlainSlope> slope_;  ///< of rhs(), from its first call on
-    model::Observer observer_;
-    const model::Observation* observation_ = nullptr;  ///< of the present state; nullptr: not made yet
-    bool chain_observed_ = false;                      ///< it is not of the shafts alone
+    api::ChannelReader channels_;
+    api::HostCallbacks callbacks_;
     std::vector<std::string> start_differences_;  ///< tasks::Simulation::start_differences() at the start of this one or what it copies
-    std::vector<const tasks::Channel*> channels_;
-    std::vector<std::vector<double>> values_;  ///< [channel][width]
     engine::ReentryGuard entry_;
     engine::Cancellation cancel_;
     bool abandoned_ = false;  ///< the object that calls back was destroyed or moved by its callback
@@ -102,12 +144,6 @@ private:
     double last_stop_ =
         std::numeric_limits<double>::infinity();  ///< of the last advance(); infinity: it took one step, or there was none [s]
     long process_ = 0;                            ///< in which it first ran on threads; 0: it has not
-    std::shared_ptr<const std::function<void(Simulation&)>> output_callback_;  ///< shared: a callback may replace itself
-    double output_interval_ = 0.0;                                             ///< [s]
-    long outputs_ = 0;                                                         ///< the next one is due at outputs_ * output_interval_
-    std::shared_ptr<const std::function<void(Simulation&, const Transition&)>> transition_callback_;
-    std::vector<Transition> transitions_;  ///< not delivered yet
-    std::vector<Transition> happened_;     ///< being delivered
     tasks::RunObserver* recorder_ = nullptr;
 };
 
