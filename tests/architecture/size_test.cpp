@@ -31,7 +31,6 @@ const std::map<std::string, int> large_classes{
     {"bench/method/implicit/trapezoidal.hpp: TrapezoidalMethod", 32},
     {"bench/method/linear/cyclic_border.hpp: CyclicBorder", 24},
     {"tasks/run/simulation.hpp: Simulation", 48},
-    {"tests/engine/executor/interleaving_fixture.hpp: Interleavings", 32},
 };
 
 TEST(Size, FilesAreShort) {

@@ -34,7 +34,7 @@ BoardCase turns() {
 
 BoardScenario::BoardScenario(const BoardCase& what)
     : run_(what.graph, this, *this, nullptr), what_(what), left_(what.cycles.size() - 1), epochs_(what.before.size()) {
-    for (std::size_t cell = 0; cell <= what.before.size(); ++cell) static_cast<void>(Interleavings::now().add_cell());
+    for (std::size_t cell = 0; cell <= what.before.size(); ++cell) static_cast<void>(Interleavings::memory().add_cell());
 }
 
 std::string BoardScenario::fault() {
@@ -44,10 +44,10 @@ std::string BoardScenario::fault() {
 
 int BoardScenario::next() noexcept {
     for (const int task : what_.graph.topological(cycle())) {
-        Interleavings::now().touch(task, false);
+        Interleavings::memory().touch(task, false);
         if (epochs_[static_cast<std::size_t>(task)] != epoch_) wrong_ = "the controller was asked before all tasks had run:";
     }
-    Interleavings::now().touch(controller(), true);
+    Interleavings::memory().touch(controller(), true);
     if (over_) wrong_ = "the controller was asked after it had said stop:";
     over_ = left_ == 0;
     if (over_) return stop;
@@ -56,13 +56,13 @@ int BoardScenario::next() noexcept {
 }
 
 void BoardScenario::run_task(int task) noexcept {
-    Interleavings::now().touch(controller(), false);
+    Interleavings::memory().touch(controller(), false);
     if (what_.graph.task(task).cycle != cycle()) wrong_ = "a task of another cycle ran:";
     for (const int before : what_.before[static_cast<std::size_t>(task)]) {
-        Interleavings::now().touch(before, false);
+        Interleavings::memory().touch(before, false);
         if (epochs_[static_cast<std::size_t>(before)] != epoch_) wrong_ = "a task ran before its predecessor:";
     }
-    Interleavings::now().touch(task, true);
+    Interleavings::memory().touch(task, true);
     long& epoch = epochs_[static_cast<std::size_t>(task)];
     if (epoch == epoch_) wrong_ = "a task ran twice:";
     epoch = epoch_;

@@ -16,6 +16,15 @@ std::string place_of(const Place& where) {
     return name.substr(name.find_last_of(": ") + 1) + ":" + std::to_string(where.line);
 }
 
+std::uint64_t atomics_of(const Pending& pending) {
+    return pending.kind == Pending::Kind::rest ? pending.seen : std::uint64_t{1} << pending.atomic;
+}
+
+bool independent(const Pending& a, const Pending& b) {
+    const bool modifies = a.kind == Pending::Kind::modify || b.kind == Pending::Kind::modify;
+    return !modifies || (atomics_of(a) & atomics_of(b)) == 0;
+}
+
 }  // namespace
 
 Interleavings::Interleavings(const Options& options, const Make& make) : options_(options), make_(make) {
@@ -37,8 +46,7 @@ Interleavings::Outcome Interleavings::explore(const Options& options, const Make
 void Interleavings::run_one() {
     depth_ = 0, operations_ = 0, asleep_ = 0, running_ = no_worker;
     left_ = pruned_ = false;
-    stores_.clear();
-    cells_.clear();
+    memory_.clear();
     deeds_.clear();
     scenario_ = make_();
     for (int worker = 0; worker < options_.workers; ++worker) begin(worker);
@@ -55,9 +63,7 @@ void Interleavings::run_one() {
 /// Runs a worker up to its first operation.
 void Interleavings::begin(int worker) {
     Worker& own = workers_[static_cast<std::size_t>(worker)];
-    own.clock.fill(0), own.view.fill(0), own.seen.fill(0);
-    own.clock[static_cast<std::size_t>(worker)] = 1;
-    own.read = 0, own.absences = 0;
+    own.absences = 0;
     getcontext(&own.context);
     own.context.uc_stack.ss_sp = own.stack.data();
     own.context.uc_stack.ss_size = own.stack.size();
@@ -91,28 +97,6 @@ void Interleavings::leave(const char* fault) {
     swapcontext(&self().context, &main_);
 }
 
-bool Interleavings::enabled(int worker) const {
-    const Worker& of = workers_[static_cast<std::size_t>(worker)];
-    switch (of.pending.kind) {
-        case Pending::Kind::ended: return false;
-        case Pending::Kind::change: return stores_[static_cast<std::size_t>(of.pending.atomic)].back().value != of.pending.old;
-        case Pending::Kind::rest:
-            for (int atomic = 0; atomic < static_cast<int>(stores_.size()); ++atomic) {
-                if ((of.pending.seen & bit(atomic)) != 0 && newest(atomic) > of.seen[static_cast<std::size_t>(atomic)]) return true;
-            }
-            return false;
-        case Pending::Kind::load:
-        case Pending::Kind::modify: break;
-    }
-    return true;
-}
-
-bool Interleavings::independent(const Pending& a, const Pending& b) const {
-    const auto reads = [](const Pending& of) { return of.kind == Pending::Kind::rest ? of.seen : bit(of.atomic); };
-    const bool modifies = a.kind == Pending::Kind::modify || b.kind == Pending::Kind::modify;
-    return !modifies || (reads(a) & reads(b)) == 0;
-}
-
 int Interleavings::pick(int possibilities) {
     if (possibilities == 1) return 0;
     if (depth_ == choices_.size()) {
@@ -136,7 +120,7 @@ int Interleavings::choose_worker() {
         Choice choice{true, {}, 0, asleep_};
         bool any = false;
         for (int worker = 0; worker < options_.workers; ++worker) {
-            if (!enabled(worker)) continue;
+            if (!memory_.enabled(worker, workers_[static_cast<std::size_t>(worker)].pending)) continue;
             any = true;
             if ((asleep_ & 1U << worker) == 0) choice.options.push_back(worker);
         }

@@ -51,10 +51,78 @@ enum class Sabotage {
     torn,     ///< what reads and writes in one does so in two
 };
 
-class Interleavings {
+class Interleavings;
+
+/// Operation that a worker is before.
+struct Pending {
+    enum class Kind { load, modify, change, rest, ended } kind = Kind::load;
+    int atomic = -1;
+    std::uint64_t old = 0;
+    std::uint64_t seen = 0;  ///< rest: bits of the atomics that were read
+};
+
+/// Atomics and cells of an interleaving: what each worker may see, and what happened before what.
+class ModelMemory {
 public:
     static constexpr int max_workers = 4, max_atomics = 48;
 
+    explicit ModelMemory(Interleavings& machine) : machine_(machine) {}
+    /// Empty, for the next interleaving.
+    void clear();
+
+    // Operations of atomics. `order` determines visibility.
+    [[nodiscard]] int add_atomic(std::uint64_t value);
+    std::uint64_t load(int atomic, std::memory_order order, const Place& where);
+    void store(int atomic, std::uint64_t value, std::memory_order order, const Place& where);
+    std::uint64_t add(int atomic, std::uint64_t change, std::memory_order order, const Place& where);
+    bool swap(int atomic, std::uint64_t& expected, std::uint64_t value, std::memory_order order, const Place& where);
+    /// Waits until an atomic has another value.
+    std::uint64_t change(int atomic, std::uint64_t old, const Place& where);
+    /// Waits until something was stored that the worker's loads since its last rest have not seen; from then on they see it.
+    void rest();
+
+    // Plain data.
+    [[nodiscard]] int add_cell();
+    void touch(int cell, bool write);
+
+    /// Whether a worker need not wait any more.
+    [[nodiscard]] bool enabled(int worker, const Pending& pending) const;
+
+private:
+    using Clock = std::array<std::uint32_t, max_workers>;
+    using View = std::array<std::uint16_t, max_atomics>;  ///< [atomic] the oldest store that may be seen
+    struct Store {
+        std::uint64_t value = 0;
+        Clock clock{};  ///< handed to the acquiring worker
+        View view{};
+    };
+    struct Cell {
+        int writer = -1;
+        std::uint32_t written = 0;
+        Clock read{};
+    };
+    struct Sight {
+        Clock clock{};
+        View view{};
+        View seen{};  ///< newest store that was seen since the last rest
+        std::uint64_t read = 0;
+    };
+
+    [[nodiscard]] Sight& self();
+    [[nodiscard]] std::size_t newest(int atomic) const { return stores_[static_cast<std::size_t>(atomic)].size() - 1; }
+    std::uint64_t see(int atomic, std::size_t which, bool acquires);
+    void put(int atomic, std::uint64_t value, bool releases, bool continues);
+    void replace(int atomic, std::uint64_t value, std::memory_order order, Sabotage sabotage);
+    [[nodiscard]] std::size_t pick_store(int atomic, const std::function<bool(std::uint64_t)>& allowed);
+
+    Interleavings& machine_;
+    std::array<Sight, max_workers> sights_;
+    std::vector<std::vector<Store>> stores_;  ///< [atomic] in their order of modification
+    std::vector<Cell> cells_;
+};
+
+class Interleavings {
+public:
     struct Options {
         int workers = 2;
         long most = 5'000'000;  ///< interleavings; more are a fault
@@ -72,55 +140,30 @@ public:
 
     /// Runs all interleavings, up to the first fault: a race, a wrong result, workers that wait for ever.
     [[nodiscard]] static Outcome explore(const Options& options, const Make& make);
-    /// The exploration that is under way.
+    /// The exploration that is under way, and its memory.
     [[nodiscard]] static Interleavings& now() noexcept { return *now_; }
-
-    // Operations of atomics. `order` determines visibility.
-    [[nodiscard]] int add_atomic(std::uint64_t value);
-    std::uint64_t load(int atomic, std::memory_order order, const Place& where);
-    void store(int atomic, std::uint64_t value, std::memory_order order, const Place& where);
-    std::uint64_t add(int atomic, std::uint64_t change, std::memory_order order, const Place& where);
-    bool swap(int atomic, std::uint64_t& expected, std::uint64_t value, std::memory_order order, const Place& where);
-    /// Waits until an atomic has another value.
-    std::uint64_t change(int atomic, std::uint64_t old, const Place& where);
-    /// Waits until something was stored that the worker's loads since its last rest have not seen; from then on they see it.
-    void rest();
+    [[nodiscard]] static ModelMemory& memory() noexcept { return now_->memory_; }
 
     /// One of `possibilities`; all come in turn.
     [[nodiscard]] int pick(int possibilities);
     /// A worker that may go away once more does; asked for possibilities.
     [[nodiscard]] bool may_leave();
 
-    // Plain data.
-    [[nodiscard]] int add_cell();
-    void touch(int cell, bool write);
+    // For the memory: the running worker (negative: none, or one that begins) …
+    [[nodiscard]] int running() const noexcept { return running_; }
+    /// … is before an operation: others may go first.
+    void announce(Pending pending);
+    /// … carries it out. Returns what is done to it.
+    Sabotage met(const Place& where, Site::Kind kind, bool orders);
+    void note(const char* verb, int object, std::uint64_t value) { deeds_.push_back({running_, verb, object, value}); }
+    void leave(const char* fault);
+
+    static constexpr int no_worker = -1;
 
 private:
-    using Clock = std::array<std::uint32_t, max_workers>;
-    using View = std::array<std::uint16_t, max_atomics>;  ///< [atomic] the oldest store that may be seen
-    struct Store {
-        std::uint64_t value = 0;
-        Clock clock{};  ///< handed to the acquiring worker
-        View view{};
-    };
-    struct Cell {
-        int writer = -1;
-        std::uint32_t written = 0;
-        Clock read{};
-    };
-    struct Pending {
-        enum class Kind { load, modify, change, rest, ended } kind = Kind::load;
-        int atomic = -1;
-        std::uint64_t old = 0;
-        std::uint64_t seen = 0;  ///< rest: bits of the atomics that were read
-    };
     struct Worker {
         ucontext_t context{};
         std::vector<char> stack;
-        Clock clock{};
-        View view{};
-        View seen{};  ///< newest store that was seen since the last rest
-        std::uint64_t read = 0;
         Pending pending{};
         int absences = 0;
     };
@@ -148,26 +191,10 @@ private:
     void begin(int worker);
     static void entry(unsigned worker);
     [[nodiscard]] bool backtrack();
-    /// Notes an operation. Returns what is done to it.
-    Sabotage met(const Place& where, Site::Kind kind, bool orders);
-
-    void announce(Pending pending);
     void pass_on();
     [[nodiscard]] int choose_worker();
-    [[nodiscard]] bool enabled(int worker) const;
-    [[nodiscard]] bool independent(const Pending& a, const Pending& b) const;
-    void leave(const char* fault);
     [[nodiscard]] std::string story() const;
-
-    [[nodiscard]] static std::uint64_t bit(int atomic) { return std::uint64_t{1} << atomic; }
     [[nodiscard]] Worker& self() { return workers_[static_cast<std::size_t>(running_)]; }
-    [[nodiscard]] std::size_t newest(int atomic) const { return stores_[static_cast<std::size_t>(atomic)].size() - 1; }
-    std::uint64_t see(int atomic, std::size_t which, bool acquires);
-    void put(int atomic, std::uint64_t value, bool releases, bool continues);
-    void replace(int atomic, std::uint64_t value, std::memory_order order, Sabotage sabotage);
-    [[nodiscard]] std::size_t pick_store(int atomic, const std::function<bool(std::uint64_t)>& allowed);
-
-    static constexpr int no_worker = -1;
 
     static inline Interleavings* now_ = nullptr;
 
@@ -180,13 +207,12 @@ private:
     std::size_t depth_ = 0;
 
     ucontext_t main_{};
-    std::array<Worker, max_workers> workers_;
+    std::array<Worker, ModelMemory::max_workers> workers_;
+    ModelMemory memory_{*this};
     int running_ = no_worker;
     bool left_ = false, pruned_ = false;
     unsigned asleep_ = 0;
     long operations_ = 0;
-    std::vector<std::vector<Store>> stores_;  ///< [atomic] in their order of modification
-    std::vector<Cell> cells_;
     std::vector<Deed> deeds_;
 };
 
@@ -195,23 +221,23 @@ struct ModelMachine {
     template <class Value>
     class Atomic {
     public:
-        Atomic(Value value = {}) : id_(Interleavings::now().add_atomic(static_cast<std::uint64_t>(value))) {}
+        Atomic(Value value = {}) : id_(Interleavings::memory().add_atomic(static_cast<std::uint64_t>(value))) {}
         Value load(std::memory_order order, Place where = {__builtin_FUNCTION(), __builtin_LINE()}) const noexcept {
-            return static_cast<Value>(Interleavings::now().load(id_, order, where));
+            return static_cast<Value>(Interleavings::memory().load(id_, order, where));
         }
         void store(Value value, std::memory_order order, Place where = {__builtin_FUNCTION(), __builtin_LINE()}) noexcept {
-            Interleavings::now().store(id_, static_cast<std::uint64_t>(value), order, where);
+            Interleavings::memory().store(id_, static_cast<std::uint64_t>(value), order, where);
         }
         Value fetch_add(Value value, std::memory_order order, Place where = {__builtin_FUNCTION(), __builtin_LINE()}) noexcept {
-            return static_cast<Value>(Interleavings::now().add(id_, static_cast<std::uint64_t>(value), order, where));
+            return static_cast<Value>(Interleavings::memory().add(id_, static_cast<std::uint64_t>(value), order, where));
         }
         Value fetch_sub(Value value, std::memory_order order, Place where = {__builtin_FUNCTION(), __builtin_LINE()}) noexcept {
-            return static_cast<Value>(Interleavings::now().add(id_, ~static_cast<std::uint64_t>(value) + 1, order, where));
+            return static_cast<Value>(Interleavings::memory().add(id_, ~static_cast<std::uint64_t>(value) + 1, order, where));
         }
         bool compare_exchange_weak(Value& expected, Value value, std::memory_order order,
                                    Place where = {__builtin_FUNCTION(), __builtin_LINE()}) noexcept {
             auto seen = static_cast<std::uint64_t>(expected);
-            const bool swapped = Interleavings::now().swap(id_, seen, static_cast<std::uint64_t>(value), order, where);
+            const bool swapped = Interleavings::memory().swap(id_, seen, static_cast<std::uint64_t>(value), order, where);
             expected = static_cast<Value>(seen);
             return swapped;
         }
@@ -226,11 +252,11 @@ struct ModelMachine {
         explicit Waiter(const ExecutorOptions& /*options*/) {}
         template <class Value>
         Value change(const Atomic<Value>& word, Value old, Place where = {__builtin_FUNCTION(), __builtin_LINE()}) noexcept {
-            return static_cast<Value>(Interleavings::now().change(word.id(), static_cast<std::uint64_t>(old), where));
+            return static_cast<Value>(Interleavings::memory().change(word.id(), static_cast<std::uint64_t>(old), where));
         }
         template <class Ready>
         void until(const Ready& ready) noexcept {
-            while (!ready()) Interleavings::now().rest();
+            while (!ready()) Interleavings::memory().rest();
         }
     };
     /// Goes away whenever it may, and comes back at any moment or not before the run is over.
@@ -240,7 +266,7 @@ struct ModelMachine {
         template <class Over>
         void away(const Over& over) noexcept {
             if (Interleavings::now().pick(2) == 0) return;
-            while (!over()) Interleavings::now().rest();
+            while (!over()) Interleavings::memory().rest();
         }
         void returned() noexcept {}
     };
