@@ -53,7 +53,7 @@ Simulation Simulation::copy() const {
 
 const Scene& Simulation::scene() const noexcept { return impl_->scene(); }
 double Simulation::time() const noexcept { return impl_->simulation().time(); }
-const std::string& Simulation::method() const noexcept { return impl_->simulation().method_name(); }
+const std::string& Simulation::method() const noexcept { return impl_->simulation().method().name(); }
 double Simulation::step_length() const noexcept {
     const api::FloatingDefaults defaults;
     return api::step_length(impl_->simulation(), impl_->scene().data_->scene);
@@ -127,7 +127,7 @@ Energy Simulation::energy() const noexcept {
 double Simulation::largest_stable_step() {
     return entered(ErrorCode::internal, [&] {
         const Impl::Scope scope(*impl_, Impl::Scope::As::visitor);
-        return impl_->simulation().largest_step().step;
+        return largest_step(impl_->simulation()).step;
     });
 }
 

@@ -115,7 +115,7 @@ void HostCallbacks::deliver(Simulation& self, double now, const bool& abandoned,
 
 double step_length(const tasks::Simulation& simulation, const tasks::Scene& scene) {
     const double interval = scene.run.output_interval;
-    if (scene.run.step.automatic()) return simulation.step() > 0.0 ? simulation.step() : simulation.automatic_step();
+    if (scene.run.step.automatic()) return simulation.step() > 0.0 ? simulation.step() : automatic_step(simulation);
     return interval / std::max(1.0, std::ceil(interval / scene.run.step * (1.0 - 1e-12)));
 }
 
@@ -154,9 +154,9 @@ constexpr int max_threads = 1024;
     using tasks::FaultKind;
     if (kind != FaultKind::non_finite && kind != FaultKind::blow_up && kind != FaultKind::penetration && kind != FaultKind::left_sheave)
         return "";
-    const double stable = simulation.largest_step().step;
+    const double stable = largest_step(simulation).step;
     if (!(stable > 0.0 && std::isfinite(stable))) return "";
-    return "; " + tasks::stable_text(simulation.method_name(), stable);
+    return "; " + tasks::stable_text(simulation.method().name(), stable);
 }
 
 }  // namespace

@@ -257,7 +257,7 @@ CaseEngine::Pause CaseEngine::pause_for(double time, const Counters& counters) {
     const double window = seconds_since(window_begin_);
     const double rate = window > 0.0 ? static_cast<double>(counters.steps - window_steps_) / window : 0.0;
     const int threads = std::min(control_.threads_per_case(), max_segments(scene_.parameters));
-    const int now = simulation_ == serial_.get() ? 1 : simulation_->schedule().threads;
+    const int now = simulation_ == serial_.get() ? 1 : simulation_->runner().schedule().threads;
     if (now == 1 && window > trial_seconds) serial_rate_ = rate;
     if (now == 1 && threads > 1 && threads != refused_threads_ && serial_rate_ > 0.0 && left > worth_a_switch) return Pause::more_threads;
     const bool disappointing = now > 1 && window > trial_seconds && rate < required_gain * serial_rate_;

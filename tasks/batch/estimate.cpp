@@ -96,7 +96,7 @@ void judge_step(const Scene& scene, BatchEstimate& result) {
     try {
         const Simulation simulation(scene, Schedule{});
         if (simulation.needs_settling()) return;
-        const double stable = simulation.largest_step().step;
+        const double stable = largest_step(simulation).step;
         result.stable_step = result.stable_step > 0.0 ? std::min(result.stable_step, stable) : stable;
         result.beyond = std::max(result.beyond, scene.run.step / stable);
     } catch (const std::exception&) {

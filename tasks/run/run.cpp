@@ -94,12 +94,12 @@ void restore(const Checkpoint& from, Simulation& simulation, RunRecorder& record
 /// Warns at the start of a run if the step is beyond what is stable and accurate.
 void warn_if_unstable(const Scene& scene, const RunOptions& options, const Simulation& simulation, RunReport& report) {
     if (scene.run.step.automatic()) return;  // what chooses it knows the limit
-    report.stable_step = simulation.largest_step().step;
+    report.stable_step = largest_step(simulation).step;
     report.step = scene.run.step;
     if (!report.beyond_stability() || !options.notice) return;
     options.notice(
         fmt::format("run.step = {:.3g} s is beyond what {} takes here, stable and accurate ({:.3g} s): run.step = \"auto\" takes {:.3g} s",
-                    report.step, simulation.method_name(), report.stable_step, simulation.automatic_step()));
+                    report.step, simulation.method().name(), report.stable_step, automatic_step(simulation)));
 }
 
 /// A run that ended before its checkpoint would count as finished, and could not be resumed. @throws SimulationError
@@ -139,7 +139,7 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
     }
     RunRecorder recorder(scene, simulation, options);
     RunReport report;
-    report.method = simulation.method_name();
+    report.method = simulation.method().name();
     report.step_setting = scene.run.step;
     report.step_control = scene.run.step_control;
     report.tolerance = scene.run.tolerance;
@@ -162,7 +162,7 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
     report.trip = simulation.workspace().trip.sums(report.end);
     report.balance_error_ratio = simulation.balance_error_ratio(recorder.means().mark());
     report.settling_residual = simulation.integration_state().settling_residual;
-    report.method_report = simulation.method_report();
+    report.method_report = simulation.step_method().report();
     report.schedule = simulation.runner().text();
     report.hash = simulation.hash();
     recorder.finish(report);

@@ -72,29 +72,10 @@ Simulation::Simulation(const Scene& scene, const std::vector<Schedule>& candidat
     rest_at_start();
 }
 
-/// A state of another machine begins with a shock that no method resolves: the geometric start settles instead.
-void Simulation::begin_with(const engine::SavedState* saved, const model::StartState* placed) {
-    if (saved != nullptr) {
-        const double misfit = misfit_of(*saved);
-        if (misfit <= start_misfit_tolerance) return take_state(*saved);
-        const std::string unfit = unfit_text(misfit);
-        require_time_to_settle(scene_, unfit);
-        start_differences_.push_back(unfit + ": the run settles again");
-    }
-    if (placed != nullptr)
-        begin_at(*placed);
-    else
-        begin_at(model::start_state(scene_.parameters));
-}
-
-double Simulation::misfit_of(const engine::SavedState& saved) {
-    const std::uint64_t hash = content_hash(saved);
-    if (!checked_start_ || checked_start_->hash != hash) checked_start_ = {hash, start_misfit(saved, scene_)};
-    return checked_start_->misfit;
-}
+Simulation::~Simulation() = default;
 
 bool Simulation::fits(const Scene& scene) const {
-    return method_of(scene) == method_name() && model::layout_of(scene.parameters) == workspace_->layout();
+    return method_of(scene) == method().name() && model::layout_of(scene.parameters) == workspace_->layout();
 }
 
 void Simulation::reset(const Scene& scene, const engine::SavedState* saved, const model::StartState* placed) {
@@ -114,15 +95,6 @@ void Simulation::reset(const Scene& scene, const engine::SavedState* saved, cons
     rest_at_start();
 }
 
-void Simulation::begin_at(const model::StartState& start) {
-    std::copy(start.state.begin(), start.state.end(), workspace_->state_to_set());
-    workspace_->tips.phases = start.phases;
-    needs_settling_ = scene_.parameters.start.layout == model::StartLayout::belt && scene_.parameters.start.settling_time > 0.0;
-    time_ = needs_settling_ ? -scene_.parameters.start.settling_time : 0.0;
-}
-
-Simulation::~Simulation() = default;
-
 namespace {
 
 /// Rest of a budget that is used up: 0 would mean no budget [s].
@@ -137,39 +109,84 @@ constexpr std::size_t ledger_size = model::loss_kinds + model::work_kinds;
     return stick_slip ? model::Phase::free : model::Phase::touching;
 }
 
-}  // namespace
-
 /// Links and pulleys must fit; control and ledger, which a saved state may have or lack, continue, or begin at zero if they are new.
 /// Cylinders begin with the clamping forces that act here (couple).
-void Simulation::take_state(const engine::SavedState& saved) {
-    const model::ChainLayout& at = workspace_->layout();
+void take_state(Workspace& w, const Scene& scene, const engine::SavedState& saved, const std::vector<std::string>& differences) {
+    const model::ChainLayout& at = w.layout();
     const std::size_t mechanical = static_cast<std::size_t>(at.control_begin());
     const std::size_t behind_pulleys = saved.state.size() - std::min(saved.state.size(), mechanical);
     constexpr std::size_t oil = model::hydraulic_unknowns;
     const std::size_t first_order = behind_pulleys % ledger_size;  // of up to 2 controllers, 9 of hydraulics; 12 of a ledger
     const std::size_t integrals = first_order % oil;
     const bool fits = saved.state.size() >= mechanical && integrals <= 2 && behind_pulleys / ledger_size <= 1;
-    if (!fits || saved.phases.size() != workspace_->tips.phases.size()) {
-        std::string message = fmt::format("{}start.state: {} contains {} unknowns, this scene has {}", scene_.state_place,
-                                          scene_.state_file, saved.state.size(), at.size());
-        for (const std::string& line : start_differences_) message += "\n  " + line;
+    if (!fits || saved.phases.size() != w.tips.phases.size()) {
+        std::string message = fmt::format("{}start.state: {} contains {} unknowns, this scene has {}", scene.state_place, scene.state_file,
+                                          saved.state.size(), at.size());
+        for (const std::string& line : differences) message += "\n  " + line;
         throw SimulationError(message);
     }
     if (std::any_of(saved.phases.begin(), saved.phases.end(),
                     [](std::uint8_t phase) { return phase > static_cast<std::uint8_t>(model::Phase::slip); })) {
-        throw SimulationError(fmt::format("{}start.state: {} contains an invalid tip phase", scene_.state_place, scene_.state_file));
+        throw SimulationError(fmt::format("{}start.state: {} contains an invalid tip phase", scene.state_place, scene.state_file));
     }
     const auto behind = saved.state.begin() + static_cast<std::ptrdiff_t>(mechanical);
-    std::fill_n(std::copy(saved.state.begin(), behind, workspace_->state_to_set()), static_cast<std::size_t>(at.size()) - mechanical, 0.0);
+    std::fill_n(std::copy(saved.state.begin(), behind, w.state_to_set()), static_cast<std::size_t>(at.size()) - mechanical, 0.0);
     const std::size_t controllers = static_cast<std::size_t>(at.controls) % oil;
-    std::copy_n(behind, std::min(integrals, controllers), workspace_->state_to_set() + at.control_begin());
+    std::copy_n(behind, std::min(integrals, controllers), w.state_to_set() + at.control_begin());
     const auto ledger = behind + static_cast<std::ptrdiff_t>(first_order);
-    if (at.ledger) std::copy(ledger, saved.state.end(), workspace_->state_to_set() + at.ledger_begin());
-    const bool stick_slip = scene_.parameters.detail.stick_slip;
-    std::transform(saved.phases.begin(), saved.phases.end(), workspace_->tips.phases.begin(),
+    if (at.ledger) std::copy(ledger, saved.state.end(), w.state_to_set() + at.ledger_begin());
+    const bool stick_slip = scene.parameters.detail.stick_slip;
+    std::transform(saved.phases.begin(), saved.phases.end(), w.tips.phases.begin(),
                    [=](std::uint8_t phase) { return adopted(phase, stick_slip); });
-    rest_.settling_balance_error_ratio = balance_error_ratio_of(saved);
-    time_ = saved.time;  // inputs and the governor's angle continue from there
+}
+
+/// Couplings and hydraulics take over where a run begins: at t = 0 after settling, or at a start that needs none.
+/// @param couplings IntegrationState::couplings [none or 6]
+void couple(Workspace& w, double time, std::vector<double>& couplings) {
+    if (w.layout().pulley_size == 0) return;
+    double* const tail = w.state_to_set() + w.layout().pulley_begin();
+    w.variator.pulleys().fill_cylinders(time, tail);
+    w.variator.couple(time, tail);
+    for (const model::ReferenceAngle& from : w.variator.pulleys().held().reference)
+        couplings.insert(couplings.end(), {from.since, from.angle, from.zero});
+}
+
+/// @param numbers IntegrationState::couplings [none or 6]
+void restore_couplings(model::Variator& variator, std::span<const double> numbers) {
+    model::HeldInputs held = variator.pulleys().held();
+    held.coupled = !numbers.empty();
+    for (model::ReferenceAngle& reference : held.reference) {
+        reference = {};
+        if (!held.coupled) continue;
+        reference = {numbers[0], numbers[1], numbers[2]};
+        numbers = numbers.subspan(3);
+    }
+    variator.hold(held);
+}
+
+}  // namespace
+
+/// A state of another machine begins with a shock that no method resolves: the geometric start settles instead.
+void Simulation::begin_with(const engine::SavedState* saved, const model::StartState* placed) {
+    if (saved != nullptr) {
+        const std::uint64_t hash = content_hash(*saved);
+        if (!checked_start_ || checked_start_->hash != hash) checked_start_ = {hash, start_misfit(*saved, scene_)};
+        if (checked_start_->misfit <= start_misfit_tolerance) {
+            take_state(*workspace_, scene_, *saved, start_differences_);
+            rest_.settling_balance_error_ratio = balance_error_ratio_of(*saved);
+            time_ = saved->time;  // inputs and the governor's angle continue from there
+            return;
+        }
+        const std::string unfit = unfit_text(checked_start_->misfit);
+        require_time_to_settle(scene_, unfit);
+        start_differences_.push_back(unfit + ": the run settles again");
+    }
+    const model::StartState made = placed == nullptr ? model::start_state(scene_.parameters) : model::StartState{};
+    const model::StartState& start = placed == nullptr ? made : *placed;
+    std::copy(start.state.begin(), start.state.end(), workspace_->state_to_set());
+    workspace_->tips.phases = start.phases;
+    needs_settling_ = scene_.parameters.start.layout == model::StartLayout::belt && scene_.parameters.start.settling_time > 0.0;
+    time_ = needs_settling_ ? -scene_.parameters.start.settling_time : 0.0;
 }
 
 /// A run that ended by a goal, a pause or its caller continues with the same controller.
@@ -202,7 +219,7 @@ void Simulation::begin_part(const StepSettings& settings, RunObserver& observer,
 
 void Simulation::drop_controller() {
     static_cast<void>(integration_state());
-    controller_.reset();
+    forget_controller();
 }
 
 /// Its state is not saved.
@@ -218,16 +235,6 @@ const IntegrationState& Simulation::integration_state() const {
     }
     rest_known_ = true;
     return rest_;
-}
-
-double Simulation::automatic_step() const {
-    return AutoStep(workspace_->variator, scene_.parameters, method()).longest(time_, state(), phases().data());
-}
-
-LargestStep Simulation::largest_step() const {
-    AutoStep step(workspace_->variator, scene_.parameters, method());
-    (void)step.longest(time_, state(), phases().data());
-    return step.largest();
 }
 
 StepSettings Simulation::settings_of(const Goal& goal) const {
@@ -300,7 +307,8 @@ void Simulation::move_offset() {
 void Simulation::rest_at_start() {
     const Workspace& w = *workspace_;
     forget_controller();
-    couple();
+    rest_.couplings.clear();
+    if (!needs_settling_) couple(*workspace_, time_, rest_.couplings);
     if (!scene_.run.step.automatic())
         choice_.reset();
     else if (choice_ == nullptr)
@@ -341,7 +349,7 @@ void Simulation::restore(IntegrationState from) {
     w.phases_changed();
     integrator_->method().restart();
     w.energy.load(from.energy, integrator_->method().observation_stride());
-    restore_couplings(from.couplings);
+    restore_couplings(w.variator, from.couplings);
     w.heat.restart(scene_.parameters);
     if (!w.heat.load(from.heat)) throw SimulationError("the state contains malformed temperatures");
     w.warm();
@@ -349,30 +357,6 @@ void Simulation::restore(IntegrationState from) {
     needs_settling_ = rest_.settling;
     time_ = rest_.time;
     counters_ = rest_.counters;
-}
-
-/// Couplings and hydraulics take over where a run begins: at t = 0 after settling, or at a start that needs none.
-void Simulation::couple() {
-    rest_.couplings.clear();
-    Workspace& w = *workspace_;
-    if (needs_settling_ || w.layout().pulley_size == 0) return;
-    double* const tail = w.state_to_set() + w.layout().pulley_begin();
-    w.variator.pulleys().fill_cylinders(time_, tail);
-    w.variator.couple(time_, tail);
-    for (const model::ReferenceAngle& from : w.variator.pulleys().held().reference)
-        rest_.couplings.insert(rest_.couplings.end(), {from.since, from.angle, from.zero});
-}
-
-void Simulation::restore_couplings(std::span<const double> numbers) {
-    model::HeldInputs held = workspace_->variator.pulleys().held();
-    held.coupled = !numbers.empty();
-    for (model::ReferenceAngle& reference : held.reference) {
-        reference = {};
-        if (!held.coupled) continue;
-        reference = {numbers[0], numbers[1], numbers[2]};
-        numbers = numbers.subspan(3);
-    }
-    workspace_->variator.hold(held);
 }
 
 std::uint64_t Simulation::hash() const noexcept {
@@ -389,9 +373,21 @@ engine::SavedState Simulation::saved_state() const {
     for (const model::Phase phase : phases()) saved.phases.push_back(static_cast<std::uint8_t>(phase));
     const std::string text = write_scene(scene_);
     saved.fingerprint = engine::Hash().add(std::string_view(text)).hex();
-    saved.attributes = {{"scene", text}, {"method", method_name()}, {std::string(balance_error_ratio_attribute), balance_error_ratio()}};
+    saved.attributes = {{"scene", text}, {"method", method().name()}, {std::string(balance_error_ratio_attribute), balance_error_ratio()}};
     if (step_ > 0.0) saved.attributes.push_back({std::string(step_taken_attribute), step_});
     return saved;
+}
+
+double automatic_step(const Simulation& simulation) {
+    const Workspace& w = simulation.workspace();
+    return AutoStep(w.variator, w.parameters, simulation.method()).longest(simulation.time(), w.state(), w.tips.phases.data());
+}
+
+LargestStep largest_step(const Simulation& simulation) {
+    const Workspace& w = simulation.workspace();
+    AutoStep step(w.variator, w.parameters, simulation.method());
+    (void)step.longest(simulation.time(), w.state(), w.tips.phases.data());
+    return step.largest();
 }
 
 FrozenStart frozen_start(const Simulation& simulation) {

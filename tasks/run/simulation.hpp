@@ -86,10 +86,7 @@ public:
     /// @throws SimulationError if the numbers of unknowns or tips differ
     void restore(IntegrationState state);
 
-    /// At present.
-    [[nodiscard]] const Schedule& schedule() const noexcept { return runner().schedule(); }
-    [[nodiscard]] const engine::TaskGraph& graph() const noexcept { return runner().graph(); }
-    /// How schedules have come and gone.
+    /// Schedule and graph at present, and how schedules have come and gone.
     [[nodiscard]] const ScheduleRunner& runner() const noexcept { return integrator_->runner(); }
     [[nodiscard]] double time() const noexcept { return time_; }
     [[nodiscard]] const Workspace& workspace() const noexcept { return *workspace_; }
@@ -111,17 +108,10 @@ public:
     void keep_energies(bool on) noexcept { workspace_->energy.keep(on); }
     /// Choice of automatic steps, with its last estimate; nullptr: run.step is given.
     [[nodiscard]] const AutoStep* step_choice() const noexcept { return choice_.get(); }
-    /// The automatic step at the present state, independent of run.step [s].
-    [[nodiscard]] double automatic_step() const;
-    /// The largest step that is stable and accurate for the method at the present state. Takes a hundred evaluations.
-    [[nodiscard]] LargestStep largest_step() const;
     /// Likewise, if the scene asks for errors.
     [[nodiscard]] const LocalErrorStatistics& local_errors() const noexcept { return local_errors_; }
     /// The method of its steps: run.method, or what that is where it is "auto".
     [[nodiscard]] const Method& method() const noexcept { return integrator_->chosen_method(); }
-    [[nodiscard]] const std::string& method_name() const noexcept { return method().name(); }
-    /// Counters of the step method as text; may be empty.
-    [[nodiscard]] std::string method_report() const { return integrator_->method().report(); }
     [[nodiscard]] const StepMethod& step_method() const noexcept { return integrator_->method(); }
     /// Step in use in the last run [s].
     [[nodiscard]] double step() const noexcept { return step_; }
@@ -137,13 +127,8 @@ public:
     [[nodiscard]] engine::SavedState saved_state() const;
 
 private:
-    void take_state(const engine::SavedState& saved);
     void begin_with(const engine::SavedState* saved, const model::StartState* placed);
-    void begin_at(const model::StartState& start);
-    [[nodiscard]] double misfit_of(const engine::SavedState& saved);
     void rest_at_start();
-    void couple();
-    void restore_couplings(std::span<const double> numbers);  ///< IntegrationState::couplings [none or 6]
     void end_settling();
     [[nodiscard]] StepSettings settings_of(const Goal& goal) const;
     [[nodiscard]] Fault drive();
@@ -174,6 +159,10 @@ private:
     double paused_wall_ = 0.0;  ///< of the advances since the last that did not end in a pause [s]
 };
 
+/// The automatic step at the present state, independent of run.step [s].
+[[nodiscard]] double automatic_step(const Simulation& simulation);
+/// The largest step that is stable and accurate for the method at the present state. Takes a hundred evaluations.
+[[nodiscard]] LargestStep largest_step(const Simulation& simulation);
 /// The simulation's present state, with the phases that a run would begin with.
 [[nodiscard]] FrozenStart frozen_start(const Simulation& simulation);
 

@@ -243,7 +243,7 @@ std::unique_ptr<Simulation> PointMeasure::begin(const TuneChoice& choice, Scene&
     const engine::SavedState state = settled ? start(scene) : engine::SavedState{};
     if (settled) simulation->reset(geometric, &state);
     if (choice.share == 1.0) return simulation;
-    run.step = choice.share * simulation->automatic_step();
+    run.step = choice.share * automatic_step(*simulation);
     geometric.run.step = scene.run.step = AutoNumber(run.step);
     simulation->reset(geometric, settled ? &state : nullptr);
     return simulation;
@@ -283,7 +283,7 @@ PointRun PointMeasure::trial(const TuneChoice& choice, double duration) {
     const std::unique_ptr<Simulation> simulation = begin(choice, scene, true, run);
     Scene fixed = scene;  // estimates of the spectrum, frequent in the beginning, would count too much
     fixed.state_file.clear();
-    fixed.run.step = AutoNumber(run.step > 0.0 ? run.step : simulation->automatic_step());
+    fixed.run.step = AutoNumber(run.step > 0.0 ? run.step : automatic_step(*simulation));
     const engine::SavedState state = simulation->saved_state();
     simulation->reset(fixed, &state);
     SilentObserver silent;

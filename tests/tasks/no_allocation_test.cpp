@@ -45,7 +45,7 @@ public:
 
 /// Some steps of a scene from its start.
 void expect_no_allocation(Scene scene) {
-    scene.run.output_interval = 20.0 * scene.run.step.value_or(Simulation(scene).automatic_step());
+    scene.run.output_interval = 20.0 * scene.run.step.value_or(automatic_step(Simulation(scene)));
     const bool one_segment = scene.parameters.detail.pins == model::PinDetail::rigid;
     scene.run.segments = one_segment ? 1 : std::min(5, scene.parameters.chain.pins);
     scene.run.max_steps = 150;  // ends a settling run early

@@ -119,7 +119,7 @@ std::string cost_text(const tasks::Scene& scene) try {
     constexpr double trial = 0.1;  // [s]
     std::string untried;
     const double wall = tasks::step_wall(scene, trial, untried);
-    const double step = scene.run.step.value_or(tasks::Simulation(scene).automatic_step());
+    const double step = scene.run.step.value_or(automatic_step(tasks::Simulation(scene)));
     return wall > 0.0 ? fmt::format(", and this run takes about {} on one thread", duration_text(wall * tasks::latest_end(scene) / step))
                       : "";
 } catch (const std::exception&) {

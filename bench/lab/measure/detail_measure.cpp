@@ -183,7 +183,7 @@ void require_free_dials(const std::vector<std::string>& settings) {
 std::unique_ptr<tasks::Simulation> begin(tasks::Scene scene, double share) {
     auto simulation = std::make_unique<tasks::Simulation>(scene);
     if (share == 1.0) return simulation;
-    scene.run.step = tasks::AutoNumber(share * simulation->automatic_step());
+    scene.run.step = tasks::AutoNumber(share * automatic_step(*simulation));
     return std::make_unique<tasks::Simulation>(scene);
 }
 

@@ -131,7 +131,7 @@ void Confirmation::refine_reference() {
     const auto settings = [&](double step) {
         return std::vector<std::string>{"run.method=" + method, fmt::format("run.step={:.17g}", step), "run.step_control=fixed"};
     };
-    const double automatic = Simulation(with_outputs(scene_, settings_.interval, settings(1e-6)), Schedule{}).automatic_step();
+    const double automatic = automatic_step(Simulation(with_outputs(scene_, settings_.interval, settings(1e-6)), Schedule{}));
     settings_.reference = settings(0.5 * automatic);
     take_reference();
     Confirmed half;

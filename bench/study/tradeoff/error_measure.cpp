@@ -84,7 +84,7 @@ Trajectory observed(const Scene& scene, const MeasureSettings& settings, double 
     trajectory.simulated = simulation.time() - begin;
     trajectory.hash = simulation.hash();
     trajectory.watch = observer.watch.result(simulation.energy(), simulation.balance_error_ratio());
-    trajectory.schedule = simulation.schedule().text();
+    trajectory.schedule = simulation.runner().schedule().text();
     if (const auto* trapezoidal = dynamic_cast<const TrapezoidalMethod*>(&simulation.step_method()))
         trajectory.newton = trapezoidal->statistics();
     return trajectory;

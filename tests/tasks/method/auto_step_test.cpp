@@ -83,7 +83,7 @@ StepAtSpeed step_at(const std::string& level, const std::string& scene_name, std
     SilentObserver silent;
     const engine::Cancellation never;
     EXPECT_FALSE(simulation.advance({.until = 0.0}, silent, never));
-    return {simulation.automatic_step(), simulation.workspace().pin_period()};
+    return {automatic_step(simulation), simulation.workspace().pin_period()};
 }
 
 /// Friction that falls lets sliding grow, in every chain: at 5 us losses were 13 % too large, at 0.15 of the time in which sliding

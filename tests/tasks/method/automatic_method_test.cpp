@@ -57,7 +57,7 @@ TEST(AutomaticMethod, IsResolvedOnceWhenASimulationIsMade) {
     SilentObserver silent;
     Simulation automatic(claims::ready_scene("baseline", {"run.method=auto", "run.schedule=serial"}));
     Simulation named(claims::ready_scene("baseline", {"run.method=leapfrog-sweep", "run.schedule=serial"}));
-    EXPECT_EQ(automatic.method_name(), "leapfrog-sweep");
+    EXPECT_EQ(automatic.method().name(), "leapfrog-sweep");
     ASSERT_FALSE(automatic.advance({.until = 50e-6}, silent, unstopped));
     ASSERT_FALSE(named.advance({.until = 50e-6}, silent, unstopped));
     EXPECT_EQ(automatic.hash(), named.hash());

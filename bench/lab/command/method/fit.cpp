@@ -71,7 +71,7 @@ ExitStatus fit(const FitArguments& arguments) {
         throw tasks::SceneError(
             fmt::format("{}: the start is not settled, so its spectrum is meaningless (cvtflow settle)", loaded.scene.name));
     const tasks::FrozenStart start = tasks::frozen_start(simulation);
-    const double step = loaded.scene.run.step.value_or(tasks::longest_automatic_step(simulation.method_name(), loaded.scene.parameters));
+    const double step = loaded.scene.run.step.value_or(tasks::longest_automatic_step(simulation.method().name(), loaded.scene.parameters));
     fmt::print("{}: polynomial for steps of {}\n", loaded.scene.name, time_text(step));
     const FitExtent extent = arguments.eigenvalues ? extent_by_eigenvalues(simulation.variator(), start)
                                                    : extent_by_power_iteration(simulation.variator(), start);

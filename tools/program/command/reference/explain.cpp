@@ -51,11 +51,11 @@ struct ExplainArguments {
 std::string step_lines(const tasks::Scene& scene) {
     const tasks::Simulation simulation(scene);
     if (simulation.needs_settling()) return "  stable:   unknown until the scene has settled (cvtflow settle)\n";
-    const tasks::LargestStep limit = simulation.largest_step();
+    const tasks::LargestStep limit = largest_step(simulation);
     const std::string chosen = scene.run.step.automatic()
-                                   ? fmt::format("  auto:     {} at the start\n", time_text(simulation.automatic_step()))
+                                   ? fmt::format("  auto:     {} at the start\n", time_text(automatic_step(simulation)))
                                    : std::string(scene.run.step > limit.step ? "  warning:  run.step exceeds this limit\n" : "");
-    return fmt::format("  stable:   {} with {} up to {}\n{}", scene.name, simulation.method_name(), tasks::text_of(limit), chosen);
+    return fmt::format("  stable:   {} with {} up to {}\n{}", scene.name, simulation.method().name(), tasks::text_of(limit), chosen);
 }
 
 std::string scene_lines(const std::string& key, const tasks::Scene& scene) {

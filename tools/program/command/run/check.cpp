@@ -54,7 +54,7 @@ Estimate cost_lines(const tasks::Scene& scene, const tasks::Simulation& simulati
     const long settling = simulation.needs_settling() ? steps_over(scene.parameters.start.settling_time, run.output_interval, step) : 0;
     const std::string length = run.step.automatic() ? "auto, " + time_text(step) + " at the start" : time_text(step);
     std::string text = field("run", fmt::format("until {}{}, {} with step {}", run.until.automatic() ? "steady, at the latest about " : "",
-                                                time_text(until), simulation.method_name(), length));
+                                                time_text(until), simulation.method().name(), length));
     text += field("schedule", fmt::format("{}, {}", run.schedule,
                                           run.segments == 0 ? "segments chosen automatically" : plural(run.segments, "segment")));
     text += field("steps",
@@ -80,7 +80,7 @@ Estimate cost_lines(const tasks::Scene& scene, const tasks::Simulation& simulati
 /// The largest step at the start of the run; empty if the start has yet to settle.
 std::string largest_step_line(const tasks::Scene& scene, const tasks::Simulation& simulation) {
     if (simulation.needs_settling()) return "";
-    const tasks::LargestStep limit = simulation.largest_step();
+    const tasks::LargestStep limit = largest_step(simulation);
     return field("stable to", tasks::text_of(limit) + (scene.run.step.value_or(0.0) > limit.step ? "; run.step exceeds this limit" : ""));
 }
 
@@ -95,7 +95,7 @@ ExitStatus check(const SceneArguments& arguments) {
     text += field("size", size_line(simulation.variator().layout()));
     text += field("start", start_line(scene, simulation));
     for (const std::string& difference : simulation.start_differences()) text += field("", difference);
-    const double step = scene.run.step.value_or(simulation.automatic_step());
+    const double step = scene.run.step.value_or(automatic_step(simulation));
     const Estimate estimate = cost_lines(scene, simulation, step);
     fmt::print("{}{}{}{}", text, machine_lines(scene), estimate.text, largest_step_line(scene, simulation));
     if (estimate.objection.empty()) return ExitStatus::finished;
