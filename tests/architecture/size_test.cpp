@@ -29,7 +29,6 @@ const std::map<std::string, int> large_classes{
     {"api/include/cvtflow/simulation.hpp: Simulation", 27},
     {"bench/method/implicit/implicit_method.hpp: ImplicitMethod", 27},
     {"bench/method/implicit/trapezoidal.hpp: TrapezoidalMethod", 32},
-    {"bench/method/linear/cyclic_border.hpp: CyclicBorder", 24},
     {"tasks/run/simulation.hpp: Simulation", 37},
 };
 

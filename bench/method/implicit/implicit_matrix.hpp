@@ -45,7 +45,7 @@ public:
     /// f [velocities]
     void join_solution(const double* f) noexcept { system_.join_solution(f); }
     /// x [velocities]
-    void backward(int chunk, double* x) const noexcept { system_.backward(chunk, x); }
+    void backward(int chunk, double* x) noexcept { system_.backward(chunk, x); }
 
 private:
     void find_seen(const model::Variator& variator);

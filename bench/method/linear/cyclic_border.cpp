@@ -67,7 +67,7 @@ CyclicBorder::Block CyclicBorder::block(int number) noexcept {
     double* columns = given + size_ * size_;
     return {inner(chunk).right_lower(),
             given,
-            inner(next(chunk)).left_upper(),
+            inner(chunk + 1 == chunks() ? 0 : chunk + 1).left_upper(),
             columns,
             columns + size_ * border_,
             size_,
@@ -81,7 +81,8 @@ bool CyclicBorder::eliminate(int chunk) noexcept { return inner(chunk).eliminate
 CyclicBorder::Place CyclicBorder::place(int row, int column) noexcept {
     const int last = chunks() - 1;
     const int edge = size_ + border_;
-    if (row == last && column < last) return place_in_corner(column);
+    if (row == last && column < last)  // on one of the separator's neighbours
+        return {column + 1 == last ? ring_.right_lower() : ring_.left_upper(), size_};
     if (row >= last && column >= last) return {matrix_.data() + (row > last ? size_ * edge : 0) + (column > last ? size_ : 0), edge};
     if (row > last) return {ring_.block(column).rows, size_};
     const BlockChain::Rows rows = ring_.block(row);
@@ -89,11 +90,6 @@ CyclicBorder::Place CyclicBorder::place(int row, int column) noexcept {
     if (column == row) return {rows.diagonal, size_};
     if (column == row + 1) return {rows.upper, rows.stride};
     return {rows.lower, size_};
-}
-
-/// The last separator's row on one of the others, its neighbours.
-CyclicBorder::Place CyclicBorder::place_in_corner(int column) noexcept {
-    return {column + 2 == chunks() ? ring_.right_lower() : ring_.left_upper(), size_};
 }
 
 void CyclicBorder::collect_given(int chunk) noexcept {
@@ -176,7 +172,7 @@ void CyclicBorder::join_solution(const double* f) noexcept {
     }
 }
 
-void CyclicBorder::backward(int chunk, double* x) const noexcept {
+void CyclicBorder::backward(int chunk, double* x) noexcept {
     const Range& own = range(chunk);
     inner(chunk).backward(known(previous(chunk)), known(chunk), seen_.data() + chunk * border_, x + own.first * size_);
     std::copy_n(known(chunk), size_, x + (own.last - 1) * size_);

@@ -65,7 +65,7 @@ public:
     void forward(int chunk, const double* f) noexcept;
     void join_solution(const double* f) noexcept;  ///< f [rows of the matrix]
     /// Writes the chunk's blocks of x; chunk 0 also the border's.
-    void backward(int chunk, double* x) const noexcept;
+    void backward(int chunk, double* x) noexcept;
 
 private:
     struct Place {
@@ -74,19 +74,15 @@ private:
     };
 
     [[nodiscard]] int previous(int chunk) const noexcept { return chunk == 0 ? chunks() - 1 : chunk - 1; }
-    [[nodiscard]] int next(int chunk) const noexcept { return chunk + 1 == chunks() ? 0 : chunk + 1; }
-    [[nodiscard]] BlockChain& inner(int chunk) noexcept { return *inner_[static_cast<std::size_t>(chunk)]; }
-    [[nodiscard]] const BlockChain& inner(int chunk) const noexcept { return *inner_[static_cast<std::size_t>(chunk)]; }
+    [[nodiscard]] BlockChain& inner(int chunk) const noexcept { return *inner_[static_cast<std::size_t>(chunk)]; }
     [[nodiscard]] std::span<const int> active(int chunk) const noexcept;
     [[nodiscard]] Place place(int row, int column) noexcept;
-    [[nodiscard]] Place place_in_corner(int column) noexcept;
     void collect_given(int chunk) noexcept;
     void collect_inner(int chunk) noexcept;
     void collect_ring() noexcept;
     /// Diagonal, columns and rows of a separator as given.
     [[nodiscard]] double* separator(int chunk) noexcept { return separators_.data() + chunk * size_ * (size_ + 2 * border_); }
     [[nodiscard]] double* known(int chunk) noexcept { return known_.data() + chunk * size_; }
-    [[nodiscard]] const double* known(int chunk) const noexcept { return known_.data() + chunk * size_; }
 
     int blocks_, size_, border_;
     std::vector<Range> ranges_;
