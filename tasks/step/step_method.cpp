@@ -28,6 +28,10 @@ void close_evaluation(Workspace& w, double time, const double* tail, const model
     w.variator.close(time, tail, chain, w.links.accounts.data(), slope + w.layout().pulley_begin());
 }
 
+void close_evaluation(Workspace& w) noexcept {
+    close_evaluation(w, w.step.time + w.step.row.time * w.step.h, w.pulleys.tail.data(), sheave_forces(w), w.step.slope_out);
+}
+
 CycleSequence StageMethod::step() {
     slope_at_ = slope_now();
     prepare(w_.step.time == std::exchange(begun_, w_.step.time));
@@ -35,7 +39,7 @@ CycleSequence StageMethod::step() {
     for (int stage = slope_at_ == SlopeAt::start && plan_->stages() > 1 ? 1 : 0; stage < plan_->stages(); ++stage) {
         prepare_stage(plan_->stage(stage));
         co_yield evaluate_cycle;
-        close_evaluation(w_, w_.step.time + w_.step.row.time * w_.step.h, w_.pulleys.tail.data(), sheave_forces(w_), w_.step.slope_out);
+        close_evaluation(w_);
     }
     w_.step.row = plan_->result();
     slope_at_ = plan_->last_is_result() ? SlopeAt::last : SlopeAt::nowhere;

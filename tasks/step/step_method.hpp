@@ -72,6 +72,8 @@ private:
 /// Ends an evaluation of the right-hand side whose links are done: slope of everything behind the links, and counts it.
 /// @param time [s]   @param tail state behind the links   @param slope whole slope vector
 void close_evaluation(Workspace& workspace, double time, const double* tail, const model::SheaveForces& chain, double* slope) noexcept;
+/// Likewise after the evaluate cycle of a stage (step.row).
+void close_evaluation(Workspace& workspace) noexcept;
 
 /// The next numbers of a memory (StepMethod::save), which comes from files and hosts and may be anything; it then begins behind
 /// them. @throws std::invalid_argument if there are fewer

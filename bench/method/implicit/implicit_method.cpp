@@ -20,6 +20,26 @@ enum ImplicitField { jacobian_field = 1000, chunk_field, joint_field, right_side
 
 [[nodiscard]] std::string numbered(const char* name, int number) { return std::string(name) + "[" + std::to_string(number) + "]"; }
 
+/// Tasks that factor the matrix and solve with it, chunk by chunk.
+void add_solution(ImplicitMethod& method, const ImplicitMatrix& matrix, int links, engine::TaskGraph& graph) {
+    const int chunks = matrix.chunks();
+    const std::vector<engine::Access> all{{chunk_field, 0, chunks, true}, {joint_field, 0, 1, true}};
+    const int join = graph.add({"join", factor_cycle, engine::code_of<&ImplicitMethod::join>(method), 0, all});
+    const int join_solution = graph.add({"join", solve_cycle, engine::code_of<&ImplicitMethod::join_solution>(method), 0, all});
+    const engine::TaskCode eliminate = engine::code_of<&ImplicitMethod::eliminate>(method),
+                           forward = engine::code_of<&ImplicitMethod::forward>(method),
+                           backward = engine::code_of<&ImplicitMethod::backward>(method);
+    for (int c = 0; c < chunks; ++c) {
+        const auto& own = matrix.range(c);
+        const engine::Access chunk{chunk_field, c, c + 1, true}, right{right_side_field, own.first, own.last, false};
+        const std::vector<engine::Access> back{
+            {chunk_field, c, c + 1, false}, {joint_field, 0, 1, false}, {increment_field, own.first, own.last, true}};
+        graph.order(graph.add({numbered("eliminate", c), factor_cycle, eliminate, c, {{jacobian_field, 0, links, false}, chunk}}), join);
+        graph.order(graph.add({numbered("forward", c), solve_cycle, forward, c, {right, chunk}}), join_solution);
+        graph.order(join_solution, graph.add({numbered("backward", c), solve_cycle, backward, c, back}));
+    }
+}
+
 }  // namespace
 
 ImplicitMethod::ImplicitMethod(Workspace& workspace)
@@ -39,8 +59,8 @@ ImplicitMethod::ImplicitMethod(Workspace& workspace)
 void ImplicitMethod::add_tasks(engine::TaskGraph& graph) {
     for (int s = 0; s < w_.partition.size(); ++s) {
         const Segment& own = w_.partition[s];
-        const engine::TaskCode prepare = engine::code_of<&ImplicitMethod::prepare_segment>(*this),
-                               update = engine::code_of<&ImplicitMethod::update_segment>(*this);
+        const engine::TaskCode prepare = engine::code_of<&ImplicitMethod::prepare>(*this),
+                               update = engine::code_of<&ImplicitMethod::update>(*this);
         graph.add({numbered("prepare", s), prepare_cycle, prepare, s, {{right_side_field, own.first, own.last, true}}});
         graph.add({numbered("update", s), update_cycle, update, s, {{jacobian_field, own.first, own.last, true}}});
     }
@@ -50,27 +70,7 @@ void ImplicitMethod::add_tasks(engine::TaskGraph& graph) {
     const int corner = graph.add({"corner", jacobian_cycle, corner_of, 0, {{jacobian_field, 0, links, true}}});
     for (int b = 0; b < differences_.batches(); ++b)
         graph.order(graph.add({numbered("jacobian", b), jacobian_cycle, batch, b, {{jacobian_field, b, b + 1, true}}}), corner);
-    add_solution(graph);
-}
-
-/// Tasks that factor the matrix and solve with it, chunk by chunk.
-void ImplicitMethod::add_solution(engine::TaskGraph& graph) {
-    const int links = w_.layout().links, chunks = matrix_.chunks();
-    const std::vector<engine::Access> all{{chunk_field, 0, chunks, true}, {joint_field, 0, 1, true}};
-    const int join = graph.add({"join", factor_cycle, engine::code_of<&ImplicitMethod::join>(*this), 0, all});
-    const int join_solution = graph.add({"join", solve_cycle, engine::code_of<&ImplicitMethod::join_solution>(*this), 0, all});
-    const engine::TaskCode eliminate = engine::code_of<&ImplicitMethod::eliminate>(*this),
-                           forward = engine::code_of<&ImplicitMethod::forward>(*this),
-                           backward = engine::code_of<&ImplicitMethod::backward>(*this);
-    for (int c = 0; c < chunks; ++c) {
-        const auto& own = matrix_.range(c);
-        const engine::Access chunk{chunk_field, c, c + 1, true}, right{right_side_field, own.first, own.last, false};
-        const std::vector<engine::Access> back{
-            {chunk_field, c, c + 1, false}, {joint_field, 0, 1, false}, {increment_field, own.first, own.last, true}};
-        graph.order(graph.add({numbered("eliminate", c), factor_cycle, eliminate, c, {{jacobian_field, 0, links, false}, chunk}}), join);
-        graph.order(graph.add({numbered("forward", c), solve_cycle, forward, c, {right, chunk}}), join_solution);
-        graph.order(join_solution, graph.add({numbered("backward", c), solve_cycle, backward, c, back}));
-    }
+    add_solution(*this, matrix_, links, graph);
 }
 
 void ImplicitMethod::jacobian_batch(int batch) noexcept {
@@ -92,24 +92,10 @@ void ImplicitMethod::backward(int chunk) noexcept {
     if (finish_in_tasks_) finish(matrix_.range(chunk).first, matrix_.range(chunk).last);
 }
 
-double ImplicitMethod::link_energy(const double* v) const noexcept {
-    const model::LinkInertia& inertia = w_.variator.chain().inertia();
-    const auto form = [](const double* matrix, int size, const double* x) {
-        double sum = 0.0;
-        for (int row = 0; row < size; ++row) {
-            for (int column = 0; column < size; ++column) sum += matrix[row * size + column] * x[row] * x[column];
-        }
-        return sum;
-    };
-    const int lateral = 2 * w_.layout().lateral();
-    return form(inertia.lateral_matrix.data(), lateral, v) + form(inertia.lateral_matrix.data(), lateral, v + lateral) +
-           form(inertia.axial_matrix.data(), 4, v + 2 * lateral);
-}
-
 int ImplicitMethod::evaluate(std::span<const engine::Term> states, double c, int slope_slot, int keep) noexcept {
     w_.step.evaluate_end = false;
     w_.step.row = {states, {}, keep, slope_slot, c};
-    w_.step.slope_out = slope(slope_slot);
+    w_.step.slope_out = w_.slopes[slope_slot];
     const model::ChainLayout& at = w_.layout();
     engine::combine(w_.step.row, w_.step.h, w_.slots(), q_tail_, at.size(), w_.pulleys.tail.data());
     if (keep >= 0) std::copy(w_.pulleys.tail.begin(), w_.pulleys.tail.end(), state(keep) + q_tail_);
@@ -117,12 +103,8 @@ int ImplicitMethod::evaluate(std::span<const engine::Term> states, double c, int
     return evaluate_cycle;
 }
 
-void ImplicitMethod::close_evaluate() noexcept {
-    close_evaluation(w_, w_.step.time + w_.step.row.time * w_.step.h, w_.pulleys.tail.data(), sheave_forces(w_), w_.step.slope_out);
-}
-
 int ImplicitMethod::take_jacobian(double c, int state_slot, int slope_slot) noexcept {
-    base_ = {w_.step.time + c * w_.step.h, state(state_slot),     slope(slope_slot),
+    base_ = {w_.step.time + c * w_.step.h, state(state_slot),     w_.slopes[slope_slot],
              w_.tips.phases.data(),        w_.links.loads.data(), w_.links.accounts.data()};
     ++jacobians_;
     if (!exact_) w_.step.evaluations += differences_.groups();

@@ -34,11 +34,9 @@ public:
     [[nodiscard]] AtTransition at_transition() const noexcept override { return AtTransition::repeat; }
 
     // Bodies of the cycles.
-    virtual void prepare(int first, int last) noexcept = 0;
-    virtual void finish(int first, int last) noexcept = 0;
-    virtual void update(int first, int last) noexcept { (void)first, (void)last; }
-    void prepare_segment(int segment) noexcept { prepare(w_.partition[segment].first, w_.partition[segment].last); }
-    void update_segment(int segment) noexcept { update(w_.partition[segment].first, w_.partition[segment].last); }
+    virtual void prepare(int segment) noexcept = 0;
+    virtual void finish(int first, int last) noexcept = 0;  ///< links [first, last) of a chunk
+    virtual void update(int segment) noexcept { (void)segment; }
     void jacobian_batch(int batch) noexcept;
     void jacobian_corner() noexcept;
     void eliminate(int chunk) noexcept;
@@ -48,11 +46,8 @@ public:
     void backward(int chunk) noexcept;
 
 protected:
-    [[nodiscard]] Fault not_finite() const noexcept { return {FaultKind::non_finite, w_.step.time + w_.step.h, {}, 0.0, 0.0}; }
     /// Evaluate cycle at Σ factor states[slot], at time + c h, into slope slot `slope`; kept in state slot `keep` if ≥ 0.
     [[nodiscard]] int evaluate(std::span<const engine::Term> states, double c, int slope, int keep = -1) noexcept;
-    /// Ends that cycle.
-    void close_evaluate() noexcept;
     /// Jacobian cycle at a state that has just been evaluated. c [1]
     [[nodiscard]] int take_jacobian(double c, int state_slot, int slope_slot) noexcept;
     /// Factor cycle for I - θ D - θ² K. theta [s]
@@ -63,11 +58,8 @@ protected:
     [[nodiscard]] std::span<const double> load_factors(std::span<const double> memory);
 
     [[nodiscard]] double* state(int slot) const noexcept { return w_.states[static_cast<std::size_t>(slot)]; }
-    [[nodiscard]] double* slope(int slot) const noexcept { return w_.slopes[static_cast<std::size_t>(slot)]; }
     /// Link's part of a right-hand side or solution.
     [[nodiscard]] double* velocities(std::vector<double>& of, int link) const noexcept { return of.data() + link * size_; }
-    /// 2 x kinetic energy of a link with these velocities [J].
-    [[nodiscard]] double link_energy(const double* velocities) const noexcept;
     [[nodiscard]] double* border(std::vector<double>& of) const noexcept { return of.data() + w_.layout().links * size_; }
 
     Workspace& w_;
@@ -83,10 +75,12 @@ protected:
     bool finish_in_tasks_ = true;  ///< finish() is called by the backward tasks
 
 private:
-    void add_solution(engine::TaskGraph& graph);
     ColouredJacobian differences_;
     bench::ExactJacobian derivatives_;
     BasePoint base_;
 };
+
+/// The step's velocities are not finite.
+[[nodiscard]] inline Fault not_finite(const StepInput& step) noexcept { return {FaultKind::non_finite, step.time + step.h, {}, 0.0, 0.0}; }
 
 }  // namespace cvtflow::bench

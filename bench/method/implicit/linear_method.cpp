@@ -50,7 +50,7 @@ double LinearMethod::theta() const noexcept { return plan_.stages[stage_].gamma 
 CycleSequence LinearMethod::step() {
     for (stage_ = 0; stage_ < plan_.stages.size(); ++stage_) {
         co_yield evaluate(states_[stage_], times_.stage[stage_], stage_slope);
-        close_evaluate();
+        close_evaluation(w_);
         const bool known = has_jacobian_ && time_of_jacobian_ == w_.step.time;  // of the same step, retaken from the same state
         if (stage_ == 0 && !known) {
             has_jacobian_ = true;
@@ -59,7 +59,7 @@ CycleSequence LinearMethod::step() {
         }
         if (stage_ == 0 || theta() != theta_) {
             co_yield factorise(theta());
-            if (!matrix_.sound()) co_return not_finite();
+            if (!matrix_.sound()) co_return not_finite(w_.step);
         }
         co_yield prepare_cycle;
         prepare_tail();
@@ -75,14 +75,14 @@ CycleSequence LinearMethod::step() {
 void LinearMethod::coordinates_right(int begin, int size, double* out) const noexcept {
     const double gamma = plan_.stages[stage_].gamma;
     for (int k = 0; k < size; ++k) {
-        double sum = w_.step.h * slope(stage_slope)[begin + k];
+        double sum = w_.step.h * w_.slopes[stage_slope][begin + k];
         for (const engine::Term& term : rights_[stage_]) sum += term.factor * state(term.slot)[begin + k];
         out[k] = gamma * sum;
     }
 }
 
-void LinearMethod::prepare(int first, int last) noexcept {
-    for (int link = first; link < last; ++link) prepare_link(link);
+void LinearMethod::prepare(int segment) noexcept {
+    for (int link = w_.partition[segment].first; link < w_.partition[segment].last; ++link) prepare_link(link);
 }
 
 void LinearMethod::prepare_link(int link) noexcept {

@@ -23,7 +23,7 @@ public:
     void restart() noexcept override { has_jacobian_ = false; }
     [[nodiscard]] std::string report() const override;
 
-    void prepare(int first, int last) noexcept override;
+    void prepare(int segment) noexcept override;
     void finish(int first, int last) noexcept override;
 
 private:

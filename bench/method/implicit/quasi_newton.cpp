@@ -43,10 +43,10 @@ int TrapezoidalMethod::begin_update() noexcept {
 
 /// B_i += e_i s_(i)ᵀ/|s_(i)|² on the rows of these links, e = r⁺ - (1 - λ) r, s_(i) the change restricted to the pattern of row i.
 /// B = I - θ D - θ² K: the update is entered in D.
-void TrapezoidalMethod::update(int first, int last) noexcept {
+void TrapezoidalMethod::update(int segment) noexcept {
     const model::ChainLayout& at = w_.layout();
     const ContactMap contacts{w_.tips.phases.data(), w_.links.loads.data()};
-    for (int link = first; link < last; ++link) {
+    for (int link = w_.partition[segment].first; link < w_.partition[segment].last; ++link) {
         const auto shaft = contacts.shaft(link);
         const int near[3] = {at.previous(link), link, at.next(link)};
         double seen = 0.0;

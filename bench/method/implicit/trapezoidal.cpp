@@ -46,7 +46,7 @@ void TrapezoidalMethod::restart() noexcept {
 void TrapezoidalMethod::save(std::vector<double>& memory) const {
     const bool keeps = keeps_over_steps() && has_jacobian_;
     memory = {end_slope_ ? 1.0 : 0.0, keeps ? 1.0 : 0.0, static_cast<double>(since_jacobian_)};
-    if (end_slope_) memory.insert(memory.end(), slope(trial_slope), slope(trial_slope) + w_.layout().size());
+    if (end_slope_) memory.insert(memory.end(), w_.slopes[trial_slope], w_.slopes[trial_slope] + w_.layout().size());
     if (!keeps) return;
     broyden_.save(memory);
     save_factors(memory);
@@ -58,7 +58,7 @@ void TrapezoidalMethod::load(std::span<const double> memory) {
     end_slope_ = flags[0] != 0.0;
     const bool has_jacobian = flags[1] != 0.0;
     since_jacobian_ = pop_integer(memory, 0, std::numeric_limits<int>::max());
-    if (end_slope_) std::ranges::copy(pop_front(memory, static_cast<std::size_t>(w_.layout().size())), slope(trial_slope));
+    if (end_slope_) std::ranges::copy(pop_front(memory, static_cast<std::size_t>(w_.layout().size())), w_.slopes[trial_slope]);
     has_jacobian_ = has_jacobian;
     if (has_jacobian_) static_cast<void>(load_factors(broyden_.load(memory)));
 }
@@ -67,7 +67,7 @@ CycleSequence TrapezoidalMethod::step() {
     if (!knows_start_slope()) {
         terms_[0] = {0, 1.0};
         co_yield evaluate({terms_, 1}, 0.0, start_slope);
-        close_evaluate();
+        close_evaluation(w_);
         start_slope_ = true;
     }
     end_slope_ = direction_ = renew_ = false;
@@ -77,7 +77,7 @@ CycleSequence TrapezoidalMethod::step() {
     predicting_ = false;
     for (double lambda = 0.0;;) {
         co_yield evaluate_trial(lambda);
-        close_evaluate();
+        close_evaluation(w_);
         co_yield prepare_cycle;
         const double norm = residual_norm();
         if (!first_ && !falls(norm) && options_.backtracking) {
@@ -125,8 +125,8 @@ int TrapezoidalMethod::evaluate_trial(double lambda) noexcept {
     return evaluate(terms, 1.0, trial_slope, trial_);
 }
 
-void TrapezoidalMethod::prepare(int first, int last) noexcept {
-    for (int link = first; link < last; ++link) {
+void TrapezoidalMethod::prepare(int segment) noexcept {
+    for (int link = w_.partition[segment].first; link < w_.partition[segment].last; ++link) {
         if (predicting_) {
             start_link(link);
         } else {
@@ -218,7 +218,7 @@ void TrapezoidalMethod::finish(int first, int last) noexcept {
 
 /// The best iterate is used, and counted, unless it is no number.
 Fault TrapezoidalMethod::give_up() noexcept {
-    if (!std::isfinite(norm_)) return not_finite();
+    if (!std::isfinite(norm_)) return not_finite(w_.step);
     ++statistics_.unconverged;
     statistics_.worst = std::max(statistics_.worst, norm_);
     has_jacobian_ = false;
@@ -229,7 +229,7 @@ Fault TrapezoidalMethod::give_up() noexcept {
 void TrapezoidalMethod::finish_step() noexcept {
     const int ledger = w_.layout().ledger_begin();
     for (int k = ledger; k < w_.layout().size(); ++k)
-        state(iterate_)[k] = state(0)[k] + theta() * (slope(start_slope)[k] + slope(trial_slope)[k]);
+        state(iterate_)[k] = state(0)[k] + theta() * (w_.slopes[start_slope][k] + w_.slopes[trial_slope][k]);
     statistics_.iterations += iterations_;
     statistics_.refreshed += refreshed_ ? 1 : 0;
     statistics_.most = std::max<long>(statistics_.most, iterations_);

@@ -28,9 +28,9 @@ public:
     void save(std::vector<double>& memory) const override;
     void load(std::span<const double> memory) override;  ///< @param memory from save()
 
-    void prepare(int first, int last) noexcept override;
+    void prepare(int segment) noexcept override;
     void finish(int first, int last) noexcept override;
-    void update(int first, int last) noexcept override;
+    void update(int segment) noexcept override;
 
     [[nodiscard]] NewtonStatistics statistics() const noexcept;
     [[nodiscard]] std::string report() const override;
