@@ -8,7 +8,7 @@
 
 #include "model/basis/isa.hpp"
 #include "model/kernels/chain_parts.hpp"
-#include "model/start/belt.hpp"
+#include "model/machine/belt.hpp"
 
 namespace cvtflow::model {
 

@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "model/machine/belt.hpp"
 #include "model/parameters/chain_layout.hpp"
 #include "model/parameters/parameters.hpp"
-#include "model/start/belt.hpp"
 
 namespace cvtflow::model {
 

@@ -12,7 +12,7 @@
 #include "engine/base/text.hpp"
 #include "engine/executor/catalogue.hpp"
 #include "engine/thread/guards.hpp"
-#include "model/start/belt.hpp"
+#include "model/machine/belt.hpp"
 #include "tasks/channel/channels.hpp"
 #include "tasks/method/method.hpp"
 #include "tasks/scene/scene.hpp"

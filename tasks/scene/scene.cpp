@@ -15,7 +15,7 @@
 #include "engine/base/input_file.hpp"
 #include "engine/base/text.hpp"
 #include "engine/thread/guards.hpp"
-#include "model/start/belt.hpp"
+#include "model/machine/belt.hpp"
 #include "tasks/method/automatic_method.hpp"
 #include "tasks/scene/csv.hpp"
 #include "tasks/scene/parameter_table.hpp"

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <string>
 
-#include "model/start/belt.hpp"
+#include "model/machine/belt.hpp"
 #include "model/start/start_state.hpp"
 #include "model/variator/variator.hpp"
 #include "tests/claims/chain_view_fixture.hpp"

@@ -11,7 +11,7 @@
 
 #include "engine/executor/tbb/job_pool.hpp"
 #include "engine/record/run/state_file.hpp"
-#include "model/start/belt.hpp"
+#include "model/machine/belt.hpp"
 #include "tasks/run/run_means.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/parameter_table.hpp"

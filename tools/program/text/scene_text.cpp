@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "engine/base/text.hpp"
-#include "model/start/belt.hpp"
+#include "model/machine/belt.hpp"
 #include "tasks/run/saved_start.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tools/program/text/text.hpp"

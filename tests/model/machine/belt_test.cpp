@@ -1,4 +1,4 @@
-#include "model/start/belt.hpp"
+#include "model/machine/belt.hpp"
 
 #include <gtest/gtest.h>
 
