@@ -13,6 +13,7 @@
 #include "model/basis/lanes.hpp"
 #include "model/force/account.hpp"
 #include "model/force/further_element.hpp"
+#include "model/force/guide.hpp"
 #include "model/force/link_frame.hpp"
 #include "model/machine/coefficients.hpp"
 
@@ -152,7 +153,8 @@ template <int P, bool Observe, class Kind, class Real>
     }
 }
 
-/// All elasticity inside a link. Adds to the generalized forces f of the link; returns the moment about z on the link [N·m].
+/// All elasticity inside a link, and the forces of guides on it. Adds to the generalized forces f of the link; returns the moment about z
+/// on the link [N·m].
 template <int P, bool Observe, class Kind, class Real>
 [[nodiscard]] inline Real inner_elasticity(const Coefficients& c, const Kind& kind, const LinkFrameOf<Real>& frame, const Real* q,
                                            const Real* v, Real* f, Account* account) noexcept {
@@ -163,6 +165,7 @@ template <int P, bool Observe, class Kind, class Real>
     }
     if constexpr (P >= 2) moment += bending<P, Observe>(c, frame, q, v, f, account);
     FurtherElement::of_halves<P, Observe>(frame, v, f, moment, account);
+    if (c.guide.present) guide_force<P, Observe>(c.guide, q, v, f, account);
     return moment;
 }
 

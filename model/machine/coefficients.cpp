@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "model/basis/portable_math.hpp"
+#include "model/machine/belt.hpp"
 
 namespace cvtflow::model {
 
@@ -128,6 +130,21 @@ TipCoefficients tip_coefficients(const Parameters& p) {
             tip_law(p, p.oil.temperature)};
 }
 
+GuideCoefficients guide_coefficients(const Parameters& p) {
+    constexpr double ramp_share = 0.2;  // of a rail, at each end
+    constexpr double full_speed = 1.0;  // below, friction is proportional to the speed: a twentieth of a usual chain's [m/s]
+    if (!p.guide.present()) return {};
+    const double distance = p.pulley.centre_distance;
+    const auto radii = belt_radii(chain_length(p.chain), p.start.ratio, distance);
+    if (!radii) throw std::invalid_argument("guide.stiffness: at start.ratio the chain runs on no radii");
+    const double sine = (radii->driven - radii->driving) / distance, cosine = std::sqrt(1.0 - sine * sine), strand = distance * cosine;
+    const auto& [stiffness, damping, clearance, offset, friction, begin, end] = p.guide;
+    return {true,           stiffness,    damping,
+            clearance,      friction,     1.0 / full_speed,
+            sine,           cosine,       radii->driving + offset,
+            begin * strand, end * strand, 1.0 / (ramp_share * (end - begin) * strand)};
+}
+
 double mean_bow(const Parameters& p) {
     double sum = 0.0;
     const std::vector<double> positions = plate_positions(p);
@@ -146,6 +163,7 @@ Coefficients::Coefficients(const Parameters& p)
       joint_points(joint_lanes(p)),
       joint(joint_coefficients(p)),
       tip(tip_coefficients(p)),
+      guide(guide_coefficients(p)),
       clamping_limit(SpeedProfile::through(p.wear.clamping_limit.speed, p.wear.clamping_limit.value)),
       eccentric(p.imperfection.runout != 0.0),
       middle(0.5 * p.pulley.centre_distance),

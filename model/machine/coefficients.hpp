@@ -69,6 +69,17 @@ struct JointCoefficients {
     double rolling_arm;  ///< a_r over sqrt(N): sliding per angle between the links, of rigid pins [m/√N]
 };
 
+/// Guides of the strands. s: along the tangent, from where the driving pulley leaves it; u: outwards, from the middle between the rails.
+struct GuideCoefficients {
+    bool present = false;
+    double stiffness, damping, clearance, friction;  ///< k [N/m], χ [s/m], c [m], μ
+    double per_full_speed;                           ///< 1/(speed from which friction is full) [s/m]
+    double sine, cosine;                             ///< of the tangent's slope φ, sin φ = (r_2 - r_1)/a
+    double radius;                                   ///< r_1 + o [m]
+    double begin, end;                               ///< of the rails, along s [m]
+    double per_ramp;                                 ///< 1/(length over which the stiffness grows at either end) [1/m]
+};
+
 struct Coefficients {
     explicit Coefficients(const Parameters& parameters);
 
@@ -84,6 +95,7 @@ struct Coefficients {
     PointLanes<max_joint_lanes> joint_points;
     JointCoefficients joint;
     TipCoefficients tip;
+    GuideCoefficients guide;
     SpeedProfile clamping_limit;  ///< over the slip speed; 0 everywhere: none [N]
     bool eccentric;               ///< a flank moves as its shaft turns
     double middle;                ///< a/2: links with smaller x belong to shaft 0 [m]

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "model/basis/portable_math.hpp"
+#include "model/force/guide.hpp"
 
 namespace cvtflow::model {
 
@@ -25,6 +26,7 @@ Observer::Observer(const Variator& variator)
 
 void Observer::begin(double t) noexcept {
     observation_.time = t;
+    observation_.guide = {};
     forces_known_ = false;
     state_ = nullptr;
     rigid_.reset();
@@ -92,6 +94,9 @@ void Observer::observe_links(const double* state, const Phase* phases) noexcept 
         const double* v = state + at.link_begin(link) + at.link_size();
         energy += kinetic_energy(variator_.chain().inertia(), v);
         speed += portable_hypot(v[at.x(End::rear, 0)], v[at.y(End::rear, 0)]);
+        const double* q = state + at.link_begin(link);
+        for (const End end : {End::rear, End::front})
+            observe_guide(0.5, q[at.x(end, 0)], q[at.y(end, 0)], v[at.x(end, 0)], v[at.y(end, 0)]);
         for (int tip = 0; tip < tips_per_link; ++tip) {
             o.tip_axial[index_of(tips_per_link * link + tip)] = contact.axial[tip];
             if (phases[tips_per_link * link + tip] == Phase::free) continue;
@@ -169,6 +174,10 @@ void Observer::observe_rigid(const RigidInstant& now) noexcept {
         for (int link = 0; link < columns.pins(); ++link)
             o.tip_axial[index_of(tips_per_link * link + tip)] = now.of_tip(Column::sheave_axial, link, tip);
     }
+    for (int pin = 0; pin < columns.pins(); ++pin) {
+        const auto number = [&](Column of) { return columns[of][pin]; };
+        observe_guide(1.0, number(Column::x), number(Column::y), number(Column::vx), number(Column::vy));
+    }
     const RigidSums sums = now.sums();
     const auto mean = [](double sum, double count) { return count > 0.0 ? sum / count : 0.0; };
     o.chain_speed = sums.speed / columns.pins();
@@ -241,6 +250,16 @@ void Observer::observe_pulleys() noexcept {
     for (std::size_t sheave = 0; sheave < 4; ++sheave) o.axial_force[sheave] = sheave_forces_[sheave][4];
     for (std::size_t k = 0; k < 2; ++k) o.chain_torque[k] = sheave_forces_[2 * k][5] + sheave_forces_[2 * k + 1][5];
     observe_slip();
+}
+
+void Observer::observe_guide(double part, double x, double y, double vx, double vy) noexcept {
+    const GuideCoefficients& guide = variator_.chain().coefficients().guide;
+    if (!guide.present) return;
+    const GuideContact<1> contact(guide, part, x, y, vx, vy);
+    if (contact.share[0] == 0.0) return;
+    GuideLoad& load = observation_.guide[y > 0.0 ? 0 : 1];
+    load.force += contact.normal[0];
+    if (std::abs(contact.offset[0]) > std::abs(load.deflection)) load.deflection = contact.offset[0];
 }
 
 /// A pulley that no tip holds turns freely.

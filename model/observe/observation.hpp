@@ -24,6 +24,12 @@ struct Creep {
     double power = 0.0;            ///< Σ μ N g v_θ², of both pulleys: lost by sliding along the circumference, ≥ 0 [W]
 };
 
+/// Guide of a strand.
+struct GuideLoad {
+    double force = 0.0;       ///< sum of the normal forces of its rails [N]
+    double deflection = 0.0;  ///< of the pin between the rails that is farthest from their middle, outwards [m]
+};
+
 /// Quantities of an instant.
 struct Observation {
     double time = 0.0;                        ///< [s]
@@ -56,6 +62,8 @@ struct Observation {
     WorkRates work{};                 ///< powers of drive, load, clamping [W]
     HydraulicInstant hydraulics;      ///< zero without any
     HydraulicEnergy hydraulic_energy;
+    /// Of the strands at y > 0 and y < 0; zero without guides.
+    std::array<GuideLoad, 2> guide{};
 };
 
 /// Evaluates observations; owns their memory. Not for the step loop: serial. An observation of rigid pins whose forces are known reads
@@ -82,6 +90,8 @@ private:
     void observe_rigid(const RigidInstant& now) noexcept;
     void read_shafts(const double* behind) noexcept;  ///< at the time of the observation. behind [unknowns behind the links]
     void observe_pulleys() noexcept;
+    /// A pin, or a part of one, at the guides. @param part ½ for a half   @param x, y [m]   @param vx, vy [m/s]
+    void observe_guide(double part, double x, double y, double vx, double vy) noexcept;
     void observe_slip() noexcept;  ///< after the creep and the pulleys
 
     const Variator& variator_;

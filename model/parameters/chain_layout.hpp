@@ -16,10 +16,21 @@
 namespace cvtflow::model {
 
 /// Kinds of dissipation; the order of the ledger.
-enum class Loss { inner, plate_damping, plate_friction, joint_damping, joint_friction, tip_damping, tip_friction, supports, cylinder };
+enum class Loss {
+    inner,
+    plate_damping,
+    plate_friction,
+    joint_damping,
+    joint_friction,
+    tip_damping,
+    tip_friction,
+    supports,
+    cylinder,
+    guide
+};
 /// Kinds of external work; the ledger's second part.
 enum class Work { drive, load, clamping };
-inline constexpr int loss_kinds = 9;
+inline constexpr int loss_kinds = 10;
 inline constexpr int work_kinds = 3;
 
 /// Unknowns of the hydraulics behind the integrals of controllers: set pressures x_1, x_2 of the valves and oil u_1, u_2 in the cylinders,

@@ -274,6 +274,20 @@ struct Drag {
     bool operator==(const Drag&) const = default;
 };
 
+/// Guides of both strands: a rail inside and one outside of each, beside the common tangents of the pulleys at start.ratio. None by
+/// default.
+struct Guide {
+    double stiffness = 0.0;     ///< k, of a rail against a pin; 0: no guides [N/m]
+    double damping = 0.5;       ///< χ: relative growth of the normal force per speed of approach [s/m]
+    double clearance = 0.3e-3;  ///< c, between a pin in the middle and either rail [m]
+    double offset = 0.0;        ///< o, of the middle between the rails from the tangent, outwards [m]
+    double friction = 0.1;      ///< μ
+    double begin = 0.2;         ///< of the rails, as a part of the strand from shaft 1 to shaft 2
+    double end = 0.8;           ///< likewise
+    [[nodiscard]] bool present() const noexcept { return stiffness > 0.0; }
+    bool operator==(const Guide&) const = default;
+};
+
 struct Clamping {
     TimeTable driving{27.1e3};  ///< S_1 [N]
     TimeTable driven{20e3};     ///< S_2 [N]
@@ -330,6 +344,7 @@ struct Parameters {
     Drive drive;
     Load load;
     Drag drag;
+    Guide guide;
     Clamping clamping;
     Control control;
     Hydraulics hydraulics;

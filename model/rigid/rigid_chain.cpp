@@ -141,6 +141,7 @@ void RigidModel::link_forces(const RigidKick& kick, RigidColumns& columns, Rigid
     kernels_.joint_forces(coefficients_, kick, columns, f.account);
     columns.wrap(Column::offset_moment_x, Column::bend_moment);
     kernels_.sum_link_forces(columns);
+    if (coefficients_.guide.present) kernels_.guide(coefficients_, kick, columns, f.account);
 }
 
 void RigidModel::plate_friction(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {

@@ -131,7 +131,7 @@ struct RigidState {
 
 /// Columns that the pins keep from step to step: first and last of those that follow each other.
 inline constexpr Column kept_columns[][2] = {{Column::x, Column::vbend_y},
-                                             {Column::stretch_damping_force, Column::bend_damping_force_across},
+                                             {Column::stretch_damping_force, Column::guide_friction},
                                              {Column::rolling_moment, Column::rolling_moment},
                                              {Column::acceleration_x, Column::acceleration_bend_y},
                                              {Column::plate_friction, Column::plate_slip_high},

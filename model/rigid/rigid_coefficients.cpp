@@ -72,6 +72,7 @@ RigidCoefficients::RigidCoefficients(const Parameters& parameters) {
     tip_friction = c.tip.friction;
     tip_law = c.tip.law;
     middle = c.middle;
+    guide = c.guide;
 }
 
 void RigidCoefficients::bend(const Parameters& p, double plate_bow) {

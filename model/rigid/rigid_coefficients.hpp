@@ -47,6 +47,7 @@ struct RigidCoefficients {
     FrictionCurve tip_friction;
     std::shared_ptr<TipLaw> tip_law;  ///< nullptr: none
     double middle;                    ///< a/2 [m]
+    GuideCoefficients guide;
 
     /// Inertia of coordinate number k [kg].
     [[nodiscard]] constexpr double inertia(int k) const noexcept {

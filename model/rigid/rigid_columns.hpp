@@ -89,6 +89,8 @@ enum class Column {
     bow_damping_force,          ///< of a link against the bow's rate [N]
     bend_damping_force_along,   ///< of a pin against bending along the travel [N]
     bend_damping_force_across,  ///< of a pin against bending across it [N]
+    guide_damping_force,        ///< of a guide against a pin's approach [N]
+    guide_friction,             ///< of a guide against a pin's speed along the strand [N]
     // Joint between the halves of a pin.
     offset_moment_x,  ///< A g of the links' forces, x [N·m]
     offset_moment_y,  ///< A g of the links' forces, y [N·m]

@@ -49,6 +49,8 @@ struct RigidKernels {
     void (*joint_forces)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
     /// Sum of the links' forces on each pin, per coordinate.
     void (*sum_link_forces)(RigidColumns& columns) noexcept;
+    /// Adds the forces of guides to those on the pins.
+    void (*guide)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
     /// Rates at which pins lengthen along their axes, of velocities as they are. @param sheaves [4]
     void (*axial_rates)(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns) noexcept;
     /// Friction of plates along the pins, which lengthen meanwhile: in a step, as they did in the last one.

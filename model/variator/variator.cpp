@@ -43,8 +43,10 @@ void add(const SheaveLoad& load, SheaveLoad& total) noexcept {
 
 bool Variator::same_machine(const Parameters& a, const Parameters& b) {
     const auto machine = [](const Parameters& of) {
-        return std::tie(of.detail, of.chain, of.half, of.plate, of.joint, of.tip, of.oil, of.wear, of.pulley, of.imperfection,
-                        of.control.enabled, of.control.driven, of.hydraulics.mode, of.ledger);
+        const double place_of_guides = of.guide.present() ? of.start.ratio : 0.0;
+        return std::tuple_cat(std::tie(of.detail, of.chain, of.half, of.plate, of.joint, of.tip, of.oil, of.wear, of.pulley,
+                                       of.imperfection, of.guide, of.control.enabled, of.control.driven, of.hydraulics.mode, of.ledger),
+                              std::tuple(place_of_guides));
     };
     return machine(a) == machine(b);
 }

@@ -173,12 +173,15 @@ bool means(std::string_view name, const Channel& channel) {
 
 }  // namespace
 
-std::vector<const Channel*> chosen_channels(std::span<const std::string> names, const model::ChainLayout& layout, bool drag) {
+std::vector<const Channel*> chosen_channels(std::span<const std::string> names, const model::Parameters& machine) {
+    const ChainLayout layout = model::layout_of(machine);
     std::vector<const Channel*> chosen;
     const bool controlled = layout.controls > (layout.hydraulic() ? model::hydraulic_unknowns : 0);
     for (const Channel& channel : channels()) {
         const bool chosen_here = !channel.is(Channel::on_demand) || (channel.is(Channel::of_hydraulics) && layout.hydraulic()) ||
-                                 (channel.is(Channel::of_drag) && drag) || (channel.is(Channel::of_control) && controlled) ||
+                                 (channel.is(Channel::of_drag) && machine.drag.present()) ||
+                                 (channel.is(Channel::of_guide) && machine.guide.present()) ||
+                                 (channel.is(Channel::of_control) && controlled) ||
                                  std::any_of(names.begin(), names.end(), [&](const std::string& name) { return means(name, channel); });
         if (chosen_here && (channel.is(Channel::any_machine) || layout.pulley_size != 0)) chosen.push_back(&channel);
     }

@@ -38,6 +38,7 @@ struct Channel {
         of_hydraulics = 4 | on_demand | without_chain,  ///< recorded in every run with hydraulics also
         of_control = 64 | on_demand | without_chain,    ///< recorded in every run with a controller also
         of_drag = 32 | on_demand | without_chain,       ///< recorded in every run whose shafts have drag also
+        of_guide = 128 | on_demand,                     ///< recorded in every run with guides also
     };
 
     std::string_view name;  ///< as in the record; '/' groups
@@ -66,9 +67,8 @@ struct Channel {
 [[nodiscard]] std::span<const Channel> channels();
 
 /// Channels of a record: the usual ones and those in `names`, where the machine has them.
-/// @param names of channels, or of groups such as "tips/*"   @param drag whether the shafts have any
-[[nodiscard]] std::vector<const Channel*> chosen_channels(std::span<const std::string> names, const model::ChainLayout& layout,
-                                                          bool drag = false);
+/// @param names of channels, or of groups such as "tips/*"
+[[nodiscard]] std::vector<const Channel*> chosen_channels(std::span<const std::string> names, const model::Parameters& machine);
 
 /// Names of the catalogue, in its order.
 [[nodiscard]] std::vector<std::string> channel_names();

@@ -11,7 +11,7 @@ using model::Loss;
 using model::Work;
 
 constexpr std::string_view losses[] = {"inner",       "plate_damping", "plate_friction", "joint_damping", "joint_friction",
-                                       "tip_damping", "tip_friction",  "supports",       "cylinder"};
+                                       "tip_damping", "tip_friction",  "supports",       "cylinder",      "guide"};
 constexpr std::string_view works[] = {"drive", "load", "clamping"};
 constexpr std::string_view energies[] = {"kinetic", "inner", "pack", "plates", "joints", "tips", "supports"};
 
@@ -52,7 +52,7 @@ const Channel table_of_energies[] = {
     {"energy/plates", "J", "elastic energy of plates in tension", energy(Energy::plates), any_machine},
     {"energy/joints", "J", "elastic energy of joints", energy(Energy::joints), any_machine},
     {"energy/tips", "J", "elastic energy of tip contacts", energy(Energy::tips)},
-    {"energy/supports", "J", "elastic energy of bearings and sheave attachments", energy(Energy::supports)},
+    {"energy/supports", "J", "elastic energy of bearings, sheave attachments and guides", energy(Energy::supports)},
     {"loss/inner", "W", "power dissipated inside pin halves and plate packs", loss(Loss::inner), any_machine},
     {"loss/plate_damping", "W", "power dissipated by damping of plates", loss(Loss::plate_damping), any_machine},
     {"loss/plate_friction", "W", "power dissipated by friction of plates on pins", loss(Loss::plate_friction), any_machine},
@@ -62,6 +62,7 @@ const Channel table_of_energies[] = {
     {"loss/tip_friction", "W", "power dissipated by friction of tips on sheaves", loss(Loss::tip_friction)},
     {"loss/supports", "W", "power dissipated in bearings and sheave attachments", loss(Loss::supports)},
     {"loss/cylinder", "W", "power dissipated in the hydraulic cylinders", loss(Loss::cylinder)},
+    {"loss/guide", "W", "power dissipated by the guides of the strands", loss(Loss::guide), of_guide},
     {"power/drive", "W", "power of the drive on shaft 1, behind its drag", work(Work::drive), without_chain},
     {"power/load", "W", "power of the load on shaft 2, before its drag (negative: taken out)", work(Work::load), without_chain},
     {"power/clamping", "W", "power of the clamping forces", work(Work::clamping), without_chain},
@@ -80,6 +81,7 @@ const Channel table_of_energies[] = {
      without_chain},
     {"dissipated/supports", "J", "energy dissipated in bearings and sheave attachments so far", dissipated(Loss::supports), without_chain},
     {"dissipated/cylinder", "J", "energy dissipated in the hydraulic cylinders so far", dissipated(Loss::cylinder), without_chain},
+    {"dissipated/guide", "J", "energy dissipated by the guides of the strands so far", dissipated(Loss::guide), of_guide | without_chain},
     {"dissipated/total", "J", "energy dissipated so far", dissipated_total, any_machine | without_chain},
     {"work/drive", "J", "work of the drive so far", done(Work::drive), without_chain},
     {"work/load", "J", "work of the load so far (negative: taken out)", done(Work::load), without_chain},

@@ -202,6 +202,10 @@ void tip_force_speed(const Instant& now, double* out) {
     std::transform(f.tip_normal.begin(), f.tip_normal.end(), f.tip_sliding.begin(), out, std::multiplies<>());
 }
 
+Channel::Read guide(double model::GuideLoad::*member, std::size_t strand) {
+    return [member, strand](const Instant& now, double* out) { *out = now.observation.guide[strand].*member; };
+}
+
 void limit_use(const Instant& now, double* out) { *out = now.observation.limit_use; }
 
 using Temperature = double (model::HeatBalance::*)() const noexcept;
@@ -225,6 +229,13 @@ const Channel table_of_wear[] = {
     {"wear/tip_sliding", "m/s", "sliding speed of every tip on its sheave", forces(&F::tip_sliding), on_demand, "tip", of_tips},
     {"clamping_limit_use", "1", "clamping force over wear.clamping_limit at the slip speed, of the pulley where it is larger; 0: no limit",
      limit_use, on_demand},
+    {"guide/tight_force", "N", "sum of the normal forces of the rails at the strand that the driving sheaves pull",
+     guide(&model::GuideLoad::force, 0), of_guide},
+    {"guide/slack_force", "N", "sum of the normal forces of the rails at the other strand", guide(&model::GuideLoad::force, 1), of_guide},
+    {"guide/tight_deflection", "m",
+     "distance of the strand that the driving sheaves pull from the middle between its rails, outwards, of the pin that is farthest",
+     guide(&model::GuideLoad::deflection, 0), of_guide},
+    {"guide/slack_deflection", "m", "likewise of the other strand", guide(&model::GuideLoad::deflection, 1), of_guide},
     {"temperature/pulleys", "K", "of pulleys and chain (heat.enabled)", heat(&model::HeatBalance::pulleys),
      any_machine | on_demand | without_chain},
     {"temperature/oil", "K", "of the oil around pulleys and chain (heat.enabled)", heat(&model::HeatBalance::oil),

@@ -90,8 +90,7 @@ engine::RunContents contents_of(const Scene& scene, const model::ChainModel& cha
 
 double record_bytes(const Scene& scene, const model::ChainModel& chain) {
     double width = 1.0;  // its time
-    for (const Channel* channel : chosen_channels(scene.run.channels, chain.layout(), scene.parameters.drag.present()))
-        width += channel->width(chain);
+    for (const Channel* channel : chosen_channels(scene.run.channels, scene.parameters)) width += channel->width(chain);
     const double state = sizeof(double) * (1.0 + chain.layout().size()) + model::tips_per_link * chain.layout().links;
     return instants(scene, scene.run.output_interval) * sizeof(double) * width + instants(scene, scene.run.state_interval) * state;
 }
@@ -102,7 +101,7 @@ RunRecorder::RunRecorder(const Scene& scene, const Simulation& simulation, const
       followed_pin_(scene.run.followed_pin),
       has_pulleys_(simulation.variator().layout().pulley_size != 0),
       observer_(simulation.variator()),
-      channels_(chosen_channels(scene.run.channels, simulation.variator().layout(), scene.parameters.drag.present())) {
+      channels_(chosen_channels(scene.run.channels, scene.parameters)) {
     std::size_t width = 0;
     for (const Channel* channel : channels_) width += static_cast<std::size_t>(channel->width(simulation.variator().chain()));
     row_.resize(width);

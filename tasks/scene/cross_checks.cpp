@@ -68,6 +68,17 @@ Violation drag_has_shafts(const Scene& scene) {
     return "drag.driving_seals: drag is of shafts, but detail.pulleys is \"absent\"";
 }
 
+Violation guide_has_strands(const Scene& scene) {
+    const auto& [guide, detail] = std::tie(scene.parameters.guide, scene.parameters.detail);
+    if (!guide.present()) return {};
+    if (detail.pulleys == PulleyDetail::absent) return "guide.stiffness: guides are of strands between pulleys, which are absent";
+    if (guide.begin >= guide.end)
+        return fmt::format("guide.begin: {} is not before guide.end = {}", number_text(guide.begin), number_text(guide.end));
+    const auto& p = scene.parameters;
+    if (model::belt_radii(model::chain_length(p.chain), p.start.ratio, p.pulley.centre_distance)) return {};
+    return "guide.stiffness: at start.ratio the chain runs on no radii, and guides have no place";
+}
+
 Violation hydraulics_have_pulleys(const Scene& scene) {
     const auto& p = scene.parameters;
     if (p.hydraulics.mode == model::HydraulicMode::none || p.detail.pulleys != PulleyDetail::absent) return {};
@@ -440,6 +451,7 @@ const std::vector<CrossCheck>& machine_checks() {
         {{"drag.driving_seals", "drag.driving_viscous", "drag.driving_churning", "drag.driven_seals", "drag.driven_viscous",
           "drag.driven_churning", "drag.bearing_friction", "detail.pulleys"},
          drag_has_shafts},
+        {{"guide.stiffness", "guide.begin", "guide.end", "start.ratio", "detail.pulleys"}, guide_has_strands},
         {{"hydraulics.mode", "detail.pulleys"}, hydraulics_have_pulleys},
         {{"hydraulics.oil_volume", "hydraulics.oil_modulus", "hydraulics.valve_conductance", "hydraulics.driving_area",
           "hydraulics.driven_area", "pulley.sheave_mass"},

@@ -131,6 +131,24 @@ std::vector<DetailCase> imperfect_cases() {
     return cases;
 }
 
+/// Rails without play, so that both sides of both strands are touched, some pins at their ends.
+std::vector<DetailCase> guide_cases() {
+    std::vector<DetailCase> cases;
+    for (const double ratio : {0.6, 1.7}) {
+        for (int order = 0; order <= 3; ++order) {
+            model::Parameters p;
+            p.detail.order = order;
+            p.ledger = true;
+            p.start.ratio = ratio;
+            p.guide = {.stiffness = 5e7, .damping = 0.2, .clearance = 0.0, .offset = 1e-6, .friction = 0.3, .begin = 0.1, .end = 0.7};
+            const std::string name = ratio < 1.0 ? "overdrive_" : "low_";
+            cases.push_back({name + std::to_string(order), p});
+            if (order == 0) cases.push_back({name + "rigid_pins", oracle::with_rigid_pins(p)});
+        }
+    }
+    return cases;
+}
+
 /// All details of rigid pins, for 84 pins with one and with two pitches, and for few pins.
 std::vector<DetailCase> rigid_pin_cases() {
     std::vector<DetailCase> cases;
@@ -272,6 +290,19 @@ TEST(Variator, AgreesWithTheOracleOnceCouplingsHaveTakenOver) {
     }
 }
 
+/// A sweep takes the variator of the case before where the machine is the same.
+TEST(Variator, IsOfAnotherMachineWithOtherGuidesOrOthersPlace) {
+    model::Parameters p;
+    p.guide.stiffness = 1e6;
+    model::Parameters softer = p, elsewhere = p;
+    softer.guide.stiffness = 1e5;
+    elsewhere.start.ratio = 1.2;
+    EXPECT_FALSE(model::Variator::same_machine(p, softer));
+    EXPECT_FALSE(model::Variator::same_machine(p, elsewhere));
+    p.guide = elsewhere.guide = {};
+    EXPECT_TRUE(model::Variator::same_machine(p, elsewhere)) << "start.ratio places guides alone";
+}
+
 INSTANTIATE_TEST_SUITE_P(Variator, EveryDetail, testing::ValuesIn(detail_cases()),
                          [](const auto& instance) { return instance.param.name; });
 INSTANTIATE_TEST_SUITE_P(RigidPins, EveryDetail, testing::ValuesIn(rigid_pin_cases()),
@@ -282,6 +313,7 @@ INSTANTIATE_TEST_SUITE_P(Imperfect, EveryDetail, testing::ValuesIn(imperfect_cas
                          [](const auto& instance) { return instance.param.name; });
 INSTANTIATE_TEST_SUITE_P(TipLaws, EveryDetail, testing::ValuesIn(tip_law_cases()),
                          [](const auto& instance) { return instance.param.name; });
+INSTANTIATE_TEST_SUITE_P(Guides, EveryDetail, testing::ValuesIn(guide_cases()), [](const auto& instance) { return instance.param.name; });
 INSTANTIATE_TEST_SUITE_P(SlowedPins, EveryDetail, testing::ValuesIn(slowed_cases()),
                          [](const auto& instance) { return instance.param.name; });
 

@@ -25,6 +25,7 @@ Totals all_forces(const System& system) {
     }
     if (system.parameters.detail.pulleys == model::PulleyDetail::absent) return totals;
     if (!system.layout.rigid) add_tips(system, totals);
+    add_guides(system, totals);
     add_supports(system, totals);
     add_gyroscopic(system, totals);
     add_inputs(system, totals);

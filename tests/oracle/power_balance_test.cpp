@@ -118,6 +118,7 @@ TEST(PowerBalance, TheLedgerGrowsWithThePowers) {
     model::Parameters parameters = small_scene();
     parameters.ledger = true;
     parameters.control.enabled = true;
+    parameters.guide = {.stiffness = 1e6, .clearance = 0.0};
     const RandomState at = random_state(parameters, 4);
     const Result result = right_hand_side(parameters, 0.0, at.state, at.phases);
     const auto layout = model::layout_of(parameters);

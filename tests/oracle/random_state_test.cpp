@@ -125,7 +125,8 @@ TEST(RandomState, OfRigidPinsHasTipsInAndOutOfContactAndLinksThatPullAndPush) {
 }
 
 TEST(RandomState, OfRigidPinsMakesEveryLossAndEnergyPositive) {
-    const model::Parameters parameters = with_rigid_pins({});
+    model::Parameters parameters = with_rigid_pins({});
+    parameters.guide = {.stiffness = 1e6, .clearance = 0.0};
     const RandomState at = random_state(parameters, 2);
     const Result result = right_hand_side(parameters, 0.0, at.state, at.phases);
     for (int k = 0; k < model::loss_kinds; ++k) {
@@ -137,7 +138,8 @@ TEST(RandomState, OfRigidPinsMakesEveryLossAndEnergyPositive) {
 }
 
 TEST(RandomState, MakesEveryLossAndEnergyPositive) {
-    const model::Parameters parameters;
+    model::Parameters parameters;
+    parameters.guide = {.stiffness = 1e6, .clearance = 0.0};
     const RandomState at = random_state(parameters, 2);
     const Result result = right_hand_side(parameters, 0.0, at.state, at.phases);
     for (const double loss : result.powers.losses) EXPECT_GT(loss, 1e-3);

@@ -151,6 +151,7 @@ void add_tips(const System& system, Totals& totals);            // 6
 void add_rigid_pins(const System& system, Totals& totals);      // 11: instead of 3 to 6
 void add_supports(const System& system, Totals& totals);        // 8: bearings and attachments
 void add_gyroscopic(const System& system, Totals& totals);      // 8
+void add_guides(const System& system, Totals& totals);          // 8: of the strands
 void add_inputs(const System& system, Totals& totals);          // 8: drive, load, clamping, cylinder, control
 
 /// Accelerations of all coordinates from the generalized forces (section 2).

@@ -17,9 +17,9 @@ const Channel& named(std::string_view name) {
 }
 
 TEST(ForceChannels, AreRecordedWhereTheyAreNamedAlone) {
-    const model::ChainLayout variator;
-    model::ChainLayout ring;
-    ring.pulley_size = 0;
+    const model::Parameters variator;
+    model::Parameters ring;
+    ring.detail.pulleys = model::PulleyDetail::absent;
     const auto has = [](const std::vector<const Channel*>& chosen, std::string_view name) {
         return std::any_of(chosen.begin(), chosen.end(), [&](const Channel* channel) { return channel->name == name; });
     };
@@ -46,7 +46,7 @@ public:
         const model::Observation& now = workspace.observed_by(observer_, time);
         const Instant instant{now, workspace, counters, pin_, observer_};
         ++outputs_;
-        for (const Channel* channel : chosen_channels(all_, workspace.layout())) {
+        for (const Channel* channel : chosen_channels(all_, workspace.parameters)) {
             auto& sum = sums_[channel->name];
             std::vector<double> values(static_cast<std::size_t>(channel->width(workspace.variator.chain())));
             channel->read(instant, values.data());

@@ -133,9 +133,10 @@ TEST(ShaftDragSummary, CountsDragAmongTheLosses) {
 }
 
 TEST(ShaftDragChannels, AreRecordedInScenesWithDragAlone) {
-    const model::ChainLayout variator;
     const auto has = [&](bool drag) {
-        return std::ranges::any_of(chosen_channels({}, variator, drag),
+        model::Parameters machine;
+        machine.drag.driven.seals = drag ? 0.1 : 0.0;
+        return std::ranges::any_of(chosen_channels({}, machine),
                                    [](const Channel* channel) { return channel->name == "overall_efficiency"; });
     };
     EXPECT_TRUE(has(true));
