@@ -62,7 +62,7 @@ struct Observation {
     WorkRates work{};                 ///< powers of drive, load, clamping [W]
     HydraulicInstant hydraulics;      ///< zero without any
     HydraulicEnergy hydraulic_energy;
-    /// Of the strands at y > 0 and y < 0; zero without guides.
+    /// Loads of the guides of the strands at y > 0 and y < 0; zero without guides.
     std::array<GuideLoad, 2> guide{};
 };
 

@@ -69,7 +69,7 @@ std::vector<Parameter> parameters_of_drive() {
      "Stiffness of a guide's rail against a pin: rails on both sides of each strand, beside the common tangents at start.ratio. 0: no "
      "guides.",
      "model choice", [](Scene& s) -> Slot { return &s.parameters.guide.stiffness; }},
-    {"guide.damping", "s/m", 0, 1e3, {}, "By how much the force of a rail grows with the speed of approach, relative to its elastic part.",
+    {"guide.damping", "s/m", 0, 1e3, {}, "Growth of the force of a rail with the speed of approach, relative to its elastic part.",
      "restitution of plastic rails, 0.7 at 1 m/s", [](Scene& s) -> Slot { return &s.parameters.guide.damping; }},
     {"guide.clearance", "m", 0, 0.1, {}, "Play between a pin in the middle between both rails and either of them.",
      "model choice", [](Scene& s) -> Slot { return &s.parameters.guide.clearance; }},

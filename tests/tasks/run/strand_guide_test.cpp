@@ -71,8 +71,8 @@ double lost_by_guides(const Simulation& simulation) {
 
 class StrandGuide : public testing::TestWithParam<std::string> {};
 
-/// What the guides take is missing elsewhere: the balance of works, stored energy and all losses closes to a thousandth of it. What rigid
-/// pins leave out is of second order in the step.
+/// The guides' losses are missing elsewhere: the balance of works, stored energy and all losses closes to a thousandth of them. The error
+/// of rigid pins is of second order in the step.
 TEST_P(StrandGuide, TakesTheEnergyThatItsAccountStates) {
     Simulation simulation(pressed_scene(GetParam(), {GetParam() == "rigid" ? "run.step=1 us" : "run.step=auto"}));
     run_guided(simulation, 0.0);

@@ -26,6 +26,7 @@ inline constexpr Term terms[] = {
     {"joint", "Rolling contact of the two halves of a pin."},
     {"pitch", "Distance from pin to pin along a link; unequal pitches make less tone."},
     {"strand", "Free part of the chain between the pulleys: the tight one pulls more than the slack one."},
+    {"guide", "Slide rails on both sides of a strand, which bound its vibrations."},
     {"slip", "1 - ratio of speeds over ratio of radii by the pins: creep of a chain that holds, or sliding."},
     {"creep", "Sliding of tips that a chain which holds needs to carry its torque: some per mille."},
     {"safety factor", "Largest torque that friction carries over the load's; below 1 the chain slides."},
