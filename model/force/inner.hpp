@@ -7,8 +7,11 @@
 ///     bow        none: single plates     link_force(), between bent pins  Energy::pack   Loss::inner
 ///     bending    bending()               bend_pin(), one shape            Energy::inner  Loss::inner
 ///     extension  element_force() of e    none: in series with the tips    Energy::inner  Loss::inner
+///     length     add_lengths()           tip_motion.hpp: read_half()       Energy::inner
 ///
 /// Each is a spring k with damper c of a deflection u: E = k u²/2 [J], F = k u + c u' [N, N·m], loss c u'² [W].
+
+#include <array>
 
 #include "model/basis/lanes.hpp"
 #include "model/force/account.hpp"
@@ -150,6 +153,24 @@ template <int P, bool Observe, class Kind, class Real>
         f[zb] += inverse_half * shear;
         f[za] -= inverse_half * shear;
         return -bend * (na - nb) + shear * (na + nb) + twist * (tb - ta);
+    }
+}
+
+/// λ of the pins behind and in front of a link. @param c with lengths
+[[nodiscard]] inline std::array<double, 2> lengths_at(const Coefficients& c, int link) noexcept {
+    return {c.longer[static_cast<std::size_t>(link)], c.longer[static_cast<std::size_t>(c.layout.next(link))]};
+}
+
+/// The extension of pins of unequal length is e - λ: what that adds to the forces of e.
+/// @param longer λ of the link's rear and of its front pin [m]
+template <int P, bool Observe, class Real>
+inline void add_lengths(const Coefficients& c, const std::array<Real, 2>& longer, const Real* q, Real* f,
+                        [[maybe_unused]] Account* account) noexcept {
+    for (const End end : {End::rear, End::front}) {
+        const int e = at<P>.e(end);
+        const Real& by = longer[static_cast<std::size_t>(end)];
+        f[e] += c.extension.stiffness * by;
+        if constexpr (Observe) account->store(Energy::inner, c.extension.stiffness * by * (0.5 * by - q[e]));
     }
 }
 

@@ -37,6 +37,7 @@ template <int P, bool Observe>
     std::memset(f, 0, static_cast<std::size_t>(at<P>.link_size()) * sizeof(double));
     const LinkKind& kind = c.kind(link);
     const double moment = inner_elasticity<P, Observe>(c, kind, frame, state, v, f, account);
+    if (!c.longer.empty()) add_lengths<P, Observe, double>(c, lengths_at(c, link), state, f, account);
     with_lanes(c.plates.width, [&]<int W>() { plates<P, W, Observe>(c, kind, state, v, f, account); });
     return moment;
 }

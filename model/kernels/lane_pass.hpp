@@ -323,7 +323,9 @@ public:
 
     /// Elasticity inside the links. Adds to f; returns moments about z.
     [[nodiscard]] V inner(int own, int count, const Columns& columns, V* f) const noexcept {
-        return inner_elasticity<P, false>(c_, kinds(own, count), columns.frame, columns.q(), columns.v(), f, nullptr);
+        const V moment = inner_elasticity<P, false>(c_, kinds(own, count), columns.frame, columns.q(), columns.v(), f, nullptr);
+        if (!c_.longer.empty()) add_lengths<P, false, V>(c_, lengths(own, count), columns.q(), f, nullptr);
+        return moment;
     }
 
     void tips(int own, int count, const Columns& columns, V* f, V& moment, LinkLoad* loads) const noexcept {
@@ -379,6 +381,15 @@ public:
         KindLanes<W> kinds;
         std::memcpy(static_cast<void*>(&kinds), rows.data(), sizeof kinds);
         return kinds;
+    }
+
+    [[nodiscard]] std::array<V, 2> lengths(int own, int count) const noexcept {
+        alignas(64) double longer[2][W];
+        for (int lane = 0; lane < W; ++lane) {
+            const std::array<double, 2> of_link = lengths_at(c_, range_.first + own + std::min(lane, count - 1));
+            for (std::size_t end = 0; end < 2; ++end) longer[end][lane] = of_link[end];
+        }
+        return {load<W>(longer[0]), load<W>(longer[1])};
     }
 
     void plates(const KindLanes<W>& kind, const Columns& columns, V* f, [[maybe_unused]] int own = 0,

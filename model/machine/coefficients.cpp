@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <random>
 #include <stdexcept>
 
 #include "model/basis/portable_math.hpp"
@@ -24,6 +26,20 @@ std::vector<double> plate_positions(const Parameters& parameters) {
     for (const double xi : each) square += xi * xi;
     const double radius = std::sqrt(square / n);
     return {-radius, radius};
+}
+
+std::vector<double> longer_halves(const Parameters& parameters) {
+    constexpr double cut = 3.0;
+    const Imperfection& of = parameters.imperfection;
+    if (of.pin_length_spread == 0.0) return {};
+    std::mt19937_64 generator(of.pin_length_seed);
+    const auto uniform = [&] { return static_cast<double>(generator() >> 11) * 0x1p-53; };
+    std::vector<double> longer;
+    while (longer.size() < static_cast<std::size_t>(parameters.chain.pins)) {
+        const double deviations = cut * (2.0 * uniform() - 1.0), density = portable_pow(std::numbers::e, -0.5 * deviations * deviations);
+        if (uniform() < density) longer.push_back(0.5 * of.pin_length_spread * deviations);
+    }
+    return longer;
 }
 
 namespace {
@@ -166,6 +182,7 @@ Coefficients::Coefficients(const Parameters& p)
       guide(guide_coefficients(p)),
       clamping_limit(SpeedProfile::through(p.wear.clamping_limit.speed, p.wear.clamping_limit.value)),
       eccentric(p.imperfection.runout != 0.0),
+      longer(longer_halves(p)),
       middle(0.5 * p.pulley.centre_distance),
       centre_distance(p.pulley.centre_distance),
       plate_bow(mean_bow(p)) {

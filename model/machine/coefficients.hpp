@@ -98,6 +98,7 @@ struct Coefficients {
     GuideCoefficients guide;
     SpeedProfile clamping_limit;  ///< over the slip speed; 0 everywhere: none [N]
     bool eccentric;               ///< a flank moves as its shaft turns
+    std::vector<double> longer;   ///< [pins] by which half a pin is longer than ℓ_p/2; empty: all are equal [m]
     double middle;                ///< a/2: links with smaller x belong to shaft 0 [m]
     double centre_distance;       ///< a [m]
     double plate_bow;             ///< mean over the plates of P_2, by which x_0 of a rigid pin differs from that of a half
@@ -109,6 +110,10 @@ struct Coefficients {
 
 /// Positions ξ_j of the plates as they are resolved (each or lumped), with their number standing for the totals of the pack.
 [[nodiscard]] std::vector<double> plate_positions(const Parameters& parameters);
+
+/// By which half of each pin is longer than half.length/2 [pins]: drawn from a normal distribution that is cut at three times its standard
+/// deviation. Empty if pins are equal. [m]
+[[nodiscard]] std::vector<double> longer_halves(const Parameters& parameters);
 
 /// Factor on the inertia of the bending of rigid pins, which a step of 5 us could not follow otherwise. Statics stay.
 /// (model/EQUATIONS.md section 11)

@@ -81,7 +81,8 @@ void read_halves(const ForceReading& from, int link) {
     const LinkFrame frame = link_frame<P>(q, q + at<P>.link_size());
     for (const End end : {End::rear, End::front}) {
         const std::size_t half = place(2 * link + static_cast<int>(end));
-        from.forces.half_axial[half] = 0.5 * c.extension.stiffness * q[at<P>.e(end)];  // k = 4EA/ℓ_p
+        const double longer = c.longer.empty() ? 0.0 : lengths_at(c, link)[static_cast<std::size_t>(end)];
+        from.forces.half_axial[half] = 0.5 * c.extension.stiffness * (q[at<P>.e(end)] - longer);  // k = 4EA/ℓ_p
         if constexpr (P >= 2) {
             const std::size_t spring = place(static_cast<int>(end) * (P - 1));  // k = 144 EI/ℓ_p³: M = 12 EI x_2/ℓ_p² = k ℓ_p x_2/12
             const double arm = c.half_length / 6.0;

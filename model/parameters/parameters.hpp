@@ -4,6 +4,7 @@
 /// this struct.
 
 #include <array>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -231,6 +232,8 @@ struct Imperfection {
     Sheave sheave = Sheave::driving_fixed;  ///< the one with run-out or another attachment
     double runout = 0.0;                    ///< radial eccentricity of its flank about the shaft's axis [m]
     double attachment = 1.0;                ///< its attachment's stiffness against tilt, over that of the others
+    double pin_length_spread = 0.0;         ///< standard deviation of the lengths of pins [m]
+    std::uint64_t pin_length_seed = 1;      ///< by which lengths are drawn
     bool operator==(const Imperfection&) const = default;
 };
 

@@ -20,15 +20,15 @@ namespace {
 /// A pulley as far as it decides which pins may touch.
 struct PulleyBounds {
     double x, y;       ///< of the sheave at -z [m]
-    double low, high;  ///< planes of both flanks, for the middle of a pin [m]
+    double low, high;  ///< planes of both flanks, for the middle of the longest pin [m]
     double apart;      ///< at least the distance of both axes [m]
     double tilt;       ///< at least that of both [rad]
 
     PulleyBounds(const RigidCoefficients& c, const SheaveMotion& at_low, const SheaveMotion& at_high) noexcept
         : x(at_low.x),
           y(at_low.y),
-          low(at_low.z + c.half_length),
-          high(at_high.z - c.half_length),
+          low(at_low.z + c.half_longest),
+          high(at_high.z - c.half_longest),
           apart(std::abs(at_low.x - at_high.x) + std::abs(at_low.y - at_high.y)),
           tilt(std::max(std::abs(at_low.tilt_x) + std::abs(at_low.tilt_y), std::abs(at_high.tilt_x) + std::abs(at_high.tilt_y))) {}
 };

@@ -1,5 +1,6 @@
 #include "model/rigid/rigid_coefficients.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace cvtflow::model {
@@ -50,6 +51,8 @@ RigidCoefficients::RigidCoefficients(const Parameters& parameters) {
     tilt_mass = p.detail.mass_scaling * (2.0 * p.half.mass / 3.0 + plates * plate_square);
     slide_mass = 0.25 * mass;
     half_length = c.half_length;
+    unequal = !c.longer.empty();
+    half_longest = half_length + (unequal ? *std::max_element(c.longer.begin(), c.longer.end()) : 0.0);
     pull = damped_spring(in_series(p.plate.count * p.plate.stiffness, p.joint.stiffness), 0.25 * mass, zeta);
     bend(p, c.plate_bow);
     arm = c.joint.arm;
@@ -104,8 +107,9 @@ void RigidCoefficients::fill(const Parameters& parameters, RigidColumns& columns
         columns[Column::shear_damping][link] = kind.shear.damping;
         columns[Column::torsion_stiffness][link] = square * kind.torsion.stiffness;
         columns[Column::torsion_damping][link] = square * kind.torsion.damping;
+        columns[Column::longer][link] = unequal ? c.longer[static_cast<std::size_t>(link)] : 0.0;
     }
-    columns.wrap(Column::free_length, Column::torsion_damping);
+    columns.wrap(Column::free_length, Column::longer);
 }
 
 }  // namespace cvtflow::model

@@ -13,11 +13,13 @@ struct RigidCoefficients {
     explicit RigidCoefficients(const Parameters& parameters);
 
     int pins;
-    double mass;         ///< of a pin with its share of plates [kg]
-    double tilt_mass;    ///< inertia of the end displacements p and q [kg]
-    double slide_mass;   ///< inertia of ζ: a quarter of the mass [kg]
-    double bend_mass;    ///< inertia of bending [kg]
-    double half_length;  ///< ℓ_p/2 [m]
+    double mass;          ///< of a pin with its share of plates [kg]
+    double tilt_mass;     ///< inertia of the end displacements p and q [kg]
+    double slide_mass;    ///< inertia of ζ: a quarter of the mass [kg]
+    double bend_mass;     ///< inertia of bending [kg]
+    double half_length;   ///< ℓ_p/2 [m]
+    double half_longest;  ///< of the longest pin [m]
+    bool unequal;         ///< pins have lengths of their own
 
     // Bending of both halves.
     double bend_share;      ///< displacement of the ends against the mean of the plates, per x_2

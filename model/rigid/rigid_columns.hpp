@@ -56,6 +56,7 @@ enum class Column {
     shear_damping,      ///< d_γ [N·m·s]
     torsion_stiffness,  ///< k_χ [N/m]
     torsion_damping,    ///< d_χ [N·s/m]
+    longer,             ///< λ: by which half of the pin is longer than ℓ_p/2 [m]
     // Pitch line of a link.
     line_x,        ///< t_x: direction
     line_y,        ///< t_y: direction

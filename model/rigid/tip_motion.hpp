@@ -138,7 +138,7 @@ struct HalfMotion {
     Lanes<W> distance, excess;           ///< |centre|, and less its length where a tip's sphere touches the flank's middle [m]
     DoublesOf<W> clearance;              ///< what excess adds to the distance from the flank [m]
     Lanes<W> rise;                       ///< of the pin's middle above the half's sphere: R_p sin β σ·o ∓ ζ/2 [m]
-    Lanes<W> bend_rise;                  ///< the same by bending, at +z [m]
+    Lanes<W> bend_rise;                  ///< the same by bending and by the pin's length, at +z [m]
     Lanes<W> turn, lag;                  ///< θ', and what the sheave at -z turns faster [rad/s]
     Lanes<W> slope_along, bend_along;    ///< σ·t by tilting, by bending at +z [rad]
     PlaneOf<W> velocity, drift;          ///< of the half's middle, with that of R_p sin β o; against the sheave at -z, without its tilting
@@ -249,6 +249,7 @@ private:
         half.clearance = c_.sine * excess;
         half.rise = n_.outward_per_half * dot(at_.end, half.outward) - V(share_of(which)) * at_.slide;
         half.bend_rise = n_.bent_outward_per_half * dot(at_.bend, half.outward);
+        if (c_.unequal) half.bend_rise -= convert<W>(read_pins(Column::longer));
     }
     [[gnu::always_inline]] void read_half_rates(const D& spin, HalfMotion<W>& half, std::size_t which) noexcept {
         const D turn = read_pins(Column::line_turn, line_of(which));

@@ -42,6 +42,13 @@ void fill_positions(const ChainLayout& at, const PlacedChain& now, std::vector<d
     });
 }
 
+/// Pins of unequal length start without axial force.
+void fill_lengths(const Parameters& p, const ChainLayout& at, std::vector<double>& state) {
+    const std::vector<double> longer = longer_halves(p);
+    if (at.rigid || longer.empty()) return;
+    for_every_half(at, state, [&](double* block, End end, std::size_t pin) { block[at.e(end)] = longer[pin]; });
+}
+
 /// Velocities as differences of two placements; axially the strands climb by `rise`.
 void fill_velocities(const ChainLayout& at, const PlacedChain& before, const PlacedChain& after, double rate, double rise,
                      std::vector<double>& state) {
@@ -204,6 +211,7 @@ StartState start_state(const Parameters& p) {
     start.state.assign(static_cast<std::size_t>(at.size()), 0.0);
     start.phases.assign(static_cast<std::size_t>(tips_per_link * at.links), Phase::free);
     fill_positions(at, now, start.state);
+    fill_lengths(p, at, start.state);
     double rise = 0.0;
     for (int iteration = 0; iteration < 3 && at.pulley_size != 0; ++iteration) {  // the climb of strands shortens them in second order only
         rise = SheaveFitter(p, start.state, now.along).fit();

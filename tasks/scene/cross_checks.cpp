@@ -54,7 +54,7 @@ Violation tip_law_has_piecewise_corner(const Scene& scene) {
 
 Violation imperfections_have_pulleys(const Scene& scene) {
     const auto& [detail, i] = std::tie(scene.parameters.detail, scene.parameters.imperfection);
-    const bool some = i.misalignment != 0.0 || i.runout != 0.0 || i.attachment != 1.0;
+    const bool some = i.misalignment != 0.0 || i.runout != 0.0 || i.attachment != 1.0 || i.pin_length_spread != 0.0;
     if (some && detail.pulleys == PulleyDetail::absent) return "imperfection.misalignment: imperfections are of pulleys, which are absent";
     if (i.attachment == 1.0 || detail.pulleys == PulleyDetail::elastic) return {};
     return "imperfection.attachment: an attachment yields with detail.pulleys = \"elastic\" only";
@@ -442,7 +442,9 @@ const std::vector<CrossCheck>& machine_checks() {
     static const std::vector<CrossCheck> checks{
         {{"tip.friction_table", "tip.limiting_traction", "tip.friction_law", "tip.friction_coefficient"}, tip_law_has_its_largest},
         {{"tip.friction_law", "detail.pins", "detail.friction"}, tip_law_has_piecewise_corner},
-        {{"imperfection.attachment", "imperfection.runout", "imperfection.misalignment", "detail.pulleys"}, imperfections_have_pulleys},
+        {{"imperfection.attachment", "imperfection.runout", "imperfection.misalignment", "imperfection.pin_length_spread",
+          "detail.pulleys"},
+         imperfections_have_pulleys},
         {{"vehicle.mass", "vehicle.wheel_radius", "vehicle.final_drive", "vehicle.drag_area", "load.mode", "detail.pulleys"},
          vehicle_loads_shaft},
         {{"cycle.speed", "cycle.begin", "cycle.pedal_time", "cycle.min_ratio", "cycle.max_ratio", "vehicle.mass", "drive.mode",

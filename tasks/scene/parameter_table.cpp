@@ -214,6 +214,11 @@ std::vector<Parameter> parameters_of_machine() {
     {"imperfection.attachment", "1", 1e-2, 100, {},
      "Stiffness of the sheave's attachment against tilt over pulley.attachment_tilt; pulleys must be elastic.",
      "a perfect machine", [](Scene& s) -> Slot { return &s.parameters.imperfection.attachment; }},
+    {"imperfection.pin_length_spread", "m", 0, 5e-5, {},
+     "Standard deviation of the lengths of pins from half.length: normal distribution, cut at three times as much.",
+     "a perfect machine", [](Scene& s) -> Slot { return &s.parameters.imperfection.pin_length_spread; }},
+    {"imperfection.pin_length_seed", "1", 0, 9007199254740992, {}, "Seed by which lengths of pins are drawn.",
+     "model choice", [](Scene& s) -> Slot { return &s.parameters.imperfection.pin_length_seed; }},
         // clang-format on
     };
 }

@@ -128,6 +128,13 @@ std::vector<DetailCase> imperfect_cases() {
             cases.push_back({name + "_rigid_pins", oracle::with_rigid_pins(p)});
         }
     }
+    for (int order = 0; order <= 3; ++order) {
+        model::Parameters p;
+        p.detail.order = order;
+        p.imperfection.pin_length_spread = 2e-6;
+        cases.push_back({"unequal_pins_" + std::to_string(order), p});
+        if (order == 2) cases.push_back({"unequal_rigid_pins", oracle::with_rigid_pins(p)});
+    }
     return cases;
 }
 

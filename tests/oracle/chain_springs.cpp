@@ -51,12 +51,12 @@ Real spring(Real u, Real rate, Real stiffness, Real damping, Real& energy, Real&
     return stiffness * u + damping * rate;
 }
 
-/// Extension of a half.
-void add_extension(const System& system, const Half& half, HalfForce& force, Totals& totals) {
+/// Extension of a half against its own length.
+void add_extension(const System& system, int pin, const Half& half, HalfForce& force, Totals& totals) {
     const auto& p = system.parameters;
     const Real k = 4.0L * p.chain.young_modulus * p.half.area / p.half.length;
     const Real c = damping_of(p.chain.damping_ratio, k, Real{p.detail.mass_scaling} * p.half.mass / 3.0L);
-    force.e -= spring(half.e, half.e_rate, k, c, totals.energies.inner, totals.loss(model::Loss::inner));
+    force.e -= spring(half.e - system.longer_half(pin), half.e_rate, k, c, totals.energies.inner, totals.loss(model::Loss::inner));
 }
 
 /// Bending shape m = 2 or 3 of a half along `direction`, whose derivative with the link's turning is `turned`.
@@ -148,7 +148,7 @@ void add_inner_elements(const System& system, Totals& totals) {
     for (int i = 0; i < system.layout.links; ++i) {
         const Link& link = system.links[i];
         for (const model::End end : {model::End::rear, model::End::front}) {
-            add_extension(system, link.half(end), totals.link[i].half(end), totals);
+            add_extension(system, i + static_cast<int>(end), link.half(end), totals.link[i].half(end), totals);
             for (int m = 2; m <= system.layout.order; ++m) {
                 add_half_bending(system, i, end, m, link.t, link.n, half.bending_travel, totals);
                 add_half_bending(system, i, end, m, link.n, -link.t, half.bending_height, totals);

@@ -95,7 +95,7 @@ TipContact PinChain::tip(const PinHalf& half, int side) const {
     const Body& sheave = system.body[c.sheave];
 
     const Vec2 slope = end_slope(half.pin, c.s);
-    c.end = in_space(half.at + c.s * of.end + of.bend, half.z + c.s * width / 2.0L);
+    c.end = in_space(half.at + c.s * of.end + of.bend, half.z + c.s * (width / 2.0L + system.longer_half(half.pin)));
     const Vec3 height = in_space(turns.o, -dot(slope, turns.o)), axis = in_space(slope, 1.0L);
     c.centre = c.end + Real{tip.radius} * (sine * height - c.s * cosine * axis);
     c.centre_turning = (tip.radius * sine) * in_space(turns.t, -dot(slope, turns.t));

@@ -1,5 +1,7 @@
 #include "tests/oracle/system.hpp"
 
+#include "model/machine/coefficients.hpp"
+
 #include "tests/oracle/legendre.hpp"
 #include "tests/oracle/rigid_pins.hpp"
 
@@ -118,6 +120,7 @@ System unpack(const model::Parameters& parameters, double t, std::span<const Rea
     const auto layout = model::layout_of(parameters);
     if (static_cast<int>(state.size()) != layout.size()) throw std::invalid_argument("state of the wrong size");
     System system{parameters, layout, t, {}, {}, {}, phases};
+    for (const double longer : model::longer_halves(parameters)) system.longer.push_back(longer);
     if (layout.rigid) system.pins = unpack_pins(parameters, layout, state);
     for (int i = 0; i < layout.links && !layout.rigid; ++i) system.links.push_back(unpack_link(parameters, layout, i, state));
     const auto q = state.subspan(layout.pulley_begin(), layout.pulley_size);

@@ -88,7 +88,9 @@ struct System {
     const FarEnds* far = nullptr;  ///< of couplings that have taken over, and with them hydraulics
     std::array<Real, model::hydraulic_unknowns> oil{};
     std::vector<RigidPin> pins{};  ///< of a chain of rigid pins, which has no links
+    std::vector<Real> longer{};    ///< λ of each pin; empty: all are equal [m]
 
+    [[nodiscard]] Real longer_half(int pin) const { return longer.empty() ? 0.0L : longer[static_cast<std::size_t>(layout.wrapped(pin))]; }
     [[nodiscard]] int controllers() const { return layout.controls % model::hydraulic_unknowns; }
 };
 
