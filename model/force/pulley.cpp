@@ -133,6 +133,20 @@ void PulleyModel::add_chain(const double* block, const SheaveForces& chain, doub
     }
 }
 
+/// [m 0 -s; 0 m c; -s c J] (u_x, u_y, φ)'' = (F_x + c φ'², F_y + s φ'², M) with (c, s) = U (cos φ, sin φ): M is solved for first.
+void PulleyModel::add_unbalance(const double* block, double* force) const noexcept {
+    const int b = imperfect_body();
+    const double mass = inertia_[b + ux], polar = inertia_[b + turn], spin = block[size() + b + turn];
+    const double c = imperfection_.unbalance * portable_cos(block[b + turn]), s = imperfection_.unbalance * portable_sin(block[b + turn]);
+    force[b + ux] += c * spin * spin;
+    force[b + uy] += s * spin * spin;
+    const double free_polar = polar - imperfection_.unbalance * imperfection_.unbalance / mass;
+    const double turning = (force[b + turn] + (s * force[b + ux] - c * force[b + uy]) / mass) / free_polar;
+    force[b + ux] += s * turning;
+    force[b + uy] -= c * turning;
+    force[b + turn] = polar * turning;
+}
+
 void PulleyModel::slope(const double* block, const Inputs& inputs, const SheaveForces& chain, double* slope,
                         Account* account) const noexcept {
     const double* v = block + size();
@@ -144,6 +158,7 @@ void PulleyModel::slope(const double* block, const Inputs& inputs, const SheaveF
     add_clamping(block, inputs, force, account);
     add_chain(block, chain, force);
     for (int shaft = 0; shaft < 2; ++shaft) force[rotation(shaft)] += inputs.on_shafts()[static_cast<std::size_t>(shaft)];
+    if (imperfection_.unbalance != 0.0) add_unbalance(block, force);
     for (int k = 0; k < size(); ++k) force[k] /= inertia_[k];
 }
 
@@ -157,7 +172,10 @@ void PulleyModel::account(const double* block, Account& account) const noexcept 
 double PulleyModel::kinetic(const double* block) const noexcept {
     double energy = 0.0;
     for (int k = 0; k < size(); ++k) energy += 0.5 * inertia_[k] * block[size() + k] * block[size() + k];
-    return energy;
+    if (imperfection_.unbalance == 0.0) return energy;
+    const int b = imperfect_body();
+    const double *v = block + size() + b, angle = block[b + turn];
+    return energy + imperfection_.unbalance * v[turn] * (portable_cos(angle) * v[uy] - portable_sin(angle) * v[ux]);
 }
 
 /// Virtual work: a sheave at z_s follows its shaft by u_x + τ_y z_s, u_y - τ_x z_s and τ. The cylinder pushes the movable sheave and the

@@ -81,8 +81,15 @@ public:
 private:
     /// Whether it is the sheave that imperfections name.
     [[nodiscard]] bool imperfect(int shaft, int side) const noexcept { return 2 * shaft + side == static_cast<int>(imperfection_.sheave); }
-    /// Displacement of an eccentric flank, at the angle of its sheave, and its derivative by the angle [m].
+    /// Displacement of an eccentric flank, at the angle of its sheave [m].
     [[nodiscard]] std::array<double, 2> eccentricity(double angle) const noexcept;
+    /// Freedom 0 of the sheave that imperfections name, of elastic pulleys.
+    [[nodiscard]] int imperfect_body() const noexcept {
+        const int sheave = static_cast<int>(imperfection_.sheave);
+        return body_freedom(sheave_body(sheave / 2, sheave % 2), 0);
+    }
+    /// Forces on the sheave with unbalance become such that the diagonal of its inertia gives its accelerations.
+    void add_unbalance(const double* block, double* force) const noexcept;
     /// @param added to each shaft by drive and load [kg·m²]
     void add_inertia(const std::array<double, 2>& added);
     void add_gyroscopic(const double* v, double* force) const noexcept;  ///< v [velocities of the pulleys], force [N, N·m]

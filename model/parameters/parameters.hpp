@@ -229,9 +229,10 @@ struct Coupling {
 /// Imperfections of a machine, which its drawing does not show.
 struct Imperfection {
     double misalignment = 0.0;              ///< of pulley 2 along its axis, towards +z [m]
-    Sheave sheave = Sheave::driving_fixed;  ///< the one with run-out or another attachment
+    Sheave sheave = Sheave::driving_fixed;  ///< the one with run-out, another attachment, or unbalance
     double runout = 0.0;                    ///< radial eccentricity of its flank about the shaft's axis [m]
     double attachment = 1.0;                ///< its attachment's stiffness against tilt, over that of the others
+    double unbalance = 0.0;                 ///< its mass times the distance of its centre of mass from its axis [kg·m]
     double pin_length_spread = 0.0;         ///< standard deviation of the lengths of pins [m]
     std::uint64_t pin_length_seed = 1;      ///< by which lengths are drawn
     bool operator==(const Imperfection&) const = default;

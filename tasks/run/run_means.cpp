@@ -164,8 +164,8 @@ SteadyRule steady_rule(const Scene& scene) noexcept {
     if (!scene.run.until.automatic()) return {};
     const model::Parameters& p = scene.parameters;
     const int pitches = static_cast<int>(p.chain.pitch.size()), pins = p.chain.pins;
-    const bool turns_matter =
-        p.imperfection.runout != 0.0 || p.imperfection.attachment != 1.0 || p.imperfection.pin_length_spread != 0.0 || pins % pitches != 0;
+    const bool turns_matter = p.imperfection.runout != 0.0 || p.imperfection.attachment != 1.0 || p.imperfection.unbalance != 0.0 ||
+                              p.imperfection.pin_length_spread != 0.0 || pins % pitches != 0;
     return {scene.run.steady, scene.run.steady_limit * pins, static_cast<double>(pins), static_cast<double>(turns_matter ? pins : pitches)};
 }
 

@@ -54,10 +54,19 @@ Violation tip_law_has_piecewise_corner(const Scene& scene) {
 
 Violation imperfections_have_pulleys(const Scene& scene) {
     const auto& [detail, i] = std::tie(scene.parameters.detail, scene.parameters.imperfection);
-    const bool some = i.misalignment != 0.0 || i.runout != 0.0 || i.attachment != 1.0 || i.pin_length_spread != 0.0;
+    const bool some = i.misalignment != 0.0 || i.runout != 0.0 || i.attachment != 1.0 || i.unbalance != 0.0 || i.pin_length_spread != 0.0;
     if (some && detail.pulleys == PulleyDetail::absent) return "imperfection.misalignment: imperfections are of pulleys, which are absent";
-    if (i.attachment == 1.0 || detail.pulleys == PulleyDetail::elastic) return {};
-    return "imperfection.attachment: an attachment yields with detail.pulleys = \"elastic\" only";
+    if (detail.pulleys == PulleyDetail::elastic) return {};
+    if (i.attachment != 1.0) return "imperfection.attachment: an attachment yields with detail.pulleys = \"elastic\" only";
+    if (i.unbalance != 0.0) return "imperfection.unbalance: rigid pulleys have no place to give way to: detail.pulleys = \"elastic\" only";
+    return {};
+}
+
+/// The centre of mass is well inside of the sheave, so that its inertia about that is positive.
+Violation unbalance_is_small(const Scene& scene) {
+    const auto& [pulley, i] = std::tie(scene.parameters.pulley, scene.parameters.imperfection);
+    if (i.unbalance * i.unbalance <= 0.1 * pulley.sheave_mass * pulley.sheave_polar_inertia) return {};
+    return "imperfection.unbalance: unbalance^2 <= 0.1 * pulley.sheave_mass * pulley.sheave_polar_inertia";
 }
 
 using model::PulleyDetail;
@@ -425,7 +434,8 @@ const std::vector<CrossCheck>& general_checks() {
         {{"run.followed_pin", "chain.pins"}, followed_pin_exists},
         {{"run.segments", "chain.pins"}, segments_have_links},
         {{"run.method"}, method_exists},
-        {{"run.method", "detail.pins", "detail.friction", "tip.friction_law", "imperfection.runout"}, method_takes_machine},
+        {{"run.method", "detail.pins", "detail.friction", "tip.friction_law", "imperfection.runout", "imperfection.unbalance"},
+         method_takes_machine},
         {{"run.assembly"}, assembly_exists},
         {{"run.assembly", "detail.pins"}, assembly_takes_pins},
         {{"detail.pins", "detail.order", "detail.plates", "detail.stick_slip", "joint.law"}, rigid_pins_are_simple},
@@ -442,9 +452,10 @@ const std::vector<CrossCheck>& machine_checks() {
     static const std::vector<CrossCheck> checks{
         {{"tip.friction_table", "tip.limiting_traction", "tip.friction_law", "tip.friction_coefficient"}, tip_law_has_its_largest},
         {{"tip.friction_law", "detail.pins", "detail.friction"}, tip_law_has_piecewise_corner},
-        {{"imperfection.attachment", "imperfection.runout", "imperfection.misalignment", "imperfection.pin_length_spread",
-          "detail.pulleys"},
+        {{"imperfection.attachment", "imperfection.runout", "imperfection.misalignment", "imperfection.unbalance",
+          "imperfection.pin_length_spread", "detail.pulleys"},
          imperfections_have_pulleys},
+        {{"imperfection.unbalance", "pulley.sheave_mass", "pulley.sheave_polar_inertia"}, unbalance_is_small},
         {{"vehicle.mass", "vehicle.wheel_radius", "vehicle.final_drive", "vehicle.drag_area", "load.mode", "detail.pulleys"},
          vehicle_loads_shaft},
         {{"cycle.speed", "cycle.begin", "cycle.pedal_time", "cycle.min_ratio", "cycle.max_ratio", "vehicle.mass", "drive.mode",

@@ -62,14 +62,14 @@ struct NamedDimension {
 };
 
 // clang-format off
-constexpr std::array<NamedDimension, 32> named_dimensions{{
+constexpr std::array<NamedDimension, 33> named_dimensions{{
     {"a plain number", "1"}, {"a length", "m"}, {"an area", "m^2"}, {"a volume", "m^3"}, {"a mass", "kg"},
     {"a time", "s"}, {"an angle", "rad"}, {"a speed", "m/s"}, {"an acceleration", "m/s^2"}, {"an inverse speed", "s/m"},
     {"a rotational speed", "rad/s"}, {"a frequency", "Hz"}, {"a force", "N"}, {"a force rate", "N/s"},
     {"a torque", "N*m"}, {"a pressure", "Pa"}, {"a stiffness", "N/m"}, {"a Hertz stiffness", "N/m^1.5"},
     {"a rotational stiffness", "N*m/rad"}, {"a bending stiffness", "N*m^2"}, {"a damping", "N*s/m"},
     {"a rotational damping", "N*m*s/rad"}, {"a rotational drag", "N*m*s^2/rad^2"}, {"a moment of inertia", "kg*m^2"},
-    {"a density", "kg/m^3"}, {"a pressure rate", "Pa/s"}, {"a flow per pressure", "m^3/s/Pa"},
+    {"an unbalance", "kg*m"}, {"a density", "kg/m^3"}, {"a pressure rate", "Pa/s"}, {"a flow per pressure", "m^3/s/Pa"},
     {"a temperature", "K"}, {"a viscosity", "Pa*s"}, {"an inverse pressure", "1/Pa"},
     {"a heat capacity", "J/K"}, {"a thermal conductance", "W/K"},
 }};

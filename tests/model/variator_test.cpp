@@ -122,6 +122,7 @@ std::vector<DetailCase> imperfect_cases() {
             p.imperfection.sheave = sheave;
             p.imperfection.runout = 5e-6;
             p.imperfection.attachment = pulleys == model::PulleyDetail::elastic ? 0.5 : 1.0;
+            p.imperfection.unbalance = pulleys == model::PulleyDetail::elastic ? 0.02 : 0.0;
             const std::string name = std::string(sheave == model::Sheave::driven_movable ? "driven_" : "driving_") +
                                      (pulleys == model::PulleyDetail::elastic ? "elastic" : "rigid");
             cases.push_back({name, p});

@@ -116,7 +116,7 @@ std::vector<Real> solve(Matrix matrix, std::vector<Real> right) {
 }
 
 /// Diagonal of the pulleys' inertia in the order of their coordinates.
-std::vector<Real> pulley_inertia(const model::Parameters& parameters) {
+std::vector<Real> pulley_diagonal(const model::Parameters& parameters) {
     const auto& p = parameters.pulley;
     const Real added[] = {parameters.drive.inertia, parameters.load.inertia};
     std::vector<Real> diagonal;
@@ -139,6 +139,32 @@ std::vector<Real> pulley_inertia(const model::Parameters& parameters) {
     return diagonal;
 }
 
+/// Unbalance U of a sheave at the angle φ: its mass is at (u_x, u_y) + (U/m) (cos φ, sin φ).
+struct Unbalance {
+    int body = 0;  ///< its first coordinate of the pulleys'
+    Vec2 at;       ///< U (cos φ, sin φ) [kg·m]
+    Real spin = 0.0L;
+};
+
+Unbalance unbalance_of(const System& system) {
+    const auto& i = system.parameters.imperfection;
+    const int sheave = static_cast<int>(i.sheave), number = model::sheave_body(sheave / 2, sheave % 2);
+    const Real angle = system.body[number].phi;
+    return {6 * number, Real{i.unbalance} * Vec2{std::cos(angle), std::sin(angle)}, system.body[number].phi_rate};
+}
+
+Matrix pulley_inertia(const System& system) {
+    const std::vector<Real> diagonal = pulley_diagonal(system.parameters);
+    Matrix matrix(diagonal.size(), std::vector<Real>(diagonal.size(), 0.0L));
+    for (std::size_t k = 0; k < diagonal.size(); ++k) matrix[k][k] = diagonal[k];
+    if (system.parameters.imperfection.unbalance == 0.0) return matrix;
+    const auto [body, at, spin] = unbalance_of(system);
+    const int x = body, y = body + 1, phi = body + 5;
+    matrix[x][phi] = matrix[phi][x] = -at.y;
+    matrix[y][phi] = matrix[phi][y] = at.x;
+    return matrix;
+}
+
 }  // namespace
 
 std::vector<Real> accelerations(const System& system, std::span<const Real> forces) {
@@ -149,8 +175,14 @@ std::vector<Real> accelerations(const System& system, std::span<const Real> forc
         const auto of_link = forces.subspan(i * layout.link_size(), layout.link_size());
         for (const Real a : solve(matrix, {of_link.begin(), of_link.end()})) result.push_back(a);
     }
-    const auto diagonal = pulley_inertia(system.parameters);
-    for (const Real inertia : diagonal) result.push_back(forces[result.size()] / inertia);
+    const auto on_pulleys = forces.subspan(result.size(), layout.pulley_size);
+    std::vector<Real> right(on_pulleys.begin(), on_pulleys.end());
+    if (system.parameters.imperfection.unbalance != 0.0) {
+        const auto [body, at, spin] = unbalance_of(system);
+        right[body] += spin * spin * at.x;
+        right[body + 1] += spin * spin * at.y;
+    }
+    for (const Real a : solve(pulley_inertia(system), right)) result.push_back(a);
     return result;
 }
 
@@ -165,8 +197,10 @@ Real kinetic_energy(const System& system, std::span<const Real> state) {
         }
     }
     const auto v = state.subspan(layout.pulley_begin() + layout.pulley_size, layout.pulley_size);
-    const auto diagonal = pulley_inertia(system.parameters);
-    for (int k = 0; k < layout.pulley_size; ++k) sum += 0.5L * diagonal[k] * v[k] * v[k];
+    const Matrix of_pulleys = pulley_inertia(system);
+    for (int r = 0; r < layout.pulley_size; ++r) {
+        for (int c = 0; c < layout.pulley_size; ++c) sum += 0.5L * v[r] * of_pulleys[r][c] * v[c];
+    }
     return sum;
 }
 

@@ -35,9 +35,10 @@ constexpr NewtonVariant variants[] = {
 
 /// The requirement that a machine misses, empty if none. Accelerations of rigid pins depend on three neighbours on each side; exact
 /// Jacobians and friction solved for in slips are made for halves, which depend on one. They also ignore that an eccentric flank moves as
-/// its shaft turns.
+/// its shaft turns, and that unbalance couples coordinates of a sheave.
 [[nodiscard]] std::string_view missing_halves(const model::Parameters& parameters) noexcept {
     if (parameters.detail.pins != model::PinDetail::halves) return "detail.pins = \"halves\"";
+    if (parameters.imperfection.unbalance != 0.0) return "imperfection.unbalance = 0";
     return parameters.imperfection.runout == 0.0 ? "" : "imperfection.runout = 0";
 }
 

@@ -174,30 +174,57 @@ TEST(Pulleys, AttachmentsOnlyResistMotionAgainstTheShaft) {
     EXPECT_NEAR(account[Energy::supports], bearings, 1e-12 * bearings);
 }
 
-TEST(Pulleys, LoseWhatTheirForcesTakeAndGyroscopicForcesDoNoWork) {
-    const Parameters p;
+/// A sheave that whirls with its shaft at rest: k u - m ω² u = U ω², along the unbalance, and nothing turns it.
+TEST(Pulleys, UnbalanceWhirlsAsTheResonanceCurveHasIt) {
+    Parameters p;
+    p.imperfection = {.sheave = Sheave::driven_fixed, .unbalance = 2e-3};
+    p.pulley.damping_ratio = 0.0;
     const PulleyModel pulleys(p);
-    const auto energy = [&](const std::vector<double>& block) {
-        Account account;
-        auto slope = block;
-        pulleys.slope(block.data(), {}, {}, slope.data(), &account);
-        return account[Energy::supports] + pulleys.kinetic(block.data());
-    };
-    for (unsigned seed = 1; seed <= 5; ++seed) {
-        const auto block = random_block(pulleys, seed);
-        const Inputs inputs{12.0, -7.0, {1e3, 2e3}, {}};
-        Account account;
-        auto slope = block;
-        pulleys.slope(block.data(), inputs, {}, slope.data(), &account);
-        auto before = block, after = block;
-        const double step = 1e-9;  // energies are quadratic: the central difference is exact up to rounding, 1e-16 · 20 J / step
-        for (std::size_t k = 0; k < block.size(); ++k) before[k] -= step * slope[k], after[k] += step * slope[k];
-        const double rate = (energy(after) - energy(before)) / (2.0 * step);
-        const WorkRates works = pulleys.works(block.data(), inputs);
-        const double expected = works[0] + works[1] + works[2] - account[Loss::supports] - account[Loss::cylinder];
-        EXPECT_GT(account[Loss::supports], 0.0);
-        EXPECT_GT(account[Loss::cylinder], 0.0);
-        EXPECT_NEAR(rate, expected, 1e-5 + 1e-9 * std::abs(expected)) << seed;
+    const double stiffness = p.pulley.attachment_radial, mass = p.pulley.sheave_mass;
+    const auto at = [](int freedom) { return static_cast<std::size_t>(body_freedom(sheave_body(1, 1), freedom)); };
+    const std::size_t size = static_cast<std::size_t>(pulleys.size());
+    for (const double share : {0.1, 0.5, 2.0}) {  // of the resonance
+        const double omega = share * std::sqrt(stiffness / mass), angle = 0.7;
+        const double amplitude = 2e-3 * omega * omega / (stiffness - mass * omega * omega);
+        auto block = at_rest(pulleys), slope = at_rest(pulleys);
+        block[at(0)] = amplitude * std::cos(angle), block[at(1)] = amplitude * std::sin(angle), block[at(5)] = angle;
+        block[size + at(0)] = -omega * block[at(1)], block[size + at(1)] = omega * block[at(0)], block[size + at(5)] = omega;
+        block[static_cast<std::size_t>(pulleys.rotation(1))] = angle;  // no torsion
+        pulleys.slope(block.data(), {}, {}, slope.data(), nullptr);
+        const double largest = std::abs(amplitude) * omega * omega;
+        EXPECT_NEAR(slope[size + at(0)], -omega * omega * block[at(0)], 1e-12 * largest);
+        EXPECT_NEAR(slope[size + at(1)], -omega * omega * block[at(1)], 1e-12 * largest);
+        EXPECT_NEAR(slope[size + at(5)] * std::sqrt(p.pulley.sheave_polar_inertia / mass), 0.0, 1e-12 * largest);
+    }
+}
+
+TEST(Pulleys, LoseWhatTheirForcesTakeAndGyroscopicForcesDoNoWork) {
+    for (const double unbalance : {0.0, 0.02}) {
+        Parameters p;
+        p.imperfection.unbalance = unbalance;
+        const PulleyModel pulleys(p);
+        const auto energy = [&](const std::vector<double>& block) {
+            Account account;
+            auto slope = block;
+            pulleys.slope(block.data(), {}, {}, slope.data(), &account);
+            return account[Energy::supports] + pulleys.kinetic(block.data());
+        };
+        for (unsigned seed = 1; seed <= 5; ++seed) {
+            const auto block = random_block(pulleys, seed);
+            const Inputs inputs{12.0, -7.0, {1e3, 2e3}, {}};
+            Account account;
+            auto slope = block;
+            pulleys.slope(block.data(), inputs, {}, slope.data(), &account);
+            auto before = block, after = block;
+            const double step = 1e-9;  // energies are quadratic: the central difference is exact up to rounding, 1e-16 · 20 J / step
+            for (std::size_t k = 0; k < block.size(); ++k) before[k] -= step * slope[k], after[k] += step * slope[k];
+            const double rate = (energy(after) - energy(before)) / (2.0 * step);
+            const WorkRates works = pulleys.works(block.data(), inputs);
+            const double expected = works[0] + works[1] + works[2] - account[Loss::supports] - account[Loss::cylinder];
+            EXPECT_GT(account[Loss::supports], 0.0);
+            EXPECT_GT(account[Loss::cylinder], 0.0);
+            EXPECT_NEAR(rate, expected, 1e-5 + 1e-9 * std::abs(expected)) << seed;
+        }
     }
 }
 
