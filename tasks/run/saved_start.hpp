@@ -20,7 +20,9 @@ namespace cvtflow::tasks {
 inline constexpr std::string_view step_taken_attribute = "step_taken";
 /// Attribute with the error of the energy balance (EnergyLedger::balance_error_ratio): a run from a wrong state has wrong results.
 inline constexpr std::string_view balance_error_ratio_attribute = "energy_suspicion";
-/// Its value; 0 if absent.
+/// Attribute of states with a ledger: its numbers. A state without it is of a program whose ledger lacked the loss of guides.
+inline constexpr std::string_view ledger_size_attribute = "ledger_size";
+/// balance_error_ratio_attribute's value; 0 if absent.
 [[nodiscard]] double balance_error_ratio_of(const engine::SavedState& saved);
 
 /// The state that a scene names (state_file). @throws engine::RecordError that begins with the place where it is named

@@ -100,7 +100,7 @@ namespace {
 /// Rest of a budget that is used up: 0 would mean no budget [s].
 constexpr double shortest_budget = 1e-9;
 
-constexpr std::size_t ledger_size = model::loss_kinds + model::work_kinds;
+constexpr std::int64_t ledger_size = model::loss_kinds + model::work_kinds;
 
 /// The phase in terms of the present scene: without stick and slip a tip just touches; with them, a start finds which of both.
 [[nodiscard]] model::Phase adopted(std::uint8_t saved, bool stick_slip) {
@@ -109,17 +109,30 @@ constexpr std::size_t ledger_size = model::loss_kinds + model::work_kinds;
     return stick_slip ? model::Phase::free : model::Phase::touching;
 }
 
+/// The numbers of a state behind its pulleys: integrals of up to two controllers, hydraulics, ledger.
+struct SavedTail {
+    std::size_t integrals, first_order;  ///< first_order: before the ledger
+    bool ledger, fits, has_guides;       ///< has_guides: among the losses of the ledger
+
+    /// @param count of all numbers behind the pulleys
+    SavedTail(const engine::SavedState& saved, std::size_t count) {
+        const std::int64_t* size = engine::attribute_value<std::int64_t>(saved.attributes, ledger_size_attribute);
+        has_guides = size != nullptr;
+        const std::size_t of_ledger = ledger_size - (has_guides ? 0 : 1);
+        first_order = count % of_ledger;
+        integrals = first_order % model::hydraulic_unknowns;
+        ledger = count >= of_ledger;
+        fits = integrals <= 2 && count < 2 * of_ledger && (!has_guides || *size == ledger_size);
+    }
+};
+
 /// Links and pulleys must fit; control and ledger, which a saved state may have or lack, continue, or begin at zero if they are new.
 /// Cylinders begin with the clamping forces that act here (couple).
 void take_state(Workspace& w, const Scene& scene, const engine::SavedState& saved, const std::vector<std::string>& differences) {
     const model::ChainLayout& at = w.layout();
     const std::size_t mechanical = static_cast<std::size_t>(at.control_begin());
-    const std::size_t behind_pulleys = saved.state.size() - std::min(saved.state.size(), mechanical);
-    constexpr std::size_t oil = model::hydraulic_unknowns;
-    const std::size_t first_order = behind_pulleys % ledger_size;  // of up to 2 controllers, 9 of hydraulics; 12 of a ledger
-    const std::size_t integrals = first_order % oil;
-    const bool fits = saved.state.size() >= mechanical && integrals <= 2 && behind_pulleys / ledger_size <= 1;
-    if (!fits || saved.phases.size() != w.tips.phases.size()) {
+    const SavedTail tail(saved, saved.state.size() - std::min(saved.state.size(), mechanical));
+    if (saved.state.size() < mechanical || !tail.fits || saved.phases.size() != w.tips.phases.size()) {
         std::string message = fmt::format("{}start.state: {} contains {} unknowns, this scene has {}", scene.state_place, scene.state_file,
                                           saved.state.size(), at.size());
         for (const std::string& line : differences) message += "\n  " + line;
@@ -131,10 +144,13 @@ void take_state(Workspace& w, const Scene& scene, const engine::SavedState& save
     }
     const auto behind = saved.state.begin() + static_cast<std::ptrdiff_t>(mechanical);
     std::fill_n(std::copy(saved.state.begin(), behind, w.state_to_set()), static_cast<std::size_t>(at.size()) - mechanical, 0.0);
-    const std::size_t controllers = static_cast<std::size_t>(at.controls) % oil;
-    std::copy_n(behind, std::min(integrals, controllers), w.state_to_set() + at.control_begin());
-    const auto ledger = behind + static_cast<std::ptrdiff_t>(first_order);
-    if (at.ledger) std::copy(ledger, saved.state.end(), w.state_to_set() + at.ledger_begin());
+    const std::size_t controllers = static_cast<std::size_t>(at.controls) % model::hydraulic_unknowns;
+    std::copy_n(behind, std::min(tail.integrals, controllers), w.state_to_set() + at.control_begin());
+    if (at.ledger && tail.ledger) {
+        const auto ledger = behind + static_cast<std::ptrdiff_t>(tail.first_order);
+        double* const works = std::copy_n(ledger, model::loss_kinds - (tail.has_guides ? 0 : 1), w.state_to_set() + at.ledger_begin());
+        std::copy(saved.state.end() - model::work_kinds, saved.state.end(), works + (tail.has_guides ? 0 : 1));
+    }
     const bool stick_slip = scene.parameters.detail.stick_slip;
     std::transform(saved.phases.begin(), saved.phases.end(), w.tips.phases.begin(),
                    [=](std::uint8_t phase) { return adopted(phase, stick_slip); });
@@ -374,6 +390,7 @@ engine::SavedState Simulation::saved_state() const {
     const std::string text = write_scene(scene_);
     saved.fingerprint = engine::Hash().add(std::string_view(text)).hex();
     saved.attributes = {{"scene", text}, {"method", method().name()}, {std::string(balance_error_ratio_attribute), balance_error_ratio()}};
+    if (workspace_->layout().ledger) saved.attributes.push_back({std::string(ledger_size_attribute), ledger_size});
     if (step_ > 0.0) saved.attributes.push_back({std::string(step_taken_attribute), step_});
     return saved;
 }

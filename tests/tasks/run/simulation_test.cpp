@@ -143,9 +143,10 @@ TEST(Simulation, APartBegunAnewCountsFromZeroAndEndsAfterItsSteps) {
 /// A state file that is gone with the test.
 class StateFile {
 public:
-    explicit StateFile(const Simulation& simulation)
+    explicit StateFile(const Simulation& simulation) : StateFile(simulation.saved_state()) {}
+    explicit StateFile(const engine::SavedState& saved)
         : path_(std::filesystem::temp_directory_path() / ("cvtflow_simulation_test_" + std::to_string(::getpid()) + ".h5")) {
-        engine::write_state(path_.string(), simulation.saved_state());
+        engine::write_state(path_.string(), saved);
     }
     ~StateFile() { std::filesystem::remove(path_); }
     StateFile(const StateFile&) = delete;
@@ -205,6 +206,28 @@ TEST(Simulation, TakesASavedStateWithAnotherNumberOfControllers) {
         }
         for (int k = 0; k < model::loss_kinds + model::work_kinds; ++k)
             EXPECT_EQ(other.state()[at.ledger_begin() + k], simulation.state()[before.ledger_begin() + k]);
+    }
+}
+
+/// A state of release 0.3.0, whose ledger had no loss of guides: with one controller it has as many numbers behind the pulleys as one
+/// without any has now.
+TEST(Simulation, TakesTheLedgerOfASavedStateFromBeforeGuides) {
+    for (const auto driven : {model::DrivenControl::none, model::DrivenControl::safety}) {
+        Scene scene = tiny_scene();
+        scene.parameters.control.enabled = true;
+        scene.parameters.control.driven = driven;
+        scene.parameters.ledger = true;
+        Simulation simulation(scene);
+        ASSERT_FALSE(settle_and_run(simulation, 1e-5));
+        const model::ChainLayout& at = simulation.variator().layout();
+        engine::SavedState saved = simulation.saved_state();
+        ASSERT_EQ(std::erase_if(saved.attributes, [](const auto& each) { return each.name == ledger_size_attribute; }), 1u);
+        saved.state.erase(saved.state.begin() + at.ledger_begin() + static_cast<int>(model::Loss::guide));
+        const StateFile file(saved);
+        scene.state_file = file.path();
+        const Simulation other(scene);
+        EXPECT_EQ(std::vector<double>(other.state(), other.state() + at.size()),
+                  std::vector<double>(simulation.state(), simulation.state() + at.size()));
     }
 }
 
