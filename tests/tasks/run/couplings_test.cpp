@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "tasks/run/simulation.hpp"
 #include "tasks/tuning/tuner.hpp"
+#include "tests/tasks/run/settled_run_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
@@ -31,22 +31,15 @@ Scene coupled_scene() {
     return scene;
 }
 
-void run(Simulation& simulation, double until) {
-    Fault fault;
-    if (simulation.needs_settling()) fault = simulation.advance({.until = 0.0}, no_observer, never_cancelled);
-    if (!fault) fault = simulation.advance({.until = until}, no_observer, never_cancelled);
-    ASSERT_FALSE(fault) << fault.message();
-}
-
 const double* pulleys_of(const Simulation& simulation) { return simulation.state() + simulation.workspace().layout().pulley_begin(); }
 
 TEST(SimulationCouplings, TheirEnergyBalanceClosesToRounding) {
     Simulation simulation(coupled_scene());
-    run(simulation, 0.0);
+    settle_and_go(simulation, 0.0);
     double stored[2];
     for (int shaft = 0; shaft < 2; ++shaft)
         stored[shaft] = simulation.variator().pulleys().coupling(0.0, pulleys_of(simulation), shaft).energy;
-    run(simulation, 1e-3);
+    settle_and_go(simulation, 1e-3);
     const EnergyLedger& energy = simulation.energy();
     const EnergySums sums = energy.sums(simulation.time());
     for (std::size_t k = 0; k < 2; ++k) {
@@ -64,11 +57,11 @@ TEST(SimulationCouplings, RigidPinsCountWorkAndLossOfBothCouplings) {
     Scene scene = coupled_scene();
     set_values(scene, std::vector<std::string>{"detail.pins=rigid", "detail.order=2", "run.method=auto", "run.step=1 us"});
     Simulation simulation(scene);
-    run(simulation, 0.0);
+    settle_and_go(simulation, 0.0);
     double stored[2];
     for (int shaft = 0; shaft < 2; ++shaft)
         stored[shaft] = simulation.variator().pulleys().coupling(0.0, pulleys_of(simulation), shaft).energy;
-    run(simulation, 1e-3);
+    settle_and_go(simulation, 1e-3);
     const EnergyLedger& energy = simulation.energy();
     const EnergySums sums = energy.sums(simulation.time());
     for (std::size_t k = 0; k < 2; ++k) {
@@ -84,24 +77,24 @@ TEST(SimulationCouplings, RigidPinsCountWorkAndLossOfBothCouplings) {
 
 TEST(SimulationCouplings, AFarEndThatSlowsDownBrakesTheShaft) {
     Simulation simulation(coupled_scene());
-    run(simulation, 0.0);
+    settle_and_go(simulation, 0.0);
     const auto torque = [&] { return simulation.variator().pulleys().inputs(simulation.time(), pulleys_of(simulation)).load_torque; };
     const double before = torque();
     EXPECT_LT(before, 0.0);
-    run(simulation, 4e-4);
+    settle_and_go(simulation, 4e-4);
     EXPECT_LT(torque(), before - 1.0);  // damper: 0.5 N·m·s/rad times 9 rad/s; the spring twists on
 }
 
 TEST(SimulationCouplings, ContinueBitForBitFromAnIntegrationState) {
     const Scene scene = coupled_scene();
     Simulation whole(scene);
-    run(whole, 2e-4);
+    settle_and_go(whole, 2e-4);
     const IntegrationState middle = whole.integration_state();
     EXPECT_EQ(middle.couplings.size(), 6u);
-    run(whole, 5e-4);
+    settle_and_go(whole, 5e-4);
     Simulation other(scene);
     other.restore(middle);
-    run(other, 5e-4);
+    settle_and_go(other, 5e-4);
     EXPECT_EQ(other.hash(), whole.hash());
     EXPECT_EQ(other.energy().input_works().couplings.work, whole.energy().input_works().couplings.work);
 }
@@ -111,10 +104,10 @@ TEST(SimulationCouplings, AreReleasedWhereAStateBeforeThemIsPutBack) {
     Simulation simulation(scene), fresh(scene);
     ASSERT_EQ(simulation.advance({.until = 0.0, .steps = 100}, no_observer, never_cancelled).kind, FaultKind::max_steps);
     const IntegrationState settling = simulation.integration_state();
-    run(simulation, 1e-4);
+    settle_and_go(simulation, 1e-4);
     simulation.restore(settling);
-    run(simulation, 1e-4);
-    run(fresh, 1e-4);
+    settle_and_go(simulation, 1e-4);
+    settle_and_go(fresh, 1e-4);
     EXPECT_EQ(simulation.hash(), fresh.hash());
 }
 

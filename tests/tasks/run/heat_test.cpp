@@ -6,13 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "tasks/run/simulation.hpp"
+#include "tests/tasks/run/settled_run_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
-
-SilentObserver quiet_observer;
-const engine::Cancellation not_cancelled;
 
 /// So little heat capacity that a millisecond warms the machine by some kelvin.
 Scene warming_scene(const std::string& law = "lubricated") {
@@ -25,19 +22,12 @@ Scene warming_scene(const std::string& law = "lubricated") {
     return scene;
 }
 
-void run_on(Simulation& simulation, double until) {
-    Fault fault;
-    if (simulation.needs_settling()) fault = simulation.advance({.until = 0.0}, quiet_observer, not_cancelled);
-    if (!fault) fault = simulation.advance({.until = until}, quiet_observer, not_cancelled);
-    ASSERT_FALSE(fault) << fault.message();
-}
-
 TEST(SimulationHeat, LossesWarmTheMachineAndThinTheOil) {
     Simulation simulation(warming_scene());
-    run_on(simulation, 0.0);
+    settle_and_go(simulation, 0.0);
     const model::HeatBalance& heat = simulation.workspace().heat;
     const double start = heat.film(), before = simulation.variator().chain().coefficients().tip.law->by_speed.at(0.1);
-    run_on(simulation, 5e-4);
+    settle_and_go(simulation, 5e-4);
     EXPECT_GT(heat.pulleys(), start + 0.5);
     EXPECT_NEAR(heat.given(), heat.stored() + heat.taken(), 1e-9 * heat.given());
     EXPECT_NEAR(heat.given(), simulation.energy().sums(5e-4).lost(), 0.05 * heat.given()) << "up to the last output";
@@ -47,13 +37,13 @@ TEST(SimulationHeat, LossesWarmTheMachineAndThinTheOil) {
 TEST(SimulationHeat, ContinuesBitForBitFromAnIntegrationState) {
     const Scene scene = warming_scene();
     Simulation whole(scene);
-    run_on(whole, 2e-4);
+    settle_and_go(whole, 2e-4);
     const IntegrationState middle = whole.integration_state();
     EXPECT_FALSE(middle.heat.empty());
-    run_on(whole, 4e-4);
+    settle_and_go(whole, 4e-4);
     Simulation other(scene);
     other.restore(middle);
-    run_on(other, 4e-4);
+    settle_and_go(other, 4e-4);
     EXPECT_EQ(other.hash(), whole.hash());
     EXPECT_EQ(other.workspace().heat.film(), whole.workspace().heat.film());
 }
@@ -62,10 +52,10 @@ TEST(SimulationHeat, ContinuesBitForBitFromAnIntegrationState) {
 TEST(SimulationHeat, BeginsAnewWithAReset) {
     const Scene scene = warming_scene();
     Simulation fresh(scene), used(scene);
-    run_on(used, 4e-4);
+    settle_and_go(used, 4e-4);
     used.reset(scene, nullptr);
-    run_on(used, 2e-4);
-    run_on(fresh, 2e-4);
+    settle_and_go(used, 2e-4);
+    settle_and_go(fresh, 2e-4);
     EXPECT_EQ(used.hash(), fresh.hash());
 }
 
@@ -74,14 +64,14 @@ TEST(SimulationHeat, LeavesAConstantLawAlone) {
     Scene with = warming_scene("constant"), without = warming_scene("constant");
     set_values(without, std::vector<std::string>{"heat.enabled=false"});
     Simulation warm(with), cold(without);
-    run_on(warm, 1e-4);
-    run_on(cold, 1e-4);
+    settle_and_go(warm, 1e-4);
+    settle_and_go(cold, 1e-4);
     EXPECT_EQ(warm.hash(), cold.hash());
 }
 
 TEST(SimulationHeat, RefusesMalformedTemperatures) {
     Simulation simulation(warming_scene());
-    run_on(simulation, 1e-4);
+    settle_and_go(simulation, 1e-4);
     IntegrationState state = simulation.integration_state();
     state.heat.pop_back();
     EXPECT_THROW(simulation.restore(state), SimulationError);

@@ -8,13 +8,12 @@
 #include <vector>
 
 #include "tasks/channel/channels.hpp"
-#include "tasks/run/simulation.hpp"
 #include "tasks/tuning/tuner.hpp"
+#include "tests/tasks/run/settled_run_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
 
-SilentObserver oil_unwatched;
 const engine::Cancellation oil_uncancelled;
 
 /// The pump is sized for the clamping forces of `tiny`.
@@ -27,13 +26,6 @@ Scene hydraulic_scene(const std::string& detail, std::vector<std::string> more =
     settings.insert(settings.end(), more.begin(), more.end());
     set_values(scene, settings);
     return scene;
-}
-
-void settle_and_advance(Simulation& simulation, double until) {
-    Fault fault;
-    if (simulation.needs_settling()) fault = simulation.advance({.until = 0.0}, oil_unwatched, oil_uncancelled);
-    if (!fault) fault = simulation.advance({.until = until}, oil_unwatched, oil_uncancelled);
-    ASSERT_FALSE(fault) << fault.message();
 }
 
 const double* tail_of(const Simulation& simulation) { return simulation.state() + simulation.workspace().layout().pulley_begin(); }
@@ -73,7 +65,7 @@ private:
 
 TEST(PumpEfficiency, IsUndefinedBeforeThereIsPower) {
     Simulation simulation(hydraulic_scene("rigid"));
-    settle_and_advance(simulation, 0.0);
+    settle_and_go(simulation, 0.0);
     PumpEfficiency seen(simulation);
     ASSERT_FALSE(simulation.advance({.until = 0.5e-3, .anew = true}, seen, oil_uncancelled));
     EXPECT_TRUE(std::isnan(seen.values.front())) << "no time has passed";
@@ -85,10 +77,10 @@ class SimulationHydraulics : public testing::TestWithParam<std::string> {};
 
 TEST_P(SimulationHydraulics, TheirPowersBalance) {
     Simulation simulation(hydraulic_scene(GetParam(), step_of_force));
-    settle_and_advance(simulation, 0.0);
+    settle_and_go(simulation, 0.0);
     const model::HydraulicEnergy before = energy_of(simulation);
     EXPECT_EQ(before.pump, 0.0);
-    settle_and_advance(simulation, 2e-3);
+    settle_and_go(simulation, 2e-3);
     const model::HydraulicEnergy now = energy_of(simulation);
     const double residual = now.pump - now.lost() - now.sheaves - (now.stored - before.stored);
     EXPECT_GT(now.pump, 0.0);
@@ -99,10 +91,10 @@ TEST_P(SimulationHydraulics, TheirPowersBalance) {
 
 TEST_P(SimulationHydraulics, TakeOverWithoutAJumpAndFollowTheForceThatIsRequested) {
     Simulation simulation(hydraulic_scene(GetParam(), step_of_force));
-    settle_and_advance(simulation, 0.0);
+    settle_and_go(simulation, 0.0);
     EXPECT_NEAR(inputs_of(simulation).clamping[0], 5000.0, 1e-3);
     EXPECT_NEAR(inputs_of(simulation).clamping[1], 4000.0, 1e-3);
-    settle_and_advance(simulation, 3e-3);  // 14 time constants of the valve
+    settle_and_go(simulation, 3e-3);  // 14 time constants of the valve
     const model::HydraulicInstant now = oil_in(simulation);
     EXPECT_NEAR(now.set[1], now.target[1], 1e-3 * now.target[1]);
     const double droop = now.flow[1] / simulation.workspace().parameters.hydraulics.valve_conductance;
@@ -113,14 +105,9 @@ TEST_P(SimulationHydraulics, TakeOverWithoutAJumpAndFollowTheForceThatIsRequeste
 
 TEST_P(SimulationHydraulics, ContinueBitForBitFromAnIntegrationState) {
     const Scene scene = hydraulic_scene(GetParam(), step_of_force);
-    Simulation whole(scene), other(scene);
-    settle_and_advance(whole, 3e-4);
-    const IntegrationState middle = whole.integration_state();
-    settle_and_advance(whole, 6e-4);
-    other.restore(middle);
-    settle_and_advance(other, 6e-4);
-    EXPECT_EQ(other.hash(), whole.hash());
-    EXPECT_EQ(energy_of(other).pump, energy_of(whole).pump);
+    const ContinuedRun run(scene, 3e-4, 6e-4);
+    EXPECT_EQ(run.other.hash(), run.whole.hash());
+    EXPECT_EQ(energy_of(run.other).pump, energy_of(run.whole).pump);
 }
 
 INSTANTIATE_TEST_SUITE_P(Levels, SimulationHydraulics, testing::Values("rigid", "medium"),
@@ -130,7 +117,7 @@ INSTANTIATE_TEST_SUITE_P(Levels, SimulationHydraulics, testing::Values("rigid", 
 TEST(SimulationHydraulicsByPressure, PressuresAreThoseOfTheTables) {
     Simulation simulation(hydraulic_scene(
         "rigid", {"hydraulics.mode=pressure", "hydraulics.driving_pressure=[[0, 3e5], [1e-4, 4e5]]", "hydraulics.driven_pressure=5 bar"}));
-    settle_and_advance(simulation, 3e-3);
+    settle_and_go(simulation, 3e-3);
     const model::HydraulicInstant now = oil_in(simulation);
     EXPECT_NEAR(now.target[0], 4e5, 1e-3);
     EXPECT_NEAR(now.target[1], 5e5, 1e-3);
@@ -140,7 +127,7 @@ TEST(SimulationHydraulicsByPressure, PressuresAreThoseOfTheTables) {
 
 TEST(SimulationHydraulicsByPressure, ASavedStateStartsCylindersWithTheForcesThatAreRequested) {
     Simulation simulation(hydraulic_scene("rigid", step_of_force));
-    settle_and_advance(simulation, 0.0);
+    settle_and_go(simulation, 0.0);
     const engine::SavedState saved = simulation.saved_state();
     const Scene stiffer = hydraulic_scene("rigid", {"clamping.driven=4000", "clamping.driving=5000", "hydraulics.oil_modulus=5e8"});
     Simulation other(stiffer);

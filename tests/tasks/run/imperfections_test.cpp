@@ -1,4 +1,4 @@
-/// Pins of unequal length in a run: which pins press harder, at which order it shows, that energy closes, and that bits stay equal.
+/// Pins of unequal length in a run: which pins press harder, at which order it shows, that energy closes; and bits, also with unbalance.
 
 #include <gtest/gtest.h>
 
@@ -10,13 +10,10 @@
 #include <vector>
 
 #include "model/machine/coefficients.hpp"
-#include "tasks/run/simulation.hpp"
+#include "tests/tasks/run/settled_run_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
-
-SilentObserver imperfect_unwatched;
-const engine::Cancellation imperfect_uncancelled;
 
 Scene imperfect_scene(const std::string& detail, std::vector<std::string> more) {
     Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml");
@@ -25,13 +22,6 @@ Scene imperfect_scene(const std::string& detail, std::vector<std::string> more) 
     settings.insert(settings.end(), more.begin(), more.end());
     set_values(scene, settings);
     return scene;
-}
-
-void run_imperfect(Simulation& simulation, double until, RunObserver& observer) {
-    Fault fault;
-    if (simulation.needs_settling()) fault = simulation.advance({.until = 0.0}, imperfect_unwatched, imperfect_uncancelled);
-    if (!fault) fault = simulation.advance({.until = until}, observer, imperfect_uncancelled);
-    ASSERT_FALSE(fault) << fault.message();
 }
 
 /// Force of each pin on the sheaves while it touches, and place of a movable sheave over time.
@@ -76,13 +66,6 @@ private:
     double speed_ = 0.0, tension_ = 0.0;
 };
 
-double chain_length(const Scene& scene) {
-    const auto& chain = scene.parameters.chain;
-    double length = 0.0;
-    for (int link = 0; link < chain.pins; ++link) length += chain.pitch[static_cast<std::size_t>(link) % chain.pitch.size()];
-    return length;
-}
-
 struct Line {
     double slope;        ///< of force over λ [N/m]
     double correlation;  ///< of both
@@ -112,8 +95,8 @@ TEST_P(UnequalPins, PressWhereTheyStandOutOfLine) {
     const Scene unequal = scene("1 um", "60 ms"), equal = scene("0", "60 ms");
     Simulation with(unequal), without(equal);
     PressingObserver seen(with), before(without);
-    run_imperfect(with, 1.1 * turn, seen);
-    run_imperfect(without, 1.1 * turn, before);
+    settle_and_go(with, 1.1 * turn, seen);
+    settle_and_go(without, 1.1 * turn, before);
     const std::vector<double> longer = model::longer_halves(unequal.parameters);
     const std::size_t pins = longer.size();
     std::vector<double> force, out;
@@ -122,7 +105,8 @@ TEST_P(UnequalPins, PressWhereTheyStandOutOfLine) {
         out.push_back(2.0 * longer[pin] - longer[(pin + 1) % pins] - longer[(pin + pins - 1) % pins]);
     }
     const Line line = regression(out, force);
-    const double tangent = std::tan(unequal.parameters.tip.angle), pitch = chain_length(unequal) / static_cast<double>(pins);
+    const double tangent = std::tan(unequal.parameters.tip.angle),
+                 pitch = model::chain_length(unequal.parameters.chain) / static_cast<double>(pins);
     const double string = seen.tension() / (4.0 * pitch * tangent * tangent);
     RecordProperty("slope", std::to_string(line.slope / string));
     RecordProperty("correlation", std::to_string(line.correlation));
@@ -132,27 +116,23 @@ TEST_P(UnequalPins, PressWhereTheyStandOutOfLine) {
     EXPECT_LE(with.energy().balance_error_ratio(), 1.0);
 }
 
-TEST_P(UnequalPins, ContinueBitForBitAndWithAnyNumberOfSegments) {
-    const std::vector<std::string> settings{"imperfection.pin_length_spread=1 um", "start.settling_time=1 ms", "start.ramp_time=0.5 ms"};
+TEST_P(UnequalPins, AndUnbalanceContinueBitForBitAndWithAnyNumberOfSegments) {
+    const std::vector<std::string> settings{"imperfection.pin_length_spread=1 um", "imperfection.unbalance=1 g*m",
+                                            "start.settling_time=1 ms", "start.ramp_time=0.5 ms"};
     const Scene scene = imperfect_scene(GetParam(), settings);
-    Simulation whole(scene), other(scene);
-    run_imperfect(whole, 2e-4, imperfect_unwatched);
-    const IntegrationState middle = whole.integration_state();
-    run_imperfect(whole, 4e-4, imperfect_unwatched);
-    other.restore(middle);
-    run_imperfect(other, 4e-4, imperfect_unwatched);
-    EXPECT_EQ(other.hash(), whole.hash());
+    const ContinuedRun run(scene, 2e-4, 4e-4);
+    EXPECT_EQ(run.other.hash(), run.whole.hash());
     auto more = settings;
     more.emplace_back("imperfection.pin_length_seed=2");
     Simulation drawn_again(imperfect_scene(GetParam(), more));
-    run_imperfect(drawn_again, 4e-4, imperfect_unwatched);
-    EXPECT_NE(drawn_again.hash(), whole.hash());
+    settle_and_go(drawn_again, 4e-4);
+    EXPECT_NE(drawn_again.hash(), run.whole.hash());
     if (GetParam() == "rigid") return;  // one segment
     more = settings;
     more.insert(more.end(), {"run.segments=3", "run.threads=2"});
     Simulation threaded(imperfect_scene(GetParam(), more));
-    run_imperfect(threaded, 4e-4, imperfect_unwatched);
-    EXPECT_EQ(threaded.hash(), whole.hash());
+    settle_and_go(threaded, 4e-4);
+    EXPECT_EQ(threaded.hash(), run.whole.hash());
 }
 
 /// Equal pins repeat with every pin, others with every turn of the chain: they move the sheaves apart by their mean over the arc. (Force
@@ -164,10 +144,10 @@ TEST(UnequalPinsOfAChain, MoveTheSheavesOnceAroundTheChain) {
     const Scene unequal = scene("1 um"), equal = scene("0");
     Simulation with(unequal), without(equal);
     PressingObserver seen(with), before(without);
-    run_imperfect(with, 4.0 * turn, seen);
-    run_imperfect(without, 4.0 * turn, before);
+    settle_and_go(with, 4.0 * turn, seen);
+    settle_and_go(without, 4.0 * turn, before);
     seen.subtract(before);
-    const double once = seen.chain_speed() / chain_length(unequal);
+    const double once = seen.chain_speed() / model::chain_length(unequal.parameters.chain);
     double at_orders = 0.0, between = 0.0;
     for (const double order : {2.0, 3.0, 4.0}) {
         at_orders += std::pow(seen.amplitude(order * once), 2);

@@ -8,12 +8,11 @@
 
 #include "tasks/channel/channels.hpp"
 #include "tasks/run/run_means.hpp"
-#include "tasks/run/simulation.hpp"
+#include "tests/tasks/run/settled_run_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
 
-SilentObserver drag_unwatched;
 const engine::Cancellation drag_uncancelled;
 
 constexpr double driving_torque = 14.0, loading_torque = 11.0;  // [N·m]
@@ -38,13 +37,6 @@ Scene dragged_scene(const std::string& detail, std::vector<std::string> more = {
     return scene;
 }
 
-void run_dragged(Simulation& simulation, double until) {
-    Fault fault;
-    if (simulation.needs_settling()) fault = simulation.advance({.until = 0.0}, drag_unwatched, drag_uncancelled);
-    if (!fault) fault = simulation.advance({.until = until}, drag_unwatched, drag_uncancelled);
-    ASSERT_FALSE(fault) << fault.message();
-}
-
 double shaft_angle(const Simulation& simulation, int shaft) {
     const double* tail = simulation.state() + simulation.workspace().layout().pulley_begin();
     return tail[simulation.variator().pulleys().rotation(shaft)];
@@ -55,10 +47,10 @@ class ShaftDrag : public testing::TestWithParam<std::string> {};
 /// Constant torques from outside do T Δφ, of which drag takes its part and the variator gets the rest.
 TEST_P(ShaftDrag, TakesWhatTheVariatorDoesNotGet) {
     Simulation simulation(dragged_scene(GetParam()));
-    run_dragged(simulation, 0.0);
+    settle_and_go(simulation, 0.0);
     const double from[2] = {shaft_angle(simulation, 0), shaft_angle(simulation, 1)};
     const EnergySums before = simulation.energy().sums(0.0);
-    run_dragged(simulation, 3e-3);
+    settle_and_go(simulation, 3e-3);
     const EnergySums after = simulation.energy().sums(simulation.time());
     const double torque[2] = {driving_torque, -loading_torque};
     double brought = 0.0, dragged = 0.0;
@@ -82,7 +74,7 @@ TEST_P(ShaftDrag, LeavesTheImpulseFromOutsideAsItIs) {
     Simulation with(dragged_scene(GetParam())),
         without(dragged_scene(GetParam(), {"drag.driving_seals=0", "drag.driving_viscous=0", "drag.driven_seals=0",
                                            "drag.driven_churning=0", "drag.bearing_friction=0"}));
-    for (Simulation* each : {&with, &without}) run_dragged(*each, 1e-3);
+    for (Simulation* each : {&with, &without}) settle_and_go(*each, 1e-3);
     const InputWorks &dragged = with.energy().input_works(), &free = without.energy().input_works();
     EXPECT_EQ(free.drag.energy[0], 0.0);
     EXPECT_EQ(free.net_impulse()[1], free.impulse[1]);
@@ -93,14 +85,9 @@ TEST_P(ShaftDrag, LeavesTheImpulseFromOutsideAsItIs) {
 
 TEST_P(ShaftDrag, ContinuesBitForBitFromAnIntegrationState) {
     const Scene scene = dragged_scene(GetParam());
-    Simulation whole(scene), other(scene);
-    run_dragged(whole, 3e-4);
-    const IntegrationState middle = whole.integration_state();
-    run_dragged(whole, 6e-4);
-    other.restore(middle);
-    run_dragged(other, 6e-4);
-    EXPECT_EQ(other.hash(), whole.hash());
-    EXPECT_EQ(other.energy().input_works().drag.energy, whole.energy().input_works().drag.energy);
+    const ContinuedRun run(scene, 3e-4, 6e-4);
+    EXPECT_EQ(run.other.hash(), run.whole.hash());
+    EXPECT_EQ(run.other.energy().input_works().drag.energy, run.whole.energy().input_works().drag.energy);
 }
 
 INSTANTIATE_TEST_SUITE_P(Levels, ShaftDrag, testing::Values("rigid", "medium"), [](const auto& instance) { return instance.param; });
@@ -109,7 +96,7 @@ INSTANTIATE_TEST_SUITE_P(Levels, ShaftDrag, testing::Values("rigid", "medium"), 
 TEST(ShaftDragSummary, CountsDragAmongTheLosses) {
     const Scene scene = dragged_scene("rigid");
     Simulation simulation(scene);
-    run_dragged(simulation, 0.0);
+    settle_and_go(simulation, 0.0);
     RunWatch watch;
     class Outputs final : public RunObserver {
     public:

@@ -8,12 +8,10 @@
 #include <vector>
 
 #include "model/start/start_state.hpp"
-#include "tasks/run/simulation.hpp"
+#include "tests/tasks/run/settled_run_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
-
-const engine::Cancellation guide_uncancelled;
 
 Scene guided_scene(const std::string& name, const std::string& detail, const std::vector<std::string>& more) {
     Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/" + name + ".toml");
@@ -52,19 +50,6 @@ private:
     double force_[2] = {}, count_ = 0.0;
 };
 
-/// Settles, and goes to a time.
-void run_guided(Simulation& simulation, double until, RunObserver& observer) {
-    SilentObserver silent;
-    Fault fault;
-    if (simulation.needs_settling()) fault = simulation.advance({.until = 0.0}, silent, guide_uncancelled);
-    if (!fault) fault = simulation.advance({.until = until, .anew = true}, observer, guide_uncancelled);
-    ASSERT_FALSE(fault) << fault.message();
-}
-void run_guided(Simulation& simulation, double until) {
-    SilentObserver silent;
-    run_guided(simulation, until, silent);
-}
-
 double lost_by_guides(const Simulation& simulation) {
     return simulation.energy().sums(simulation.time()).loss[static_cast<std::size_t>(model::Loss::guide)];
 }
@@ -75,10 +60,10 @@ class StrandGuide : public testing::TestWithParam<std::string> {};
 /// of rigid pins is of second order in the step.
 TEST_P(StrandGuide, TakesTheEnergyThatItsAccountStates) {
     Simulation simulation(pressed_scene(GetParam(), {GetParam() == "rigid" ? "run.step=1 us" : "run.step=auto"}));
-    run_guided(simulation, 0.0);
+    settle_and_go(simulation, 0.0);
     const double before = lost_by_guides(simulation), all_before = simulation.energy().sums(0.0).lost();
     const EnergyMark from = simulation.energy().mark();
-    run_guided(simulation, 2e-3);
+    settle_and_go(simulation, 2e-3);
     const double taken = lost_by_guides(simulation) - before;
     EXPECT_GT(taken, 0.5 * (simulation.energy().sums(simulation.time()).lost() - all_before));
     EXPECT_LT(std::abs(simulation.energy().balance(from).residual()), 1e-3 * taken);
@@ -86,21 +71,16 @@ TEST_P(StrandGuide, TakesTheEnergyThatItsAccountStates) {
 
 TEST_P(StrandGuide, ContinuesBitForBitFromAnIntegrationState) {
     const Scene scene = pressed_scene(GetParam());
-    Simulation whole(scene), other(scene);
-    run_guided(whole, 3e-4);
-    const IntegrationState middle = whole.integration_state();
-    run_guided(whole, 6e-4);
-    other.restore(middle);
-    run_guided(other, 6e-4);
-    EXPECT_EQ(other.hash(), whole.hash());
-    EXPECT_EQ(lost_by_guides(other), lost_by_guides(whole));
+    const ContinuedRun run(scene, 3e-4, 6e-4);
+    EXPECT_EQ(run.other.hash(), run.whole.hash());
+    EXPECT_EQ(lost_by_guides(run.other), lost_by_guides(run.whole));
 }
 
 TEST_P(StrandGuide, WithoutStiffnessIsAbsent) {
     Simulation none(guided_scene("tiny", GetParam(), {"start.settling_time=0.2 ms", "start.ramp_time=0.1 ms", "run.method=auto"})),
         without(pressed_scene(GetParam(), {"guide.stiffness=0", "start.settling_time=0.2 ms", "start.ramp_time=0.1 ms"})),
         with(pressed_scene(GetParam(), {"start.settling_time=0.2 ms", "start.ramp_time=0.1 ms"}));
-    for (Simulation* each : {&none, &without, &with}) run_guided(*each, 1e-4);
+    for (Simulation* each : {&none, &without, &with}) settle_and_go(*each, 1e-4);
     EXPECT_EQ(without.hash(), none.hash());
     EXPECT_NE(with.hash(), none.hash());
     EXPECT_EQ(lost_by_guides(without), 0.0);
@@ -113,7 +93,7 @@ TEST(StrandGuides, HaveTheSameBitsOnEveryNumberOfThreads) {
     for (const std::string threads : {"1", "3"}) {
         Simulation simulation(pressed_scene(
             "medium", {"run.threads=" + threads, "run.segments=" + threads, "start.settling_time=0.2 ms", "start.ramp_time=0.1 ms"}));
-        run_guided(simulation, 1e-4);
+        settle_and_go(simulation, 1e-4);
         hashes.push_back(simulation.hash());
     }
     EXPECT_EQ(hashes[0], hashes[1]);
@@ -128,7 +108,7 @@ TEST(StrandGuides, PressAlikeAtBothChains) {
             "baseline", level == 0 ? "rigid" : "medium",
             {"start.state=", "start.settling_time=20 ms", "guide.stiffness=1e6 N/m", "guide.clearance=0", "guide.offset=-2 mm"}));
         GuideWatch watch(simulation);
-        run_guided(simulation, 20e-3, watch);
+        settle_and_go(simulation, 20e-3, watch);
         force[level] = watch.force(0) + watch.force(1);
     }
     EXPECT_GT(force[0], 500.0);
@@ -157,7 +137,7 @@ TEST(StrandGuides, BoundAStrandAtResonance) {
                          {"start.state=", "drive.speed=1050 rpm", "load.torque=50 N*m", "control.ratio=1", "control.gains=found",
                           "control.authority=60 kN", "guide.offset=0.2 mm", "guide.clearance=0.4 mm", "guide.stiffness=" + stiffness}));
         GuideWatch watch(simulation);
-        run_guided(simulation, 0.4, watch);
+        settle_and_go(simulation, 0.4, watch);
         return watch.farthest[0];
     };
     EXPECT_GT(swing("1 N/m"), 2.0 * 0.4e-3);

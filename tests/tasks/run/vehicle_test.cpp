@@ -6,21 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "tasks/run/simulation.hpp"
 #include "tasks/scene/parameter_table.hpp"
+#include "tests/tasks/run/settled_run_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
-
-SilentObserver unseen;
-const engine::Cancellation unbroken;
-
-void go(Simulation& simulation, double until) {
-    Fault fault;
-    if (simulation.needs_settling()) fault = simulation.advance({.until = 0.0}, unseen, unbroken);
-    if (!fault) fault = simulation.advance({.until = until}, unseen, unbroken);
-    ASSERT_FALSE(fault) << fault.message();
-}
 
 Scene ready(const std::string& name, const std::vector<std::string>& settings) {
     Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/" + name + ".toml");
@@ -42,7 +32,7 @@ TEST(SimulationVehicle, CoastsDownAsTheClosedFormHasIt) {
                                   "vehicle.wheel_inertia=0", "vehicle.drag_area=10 m^2", "vehicle.rolling_resistance=1"});
     const model::Parameters& p = scene.parameters;
     Simulation simulation(scene);
-    go(simulation, 2e-3);
+    settle_and_go(simulation, 2e-3);
     const double lever = scene.vehicle.lever(), v0 = turning(simulation, 1) * lever, ratio = turning(simulation, 0) * lever / v0;
     const double polar = p.pulley.shaft_polar_inertia + 2.0 * p.pulley.sheave_polar_inertia;
     const double link = 2.0 * p.half.mass + p.plate.count * p.plate.mass,
@@ -51,7 +41,7 @@ TEST(SimulationVehicle, CoastsDownAsTheClosedFormHasIt) {
     const double chain = p.chain.pins * link * radius * radius;
     const double mass = scene.vehicle.mass + (polar + ratio * ratio * polar + chain) / (lever * lever);
     const double constant = 40.0 * 9.81, drag = 0.5 * 1.2 * 10.0, lasted = 40e-3;
-    go(simulation, 2e-3 + lasted);
+    settle_and_go(simulation, 2e-3 + lasted);
     const double expected =
         std::sqrt(constant / drag) * std::tan(std::atan(v0 * std::sqrt(drag / constant)) - lasted * std::sqrt(constant * drag) / mass);
     const double v1 = turning(simulation, 1) * lever;
@@ -63,10 +53,10 @@ TEST(SimulationVehicle, CoastsDownAsTheClosedFormHasIt) {
 /// %).
 TEST(SimulationVehicle, ShaftTwoGivesWhatTheCycleNeeds) {
     Simulation simulation(ready("ece15", {"cycle.begin=128 s"}));
-    go(simulation, 0.1);
+    settle_and_go(simulation, 0.1);
     const auto load = static_cast<std::size_t>(model::Work::load);
     const double work = simulation.energy().sums(0.1).work[load], needed = simulation.workspace().trip.sums(0.1)[2];
-    go(simulation, 0.4);
+    settle_and_go(simulation, 0.4);
     const double given = work - simulation.energy().sums(0.4).work[load];
     const double target = simulation.workspace().trip.sums(0.4)[static_cast<std::size_t>(model::TripAccount::shaft)] - needed;
     EXPECT_GT(target, 1500.0);

@@ -1,0 +1,38 @@
+#pragma once
+/// Runs as tests of a feature need them: settled and at a time, and continued from a state between.
+
+#include <gtest/gtest.h>
+
+#include "tasks/run/simulation.hpp"
+
+namespace cvtflow::tasks {
+
+/// Settles a simulation that has not settled, and advances it to `until` [s]. Expects no fault. @param observer  after settling
+inline void settle_and_go(Simulation& simulation, double until, RunObserver& observer) {
+    SilentObserver silent;
+    const engine::Cancellation never;
+    Fault fault;
+    if (simulation.needs_settling()) fault = simulation.advance({.until = 0.0}, silent, never);
+    if (!fault) fault = simulation.advance({.until = until}, observer, never);
+    EXPECT_FALSE(fault) << fault.message();
+}
+inline void settle_and_go(Simulation& simulation, double until) {
+    SilentObserver silent;
+    settle_and_go(simulation, until, silent);
+}
+
+/// A scene at a time, without interruption, and continued by another simulation from the first one's integration state at `middle`.
+struct ContinuedRun {
+    Simulation whole, other;
+
+    /// @param middle, until [s]
+    ContinuedRun(const Scene& scene, double middle, double until) : whole(scene), other(scene) {
+        settle_and_go(whole, middle);
+        const IntegrationState state = whole.integration_state();
+        settle_and_go(whole, until);
+        other.restore(state);
+        settle_and_go(other, until);
+    }
+};
+
+}  // namespace cvtflow::tasks
