@@ -88,15 +88,18 @@ void Observer::observe_links(const double* state, const Phase* phases) noexcept 
     o.deepest = 0.0;
     o.creep = {};
     double energy = 0.0, speed = 0.0;
+    const bool guided = variator_.chain().coefficients().guide.present;
     for (int link = 0; link < at.links; ++link) {
         const LinkContact& contact = contacts_[index_of(link)];
         o.tension[index_of(link)] = contact.tension;
         const double* v = state + at.link_begin(link) + at.link_size();
         energy += kinetic_energy(variator_.chain().inertia(), v);
         speed += portable_hypot(v[at.x(End::rear, 0)], v[at.y(End::rear, 0)]);
-        const double* q = state + at.link_begin(link);
-        for (const End end : {End::rear, End::front})
-            observe_guide(0.5, q[at.x(end, 0)], q[at.y(end, 0)], v[at.x(end, 0)], v[at.y(end, 0)]);
+        if (guided) {
+            const double* q = v - at.link_size();
+            for (const End end : {End::rear, End::front})
+                observe_guide(0.5, q[at.x(end, 0)], q[at.y(end, 0)], v[at.x(end, 0)], v[at.y(end, 0)]);
+        }
         for (int tip = 0; tip < tips_per_link; ++tip) {
             o.tip_axial[index_of(tips_per_link * link + tip)] = contact.axial[tip];
             if (phases[tips_per_link * link + tip] == Phase::free) continue;
@@ -174,9 +177,9 @@ void Observer::observe_rigid(const RigidInstant& now) noexcept {
         for (int link = 0; link < columns.pins(); ++link)
             o.tip_axial[index_of(tips_per_link * link + tip)] = now.of_tip(Column::sheave_axial, link, tip);
     }
-    for (int pin = 0; pin < columns.pins(); ++pin) {
-        const auto number = [&](Column of) { return columns[of][pin]; };
-        observe_guide(1.0, number(Column::x), number(Column::y), number(Column::vx), number(Column::vy));
+    if (variator_.chain().coefficients().guide.present) {
+        const auto [x, y, vx, vy] = std::tuple(columns[Column::x], columns[Column::y], columns[Column::vx], columns[Column::vy]);
+        for (int pin = 0; pin < columns.pins(); ++pin) observe_guide(1.0, x[pin], y[pin], vx[pin], vy[pin]);
     }
     const RigidSums sums = now.sums();
     const auto mean = [](double sum, double count) { return count > 0.0 ? sum / count : 0.0; };
@@ -254,7 +257,6 @@ void Observer::observe_pulleys() noexcept {
 
 void Observer::observe_guide(double part, double x, double y, double vx, double vy) noexcept {
     const GuideCoefficients& guide = variator_.chain().coefficients().guide;
-    if (!guide.present) return;
     const GuideContact<1> contact(guide, part, x, y, vx, vy);
     if (contact.share[0] == 0.0) return;
     GuideLoad& load = observation_.guide[y > 0.0 ? 0 : 1];
