@@ -48,13 +48,6 @@ struct Kept {
     std::uint64_t inode = 0;
     std::string bytes;
     std::size_t flushed = 0;  ///< rows of completed flushes
-
-    void add(const Change& change) {
-        if (change.what == "size") bytes.resize(change.at);
-        if (change.what != "write") return;
-        bytes.resize(std::max(bytes.size(), change.at + change.bytes.size()));
-        bytes.replace(change.at, change.bytes.size(), change.bytes);
-    }
 };
 
 /// Rows that a reader finds, each checked.
@@ -84,11 +77,11 @@ protected:
     /// The record after a kill within `change`.
     /// @param border  of two pages, up to which the kernel came
     void expect_readable(const Kept& kept, const Change& change, std::size_t border) {
-        Kept torn = kept;
+        std::string torn = kept.bytes;
         Change part = change;
         part.bytes.resize(border - change.at);
-        torn.add(part);
-        std::ofstream(left_, std::ios::binary) << torn.bytes;
+        carry_out(part, torn);
+        std::ofstream(left_, std::ios::binary) << torn;
         try {
             EXPECT_GE(readable_rows(left_), kept.flushed);
         } catch (const std::exception& error) {
@@ -111,7 +104,7 @@ TEST_F(KilledRecord, IsReadableWhereverAWriteEnded) {
         if (change.what == "sync" && flushes < rows / rows_per_flush) kept.flushed = static_cast<std::size_t>(rows_per_flush * ++flushes);
         for (std::size_t border = (change.at / page + 1) * page; flushes > 0 && border < end_of(change); border += page, ++cuts)
             expect_readable(kept, change, border);
-        kept.add(change);
+        if (change.what == "write" || change.what == "size") carry_out(change, kept.bytes);
     }
     EXPECT_EQ(flushes, rows / rows_per_flush);
     EXPECT_GE(cuts, rows / 8 - rows_per_flush) << "chunks of rows after the first flush";

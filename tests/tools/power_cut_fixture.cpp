@@ -23,12 +23,6 @@ struct Content {
     bool folder = false;
 };
 
-void make(const Change& change, std::string& bytes) {
-    if (change.what == "size") return bytes.resize(change.at);
-    if (bytes.size() < change.at + change.bytes.size()) bytes.resize(change.at + change.bytes.size());
-    bytes.replace(change.at, change.bytes.size(), change.bytes);
-}
-
 /// "./out/" is "out".
 std::string plain(const std::string& path) {
     const std::string normal = fs::path(path).lexically_normal().string();
@@ -60,7 +54,7 @@ public:
         const auto of = by_inode_.find(change.inode);
         if (change.what == "write" || change.what == "size") {
             if (of == by_inode_.end()) return;  // of a file outside
-            make(change, of->second->now);
+            carry_out(change, of->second->now);
             of->second->since.push_back(change);
             return;
         }
@@ -131,7 +125,7 @@ private:
                 Change part = change;
                 part.at += at;
                 part.bytes = change.bytes.substr(std::min(at, change.bytes.size()), page);
-                if (chance() % 2 == 0) make(part, bytes);
+                if (chance() % 2 == 0) carry_out(part, bytes);
             }
         }
         return bytes;
@@ -145,6 +139,12 @@ private:
 };
 
 }  // namespace
+
+void carry_out(const Change& change, std::string& bytes) {
+    if (change.what == "size") return bytes.resize(change.at);
+    if (bytes.size() < change.at + change.bytes.size()) bytes.resize(change.at + change.bytes.size());
+    bytes.replace(change.at, change.bytes.size(), change.bytes);
+}
 
 std::vector<Change> read_power_log(const fs::path& log, const fs::path& folder) {
     std::ifstream file(log, std::ios::binary);

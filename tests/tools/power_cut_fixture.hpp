@@ -18,6 +18,9 @@ struct Change {
     std::string path, to;  ///< of names
 };
 
+/// Does a write or a new length to the bytes of a file.
+void carry_out(const Change& change, std::string& bytes);
+
 /// @param folder  changes outside of it are left out
 [[nodiscard]] std::vector<Change> read_power_log(const std::filesystem::path& log, const std::filesystem::path& folder);
 
