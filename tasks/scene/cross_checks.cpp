@@ -54,36 +54,44 @@ Violation tip_law_has_piecewise_corner(const Scene& scene) {
 
 Violation imperfections_have_pulleys(const Scene& scene) {
     const auto& [detail, i] = std::tie(scene.parameters.detail, scene.parameters.imperfection);
-    const bool some = i.misalignment != 0.0 || i.runout != 0.0 || i.attachment != 1.0 || i.unbalance != 0.0 || i.pin_length_spread != 0.0;
-    if (some && detail.pulleys == PulleyDetail::absent) return "imperfection.misalignment: imperfections are of pulleys, which are absent";
-    if (detail.pulleys == PulleyDetail::elastic) return {};
+    const std::string_view present = i.pin_length_spread != 0.0 ? "pin_length_spread"
+                                     : i.unbalance != 0.0       ? "unbalance"
+                                     : i.attachment != 1.0      ? "attachment"
+                                     : i.runout != 0.0          ? "runout"
+                                     : i.misalignment != 0.0    ? "misalignment"
+                                                                : "";
+    if (present.empty() || detail.pulleys == PulleyDetail::elastic) return {};
+    if (detail.pulleys == PulleyDetail::absent)
+        return fmt::format("imperfection.{}: imperfections are of pulleys, which are absent", present);
     if (i.attachment != 1.0) return "imperfection.attachment: an attachment yields with detail.pulleys = \"elastic\" only";
-    if (i.unbalance != 0.0) return "imperfection.unbalance: rigid pulleys have no place to give way to: detail.pulleys = \"elastic\" only";
+    if (i.unbalance != 0.0) return "imperfection.unbalance: a sheave yields to it with detail.pulleys = \"elastic\" only";
     return {};
 }
 
 /// The centre of mass is well inside of the sheave, so that its inertia about that is positive.
 Violation unbalance_is_small(const Scene& scene) {
     const auto& [pulley, i] = std::tie(scene.parameters.pulley, scene.parameters.imperfection);
-    if (i.unbalance * i.unbalance <= 0.1 * pulley.sheave_mass * pulley.sheave_polar_inertia) return {};
-    return "imperfection.unbalance: unbalance^2 <= 0.1 * pulley.sheave_mass * pulley.sheave_polar_inertia";
+    const double most = std::sqrt(0.1 * pulley.sheave_mass * pulley.sheave_polar_inertia);
+    if (i.unbalance <= most) return {};
+    return fmt::format("imperfection.unbalance: {} kg*m is too much for a sheave of this mass and inertia, which bears {:.2g}",
+                       number_text(i.unbalance), most);
 }
-
-using model::PulleyDetail;
-using Violation = std::optional<std::string>;
 
 Violation drag_has_shafts(const Scene& scene) {
     if (!scene.parameters.drag.present() || scene.parameters.detail.pulleys != PulleyDetail::absent) return {};
     return "drag.driving_seals: drag is of shafts, but detail.pulleys is \"absent\"";
 }
 
+Violation guide_begins_before_it_ends(const Scene& scene) {
+    const auto& guide = scene.parameters.guide;
+    if (!guide.present() || guide.begin < guide.end) return {};
+    return fmt::format("guide.begin: {} is not before guide.end = {}", number_text(guide.begin), number_text(guide.end));
+}
+
 Violation guide_has_strands(const Scene& scene) {
-    const auto& [guide, detail] = std::tie(scene.parameters.guide, scene.parameters.detail);
-    if (!guide.present()) return {};
-    if (detail.pulleys == PulleyDetail::absent) return "guide.stiffness: guides are of strands between pulleys, which are absent";
-    if (guide.begin >= guide.end)
-        return fmt::format("guide.begin: {} is not before guide.end = {}", number_text(guide.begin), number_text(guide.end));
     const auto& p = scene.parameters;
+    if (!p.guide.present()) return {};
+    if (p.detail.pulleys == PulleyDetail::absent) return "guide.stiffness: guides are of strands between pulleys, which are absent";
     if (model::belt_radii(model::chain_length(p.chain), p.start.ratio, p.pulley.centre_distance)) return {};
     return "guide.stiffness: at start.ratio the chain runs on no radii, and guides have no place";
 }
@@ -464,7 +472,8 @@ const std::vector<CrossCheck>& machine_checks() {
         {{"drag.driving_seals", "drag.driving_viscous", "drag.driving_churning", "drag.driven_seals", "drag.driven_viscous",
           "drag.driven_churning", "drag.bearing_friction", "detail.pulleys"},
          drag_has_shafts},
-        {{"guide.stiffness", "guide.begin", "guide.end", "start.ratio", "detail.pulleys"}, guide_has_strands},
+        {{"guide.stiffness", "start.ratio", "detail.pulleys"}, guide_has_strands},
+        {{"guide.begin", "guide.end", "guide.stiffness"}, guide_begins_before_it_ends},
         {{"hydraulics.mode", "detail.pulleys"}, hydraulics_have_pulleys},
         {{"hydraulics.oil_volume", "hydraulics.oil_modulus", "hydraulics.valve_conductance", "hydraulics.driving_area",
           "hydraulics.driven_area", "pulley.sheave_mass"},
