@@ -57,8 +57,7 @@ public:
     void note(const tasks::TransitionRecord& record);
     /// Time at which something may be due, at most `until`. now, until [s]
     [[nodiscard]] double next_stop(double now, double until) const noexcept;
-    /// Calls back what has come due, in the host's floating-point environment. @param now [s]   @param abandoned  set by a callback, ends
-    /// it
+    /// Calls back what has come due, in the host's floating-point environment; no further once a callback has set `abandoned`. now [s]
     void deliver(Simulation& self, double now, const bool& abandoned, FloatingDefaults& defaults);
 
 private:

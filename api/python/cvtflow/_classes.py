@@ -130,7 +130,7 @@ def plain(function, name):
 
 
 # What users call with values of their own, and seldom enough that a call of Python's more does not count.
-_told = {
+_with_plain_errors = {
     Simulation: "__init__ advance_to set_input set_state rhs on_output on_transition",
     Scene: "read parse ready with_detail keys value __getitem__",
     State: "from_bytes",
@@ -148,7 +148,7 @@ def _no_threads(*_, **__):
 def install():
     """Adds the methods to the classes."""
     Simulation.__reduce__ = _reduce
-    for owner, names in _told.items():
+    for owner, names in _with_plain_errors.items():
         for name in names.split():
             bound = inspect.getattr_static(owner, name)
             shown = name if owner in (_cvtflow, Simulation) else f"{owner.__name__}.{name}"
