@@ -41,11 +41,11 @@ std::vector<Schedule> schedules_for(const Scene& scene) {
     other = flow;
     other.assembly = {Assembly::staged};
     if (has_assembly(Assembly::staged) && scene.parameters.detail.pins == model::PinDetail::halves) add_once(list, other);
-    if (flow.threads < 4 || scene.run.threads > 0) return list;
-    other = flow;
-    other.threads = flow.threads / 2;
-    other.segments = segments(other.threads);
-    add_once(list, other);
+    for (other = flow, other.balanced = true; other.threads >= 4;) {
+        other.threads /= 2;
+        other.segments = segments(other.threads);
+        add_once(list, other);
+    }
     return list;
 }
 

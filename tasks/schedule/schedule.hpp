@@ -68,9 +68,9 @@ void balance(const std::vector<model::Phase>& phases, std::span<int> cuts, const
                                      const LinkCosts& costs = {}) noexcept;
 
 /// Candidate schedules of a scene: its own schedule, or, if run.schedule is "auto", what is worth trying: serial first, then `flow` in both
-/// assemblies, with one segment and two segments per thread, with equal and with balanced segments, and on half the threads where there are
-/// four or more. Numbers of segments and threads that the scene gives are respected, and so are assembly and partition if they are not the
-/// usual ones. Only serial on one usable processor.
+/// assemblies, with one segment and two segments per thread, with equal and with balanced segments, and on a half, a quarter … of the
+/// threads down to two. A number of segments that the scene gives is respected, and so are assembly and partition if they are not the usual
+/// ones; of threads there are at most as many as it gives. Only serial on one usable processor.
 /// @throws SceneError for an executor that does not exist
 [[nodiscard]] std::vector<Schedule> schedules_for(const Scene& scene);
 

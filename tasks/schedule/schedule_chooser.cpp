@@ -5,9 +5,15 @@
 
 namespace cvtflow::tasks {
 
-ScheduleChooser::ScheduleChooser(int candidates, const ChooserOptions& options)
-    : options_(options), candidates_(static_cast<std::size_t>(candidates)), period_(options.first_period) {
-    for (Candidate& each : candidates_) each.turns.reserve(static_cast<std::size_t>(options.rounds));
+ScheduleChooser::ScheduleChooser(std::span<const int> threads, const ChooserOptions& options)
+    : options_(options), candidates_(threads.size()), period_(options.first_period) {
+    for (std::size_t each = 0; each < threads.size(); ++each) {
+        candidates_[each].threads = threads[each];
+        candidates_[each].turns.reserve(static_cast<std::size_t>(options.rounds));
+        by_threads_.push_back(static_cast<int>(each));
+    }
+    std::stable_sort(by_threads_.begin(), by_threads_.end(),
+                     [threads](int a, int b) { return threads[static_cast<std::size_t>(a)] < threads[static_cast<std::size_t>(b)]; });
 }
 
 bool ScheduleChooser::record(const Pace& pace) noexcept {
@@ -96,15 +102,20 @@ void ScheduleChooser::end_check() noexcept {
     drifting_ = 0;
 }
 
-/// The first candidate when in doubt: it uses one processor only.
+/// Speed-up that a candidate must have over another one with as many threads or fewer to replace it [1].
+double ScheduleChooser::lead(int candidate, int other) const noexcept {
+    if (threads(candidate) > threads(other)) return threads(candidate) > threads(chosen_) ? options_.gain : options_.min_lead;
+    if (candidate == chosen_) return 1.0 / options_.min_lead;
+    return other == chosen_ ? options_.min_lead : 1.0;
+}
+
+/// From the fewest threads on, more are taken only where they pay.
 void ScheduleChooser::choose() noexcept {
     int best = 0;
-    for (int each = 1; each < static_cast<int>(candidates_.size()); ++each) {
-        if (per_cycle(each) < per_cycle(best)) best = each;
+    for (const int each : by_threads_) {
+        if (per_cycle(each) * lead(each, best) < per_cycle(best)) best = each;
     }
-    const bool keeps = chosen_ != 0 && per_cycle(chosen_) * options_.min_lead < per_cycle(0);
-    if (keeps && per_cycle(best) * options_.min_lead > per_cycle(chosen_)) return;
-    chosen_ = per_cycle(best) * (keeps ? options_.min_lead : options_.gain) < per_cycle(0) ? best : 0;
+    chosen_ = best;
 }
 
 }  // namespace cvtflow::tasks

@@ -5,12 +5,13 @@
 /// The run itself is the measurement: schedules take turns on its own steps (results do not depend on the schedule), so a trial costs only
 /// the time by which the schedule on trial is slower than the one in use. These losses are counted, and a turn is taken only while their
 /// sum, this turn being wasted entirely, stays below `max_trial_share` of the time so far. A run too short for a trial stays with the first
-/// candidate.
+/// candidate. Threads must pay: of candidates that are about equally fast the one with the fewest is chosen.
 ///
 ///     work (windows) ── due and affordable ──► check: rounds of turns of all candidates ──► medians ──► work
 ///          ▲ not affordable: back to work for a window, the check continues afterwards ─┘
 
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace cvtflow::tasks {
@@ -20,8 +21,8 @@ struct ChooserOptions {
     double turn = 0.004;            ///< of a candidate on trial [s]
     int rounds = 5;                 ///< turns of each candidate in a check
     double max_trial_share = 0.01;  ///< of all time
-    double gain = 1.05;             ///< speed-up with which another candidate replaces the first [1]
-    double min_lead = 1.02;         ///< speed-up with which it replaces any other, and which that must keep over the first [1]
+    double gain = 1.05;             ///< speed-up that threads which are not in use yet must bring [1]
+    double min_lead = 1.02;         ///< speed-up with which one replaces another, and which that must keep over fewer threads [1]
     double abandon_factor = 1.5;    ///< a turn slower than work by this factor ends a candidate's part in a check [1]
     double drift = 1.12;            ///< change of pace, two windows in a row, that calls for a check [1]
     double changed_links = 0.1;     ///< change in the number of touching links that does, as a share of it
@@ -38,8 +39,8 @@ struct Pace {
 
 class ScheduleChooser {
 public:
-    /// @param candidates at least one; the first is the reference
-    ScheduleChooser(int candidates, const ChooserOptions& options);
+    /// @param threads of each candidate, at least one; the first is the reference and has the fewest
+    ScheduleChooser(std::span<const int> threads, const ChooserOptions& options);
 
     /// Candidate to run now.
     [[nodiscard]] int candidate() const noexcept { return now_; }
@@ -58,6 +59,7 @@ public:
 
 private:
     struct Candidate {
+        int threads = 1;
         std::vector<double> turns;  ///< of the present check; room for all rounds [s]
         double median = 0.0;        ///< [s]
         bool out = false;           ///< of the present check
@@ -71,9 +73,12 @@ private:
     void next_turn() noexcept;
     void end_check() noexcept;
     void choose() noexcept;
+    [[nodiscard]] int threads(int candidate) const noexcept { return candidates_[static_cast<std::size_t>(candidate)].threads; }
+    [[nodiscard]] double lead(int candidate, int other) const noexcept;
 
     ChooserOptions options_;
     std::vector<Candidate> candidates_;
+    std::vector<int> by_threads_;  ///< candidates, those with the fewest threads first
     int now_ = 0, chosen_ = 0;
     bool trying_ = false;          ///< candidate() is on trial
     bool checking_ = false;        ///< a check has begun and not ended

@@ -75,13 +75,19 @@ constexpr double tolerable = 1.02;
     return true;
 }
 
+[[nodiscard]] std::vector<int> threads_of(const std::vector<Schedule>& candidates) {
+    std::vector<int> threads;
+    for (const Schedule& each : candidates) threads.push_back(each.threads);
+    return threads;
+}
+
 [[nodiscard]] std::string times(long count, const char* what) { return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s"); }
 
 }  // namespace
 
 ScheduleRunner::ScheduleRunner(Workspace& workspace, StepMethod& method, std::vector<Schedule> candidates, const ChooserOptions& options,
                                engine::StampRecorder* recorder)
-    : w_(workspace), method_(&method), chooser_(static_cast<int>(candidates.size()), options), recorder_(recorder) {
+    : w_(workspace), method_(&method), chooser_(threads_of(candidates), options), recorder_(recorder) {
     costs_.grain = grain(w_);
     for (Schedule& each : candidates) slots_.push_back({each, equal_cuts(w_, each.segments)});
     cuts_.reserve(static_cast<std::size_t>(w_.layout().links) + 1);

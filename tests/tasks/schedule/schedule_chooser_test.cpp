@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 
@@ -38,8 +39,23 @@ Invented run(
 
 constexpr double serial_cost = 25e-6;
 
+/// One thread, then two for each of the others.
+template <int candidates>
+constexpr auto equal_threads = [] {
+    std::array<int, candidates> threads{};
+    threads.fill(2);
+    threads[0] = 1;
+    return threads;
+}();
+
+/// Candidates of 1, 16, 8, 4 and 2 threads, with the gain of each.
+constexpr std::array many_threads{1, 16, 8, 4, 2};
+Machine gains(const std::array<double, 5>& of) {
+    return [=](int candidate, double) { return serial_cost / of[static_cast<std::size_t>(candidate)]; };
+}
+
 TEST(ScheduleChooser, TakesWhatIsFaster) {
-    ScheduleChooser chooser(3, {});
+    ScheduleChooser chooser(equal_threads<3>, {});
     const Invented outcome = run(
         chooser, [](int candidate, double) { return serial_cost / (1.0 + 0.4 * candidate); }, 10.0);
     EXPECT_EQ(chooser.chosen(), 2);
@@ -48,10 +64,27 @@ TEST(ScheduleChooser, TakesWhatIsFaster) {
     EXPECT_DOUBLE_EQ(chooser.per_cycle(1), serial_cost / 1.4);
 }
 
+TEST(ScheduleChooser, UsesNoMoreThreadsThanPay) {
+    ScheduleChooser chooser(many_threads, {});
+    run(chooser, gains({1.0, 1.60, 1.66, 1.62, 1.30}), 10.0);
+    EXPECT_EQ(many_threads[static_cast<std::size_t>(chooser.chosen())], 4) << "2.4 % slower than eight threads";
+    ScheduleChooser other(many_threads, {});
+    run(other, gains({1.0, 4.0, 3.0, 2.2, 1.6}), 10.0);
+    EXPECT_EQ(many_threads[static_cast<std::size_t>(other.chosen())], 16);
+}
+
+TEST(ScheduleChooser, GivesBackThreadsThatNoLongerPay) {
+    ScheduleChooser chooser(many_threads, {});
+    run(chooser, gains({1.0, 4.0, 3.0, 2.2, 1.6}), 10.0);
+    ASSERT_EQ(chooser.chosen(), 1);
+    run(chooser, gains({1.0, 1.60, 1.66, 1.65, 1.50}), 10.0);
+    EXPECT_EQ(many_threads[static_cast<std::size_t>(chooser.chosen())], 4) << "0.6 % slower than eight threads";
+}
+
 TEST(ScheduleChooser, NeverCostsTwoPercentOfSerialHoweverBadTheOthersAre) {
     for (const double factor : {1.01, 1.2, 2.0, 6.0, 100.0}) {
         for (const double seconds : {0.01, 0.3, 0.6, 1.0, 3.0, 60.0}) {
-            ScheduleChooser chooser(4, {});
+            ScheduleChooser chooser(equal_threads<4>, {});
             const Invented outcome = run(
                 chooser, [=](int candidate, double) { return candidate == 0 ? serial_cost : factor * serial_cost; }, seconds);
             EXPECT_EQ(chooser.chosen(), 0);
@@ -61,7 +94,7 @@ TEST(ScheduleChooser, NeverCostsTwoPercentOfSerialHoweverBadTheOthersAre) {
 }
 
 TEST(ScheduleChooser, PrefersTheFirstIfTheGainIsSmall) {
-    ScheduleChooser chooser(2, {});
+    ScheduleChooser chooser(equal_threads<2>, {});
     run(
         chooser, [](int candidate, double) { return candidate == 0 ? serial_cost : serial_cost / 1.04; }, 5.0);
     EXPECT_EQ(chooser.chosen(), 0);
@@ -69,7 +102,7 @@ TEST(ScheduleChooser, PrefersTheFirstIfTheGainIsSmall) {
 }
 
 TEST(ScheduleChooser, LeavesAScheduleThatALoadHasMadeSlow) {
-    ScheduleChooser chooser(2, {});
+    ScheduleChooser chooser(equal_threads<2>, {});
     const Machine machine = [](int candidate, double time) {
         return candidate == 0 ? serial_cost : time < 5.0 || time > 10.0 ? serial_cost / 1.9 : 2.0 * serial_cost;
     };
@@ -83,7 +116,7 @@ TEST(ScheduleChooser, LeavesAScheduleThatALoadHasMadeSlow) {
 }
 
 TEST(ScheduleChooser, FindsOutThatALoadHasGoneThoughTheFirstDoesNotFeelIt) {
-    ScheduleChooser chooser(2, {});
+    ScheduleChooser chooser(equal_threads<2>, {});
     const Machine machine = [](int candidate, double time) {
         return candidate == 0 ? serial_cost : time < 5.0 ? 1.2 * serial_cost : serial_cost / 1.9;
     };
@@ -100,14 +133,14 @@ TEST(ScheduleChooser, ChecksAgainWhenOtherLinksTouch) {
     options.first_period = options.longest_period = 1e9;
     const Machine machine = [](int candidate, double) { return candidate == 0 ? serial_cost : 0.8 * serial_cost; };
     for (const bool change : {false, true}) {
-        ScheduleChooser chooser(2, options);
+        ScheduleChooser chooser(equal_threads<2>, options);
         run(chooser, machine, 4.0, [=](double time) { return change && time > 2.0 ? 40 : 30; });
         EXPECT_EQ(chooser.checks(), change ? 2 : 1);
     }
 }
 
 TEST(ScheduleChooser, StaysWithOneOfTwoThatAreEquallyFast) {
-    ScheduleChooser chooser(3, {});
+    ScheduleChooser chooser(equal_threads<3>, {});
     const Machine machine = [](int candidate, double time) {  // noise of 1 %
         return candidate == 0 ? serial_cost : serial_cost / 1.8 * (1.0 + 0.01 * std::sin(1e4 * time * candidate));
     };
@@ -119,7 +152,7 @@ TEST(ScheduleChooser, StaysWithOneOfTwoThatAreEquallyFast) {
 }
 
 TEST(ScheduleChooser, OfOneCandidateNeverChangesAnything) {
-    ScheduleChooser chooser(1, {});
+    ScheduleChooser chooser(equal_threads<1>, {});
     run(
         chooser, [](int, double time) { return (1.0 + time) * serial_cost; }, 5.0);
     EXPECT_EQ(chooser.checks(), 0);
@@ -128,7 +161,7 @@ TEST(ScheduleChooser, OfOneCandidateNeverChangesAnything) {
 
 TEST(ScheduleChooser, AllocatesNothingOnTheWay) {
     if (engine::test::allocation_count() < 0) GTEST_SKIP() << "a sanitizer owns malloc";
-    ScheduleChooser chooser(4, {});
+    ScheduleChooser chooser(equal_threads<4>, {});
     const Machine machine = [](int candidate, double time) { return serial_cost * (1.0 + 0.5 * std::sin(time * (1 + candidate))); };
     const std::function<int(double)> touching = [](double) { return 30; };
     const long before = engine::test::allocation_count();
