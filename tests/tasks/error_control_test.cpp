@@ -193,6 +193,7 @@ bool estimates_error(const std::string& method) {
 /// Tables and programs, steps fixed or by error, on executors and segments: one hash per method.
 void expect_bits_on_every_executor(const std::vector<std::string>& methods) {
     for (const std::string& method : methods) {
+        if (!objection_to(method, settled_tiny({}).parameters).empty()) continue;  // rigid pins, which are one segment
         std::vector<std::string> settings =
             with(method, "20ns", {"run.until=100ns", "run.output_interval=100ns", "run.state_interval=100ns"});
         if (estimates_error(method)) settings.push_back("run.step_control=error");

@@ -208,14 +208,14 @@ TEST_F(Hdf5MutantTest, EveryReaderSurvivesThemSealedAnew) {
     judge(500);
 }
 
-using NightlyHdf5MutantTest = Hdf5MutantTest;
+class NightlyHdf5MutantTest : public Hdf5MutantTest, public testing::WithParamInterface<int> {};
 
-TEST_F(NightlyHdf5MutantTest, EveryReaderSurvivesAHundredThousand) {
-    for (std::uint64_t seed = 100; seed < 105; ++seed) {
-        run_children(seed, 20'000, seed % 2 == 0);
-        judge(20'000);
-    }
+TEST_P(NightlyHdf5MutantTest, EveryReaderSurvivesTwentyThousand) {
+    run_children(static_cast<std::uint64_t>(GetParam()), 20'000, GetParam() % 2 == 0);
+    judge(20'000);
 }
+
+INSTANTIATE_TEST_SUITE_P(Seeds, NightlyHdf5MutantTest, testing::Range(100, 105));
 
 }  // namespace
 }  // namespace cvtflow::engine
