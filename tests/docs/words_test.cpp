@@ -84,6 +84,7 @@ TEST(Glossary, WordsAreFoundInProseAlone) {
 
 TEST(Pages, LinesEndAt140Columns) {
     for (const Page& each : pages()) {
+        if (each.path.ends_with("_reference.md")) continue;  // written by tools: rows of tables cannot be folded
         for (const Line& line : each.text_lines()) EXPECT_LE(columns(line.text), max_columns) << each.path << ":" << line.number;
     }
 }
