@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <csignal>
+#include <ctime>
 #include <filesystem>
 
 #include "engine/record/hdf5/file_seal.hpp"
@@ -13,6 +14,14 @@ namespace cvtflow::tools {
 namespace {
 
 using testing::HasSubstr;
+
+/// Processor time that another process has taken [s].
+double processor_time(pid_t process) {
+    clockid_t clock{};
+    timespec taken{};
+    if (clock_getcpuclockid(process, &clock) != 0 || clock_gettime(clock, &taken) != 0) return 0.0;
+    return static_cast<double>(taken.tv_sec) + 1e-9 * static_cast<double>(taken.tv_nsec);
+}
 
 class DamagedSweep : public Sweeps {
 protected:
@@ -25,7 +34,8 @@ protected:
         ASSERT_EQ(whole_.status, 0) << whole_.err;
         Child child({"batch", "sweep.toml", "-o", "out", "--threads", "2", "--grace", "1 us", "-q"}, folder_);
         ASSERT_TRUE(eventually([&] { return exists("out/records/case-000000.h5.part") && exists("out/records/case-000001.h5.part"); }));
-        std::this_thread::sleep_for(std::chrono::milliseconds(300));  // beyond settling: a checkpoint of settling needs no record
+        // Beyond settling: a checkpoint of settling needs no record.
+        ASSERT_TRUE(eventually([&] { return processor_time(child.id()) > 0.6; }));
         child.send(SIGTERM);
         ASSERT_EQ(child.wait().status, 130);
         for (const char* file : {"case-000000.h5", "case-000001.h5"}) ASSERT_TRUE(exists(std::string("out/checkpoints/") + file));

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <set>
 #include <string>
+#include <type_traits>
 
 #include <gtest/gtest.h>
 
+#include "model/variator/variator.hpp"
 #include "tasks/scene/units.hpp"
 
 namespace cvtflow::tasks {
@@ -147,6 +149,44 @@ TEST(ParameterTable, ChoicesAreNamedInTheOrderOfTheEnumerators) {
     EXPECT_EQ(value_text(*find_parameter("detail.plates"), scene), "\"lumped\"");
     EXPECT_EQ(value_text(*find_parameter("detail.friction"), scene), "\"smoothed\"");
     EXPECT_EQ(value_text(*find_parameter("start.layout"), scene), "\"ring\"");
+}
+
+/// Gives the member of a key another value, whether allowed or not. @return false: tables, which have no plain value
+bool change(const Slot& slot) {
+    return std::visit(
+        [](auto* member) {
+            using Value = std::remove_reference_t<decltype(*member)>;
+            if constexpr (std::is_same_v<Value, bool>) {
+                *member = !*member;
+            } else if constexpr (std::is_arithmetic_v<Value>) {
+                *member += 1;
+            } else if constexpr (std::is_enum_v<Value>) {
+                *member = static_cast<Value>(static_cast<int>(*member) == 0 ? 1 : 0);
+            } else if constexpr (std::is_same_v<Value, std::vector<double>>) {
+                member->push_back(1.0);
+            } else {
+                return false;
+            }
+            return true;
+        },
+        slot);
+}
+
+/// A sweep takes the variator of the case before where the machine is the same: a key of the machine that is not compared would be lost.
+TEST(ParameterTable, EveryKeyOfAMachineMakesItAnother) {
+    const std::set<std::string_view> machine{"detail", "chain", "half",   "plate",        "joint", "tip",
+                                             "oil",    "wear",  "pulley", "imperfection", "guide"};
+    const std::set<std::string_view> inputs{"scene",    "heat",    "drive",      "load",  "drag", "vehicle", "cycle",
+                                            "clamping", "control", "hydraulics", "start", "run",  "record"};
+    int changed = 0;
+    for (const Parameter& parameter : parameter_table()) {
+        EXPECT_NE(machine.contains(parameter.section()), inputs.contains(parameter.section())) << parameter.section();
+        Scene scene, other;
+        if (!machine.contains(parameter.section()) || !change(parameter.member(other))) continue;
+        EXPECT_FALSE(model::Variator::same_machine(scene.parameters, other.parameters)) << parameter.key;
+        ++changed;
+    }
+    EXPECT_GT(changed, 80);
 }
 
 }  // namespace
