@@ -75,6 +75,19 @@ TEST_F(PlotCommand, DrawsWearOverTheRadius) {
     }
     EXPECT_GT(rubbed, 0.0);
     EXPECT_NEAR(mapped, rubbed, 1e-5 * rubbed);  // CSV has some digits only
+    const auto steps = points_of(csv, "Worn depth of the tips in 1,000 hours");
+    double tips = 0.0;
+    for (std::size_t k = 1; k + 1 < steps.size(); k += 2) tips += steps[k].second;  // both ends of a step have its number
+    const std::vector<double> pressure = record.channel("wear/tip_pressure");
+    const std::size_t count = pressure.size() / times.size();
+    double pressing = 0.0;
+    for (std::size_t tip = 0; tip < count; ++tip) {
+        double most = 0.0;
+        for (std::size_t row = 0; row < times.size(); ++row) most = std::max(most, pressure[row * count + tip]);
+        pressing += most > 0.0;
+    }
+    EXPECT_GT(pressing, 0.0);
+    EXPECT_EQ(tips, pressing) << "every tip that pressed is counted once";
 }
 
 TEST_F(PlotCommand, TheCsvHasTheNumbersOfTheRecord) {

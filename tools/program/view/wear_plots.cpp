@@ -85,22 +85,42 @@ Plot over_radius(const RecordedRun& run, const Rings& rings, const std::vector<d
     return plot;
 }
 
+/// How often the record fits into 1,000 hours of what it shows.
+double per_thousand_hours(const RecordedRun& run) { return 3.6e6 / (run.times().back() - run.times().front()); }
+
+/// Number of values by their size, as a staircase. values: one at least
+Series histogram(const std::vector<double>& values) {
+    constexpr std::size_t steps = 24;
+    const auto [least, most] = std::minmax_element(values.begin(), values.end());
+    const double from = *least, width = std::max(*most - from, 1e-6 * std::abs(*most)) / steps;
+    std::vector<double> counts(steps, 0.0);
+    for (const double value : values) counts[std::min(steps - 1, static_cast<std::size_t>((value - from) / width))] += 1.0;
+    Series series{"", {{from, 0.0}}, Mark::none, Line::solid, "", 1.6};
+    for (std::size_t k = 0; k < steps; ++k) {
+        series.points.push_back({from + static_cast<double>(k) * width, counts[k]});
+        series.points.push_back({from + static_cast<double>(k + 1) * width, counts[k]});
+    }
+    series.points.push_back({from + steps * width, 0.0});
+    return series;
+}
+
 /// Worn volume over the area of the largest contact, π a², a = π R p/(2 E*).
 Plot over_tips(const RecordedRun& run, const model::Parameters& p) {
     const std::vector<double> way = integrals(run, rows_of(run, "wear/tip_force_speed")),
                               pressure = largest(rows_of(run, "wear/tip_pressure"));
     Plot plot;
-    plot.title = "Worn depth of every tip";
+    plot.title = "Worn depth of the tips in 1,000 hours";
     plot.subtitle = run.conditions();
-    plot.x.label = "tip";
-    plot.y.label = "depth [nm]";
+    plot.x.label = "depth [um]";
+    plot.y.label = "number of tips";
     plot.height = 300.0;
-    Series series{"", {}, Mark::small_dot, Line::none, "", 1.4};
+    const double scale = 1e6 * per_thousand_hours(run) * p.wear.coefficient;
+    std::vector<double> depths;
     for (std::size_t tip = 0; tip < way.size(); ++tip) {
         const double a = 0.5 * std::numbers::pi * model::contact_radius(p) * pressure[tip] / model::contact_modulus(p);
-        if (a > 0.0) series.points.push_back({static_cast<double>(tip), 1e9 * p.wear.coefficient * way[tip] / (std::numbers::pi * a * a)});
+        if (a > 0.0) depths.push_back(scale * way[tip] / (std::numbers::pi * a * a));
     }
-    plot.series.push_back(std::move(series));
+    if (!depths.empty()) plot.series.push_back(histogram(depths));
     return plot;
 }
 
@@ -122,14 +142,15 @@ std::vector<Plot> wear_plots(const RecordedRun& run) {
     const double cosine = model::portable_cos(p.tip.angle);
     const auto per_mm = [&](std::size_t) { return 1e-3 / rings.width; };
     const auto mega = [](std::size_t) { return 1e-6; };
-    const auto nanometres = [&](std::size_t ring) {
-        return 1e9 * p.wear.coefficient * cosine / (2.0 * std::numbers::pi * rings.middle(ring) * rings.width);
+    const auto micrometres = [&](std::size_t ring) {
+        return 1e6 * per_thousand_hours(run) * p.wear.coefficient * cosine / (2.0 * std::numbers::pi * rings.middle(ring) * rings.width);
     };
     Plot by_energy = over_radius(run, rings, energy, "Friction energy of the tips by radius", "energy per radius [J/mm]", per_mm);
     by_energy.subtitle += sampled_text(run, std::accumulate(energy.begin(), energy.end(), 0.0));
     return {std::move(by_energy), over_radius(run, rings, loads, "Largest pressure times sliding speed", "p v [MPa m/s]", mega),
-            over_radius(run, rings, way, fmt::format("Worn depth of the sheaves, Archard's coefficient {:.3g} 1/Pa", p.wear.coefficient),
-                        "depth [nm]", nanometres),
+            over_radius(run, rings, way,
+                        fmt::format("Worn depth of the sheaves in 1,000 hours, Archard's coefficient {:.3g} 1/Pa", p.wear.coefficient),
+                        "depth [um]", micrometres),
             over_tips(run, p)};
 }
 
