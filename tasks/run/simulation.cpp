@@ -12,6 +12,8 @@
 #include "engine/executor/cancellation.hpp"
 #include "engine/method/catalogue.hpp"
 #include "engine/record/run/state_file.hpp"
+#include "model/basis/portable_math.hpp"
+#include "model/machine/belt.hpp"
 #include "model/start/start_state.hpp"
 #include "tasks/method/method_choice.hpp"
 #include "tasks/run/saved_start.hpp"
@@ -40,14 +42,27 @@ std::unique_ptr<Integrator> integrator_of(const Scene& scene, const std::vector<
     return integrator;
 }
 
+/// Clamping force of the driven sheaves at t = 0: of the table, or what the safety factor requires where the chain begins [N].
+[[nodiscard]] double driven_clamping_at_start(const model::Parameters& p) {
+    const double table = p.clamping.driven.at(0.0);
+    const auto radii = model::belt_radii(model::chain_length(p.chain), p.start.ratio, p.pulley.centre_distance);
+    if (p.clamping.safety == 0.0 || !radii) return table;
+    const double gripping = 2.0 * p.tip.friction.coefficient / model::portable_cos(p.tip.angle);
+    return std::max(table, p.clamping.safety * std::abs(p.load.torque.at(0.0)) / (gripping * radii->driven));
+}
+
 /// Takes the gains of control.gains = "found". The ratio follows d ln i/dt = C ω_1 (S_1 - S_1*)/S_2, so that the proportional part alone
 /// lets it settle as exp(-rate t); the integral part is slow beside it. A faster one passes the ripple of pins on to the clamping force.
+/// @throws SceneError without a clamping force from which to find them
 void find_gains(Scene& scene) {
     constexpr double rate = 60.0, mobility = 0.0051, slow = 0.5;  // [1/s]; C, 0.0018 to 0.012 at operating points; [s]
     if (scene.gains == ControlGains::given) return;
     model::Parameters& p = scene.parameters;
     const double speed = p.drive.mode != model::DriveMode::torque ? p.drive.speed.largest_magnitude() : p.control.reference_speed;
-    p.control.proportional = rate * p.clamping.driven.at(0.0) / (mobility * speed);
+    const double clamping = driven_clamping_at_start(p);
+    if (!(clamping > 0.0 && speed > 0.0))
+        throw SceneError("control.gains: \"found\" finds gains from clamping force and speed, but one of them is 0 at the start");
+    p.control.proportional = rate * clamping / (mobility * speed);
     p.control.integral = p.control.proportional / slow;
 }
 

@@ -64,19 +64,19 @@ LeastSafety least_safety(const tasks::Scene& scene, double radius) {
     LeastSafety least;
     for (int k = 0; k <= instants; ++k) {
         const double time = tasks::latest_end(scene) * k / instants;
-        const double limit = 2.0 * p.tip.friction.coefficient * p.clamping.driven.at(time) * radius / std::cos(p.tip.angle);
+        const double by_table = 2.0 * p.tip.friction.coefficient * p.clamping.driven.at(time) * radius / std::cos(p.tip.angle);
+        const double limit = std::max(by_table, p.clamping.safety * std::abs(p.load.torque.at(time)));
         const double load = std::abs(p.load.torque.at(time) + drag_of_driven(p, time));
         if (load > 0.0 && limit / load < least.factor) least = {limit, load, limit / load};
     }
     return least;
 }
 
-/// Whether load and clamping force of the driven pulley are those of their tables.
+/// Whether load and clamping force of the driven pulley are known: those of their tables, or at least clamping.safety times the load.
 [[nodiscard]] bool tables_act(const model::Parameters& p) {
     const bool driven_controlled =
         p.control.enabled && (p.control.quantity != model::ControlledQuantity::ratio || p.control.driven != model::DrivenControl::none);
-    return p.load.mode == model::LoadMode::torque && p.clamping.safety == 0.0 && !driven_controlled &&
-           p.hydraulics.mode == model::HydraulicMode::none;
+    return p.load.mode == model::LoadMode::torque && !driven_controlled && p.hydraulics.mode == model::HydraulicMode::none;
 }
 
 }  // namespace
