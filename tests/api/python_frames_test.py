@@ -274,7 +274,15 @@ class Sweeps(Folder):
         np.testing.assert_array_equal(light["case"], [2, 3])
         np.testing.assert_array_equal(light["slip_mean"], results["slip_mean"][2:])
         self.assertEqual(len(results.where(status="ok", load__torque=12.0)["case"]), 2)
-        self.assertEqual(len(results.where(clamping__driving=1.0)["case"]), 0)
+        self.assertEqual(len(results.where(load__torque=["6 N*m", 12.0])["case"]), len(results["case"]))
+        with self.assertRaisesRegex(ValueError, r"no case has clamping_driving = 1.0; in N there are \d+, \d+"):
+            results.where(clamping__driving=1.0)
+        self.assertEqual(len(results.where(status="failed")["case"]), 0)
+        self.assertEqual(results.column("torque"), "load_torque")
+        with self.assertRaisesRegex(TypeError, "a column is named by a text, not by int 1"):
+            results.map(1, 2, 3)
+        with self.assertRaisesRegex(TypeError, r"Results\(\) takes a Table, not str; Sweep.results"):
+            cvtflow.Results("folder")
 
     def test_results_become_an_array_with_named_axes(self):
         results = self.results()

@@ -34,7 +34,10 @@ def toml(value, table=False):
         return "{" + ", ".join(f"{name} = {toml(each)}" for name, each in value.items()) + "}"
     if isinstance(value, (int, float)):
         return repr(value)
-    return "[" + ", ".join(toml(each) for each in value) + "]"
+    try:
+        return "[" + ", ".join(toml(each) for each in value) + "]"
+    except TypeError:
+        raise TypeError(f"{value!r} is no value of a key: numbers, texts, lists and dicts are") from None
 
 
 def value_of(text):

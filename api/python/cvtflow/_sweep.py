@@ -22,6 +22,8 @@ class Results(dict):
     """Results of a sweep: arrays (lists for texts) by column, in the order of cases. info contains units and descriptions by column."""
 
     def __init__(self, table):
+        if not isinstance(table, Table):
+            raise TypeError(f"Results() takes a Table, not {type(table).__name__}; Sweep.results(folder) reads a sweep's folder")
         super().__init__((column.name, table.read(column.name)) for column in table.columns())
         self.info = {column.name: column for column in table.columns()}
 
@@ -34,20 +36,34 @@ class Results(dict):
         return frame
 
     def column(self, name):
-        """The name of a column: slip_mean also as "slip mean", load_torque as "load.torque"."""
+        """The name of a column: slip_mean also as "slip mean", load_torque as "load.torque", or as "torque" where no other key ends so."""
+        if not isinstance(name, str):
+            raise TypeError(f"a column is named by a text, not by {type(name).__name__} {name!r}")
         plain = re.sub(r"\W+", "_", name).strip("_")
         if plain in self:
             return plain
+        keys = [key.replace(".", "_") for key in all_keys() if key.rpartition(".")[2] == plain]
+        if len(meant := [key for key in keys if key in self]) == 1:
+            return meant[0]
         raise KeyError(f"unknown column '{name}'" + suggestion(plain, self))
 
     def where(self, **values):
-        """The Results of the cases with these values, numbers in SI or texts with a unit: where(load__torque="6 N*m", status="ok")."""
+        """The Results of the cases with these values, numbers in SI or texts with a unit: where(load__torque="6 N*m", status="ok"). A list
+        means any of its values. Raises ValueError for a number that no case has."""
         kept = np.ones(len(self["case"]), dtype=bool)
         for name, value in values.items():
             name = self.column(name.replace("__", "_"))
             unit = self.info[name].unit
-            value = quantity(value, unit) if isinstance(value, str) and unit else value
-            kept &= np.isclose(self[name], value, rtol=1e-12, atol=0.0) if unit else np.asarray(self[name]) == value
+            own, allowed = np.asarray(self[name]), value if isinstance(value, (list, tuple, np.ndarray)) else [value]
+            if unit:
+                allowed = [quantity(each, unit) if isinstance(each, str) else each for each in allowed]
+                matches = np.any([np.isclose(own, each, rtol=1e-12, atol=0.0) for each in allowed], axis=0)
+                if not np.any(matches):
+                    there = ", ".join(f"{each:.6g}" for each in np.unique(own)[:6])
+                    raise ValueError(f"no case has {name} = {value!r}; in {unit} there are {there}{', …' if len(np.unique(own)) > 6 else ''}")
+            else:
+                matches = np.any([own == each for each in allowed], axis=0)
+            kept &= matches
         some = dict.__new__(Results)
         some.update({name: np.asarray(column)[kept] for name, column in self.items()})
         some.info = self.info
@@ -174,13 +190,14 @@ class Sweep:
     results.plot(x="load.torque", y="efficiency mean")     # with Matplotlib; results.frame(): a pandas.DataFrame
 
     scene  a Scene, the name of a ready one, or a file
+    scalars  a scalar such as "slip mean", or a list of them
     axes   values by key, as Scene.with_() takes keys; keys that vary together are one tuple:
            {("clamping.driving", "clamping.driven"): [("3 kN", "2 kN"), ...]}
     write() gives the file that `cvtflow batch` and tools/slurm/submit take; results() reads what they left, of one machine or of many.
     """
 
     def __init__(self, scene, axes, scalars, *, settings=None, detail=None, start=None, from_=None, name=None):
-        self.scene, self.axes, self.scalars = scene, dict(axes), list(scalars)
+        self.scene, self.axes, self.scalars = scene, dict(axes), [scalars] if isinstance(scalars, str) else list(scalars)
         self.settings, self.detail, self.start, self.from_ = dict(settings or {}), detail, start, from_
         self.name = name
 
@@ -316,6 +333,8 @@ def fit(scene, parameters, measured, *, deviations=None, level=0.95, settings=No
     targets = {name: each for name, each in columns.items() if name not in points}
     if not points or not targets or len({len(each) for each in columns.values()}) != 1:
         raise ValueError("measured: one key of the scene or more, and one scalar or more, of equal lengths")
+    if not hasattr(parameters, "values") or not all(isinstance(ends, (tuple, list)) and len(ends) == 2 for ends in parameters.values()):
+        raise TypeError('parameters: least and largest value by key, such as {"tip.friction_coefficient": (0.05, 0.14)}')
     keys = [resolve(scene, name) for name in parameters]
     low, high = np.array([[_in_si(key, value) for value in ends] for key, ends in zip(keys, parameters.values())], dtype=float).T
     if not np.all(low < high):
