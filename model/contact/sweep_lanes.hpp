@@ -323,17 +323,20 @@ private:
         for (int row = 0; row < at<P>.link_size(); ++row) add_velocity(row, own, responses_.step * change[row]);
     }
 
+    /// With the slip u that would be there without this tip's friction, c the limit and r the response, friction is -c u/(max(|u| - r c,
+    /// v0) + r c) times the law's factor.
     /// @return change of its force
     [[nodiscard]] AtTip<V> solve_tip(int own, int corner, const AtTip<V>& v, const V& turn) const noexcept {
-        const V friction_limit = contact(field_.components.tip(corner) + Tip::friction_limit, own), full = responses_.tip * friction_limit;
+        const V friction_limit = contact(field_.components.tip(corner) + Tip::friction_limit, own),
+                own_slip = responses_.tip * friction_limit;
         const AtTip<V> old = tip_force(own, corner);
-        const AtTip<V> free =
+        const AtTip<V> without =
             slip(own, corner, {v.x - responses_.tip * old.x, v.y - responses_.tip * old.y, v.z - responses_.tip * old.z}, turn);
-        const V speed = sqrt(free.square()), lawful = lawful_share(full, speed), stiff = lawful * full;
-        const V factor = -(lawful / (stiff + tip_speed(own, corner, speed - stiff)));
+        const V speed = sqrt(without.square()), lawful = lawful_share(own_slip, speed), lawful_slip = lawful * own_slip;
+        const V factor = -(lawful / (lawful_slip + tip_speed(own, corner, speed - lawful_slip)));
         const V none(0.0);
         const auto held = [&](const V& slip) { return select_greater<W>(friction_limit, none, factor * slip, none); };
-        const AtTip<V> share{held(free.x), held(free.y), held(free.z)};
+        const AtTip<V> share{held(without.x), held(without.y), held(without.z)};
         const V tx = contact(ContactComponents::frame_x, own), ty = contact(ContactComponents::frame_y, own);
         put(rows_.tip(corner), own, share.x * tx + share.y * ty);
         put(rows_.tip(corner) + 1, own, share.y * tx - share.x * ty);

@@ -52,7 +52,7 @@ struct SweepResponses {
 
 /// Which part of a step.
 enum class SweepPart {
-    opening,  ///< with the forces of the step before; then the links
+    opening,  ///< velocities with the forces of the step before, half their last change added; then plates and tips of the links
     middle,   ///< joints, then links
     closing,  ///< joints; then the velocities
 };

@@ -19,7 +19,7 @@ struct TipAccount {
     Lanes<W> damping{0.0}, friction{0.0}, plates{0.0};  ///< plates: as pins lengthen [W]
 };
 
-/// Tips of eight pins: in floats for the steps of a leapfrog, in doubles for velocities as they are.
+/// Tips of a block of pins: in floats for the steps of a leapfrog, in doubles for velocities as they are.
 template <int W>
 class TipGroup : private RigidTipMotion<W> {
     using V = Lanes<W>;

@@ -13,10 +13,10 @@ namespace cvtflow::tasks {
 namespace {
 
 /// In the order in which a step runs them, which is also the order of the report.
-enum FrictionCycle : int { record_kick_cycle = method_cycles, first_kick_cycle, finish_kick_cycle = first_kick_cycle + RoundCycles::count };
+enum FrictionCycle : int { record_kick_cycle = method_cycles, first_kick_cycle, finish_kick_cycle = first_kick_cycle + PassCycles::count };
 
 /// Cycles of stages; a kick of eleven stages is cycles of eight, two and one.
-constexpr RoundCycles kick_cycles(first_kick_cycle, {1, 2, 4, 8});
+constexpr PassCycles kick_cycles(first_kick_cycle, {1, 2, 4, 8});
 
 /// The spectrum changes with the tension: steps between two estimates.
 constexpr long steps_between_estimates = 64;
@@ -205,7 +205,7 @@ Fault FrictionLeapfrog<Number>::choose_table() {
 /// As many of the stages that are left as a cycle has. @return that cycle
 template <class Number>
 int FrictionLeapfrog<Number>::next_stages() noexcept {
-    const RoundCycles::Cycle cycle = kick_cycles.longest(table_->plan.stages() - stage_);
+    const PassCycles::Cycle cycle = kick_cycles.longest(table_->plan.stages() - stage_);
     for (int k = 0; k < cycle.rounds; ++k, ++stage_) {
         const KickRow row = table_->row(stage_);
         together_[at(k)] = {row, table_->extrapolation(row.here.time, frame_.rise())};

@@ -97,9 +97,9 @@ private:
     LeapfrogFrame frame_;
     FrictionSystem<Number> system_;
     const KickTables tables_;
-    const KickTable* table_ = nullptr;                 ///< of the present step
-    int stage_ = 0;                                    ///< the first that is in no cycle yet
-    std::array<Stage, RoundCycles::most> together_{};  ///< of the present cycle
+    const KickTable* table_ = nullptr;                ///< of the present step
+    int stage_ = 0;                                   ///< the first that is in no cycle yet
+    std::array<Stage, PassCycles::most> together_{};  ///< of the present cycle
     long steps_ = 0;
     double radius_ = 0.0;  ///< spectral radius of friction [1/s]
 };

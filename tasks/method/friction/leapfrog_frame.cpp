@@ -110,14 +110,14 @@ std::span<const double> LeapfrogFrame::load(std::span<const double> memory) {
     return memory;
 }
 
-RoundCycles::Cycle RoundCycles::longest(int left) const noexcept {
+PassCycles::Cycle PassCycles::longest(int left) const noexcept {
     int k = count - 1;
     while (rounds_[at(k)] > left) --k;
     return {first_ + k, rounds_[at(k)]};
 }
 
-void RoundCycles::add_tasks(engine::TaskGraph& graph, const Workspace& w, const char* noun, engine::TaskCode code,
-                            const std::function<void(LinkAccesses&)>& more) const {
+void PassCycles::add_tasks(engine::TaskGraph& graph, const Workspace& w, const char* noun, engine::TaskCode code,
+                           const std::function<void(LinkAccesses&)>& more) const {
     const int segments = w.partition.size();
     for (int k = 0; k < count; ++k) {
         const int rounds = rounds_[at(k)], first = graph.size();

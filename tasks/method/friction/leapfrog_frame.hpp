@@ -61,7 +61,7 @@ private:
 /// Cycles of the graph that take several rounds of friction (stages, passes) one after the other. A segment's round waits for its own
 /// previous round and those of the segments whose velocities it reads. Its output has two places in turn, so that a round does not
 /// overwrite what its neighbours read.
-class RoundCycles {
+class PassCycles {
 public:
     static constexpr int count = 4, most = 8;
     struct Cycle {
@@ -69,7 +69,7 @@ public:
     };
 
     /// @param first number of the first cycle   @param rounds of each, ascending from 1 to `most`
-    constexpr RoundCycles(int first, std::array<int, count> rounds) noexcept : first_(first), rounds_(rounds) {}
+    constexpr PassCycles(int first, std::array<int, count> rounds) noexcept : first_(first), rounds_(rounds) {}
 
     /// The longest cycle of at most `left` ≥ 1 rounds.
     [[nodiscard]] Cycle longest(int left) const noexcept;

@@ -102,8 +102,8 @@ CycleSequence RigidLeapfrog::step() {
     const double h = w_.step.h;
     if (std::abs(0.5 * h - pins_.lead) > equal_steps * h) set_lead(0.5 * h);
     kick_.step = h;
-    pulleys_.drift(h);     // x ← x + h v
-    co_yield rigid_cycle;  // x ← x + h v;  a = forces at x, with the friction that v + h a leaves;  v ← v + h a
+    pulleys_.drift(h);     // q ← q + h v
+    co_yield rigid_cycle;  // q ← q + h v;  a = forces at q, with the friction that v + h a leaves;  v ← v + h a
     finish();              // the pulleys by the reactions of the tips: v ← v + h a; energies; phases
     co_return is_suspect() ? find_fault(w_, w_.state()) : Fault{};
 }

@@ -96,7 +96,7 @@ public:
     [[nodiscard]] std::optional<std::size_t> bytes() const noexcept override { return sizeof(*this); }
 
     // Bodies of tasks.
-    void links(int) noexcept;   ///< coordinates half a step on each side of the forces; forces of links
+    void links(int) noexcept;   ///< coordinates by the whole step; forces of links
     void plates(int) noexcept;  ///< friction of plates along the pins, and of halves on each other
     void tips(int) noexcept;    ///< normal forces and friction of the tips
     void kick(int) noexcept;    ///< accelerations, and velocities by them

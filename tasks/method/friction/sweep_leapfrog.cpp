@@ -13,10 +13,10 @@ namespace {
 
 enum SweepCycle : int { record_sweep_cycle = method_cycles, first_sweep_cycle };
 
-/// Cycles of passes; three is a step of two sweeps.
-constexpr RoundCycles sweep_cycles(first_sweep_cycle, {1, 3, 4, 8});
+/// Numbers of passes of friction cycles; a step of n sweeps has n + 1 passes, so three sweeps are one cycle of four.
+constexpr PassCycles sweep_cycles(first_sweep_cycle, {1, 3, 4, 8});
 
-/// Share of their last change by which forces are ahead where the next step begins. More diverges, less makes tips late.
+/// The next step opens with each force plus this share of its last change. More diverges, with less tips lag.
 constexpr double ahead = 0.5;
 
 /// Steps whose lengths differ by less have the same length; the time is rounded.
@@ -237,9 +237,9 @@ void SweepLeapfrog<Number>::restart() noexcept {
 
 template <class Number>
 CycleSequence SweepLeapfrog<Number>::step() {
-    begin();                                          // q ← q + h/2 v: the middle of the step
-    if (w_.layout().ledger) co_yield evaluate_cycle;  // its losses need the forces with friction
-    co_yield record_sweep_cycle;                      // there: contacts, and all forces but friction
+    begin();                                          // pulleys to the middle of the step: q ← q + h/2 v
+    if (w_.layout().ledger) co_yield evaluate_cycle;  // only where losses are integrated with the state
+    co_yield record_sweep_cycle;                      // links there, contacts, all forces but friction
     while (pass_ < passes_) co_yield next_passes();   // friction of joints, plates and tips; then v, q ← q + h/2 v
     co_return finish();                               // the pulleys by the forces of the tips; soundness of the state
 }
@@ -265,7 +265,7 @@ void SweepLeapfrog<Number>::begin() {
 /// As many of the passes that are left as a cycle has. @return that cycle
 template <class Number>
 int SweepLeapfrog<Number>::next_passes() noexcept {
-    const RoundCycles::Cycle cycle = sweep_cycles.longest(passes_ - pass_);
+    const PassCycles::Cycle cycle = sweep_cycles.longest(passes_ - pass_);
     begun_ = pass_;
     pass_ += cycle.rounds;
     return cycle.number;
