@@ -70,6 +70,7 @@ void CaseEngine::resume_from(const Checkpoint& checkpoint) {
     begin(nullptr);
     record_options_.from = nullptr;
     simulation_->restore(checkpoint.integration);
+    window_steps_ = checkpoint.integration.counters.steps;
     result_.settling = checkpoint.history.settling;
     wall_before_ = checkpoint.history.wall;
     const auto memory = scalars_.load(checkpoint.recorder, checkpoint.integration.time);

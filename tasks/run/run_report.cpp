@@ -117,7 +117,7 @@ std::string operating_point(const RunReport& r) {
         if (!std::isfinite(means.efficiency)) return std::string("- (no input)");
         const bool drag = means.drag[0] != 0.0 || means.drag[1] != 0.0;
         return fmt::format("{:.2f} %", 100.0 * means.efficiency) +
-               (drag ? fmt::format(", {:.2f} % with drag and pump", 100.0 * means.overall) : "");
+               (drag ? fmt::format(", {:.2f} % overall, from outside to outside", 100.0 * means.overall) : "");
     };
     line("slip                {:.3f} %      efficiency {}   (over {})", 100.0 * m.slip, percent(r.whole), periods_text(r.whole));
     if (r.whole.loss_slip > 0.0) {
@@ -195,7 +195,7 @@ std::string summary(const RunReport& r) {
     text += fmt::format("  transitions         {}{}\n", transitions_text(r.counters),
                         r.settled ? "; settling " + transitions_text(r.settling) : "");
     if (simulated > 0.0) {
-        text += fmt::format("  wall time           {:.3f} s, {:.0f} s per simulated second ({:.2g} x real time)\n", r.wall,
+        text += fmt::format("  wall time           {:.3f} s, {:.3g} s per simulated second ({:.2g} x real time)\n", r.wall,
                             r.wall / simulated, r.wall > 0.0 ? simulated / r.wall : 0.0);
     }
     text += fmt::format("  state hash          {}\n", engine::hex(r.hash));

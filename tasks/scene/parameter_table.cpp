@@ -274,7 +274,7 @@ std::vector<Parameter> parameters_of_run() {
      "model choice", [](Scene& s) -> Slot { return &s.run.max_steps; }},
     {"run.max_wall", "s", 0, 1e9, {}, "The run stops after this much wall-clock time; 0: no limit.",
      "model choice", [](Scene& s) -> Slot { return &s.run.max_wall; }},
-    {"run.followed_pin", "1", 0, 9999, {}, "Pin with additional channels (pin/…), counted from 0.",
+    {"run.followed_pin", "1", 0, 9999, {}, "Pin with additional channels (followed_pin/…), counted from 0.",
      "model choice", [](Scene& s) -> Slot { return &s.run.followed_pin; }},
     {"run.schedule", "", 0, 0, {},
      "Executor of the step's task graph, a name from the catalogue, or auto: "

@@ -270,11 +270,11 @@ private:
         const int kind = view.choice("sample", sweep_choices("axes", "sample")).value_or(0);
         Axis axis{kind == 1 ? "latin-hypercube" : "random", {}, {}};
         const auto count = view.require("count") ? view.integer("count", 1, max_rows) : std::nullopt;
-        const auto seed = view.require("seed") ? view.integer("seed", 0, std::int64_t{1} << 53) : std::nullopt;
+        const auto seed = view.integer("seed", 0, std::int64_t{1} << 53).value_or(0);
         const std::vector<Interval> box = view.require("keys") ? intervals(view) : std::vector<Interval>{};
-        if (!count || !seed || !problems_.empty()) return axis;
+        if (!count || !problems_.empty()) return axis;
         const auto size = static_cast<std::size_t>(*count);
-        const auto where = (kind == 1 ? latin_hypercube : random_samples)(size, box.size(), static_cast<std::uint64_t>(*seed));
+        const auto where = (kind == 1 ? latin_hypercube : random_samples)(size, box.size(), static_cast<std::uint64_t>(seed));
         for (const Interval& ends : box) axis.keys.push_back(ends.parameter);
         for (std::size_t i = 0; i < where.size(); ++i) {
             const Interval& ends = box[i % box.size()];

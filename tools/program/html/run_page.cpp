@@ -281,7 +281,7 @@ nlohmann::json motion_data(const RecordedRun& run, const ChainMotion& motion) {
         for (float& value : values) value *= static_cast<float>(how.factor);
         if (!values.empty()) data["colours"].push_back({{"n", name}, {"u", how.unit}, {"v", quantised(values)}});
     };
-    add("tip force", "N", motion.force);
+    add("pin force", "N", motion.force);
     add("tension", "N", motion.tension);
     if (motion.pulleys) add("slip", "1", motion.slip);
     const bool first_drives = !(power_into(run, 1) < power_into(run, 2));
@@ -409,7 +409,7 @@ void add_chain(Page& page, const RecordedRun& run) {
     page.data["motion"] = motion_data(run, motion);
     page.sections.push_back({"running", "Running chain", chain_body(motion)});
     if (motion.pulleys && !motion.force.empty())
-        page.sections.push_back({"tips", "Tip forces", picture(tip_force_plot(motion, run.conditions()))});
+        page.sections.push_back({"tips", "Pin forces", picture(tip_force_plot(motion, run.conditions()))});
 }
 
 /// "baseline", of several records "baseline, tiny" or "baseline: load.torque 7 N*m, load.torque 8 N*m".

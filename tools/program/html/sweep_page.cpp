@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <sstream>
 
 #include "tools/program/guard.hpp"
 #include "tools/program/text/markup.hpp"
@@ -18,12 +19,19 @@ namespace {
 
 std::string endings(const SweepView& sweep) {
     const std::size_t status = sweep.column("status");
-    std::map<std::string, std::size_t> counts;
-    for (const auto& row : sweep.cells) ++counts[row[status]];
+    const auto noted = std::ranges::find(sweep.columns, "notes", &SweepColumn::name);
+    std::map<std::string, std::size_t> counts, notes;
+    for (const auto& row : sweep.cells) {
+        ++counts[row[status]];
+        std::istringstream words(noted == sweep.columns.end() ? "" : row[static_cast<std::size_t>(noted - sweep.columns.begin())]);
+        for (std::string note; words >> note;) ++notes[note];
+    }
     std::string items;
     for (const auto& [name, count] : counts)
         items += fmt::format("<li class=\"{}\"><b>{}</b>: {} of {} cases</li>\n", name == "ok" ? "good" : "bad", html(name), count,
                              sweep.cells.size());
+    for (const auto& [note, count] : notes)
+        items += fmt::format("<li><b>note {}</b>: {} of {} cases</li>\n", html(note), count, sweep.cells.size());
     return fmt::format("<ul class=\"status\">\n{}</ul>\n", items);
 }
 
@@ -120,7 +128,8 @@ std::string sweep_page(const SweepView& sweep, const Measured* measured) {
          (description.empty() ? "" : "<p>" + html(description) + "</p>\n") +
              "<div id=\"map-tools\"><label>x <select id=\"map-x\"></select></label> <label>y <select id=\"map-y\"></select></label> "
              "<label>colour <select id=\"map-colour\"></select></label></div>\n<figure id=\"map-view\"></figure>\n"
-             "<p class=\"small\">Only cases with status ok are shown. Maps with contours: cvtflow plot SWEEP --x --y --colour.</p>\n"},
+             "<p class=\"small\">Only cases with status ok are shown." +
+             (grid.empty() ? " Maps with contours: cvtflow plot SWEEP --x --y --colour." : "") + "</p>\n"},
         {"cases", "Cases", cases_table(sweep)},
         {"provenance", "Provenance", origin(sweep)}};
     if (measured != nullptr)

@@ -136,11 +136,11 @@ ChainMotion chain_motion(const RecordedRun& run, std::size_t max_states) {
 Plot tip_force_plot(const ChainMotion& motion, const std::string& conditions) {
     constexpr int bins = 120;
     Plot plot;
-    plot.title = "Axial force of the tips round the pulleys";
+    plot.title = "Axial force of the pins round the pulleys";
     plot.subtitle = conditions + ", mean over all states; thin: minimum and maximum";
     plot.x.label = "angle about the shaft in its sense of turning, 0: away from the other shaft [°]";
-    const Shown how = shown("tip force", "N");
-    plot.y.label = fmt::format("force on each sheave [{}]", how.unit);
+    const Shown how = shown("pin force", "N");
+    plot.y.label = fmt::format("force of both halves on each sheave [{}]", how.unit);
     plot.x.from = -130.0, plot.x.to = 130.0;
     for (const int shaft : {1, 2}) {
         std::vector<RoundBin> round(bins);
