@@ -103,10 +103,11 @@ struct DisplayRow {
 };
 
 constexpr double degrees = 180.0 / std::numbers::pi;
-constexpr std::array<DisplayRow, 21> display_table{{
+constexpr std::array<DisplayRow, 23> display_table{{
     {"1", "slip", "%", 100.0},
     {"1", "efficiency", "%", 100.0},
     {"1", "creep", "%", 100.0},
+    {"1", "error_of", "%", 100.0},
     {"Pa", "tip_pressure", "MPa", 1e-6},
     {"Pa", "modulus", "GPa", 1e-9},
     {"Pa", "", "bar", 1e-5},
@@ -117,6 +118,7 @@ constexpr std::array<DisplayRow, 21> display_table{{
     {"N", "tension", "kN", 1e-3},
     {"N", "clamping", "kN", 1e-3},
     {"N", "tip", "kN", 1e-3},
+    {"N", "pin force", "kN", 1e-3},
     {"N", "sheaves", "kN", 1e-3},
     {"N", "bearing_force", "kN", 1e-3},
     {"W", "power_drive", "kW", 1e-3},

@@ -362,7 +362,8 @@ TEST_F(PlotCommand, ReportsWhatIsWrong) {
     complains({"cases.csv", "--x", "load.torqe", "--y", "slip_mean"}, 2, "did you mean \"load_torque\"?");
     complains({"cases.csv", "--x", "load.torque", "--y", "status"}, 2, "not numbers");
     complains({"cases.csv", "--orders"}, 2, "is a sweep");
-    complains({"cases.csv", "--x", "load.torque", "--y", "slip_mean", "--where", "start.ratio=7"}, 2, "no case of cases.csv is left");
+    complains({"cases.csv", "--x", "load.torque", "--y", "slip_mean", "--where", "start.ratio=7"}, 2,
+              "no case of cases.csv is left; start_ratio is ");
     complains({"twice.csv", "--x", "load.torque", "--y", "start.ratio", "--colour", "slip_mean"}, 2, "among tip_angle");
     complains({"run.h5", "-o", "none/p.svg"}, 1, "none/p.svg: cannot create: the folder 'none' does not exist");
 }

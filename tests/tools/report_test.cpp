@@ -192,6 +192,33 @@ TEST_F(ReportCommand, ReportsWhatIsWrong) {
     EXPECT_EQ(run({"report", "run.h5", "-o", "none/page.html"}).status, 1);
 }
 
+TEST_F(ReportCommand, CountsNotesOfCases) {
+    write("cases.csv", "case,status,load_torque,slip_mean,notes\n0,ok,6,0.1,unsteady\n1,ok,12,0.2,unsteady gross_slip\n");
+    ASSERT_EQ(run({"report", "cases.csv", "-o", "page.html"}).status, 0);
+    EXPECT_THAT(read("page.html"),
+                AllOf(HasSubstr("<b>note unsteady</b>: 2 of 2 cases"), HasSubstr("<b>note gross_slip</b>: 1 of 2 cases")));
+}
+
+/// A run of more than 60 pin periods, until it is steady: curves are means over pin periods, and so are the numbers beside measured data.
+TEST_F(ReportCommand, ComparesAndStatesMeansOfALongRun) {
+    ASSERT_EQ(run({"run", "control", "--detail", "rigid", "--settle", "--until", "steady", "-o", "long.h5", "-q"}).status, 0);
+    ASSERT_EQ(run({"plot", "long.h5", "slip", "-o", "slip.csv"}).status, 0);
+    std::istringstream lines(read("slip.csv"));
+    std::vector<std::string> points;  // "time,slip"
+    for (std::string line; std::getline(lines, line);)
+        if (const std::string curve = "\"slip\",\"slip\","; line.starts_with(curve))
+            points.push_back(line.substr(curve.size(), line.find(",\"", curve.size()) - curve.size()));
+    ASSERT_GE(points.size(), 60u);
+    write("bench.csv", "time [ms],slip [%]\n" + points[30] + "\n");
+    ASSERT_EQ(run({"report", "long.h5", "--with", "bench.csv", "-o", "page.html"}).status, 0);
+    const std::string page = read("page.html");
+    std::smatch row;
+    const std::regex expected("<td>long.h5</td><td>slip</td><td>%</td><td[^>]*>1</td><td[^>]*data-value=\"([^\"]*)\"");
+    ASSERT_TRUE(std::regex_search(page, row, expected));
+    EXPECT_NEAR(std::stod(row[1]), 0.0, 1e-5) << "outputs swing by some tenths of a per cent about their means";
+    EXPECT_THAT(page, HasSubstr("mean of the last half, which is steady"));
+}
+
 /// Deviations are those between the curve that plot draws and the measured numbers; points beyond the record do not count.
 TEST_F(ReportCommand, ShowsMeasuredDataAndItsDeviations) {
     write("bench.csv", "time [us],slip [%]\n0,1.5\n20,1.6\n50,9\n");

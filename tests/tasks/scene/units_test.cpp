@@ -184,6 +184,8 @@ TEST(Units, OfDisplayAreThoseOfEngineersWithTheirFactors) {
     expect("slip_mean", "1", "%");
     expect("efficiency_with_pump", "1", "%");
     EXPECT_EQ(display_unit("slip_mean", "").unit, "%") << "of a CSV";
+    EXPECT_EQ(display_unit("error_of_tight_tension_mean", "1").unit, "%");
+    EXPECT_EQ(display_unit("pin force", "N").unit, "kN");
     EXPECT_EQ(display_unit("shaft_1/oil_flow", "m^3/s").unit, "l/min");
     EXPECT_DOUBLE_EQ(display_unit("shaft_1/oil_flow", "m^3/s").factor, 60.0 / 1e-3);
     EXPECT_EQ(display_unit("ratio", "1").factor, 1.0);

@@ -13,15 +13,15 @@ namespace cvtflow::tools {
 
 namespace {
 
-/// How far a record is from the points measured within its time, a row of a table.
+/// How far the curve of a record is, as it is drawn, from the points measured within its time, a row of a table.
 std::string deviation_row(const RecordedRun& run, const engine::ChannelInfo& channel, const Measured& measured) {
-    const std::vector<double> values = run.values(channel.name);
+    const DrawnCurve simulated = drawn_curve(run, channel.name);
     const MeasuredColumn &time = measured.at("time", "s"), &column = measured.at(channel.name, channel.unit);
     double sum = 0.0, squares = 0.0, largest = 0.0;
     long count = 0;
     for (std::size_t k = 0; k < column.values.size(); ++k) {
-        if (!(time.values[k] >= run.times().front() && time.values[k] <= run.times().back())) continue;
-        const double deviation = on_line(run.times(), values, time.values[k]) - column.values[k];
+        if (!(time.values[k] >= simulated.times.front() && time.values[k] <= simulated.times.back())) continue;
+        const double deviation = on_line(simulated.times, simulated.values, time.values[k]) - column.values[k];
         if (!std::isfinite(deviation)) continue;
         sum += deviation, squares += deviation * deviation, ++count;
         if (std::abs(deviation) > std::abs(largest)) largest = deviation;
@@ -46,8 +46,10 @@ std::string measured_body(const std::vector<RecordedRun>& runs, const Measured& 
     }
     if (pictures.empty())
         throw UsageError(fmt::format("--with {}: no heading is a channel of {}: {}", measured.path, runs.front().path(), measured.names()));
-    return pictures + table("sortable", "Simulated - measured, at the measured times within the record; outputs are interpolated linearly",
-                            {"record", "channel", "unit", "points", "mean", "root mean square", "largest"}, rows);
+    return pictures +
+           table("sortable",
+                 "Simulated - measured, at the measured times within the record, between the points of the curves that are drawn",
+                 {"record", "channel", "unit", "points", "mean", "root mean square", "largest"}, rows);
 }
 
 std::string measured_body(const SweepView& sweep, const Measured& measured) {

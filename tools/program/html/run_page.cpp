@@ -128,17 +128,21 @@ std::string simulated(const std::vector<RecordedRun>& runs) {
 
 /// Mean of all rows, of the last fifth, least and largest.
 std::string figures(const RecordedRun& run) {
+    const bool steady = run.scene() && run.scene()->run.until.automatic();
     std::string rows;
     for (const Curve& curve : run.overview()) {
         const std::span<const double> values = curve.values;
-        const FiniteFigures all(values), last(values.subspan(4 * values.size() / 5));
+        const FiniteFigures all(values), last(values.subspan(steady ? values.size() / 2 : 4 * values.size() / 5));
         const Shown how = shown(curve.name, curve.unit);
         rows += fmt::format("<tr data-channel=\"{0}\"><td title=\"{1}\">{0}</td><td>{2}</td>", html(curve.name), html(curve.description),
                             html(how.unit));
         for (const double number : {all.mean, last.mean, all.least, all.largest}) rows += number_cell(how.factor * number, "{:.6g}");
         rows += "</tr>\n";
     }
-    return table("sortable", html(run.path()), {"channel", "unit", "mean", "mean of the last fifth", "least", "largest"}, rows);
+    return table(
+        "sortable", html(run.path()),
+        {"channel", "unit", "mean", steady ? "mean of the last half, which is steady" : "mean of the last fifth", "least", "largest"},
+        rows);
 }
 
 /// Increase of each channel of accumulated energy over the record, by kind. Empty if the record has none.

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <map>
 #include <set>
-#include <sstream>
 
 #include "tools/program/guard.hpp"
 #include "tools/program/text/markup.hpp"
@@ -23,8 +22,13 @@ std::string endings(const SweepView& sweep) {
     std::map<std::string, std::size_t> counts, notes;
     for (const auto& row : sweep.cells) {
         ++counts[row[status]];
-        std::istringstream words(noted == sweep.columns.end() ? "" : row[static_cast<std::size_t>(noted - sweep.columns.begin())]);
-        for (std::string note; words >> note;) ++notes[note];
+        if (noted == sweep.columns.end()) continue;
+        const std::string& words = row[static_cast<std::size_t>(noted - sweep.columns.begin())];
+        for (std::size_t begin = 0; begin < words.size();) {
+            const std::size_t end = std::min(words.find(' ', begin), words.size());
+            ++notes[words.substr(begin, end - begin)];
+            begin = end + 1;
+        }
     }
     std::string items;
     for (const auto& [name, count] : counts)

@@ -134,12 +134,8 @@ struct TimeAxis {
 };
 
 /// Means over whole pin periods at the middles of these; what a long run shows.
-struct PeriodMeans {
-    std::vector<double> times, values;
-};
-
-PeriodMeans period_means(const std::vector<double>& times, const std::vector<double>& values, double period) {
-    PeriodMeans means;
+DrawnCurve period_means(const std::vector<double>& times, const std::vector<double>& values, double period) {
+    DrawnCurve means;
     double end = times.front() + period, sum = 0.0;
     long count = 0;
     for (std::size_t k = 0; k < std::min(times.size(), values.size()); ++k) {
@@ -167,8 +163,8 @@ double averaged_period(const RecordedRun& run) {
 std::string means_text(double period) { return period > 0.0 ? fmt::format("; means over pin periods ({})", time_text(period)) : ""; }
 
 /// A curve as it is drawn. @param period as averaged_period()
-PeriodMeans drawn_of(const RecordedRun& run, const Curve& curve, double period) {
-    return period > 0.0 ? period_means(run.times(), curve.values, period) : PeriodMeans{run.times(), curve.values};
+DrawnCurve drawn_of(const RecordedRun& run, const std::vector<double>& values, double period) {
+    return period > 0.0 ? period_means(run.times(), values, period) : DrawnCurve{run.times(), values};
 }
 
 /// Millimetres are as long in either direction.
@@ -205,6 +201,10 @@ void require_resolved(const RecordedRun& run) {
 }
 
 }  // namespace
+
+DrawnCurve drawn_curve(const RecordedRun& run, const std::string& channel) {
+    return drawn_of(run, run.values(channel), averaged_period(run));
+}
 
 AmplitudeSpectrum amplitude_spectrum(const std::vector<double>& times, std::vector<double> values) {
     AmplitudeSpectrum spectrum;
@@ -328,7 +328,7 @@ std::vector<Plot> time_plots(const std::vector<RecordedRun>& runs, const std::ve
         for (const Curve& curve : chosen(run, words)) {
             Plot& plot = panel_of(panels, curve);
             plot.x.label = axis.label;
-            PeriodMeans drawn = drawn_of(run, curve, period);
+            DrawnCurve drawn = drawn_of(run, curve.values, period);
             for (double& value : drawn.values) value *= shown(curve.name, curve.unit).factor;
             plot.series.push_back(line_through(name_in(runs, run, curve.name), axis.of(drawn.times), drawn.values));
         }

@@ -49,6 +49,13 @@ struct Repetition {
 [[nodiscard]] std::vector<Plot> time_plots(const std::vector<RecordedRun>& runs, const std::vector<std::string>& words, bool every_output,
                                            const Measured* measured = nullptr);
 
+/// Curve of a channel of one number: its outputs [s], [unit of the channel], or means over pin periods at the middles of these.
+struct DrawnCurve {
+    std::vector<double> times, values;
+};
+/// A channel as time_plots() draws it without `every_output`.
+[[nodiscard]] DrawnCurve drawn_curve(const RecordedRun& run, const std::string& channel);
+
 /// Their amplitudes over orders of the pins that pass in the first run; over frequency if the record does not contain them.
 [[nodiscard]] std::vector<Plot> order_plots(const std::vector<RecordedRun>& runs, const std::vector<std::string>& words);
 

@@ -281,6 +281,26 @@ std::size_t SweepView::column(const std::string& word) const {
 
 double SweepView::number(std::size_t row, std::size_t column) const { return as_number(cells[row][column]); }
 
+namespace {
+
+/// Values of a column as they are entered, in the order of cases, the first few: "12 kN, 16 kN, 20 kN".
+std::string values_text(const std::vector<std::vector<std::string>>& cells, const SweepColumn& column, std::size_t number) {
+    constexpr std::size_t few = 6;
+    const Shown how = column.number ? shown(column.name, column.unit) : Shown{};
+    std::vector<std::string> values;
+    for (const auto& row : cells) {
+        const std::string text = column.number
+                                     ? fmt::format("{:.6g}{}{}", how.factor * as_number(row[number]), how.unit.empty() ? "" : " ", how.unit)
+                                     : row[number];
+        if (std::find(values.begin(), values.end(), text) == values.end()) values.push_back(text);
+    }
+    const bool more = values.size() > few;
+    values.resize(std::min(values.size(), few));
+    return fmt::format("{}{}", fmt::join(values, ", "), more ? ", …" : "");
+}
+
+}  // namespace
+
 void SweepView::keep(const std::string& condition) {
     const auto equals = condition.find('=');
     if (equals == std::string::npos) throw UsageError(fmt::format("--where {}: expected COLUMN=VALUE", condition));
@@ -289,8 +309,10 @@ void SweepView::keep(const std::string& condition) {
     const auto parsed = tasks::parse_quantity(value_text);  // 20000, or 20 kN
     const auto* quantity = std::get_if<tasks::Quantity>(&parsed);
     const double value = quantity != nullptr ? quantity->value : NAN;
+    const std::string there = values_text(cells, columns[c], c);
     std::erase_if(cells, [&](const auto& row) { return row[c] != value_text && as_number(row[c]) != value; });
-    if (cells.empty()) throw UsageError(fmt::format("--where {}: no case of {} is left", condition, path));
+    if (cells.empty())
+        throw UsageError(fmt::format("--where {}: no case of {} is left; {} is {}", condition, path, columns[c].name, there));
 }
 
 void SweepView::keep_good() {

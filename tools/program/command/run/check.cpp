@@ -112,7 +112,9 @@ Action declare_check(CLI::App& app) {
     declare_shortcut(app, *arguments, "--step", "run.step", "TIME");
     declare_shortcut(app, *arguments, "--until", "run.until", "TIME");
     declare_fresh_start(app, *arguments);
-    app.footer("Exit status: 0 if the scene is valid and its first steps succeed, else 1, or 2 where options are wrong (all problems are printed).");
+    app.footer(
+        "Exit status: 0 if the scene is valid and its first steps succeed, else 1, or 2 where options are wrong (all problems are "
+        "printed).");
     return [arguments] { return check(*arguments); };
 }
 
