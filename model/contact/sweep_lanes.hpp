@@ -83,9 +83,9 @@ private:
         for (const End end : {End::rear, End::front}) {
             const int low = 2 * static_cast<int>(end);
             const AtTips<V> v = Base::tip_velocities(own, {at<P>.x(end, 0), at<P>.y(end, 0), at<P>.z(end)});
-            for (const auto& [velocity, corner] : {std::pair{&v.low, low}, std::pair{&v.high, low + 1}}) {
-                const AtTip<V> slip = Base::slip(own, corner, *velocity, turn), force = tip_force(own, corner);
-                sum += force.x * slip.x + force.y * slip.y + force.z * slip.z;
+            for (const auto& [moving, corner] : {std::pair{&v.low, low}, std::pair{&v.high, low + 1}}) {
+                const AtTip<V> sliding = Base::slip(own, corner, *moving, turn), force = tip_force(own, corner);
+                sum += force.x * sliding.x + force.y * sliding.y + force.z * sliding.z;
             }
         }
         return -sum;
@@ -335,13 +335,13 @@ private:
         const V speed = sqrt(without.square()), lawful = lawful_share(own_slip, speed), lawful_slip = lawful * own_slip;
         const V factor = -(lawful / (lawful_slip + tip_speed(own, corner, speed - lawful_slip)));
         const V none(0.0);
-        const auto held = [&](const V& slip) { return select_greater<W>(friction_limit, none, factor * slip, none); };
-        const AtTip<V> share{held(without.x), held(without.y), held(without.z)};
+        const auto held = [&](const V& sliding) { return select_greater<W>(friction_limit, none, factor * sliding, none); };
+        const AtTip<V> part{held(without.x), held(without.y), held(without.z)};
         const V tx = contact(ContactComponents::frame_x, own), ty = contact(ContactComponents::frame_y, own);
-        put(rows_.tip(corner), own, share.x * tx + share.y * ty);
-        put(rows_.tip(corner) + 1, own, share.y * tx - share.x * ty);
-        put(rows_.tip(corner) + 2, own, share.z);
-        const V forces[3] = {friction_limit * share.x, friction_limit * share.y, friction_limit * share.z};
+        put(rows_.tip(corner), own, part.x * tx + part.y * ty);
+        put(rows_.tip(corner) + 1, own, part.y * tx - part.x * ty);
+        put(rows_.tip(corner) + 2, own, part.z);
+        const V forces[3] = {friction_limit * part.x, friction_limit * part.y, friction_limit * part.z};
         for (int axis = 0; axis < 3; ++axis) forces[axis].copy_to(sweep_.impulses->at(3 * corner + axis, column(own)));
         return {forces[0] - old.x, forces[1] - old.y, forces[2] - old.z};
     }

@@ -183,13 +183,13 @@ double PulleyModel::kinetic(const double* block) const noexcept {
 BearingLoad PulleyModel::held_bearing(const double* block, int shaft, const Inputs& inputs, const SheaveForces& chain) const noexcept {
     BearingLoad load;
     for (int side = 0; side < 2; ++side) {
-        const auto& [fx, fy, about_x, about_y, axial, turn] = chain[2 * shaft + side];
+        const auto& [fx, fy, about_x, about_y, along, about_z] = chain[2 * shaft + side];
         const double z = side == 0 ? -half_length_ : half_length_;
         load.force[0] += fx;
         load.force[1] += fy;
         load.moment[0] += about_x - z * fy;
         load.moment[1] += about_y + z * fx;
-        if (sheave_body(shaft, side) != movable_body(shaft)) load.force[2] += axial;
+        if (sheave_body(shaft, side) != movable_body(shaft)) load.force[2] += along;
     }
     const double rate = opening(block + size(), shaft);
     load.force[2] += movable_side(shaft) * inputs.clamping[shaft] + pulley_.cylinder_damping * rate;

@@ -201,9 +201,9 @@ public:
             double* values = (*this)[static_cast<Column>(c)];
             values[-1] = values[pins_ - 1];
             if (pins_ >= rigid_lanes) {
-                std::array<double, rigid_lanes> first;  // copied at once: source and target do not overlap, which the compiler cannot know
-                std::memcpy(first.data(), values, sizeof first);
-                std::memcpy(values + pins_, first.data(), sizeof first);
+                std::array<double, rigid_lanes> copy;  // at once: source and target do not overlap, which the compiler cannot know
+                std::memcpy(copy.data(), values, sizeof copy);
+                std::memcpy(values + pins_, copy.data(), sizeof copy);
             } else {
                 for (int k = pins_; k < pins_ + rigid_lanes; ++k) values[k] = values[k - pins_];
             }

@@ -134,10 +134,10 @@ void SweepSystem<Number>::find_losses() const noexcept {
     for (int s = 0; s < columns_.segments(); ++s) {
         const Fields& f = fields(s);
         for (int row = 0; row < friction_.chain().layout().link_size(); ++row) {
-            const Number *start = f.of[Base::start].at(row, SegmentColumns::first),
-                         *result = f.of[Base::result].at(row, SegmentColumns::first);
+            const Number *before = f.of[Base::start].at(row, SegmentColumns::first),
+                         *after = f.of[Base::result].at(row, SegmentColumns::first);
             Number* mean = means_[at(s)].at(row, SegmentColumns::first);
-            for (int link = 0; link < columns_.segment(s).size(); ++link) mean[link] = Number(0.5) * (start[link] + result[link]);
+            for (int link = 0; link < columns_.segment(s).size(); ++link) mean[link] = Number(0.5) * (before[link] + after[link]);
         }
         mean_edges_.give(columns_, means_[at(s)], s);
     }

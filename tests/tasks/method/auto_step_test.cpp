@@ -31,8 +31,8 @@ INSTANTIATE_TEST_SUITE_P(Machines, AutoStepOn,
                          testing::Values("chain.damping_ratio=0.05", "chain.damping_ratio=0.15", "chain.damping_ratio=1",
                                          "pulley.sheave_mass=0.5", "pulley.sheave_mass=0.2", "pulley.shaft_mass=0.3",
                                          "pulley.cylinder_damping=3e6", "pulley.cylinder_damping=1e8"),
-                         [](const auto& info) {
-                             std::string name = info.param;
+                         [](const auto& machine) {
+                             std::string name = machine.param;
                              std::replace_if(
                                  name.begin(), name.end(), [](char c) { return !std::isalnum(c); }, '_');
                              return name;

@@ -246,8 +246,8 @@ std::string Measured::names() const {
     return names;
 }
 
-const MeasuredColumn* Measured::find(const std::string& name, const std::string& unit) const {
-    const auto found = std::ranges::find(columns, plain_name(name), [](const auto& column) { return plain_name(column.name); });
+const MeasuredColumn* Measured::find(const std::string& heading, const std::string& unit) const {
+    const auto found = std::ranges::find(columns, plain_name(heading), [](const auto& column) { return plain_name(column.name); });
     if (found == columns.end()) return nullptr;
     const std::string si = unit.empty() ? "1" : unit;
     if (!found->unit.empty() && tasks::dimension_of(found->unit) != tasks::dimension_of(si))
@@ -256,9 +256,9 @@ const MeasuredColumn* Measured::find(const std::string& name, const std::string&
     return &*found;
 }
 
-const MeasuredColumn& Measured::at(const std::string& name, const std::string& unit) const {
-    if (const MeasuredColumn* column = find(name, unit)) return *column;
-    throw UsageError(fmt::format("--with {}: no column '{}', only {}", path, name, names()));
+const MeasuredColumn& Measured::at(const std::string& heading, const std::string& unit) const {
+    if (const MeasuredColumn* column = find(heading, unit)) return *column;
+    throw UsageError(fmt::format("--with {}: no column '{}', only {}", path, heading, names()));
 }
 
 Series Measured::points(const Quantities& x, const Quantities& y, const std::string& series) const {
