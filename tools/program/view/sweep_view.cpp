@@ -292,11 +292,11 @@ std::string values_text(const std::vector<std::vector<std::string>>& cells, cons
         const std::string text = column.number
                                      ? fmt::format("{:.6g}{}{}", how.factor * as_number(row[number]), how.unit.empty() ? "" : " ", how.unit)
                                      : row[number];
-        if (std::find(values.begin(), values.end(), text) == values.end()) values.push_back(text);
+        if (std::find(values.begin(), values.end(), text) != values.end()) continue;
+        values.push_back(values.size() < few ? text : "…");
+        if (values.size() > few) break;
     }
-    const bool more = values.size() > few;
-    values.resize(std::min(values.size(), few));
-    return fmt::format("{}{}", fmt::join(values, ", "), more ? ", …" : "");
+    return fmt::format("{}", fmt::join(values, ", "));
 }
 
 }  // namespace
@@ -309,10 +309,11 @@ void SweepView::keep(const std::string& condition) {
     const auto parsed = tasks::parse_quantity(value_text);  // 20000, or 20 kN
     const auto* quantity = std::get_if<tasks::Quantity>(&parsed);
     const double value = quantity != nullptr ? quantity->value : NAN;
-    const std::string there = values_text(cells, columns[c], c);
-    std::erase_if(cells, [&](const auto& row) { return row[c] != value_text && as_number(row[c]) != value; });
-    if (cells.empty())
-        throw UsageError(fmt::format("--where {}: no case of {} is left; {} is {}", condition, path, columns[c].name, there));
+    const auto meets = [&](const auto& row) { return row[c] == value_text || as_number(row[c]) == value; };
+    if (std::ranges::none_of(cells, meets))
+        throw UsageError(fmt::format("--where {}: no case of {} is left; {} is {}", condition, path, columns[c].name,
+                                     values_text(cells, columns[c], c)));
+    std::erase_if(cells, [&](const auto& row) { return !meets(row); });
 }
 
 void SweepView::keep_good() {
