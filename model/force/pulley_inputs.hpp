@@ -141,6 +141,12 @@ struct ControlInstant {
     [[nodiscard]] double miss() const noexcept { return target != 0.0 ? value / target - 1.0 : 0.0; }
 };
 
+/// Friction of all contacts of a pulley along the circumference over its clamping force, 2 mu/cos(beta) [1].
+[[nodiscard]] double grip(const Tip& tip) noexcept;
+/// Clamping force of shaft 2: the table's, and at least what carries the load with the factor `clamping.safety` [N].
+/// table [N], load [N·m], lever: grip() times the running radius of shaft 2 [m]
+[[nodiscard]] double driven_clamping(const Clamping& clamping, double table, double load, double lever) noexcept;
+
 class PulleyInputs : public ShaftTorques {
 public:
     /// Becomes the inputs of other parameters, none held; allocates only what does not fit into the memory it has.
@@ -169,8 +175,6 @@ private:
     [[nodiscard]] double control_error(const Governing& by, double now, double load, double built_up, const double* block) const noexcept;
     /// Slip by the running radii; 0 where shaft 1 stands [1]. block [unknowns of the pulleys]
     [[nodiscard]] double position_slip(const double* block) const noexcept;
-    /// [N]. table: S_2(t) [N], load: M [N·m], block [unknowns of the pulleys]
-    [[nodiscard]] double driven_clamping(double table, double load, const double* block) const noexcept;
     /// Clamping forces before limits and controllers: of the tables or a host; by pressures where these are requested. now ≥ 0 [s]
     [[nodiscard]] std::array<double, 2> given_clamping(double now, const double* tail) const noexcept;  ///< tail as inputs()
     /// Drag of seals, bearings and oil [N·m]. factor: ramp(t) [1], clamping [N], block [unknowns of the pulleys]
@@ -192,7 +196,7 @@ private:
     Drag drag_;
     double centre_distance_ = 0.0;  ///< [m]
     double wedge_ = 0.0;            ///< 2 tan β [1]
-    double gripping_ = 0.0;         ///< 2μ/cos β, tangential force that a pulley can carry per clamping force [1]
+    double grip_ = 0.0;             ///< [1]
     double reference_speed_ = 0.0;  ///< [rad/s]
 };
 

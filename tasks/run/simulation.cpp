@@ -12,7 +12,7 @@
 #include "engine/executor/cancellation.hpp"
 #include "engine/method/catalogue.hpp"
 #include "engine/record/run/state_file.hpp"
-#include "model/basis/portable_math.hpp"
+#include "model/force/pulley_inputs.hpp"
 #include "model/machine/belt.hpp"
 #include "model/start/start_state.hpp"
 #include "tasks/method/method_choice.hpp"
@@ -46,9 +46,7 @@ std::unique_ptr<Integrator> integrator_of(const Scene& scene, const std::vector<
 [[nodiscard]] double driven_clamping_at_start(const model::Parameters& p) {
     const double table = p.clamping.driven.at(0.0);
     const auto radii = model::belt_radii(model::chain_length(p.chain), p.start.ratio, p.pulley.centre_distance);
-    if (p.clamping.safety == 0.0 || !radii) return table;
-    const double gripping = 2.0 * p.tip.friction.coefficient / model::portable_cos(p.tip.angle);
-    return std::max(table, p.clamping.safety * std::abs(p.load.torque.at(0.0)) / (gripping * radii->driven));
+    return radii ? model::driven_clamping(p.clamping, table, p.load.torque.at(0.0), model::grip(p.tip) * radii->driven) : table;
 }
 
 /// Takes the gains of control.gains = "found". The ratio follows d ln i/dt = C ω_1 (S_1 - S_1*)/S_2, so that the proportional part alone

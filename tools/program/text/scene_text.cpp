@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "engine/base/text.hpp"
+#include "model/force/pulley_inputs.hpp"
 #include "model/machine/belt.hpp"
 #include "tasks/run/saved_start.hpp"
 #include "tasks/scene/parameter_table.hpp"
@@ -61,12 +62,12 @@ double drag_of_driven(const model::Parameters& p, double time) {
 LeastSafety least_safety(const tasks::Scene& scene, double radius) {
     constexpr int instants = 200;
     const model::Parameters& p = scene.parameters;
+    const double lever = model::grip(p.tip) * radius;
     LeastSafety least;
     for (int k = 0; k <= instants; ++k) {
         const double time = tasks::latest_end(scene) * k / instants;
-        const double by_table = 2.0 * p.tip.friction.coefficient * p.clamping.driven.at(time) * radius / std::cos(p.tip.angle);
-        const double limit = std::max(by_table, p.clamping.safety * std::abs(p.load.torque.at(time)));
-        const double load = std::abs(p.load.torque.at(time) + drag_of_driven(p, time));
+        const double torque = p.load.torque.at(time), load = std::abs(torque + drag_of_driven(p, time));
+        const double limit = lever * model::driven_clamping(p.clamping, p.clamping.driven.at(time), torque, lever);
         if (load > 0.0 && limit / load < least.factor) least = {limit, load, limit / load};
     }
     return least;
