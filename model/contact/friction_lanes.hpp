@@ -38,8 +38,8 @@ class FrictionLanes : protected FrictionTips<P, W, Steepest> {
     using Base = FrictionTips<P, W, Steepest>;
 
 protected:
-    using Base::velocity, Base::contact, Base::kept, Base::keep, Base::links_at, Base::counts_from_recorded, Base::field_, Base::range_,
-        Base::numbers_;
+    using Base::velocity, Base::contact, Base::in_scratch, Base::to_scratch, Base::links_at, Base::counts_from_recorded, Base::field_,
+        Base::range_, Base::numbers_;
 
 public:
     using V = Lanes<W>;
@@ -59,14 +59,14 @@ public:
         const int points = field_.components.joint_points;
         for (int g = 0; g < points / 2; ++g) mirrored_points(own, g, rates, force);
         if (points % 2 == 1) middle_point(own, points / 2, rates, force);
-        for (int row = 0; row < joint_rows; ++row) keep(row, own, force[row]);
+        for (int row = 0; row < joint_rows; ++row) to_scratch(row, own, force[row]);
     }
 
     /// Slopes of links first + own … + W - 1; their joints must be in scratch.
     void links(int own, const FrictionStageOf<Number>& stage) const noexcept {
         V f[at<P>.link_size()];
         add_joints(own, f);
-        V moment = kept(2 * n + 3, own) + kept(2 * n + 2, own + 1);
+        V moment = in_scratch(2 * n + 3, own) + in_scratch(2 * n + 2, own + 1);
         plates(own, f);
         if (touching(own)) tips(own, f, moment, stage);
         add_couple(own, moment, f);
@@ -185,15 +185,15 @@ protected:
 
     void add_joints(int own, V* f) const noexcept {
         for (int m = 0; m < n; ++m) {
-            f[at<P>.x(End::rear, m)] = -kept(m, own);
-            f[at<P>.y(End::rear, m)] = -kept(n + m, own);
-            f[at<P>.x(End::front, m)] = kept(m, own + 1);
-            f[at<P>.y(End::front, m)] = kept(n + m, own + 1);
+            f[at<P>.x(End::rear, m)] = -in_scratch(m, own);
+            f[at<P>.y(End::rear, m)] = -in_scratch(n + m, own);
+            f[at<P>.x(End::front, m)] = in_scratch(m, own + 1);
+            f[at<P>.y(End::front, m)] = in_scratch(n + m, own + 1);
         }
-        f[at<P>.z(End::rear)] = -kept(2 * n, own);
-        f[at<P>.e(End::rear)] = -kept(2 * n + 1, own);
-        f[at<P>.z(End::front)] = kept(2 * n, own + 1);
-        f[at<P>.e(End::front)] = kept(2 * n + 1, own + 1);
+        f[at<P>.z(End::rear)] = -in_scratch(2 * n, own);
+        f[at<P>.e(End::rear)] = -in_scratch(2 * n + 1, own);
+        f[at<P>.z(End::front)] = in_scratch(2 * n, own + 1);
+        f[at<P>.e(End::front)] = in_scratch(2 * n + 1, own + 1);
     }
 
     /// Adds the couple of the links' ends that a moment about z is.
@@ -236,7 +236,7 @@ protected:
             const AxisRows rows{at<P>.x(end, 0), at<P>.y(end, 0), at<P>.z(end)};
             const int low = 2 * static_cast<int>(end);
             const AtTips<V> forces = Base::tip_friction(own, low, rows, turn, moment);
-            Base::add_impulses(own, low, forces, stage);
+            Base::add_mean_tip_forces(own, low, forces, stage);
             Base::spread(forces, rows, f);
         }
     }

@@ -52,10 +52,10 @@ using VelocityRow = VelocityRowOf<double>;
 template <class Number>
 struct FrictionStageOf {
     const FrictionBaseOf<Number>* base = nullptr;
-    ColumnsOf<Number>* slope = nullptr;           ///< may be absent from a row
-    const VelocityRowOf<Number>* next = nullptr;  ///< with base, or neither
-    double weight = 0.0;                          ///< of the tips' forces in impulses [1]
-    ColumnsOf<Number>* impulses = nullptr;        ///< [3 tips_per_link] rows: x, y, z of each tip
+    ColumnsOf<Number>* slope = nullptr;            ///< may be absent from a row
+    const VelocityRowOf<Number>* next = nullptr;   ///< with base, or neither
+    double weight = 0.0;                           ///< of the tips' forces in their means [1]
+    ColumnsOf<Number>* mean_tip_forces = nullptr;  ///< [3 tips_per_link] rows: x, y, z of each tip
 };
 using FrictionStage = FrictionStageOf<double>;
 

@@ -81,8 +81,8 @@ protected:
     [[nodiscard]] V velocity(int row, int own) const noexcept { return load<W>(range_.velocity + row * range_.stride + own + 1); }
     [[nodiscard]] V contact(int row, int own) const noexcept { return load<W>(field_.columns.at(row, column(own))); }
     /// A row of scratch. @param place of the first lane, from 0 on
-    [[nodiscard]] V kept(int row, int place) const noexcept { return load<W>(range_.scratch + row * scratch_stride_ + place); }
-    void keep(int row, int place, const V& lanes) const noexcept { lanes.copy_to(range_.scratch + row * scratch_stride_ + place); }
+    [[nodiscard]] V in_scratch(int row, int place) const noexcept { return load<W>(range_.scratch + row * scratch_stride_ + place); }
+    void to_scratch(int row, int place, const V& lanes) const noexcept { lanes.copy_to(range_.scratch + row * scratch_stride_ + place); }
 
     /// Lanes that represent links of the range.
     [[nodiscard]] int links_at(int own) const noexcept { return std::min(lane_count<W>, range_.last - range_.first - own); }
@@ -147,7 +147,8 @@ public:
 
 protected:
     using Tip = ContactComponents::Tip;
-    using Base::column, Base::velocity, Base::contact, Base::kept, Base::keep, Base::links_at, Base::add, Base::field_, Base::range_;
+    using Base::column, Base::velocity, Base::contact, Base::in_scratch, Base::to_scratch, Base::links_at, Base::add, Base::field_,
+        Base::range_;
     static constexpr int n = P + 1;
     /// Friction about rest has no velocities to count from.
     static constexpr bool counts_from_recorded = is_single<W> && !Steepest;
@@ -208,15 +209,15 @@ protected:
         f[rows.z + 1] += above.z - below.z;
     }
 
-    /// Adds them to the impulses of tips `low` and low + 1, if those are requested.
-    void add_impulses(int own, int low, const AtTips<V>& tips, const FrictionStageOf<Number>& stage) const noexcept {
-        if (stage.impulses == nullptr) return;
+    /// Adds them to the mean forces of tips `low` and low + 1, if those are requested.
+    void add_mean_tip_forces(int own, int low, const AtTips<V>& tips, const FrictionStageOf<Number>& stage) const noexcept {
+        if (stage.mean_tip_forces == nullptr) return;
         const auto weight = static_cast<Number>(stage.weight);
         int row = 3 * low;
         for (const AtTip<V>* tip : {&tips.low, &tips.high}) {
-            add(own, weight * tip->x, *stage.impulses, row++);
-            add(own, weight * tip->y, *stage.impulses, row++);
-            add(own, weight * tip->z, *stage.impulses, row++);
+            add(own, weight * tip->x, *stage.mean_tip_forces, row++);
+            add(own, weight * tip->y, *stage.mean_tip_forces, row++);
+            add(own, weight * tip->z, *stage.mean_tip_forces, row++);
         }
     }
 

@@ -32,11 +32,11 @@ public:
     }
 
 protected:
-    using Base::basis, Base::contact, Base::column, Base::numbers_, Base::field_, Base::kept, Base::keep, Base::velocity, Base::slip,
-        Base::n;
+    using Base::basis, Base::contact, Base::column, Base::numbers_, Base::field_, Base::in_scratch, Base::to_scratch, Base::velocity,
+        Base::slip, Base::n;
     using typename Base::Joint, typename Base::Tip, typename Base::JointRates;
 
-    [[nodiscard]] V share(int row, int own) const noexcept { return load<W>(kept_forces_.at(row, column(own))); }
+    [[nodiscard]] V kept_row(int row, int own) const noexcept { return load<W>(kept_forces_.at(row, column(own))); }
 
     /// Sliding of point g across the axis, at rates that other points have changed.
     [[nodiscard]] V slip_across(int own, int g, const JointRates& rates) const noexcept {
@@ -53,9 +53,9 @@ protected:
         const int row = rows_.tip(corner);
         const V friction_limit = contact(field_.components.tip(corner) + Tip::friction_limit, own);
         const V tx = contact(ContactComponents::frame_x, own), ty = contact(ContactComponents::frame_y, own);
-        const V along = share(row, own), across = share(row + 1, own);
+        const V along = kept_row(row, own), across = kept_row(row + 1, own);
         return {friction_limit * (along * tx - across * ty), friction_limit * (along * ty + across * tx),
-                friction_limit * share(row + 2, own)};
+                friction_limit * kept_row(row + 2, own)};
     }
 
     const SweepRows rows_;
@@ -67,14 +67,14 @@ private:
         for (int g = 0; g < rows_.joint_points; ++g) {
             const V along = rates.z + numbers_.joint_position[static_cast<std::size_t>(g)] * rates.e;
             sum += contact(field_.components.joint(g) + Joint::friction_limit, own) *
-                   (share(rows_.joint(g), own) * slip_across(own, g, rates) + share(rows_.joint(g) + 1, own) * along);
+                   (kept_row(rows_.joint(g), own) * slip_across(own, g, rates) + kept_row(rows_.joint(g) + 1, own) * along);
         }
         return -sum;
     }
 
     [[nodiscard]] V plate_power(int own) const noexcept {
         const auto [z, e] = Base::plate_rates(own);
-        return -(share(rows_.plates(), own) * z + share(rows_.plates() + 1, own) * e);
+        return -(kept_row(rows_.plates(), own) * z + kept_row(rows_.plates() + 1, own) * e);
     }
 
     [[nodiscard]] V tip_power(int own) const noexcept {
@@ -105,8 +105,8 @@ void sweep_powers(const FrictionOperator& friction, const ContactFieldOf<Number>
 template <int P, int W>
 class SweepLanes : private SweepForces<P, W> {
     using Base = SweepForces<P, W>;
-    using Base::add_couple, Base::basis, Base::column, Base::contact, Base::keep, Base::kept, Base::numbers_, Base::slip, Base::field_,
-        Base::velocity, Base::share, Base::tip_force, Base::slip_across, Base::rows_, Base::n, Base::joint_rows;
+    using Base::add_couple, Base::basis, Base::column, Base::contact, Base::to_scratch, Base::in_scratch, Base::numbers_, Base::slip,
+        Base::field_, Base::velocity, Base::kept_row, Base::tip_force, Base::slip_across, Base::rows_, Base::n, Base::joint_rows;
     using typename Base::JointRates, typename Base::Joint, typename Base::Tip;
 
 public:
@@ -127,7 +127,7 @@ public:
             for (int k = 0; k < rows_.joint_points; ++k)  // from both ends to the middle
                 solve_point(own, k % 2 == 0 ? k / 2 : rows_.joint_points - 1 - k / 2, rates, force);
         }
-        for (int row = 0; row < joint_rows; ++row) keep(row, own, force[row]);
+        for (int row = 0; row < joint_rows; ++row) to_scratch(row, own, force[row]);
     }
 
     /// Velocities of links first + own … + W - 1; their joints must be in scratch.
@@ -136,7 +136,7 @@ public:
         const bool touch = !closing && Base::touching(own);
         V f[at<P>.link_size()];
         Base::add_joints(own, f);
-        V moment = kept(2 * n + 3, own) + kept(2 * n + 2, own + 1);
+        V moment = in_scratch(2 * n + 3, own) + in_scratch(2 * n + 2, own + 1);
         if (opening) open_link(own, touch, f, moment);
         add_couple(own, moment, f);
         accelerate(own, f, closing ? *sweep_.result : *sweep_.velocity);
@@ -177,18 +177,19 @@ private:
         add_point(own, g, friction_limit * across, friction_limit * along, force);
     }
 
-    /// Force at point g for the sliding that all others leave it; adds its change to `force` and the response to it to the rates.
+    /// Force at point g for the sliding that all others leave it (…_without, its own friction taken away; own_… is the sliding that its
+    /// full friction takes away); adds its change to `force` and the response to it to the rates.
     void solve_point(int own, int g, JointRates& rates, V* force) const noexcept {
         const auto at_g = static_cast<std::size_t>(g);
         const int row = rows_.joint(g), contacts = field_.components.joint(g);
         const V friction_limit = contact(contacts + Joint::friction_limit, own);
-        const V across = share(row, own), along = share(row + 1, own);
-        const V stiff_across = responses_.joint_across[at_g] * friction_limit, stiff_along = responses_.joint_along[at_g] * friction_limit;
-        const V free_across = slip_across(own, g, rates) - stiff_across * across;
-        const V free_along = rates.z + numbers_.joint_position[at_g] * rates.e - stiff_along * along;
-        const V speed = sliding_speed(own, g, {free_across, free_along}, {stiff_across, stiff_along});
-        const Reciprocals<W> inverse(speed + stiff_across, speed + stiff_along);
-        const V new_across = -(free_across * inverse.first), new_along = -(free_along * inverse.second);
+        const V across = kept_row(row, own), along = kept_row(row + 1, own);
+        const V own_across = responses_.joint_across[at_g] * friction_limit, own_along = responses_.joint_along[at_g] * friction_limit;
+        const V across_without = slip_across(own, g, rates) - own_across * across;
+        const V along_without = rates.z + numbers_.joint_position[at_g] * rates.e - own_along * along;
+        const V speed = sliding_speed(own, g, {across_without, along_without}, {own_across, own_along});
+        const Reciprocals<W> inverse(speed + own_across, speed + own_along);
+        const V new_across = -(across_without * inverse.first), new_along = -(along_without * inverse.second);
         put(row, own, new_across);
         put(row + 1, own, new_along);
         const V change = friction_limit * (new_across - across), push = friction_limit * (new_along - along);
@@ -202,12 +203,12 @@ private:
         rates.e += responses_.joint_tilt[at_g] * push;
     }
 
-    /// The speed D ≥ v0 that a point slides with, or v0: Σ (free/(D + stiff))² = 1, one step of Newton's method from the last one on.
-    [[nodiscard]] V sliding_speed(int own, int g, const V (&free)[2], const V (&stiff)[2]) const noexcept {
+    /// The speed D ≥ v0 that a point slides with, or v0: Σ (without/(D + own_slip))² = 1, one step of Newton's method from the last one on.
+    [[nodiscard]] V sliding_speed(int own, int g, const V (&without)[2], const V (&own_slip)[2]) const noexcept {
         const V slowest(numbers_.joint.saturation_speed);
-        const V from = larger<W>(share(rows_.joint_speed(g), own), slowest);
-        const Reciprocals<W> inverse(from + stiff[0], from + stiff[1]);
-        const V across = free[0] * inverse.first, along = free[1] * inverse.second;
+        const V from = larger<W>(kept_row(rows_.joint_speed(g), own), slowest);
+        const Reciprocals<W> inverse(from + own_slip[0], from + own_slip[1]);
+        const V across = without[0] * inverse.first, along = without[1] * inverse.second;
         const V a = across * across, b = along * along, sum = a + b;
         const V slope = a * inverse.first + b * inverse.second + V(1e-20);
         const V speed = larger<W>(from + sum * (sqrt(sum) - V(1.0)) / slope, slowest);
@@ -262,15 +263,15 @@ private:
 
     /// Plates with the secants of the last rates: two equations for the sliding of both directions.
     void solve_plates(int own) const noexcept {
-        const V force_z = share(rows_.plates(), own), force_e = share(rows_.plates() + 1, own);
+        const V force_z = kept_row(rows_.plates(), own), force_e = kept_row(rows_.plates() + 1, own);
         V a(0.0), b(0.0), e(0.0);
         add_secants(own, a, b, e);
         const auto [rate_z, rate_e] = Base::plate_rates(own);
-        const V free_z = rate_z - responses_.plate_shift * force_z, free_e = rate_e - responses_.plate_tilt * force_e;
+        const V z_without = rate_z - responses_.plate_shift * force_z, e_without = rate_e - responses_.plate_tilt * force_e;
         const V zz = V(1.0) + responses_.plate_shift * a, ze = responses_.plate_shift * b, ez = responses_.plate_tilt * b,
                 ee = V(1.0) + responses_.plate_tilt * e;
         const V inverse = V(1.0) / (zz * ee - ze * ez);
-        const V z = (free_z * ee - ze * free_e) * inverse, tilt = (zz * free_e - ez * free_z) * inverse;
+        const V z = (z_without * ee - ze * e_without) * inverse, tilt = (zz * e_without - ez * z_without) * inverse;
         const V new_z = -(a * z + b * tilt), new_e = -(b * z + e * tilt);
         put(rows_.plate_rate(), own, z);
         put(rows_.plate_rate() + 1, own, tilt);
@@ -285,7 +286,8 @@ private:
 
     /// Σ secant, Σ ξ secant, Σ ξ² secant.
     void add_secants(int own, V& a, V& b, V& e) const noexcept {
-        const V z = share(rows_.plate_rate(), own), tilt = share(rows_.plate_rate() + 1, own), slowest(numbers_.plate.saturation_speed);
+        const V z = kept_row(rows_.plate_rate(), own), tilt = kept_row(rows_.plate_rate() + 1, own),
+                slowest(numbers_.plate.saturation_speed);
         const auto add = [&](int plate, const V& inverse_speed) {
             const Number xi = numbers_.plate_position[static_cast<std::size_t>(plate)];
             const V secant = contact(field_.components.plate(plate), own) * inverse_speed, lever = xi * secant;
@@ -342,14 +344,14 @@ private:
         put(rows_.tip(corner) + 1, own, part.y * tx - part.x * ty);
         put(rows_.tip(corner) + 2, own, part.z);
         const V forces[3] = {friction_limit * part.x, friction_limit * part.y, friction_limit * part.z};
-        for (int axis = 0; axis < 3; ++axis) forces[axis].copy_to(sweep_.impulses->at(3 * corner + axis, column(own)));
+        for (int axis = 0; axis < 3; ++axis) forces[axis].copy_to(sweep_.mean_tip_forces->at(3 * corner + axis, column(own)));
         return {forces[0] - old.x, forces[1] - old.y, forces[2] - old.z};
     }
 
-    /// Factor of the tips' law at the sliding speed that friction leaves. @param full speed that friction of its full strength takes
-    [[nodiscard]] V lawful_share(const V& full, const V& speed) const noexcept {
+    /// Factor of the tips' law at the sliding speed that friction leaves. @param own_slip sliding that its full friction takes away [m/s]
+    [[nodiscard]] V lawful_share(const V& own_slip, const V& speed) const noexcept {
         if (numbers_.tip_law == nullptr) return V(1.0);
-        return speed_factor<W>(*numbers_.tip_law, braked_speed<W>(*numbers_.tip_law, full, speed, V(numbers_.tip.saturation_speed)));
+        return speed_factor<W>(*numbers_.tip_law, braked_speed<W>(*numbers_.tip_law, own_slip, speed, V(numbers_.tip.saturation_speed)));
     }
 
     /// Sliding speed within the branch of the law that holds.
@@ -361,7 +363,7 @@ private:
     /// Keeps the forces with which the next step begins.
     void keep_opening(int own) const noexcept {
         for (int row = 0; row < rows_.forces(); ++row) {
-            const V now = share(row, own);
+            const V now = kept_row(row, own);
             put(rows_.opening(row), own, now + sweep_.ahead * (now - before(row, own)));
         }
     }

@@ -68,7 +68,7 @@ struct FrictionSweepOf {
     ColumnsOf<Number>* kept;               ///< the same of this step
     ColumnsOf<Number>* velocity;           ///< so far; those of the range
     ColumnsOf<Number>* result;             ///< at the end
-    ColumnsOf<Number>* impulses;           ///< [3 tips_per_link] rows: mean force on each tip, x, y, z [N]
+    ColumnsOf<Number>* mean_tip_forces;    ///< [3 tips_per_link] rows: mean force on each tip, x, y, z [N]
 };
 
 /// Power that friction takes from a link, with the joint of its rear pin, by kind [W].

@@ -43,7 +43,7 @@ enum class Field {
     velocity_kept,
     velocity_slope,
     force,
-    impulse,          // of friction inside a step
+    mean_tip_force,   // of friction inside a step
     further_assembly  // first number of its own fields
 };
 

@@ -24,7 +24,7 @@ constexpr int first_iterations = 50, next_iterations = 4;
 
 [[nodiscard]] double square(double x) noexcept { return x * x; }
 
-/// Rows of all fields: velocities, impulses, velocities by slot, two bases, slope, mode, image.
+/// Rows of all fields: velocities, mean forces of tips, velocities by slot, two bases, slope, mode, image.
 [[nodiscard]] std::vector<int> rows_of_fields(int size) {
     std::vector<int> rows(2 + kick_state_slots + 5, size);
     rows[1] = 3 * model::tips_per_link;
@@ -85,7 +85,7 @@ void FrictionSystem<Number>::stage(const Workspace& w, const KickRow& row, doubl
     if (first) contact_edges_.take(columns_, f.contacts.columns, segment);
     friction_.slopes(f.contacts, Base::range_of(w, row.here.time - 0.5, *slot(here), segment),
                      {&accelerations, row.keeps_slope ? &f.of[first_slope] : nullptr, &next, row.weight,
-                      row.weight != 0.0 ? &f.of[Base::impulses] : nullptr});
+                      row.weight != 0.0 ? &f.of[Base::mean_tip_forces] : nullptr});
     if (row.next.keep >= 0) edges_[at(row.next.keep)].give(columns_, *next.to, segment);
 }
 
@@ -144,13 +144,13 @@ void FrictionLeapfrog<Number>::add_tasks(engine::TaskGraph& graph) {
         graph.add({name("record", s), record_kick_cycle, engine::code_of<&FrictionLeapfrog::record>(*this), s,
                    record_accesses(w_, s).own(Field::velocity_read, true).list()});
     kick_cycles.add_tasks(graph, w_, "stage", engine::code_of<&FrictionLeapfrog::stage>(*this), [](LinkAccesses& accesses) {
-        accesses.own(Field::force, false).own(Field::velocity_slope, true).own(Field::impulse, true);
+        accesses.own(Field::force, false).own(Field::velocity_slope, true).own(Field::mean_tip_force, true);
     });
     for (int s = 0; s < w_.partition.size(); ++s)
         graph.add({name("finish", s), finish_kick_cycle, engine::code_of<&FrictionLeapfrog::finish>(*this), s,
                    LinkAccesses(w_, s)
                        .own(Field::velocity_read, false)
-                       .own(Field::impulse, false)
+                       .own(Field::mean_tip_force, false)
                        .own(Field::contact, false)
                        .own(Field::phase, false)
                        .own(Field::states_read, false)

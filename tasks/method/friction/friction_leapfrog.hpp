@@ -38,7 +38,8 @@ public:
     /// Contacts and all other forces of a segment's links; their velocities at the step's start in slot 0.
     void record(Workspace& workspace, const model::ContactDrift& drift, int segment) noexcept;
     /// One row of a chained table: evaluates at the velocities of its slot, with extrapolation times the difference between base and that
-    /// of the step before added to base; adds weight times the tips' forces to impulses; combines the velocities of the row that follows.
+    /// of the step before added to base; adds weight times the tips' forces to their means; combines the velocities of the row that
+    /// follows.
     void stage(const Workspace& workspace, const KickRow& row, double h, double extrapolation, int segment) noexcept;
 
     /// Largest eigenvalue of friction about rest, from a few power iterations on; everything must be at rest [1/s].

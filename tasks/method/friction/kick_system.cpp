@@ -91,7 +91,8 @@ void KickSystem<Number>::record(Workspace& w, const model::ContactDrift& drift, 
         for (int link = own.first; link < own.last; ++link, state += w.layout().link_block())
             for (int row = 0; row < size; ++row) *velocities.at(row, link + shift) = state[size + row];
     }
-    for (int row = 0; row < rows_[impulses]; ++row) std::fill_n(f.of[impulses].at(row, SegmentColumns::first), own.size(), Number(0));
+    for (int row = 0; row < rows_[mean_tip_forces]; ++row)
+        std::fill_n(f.of[mean_tip_forces].at(row, SegmentColumns::first), own.size(), Number(0));
     contact_edges_.give(columns_, f.contacts.columns, segment);
 }
 
@@ -129,7 +130,7 @@ template <class Number>
 void KickSystem<Number>::finish(Workspace& w, int segment) const noexcept {
     const Fields& f = fields(segment);
     const Segment& own = w.partition[segment];
-    const Columns &velocities = f.of[result], &forces = f.of[impulses];
+    const Columns &velocities = f.of[result], &forces = f.of[mean_tip_forces];
     const int shift = columns_.shift(segment);
     for (int link = own.first; link < own.last; ++link) {
         const model::Phase* phases = w.tips.phases.data() + model::tips_per_link * link;

@@ -30,7 +30,7 @@ public:
 protected:
     using Columns = model::ColumnsOf<Number>;
     /// Fields of every system: velocities at the step's end, mean forces of the tips' friction, velocities at the step's start.
-    enum Common : std::size_t { result, impulses, start, first_own };
+    enum Common : std::size_t { result, mean_tip_forces, start, first_own };
 
     /// Data that a segment's tasks write and read. Column = link + shift of the segment.
     struct Fields {
@@ -47,7 +47,7 @@ protected:
     [[nodiscard]] Fields& fields(int segment) noexcept { return fields_[at(segment)]; }
     [[nodiscard]] const Fields& fields(int segment) const noexcept { return fields_[at(segment)]; }
     /// Contacts of a segment's links at the stage state of workspace.step.row, all other forces there as accelerations in the field
-    /// `frictionless`, and velocities at the step's start; hands over the contacts. No impulses so far.
+    /// `frictionless`, and velocities at the step's start; hands over the contacts. No mean forces of tips so far.
     /// @param search decides which tips touch; nullptr: they do as they did
     void record(Workspace& workspace, const model::ContactDrift& drift, std::size_t frictionless, int segment,
                 model::TipSearch* search = nullptr) noexcept;

@@ -86,7 +86,7 @@ void SweepSystem<Number>::repartition(const Partition& partition) {
 
 template <class Number>
 void SweepSystem<Number>::restart() noexcept {
-    Base::clear(kept + now_);
+    Base::clear(kept_now());
     losses_ = Losses::none;
 }
 
@@ -99,7 +99,7 @@ void SweepSystem<Number>::begin(double step, double nominal) noexcept {
 template <class Number>
 void SweepSystem<Number>::record(Workspace& w, const model::ContactDrift& drift, int segment, model::TipSearch* search) noexcept {
     Base::record(w, drift, base, segment, search);
-    edges_[kept_edges].give(columns_, fields(segment).of[kept + 1 - now_], segment);
+    edges_[kept_edges].give(columns_, fields(segment).of[kept_before()], segment);
 }
 
 template <class Number>
@@ -108,20 +108,20 @@ void SweepSystem<Number>::sweep(const Workspace& w, model::SweepPart part, doubl
     const auto edges = [this](int pass) -> SegmentEdges<Number>& { return edges_[velocity_edges + at(pass % 2)]; };
     if (part == model::SweepPart::opening) {
         contact_edges_.take(columns_, f.contacts.columns, segment);
-        edges_[kept_edges].take(columns_, f.of[kept + 1 - now_], segment);
+        edges_[kept_edges].take(columns_, f.of[kept_before()], segment);
     } else {
-        edges(number + 1).take(columns_, f.of[velocity], segment);
+        edges(number - 1).take(columns_, f.of[velocity], segment);
     }
-    const model::FrictionSweepOf<Number> sweep{part,
-                                               static_cast<Number>(ahead),
-                                               &responses_,
-                                               &f.of[base],
-                                               &f.of[Base::start],
-                                               &f.of[kept + 1 - now_],
-                                               &f.of[kept + now_],
-                                               &f.of[velocity],
-                                               &f.of[Base::result],
-                                               &f.of[Base::impulses]};
+    const model::FrictionSweepOf<Number> sweep{.part = part,
+                                               .ahead = static_cast<Number>(ahead),
+                                               .responses = &responses_,
+                                               .base = &f.of[base],
+                                               .start = &f.of[Base::start],
+                                               .before = &f.of[kept_before()],
+                                               .kept = &f.of[kept_now()],
+                                               .velocity = &f.of[velocity],
+                                               .result = &f.of[Base::result],
+                                               .mean_tip_forces = &f.of[Base::mean_tip_forces]};
     constexpr double end = 0.5;  // of the step, from its middle
     friction_.template sweeps<Number>().sweep(friction_, f.contacts, Base::range_of(w, end, f.of[velocity], segment), sweep);
     if (part != model::SweepPart::closing) edges(number).give(columns_, f.of[velocity], segment);
@@ -149,7 +149,7 @@ void SweepSystem<Number>::find_losses() const noexcept {
         const model::FrictionRangeOf<Number> range{
             own.first, own.last,         means_[at(s)].at(0, SegmentColumns::first - 1), means_[at(s)].stride(), nullptr, nullptr,
             middle,    columns_.shift(s)};
-        friction_.template sweeps<Number>().powers(friction_, f.contacts, range, f.of[kept + now_], powers_.data() + own.first);
+        friction_.template sweeps<Number>().powers(friction_, f.contacts, range, f.of[kept_now()], powers_.data() + own.first);
     }
     losses_ = Losses::known;
 }
@@ -174,14 +174,14 @@ void SweepSystem<Number>::book(Workspace& w) noexcept {
 template <class Number>
 void SweepSystem<Number>::save(std::vector<double>& memory) const {
     find_losses();
-    Base::save(kept + now_, memory);
+    Base::save(kept_now(), memory);
     memory.push_back(losses_ == Losses::known ? 1.0 : 0.0);
     for (const model::FrictionPowers& powers : powers_) memory.insert(memory.end(), {powers.joint, powers.plates, powers.tips});
 }
 
 template <class Number>
 void SweepSystem<Number>::load(std::span<const double> memory) {
-    Base::load(kept + now_, memory);
+    Base::load(kept_now(), memory);
     losses_ = pop_integer(memory, 0, 1) == 1 ? Losses::known : Losses::none;
     const double* from = pop_front(memory, 3 * powers_.size()).data();
     for (model::FrictionPowers& powers : powers_) {
@@ -204,7 +204,7 @@ void SweepLeapfrog<Number>::add_tasks(engine::TaskGraph& graph) {
                    record_accesses(w_, s).own(Field::phase, decides_phases()).segment(Field::result, true).list()});
     sweep_cycles.add_tasks(graph, w_, "pass", engine::code_of<&SweepLeapfrog::sweep>(*this), [](LinkAccesses& accesses) {
         accesses.own(Field::force, true)
-            .own(Field::impulse, true)
+            .own(Field::mean_tip_force, true)
             .own(Field::states_read, false)
             .segment(Field::window, false)
             .own(Field::state_kept, true)

@@ -64,8 +64,10 @@ private:
     using Base::columns_, Base::contact_edges_, Base::edges_, Base::fields, Base::friction_, Base::now_;
     using typename Base::Columns, typename Base::Fields;
     enum class Losses { none, to_be_found, known };
-    /// Fields: accelerations by everything but friction; velocities; forces of this step and of the one before (see now_).
+    /// Fields: accelerations by everything but friction; velocities; two of forces that outlast a step, kept_now() and kept_before().
     enum Own : std::size_t { base = Base::first_own, velocity, kept };
+    [[nodiscard]] std::size_t kept_now() const noexcept { return kept + now_; }
+    [[nodiscard]] std::size_t kept_before() const noexcept { return kept + 1 - now_; }
     /// Edges of forces, and of velocities after passes of even and of odd number.
     enum Edges : std::size_t { kept_edges, velocity_edges };
 
@@ -132,7 +134,7 @@ private:
     int begun_ = 0;              ///< the first pass of the present cycle
     double begun_length_ = 0.0;  ///< of the step before, as it was begun [s]
     double nominal_ = 0.0;       ///< of steps that nothing cuts short: the longest, or the last that was as long as the one before [s]
-    bool cold_ = true;           ///< the present step has none before it
+    bool cold_ = true;           ///< the present step has none before it: forces begin at zero, and it takes first_sweeps
 };
 
 }  // namespace cvtflow::tasks
