@@ -11,6 +11,7 @@ include_patterns = ["*.md", "docs/**.md", "docs/site/*.rst", "model/*.md", "tool
 exclude_patterns = ["build*", ".*"]
 myst_heading_anchors = 3
 myst_enable_extensions = ["dollarmath"]
+myst_disable_syntax = ["myst_line_comment"]   # a line of text may begin with %
 suppress_warnings = ["myst.header", "toc.not_included"]
 breathe_projects = {"cvtflow": os.environ["CVTFLOW_DOXYGEN"]}
 breathe_default_project = "cvtflow"
