@@ -63,7 +63,7 @@ class Browser:
         self.session = self.call("Target.attachToTarget", {"targetId": page["targetId"], "flatten": True}, None)["sessionId"]
         for domain in ("Page", "Runtime", "Log", "Network"):
             self.call(domain + ".enable")
-        self.call("Emulation.setDeviceMetricsOverride", {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False})
+        self.resize(width, height)
 
     def __enter__(self):
         return self
@@ -74,6 +74,9 @@ class Browser:
         os.close(self.to)
         os.close(self.back)
         shutil.rmtree(self.profile, ignore_errors=True)
+
+    def resize(self, width, height):
+        self.call("Emulation.setDeviceMetricsOverride", {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False})
 
     def message(self, until):
         """The next message, or None if none comes until then."""

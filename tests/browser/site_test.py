@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The built pages in a real browser: every page of the sidebar opens, the sidebar has the guide's order, the search finds pages.
+"""The built pages in a real browser: every page of the sidebar opens, formulas fit a phone, the search finds pages.
 
     tests/browser/site_test.py HTML_DIR SOURCE_DIR
 
@@ -48,6 +48,20 @@ class Site(unittest.TestCase):
         for page in pages:
             self.open(page)
             self.assertTrue(browser.value("document.querySelector('h1').textContent.trim()"), page)
+
+    def test_formulas_have_their_fonts_and_scroll_on_a_phone(self):
+        browser.resize(390, 800)
+        self.addCleanup(browser.resize, 1200, 900)
+        for page, formulas in (("model/EQUATIONS.html", 500), ("docs/validation.html", 20)):
+            self.open(page)
+            self.assertGreater(browser.value("document.querySelectorAll('.katex').length"), formulas, page)
+            fonts = browser.value("document.fonts.ready.then((fonts) => [...fonts].filter((f) => f.status == 'loaded').map((f) => f.family))")
+            self.assertTrue({"KaTeX_Main", "KaTeX_Math"} <= set(fonts), fonts)
+            self.assertLessEqual(browser.value("document.documentElement.scrollWidth - innerWidth"), 0, page)
+            scrolls = browser.value("""[...document.querySelectorAll('.katex-display')].map((e) => [e.scrollWidth > e.clientWidth,
+                (e.scrollLeft = 1e6, e.scrollLeft > 0)])""")
+            self.assertTrue(any(wide for wide, _ in scrolls), page)
+            self.assertTrue(all(wide == moved for wide, moved in scrolls), page)
 
     def test_a_click_leads_to_the_page_and_marks_it(self):
         self.open("docs/index.html")

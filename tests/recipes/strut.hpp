@@ -3,7 +3,7 @@
 /// side. Compiled into kernels by model/force/further_element.hpp.
 ///
 /// | symbol | meaning | unit |
-/// | ℓ | distance of the middles of both halves: |d0| of pin halves, |d| of rigid pins (EQUATIONS.md sections 1 and 11) | m |
+/// | ℓ | distance of the middles of both halves: |d_0| of pin halves, |d| of rigid pins (EQUATIONS.md sections 1 and 11) | m |
 /// | E = k (ℓ - ℓ_s)²/2 | stored energy, booked as Energy::pack | J |
 /// | F = k (ℓ - ℓ_s) + c ℓ' | force that pulls the halves together | N |
 /// | c ℓ'² | lost power, booked as Loss::inner | W |
