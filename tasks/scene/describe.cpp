@@ -177,6 +177,7 @@ std::string table_text(const std::vector<double>& place, const std::vector<doubl
 }  // namespace
 
 std::string value_text(const Parameter& parameter, const Scene& scene) {
+    if (parameter.key == level_key) return fmt::format("\"{}\"", level_of(scene).empty() ? "given" : level_of(scene));
     Scene copy = scene;
     return std::visit(
         [&](const auto* member) -> std::string {

@@ -5,6 +5,7 @@
 
 #include "engine/base/text.hpp"
 #include "tasks/scene/parameter_table.hpp"
+#include "tasks/scene/toml_tree.hpp"
 
 namespace cvtflow::tasks {
 
@@ -66,11 +67,12 @@ constexpr Synonym synonyms[] = {
 }  // namespace
 
 Kind Parameter::kind() const {
-    static constexpr std::array kinds{Kind::number,      Kind::integer,    Kind::integer,     Kind::integer,  Kind::boolean, Kind::text,
-                                      Kind::number_list, Kind::time_table, Kind::speed_table, Kind::choice,   Kind::choice,  Kind::choice,
-                                      Kind::choice,      Kind::choice,     Kind::choice,      Kind::choice,   Kind::choice,  Kind::choice,
-                                      Kind::choice,      Kind::choice,     Kind::choice,      Kind::choice,   Kind::choice,  Kind::choice,
-                                      Kind::choice,      Kind::choice,     Kind::auto_number, Kind::text_list};
+    static constexpr std::array kinds{Kind::number, Kind::integer,     Kind::integer,     Kind::integer,     Kind::boolean,
+                                      Kind::text,   Kind::number_list, Kind::time_table,  Kind::speed_table, Kind::choice,
+                                      Kind::choice, Kind::choice,      Kind::choice,      Kind::choice,      Kind::choice,
+                                      Kind::choice, Kind::choice,      Kind::choice,      Kind::choice,      Kind::choice,
+                                      Kind::choice, Kind::choice,      Kind::choice,      Kind::choice,      Kind::choice,
+                                      Kind::choice, Kind::choice,      Kind::auto_number, Kind::text_list};
     static_assert(kinds.size() == std::variant_size_v<Slot>);
     Scene scene;
     return kinds[member(scene).index()];
@@ -101,6 +103,13 @@ std::vector<std::string> nearest_keys(std::string_view key) {
     if (of_that_name.size() > max_suggested) of_that_name.resize(max_suggested);
     if (of_that_name.empty() && !near.empty()) of_that_name.push_back(near);
     return of_that_name;
+}
+
+std::vector<const Entry*> level_first(const std::vector<Entry>& rows) {
+    std::vector<const Entry*> ordered;
+    for (const Entry& row : rows) ordered.push_back(&row);
+    std::ranges::stable_partition(ordered, [](const Entry* row) { return row->key == "level" || row->key == level_key; });
+    return ordered;
 }
 
 std::vector<std::string> section_names() {

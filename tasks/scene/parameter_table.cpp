@@ -3,6 +3,12 @@
 namespace cvtflow::tasks {
 namespace {
 
+std::vector<std::string_view> level_choices() {
+    std::vector<std::string_view> names{"given"};
+    for (const DetailPreset& preset : detail_presets()) names.push_back(preset.name);
+    return names;
+}
+
 // Ranges are wide on purpose: stiffnesses and masses may be a thousandth to a thousandfold of the default (so that limits of
 // stability can be studied); what makes no sense at all is refused. Defaults are those of the structs.
 // key, unit, min, max, choices / meaning / source, member
@@ -14,6 +20,10 @@ std::vector<Parameter> parameters_of_machine() {
     {"scene.description", "", 0, 0, {}, "Purpose of the scene, in one or two sentences.",
      "model choice", [](Scene& s) -> Slot { return &s.description; }},
 
+    {"detail.level", "", 0, 0, level_choices(),
+     "Level of detail (cvtflow list detail): sets detail.pins, order, plates, joint_points, pulleys and mass_scaling. Those keys beside it "
+     "take precedence, and --detail replaces all of them. \"given\": no level, these keys alone.",
+     "model choice", [](Scene& s) -> Slot { return &s.level; }},
     {"detail.pins", "", 0, 0, {model::pin_detail_names.begin(), model::pin_detail_names.end()},
      "Pins of two halves that roll on each other in contact; or of one body whose halves roll by constraint and slide along it, and which "
      "bends in one shape (order 2, lumped plates, one thread).",

@@ -13,6 +13,7 @@
 
 namespace cvtflow::tasks {
 
+struct Entry;
 struct Node;
 struct Problem;
 
@@ -20,8 +21,8 @@ struct Problem;
 using Slot = std::variant<double*, int*, long*, std::uint64_t*, bool*, std::string*, std::vector<double>*, model::TimeTable*,
                           model::SpeedTable*, model::PinDetail*, model::PlateDetail*, model::PulleyDetail*, model::FrictionLaw*,
                           model::JointLaw*, model::TipFriction*, model::Sheave*, model::DriveMode*, model::LoadMode*,
-                          model::ControlledQuantity*, ControlGains*, model::DrivenControl*, model::HydraulicMode*, model::StartLayout*,
-                          Assembly*, PartitionKind*, StepControl*, AutoNumber*, std::vector<std::string>*>;
+                          model::ControlledQuantity*, ControlGains*, DetailLevel*, model::DrivenControl*, model::HydraulicMode*,
+                          model::StartLayout*, Assembly*, PartitionKind*, StepControl*, AutoNumber*, std::vector<std::string>*>;
 
 enum class Kind { number, auto_number, integer, choice, boolean, text, number_list, time_table, speed_table, text_list };
 
@@ -60,6 +61,11 @@ struct Parameter {
 /// Sets the member of `parameter` in `scene` to the value of `node`: type, unit, dimension and range are those of its row. Errors are
 /// appended to `problems`, with the position of the number, text or list element concerned, and leave the member unchanged.
 void read_value(const Parameter& parameter, const Node& node, Scene& scene, std::vector<Problem>& problems);
+
+/// The key that sets other keys, those of a level.
+inline constexpr std::string_view level_key = "detail.level";
+/// Rows of a section of a file, detail.level first: keys beside it take precedence.
+[[nodiscard]] std::vector<const Entry*> level_first(const std::vector<Entry>& rows);
 
 /// A condition that the values of a scene must satisfy together.
 struct CrossCheck {

@@ -106,12 +106,12 @@ void Reading::section(const Entry& entry) {
                                                    hint ? engine::did_you_mean(nearest_keys(entry.key)) : ""));
     }
     if (!table) return problem(entry.position, fmt::format("{0}: not a section; write [{0}]", entry.key));
-    for (const Entry& row : *table) {
-        const std::string key = fmt::format("{}.{}", entry.key, row.key);
+    for (const Entry* row : level_first(*table)) {
+        const std::string key = fmt::format("{}.{}", entry.key, row->key);
         if (const Parameter* parameter = find_parameter(key))
-            value(*parameter, row.node);
+            value(*parameter, row->node);
         else
-            unknown_key(key, row.position);
+            unknown_key(key, row->position);
     }
 }
 
@@ -151,7 +151,9 @@ void Reading::check(const CrossCheck& cross_check) {
     if (!violation) return;
     const auto& keys = cross_check.keys;
     const auto first = std::find_if(keys.begin(), keys.end(), [&](std::string_view key) { return given_.contains(key); });
-    problem(first == keys.end() ? nowhere_ : given_[*first], std::move(*violation));
+    const auto level = given_.find(level_key);  // sets some of the keys
+    const Position otherwise = level == given_.end() ? nowhere_ : level->second;
+    problem(first == keys.end() ? otherwise : given_[*first], std::move(*violation));
 }
 
 /// Keys that follow from vehicle and cycle may be given with the value that follows only, as in the scene of a record.
@@ -323,9 +325,15 @@ std::span<const std::string_view> state_keys() noexcept {
     return keys;
 }
 
-std::string gone_detail(std::string_view name) {
-    if (name != "coarse" && name != "whole") return "";
-    return "; whole pins that roll by constraint are gone: \"rigid\" is more accurate and takes a twelfth of their time";
+std::string_view level_of(const Scene& scene) noexcept {
+    const model::Detail& detail = scene.parameters.detail;
+    for (const DetailPreset& preset : detail_presets()) {
+        const bool pulleys = preset.pulleys == detail.pulleys || detail.pulleys == model::PulleyDetail::absent;
+        if (preset.pins == detail.pins && preset.order == detail.order && preset.plates == detail.plates &&
+            preset.joint_points == detail.joint_points && preset.mass_scaling == detail.mass_scaling && pulleys)
+            return preset.name;
+    }
+    return {};
 }
 
 void apply_detail(Scene& scene, std::string_view preset) {
@@ -334,8 +342,8 @@ void apply_detail(Scene& scene, std::string_view preset) {
     if (chosen == presets.end()) {
         std::vector<std::string> names;
         for (const auto& row : presets) names.emplace_back(row.name);
-        const std::string gone = gone_detail(preset), near = engine::did_you_mean(engine::closest(preset, names));
-        throw SceneError(fmt::format("detail {}: not one of {}{}", preset, fmt::join(names, ", "), gone.empty() ? near : gone));
+        throw SceneError(fmt::format("detail {}: not one of {}{}", preset, fmt::join(names, ", "),
+                                     engine::did_you_mean(engine::closest(preset, names))));
     }
     auto& detail = scene.parameters.detail;
     detail.pins = chosen->pins;

@@ -79,6 +79,9 @@ struct RunSettings {
 /// Gains of ratio control: control.proportional and control.integral, or found from clamping force and speed.
 enum class ControlGains { given, found };
 
+/// detail.level: the keys of [detail] as they are given, or 1 + number of a level in detail_presets().
+enum class DetailLevel { given };
+
 struct Scene {
     std::string name;  ///< the file's stem if absent
     std::string description;
@@ -87,7 +90,8 @@ struct Scene {
     model::Vehicle vehicle;  ///< load, drive and control of `parameters` follow from it and the cycle (follow_vehicle)
     model::Cycle cycle;
     ControlGains gains = ControlGains::given;
-    std::string state_file;      ///< absolute path of the state to start from; empty: geometric start
+    DetailLevel level = DetailLevel::given;  ///< only while detail.level is read: then its keys are set, and state it (level_of)
+    std::string state_file;                  ///< absolute path of the state to start from; empty: geometric start
     std::string state_place;     ///< where start.state was given, for problems that show later: `scene.toml:12:9: `; empty: nowhere
     std::string method_place;    ///< the same of run.method
     KeptState start_state;       ///< what state_file holds, read once
@@ -153,8 +157,8 @@ struct DetailPreset {
 /// Keys that a level of detail sets.
 [[nodiscard]] std::span<const std::string_view> dial_keys() noexcept;
 
-/// For messages, behind the names that exist: what takes the place of a level or of a value of `detail.pins` that is gone; empty: neither.
-[[nodiscard]] std::string gone_detail(std::string_view name);
+/// The level whose keys the scene has; empty: none.
+[[nodiscard]] std::string_view level_of(const Scene& scene) noexcept;
 
 /// Sets the dials of a preset. Keeps the friction law, its smoothing and stick_slip, and pulleys = "absent".
 /// @throws SceneError  unknown preset

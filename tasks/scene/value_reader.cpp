@@ -129,9 +129,7 @@ public:
         const auto chosen = value ? std::find(choices.begin(), choices.end(), *value) : choices.end();
         if (chosen == choices.end()) {
             const std::string near = value ? engine::closest(*value, {choices.begin(), choices.end()}) : std::string{};
-            const std::string gone = value && parameter_.key == "detail.pins" ? gone_detail(*value) : std::string{};
-            return refuse(node, "{} is not one of {}{}", written(node), fmt::join(choices, ", "),
-                          gone.empty() ? engine::did_you_mean(near) : gone);
+            return refuse(node, "{} is not one of {}{}", written(node), fmt::join(choices, ", "), engine::did_you_mean(near));
         }
         member = static_cast<Choice>(chosen - choices.begin());
     }
@@ -270,6 +268,8 @@ private:
 
 void read_value(const Parameter& parameter, const Node& node, Scene& scene, std::vector<Problem>& problems) {
     std::visit([&](auto* member) { Reader(parameter, problems).read(node, *member); }, parameter.member(scene));
+    const DetailLevel level = std::exchange(scene.level, DetailLevel::given);
+    if (level != DetailLevel::given) apply_detail(scene, find_parameter(level_key)->choices[static_cast<std::size_t>(level)]);
 }
 
 }  // namespace cvtflow::tasks

@@ -291,18 +291,8 @@ constexpr double alike = 1.1;  ///< costs within this factor are ranked by work
 /// Levels of detail, including the scene's detail if that has no name.
 std::vector<std::string> levels_for(const Scene& scene) {
     std::vector<std::string> levels;
-    bool named = false;
-    for (const DetailPreset& preset : detail_presets()) {
-        Scene at = scene;
-        apply_detail(at, preset.name);
-        const auto dials = dial_keys();
-        named = named || std::all_of(dials.begin(), dials.end(), [&](std::string_view key) {
-                    const Parameter& dial = *find_parameter(key);
-                    return value_text(dial, at) == value_text(dial, scene);
-                });
-        levels.emplace_back(preset.name);
-    }
-    if (!named) levels.emplace_back();
+    for (const DetailPreset& preset : detail_presets()) levels.emplace_back(preset.name);
+    if (level_of(scene).empty()) levels.emplace_back();
     return levels;
 }
 

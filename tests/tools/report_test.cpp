@@ -96,7 +96,7 @@ TEST_F(ReportCommand, OfAMachineThatIsGoneReportsWhyThePageShowsNoChain) {
     EXPECT_EQ(outcome.status, 0);
     EXPECT_THAT(outcome.err,
                 HasSubstr("run.h5: the page shows no chain: cannot read the parameters of its machine: scene:2:8: detail.pins: "
-                          "\"whole\" is not one of halves, rigid; whole pins that roll by constraint are gone"));
+                          "\"whole\" is not one of halves, rigid"));
 }
 
 TEST_F(ReportCommand, ContainsEnergiesByKindAndTheWearThatWasRecorded) {

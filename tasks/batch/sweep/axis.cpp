@@ -23,8 +23,9 @@ namespace cvtflow::tasks {
 
 namespace {
 
+/// A level of detail is none: its text sets other keys.
 template <class T>
-constexpr bool is_number = std::is_arithmetic_v<T> || std::is_enum_v<T>;
+constexpr bool is_number = std::is_arithmetic_v<T> || (std::is_enum_v<T> && !std::is_same_v<T, DetailLevel>);
 
 /// The number that a member holds, if it is a single one.
 template <class T>

@@ -205,16 +205,16 @@ private:
     void settings(const std::string& section, const Entry& entry) {
         const Node::Table* rows = table(entry);
         if (rows == nullptr) return;
-        for (const Entry& row : *rows) {
-            const std::string key = section.empty() ? row.key : section + "." + row.key;
-            if (section.empty() && std::holds_alternative<Node::Table>(row.node.value))
-                settings(row.key, row);
+        for (const Entry* row : level_first(*rows)) {
+            const std::string key = section.empty() ? row->key : section + "." + row->key;
+            if (section.empty() && std::holds_alternative<Node::Table>(row->node.value))
+                settings(row->key, *row);
             else if (const Parameter* parameter = find_parameter(key))
-                setting(*parameter, row.node);
+                setting(*parameter, row->node);
             else
                 problems_.push_back(
-                    {row.position, fmt::format("set.{}: unknown key{}", key,
-                                               problems_.size() < max_problems ? engine::did_you_mean(nearest_keys(key)) : "")});
+                    {row->position, fmt::format("set.{}: unknown key{}", key,
+                                                problems_.size() < max_problems ? engine::did_you_mean(nearest_keys(key)) : "")});
         }
     }
 

@@ -182,6 +182,7 @@ TEST(ParameterTable, EveryKeyOfAMachineMakesItAnother) {
     for (const Parameter& parameter : parameter_table()) {
         EXPECT_NE(machine.contains(parameter.section()), inputs.contains(parameter.section())) << parameter.section();
         Scene scene, other;
+        if (parameter.key == level_key) continue;  // sets other keys
         if (!machine.contains(parameter.section()) || !change(parameter.member(other))) continue;
         EXPECT_FALSE(model::Variator::same_machine(scene.parameters, other.parameters)) << parameter.key;
         ++changed;

@@ -247,7 +247,9 @@ TEST(DetailPresets, SetNothingButTheDialsAndNoneOfThemInVain) {
         }
     }
     const auto dials = dial_keys();
-    EXPECT_EQ(changed, std::set<std::string_view>(dials.begin(), dials.end()));
+    std::set<std::string_view> expected(dials.begin(), dials.end());
+    expected.insert(level_key);  // whose value follows from them
+    EXPECT_EQ(changed, expected);
 }
 
 TEST(DetailPresets, LeaveAbsentPulleysAbsent) {
@@ -366,16 +368,43 @@ TEST(DetailPresets, UnknownNameIsAnErrorWithASuggestion) {
     }
 }
 
-TEST(DetailPresets, OneThatIsGoneNamesWhatTakesItsPlace) {
-    Scene scene;
-    try {
-        apply_detail(scene, "coarse");
-        FAIL();
-    } catch (const SceneError& error) {
-        EXPECT_STREQ(error.what(),
-                     "detail coarse: not one of rigid, medium, fine, full; whole pins that roll by constraint are gone: \"rigid\" is more "
-                     "accurate and takes a twelfth of their time");
+TEST(DetailPresets, LevelOfAFileSetsItsKeysAndKeysBesideItTakePrecedenceWhereverTheyAre) {
+    for (const DetailPreset& preset : detail_presets()) {
+        Scene expected;
+        apply_detail(expected, preset.name);
+        const Scene scene = parse_scene(fmt::format("[detail]\nlevel = \"{}\"\n", preset.name), "scene.toml");
+        EXPECT_EQ(scene.parameters, expected.parameters) << preset.name;
+        EXPECT_EQ(level_of(scene), preset.name);
+        EXPECT_EQ(value_text(*find_parameter("detail.level"), scene), fmt::format("\"{}\"", preset.name));
     }
+    const Scene above = parse_scene("[detail]\njoint_points = 2\nlevel = \"medium\"\n", "scene.toml");
+    const Scene below = parse_scene("[detail]\nlevel = \"medium\"\njoint_points = 2\n", "scene.toml");
+    EXPECT_EQ(above.parameters, below.parameters);
+    EXPECT_EQ(above.parameters.detail.order, 1);
+    EXPECT_EQ(above.parameters.detail.joint_points, 2);
+    EXPECT_EQ(value_text(*find_parameter("detail.level"), above), "\"given\"");
+    EXPECT_EQ(parse_scene(write_scene(above), "scene.toml").parameters, above.parameters);
+}
+
+TEST(DetailPresets, LevelIsASettingAndGivesWayToWhatFollows) {
+    Scene scene = parse_scene("[detail]\nlevel = \"rigid\"\n", "scene.toml");
+    set_values(scene, std::vector<std::string>{"detail.level=medium", "detail.order=2"});
+    EXPECT_EQ(scene.parameters.detail.pins, model::PinDetail::halves);
+    EXPECT_EQ(scene.parameters.detail.order, 2);
+    set_value(scene, "detail.level=given");
+    EXPECT_EQ(scene.parameters.detail.order, 2);
+}
+
+TEST(DetailPresets, ConflictsWithALevelAreReported) {
+    Scene palmgren = parse_scene("[joint]\nlaw = \"palmgren\"\n", "s.toml");
+    EXPECT_EQ(complaint([&] { set_value(palmgren, "detail.level=rigid"); }),
+              "--set detail.level=rigid: joint.law: detail.pins = \"rigid\" has joints of law \"linear\"");
+    EXPECT_EQ(complaint([] { (void)parse_scene("[detail]\nlevel = \"rigid\"\norder = 3\n", "s.toml"); }),
+              "s.toml:3:9: detail.order: detail.pins = \"rigid\" has order 2, not 3");
+    EXPECT_EQ(complaint([] { (void)parse_scene("[detail]\nlevel = \"rigid\"\n[run]\nsegments = 4\n", "s.toml"); }),
+              "s.toml:4:12: run.segments: detail.pins = \"rigid\" is one segment, not 4");
+    EXPECT_EQ(complaint([] { (void)parse_scene("[detail]\nlevel = \"rigdi\"\n", "s.toml"); }),
+              "s.toml:2:9: detail.level: \"rigdi\" is not one of given, rigid, medium, fine, full (did you mean \"rigid\"?)");
 }
 
 }  // namespace

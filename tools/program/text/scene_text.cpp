@@ -23,16 +23,6 @@ std::string choice(const tasks::Scene& scene, std::string_view key) {
     return text.size() > 1 && text.front() == '"' ? text.substr(1, text.size() - 2) : text;
 }
 
-std::string_view preset_name(const model::Detail& detail) {
-    for (const tasks::DetailPreset& preset : tasks::detail_presets()) {
-        const bool pulleys = preset.pulleys == detail.pulleys || detail.pulleys == model::PulleyDetail::absent;
-        if (preset.pins == detail.pins && preset.order == detail.order && preset.plates == detail.plates &&
-            preset.joint_points == detail.joint_points && preset.mass_scaling == detail.mass_scaling && pulleys)
-            return preset.name;
-    }
-    return {};
-}
-
 /// Its value, if there is an attribute of that name and type.
 template <class Value>
 const Value* value_of(const std::vector<engine::Attribute>& attributes, std::string_view name) {
@@ -84,7 +74,7 @@ LeastSafety least_safety(const tasks::Scene& scene, double radius) {
 
 std::string detail_text(const tasks::Scene& scene) {
     const model::Detail& detail = scene.parameters.detail;
-    const std::string_view name = preset_name(detail);
+    const std::string_view name = tasks::level_of(scene);
     const std::string joints = detail.pins != model::PinDetail::halves
                                    ? fmt::format("{} pins", name_of(detail.pins))
                                    : fmt::format("{} joint point{}", detail.joint_points, detail.joint_points == 1 ? "" : "s");
@@ -97,7 +87,7 @@ std::string detail_text(const tasks::Scene& scene) {
 }
 
 std::string level_text(const tasks::Scene& scene) {
-    const std::string_view name = preset_name(scene.parameters.detail);
+    const std::string_view name = tasks::level_of(scene);
     return name.empty() ? "own detail" : std::string(name);
 }
 
