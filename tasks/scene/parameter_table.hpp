@@ -84,6 +84,9 @@ void follow_vehicle(Scene& scene);
 /// Sets them to their defaults, before another vehicle or cycle is set.
 void forget_vehicle(Scene& scene);
 
+/// Keys with other values than their defaults that have no effect on a run of the scene, with the reason: a line for each reason.
+[[nodiscard]] std::vector<std::string> idle_keys(const Scene& scene);
+
 /// Suggestions for an unknown key: similar spelling, or the same name in other sections. May be empty.
 [[nodiscard]] std::vector<std::string> nearest_keys(std::string_view key);
 

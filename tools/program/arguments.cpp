@@ -207,8 +207,10 @@ LoadedScene load_scene(const SceneArguments& arguments) {
         loaded.notice = fmt::format("{}: the state in {} no longer fits; the run settles again", changed, own_state);
     }
     require_member(scene, own_method, arguments);
-    if (const std::string notice = bare_until(scene, arguments); !notice.empty())
-        loaded.notice += (loaded.notice.empty() ? "" : "\n") + notice;
+    std::vector<std::string> notices = tasks::idle_keys(scene);
+    for (const std::string& notice : {bare_until(scene, arguments), loaded.notice})
+        if (!notice.empty()) notices.insert(notices.begin(), notice);
+    loaded.notice = fmt::format("{}", fmt::join(notices, "\n"));
     return loaded;
 }
 
