@@ -194,6 +194,23 @@ TEST_F(PlotCommand, ALongRunIsDrawnAsMeansOverPinPeriods) {
     for (const auto& [time, slip] : means) EXPECT_TRUE(slip > 0.1 && slip < 0.6) << time << ": " << slip << " %";
 }
 
+/// The mean of a swing hides it: the strand moves by more than its means do.
+TEST_F(PlotCommand, LengthsOfALongRunAreDrawnAtEveryOutput) {
+    ASSERT_EQ(run({"run", "control", "--detail", "rigid", "-o", "long.h5", "-q", "--until", "50 ms", "--set", "guide.stiffness=1 N/m",
+                   "--set", "start.settling_time=5 ms"})
+                  .status,
+              0);
+    ASSERT_EQ(run({"plot", "long.h5", "guide/slack_deflection", "slip", "-o", "p.csv"}).status, 0);
+    const std::string csv = read("p.csv");
+    const auto drawn = points_of(csv, "guide/slack_deflection");
+    const std::vector<double> recorded = engine::RunReader((folder_ / "long.h5").string()).channel("guide/slack_deflection");
+    const auto [least, largest] = std::ranges::minmax_element(drawn, {}, &std::pair<double, double>::second);
+    const auto [lowest, highest] = std::ranges::minmax_element(recorded);
+    EXPECT_NEAR(largest->second, 1e3 * *highest, 1e-7 * std::abs(1e3 * *highest)) << "nine digits";
+    EXPECT_NEAR(least->second, 1e3 * *lowest, 1e-7 * std::abs(1e3 * *lowest));
+    EXPECT_LT(points_of(csv, "slip").size(), 80U) << "means over pin periods";
+}
+
 TEST_F(PlotCommand, SeveralRecordsStandInOnePicture) {
     std::filesystem::copy_file(folder_ / "run.h5", folder_ / "other.h5");
     ASSERT_EQ(run({"plot", "run.h5", "other.h5", "slip", "-o", "p.svg"}).status, 0);

@@ -160,6 +160,9 @@ double averaged_period(const RecordedRun& run) {
     return 1.0 / *pins;
 }
 
+/// Zero also for lengths, whose swings such means would hide. @param unit of the curve
+double averaged_period(const RecordedRun& run, const std::string& unit) { return unit == "m" ? 0.0 : averaged_period(run); }
+
 std::string means_text(double period) { return period > 0.0 ? fmt::format("; means over pin periods ({})", time_text(period)) : ""; }
 
 /// A curve as it is drawn. @param period as averaged_period()
@@ -203,7 +206,8 @@ void require_resolved(const RecordedRun& run) {
 }  // namespace
 
 DrawnCurve drawn_curve(const RecordedRun& run, const std::string& channel) {
-    return drawn_of(run, run.values(channel), averaged_period(run));
+    const engine::ChannelInfo* info = run.channel(channel);
+    return drawn_of(run, run.values(channel), averaged_period(run, info == nullptr ? "" : info->unit));
 }
 
 AmplitudeSpectrum amplitude_spectrum(const std::vector<double>& times, std::vector<double> values) {
@@ -323,9 +327,9 @@ std::vector<Plot> time_plots(const std::vector<RecordedRun>& runs, const std::ve
     const TimeAxis axis(shown_time(last_time(runs)));
     for (const RecordedRun& run : runs) {
         if (const std::string sparse = run.sparse(); !sparse.empty()) samples = "; " + sparse + ": curves are samples";
-        const double period = every_output ? 0.0 : averaged_period(run);
-        means = period > 0.0 ? means_text(period) : means;
         for (const Curve& curve : chosen(run, words)) {
+            const double period = every_output ? 0.0 : averaged_period(run, curve.unit);
+            means = period > 0.0 ? means_text(period) : means;
             Plot& plot = panel_of(panels, curve);
             plot.x.label = axis.label;
             DrawnCurve drawn = drawn_of(run, curve.values, period);

@@ -42,7 +42,8 @@ struct Repetition {
 /// "order 1 = 1404 Hz; pitch pattern 0.5, round of the chain 0.0119, shaft 1 0.0237, shaft 2 0.0236".
 [[nodiscard]] std::string orders_text(const std::vector<Repetition>& all);
 
-/// Curves over time, a plot per unit; several runs in each. Runs longer than 60 pin periods are shown as means over pin periods.
+/// Curves over time, a plot per unit; several runs in each. Runs longer than 60 pin periods are shown as means over pin periods, but for
+/// lengths, whose swings these would hide.
 /// Curves that are zero throughout are named in the subtitle, unless there is no other.
 /// @param words channels and groups; none: the overview   @param every_output also of long runs   @param measured drawn as points if given
 /// @throws UsageError for a word that names nothing

@@ -189,7 +189,7 @@ Action declare_plot(CLI::App& app) {
         ->type_name("FILE");
     app.add_flag("--orders", arguments->orders, "Draw amplitudes over orders of the pin passing frequency");
     app.add_flag("--every-output", arguments->every_output,
-                 "Draw every output, also for more than 60 pin periods (default then: means over each period)");
+                 "Draw every output, also for more than 60 pin periods (default then, but for lengths: means over each period)");
     app.add_flag("--round", arguments->round, "Draw quantities of the followed pin around the chain's path");
     app.add_flag("--losses", arguments->losses, "Draw mean losses by kind as bars with their shares; over time: cvtflow plot FILE loss");
     app.add_flag("--wear", arguments->wear, "Draw wear over the sheaves' radii and over the tips (record.channels = wear/*)");
