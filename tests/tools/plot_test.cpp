@@ -211,6 +211,26 @@ TEST_F(PlotCommand, LengthsOfALongRunAreDrawnAtEveryOutput) {
     EXPECT_LT(points_of(csv, "slip").size(), 80U) << "means over pin periods";
 }
 
+/// Row by row, the one channel over the other one.
+TEST_F(PlotCommand, DrawsAChannelOverAnother) {
+    ASSERT_EQ(run({"plot", "run.h5", "--x", "ratio", "slip", "-o", "p.csv"}).status, 0);
+    const auto drawn = points_of(read("p.csv"), "slip");
+    const engine::RunReader record((folder_ / "run.h5").string());
+    const std::vector<double> ratio = record.channel("ratio"), slip = record.channel("slip");
+    ASSERT_EQ(drawn.size(), ratio.size());
+    for (std::size_t k = 0; k < drawn.size(); ++k) {
+        EXPECT_NEAR(drawn[k].first, ratio[k], 1e-8 * ratio[k]);  // CSV has nine digits
+        EXPECT_NEAR(drawn[k].second, 100.0 * slip[k], 1e-8 * std::abs(100.0 * slip[k]));
+    }
+    ASSERT_EQ(run({"plot", "run.h5", "--x", "ratio", "slip", "-o", "p.svg", "--force"}).status, 0);
+    EXPECT_THAT(read("p.svg"), HasSubstr(">ratio</text>"));
+    write("bench.csv", "ratio,slip [%]\n1.01,1.5\n");
+    ASSERT_EQ(run({"plot", "run.h5", "--x", "ratio", "slip", "--with", "bench.csv", "-o", "q.csv"}).status, 0);
+    EXPECT_EQ(points_of(read("q.csv"), "slip, bench.csv", "slip"), (std::vector<std::pair<double, double>>{{1.01, 1.5}}));
+    EXPECT_THAT(run({"plot", "run.h5", "--x", "shaft_1", "slip"}).err, HasSubstr("--x shaft_1: "));
+    EXPECT_THAT(run({"plot", "run.h5", "--x", "slip", "--losses"}).err, HasSubstr("--with and --x are for curves of channels"));
+}
+
 TEST_F(PlotCommand, SeveralRecordsStandInOnePicture) {
     std::filesystem::copy_file(folder_ / "run.h5", folder_ / "other.h5");
     ASSERT_EQ(run({"plot", "run.h5", "other.h5", "slip", "-o", "p.svg"}).status, 0);
@@ -375,7 +395,7 @@ TEST_F(PlotCommand, ReportsWhatIsWrong) {
     complains({"run.h5", "links/tension[99]"}, 2, "elements, numbered from 0");
     complains({"none.h5"}, 1, "none.h5: No such file or directory");
     complains({"run.h5", "-o", "p.pdf"}, 2, "expected FILE.svg, FILE.png or FILE.csv");
-    complains({"run.h5", "--x", "slip"}, 2, "are for sweeps");
+    complains({"run.h5", "--y", "slip"}, 2, "are for sweeps");
     complains({"cases.csv", "--x", "load.torqe", "--y", "slip_mean"}, 2, "did you mean \"load_torque\"?");
     complains({"cases.csv", "--x", "load.torque", "--y", "status"}, 2, "not numbers");
     complains({"cases.csv", "--orders"}, 2, "is a sweep");

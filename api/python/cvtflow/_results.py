@@ -52,10 +52,11 @@ class Series:
             made[name] = (axes, values, {"units": column.unit, "long_name": column.description})
         return xarray.Dataset(made, coords={"time": ("time", self["time"], {"units": "s"})})
 
-    def plot(self, *channels, ax=None, si=False, **style):
-        """Draws channels over time with Matplotlib: those of one unit in one panel, panels with a shared time axis. Returns the Axes, or
-        an array of them.
+    def plot(self, *channels, x="time", ax=None, si=False, **style):
+        """Draws channels over time, or over another channel, with Matplotlib: those of one unit in one panel, panels with a shared
+        horizontal axis. Returns the Axes, or an array of them.
 
+        x      channel along the horizontal axis
         ax     Axes, or one for each unit; None: a new figure
         si     whether units are SI, as those of the values, instead of bar, l/min, rpm, kN, mm and %
         style  is passed to Axes.plot
@@ -73,13 +74,15 @@ class Series:
             size = (6.4, max(3.6, 0.6 + 2.0 * len(panels)))
             ax = pyplot.subplots(len(panels), sharex=True, squeeze=False, figsize=size, layout="constrained")[1][:, 0]
         axes = np.atleast_1d(ax)
+        time = ("time [s]", 1.0) if si else ("time [ms]", _MILLI)
+        along, scale = time if x == "time" else shown(x, self.info[split(x)[0]].unit, si)
         for axis, (unit, names) in zip(axes, panels.items()):
             for name, _, factor in names:
-                axis.plot(self["time"] * (1.0 if si else _MILLI), factor * self[name], label=name, **style)
+                axis.plot(scale * self[x], factor * self[name], label=name, **style)
             axis.set_ylabel(names[0][1] if len(names) == 1 else unit and f"[{unit}")
             if len(names) > 1:
                 axis.legend()
-        axes[-1].set_xlabel("time [s]" if si else "time [ms]")
+        axes[-1].set_xlabel(along)
         return axes[0] if len(axes) == 1 else axes
 
 

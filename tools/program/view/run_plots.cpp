@@ -116,22 +116,24 @@ std::string remove_zeros(std::vector<Panel>& panels) {
     return names;
 }
 
-Series line_through(const std::string& name, const std::vector<double>& x, const std::vector<double>& y) {
+Series line_through(const std::string& name, const std::vector<double>& x, const std::vector<double>& y,
+                    std::size_t columns = columns_drawn) {
     std::vector<Point> points;
     for (std::size_t k = 0; k < std::min(x.size(), y.size()); ++k) points.push_back({x[k], y[k]});
-    return {name, thinned(points, columns_drawn), Mark::none, Line::solid, "", 1.4};
+    return {name, thinned(points, columns), Mark::none, Line::solid, "", 1.4};
 }
 
-struct TimeAxis {
-    std::string label;
-    double per_second;
+std::vector<double> scaled(std::vector<double> values, double factor) {
+    for (double& value : values) value *= factor;
+    return values;
+}
 
-    explicit TimeAxis(const Shown& how) : label(how.label), per_second(how.factor) {}
-    [[nodiscard]] std::vector<double> of(std::vector<double> times) const {
-        for (double& time : times) time *= per_second;
-        return times;
-    }
-};
+/// The one curve that a word names. @throws UsageError where it names several
+Curve curve_along_x(const RecordedRun& run, const std::string& word) {
+    std::vector<Curve> curves = run.find(word);
+    if (curves.size() == 1) return std::move(curves.front());
+    throw UsageError(fmt::format("--x {}: {} curves; choose one number, such as {}", word, curves.size(), curves.front().name));
+}
 
 /// Means over whole pin periods at the middles of these; what a long run shows.
 DrawnCurve period_means(const std::vector<double>& times, const std::vector<double>& values, double period) {
@@ -162,8 +164,6 @@ double averaged_period(const RecordedRun& run) {
 
 /// Zero also for lengths, whose swings such means would hide. @param unit of the curve
 double averaged_period(const RecordedRun& run, const std::string& unit) { return unit == "m" ? 0.0 : averaged_period(run); }
-
-std::string means_text(double period) { return period > 0.0 ? fmt::format("; means over pin periods ({})", time_text(period)) : ""; }
 
 /// A curve as it is drawn. @param period as averaged_period()
 DrawnCurve drawn_of(const RecordedRun& run, const std::vector<double>& values, double period) {
@@ -306,12 +306,12 @@ std::vector<Point> thinned(const std::vector<Point>& points, std::size_t columns
 namespace {
 
 /// Points of the measured columns among the curves of the first run. @throws UsageError if there is none
-void add_measured(std::vector<Panel>& panels, const std::vector<Curve>& curves, const Measured& measured, double per_second) {
+void add_measured(std::vector<Panel>& panels, const std::vector<Curve>& curves, const Measured& measured, const Curve& x, double factor) {
     bool any = false;
     for (const Curve& curve : curves) {
         if (measured.find(curve.name, curve.unit) == nullptr) continue;
-        Series points = measured.points({"time", "s"}, {curve.name, curve.unit}, fmt::format("{}, {}", curve.name, measured.name));
-        for (Point& point : points.points) point.x *= per_second / shown("time", "s").factor;
+        Series points = measured.points({x.name, x.unit}, {curve.name, curve.unit}, fmt::format("{}, {}", curve.name, measured.name));
+        for (Point& point : points.points) point.x *= factor / shown(x.name, x.unit).factor;
         panel_of(panels, curve).series.push_back(std::move(points));
         any = true;
     }
@@ -321,23 +321,30 @@ void add_measured(std::vector<Panel>& panels, const std::vector<Curve>& curves, 
 }  // namespace
 
 std::vector<Plot> time_plots(const std::vector<RecordedRun>& runs, const std::vector<std::string>& words, bool every_output,
-                             const Measured* measured) {
+                             const Measured* measured, const std::string& x) {
+    constexpr std::size_t stretches = 10000;  // of a curve that is drawn over another one
     std::vector<Panel> panels;
     std::string means, samples;
-    const TimeAxis axis(shown_time(last_time(runs)));
+    Shown along = shown_time(last_time(runs));
+    Curve across{"time", "s", {}, {}};
     for (const RecordedRun& run : runs) {
         if (const std::string sparse = run.sparse(); !sparse.empty()) samples = "; " + sparse + ": curves are samples";
+        if (!x.empty()) across = curve_along_x(run, x), along = shown(across.name, across.unit);
         for (const Curve& curve : chosen(run, words)) {
-            const double period = every_output ? 0.0 : averaged_period(run, curve.unit);
-            means = period > 0.0 ? means_text(period) : means;
+            if (curve.name == across.name) continue;
+            const double period = every_output || across.unit == "m" ? 0.0 : averaged_period(run, curve.unit);
+            if (period > 0.0) means = fmt::format("; means over pin periods ({})", time_text(period));
             Plot& plot = panel_of(panels, curve);
-            plot.x.label = axis.label;
-            DrawnCurve drawn = drawn_of(run, curve.values, period);
-            for (double& value : drawn.values) value *= shown(curve.name, curve.unit).factor;
-            plot.series.push_back(line_through(name_in(runs, run, curve.name), axis.of(drawn.times), drawn.values));
+            plot.x.label = along.label;
+            const DrawnCurve drawn = drawn_of(run, curve.values, period);
+            const std::vector<double> values = scaled(drawn.values, shown(curve.name, curve.unit).factor);
+            const std::string name = name_in(runs, run, curve.name);
+            plot.series.push_back(
+                x.empty() ? line_through(name, scaled(drawn.times, along.factor), values)
+                          : line_through(name, scaled(drawn_of(run, across.values, period).values, along.factor), values, stretches));
         }
     }
-    if (measured != nullptr) add_measured(panels, chosen(runs.front(), words), *measured, axis.per_second);
+    if (measured != nullptr) add_measured(panels, chosen(runs.front(), words), *measured, across, along.factor);
     const std::string zeros = remove_zeros(panels);
     return finished(panels, subtitle_of(runs) + means + samples + zeros);
 }

@@ -42,13 +42,13 @@ struct Repetition {
 /// "order 1 = 1404 Hz; pitch pattern 0.5, round of the chain 0.0119, shaft 1 0.0237, shaft 2 0.0236".
 [[nodiscard]] std::string orders_text(const std::vector<Repetition>& all);
 
-/// Curves over time, a plot per unit; several runs in each. Runs longer than 60 pin periods are shown as means over pin periods, but for
-/// lengths, whose swings these would hide.
+/// Curves over time or another channel, a plot per unit; several runs in each. Runs longer than 60 pin periods are shown as means over pin
+/// periods, but for lengths, whose swings these would hide.
 /// Curves that are zero throughout are named in the subtitle, unless there is no other.
 /// @param words channels and groups; none: the overview   @param every_output also of long runs   @param measured drawn as points if given
-/// @throws UsageError for a word that names nothing
+/// @param x channel, or one number of it; empty: time   @throws UsageError for a word that names nothing
 [[nodiscard]] std::vector<Plot> time_plots(const std::vector<RecordedRun>& runs, const std::vector<std::string>& words, bool every_output,
-                                           const Measured* measured = nullptr);
+                                           const Measured* measured = nullptr, const std::string& x = {});
 
 /// Curve of a channel of one number: its outputs [s], [unit of the channel], or means over pin periods at the middles of these.
 struct DrawnCurve {

@@ -55,19 +55,19 @@ std::optional<Measured> measured_of(const PlotArguments& arguments) {
 }
 
 std::vector<Plot> plots_of_runs(const PlotArguments& arguments, const PlotWords& words, std::string& of) {
-    if (!arguments.x.empty() || !arguments.y.empty() || !arguments.colour.empty() || !arguments.where.empty())
-        throw UsageError("--x, --y, --colour and --where are for sweeps; " + words.files.front() + " is not a sweep");
+    if (!arguments.y.empty() || !arguments.colour.empty() || !arguments.where.empty())
+        throw UsageError("--y, --colour and --where are for sweeps; " + words.files.front() + " is not a sweep");
     std::vector<RecordedRun> runs;
     for (const std::string& file : words.files) runs.emplace_back(file);
     of = runs.front().name();
     const std::optional<Measured> measured = measured_of(arguments);
-    if (measured && (arguments.wear || arguments.round || arguments.orders || arguments.losses))
-        throw UsageError("--with adds points to curves over time, and to --x and --y of a sweep");
+    if ((measured || !arguments.x.empty()) && (arguments.wear || arguments.round || arguments.orders || arguments.losses))
+        throw UsageError("--with and --x are for curves of channels, and for sweeps");
     if (arguments.wear && runs.size() > 1) throw UsageError("--wear draws one record");
     if (arguments.wear) return wear_plots(runs.front());
     if (arguments.round) return {round_plot(runs)};
     if (arguments.orders) return order_plots(runs, words.channels);
-    if (!arguments.losses) return time_plots(runs, words.channels, arguments.every_output, measured ? &*measured : nullptr);
+    if (!arguments.losses) return time_plots(runs, words.channels, arguments.every_output, measured ? &*measured : nullptr, arguments.x);
     std::vector<Plot> plots;
     for (const RecordedRun& run : runs) plots.push_back(loss_plot(run));
     return plots;
@@ -193,7 +193,8 @@ Action declare_plot(CLI::App& app) {
     app.add_flag("--round", arguments->round, "Draw quantities of the followed pin around the chain's path");
     app.add_flag("--losses", arguments->losses, "Draw mean losses by kind as bars with their shares; over time: cvtflow plot FILE loss");
     app.add_flag("--wear", arguments->wear, "Draw wear over the sheaves' radii and over the tips (record.channels = wear/*)");
-    app.add_option("--x", arguments->x, "Sweeps: column along the horizontal axis")->type_name("COLUMN");
+    app.add_option("--x", arguments->x, "Along the horizontal axis: column of a sweep, or channel of a record instead of time")
+        ->type_name("COLUMN");
     app.add_option("--y", arguments->y, "Sweeps: column along the vertical axis")->type_name("COLUMN");
     app.add_option("--colour", arguments->colour, "Sweeps: column drawn as a map with contours")->type_name("COLUMN");
     app.add_option("--with", arguments->with, "Measured data as points: a CSV with headings such as \"time [ms]\", \"slip [%]\"")
@@ -205,6 +206,7 @@ Action declare_plot(CLI::App& app) {
         "cvtflow plot run.h5 slip efficiency          cvtflow plot a.h5 b.h5 shaft_1/speed   (both in one picture)\n"
         "cvtflow plot run.h5 'tips/axial_force[7]'    cvtflow plot run.h5 tight_tension --orders -o orders.png\n"
         "cvtflow plot SWEEP --x load.torque --y start.ratio --colour slip_mean --where clamping.driven=20000\n"
+        "cvtflow plot run.h5 --x ratio slip           cvtflow plot run.h5 --x shaft_1/speed efficiency tight_tension\n"
         "cvtflow plot run.h5 slip --with bench.csv    cvtflow plot SWEEP --x load.torque --y efficiency --with bench.csv\n"
         "For channels of more than four numbers, minimum, mean and maximum are drawn. PNG requires rsvg-convert (librsvg2-bin).\n"
         "A picture of the same scene or sweep is replaced, any other file only with --force.");
