@@ -134,6 +134,22 @@ class RunReport(Page):
                         {"width": 1200, "height": 900, "deviceScaleFactor": 1, "mobile": False})
         self.browser.open(self.page)
         self.assertLessEqual(self.value("document.documentElement.scrollWidth"), 390)
+        scales = self.value("""[...document.querySelectorAll("figure svg")].map((s) =>
+            s.getBoundingClientRect().width / s.viewBox.baseVal.width)""")
+        self.assertTrue(scales)
+        self.assertGreater(min(scales), 0.99, "letters of 12 px")
+
+    def test_labels_of_an_axis_leave_its_ticks_alone(self):
+        self.value("""(() => { curves.chosen = new Set(["ratio", "slip"]); curves.draw(); })()""")
+        covered = self.value("""[...document.querySelectorAll(".panel")].flatMap((panel) => {
+            const box = (e) => e.getBoundingClientRect(), label = box(panel.querySelector(".dygraph-ylabel"));
+            return [...panel.querySelectorAll(".dygraph-axis-label-y")].filter((tick) => {
+                const range = document.createRange();
+                range.selectNodeContents(tick);
+                return box(range).left < label.right && box(range).top < label.bottom && box(range).bottom > label.top;
+            }).map((tick) => tick.textContent);
+        })""")
+        self.assertEqual(covered, [])
 
     def test_every_curve_is_that_of_the_record(self):
         names = self.value("[...curves.runs[0].curves.keys()]")

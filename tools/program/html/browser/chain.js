@@ -129,7 +129,7 @@ class RunningChain extends DrawnChain {
       colors: [colours[1]],
       axisLineColor: style.getPropertyValue("--soft"),
       gridLineColor: style.getPropertyValue("--line"),
-      axes: {y: {valueFormatter: readable, axisLabelFormatter: readable, axisLabelWidth: 64}},
+      axes: {y: {valueFormatter: readable, axisLabelFormatter: readable, axisLabelWidth: 80}},
       clickCallback: (event, time) => this.show(this.t.findIndex((t) => data.time.f * t >= time - 1e-9)),
     });
   }

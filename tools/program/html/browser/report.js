@@ -200,7 +200,7 @@ class Curves {
       axisLineColor: style.getPropertyValue("--soft"),
       gridLineColor: style.getPropertyValue("--line"),
       axes: {
-        y: {valueFormatter: readable, axisLabelFormatter: readable, axisLabelWidth: 64},
+        y: {valueFormatter: readable, axisLabelFormatter: readable, axisLabelWidth: 80},
         x: {valueFormatter: (t) => readable(t) + " " + data.time.u}
       },
       zoomCallback: (from, to) => this.show([from, to]),
