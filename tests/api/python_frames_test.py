@@ -260,6 +260,11 @@ class Sweeps(Folder):
             self.assertLess(abs(drawn - slip[case]), 0.2 * np.ptp(slip), f"{torque} N*m, {force} kN")  # 12 steps of colour, near a corner
         self.assertEqual((axes.get_xlabel(), axes.get_ylabel()), ("load torque [N·m]", "clamping driving [kN]"))
         self.assertEqual(axes.figure.axes[1].get_ylabel(), "mean slip [%]")
+        axes.figure.canvas.draw()
+        self.assertTrue(axes.texts)
+        for label in axes.texts:  # of contours, none cut off by the frame
+            box = label.get_window_extent()
+            self.assertTrue(axes.bbox.contains(box.x0, box.y0) and axes.bbox.contains(box.x1, box.y1), label.get_text())
         points = results.where(clamping__driving="7 kN").map("load.torque", "clamping.driving", "slip mean")
         np.testing.assert_allclose(points.collections[0].get_offsets(), [[12, 7], [6, 7]])
         several = "several cases at one point of load_torque and load_torque: choose with where.*clamping_driving"

@@ -18,6 +18,12 @@ def _list(values):
     return "[" + ", ".join(toml(value) for value in values) + "]"
 
 
+def _middle(line, size):
+    """Length of a line [1] and its middle, where a label is farthest from its ends. size: width and height of the map"""
+    along = np.concatenate(([0.0], np.cumsum(np.hypot(*(np.diff(line, axis=0) / size).T))))
+    return along[-1], [np.interp(0.5 * along[-1], along, line[:, k]) for k in (0, 1)]
+
+
 class Results(dict):
     """Results of a sweep: arrays (lists for texts) by column, in the order of cases. info contains units and descriptions by column."""
 
@@ -115,7 +121,9 @@ class Results(dict):
         axes = ax or pyplot.subplots(layout="constrained")[1]
         if min(grid.shape) > 1 and np.isfinite(grid).all():
             drawn = axes.contourf(xs, ys, grid, **{"levels": 12, **style})
-            axes.clabel(axes.contour(drawn, colors="black", linewidths=0.8))
+            lines = axes.contour(drawn, colors="black", linewidths=0.8)
+            longest = [max(_middle(line, (np.ptp(xs), np.ptp(ys))) for line in level) for level in lines.allsegs if level]
+            axes.clabel(lines, manual=[middle for length, middle in longest if length > 0.15])  # shorter lines have no room
         else:
             drawn = axes.scatter(across, up, c=colours, **style)
         axes.figure.colorbar(drawn, ax=axes, label=self._shown(value, si)[0])
