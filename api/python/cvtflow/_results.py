@@ -120,12 +120,14 @@ class States:
 class Record(Series, Mapping):
     """The record of a run as a mapping from names of channels to arrays; "time" [s] is among them.
 
-    record = cvtflow.Record("results/tiny.h5")
-    record["links/tension"]            # all rows, [rows, links]; read now
-    record["links/tension[3]"]         # of the fourth link, [rows]
-    record.read("ratio", 100, 50)      # 50 rows from row 100 on
-    record.frame()                     # a pandas.DataFrame
-    record.plot("slip")                # with Matplotlib
+        record = cvtflow.Record("results/tiny.h5")
+        record["links/tension"]            # all rows, [rows, links]; read now
+        record["links/tension[3]"]         # of the fourth link, [rows]
+        record.read("ratio", 100, 50)      # 50 rows from row 100 on
+        record.frame()                     # a pandas.DataFrame
+        record.plot("slip")                # with Matplotlib; over another channel: record.plot("slip", x="ratio")
+
+    Numbers are in SI units.
     """
 
     def __init__(self, path):
