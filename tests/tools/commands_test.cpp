@@ -103,6 +103,19 @@ TEST_F(Commands, ExplainTermsChannelsAndNotes) {
     EXPECT_THAT(run({"explain", "friction_slip"}).out, HasSubstr("\n  channel of records; unit: 1\n"));
     EXPECT_THAT(run({"explain", "target_missed"}).out, HasSubstr("\n  note of runs and cases\n"));
     EXPECT_THAT(run({"explain", "joint"}).out, HasSubstr("joint.friction_coefficient\n"));
+    EXPECT_THAT(run({"explain", "palmgren"}).out, StartsWith("joint.law\n")) << "a value";
+    EXPECT_THAT(run({"explain", "safety"}).out, StartsWith("safety factor\n"));
+    EXPECT_EQ(run({"explain", "pin_period"}).out, run({"explain", "pin period"}).out);
+    for (const char* word : {"settle", "steady", "not_steady", "archard", "rainflow"})
+        EXPECT_THAT(run({"explain", word}).out, StartsWith(std::string(word) + "\n  "));
+}
+
+TEST_F(Commands, ExplainEveryWordAndThenNameTheUnknownOnes) {
+    const Outcome some = run({"explain", "creep", "chain.pich", "tip.radius", "hogshead"});
+    EXPECT_EQ(some.status, 1);
+    EXPECT_EQ(some.out, run({"explain", "creep"}).out + "\n" + run({"explain", "tip.radius"}).out);
+    EXPECT_THAT(some.err,
+                AllOf(HasSubstr("chain.pich: unknown key (did you mean \"chain.pitch\"?)\n"), HasSubstr("hogshead: unknown key")));
 }
 
 TEST_F(Commands, ListTermsAsTheGlossaryDoes) {

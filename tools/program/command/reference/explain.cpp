@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -20,19 +21,31 @@ namespace cvtflow::tools {
 
 namespace {
 
-/// A section is replaced by all its keys.
-std::vector<std::string> keys_of(const std::string& word) {
+std::vector<std::string> keys_where(const std::function<bool(const tasks::Parameter&)>& belongs) {
     std::vector<std::string> keys;
     for (const tasks::Parameter& parameter : tasks::parameter_table()) {
-        if (parameter.section() == word) keys.emplace_back(parameter.key);
+        if (belongs(parameter)) keys.emplace_back(parameter.key);
     }
-    return keys.empty() ? std::vector{word} : keys;
+    return keys;
+}
+
+/// The term, or the first one that begins with the word; '_' is a space. nullptr if there is none.
+const Term* term_of(std::string word) {
+    const auto spaced = [](std::string text) {
+        std::ranges::replace(text, '_', ' ');
+        return text;
+    };
+    word = spaced(std::move(word));
+    for (const std::string& begin : {word, word + " "}) {
+        for (const Term& term : terms)
+            if (const std::string of = spaced(std::string(term.word)); of == word || (begin != word && of.starts_with(begin))) return &term;
+    }
+    return nullptr;
 }
 
 /// Meaning of a word that is no key: a term, a channel or a note. Empty if it is none.
-std::string meaning_of(std::string_view word) {
-    if (const auto* term = std::ranges::find(terms, word, &Term::word); term != std::end(terms))
-        return fmt::format("{}\n  {}\n", term->word, term->meaning);
+std::string meaning_of(const std::string& word) {
+    if (const Term* term = term_of(word)) return fmt::format("{}\n  {}\n", term->word, term->meaning);
     const auto channels = tasks::channels();
     if (const auto channel = std::ranges::find(channels, word, &tasks::Channel::name); channel != channels.end())
         return fmt::format("{}\n  {}\n  channel of records; unit: {}\n", channel->name, channel->description, channel->unit);
@@ -67,26 +80,33 @@ std::string scene_lines(const std::string& key, const tasks::Scene& scene) {
     return text;
 }
 
+/// @param scene whose values are stated; may be nullptr   @throws tasks::SceneError if the word has no meaning here
+std::string explanation_of(const std::string& word, const tasks::Scene* scene) {
+    if (tasks::names_sweep(word)) return tasks::explain_sweep(word);
+    std::vector<std::string> keys = keys_where([&](const auto& key) { return key.key == word || key.section() == word; });
+    if (const std::string meaning = keys.empty() ? meaning_of(word) : ""; !meaning.empty()) return meaning;
+    if (keys.empty()) keys = keys_where([&](const auto& key) { return std::ranges::find(key.choices, word) != key.choices.end(); });
+    if (keys.empty()) return tasks::explain(word);
+    std::string text;
+    for (const std::string& key : keys)
+        text += (text.empty() ? "" : "\n") + tasks::explain(key) + (scene != nullptr ? scene_lines(key, *scene) : "");
+    return text;
+}
+
 ExitStatus explain(const ExplainArguments& arguments) {
     std::optional<LoadedScene> loaded;
     if (!arguments.scene.scene.empty()) loaded = load_scene(arguments.scene);
-    std::string text;
+    std::string text, unknown;
     for (const std::string& word : arguments.words) {
-        if (tasks::names_sweep(word)) {
-            text += (text.empty() ? "" : "\n") + tasks::explain_sweep(word);
-            continue;
-        }
-        const std::vector<std::string> keys = keys_of(word);
-        if (const std::string meaning = meaning_of(word); !meaning.empty() && !tasks::find_parameter(keys.front())) {
-            text += (text.empty() ? "" : "\n") + meaning;
-            continue;
-        }
-        for (const std::string& key : keys) {
-            text += (text.empty() ? "" : "\n") + tasks::explain(key);
-            if (loaded) text += scene_lines(key, loaded->scene);
+        try {
+            const std::string explanation = explanation_of(word, loaded ? &loaded->scene : nullptr);
+            text += (text.empty() ? "" : "\n") + explanation;
+        } catch (const tasks::SceneError& error) {
+            unknown += fmt::format("{}{}", unknown.empty() ? "" : "\n", error.what());
         }
     }
     fmt::print("{}", text);
+    if (!unknown.empty()) throw tasks::SceneError(unknown);
     return ExitStatus::finished;
 }
 
@@ -97,7 +117,7 @@ Action declare_explain(CLI::App& app) {
     app.add_option(
            "KEY", arguments->words,
            "Key such as tip.radius, or a section such as tip for all its keys; for sweep files sweep.axes.key, sweep.axes, sweep; a "
-           "channel, a note, or a term such as creep (cvtflow list terms)")
+           "channel, a note, a value such as palmgren, or a term such as creep (cvtflow list terms)")
         ->required()
         ->type_name("");
     app.add_option("--scene", arguments->scene.scene, "Print the value in this scene too; for run.step also the largest step of its method")
