@@ -264,6 +264,9 @@ void ContinuedBatch::expect_units_of_its_csv() {
     EXPECT_EQ(plain.substr(plain.find('\n')), named.substr(named.find('\n')));
     EXPECT_THAT(run({"table", "out", "--si"}).out, AllOf(HasSubstr(" clamping_driven [N] "), HasSubstr(" slip_mean ")));
     EXPECT_EQ(run({"table", "out", "--units"}).status, 2);
+    EXPECT_EQ(run({"table", "out", "--column", "clamping.driven", "--column", "slip mean"}).out,
+              run({"table", "out", "--column", "clamping_driven", "--column", "slip_mean"}).out);
+    EXPECT_THAT(run({"table", "out", "--column", "load.torqe"}).err, HasSubstr("has no such column (did you mean \"load_torque\"?)"));
     write("named.csv", named);
     EXPECT_EQ(run({"plot", "named.csv", "--x", "load.torque", "--y", "slip_mean", "-o", "p.svg"}).status, 0);
     EXPECT_THAT(read("p.svg"), AllOf(HasSubstr(">mean slip [%]<"), HasSubstr(">load torque [N·m]<")));

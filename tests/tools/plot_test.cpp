@@ -247,6 +247,9 @@ TEST_F(PlotCommand, DrawsSweepsAsCurvesAndAsMaps) {
     ASSERT_EQ(run(axes + std::vector<std::string>{"slip_mean"}).status, 0);
     EXPECT_THAT(read("p.svg"), testing::AllOf(HasSubstr(">start ratio 2<"), HasSubstr("4 of 5 cases"), HasSubstr(">mean slip [%]<"),
                                               HasSubstr(">load torque [N·m]<")));
+    const std::string by_column = read("p.svg");
+    ASSERT_EQ(run(axes + std::vector<std::string>{"slip mean"}).status, 0);
+    EXPECT_EQ(read("p.svg"), by_column) << "as in the sweep's file";
     ASSERT_EQ(run(axes + std::vector<std::string>{"start.ratio", "--colour", "slip_mean"}).status, 0);
     EXPECT_THAT(read("p.svg"), HasSubstr("class=\"contour\""));
 }

@@ -56,12 +56,6 @@ using Type = engine::CaseColumnType;
 
 constexpr int error_width = 240, program_width = 48;
 
-std::string column_of(const Parameter& key) {
-    std::string name(key.key);
-    std::replace(name.begin(), name.end(), '.', '_');
-    return name;
-}
-
 /// Choices, texts, lists and tables are texts in the table.
 [[nodiscard]] Type type_of(const Parameter& key) {
     if (key.kind() == Kind::integer) return Type::integer;
@@ -81,7 +75,7 @@ CaseColumn key_column(const Axis& axis, std::size_t key) {
     std::size_t width = 8;
     for (std::size_t row = 0; type == Type::text && row < axis.rows(); ++row)
         width = std::max(width, axis_text(parameter, axis.at(row, key)).size());
-    return {column_of(parameter), std::string(parameter.unit), std::string(parameter.meaning), type,
+    return {column_name(parameter.key), std::string(parameter.unit), std::string(parameter.meaning), type,
             static_cast<int>(std::min<std::size_t>(width, 256))};
 }
 

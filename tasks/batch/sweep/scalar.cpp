@@ -15,11 +15,6 @@
 
 namespace cvtflow::tasks {
 
-namespace {
-
-constexpr std::string_view reductions[] = {"mean", "min", "max", "rms", "final", "at", "median"};
-
-/// Letters and digits; every run of others one underscore.
 std::string column_name(std::string_view text) {
     std::string name;
     for (const char c : text) {
@@ -32,6 +27,10 @@ std::string column_name(std::string_view text) {
     while (!name.empty() && name.back() == '_') name.pop_back();
     return name;
 }
+
+namespace {
+
+constexpr std::string_view reductions[] = {"mean", "min", "max", "rms", "final", "at", "median"};
 
 /// Reads one term; every way to be wrong is a message.
 class TermReader {

@@ -52,6 +52,9 @@ struct Scalar {
     [[nodiscard]] bool averages() const noexcept;
 };
 
+/// Name of a column in a table: letters and digits, every run of others one underscore: load.torque, "slip mean", tips/axial_force[*].
+[[nodiscard]] std::string column_name(std::string_view text);
+
 /// Appends a problem (with the nearest channel or reduction) and returns an empty scalar if the text is invalid.
 [[nodiscard]] Scalar parse_scalar(const std::string& text, Position position, std::vector<Problem>& problems);
 

@@ -11,6 +11,7 @@
 #include "engine/base/input_file.hpp"
 #include "engine/base/text.hpp"
 #include "tasks/batch/results/results.hpp"
+#include "tasks/batch/sweep/scalar.hpp"
 #include "tasks/scene/csv.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/units.hpp"
@@ -25,15 +26,9 @@ namespace {
 
 constexpr std::uint64_t longest_table = std::uint64_t{256} << 20U;  // of a CSV [byte]
 
-/// As in tables: '_' for '.'.
-std::string in_table(std::string key) {
-    std::replace(key.begin(), key.end(), '.', '_');
-    return key;
-}
-
 const tasks::Parameter* key_of(const std::string& column) {
     for (const tasks::Parameter& parameter : tasks::parameter_table()) {
-        if (in_table(std::string(parameter.key)) == column) return &parameter;
+        if (tasks::column_name(parameter.key) == column) return &parameter;
     }
     return nullptr;
 }
@@ -211,12 +206,6 @@ std::map<std::pair<double, double>, double> by_place(const SweepView& sweep, std
     return places;
 }
 
-/// As in a table of a sweep: "shaft_1/speed" and "load.torque" with '_'.
-std::string plain_name(std::string name) {
-    std::replace(name.begin(), name.end(), '/', '_');
-    return in_table(std::move(name));
-}
-
 }  // namespace
 
 Measured read_measured(const std::string& path) {
@@ -247,7 +236,8 @@ std::string Measured::names() const {
 }
 
 const MeasuredColumn* Measured::find(const std::string& heading, const std::string& unit) const {
-    const auto found = std::ranges::find(columns, plain_name(heading), [](const auto& column) { return plain_name(column.name); });
+    const auto found =
+        std::ranges::find(columns, tasks::column_name(heading), [](const auto& column) { return tasks::column_name(column.name); });
     if (found == columns.end()) return nullptr;
     const std::string si = unit.empty() ? "1" : unit;
     if (!found->unit.empty() && tasks::dimension_of(found->unit) != tasks::dimension_of(si))
@@ -270,13 +260,13 @@ Series Measured::points(const Quantities& x, const Quantities& y, const std::str
 }
 
 std::size_t SweepView::column(const std::string& word) const {
+    const std::string name = tasks::column_name(word);
     std::vector<std::string> names;
     for (std::size_t c = 0; c < columns.size(); ++c) {
-        if (columns[c].name == in_table(word)) return c;
+        if (columns[c].name == name) return c;
         names.push_back(columns[c].name);
     }
-    throw UsageError(
-        fmt::format("{}: the table {} has no such column{}", word, path, engine::did_you_mean(engine::closest(in_table(word), names))));
+    throw UsageError(fmt::format("{}: the table {} has no such column{}", word, path, engine::did_you_mean(engine::closest(name, names))));
 }
 
 double SweepView::number(std::size_t row, std::size_t column) const { return as_number(cells[row][column]); }

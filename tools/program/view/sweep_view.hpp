@@ -22,7 +22,7 @@ struct SweepView {
     std::vector<SweepColumn> columns;
     std::vector<std::vector<std::string>> cells;  ///< [case][column]
 
-    /// @throws UsageError with the column that was probably meant; keys may be written with dots
+    /// @throws UsageError with the column that was probably meant; keys with dots and scalars ("slip mean") are accepted
     [[nodiscard]] std::size_t column(const std::string& word) const;
     /// NaN for a cell that is no number.
     [[nodiscard]] double number(std::size_t row, std::size_t column) const;
@@ -50,7 +50,7 @@ struct Measured {
     };
     /// Names of its columns: "time, slip".
     [[nodiscard]] std::string names() const;
-    /// nullptr if there is none. '.', '/' and '_' are the same. @throws UsageError for a unit of another dimension
+    /// nullptr if there is none. Signs other than letters and digits are the same. @throws UsageError for a unit of another dimension
     [[nodiscard]] const MeasuredColumn* find(const std::string& name, const std::string& unit) const;
     /// @throws UsageError if there is none, with the names that there are
     [[nodiscard]] const MeasuredColumn& at(const std::string& name, const std::string& unit) const;

@@ -13,6 +13,7 @@
 #include "engine/base/rainflow.hpp"
 #include "engine/base/text.hpp"
 #include "tasks/batch/results/results.hpp"
+#include "tasks/batch/sweep/scalar.hpp"
 #include "tasks/scene/units.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/command/command.hpp"
@@ -58,9 +59,14 @@ std::vector<std::size_t> chosen_columns(const engine::RowLayout& layout, const s
     constexpr std::string_view quiet[] = {"start",     "start_state",          "program", "steps", "evaluations", "transitions",
                                           "truncated", "settling_evaluations", "threads", "hash"};
     std::vector<std::size_t> chosen;
+    std::vector<std::string> known;
+    for (const engine::CaseColumn& column : layout.columns()) known.push_back(column.name);
     for (const std::string& name : names) {
-        if (!layout.has(name)) throw UsageError(fmt::format("--column {}: the table has no such column", name));
-        chosen.push_back(layout.column(name));
+        const std::string column = tasks::column_name(name);
+        if (!layout.has(column))
+            throw UsageError(
+                fmt::format("--column {}: the table has no such column{}", name, engine::did_you_mean(engine::closest(column, known))));
+        chosen.push_back(layout.column(column));
     }
     for (std::size_t i = 0; names.empty() && i < layout.columns().size(); ++i) {
         if (std::find(std::begin(quiet), std::end(quiet), layout.columns()[i].name) == std::end(quiet)) chosen.push_back(i);
@@ -379,7 +385,8 @@ Action declare_table(CLI::App& app) {
     app.add_flag("--csv", arguments->csv, "Print all columns as CSV, in SI units, numbers with all digits");
     app.add_flag("--units", arguments->units, "CSV: headings with units, \"load_torque [N*m]\"");
     app.add_flag_callback("--si", show_si, si_meaning);
-    declare_repeated(app, "--column", arguments->columns, "Show this column; may be repeated", "NAME");
+    declare_repeated(app, "--column", arguments->columns,
+                     "Show this column, also by its key or scalar (load.torque, \"slip mean\"); may be repeated", "NAME");
     declare_rainflow(app, *arguments);
     app.add_option("--status", arguments->status, "Show only cases with this status")->type_name("STATUS");
     app.footer("In Python: h5py.File(\"DIR/cases.h5\")[\"cases\"][:] is a NumPy table; pandas.DataFrame takes it.");
