@@ -83,8 +83,11 @@ public:
 
     void read(const Node& node, AutoNumber& member) {
         const auto* text = std::get_if<std::string>(&node.value);
-        if (text && *text == parameter_.choices.front())
+        const std::string word(parameter_.choices.front());
+        if (text && *text == word)
             member = AutoNumber();
+        else if (text && !engine::closest(*text, {word}).empty())
+            refuse(node, "\"{0}\" is neither a quantity nor \"{1}\" (did you mean \"{1}\"?)", *text, word);
         else if (const auto value = number(node, rule()))
             member = *value;
     }

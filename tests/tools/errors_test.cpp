@@ -153,6 +153,7 @@ const std::vector<Mistake> mistakes_in_scenes{
     {{"check", "text_state.toml"}, 1, "text_state.toml:2:9: start.state: FOLDER/text.h5: not an HDF5 file"},
     {{"run", "no_state.toml"}, 1, "no_state.toml:2:9: start.state: no file \"gone.h5\""},
     {{"settle", "free_ring"}, 1, "free_ring: nothing to settle: start.layout is \"ring\" or start.settling_time is 0"},
+    {{"run", "tiny", "--until", "stedy"}, 2, "--until stedy: \"stedy\" is neither a quantity nor \"steady\" (did you mean \"steady\"?)"},
     {{"explain", "chain.pich"}, 1, "chain.pich: unknown key (did you mean \"chain.pitch\"?)"},
     {{"local-error", "tiny"},
      1,

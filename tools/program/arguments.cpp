@@ -114,18 +114,6 @@ void without_state(tasks::Scene& scene, const std::string& changed) {
     }
 }
 
-/// ", and this run takes about 2:10 on one thread", by its first steps; empty if it cannot take them.
-std::string cost_text(const tasks::Scene& scene) try {
-    constexpr double trial = 0.1;  // [s]
-    std::string untried;
-    const double wall = tasks::step_wall(scene, trial, untried);
-    const double step = scene.run.step.value_or(automatic_step(tasks::Simulation(scene)));
-    return wall > 0.0 ? fmt::format(", and this run takes about {} on one thread", duration_text(wall * tasks::latest_end(scene) / step))
-                      : "";
-} catch (const std::exception&) {
-    return "";  // the run reports it
-}
-
 /// A run length given as a bare number is in seconds: what that means, if it is long. Empty if it has a unit or is short.
 std::string bare_until(const tasks::Scene& scene, const SceneArguments& arguments) {
     constexpr double usual = 1.0;  // longer runs are rare [s]
@@ -136,7 +124,7 @@ std::string bare_until(const tasks::Scene& scene, const SceneArguments& argument
         if (shortcut.key == "run.until" && shortcut.value) given = fmt::format("{} {}", shortcut.option, *shortcut.value);
     const std::string value = given.substr(given.find_last_of(" =") + 1);
     if (given.empty() || scene.run.until < usual || value.find_first_not_of("0123456789.") != std::string::npos) return "";
-    return fmt::format("{}: a number without a unit is in seconds{}; \"{} ms\" are milliseconds", given, cost_text(scene), value);
+    return fmt::format("{}: a number without a unit is in seconds; \"{} ms\" are milliseconds", given, value);
 }
 
 /// "a, b" as {"a", "b"}.
