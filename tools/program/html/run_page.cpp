@@ -285,7 +285,7 @@ nlohmann::json motion_data(const RecordedRun& run, const ChainMotion& motion) {
         for (float& value : values) value *= static_cast<float>(how.factor);
         if (!values.empty()) data["colours"].push_back({{"n", name}, {"u", how.unit}, {"v", quantised(values)}});
     };
-    add("pin force", "N", motion.force);
+    add("pin force", "N", motion.pin_force);
     add("tension", "N", motion.tension);
     if (motion.pulleys) add("slip", "1", motion.slip);
     const bool first_drives = !(power_into(run, 1) < power_into(run, 2));
@@ -412,8 +412,8 @@ void add_chain(Page& page, const RecordedRun& run) {
     for (const char* script : {"three.min.js", "solids.js", "chain.js"}) page.scripts.push_back(script);
     page.data["motion"] = motion_data(run, motion);
     page.sections.push_back({"running", "Running chain", chain_body(motion)});
-    if (motion.pulleys && !motion.force.empty())
-        page.sections.push_back({"tips", "Pin forces", picture(tip_force_plot(motion, run.conditions()))});
+    if (motion.pulleys && !motion.pin_force.empty())
+        page.sections.push_back({"pin-forces", "Pin forces", picture(pin_force_plot(motion, run.conditions()))});
 }
 
 /// "baseline", of several records "baseline, tiny" or "baseline: load.torque 7 N*m, load.torque 8 N*m".

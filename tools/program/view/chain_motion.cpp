@@ -36,7 +36,7 @@ public:
         motion.times.push_back(now.time);
         const std::vector<double> tips = read(tip_, at_row), links = read(link_, at_row);
         for (int pin = 0; pin < at_.links; ++pin) {
-            if (!tips.empty()) motion.force.push_back(static_cast<float>(of_pin(tips, pin)));
+            if (!tips.empty()) motion.pin_force.push_back(static_cast<float>(of_pin(tips, pin)));
             if (!links.empty()) motion.tension.push_back(static_cast<float>(links[static_cast<std::size_t>(pin)]));
         }
         std::array<double, 2> speed{}, sum{}, count{};
@@ -133,7 +133,7 @@ ChainMotion chain_motion(const RecordedRun& run, std::size_t max_states) {
     return motion;
 }
 
-Plot tip_force_plot(const ChainMotion& motion, const std::string& conditions) {
+Plot pin_force_plot(const ChainMotion& motion, const std::string& conditions) {
     constexpr int bins = 120;
     Plot plot;
     plot.title = "Axial force of the pins round the pulleys";
@@ -144,13 +144,13 @@ Plot tip_force_plot(const ChainMotion& motion, const std::string& conditions) {
     plot.x.from = -130.0, plot.x.to = 130.0;
     for (const int shaft : {1, 2}) {
         std::vector<RoundBin> round(bins);
-        for (std::size_t k = 0; k < motion.force.size(); ++k) {
-            if (motion.side[k] != static_cast<float>(shaft) || !std::isfinite(motion.force[k])) continue;
+        for (std::size_t k = 0; k < motion.pin_force.size(); ++k) {
+            if (motion.side[k] != static_cast<float>(shaft) || !std::isfinite(motion.pin_force[k])) continue;
             const double away = shaft == 2 ? motion.x[k] - motion.centre_distance : -static_cast<double>(motion.x[k]);
             const double angle = std::atan2(shaft == 2 ? motion.y[k] : -static_cast<double>(motion.y[k]), away);
             RoundBin& bin = round[static_cast<std::size_t>(std::clamp((angle / std::numbers::pi + 1.0) * 0.5 * bins, 0.0, bins - 1.0))];
-            bin.least = std::min<double>(bin.least, motion.force[k]), bin.largest = std::max<double>(bin.largest, motion.force[k]);
-            bin.sum += motion.force[k], bin.count += 1.0;
+            bin.least = std::min<double>(bin.least, motion.pin_force[k]), bin.largest = std::max<double>(bin.largest, motion.pin_force[k]);
+            bin.sum += motion.pin_force[k], bin.count += 1.0;
         }
         const std::string colour = palette(static_cast<std::size_t>(shaft - 1));
         Series mean{shaft == 1 ? "driving sheaves" : "driven sheaves", {}, Mark::none, Line::solid, colour, 2.4}, low = mean, high = mean;
