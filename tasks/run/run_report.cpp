@@ -34,7 +34,6 @@ std::string hydraulic_lines(const RunReport& r) {
     const double residual = power.pump - power.lost() - power.sheaves - power.stored;
     text += fmt::format("                      on the sheaves {:.1f}  stored {:.2g} W; balance {:.2g} of the pump's power", power.sheaves,
                         power.stored, std::abs(residual) / power.pump);
-    if (std::isfinite(r.whole.with_pump)) text += fmt::format("; efficiency with pump {:.2f} %", 100.0 * r.whole.with_pump);
     return text + "\n";
 }
 
@@ -44,6 +43,16 @@ std::string drag_lines(const RunReport& r) {
     return fmt::format(
         "  drag                seals, bearings and oil take {:.4g} W from shaft 1 and {:.4g} W from shaft 2, part of what is lost\n",
         driving, driven);
+}
+
+/// Efficiencies with losses that the chain's does not contain: of a pump, of the shafts' drag.
+std::string efficiency_lines(const RunReport& r) {
+    const bool pump = r.whole.hydraulics.pump != 0.0, drag = r.whole.drag[0] != 0.0 || r.whole.drag[1] != 0.0;
+    if ((!pump && !drag) || r.whole.no_load || !std::isfinite(r.whole.efficiency)) return {};
+    std::string text = fmt::format("  efficiencies        {:.2f} % of the variator", 100.0 * r.whole.efficiency);
+    if (pump) text += fmt::format("; {:.2f} % with the pump", 100.0 * r.whole.with_pump);
+    if (drag) text += fmt::format("; {:.2f} % with drag of the shafts{}", 100.0 * r.whole.overall, pump ? " and the pump" : "");
+    return text + "\n";
 }
 
 /// Energies of a cycle, of the vehicle and of the shafts.
@@ -66,7 +75,7 @@ std::string outside_lines(const RunReport& r) {
     for (const CouplingReport& c : r.couplings)
         text += fmt::format("  coupling of shaft {} twist {:.4g} rad, {:.4g} J stored at the end; far end: {} {:.4g} J; {:.3g} J lost\n",
                             c.shaft + 1, c.twist, c.stored, c.far_work >= 0.0 ? "brought" : "took", std::abs(c.far_work), c.dissipated);
-    return text + hydraulic_lines(r) + drag_lines(r) + trip_lines(r);
+    return text + hydraulic_lines(r) + drag_lines(r) + efficiency_lines(r) + trip_lines(r);
 }
 
 std::string heat_text(const model::HeatBalance& heat) {
@@ -115,9 +124,7 @@ std::string operating_point(const RunReport& r) {
     const auto percent = [&r](const SpanMeans& means) {
         if (r.whole.no_load || means.no_load) return std::string("- (no load)");
         if (!std::isfinite(means.efficiency)) return std::string("- (no input)");
-        const bool drag = means.drag[0] != 0.0 || means.drag[1] != 0.0;
-        return fmt::format("{:.2f} %", 100.0 * means.efficiency) +
-               (drag ? fmt::format(", {:.2f} % overall, from outside to outside", 100.0 * means.overall) : "");
+        return fmt::format("{:.2f} %", 100.0 * means.efficiency);
     };
     line("slip                {:.3f} %      efficiency {}   (over {})", 100.0 * m.slip, percent(r.whole), periods_text(r.whole));
     if (r.whole.loss_slip > 0.0) {

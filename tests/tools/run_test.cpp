@@ -107,7 +107,7 @@ TEST_F(Run, SumsUpWhatThePumpTakes) {
     EXPECT_GT(power, 0.0);
     EXPECT_THAT(outcome.out, HasSubstr(fmt::format("\n  hydraulics          pump {:.1f} W: mechanical {:.1f}  ", power, lost)));
     EXPECT_NEAR(last("pump/power"), power, 0.1 * power);
-    EXPECT_THAT(outcome.out, HasSubstr("efficiency with pump"));
+    EXPECT_THAT(outcome.out, HasSubstr(" % of the variator; "));
 }
 
 TEST_F(Run, ReportsTransitionsOfSettlingBesideItsOwn) {
