@@ -145,6 +145,7 @@ std::shared_ptr<TipLaw> tip_law(const Parameters& p, double temperature) {
     if (p.tip.friction_law == TipFriction::table) law->by_speed = table_profile(p.tip.friction_table);
     warm(*law, p, temperature);
     law->without_pressure = 1.0 - p.tip.pressure_sensitivity;
+    law->memory = p.tip.friction_memory;
     law->per_root_depth = p.tip.pressure_sensitivity * pressure_per_root_depth(p) / p.tip.reference_pressure;
     return law;
 }

@@ -54,6 +54,7 @@ struct TipLaw {
     SpeedProfile by_speed;          ///< of the sliding speed, at most 1
     double without_pressure = 1.0;  ///< factor by pressure where there is none
     double per_root_depth = 0.0;    ///< and what it gains per √δ of Hertz' depth, as pressure is proportional to √δ [1/√m]
+    double memory = 0.0;            ///< L: distance over which the speed that `by_speed` takes follows the sliding one; 0: it is that [m]
 };
 
 /// The law of a scene; nullptr for one coefficient at all speeds and pressures.

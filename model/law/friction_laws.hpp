@@ -12,6 +12,7 @@
 /// A law of the first kind is a struct with these functions; `FrictionLaws` lists them. A curve takes its numbers from the
 /// first three. One of the second kind is a table: a function that fills TipLaw::by_speed, whatever its formula.
 
+#include <algorithm>
 #include <utility>
 
 #include "model/basis/lanes.hpp"
@@ -205,6 +206,18 @@ template <int W>
 template <int W>
 [[nodiscard]] inline Lanes<W> speed_factor_of_square(const TipLaw& law, const Lanes<W>& square) noexcept {
     return speed_factor<W>(law, sqrt(larger<W>(square, Lanes<W>(1e-12))));
+}
+
+/// Speed w that a contact remembers, a step after it was `before`, at a constant sliding speed: w' = (speed + v0) (speed - w)/L, by Padé's
+/// approximant 1/(1 + x + x²/2) of e^-x, which is between 0 and 1 and tends to 0. [m/s]
+/// @param step [s]   @param before, speed ≥ 0 [m/s]
+template <int W>
+[[nodiscard]] inline Lanes<W> remembered_speed(const TipLaw& law, double saturation_speed, double step, const Lanes<W>& before,
+                                               const Lanes<W>& speed) noexcept {
+    constexpr double fastest = 1e12;  // 1/m: x² stays a float
+    const Lanes<W> x = (speed + Lanes<W>(saturation_speed)) * Lanes<W>(std::min(step / law.memory, fastest));
+    const Lanes<W> passed = x + 0.5 * x * x;
+    return before + (speed - before) * (passed / (1.0 + passed));
 }
 
 /// Factor by pressure ≥ 0, from √δ of Hertz' depth [√m].

@@ -161,6 +161,7 @@ struct Tip {
     Friction friction{0.09, 0.01};
     TipFriction friction_law = TipFriction::constant;
     SpeedTable friction_table;          ///< of law table: μ over the sliding speed [1]
+    double friction_memory = 0.0;       ///< L: distance over which friction follows the sliding speed; 0: at once [m]
     double limiting_traction = 0.05;    ///< of law lubricated: μ of a full film [1]
     double roughness = 0.2e-6;          ///< of law lubricated: root mean square of both surfaces [m]
     double pressure_sensitivity = 0.0;  ///< a: relative change of μ per relative change of pressure [1]

@@ -55,6 +55,8 @@ struct RigidCoefficients {
     [[nodiscard]] constexpr double inertia(int k) const noexcept {
         return k < 3 ? mass : k < 5 ? tilt_mass : k < 6 ? slide_mass : bend_mass;
     }
+    /// Whether friction of tips follows a speed that each remembers.
+    [[nodiscard]] bool remembers() const noexcept { return tip_law != nullptr && tip_law->memory > 0.0; }
     /// Writes the constants of the links into their columns.
     void fill(const Parameters& parameters, RigidColumns& columns) const;
 

@@ -171,7 +171,9 @@ enum class Column {
     tip_grip = sheave_axial + rigid_tips,        ///< [4] friction per sliding speed, behind the friction of the step [N·s/m]
     tip_radius = tip_grip + rigid_tips,          ///< [4] distance from the axis [m]
     touching = tip_radius + rigid_tips,          ///< [4] 1 where the tip was last found to press, else 0
-    count = touching + rigid_tips
+    // Memory of friction laws.
+    remembered_speed = touching + rigid_tips,  ///< [4] w: sliding speed that the friction of a tip follows [m/s]
+    count = remembered_speed + rigid_tips
 };
 
 /// Column number `offset` of the group that begins with `first`.

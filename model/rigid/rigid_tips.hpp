@@ -163,7 +163,7 @@ private:
         const RigidSlip<W> old = memory(tip);
         const RigidSlip<W> free = implicit ? slip_now(tip) - n_.response * old : begin_[tip];
         const V speed = sqrt(free.tangential * free.tangential + free.radial * free.radial);
-        const V factor = friction_factor<W>(c_.tip_friction, friction_limit(tip, n_.response, speed), n_.response, speed);
+        const V factor = friction_factor<W>(c_.tip_friction, friction_limit(tip, old, speed), n_.response, speed);
         const RigidSlip<W> force = (-factor) * free;
         const RigidSlip<W> mean = implicit ? V(0.5) * (free + n_.response * force + begin_[tip]) : free;
         lost += -(force.tangential * mean.tangential + force.radial * mean.radial);
@@ -174,13 +174,31 @@ private:
         return force;
     }
 
-    /// Most friction of a tip, by its law at the speed that friction leaves. @param v without friction
-    [[nodiscard, gnu::always_inline]] V friction_limit(std::size_t tip, const V& response, const V& v) const noexcept {
+    /// Most friction of a tip, by its law at the speed that friction leaves, or at the remembered one.
+    /// @param old friction of the last step   @param v without friction
+    [[nodiscard, gnu::always_inline]] V friction_limit(std::size_t tip, const RigidSlip<W>& old, const V& v) noexcept {
         const RigidNormalForce<W>& n = normal_[tip];
         const V limit = c_.tip_friction.coefficient * n.force;
         if (c_.tip_law == nullptr) return limit;
         const V full = limit * pressure_factor<W>(*c_.tip_law, n.root_depth), slowest(implicit ? c_.tip_friction.saturation_speed : 0.0);
-        return full * speed_factor<W>(*c_.tip_law, braked_speed<W>(*c_.tip_law, response * full, v, slowest));
+        if (c_.tip_law->memory > 0.0) return full * speed_factor<W>(*c_.tip_law, remember(tip, old));
+        return full * speed_factor<W>(*c_.tip_law, braked_speed<W>(*c_.tip_law, n_.response * full, v, slowest));
+    }
+
+    /// Remembered speed now. A tip without friction in the last step, and one at an instant, remembers its present speed.
+    [[nodiscard, gnu::always_inline]] V remember(std::size_t tip, const RigidSlip<W>& old) noexcept {
+        const Column column = Column::remembered_speed + static_cast<int>(tip);
+        const RigidSlip<W>& slip = begin_[tip];
+        const V speed = sqrt(slip.tangential * slip.tangential + slip.radial * slip.radial);
+        V remembered = speed;
+        if (implicit) {
+            const V rubbed = abs(old.tangential) + abs(old.radial);
+            const V follows =
+                remembered_speed<W>(*c_.tip_law, c_.tip_friction.saturation_speed, kick_.step, convert<W>(read_pins(column)), speed);
+            remembered = select_greater<W>(rubbed, V(0.0), follows, speed);
+        }
+        write_pins(column, widened<W>(remembered));
+        return remembered;
     }
 
     /// Velocities behind a change of a tip's friction.
@@ -263,6 +281,8 @@ private:
 inline void press_near_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
                             RigidReaction& reaction, Account& account) noexcept {
     find_near_pins(c, sheaves, kick, columns);
+    constexpr Column remembered[] = {Column::remembered_speed, Column::remembered_speed + (rigid_tips - 1)};
+    if (c.remembers()) columns.wrap(remembered[0], remembered[1]);
     TipSums<rigid_singles> sums(c, kick);
     PinBlock waiting{0, 0};
     const int beyond = over_near_pins(columns, [&](const PinBlock& block) {
@@ -271,6 +291,7 @@ inline void press_near_tips(const RigidCoefficients& c, const SheaveMotion* shea
     });
     if (waiting.count != 0) sums.add(c, sheaves, kick, columns, {waiting, {waiting.first, 0}});
     finish_near_pins(columns, beyond);
+    if (c.remembers()) columns.unwrap(remembered[0], remembered[1], beyond);
     sums.store(c, reaction, account);
 }
 

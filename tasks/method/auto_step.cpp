@@ -215,27 +215,34 @@ FallingFriction::FallingFriction(const model::Variator& variator, const model::P
     : variator_(variator), half_mass_(parameters.half.mass), observer_(variator) {}
 
 /// From the saturation speed on in steps of 2 %, up to 10 m/s: tips do not slide faster in a machine that works.
-double FallingFriction::steepest_fall() const noexcept {
+double FallingFriction::fastest_growth(double force) const noexcept {
     constexpr double ratio = 1.02, fastest = 10.0;  // [1], [m/s]
     const model::TipCoefficients& tip = variator_.chain().coefficients().tip;
-    if (tip.law == nullptr) return 0.0;
-    double steepest = 0.0, speed = tip.friction.saturation_speed, value = tip.law->by_speed.at(speed);
+    double growth = 0.0, speed = tip.friction.saturation_speed, value = tip.law->by_speed.at(speed);
     while (speed < fastest) {
         const double next = tip.law->by_speed.at(speed * ratio);
-        steepest = std::max(steepest, (value - next) / (speed * (ratio - 1.0)));
+        const double fall = tip.friction.coefficient * ((value - next) / (speed * (ratio - 1.0)));
+        growth = std::max(growth, with_memory(2.0 * force * fall / half_mass_, speed));
         speed *= ratio;
         value = next;
     }
-    return tip.friction.coefficient * steepest;
+    return growth;
+}
+
+/// Positive root of s² + a s = a g.
+double FallingFriction::with_memory(double at_once, double speed) const noexcept {
+    const model::TipCoefficients& tip = variator_.chain().coefficients().tip;
+    if (!(tip.law->memory > 0.0) || at_once <= 0.0) return at_once;
+    const double follows = (speed + tip.friction.saturation_speed) / tip.law->memory;
+    return 2.0 * at_once / (1.0 + std::sqrt(1.0 + 4.0 * at_once / follows));
 }
 
 double FallingFriction::growth(double t, const double* state, const model::Phase* phases) noexcept {
-    const double fall = steepest_fall();
-    if (!(fall > 0.0)) return 0.0;
+    if (variator_.chain().coefficients().tip.law == nullptr || !(fastest_growth(1.0) > 0.0)) return 0.0;
     const auto& axial = observer_.observe(t, state, phases).tip_axial;
     double largest = 0.0;
     for (const double force : axial) largest = std::max(largest, std::abs(force));
-    return 2.0 * largest * fall / half_mass_;
+    return fastest_growth(largest);
 }
 
 }  // namespace cvtflow::tasks

@@ -16,7 +16,8 @@
 namespace cvtflow::tasks {
 
 /// A pin half that slides at both tips, with normal forces N, obeys m u' = -2 N μ(u) + …: where μ falls, sliding grows with the rate
-/// 2 N |μ'|/m. A step of first order h errs in the growth, and so in losses, in proportion to h 2 N |μ'|/m.
+/// g = 2 N |μ'|/m, or s where friction has a memory: s² + a s = a g, a = (|u| + v0)/L. A step of first order h errs in the growth, and so
+/// in losses, in proportion to h g.
 class FallingFriction {
 public:
     /// `variator` must outlive it. Takes all its memory here.
@@ -27,8 +28,10 @@ public:
     [[nodiscard]] double growth(double t, const double* state, const model::Phase* phases) noexcept;
 
 private:
-    /// Largest -μ' from the saturation speed on, at the present temperature of the oil [s/m].
-    [[nodiscard]] double steepest_fall() const noexcept;
+    /// Over all sliding speeds from the saturation speed on, at the present temperature of the oil [1/s]. force of a tip [N]
+    [[nodiscard]] double fastest_growth(double force) const noexcept;
+    /// Growth with the law's memory, given that without. at_once [1/s], speed [m/s]
+    [[nodiscard]] double with_memory(double at_once, double speed) const noexcept;
 
     const model::Variator& variator_;
     double half_mass_;  ///< [kg]

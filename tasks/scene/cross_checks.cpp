@@ -45,10 +45,14 @@ Violation tip_law_has_its_largest(const Scene& scene) {
                        number_text(largest), number_text(coefficient));
 }
 
-Violation tip_law_has_piecewise_corner(const Scene& scene) {
+Violation tip_law_suits_steps(const Scene& scene) {
     const auto& p = scene.parameters;
-    if (p.tip.friction_law == model::TipFriction::constant || p.detail.pins != model::PinDetail::rigid) return {};
-    if (p.detail.friction == model::FrictionLaw::piecewise) return {};
+    const bool constant = p.tip.friction_law == model::TipFriction::constant, remembers = p.tip.friction_memory > 0.0;
+    if (remembers && constant)
+        return "tip.friction_memory: friction of tip.friction_law = \"constant\" does not depend on the sliding speed";
+    if (remembers && method_of(scene) != "leapfrog-rigid")
+        return fmt::format("tip.friction_memory: requires method leapfrog-rigid (detail.pins = \"rigid\"), not {}", method_of(scene));
+    if (constant || p.detail.pins != model::PinDetail::rigid || p.detail.friction == model::FrictionLaw::piecewise) return {};
     return "tip.friction_law: detail.pins = \"rigid\" takes it with detail.friction = \"piecewise\" only";
 }
 
@@ -339,12 +343,8 @@ Violation method_takes_machine(const Scene& scene) {
     return objection.empty() ? Violation{} : "run.method: " + objection;
 }
 
-Violation assembly_exists(const Scene& scene) {
-    if (has_assembly(scene.run.assembly)) return {};
-    return "run.assembly: \"staged\" belongs to the laboratory: cvtflow-lab run";
-}
-
 Violation assembly_takes_pins(const Scene& scene) {
+    if (!has_assembly(scene.run.assembly)) return "run.assembly: \"staged\" belongs to the laboratory: cvtflow-lab run";
     if (scene.run.assembly == Assembly::fused || scene.parameters.detail.pins == model::PinDetail::halves) return {};
     return "run.assembly: \"staged\" requires detail.pins = \"halves\": rigid pins have no separate joints";
 }
@@ -444,7 +444,6 @@ const std::vector<CrossCheck>& general_checks() {
         {{"run.method"}, method_exists},
         {{"run.method", "detail.pins", "detail.friction", "tip.friction_law", "imperfection.runout", "imperfection.unbalance"},
          method_takes_machine},
-        {{"run.assembly"}, assembly_exists},
         {{"run.assembly", "detail.pins"}, assembly_takes_pins},
         {{"detail.pins", "detail.order", "detail.plates", "detail.stick_slip", "joint.law"}, rigid_pins_are_simple},
         {{"detail.pins", "run.schedule", "run.segments"}, rigid_pins_are_serial},
@@ -459,7 +458,7 @@ const std::vector<CrossCheck>& general_checks() {
 const std::vector<CrossCheck>& machine_checks() {
     static const std::vector<CrossCheck> checks{
         {{"tip.friction_table", "tip.limiting_traction", "tip.friction_law", "tip.friction_coefficient"}, tip_law_has_its_largest},
-        {{"tip.friction_law", "detail.pins", "detail.friction"}, tip_law_has_piecewise_corner},
+        {{"tip.friction_memory", "tip.friction_law", "detail.pins", "detail.friction", "run.method"}, tip_law_suits_steps},
         {{"imperfection.attachment", "imperfection.runout", "imperfection.misalignment", "imperfection.unbalance",
           "imperfection.pin_length_spread", "detail.pulleys"},
          imperfections_have_pulleys},

@@ -127,6 +127,10 @@ std::vector<Parameter> parameters_of_machine() {
      "Coefficient of friction over the sliding speed, with law table: monotone between points, constant outside them. Its largest value "
      "is tip.friction_coefficient.",
      "measured by the user", [](Scene& s) -> Slot { return &s.parameters.tip.friction_table; }},
+    {"tip.friction_memory", "m", 0, 1e-2, {},
+     "Sliding distance over which friction of tips follows a change of the sliding speed, with a law that depends on it; 0: at once. "
+     "Rigid pins only.",
+     "model choice; Dieterich 1979, Ruina 1983", [](Scene& s) -> Slot { return &s.parameters.tip.friction_memory; }},
     {"tip.limiting_traction", "1", 0, 2, {},
      "Coefficient of friction of a full film, with law lubricated: the limiting shear stress over the pressure.",
      "traction of CVT fluids, Narita and Priest 2007", [](Scene& s) -> Slot { return &s.parameters.tip.limiting_traction; }},

@@ -220,10 +220,13 @@ void RigidLeapfrog::visit(Method& m, const Visitor& visitor) {
     };
     energies_of(m.account_);
     energies_of(m.half_way_);
-    for (const auto& [first, last] : model::kept_columns) {
+    const auto columns = [&](model::Column first, model::Column last) {
         for (int c = static_cast<int>(first); c <= static_cast<int>(last); ++c)
             visitor(m.pins_.columns[static_cast<model::Column>(c)], static_cast<std::size_t>(m.pins_.columns.pins()));
-    }
+    };
+    for (const auto& [first, last] : model::kept_columns) columns(first, last);
+    if (m.pins_.model.coefficients().remembers())
+        columns(model::Column::remembered_speed, model::Column::remembered_speed + (model::rigid_tips - 1));
 }
 
 void RigidLeapfrog::save(std::vector<double>& memory) const {

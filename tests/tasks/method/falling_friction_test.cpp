@@ -52,6 +52,27 @@ TEST(FallingFriction, IsZeroWhereFrictionRisesOrDoesNotChange) {
         EXPECT_EQ(growth_of(*loaded(scene), scene), 0.0);
 }
 
+/// s² + a s = a g at the speed where that is fastest, a = (v + v0)/L: far below g where the memory is long.
+TEST(FallingFriction, GrowsMoreSlowlyWithMemory) {
+    const char* table = "tip.friction_table=[[0.1,0.09],[0.6,0.04]]";
+    Scene scene = scene_with("table", table);
+    const double at_once = growth_of(*loaded(scene), scene);
+    for (const double memory : {1e-12, 1e-6, 1e-4}) {
+        scene.parameters.tip.friction_memory = memory;
+        model::Variator remembering(scene.parameters);
+        const auto started = loaded(scene_with("table", table));
+        FallingFriction falling(remembering, scene.parameters);
+        const double found = falling.growth(started->time(), started->state(), started->phases().data());
+        double expected = 0.0;
+        for (double v = 0.1; v < 0.6; v += 1e-4) {
+            const double t = (v - 0.1) / 0.5, g = at_once * 4.0 * t * (1.0 - t), a = (v + 0.01) / memory;  // of a cubic with level ends
+            expected = std::max(expected, 0.5 * a * (std::sqrt(1.0 + 4.0 * g / a) - 1.0));
+        }
+        EXPECT_NEAR(found, expected, 0.01 * expected) << memory;  // differences of 2 % of the speed
+        EXPECT_LE(found, at_once * (1.0 + 1e-12)) << memory;
+    }
+}
+
 /// The automatic step follows the growth where it is steep, and is that of the law's cap where it is not.
 TEST(FallingFriction, ShortensAutomaticSteps) {
     double steps[2];
