@@ -29,7 +29,7 @@ def version():
 
 
 def metadata():
-    """Metadata 2.1; name, description and requirements come from pyproject.toml if Python can read it (3.11)."""
+    """Metadata 2.1; description, classifiers and requirements come from pyproject.toml if Python can read it (3.11)."""
     try:
         import tomllib
 
@@ -39,9 +39,13 @@ def metadata():
     lines = ["Metadata-Version: 2.1", f"Name: {PACKAGE}", f"Version: {version()}", "License: Apache-2.0"]
     lines += [f"Summary: {project[key]}" for key in ["description"] if key in project]
     lines += [f"Requires-Python: {project[key]}" for key in ["requires-python"] if key in project]
+    lines += [f"Keywords: {','.join(project['keywords'])}"] if "keywords" in project else []
+    lines += [f"Classifier: {each}" for each in project.get("classifiers", [])]
     lines += [f"Requires-Dist: {each}" for each in project["dependencies"]]
     for extra, needs in project.get("optional-dependencies", {}).items():
         lines += [f"Provides-Extra: {extra}"] + [f'Requires-Dist: {each}; extra == "{extra}"' for each in needs]
+    if "readme" in project:
+        lines += ["Description-Content-Type: text/markdown", "", (TOP / project["readme"]).read_text()]
     return "\n".join(lines) + "\n"
 
 

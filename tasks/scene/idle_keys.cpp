@@ -1,5 +1,5 @@
 #include <fmt/format.h>
-#include <sstream>
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -66,9 +66,11 @@ constexpr Condition conditions[] = {
 
 /// Whether the list names the key or its section.
 bool names(std::string_view list, std::string_view key) {
-    std::istringstream words{std::string(list)};
-    for (std::string word; words >> word;)
+    while (!list.empty()) {
+        const std::string_view word = list.substr(0, list.find(' '));
         if (word == key || (word.ends_with('.') && key.starts_with(word))) return true;
+        list.remove_prefix(std::min(list.size(), word.size() + 1));
+    }
     return false;
 }
 

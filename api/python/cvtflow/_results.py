@@ -40,8 +40,8 @@ class Series:
         return frame
 
     def to_xarray(self, channels=None):
-        """An xarray.Dataset over the time [s]; links/tension has the dimensions time and link. Units are attributes. channels as in
-        frame(). Raises ImportError where xarray is not installed."""
+        """An xarray.Dataset over the time [s]; links/tension has the dimensions time and links_tension_number. Units are attributes.
+        channels as in frame(). Raises ImportError where xarray is not installed."""
         import xarray
 
         names = [name for name, column in self.info.items() if column.width == 1] if channels is None else _names(channels)

@@ -50,12 +50,13 @@ std::string status_list(const RecordedRun& run) {
     return fmt::format("<ul class=\"status\">\n{}</ul>\n", text);
 }
 
-/// A value as text; of a long table its beginning and how many points it has.
+/// A value as text; of a long table its beginning, how many points it has, and its unit.
 std::string brief(const std::string& value) {
     constexpr std::size_t longest = 160;
     const auto end = value.rfind("], [", longest);
     if (value.size() <= longest || end == std::string::npos) return value;
-    return fmt::format("{}], … ({} points)", value.substr(0, end), std::count(value.begin(), value.end(), '[') - 1);
+    return fmt::format("{}], … ({} points){}", value.substr(0, end), std::count(value.begin(), value.end(), '[') - 1,
+                       value.substr(value.rfind(']') + 1));
 }
 
 /// Keys whose values are not the defaults, folded; of several records those that all share.

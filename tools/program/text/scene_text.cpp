@@ -130,9 +130,9 @@ std::string machine_lines(const tasks::Scene& scene) {
     if (!radii) return "";
     const double incline = std::asin((radii->driven - radii->driving) / distance), degree = 180.0 / std::numbers::pi;
     const double arcs[] = {std::numbers::pi - 2.0 * incline, std::numbers::pi + 2.0 * incline};
-    std::string text =
-        field("radii", fmt::format("{:.2f} mm driving, {:.2f} mm driven; arcs {:.0f} deg, {:.0f} deg at ratio {:.4g}", 1e3 * radii->driving,
-                                   1e3 * radii->driven, degree * arcs[0], degree * arcs[1], p.start.ratio));
+    std::string text = field("chain length", fmt::format("{:.2f} mm, {} pins", 1e3 * length, p.chain.pins));
+    text += field("radii", fmt::format("{:.2f} mm driving, {:.2f} mm driven; arcs {:.0f} deg, {:.0f} deg at ratio {:.4g}",
+                                       1e3 * radii->driving, 1e3 * radii->driven, degree * arcs[0], degree * arcs[1], p.start.ratio));
     if (p.drive.mode != model::DriveMode::torque)
         text += field("pins pass",
                       fmt::format("{:.4g} Hz at the start", std::abs(p.drive.speed.at(0.0)) * radii->driving * p.chain.pins / length));

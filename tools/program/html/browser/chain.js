@@ -85,7 +85,7 @@ class RunningChain extends DrawnChain {
       paint.fillStyle = heatText(k / 199);
       paint.fillRect(k, 0, 1, 1);
     }
-    const of = (value) => readable(value) + (unit === "" ? "" : " " + unit);
+    const of = (value) => readable(Number(value.toPrecision(3))) + (unit === "" ? "" : " " + unit);
     document.getElementById("legend").replaceChildren(name + ": " + of(from), bar, of(to));
   }
 
