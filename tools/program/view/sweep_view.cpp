@@ -260,13 +260,14 @@ Series Measured::points(const Quantities& x, const Quantities& y, const std::str
 }
 
 std::size_t SweepView::column(const std::string& word) const {
-    const std::string name = tasks::column_name(word);
+    const std::string heading = tasks::column_name(word);
     std::vector<std::string> names;
     for (std::size_t c = 0; c < columns.size(); ++c) {
-        if (columns[c].name == name) return c;
+        if (columns[c].name == heading) return c;
         names.push_back(columns[c].name);
     }
-    throw UsageError(fmt::format("{}: the table {} has no such column{}", word, path, engine::did_you_mean(engine::closest(name, names))));
+    throw UsageError(
+        fmt::format("{}: the table {} has no such column{}", word, path, engine::did_you_mean(engine::closest(heading, names))));
 }
 
 double SweepView::number(std::size_t row, std::size_t column) const { return as_number(cells[row][column]); }
