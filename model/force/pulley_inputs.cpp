@@ -16,8 +16,10 @@ constexpr double full_drag_speed = 1.0;  ///< below, dry drag is proportional to
 
 double grip(const Tip& tip) noexcept { return 2.0 * tip.friction.coefficient / portable_cos(tip.angle); }
 
+double carrying_clamping(double safety, double load, double lever) noexcept { return safety * std::abs(load) / lever; }
+
 double driven_clamping(const Clamping& clamping, double table, double load, double lever) noexcept {
-    return clamping.safety == 0.0 ? table : std::max(table, clamping.safety * std::abs(load) / lever);
+    return clamping.safety == 0.0 ? table : std::max(table, carrying_clamping(clamping.safety, load, lever));
 }
 
 void PulleyInputs::adopt(const Parameters& p) {
@@ -44,7 +46,7 @@ void PulleyInputs::add_controllers() {
 
 double PulleyInputs::control_error(const Governing& by, double now, double load, double built_up, const double* block) const noexcept {
     if (by.quantity == ControlledQuantity::safety) {  // what is missing to the force that carries the target multiple of the load
-        const double required = control_.safety.at(now) * std::abs(load) / (grip_ * running_radius(block, 1));
+        const double required = carrying_clamping(control_.safety.at(now), load, driven_lever(block));
         const double larger = std::max(required, built_up);
         return larger > 0.0 ? (required - built_up) / larger : 0.0;
     }
@@ -68,7 +70,7 @@ ControlInstant PulleyInputs::controlled(double t, const double* tail, const Inpu
         case ControlledQuantity::slip: return {control_.slip.at(when), position_slip(tail)};
         case ControlledQuantity::safety: break;
     }
-    return {control_.safety.at(when), grip_ * running_radius(tail, 1) * now.clamping[1] / std::abs(now.load_torque)};
+    return {control_.safety.at(when), driven_lever(tail) * now.clamping[1] / std::abs(now.load_torque)};
 }
 
 CylinderMotion PulleyInputs::cylinder_motion(const double* block, int shaft) const noexcept {
@@ -152,7 +154,7 @@ Inputs PulleyInputs::requested(double t, const double* tail) const noexcept {
     in.drive_torque = drive_torque(t, tail);
     in.load_torque = -factor * load;
     std::array<double, 2> clamping = given_clamping(now, tail);
-    clamping[1] = driven_clamping(clamping_, clamping[1], load, grip_ * running_radius(tail, 1));
+    clamping[1] = driven_clamping(clamping_, clamping[1], load, driven_lever(tail));
     for (int k = 0; k < controllers_; ++k) {
         const Governing& by = governing_[static_cast<std::size_t>(k)];
         const auto limited = [&](double force) { return std::clamp(force, -by.authority, by.authority); };

@@ -143,8 +143,11 @@ struct ControlInstant {
 
 /// Friction of all contacts of a pulley along the circumference over its clamping force, 2 mu/cos(beta) [1].
 [[nodiscard]] double grip(const Tip& tip) noexcept;
+/// Clamping force of shaft 2 that carries a load with a safety factor [N]. load [N·m], lever: grip() times the running radius of shaft 2
+/// [m]
+[[nodiscard]] double carrying_clamping(double safety, double load, double lever) noexcept;
 /// Clamping force of shaft 2: the table's, and at least what carries the load with the factor `clamping.safety` [N].
-/// table [N], load [N·m], lever: grip() times the running radius of shaft 2 [m]
+/// table [N], load and lever as carrying_clamping()
 [[nodiscard]] double driven_clamping(const Clamping& clamping, double table, double load, double lever) noexcept;
 
 class PulleyInputs : public ShaftTorques {
@@ -173,6 +176,8 @@ private:
     void add_controllers();
     /// Error of what a controller holds [1]; `built_up` is the force of its shaft without its proportional part [N].
     [[nodiscard]] double control_error(const Governing& by, double now, double load, double built_up, const double* block) const noexcept;
+    /// Torque that shaft 2 can carry per clamping force [m]. block [unknowns of the pulleys]
+    [[nodiscard]] double driven_lever(const double* block) const noexcept { return grip_ * running_radius(block, 1); }
     /// Slip by the running radii; 0 where shaft 1 stands [1]. block [unknowns of the pulleys]
     [[nodiscard]] double position_slip(const double* block) const noexcept;
     /// Clamping forces before limits and controllers: of the tables or a host; by pressures where these are requested. now ≥ 0 [s]
