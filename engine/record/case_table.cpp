@@ -322,8 +322,10 @@ FolderLock::FolderLock(const std::string& folder, int attempts) {
     std::error_code error;
     std::filesystem::create_directory(folder, error);
     std::error_code unreadable;
-    if (!std::filesystem::is_directory(folder, unreadable))
+    if (!std::filesystem::is_directory(folder, unreadable)) {
+        if (const std::string absent = missing_folder(folder); !absent.empty()) throw RecordError(folder + ": cannot create: " + absent);
         throw RecordError(folder + ": cannot create: " + (error ? error.message() : "a file with that name exists"));
+    }
     for (const char* inside : {"", "/records", "/checkpoints", "/continuation", "/states"}) require_no_link(folder + inside);
     const std::string lock = folder + "/lock";
     Descriptor file(open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666));

@@ -188,7 +188,7 @@ TEST_F(Batch, IntoAFolderThatCannotBeWrittenReportsIt) {
     write_sweep();
     write("file", "");
     EXPECT_EQ(run({"batch", "sweep.toml", "-o", "file"}).err, "cvtflow: file: cannot create: File exists\n");
-    EXPECT_EQ(run({"batch", "sweep.toml", "-o", "no/such"}).err, "cvtflow: no/such: cannot create: No such file or directory\n");
+    EXPECT_EQ(run({"batch", "sweep.toml", "-o", "no/such"}).err, "cvtflow: no/such: cannot create: the folder 'no' does not exist\n");
     EXPECT_EQ(run({"batch", "sweep.toml", "-o", "/proc/here"}).err, "cvtflow: /proc/here: cannot create: No such file or directory\n");
 }
 

@@ -90,10 +90,8 @@ void require_place(const std::string& path) {
     if (path.back() == '/') refuse_creation(path, "a folder, not a file");
     for (const char* suffix : {"", ".part"})
         if (const std::string other = other_than_file(path + suffix); !other.empty()) refuse_creation(path + suffix, other);
-    std::error_code ignored;
-    const std::string parent = fs::path(path).parent_path().string(), folder = parent.empty() ? "." : parent;
-    if (!fs::is_directory(folder, ignored)) refuse_creation(path, "the folder '" + folder + "' does not exist");
-    if (access(folder.c_str(), W_OK) != 0) refuse_creation(path, std::strerror(errno));
+    if (const std::string missing = missing_folder(path); !missing.empty()) refuse_creation(path, missing);
+    if (access(folder_of(path).c_str(), W_OK) != 0) refuse_creation(path, std::strerror(errno));
 }
 
 bool is_owned(const OutputRule& rule, const std::string& file) {
@@ -125,6 +123,17 @@ void require_own(const std::string& path, const OutputRule& rule) {
 }
 
 }  // namespace
+
+std::string folder_of(const std::string& path) {
+    const std::string parent = fs::path(path).parent_path().string();
+    return parent.empty() ? "." : parent;
+}
+
+std::string missing_folder(const std::string& path) {
+    std::error_code unreadable;
+    const std::string folder = folder_of(path);
+    return fs::is_directory(folder, unreadable) ? "" : "the folder '" + folder + "' does not exist";
+}
 
 std::string other_than_file(const std::string& path) {
     struct stat file {};

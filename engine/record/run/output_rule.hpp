@@ -58,6 +58,11 @@ private:
 /// An object under a name that can never be replaced: "a symbolic link; name its target" …; empty: nothing, or a plain file.
 [[nodiscard]] std::string other_than_file(const std::string& path);
 
+/// Folder in which a file or folder lies: "." for a plain name.
+[[nodiscard]] std::string folder_of(const std::string& path);
+/// "the folder 'results' does not exist", for a file or folder that is to be created in it; empty: it exists.
+[[nodiscard]] std::string missing_folder(const std::string& path);
+
 /// Whether a file is a record of which the attribute of that name is this text.
 [[nodiscard]] IsOwn record_with(std::string attribute, std::string text);
 /// Whether a file is what a killed writer left of a record, so that HDF5 cannot read it.

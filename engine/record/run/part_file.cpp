@@ -43,11 +43,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string folder_of(const std::string& path) {
-    const std::string folder = fs::path(path).parent_path().string();
-    return folder.empty() ? "." : folder;
-}
-
 /// Whether the path still names the file that is open; not so if another writer has just finished and renamed it.
 bool still_named(int descriptor, const std::string& path) {
     struct stat open_file {};

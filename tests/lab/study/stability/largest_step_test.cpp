@@ -45,8 +45,8 @@ struct Place {
 }
 
 /// Where prediction misses by more, measured over predicted: rock2 on tiny 0.58 (it chooses among tables by the step, so that stable and
-/// unstable steps alternate) and rock4-s40 0.944 (in steps of 3 to 5 us contacts leave what was linearised).
-const std::set<std::pair<std::string, std::string>> known_misses{{"tiny", "rock2"}, {"tiny", "rock4-s40"}};
+/// unstable steps alternate).
+const std::set<std::pair<std::string, std::string>> known_misses{{"tiny", "rock2"}};
 
 /// Requires agreement within five hundredths.
 void expect_agreement(const Place& place, const std::string& method) {
@@ -133,7 +133,7 @@ TEST(LargestStep, OfTheTrapezoidalRuleHasNoLimit) {
 
 void expect_all(const Place& place) {
     for (const std::string& method : method_names()) {
-        if (!limited_by_kinks(method)) expect_agreement(place, method);
+        if (method != "leapfrog-rigid" && !limited_by_kinks(method)) expect_agreement(place, method);  // the places have pin halves
     }
 }
 
