@@ -53,6 +53,14 @@ Scene Scene::ready(const std::string& name) {
     return api::entered(ErrorCode::scene, [&] { return Scene(std::make_shared<const Data>(tasks::read_scene(tasks::find_scene(name)))); });
 }
 
+std::vector<std::string> Scene::ready_names() {
+    return api::entered(ErrorCode::scene, [] {
+        std::vector<std::string> names;
+        for (const tasks::ReadyScene& scene : tasks::ready_scenes()) names.push_back(scene.name);
+        return names;
+    });
+}
+
 Scene Scene::with(std::span<const std::string> settings) const {
     return api::entered(ErrorCode::scene, [&] {
         tasks::Scene changed = data_->scene;

@@ -99,6 +99,7 @@ void bind_scene(py::module_& module) {
         .def_static("parse", &Scene::parse, py::arg("text"), py::arg("name") = "scene.toml",
                     "A scene given as TOML; name replaces the file name in messages, start.state is relative to its folder.")
         .def_static("ready", &Scene::ready, py::arg("name"), "A scene that comes with cvtflow, e.g. \"baseline\".")
+        .def_static("ready_names", &Scene::ready_names, "Names of the scenes that ready() finds.")
         .def(
             "with_", &with_settings,
             "This scene with other values: with_({\"load\": {\"torque\": \"8 N*m\"}}), with_({\"load.torque\": 8}), with_(load__torque=8), "

@@ -8,7 +8,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).parent))
 
 project = "cvtflow"
 author = "The cvtflow authors"
-extensions = ["myst_parser", "breathe", "formulas"]
+extensions = ["myst_parser", "breathe", "formulas", "excerpts"]
 root_doc = "docs/site/contents"
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
 include_patterns = ["*.md", "docs/**.md", "docs/site/*.rst", "model/*.md", "tools/slurm/*.md"]
@@ -26,7 +26,7 @@ html_theme_options = {"navigation_depth": 2, "collapse_navigation": False}
 html_title = "cvtflow"
 html_show_sphinx = False
 html_copy_source = False
-html_show_search_summary = False   # a page opened from a file cannot fetch the others
+html_show_search_summary = False   # excerpts.py: a page opened from a file cannot fetch the others
 html_show_copyright = False
 html_static_path = ["style"]
 html_css_files = ["wrap.css"]

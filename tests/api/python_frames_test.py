@@ -1,6 +1,7 @@
 """Records, recordings and sweeps as scientists use them: frames, states, transitions, elements, plots."""
 
 import contextlib
+import csv
 import importlib.util
 import os
 import signal
@@ -180,6 +181,49 @@ class Records(Folder):
         self.assertEqual(rows.plot("ratio").get_ylabel(), "ratio")
 
 
+    def table_of(self, *arguments):
+        """Names and values of the series that `cvtflow plot` writes for the record."""
+        program("plot", self.file, *arguments, "--force", "-o", self.folder + "/p.csv")
+        with open(self.folder + "/p.csv", newline="") as file:
+            return [(row["series"], float(row["x"]), float(row["y"])) for row in csv.DictReader(file)]
+
+    @matplotlib_only
+    def test_losses_are_drawn_as_the_program_draws_them(self):
+        record, _ = self.recorded()
+        there = self.table_of("--losses")
+        axes = record.plot_losses()
+        self.assertEqual([label.get_text() for label in axes.get_yticklabels()], [name for name, _, _ in there])
+        power = [power for _, _, power in there]  # with 9 digits
+        np.testing.assert_allclose([bar.get_width() for bar in axes.patches], power, rtol=1e-8)
+        total = sum(power)
+        self.assertEqual(axes.get_title(), f"Losses by kind: {total:.4g} W on average")
+        self.assertEqual(axes.texts[0].get_text().strip(), f"{power[0]:.4g} W ({100 * power[0] / total:.1f} %)")
+        self.assertIs(record.plot_losses(ax=axes), axes)
+        record._columns = []
+        self.assertRaisesRegex(ValueError, "the record has no losses", record.plot_losses)
+
+    @matplotlib_only
+    def test_orders_are_drawn_as_the_program_draws_them(self):
+        record, _ = self.recorded(until="0.2 ms")
+        there = np.array([row[1:] for row in self.table_of("tight_tension", "--orders") if row[0] == "tight_tension"])
+        axes = record.plot_orders("tight_tension")
+        np.testing.assert_allclose(np.transpose(axes.lines[0].get_data())[: len(there)], there, rtol=1e-8, atol=1e-300)
+        self.assertEqual(axes.get_xlabel(), "order of the passing pins")
+        self.assertEqual(axes.get_legend().get_texts()[0].get_text(), "tight tension [kN]")
+        self.assertEqual(len(record.plot_orders("slip", "links/tension[3]", si=True).lines), 2)
+        elsewhere = {"parameters": record.attributes["parameters"].replace('state = ""', 'state = "/nowhere.h5"')}
+        self.assertIn("/nowhere.h5", elsewhere["parameters"])
+        with unittest.mock.patch.object(cvtflow.Record, "attributes", elsewhere):  # of a run whose start state is not here
+            self.assertEqual(record.plot_orders("slip").get_xlabel(), "order of the passing pins")
+        with self.assertRaisesRegex(ValueError, r"links/tension: choose one number, such as links/tension\[0\]"):
+            record.plot_orders("links/tension")
+        self.assertRaises(TypeError, record.plot_orders)
+        sparse = "run.output_interval=2 ms", "run.state_interval=2 ms"  # pins pass every 2.4 ms
+        for settings, until in (((), "50 us"), (sparse, "20 ms")):
+            with self.assertRaisesRegex(ValueError, "orders require 8 rows at least, and a run.output_interval below half a pin period"):
+                self.recorded(*settings, until=until)[0].plot_orders("slip")
+
+
 class Sweeps(Folder):
     def results(self, **more):
         scene = tiny("run.until=0.05 ms", "start.settling_time=0.1 ms", "start.ramp_time=0.1 ms")
@@ -218,10 +262,13 @@ class Sweeps(Folder):
         self.assertEqual((list(frame.index), frame.attrs["units"]["load_torque"]), ([0, 1, 2, 3], "N*m"))
         axes = results.plot(x="load.torque", y="slip mean", by="clamping.driving")
         self.assertEqual((axes.get_xlabel(), axes.get_ylabel()), ("load torque [N·m]", "mean slip [%]"))
+        self.assertEqual(axes.get_title(), "mean slip over load torque")
         self.assertEqual([list(line.get_xdata()) for line in axes.lines], [[6, 12], [6, 12]])
         np.testing.assert_array_equal(axes.lines[0].get_ydata(), 100.0 * results["slip_mean"][[2, 0]])
         self.assertEqual([text.get_text() for text in axes.get_legend().get_texts()],
                          ["clamping driving = 7 kN", "clamping driving = 8 kN"])
+        axes.set_title("mine")
+        self.assertEqual(results.plot(x="load.torque", y="slip mean", ax=axes).get_title(), "mine")
 
     @matplotlib_only
     def test_results_have_a_line_for_each_value_of_every_other_axis(self):
@@ -260,6 +307,7 @@ class Sweeps(Folder):
             self.assertLess(abs(drawn - slip[case]), 0.2 * np.ptp(slip), f"{torque} N*m, {force} kN")  # 12 steps of colour, near a corner
         self.assertEqual((axes.get_xlabel(), axes.get_ylabel()), ("load torque [N·m]", "clamping driving [kN]"))
         self.assertEqual(axes.figure.axes[1].get_ylabel(), "mean slip [%]")
+        self.assertEqual(axes.get_title(), "mean slip over load torque and clamping driving")
         axes.figure.canvas.draw()
         self.assertTrue(axes.texts)
         for label in axes.texts:  # of contours, none cut off by the frame
@@ -305,6 +353,7 @@ class Sweeps(Folder):
         self.assertEqual((list(dimensions), attributes["units"]), (["load_torque", "clamping_driving"], "1"))
         np.testing.assert_array_equal(slip, [results["slip_mean"][[2, 3]], results["slip_mean"][[0, 1]]])
         self.assertEqual(made.variables["status"][1].tolist(), [["ok", "ok"]] * 2)
+        self.assertEqual(made.variables["steps"][1].dtype, np.int64)
         self.assertEqual(rows.variables["links/tension"][0], ["time", "links_tension_number"])
         np.testing.assert_array_equal(rows.variables["links/tension"][1], record["links/tension"])
 

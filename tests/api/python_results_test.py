@@ -1,15 +1,21 @@
 """Records, sweeps, display and stubs of the Python module."""
 
 import ast
+import contextlib
 import importlib
 import importlib.util
 import inspect
+import io
 import os
 import pickle
+import pty
 import signal
+import subprocess
+import sys
 import tempfile
 import threading
 import time
+import types
 import unittest
 import unittest.mock
 from pathlib import Path
@@ -99,6 +105,64 @@ class Sweeps(Folder):
         self.assertNotIn(1, calls)
         self.assertRaises(cvtflow.StateError, cvtflow.Sweep("tiny", {"load.torque": [8.0]}, ["slip mean"]).run, self.folder)
 
+    def test_counts_are_whole_numbers(self):
+        results = cvtflow.Sweep("tiny", {"load.torque": [6.0, 7.0]}, ["slip mean"], settings=SETTINGS).run(self.folder)
+        for name in ("case", "steps", "evaluations", "transitions", "truncated", "settling_evaluations", "threads"):
+            self.assertEqual(results[name].dtype, np.int64, name)
+        self.assertEqual(results["load_torque"].dtype, np.float64)
+        self.assertEqual(results.where(steps=int(results["steps"][0]), case=[0])["case"].tolist(), [0])
+        sweep = importlib.import_module("cvtflow._sweep")
+        self.assertEqual(sweep._column("steps", np.array([1.0, np.nan])).dtype, np.float64)  # a case that did not run has none
+
+    def test_axes_are_rows_of_a_file_samples_and_ranges(self):
+        Path(self.folder, "points.csv").write_text("M,force [kN]\n6 N*m,5\n9 N*m,5.5\n12 N*m,6\n")
+        os.chdir(self.folder)
+        self.addCleanup(os.chdir, SOURCE)
+        rows = {"csv": "points.csv", "columns": {"M": "load.torque", "force": "clamping.driven"}}
+        sweep = cvtflow.Sweep("tiny", rows, ["slip mean"], settings=SETTINGS)
+        self.assertEqual(repr(sweep), "<cvtflow.Sweep of tiny: ? cases over csv (?); slip mean>")
+        results = sweep.run(self.folder + "/rows")
+        np.testing.assert_array_equal(results["load_torque"], [6, 9, 12])
+        np.testing.assert_array_equal(results["clamping_driven"], [5000, 5500, 6000])
+        sample = {"sample": "latin-hypercube", "count": 4, "seed": np.int64(3), "keys": {"load__torque": ("6 N*m", 12)}}
+        sweeps = [cvtflow.Sweep("tiny", {**sample, "seed": seed}, ["slip mean"], settings=SETTINGS) for seed in (3, 3, 4)]
+        drawn = [sweep.run(f"{self.folder}/{number}")["load_torque"] for number, sweep in enumerate(sweeps)]
+        np.testing.assert_array_equal(drawn[0], drawn[1])
+        self.assertTrue((drawn[0] != drawn[2]).any())
+        np.testing.assert_array_equal(np.sort((drawn[0] - 6) // 1.5), [0, 1, 2, 3])  # one in each quarter of the range
+        torque = {"load.torque": {"from": 6, "to": "12 N*m", "count": 3}}
+        force = {**sample, "keys": {"clamping.driven": {"from": "5 kN", "to": "6 kN"}}}
+        sweep = cvtflow.Sweep("tiny", [torque, force], ["slip mean"])
+        self.assertEqual(repr(sweep), "<cvtflow.Sweep of tiny: 12 cases over load.torque (3), sample (4); slip mean>")
+        self.assertEqual(sweep.write("s.toml").cases, 12)
+
+    def test_malformed_axes_are_named(self):
+        for axes, kind, words in [
+            (3, TypeError, "axes: values by key, or a list of such dicts, not 3"),
+            ({"load.torque": "6 N*m"}, TypeError, "axes: load.torque takes a list of values, not '6 N.m'"),
+            ({("load.torque", "chain.pins"): [(1, 2, 3)]}, ValueError, "axes: load.torque, chain.pins: each value is a tuple of 2"),
+            ({"sample": "random", "count": 2, "keys": {"load.torque": 5}}, TypeError, r"axes: load.torque takes \(from, to\), not 5"),
+            ({"sample": "randm", "count": 2, "keys": {"load.torque": (5, 6)}}, cvtflow.SceneError, 'did you mean "random"'),
+            ({"csv": "none.csv"}, cvtflow.SceneError, "axes.csv: no file"),
+        ]:
+            with self.assertRaisesRegex(kind, words):
+                cvtflow.Sweep("tiny", axes, ["slip mean"]).write(self.folder + "/s.toml")
+
+    def test_a_case_has_a_budget(self):
+        sweep = cvtflow.Sweep("tiny", {"load.torque": [6.0]}, ["slip mean"], settings=SETTINGS, budget={"steps": 10})
+        self.assertEqual(sweep.run(self.folder)["status"], ["budget"])
+        self.assertIn('[budget]\nwall = "10 min"\n', cvtflow.Sweep("tiny", {"load.torque": [6.0]}, ["slip mean"], budget="10 min").text)
+        with self.assertRaisesRegex(cvtflow.SceneError, 'budget.stps: unknown key .did you mean "steps"'):
+            cvtflow.Sweep("tiny", {"load.torque": [6.0]}, ["slip mean"], budget={"stps": 10}).write(self.folder + "/s.toml")
+
+    def test_a_sweep_has_an_accuracy_that_it_verifies(self):
+        axes, scalars = {"start.ring_speed": [150.0, 200.0]}, ["tight_tension mean"]
+        sweep = cvtflow.Sweep("free_ring", axes, scalars, settings={"until": "0.2 ms"}, accuracy={"target": "10 %", "verify": 1})
+        error = sweep.run(self.folder)["error_of_tight_tension_mean"]
+        self.assertLess(np.nanmax(error), 0.1)
+        self.assertEqual(np.isfinite(error).sum(), 1)
+        self.assertIn("[accuracy]\ntarget = 0.01\n", cvtflow.Sweep("free_ring", axes, scalars, accuracy=0.01).text)
+
     def test_problems_are_told_with_their_place(self):
         with self.assertRaisesRegex(cvtflow.SceneError, r"sweep.toml:\d+:\d+: .*did you mean"):
             cvtflow.Sweep("tiny", {"load.torqe": [6.0]}, ["slip mean"]).run(self.folder)
@@ -118,6 +182,34 @@ class Sweeps(Folder):
         said = cvtflow.Sweep("tiny", {"load.torque": [6.0]}, ["slip mean"]).submit(self.folder + "/out", "4")
         self.assertEqual(said, f"{self.folder}/out.toml {self.folder}/out 4\n")
         self.assertEqual(cvtflow._cvtflow.SweepFile.read(self.folder + "/out.toml").cases, 1)
+
+
+class Progress(Folder):
+    RUN = """import sys, cvtflow
+cvtflow.Sweep("tiny", {"load.torque": [6.0, 7.0, 8.0]}, ["slip mean"], settings={"run.until": "1 ms"}).run(sys.argv[1], 1)"""
+
+    def test_a_terminal_has_one_line_and_a_pipe_none(self):
+        done = subprocess.run([sys.executable, "-c", self.RUN, self.folder + "/pipe"], capture_output=True, text=True, check=True)
+        self.assertEqual((done.stdout, done.stderr), ("", ""))
+        ours, theirs = pty.openpty()
+        subprocess.run([sys.executable, "-c", self.RUN, self.folder + "/terminal"], stderr=theirs, check=True)
+        os.close(theirs)
+        lines = os.read(ours, 65536).decode()
+        os.close(ours)
+        self.assertEqual(lines.count("\n"), 1)
+        self.assertEqual(lines.split("\r")[-2].rstrip(), "3 of 3 cases")  # the terminal ends a line with \r\n
+
+    def test_a_notebook_has_one_line(self):
+        notebook, cell = types.ModuleType("IPython"), io.StringIO()
+        notebook.get_ipython = lambda: types.SimpleNamespace(kernel=None)
+        sweep = cvtflow.Sweep("tiny", {"load.torque": [6.0, 7.0]}, ["slip mean"], settings=SETTINGS)
+        with unittest.mock.patch.dict(sys.modules, {"IPython": notebook}), contextlib.redirect_stdout(cell):
+            sweep.run(self.folder + "/silent", progress=False)
+            self.assertEqual(cell.getvalue(), "")
+            sweep.run(self.folder + "/shown")
+        self.assertRegex(cell.getvalue(), r"^\r[^\n]*2 of 2 cases *\n$")
+        with self.assertRaisesRegex(TypeError, "progress: True, False or a function of a SweepProgress, not 'bar'"):
+            sweep.run(self.folder + "/shown", progress="bar")
 
 
 class SweepFiles(Folder):

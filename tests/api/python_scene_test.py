@@ -4,9 +4,10 @@ import cProfile
 import os
 import tempfile
 import unittest
+import unittest.mock
 from pathlib import Path
 
-from python_fixture import SOURCE, main, tiny
+from python_fixture import SOURCE, main, program, tiny
 
 import numpy as np
 
@@ -95,6 +96,17 @@ class Scenes(unittest.TestCase):
         self.assertLess(len(str(caught.exception)), 60000)
         self.assertLess(max(map(len, str(caught.exception).splitlines())), 300)
 
+    def test_ready_scenes_are_those_of_the_program(self):
+        ready = cvtflow.ready_scenes()
+        listed = program("list", "scenes").split("\n\n")[0].splitlines()[2:]  # below the heading
+        self.assertEqual(list(ready), [line.split()[0] for line in listed])
+        self.assertEqual(ready["tiny"], cvtflow.Scene.ready("tiny").description)
+        with tempfile.TemporaryDirectory() as folder, unittest.mock.patch.dict(os.environ, CVTFLOW_SCENES=folder):
+            Path(folder, "mine.toml").write_text('scene.description = "of my own"')
+            Path(folder, "broken.toml").write_text("[load")
+            self.assertEqual(cvtflow.ready_scenes()["mine"], "of my own")
+            self.assertNotIn("broken", cvtflow.ready_scenes())
+
     def test_paths_are_texts_or_path_objects(self):
         path = Path(SOURCE, "scenes", "tiny.toml")
         self.assertEqual(cvtflow.Scene.read(path), cvtflow.Scene.read(str(path)))
@@ -134,6 +146,10 @@ class Units(unittest.TestCase):
         self.assertEqual(len(seen), 3)
         simulation.set_input("load_torque", "9000 N*mm")
         self.assertEqual(simulation.input("load_torque"), 9.0)
+        for name, torque in (("load.torque", 8.0), ("load__torque", 7.0), (cvtflow.Input.load_torque, 6.0)):
+            simulation.set_input(name, torque)
+            self.assertEqual((simulation.input(name), simulation.input(input="load_torque")), (torque, torque))
+        self.assertRaisesRegex(TypeError, "an input has a name, such as .load_torque., or is an Input, not 3", simulation.input, 3)
         for action, words in [
             (lambda: simulation.advance_to("1 mm"), 'time: "1 mm" is a length, expected a time'),
             (lambda: simulation.advance_to("1"), 'time: "1" has no unit, expected a time'),

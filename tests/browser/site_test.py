@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The built pages in a real browser: every page of the sidebar opens, formulas fit a phone, the search finds pages.
+"""The built pages in a real browser: every page of the sidebar opens, formulas fit a phone, the search finds pages and shows where.
 
     tests/browser/site_test.py HTML_DIR SOURCE_DIR
 
@@ -18,6 +18,22 @@ require()
 
 HTML, SOURCE = (os.path.abspath(path) for path in sys.argv[1:3])
 LINKS = "[...document.querySelectorAll('.wy-menu-vertical li.toctree-l1 > a')]"
+PLACE = """(() => {
+    const place = (found) => { const box = document.querySelector(found).getBoundingClientRect(); return [box.top, box.bottom]; };
+    const field = document.querySelector('.wy-side-nav-search input'), box = field.getBoundingClientRect();
+    return {scrolled: document.querySelector('.wy-side-scroll').scrollTop, head: place('.wy-side-nav-search')[1],
+            entry: place('.wy-menu-vertical a.current'), height: innerHeight,
+            open: document.elementFromPoint(box.left + box.width / 2, box.top + box.height / 2) === field};
+})()"""
+
+
+def groups_of_contents():
+    """Caption and pages of every group of the sidebar, as its source lists them."""
+    with open(os.path.join(SOURCE, "docs/site/contents.rst")) as file:
+        parts = re.split(r"^   :caption: (.*)$", file.read(), flags=re.MULTILINE)
+    pages = [re.findall(r"^   (/?[\w/]+)$", text, re.MULTILINE) for text in parts[2::2]]
+    return {caption: [name.removeprefix("/") if name.startswith("/") else "docs/site/" + name for name in names]
+            for caption, names in zip(parts[1::2], pages)}
 
 
 class Site(unittest.TestCase):
@@ -35,9 +51,7 @@ class Site(unittest.TestCase):
         return [os.path.relpath(target.removeprefix("file://"), HTML) for target in targets]
 
     def test_the_sidebar_has_the_order_of_the_table_of_contents(self):
-        with open(os.path.join(SOURCE, "docs/site/contents.rst")) as file:
-            named = [name.lstrip("/") if name.startswith("/") else "docs/site/" + name
-                     for name in re.findall(r"^   (/?[\w/]+)$", file.read(), re.MULTILINE)]
+        named = [page for pages in groups_of_contents().values() for page in pages]
         listed = [page.removesuffix(".html") for page in self.pages()]
         self.assertGreater(len(named), 20)
         self.assertEqual(list(dict.fromkeys(page for page in listed if page in named)), named)
@@ -76,11 +90,82 @@ class Site(unittest.TestCase):
         self.assertNotEqual(browser.value("location.href"), before)
         self.assertEqual(browser.value("document.querySelectorAll('li.toctree-l1.current').length"), 1)
 
+    def results(self, query):
+        """Address, heading and excerpt of every result."""
+        self.open("search.html?q=" + query)
+        browser.value("""new Promise((done) => { const wait = () => document.querySelector('.search-summary').innerText ? done() :
+            setTimeout(wait, 50); wait(); setTimeout(done, 10000); })""")
+        self.assertEqual(browser.complaints + browser.requests, [])
+        return browser.value("""[...document.querySelectorAll('#search-results li')].map((item) =>
+            [item.firstChild.getAttribute('href'), item.firstChild.innerText, item.children[1]?.innerText ?? ''])""")
+
     def test_the_search_finds_pages(self):
-        self.open("search.html?q=slip")
-        found = "document.querySelectorAll('#search-results li').length"
-        self.assertGreater(browser.value(f"""new Promise((done) => {{ const wait = () => {found} > 5 ? done({found}) : setTimeout(wait, 50);
-            wait(); setTimeout(() => done({found}), 10000); }})"""), 5)
+        self.assertGreater(len(self.results("slip")), 5)
+
+    def test_the_search_shows_the_text_around_each_hit(self):
+        results = self.results("load.torque")
+        for page, heading, excerpt in results:
+            self.assertTrue(excerpt, heading)
+            self.assertLess(len(excerpt), 300, heading)
+        for _, heading, excerpt in results[:9]:
+            self.assertIn("load.torque", excerpt, heading)
+        definitions = [(page, excerpt) for page, _, excerpt in results if page.startswith("docs/scene_reference.html")]
+        self.assertEqual([page for page, _ in definitions], ["docs/scene_reference.html#load"])
+        self.assertIn("load.torque · 150 N*m", definitions[0][1])
+        self.assertEqual(len({page for page, _, _ in results}), len(results), "each section once")
+        browser.value("document.querySelector('#search-results a[href*=\"#load\"]').click()")
+        until = time.monotonic() + 60
+        while browser.value("location.pathname.endsWith('docs/scene_reference.html') && document.readyState") != "complete":
+            self.assertLess(time.monotonic(), until)
+        self.assertEqual(browser.value("document.querySelector(location.hash).querySelector('h2').innerText.slice(0, 6)"), "[load]")
+
+    def test_the_search_lists_user_pages_first_and_decisions_last(self):
+        captions = list(groups_of_contents())
+        order = captions[captions.index("Reference"):]
+        kinds = {page: caption if caption in order else "User" for caption, pages in groups_of_contents().items() for page in pages}
+        for query in ("load.torque", "slip"):
+            found = [page.split(".html")[0] for page, _, _ in self.results(query)]
+            found = [kinds.get(page, "Decisions") for page in found]
+            self.assertEqual(found[:9], ["User"] * 9, query)
+            self.assertIn("Decisions", found, query)
+            later = [order.index(kind) for kind in found if kind not in ("User", "Reference")]
+            self.assertEqual(later, sorted(later), query)
+            self.assertNotIn("User", found[len(found) - len(later):], query)
+        self.assertEqual(list(dict.fromkeys(found))[:2], ["User", "Reference"], "pages that contain the query as typed")
+
+    def test_the_sidebar_begins_at_its_top_and_keeps_the_search_field_in_view(self):
+        self.addCleanup(browser.resize, 1200, 900)
+        for width in (1280, 390):
+            browser.resize(width, 900)
+            for page in ("docs/index.html", "docs/decisions/sweeps.html"):
+                self.open(page)
+                if width < 500:
+                    browser.value("document.querySelector('i[data-toggle=wy-nav-top]').click()")
+                    time.sleep(0.5)   # the menu slides in
+                place = browser.value(PLACE)
+                self.assertTrue(place["open"], (width, page, place))
+                self.assertGreaterEqual(place["entry"][0], place["head"], (width, page))
+                self.assertLessEqual(place["entry"][1], place["height"], (width, page))
+                self.assertEqual(place["scrolled"] == 0, page == "docs/index.html", (width, page))
+
+    def test_the_sidebar_has_the_groups_of_the_index(self):
+        with open(os.path.join(SOURCE, "docs/index.md")) as file:
+            guide = file.read().split("\n## ")[1]
+        index = {}
+        for group, page in re.findall(r"^\| (?:\*\*(.*)\*\*|\[.*?\]\((.*?)\.md\)) \|", guide, re.MULTILINE):
+            if group:
+                pages = index[group] = []
+            else:
+                pages.append(os.path.normpath(os.path.join("docs", page)))
+        self.assertGreater(len(index), 5)
+        self.open("docs/index.html")
+        sidebar = browser.value("""[...document.querySelectorAll('.wy-menu-vertical p.caption')].map((caption) => [caption.textContent,
+            [...caption.nextElementSibling.querySelectorAll('li.toctree-l1 > a')].map((a) => a.href.split(/[#?]/)[0])])""")
+        sidebar = {caption: [os.path.relpath(page.removeprefix("file://"), HTML).removesuffix(".html") for page in pages]
+                   for caption, pages in sidebar}
+        self.assertIn("docs/index", sidebar.get("Start", []))
+        sidebar["Start"].remove("docs/index")
+        self.assertEqual([sidebar.get(group) for group in index], list(index.values()))
 
 
 if __name__ == "__main__":

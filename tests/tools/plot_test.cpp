@@ -68,7 +68,7 @@ TEST_F(PlotCommand, DrawsWearOverTheRadius) {
     double rubbed = 0.0, mapped = 0.0;
     for (std::size_t k = 1; k < times.size(); ++k) rubbed += 0.5 * (power[k] + power[k - 1]) * (times[k] - times[k - 1]);
     const std::string csv = read("w.csv");
-    for (const char* sheave : {"sheave 1-", "sheave 1+", "sheave 2-", "sheave 2+"}) {
+    for (const char* sheave : {"sheave 1- (fixed)", "sheave 1+ (movable)", "sheave 2- (movable)", "sheave 2+ (fixed)"}) {
         for (const auto& [radius, energy] : points_of(csv, sheave, "Friction energy of the tips by radius")) {
             if (std::isfinite(energy)) mapped += energy * 12.0 / 32.0;  // J/mm over rings of 12 mm/32
         }
@@ -371,6 +371,46 @@ TEST_F(PlotCommand, CurvesThatAreZeroAreNamedInTheSubtitleAlone) {
     EXPECT_THAT(read("p.svg"), testing::AllOf(HasSubstr("; zero: control/limited<"), testing::Not(HasSubstr(">control/limited<"))));
     ASSERT_EQ(run({"plot", "run.h5", "control/limited", "-o", "one.svg"}).status, 0) << "there is no other";
     EXPECT_THAT(read("one.svg"), HasSubstr(">control/limited<"));
+}
+
+TEST_F(PlotCommand, CurvesOfAGroupThatLieOnTheAxisAreNamedInTheSubtitleAlone) {
+    const auto legend = [&](const Words& words) {
+        EXPECT_EQ(run(Words{"plot", "run.h5"} + words + Words{"-o", "p.svg", "--force"}).status, 0);
+        return read("p.svg");
+    };
+    const std::string group = legend({"loss"}), named = legend({"loss/inner", "loss/joint_damping"});
+    EXPECT_THAT(group, testing::AllOf(HasSubstr(">loss: "), HasSubstr("; below 1 %: "), HasSubstr(">loss/inner<"),
+                                      testing::Not(HasSubstr(">loss/joint_damping<"))));
+    EXPECT_THAT(named, HasSubstr(">loss/joint_damping<")) << "it was asked for";
+}
+
+TEST_F(PlotCommand, TheTargetOfARatioIsDrawnInItsPanel) {
+    const Words control{"--set", "control.enabled=true",    "--set", "control.ratio=1.1", "--until", "40 us",
+                        "--set", "run.output_interval=1 us"};
+    ASSERT_EQ(run_briefly(Words{"-o", "held.h5"} + control).status, 0);
+    for (const Words& words : {Words{"ratio"}, Words{"ratio", "control/target"}}) {
+        ASSERT_EQ(run(Words{"plot", "held.h5"} + words + Words{"-o", "p.csv", "--force"}).status, 0);
+        const auto target = points_of(read("p.csv"), "control/target", "ratio"), ratio = points_of(read("p.csv"), "ratio");
+        ASSERT_EQ(target.size(), ratio.size());
+        EXPECT_DOUBLE_EQ(target.back().second, 1.1);
+        EXPECT_THAT(read("p.csv"), testing::Not(HasSubstr("\"control/target\",\"control/target\"")));
+    }
+    ASSERT_EQ(run({"plot", "run.h5", "ratio", "-o", "p.csv", "--force"}).status, 0);
+    EXPECT_THAT(read("p.csv"), testing::Not(HasSubstr("control/target"))) << "nothing controls it";
+}
+
+TEST_F(PlotCommand, OfASweepStatesItsLevelAndWhereAMapIsLargest) {
+    write("sweep.toml",
+          "[sweep]\nscene = \"tiny\"\ndetail = \"medium\"\n[set]\nrun.until = \"20 us\"\nstart.state = \"\"\n"
+          "start.settling_time = \"20 us\"\nstart.ramp_time = \"10 us\"\n[[axes]]\nkey = \"load.torque\"\nvalues = [\"6 N*m\", \"7 N*m\"]\n"
+          "[[axes]]\nkey = \"drive.speed\"\nvalues = [\"900 rpm\", \"1000 rpm\"]\n[outputs]\nscalars = [\"slip mean\"]\n");
+    const Outcome batch = run({"batch", "sweep.toml", "-q", "-o", "swept"});
+    ASSERT_EQ(batch.status, 0) << batch.err;
+    ASSERT_EQ(run({"plot", "swept", "--x", "load.torque", "--y", "drive.speed", "--colour", "slip mean", "-o", "p.svg"}).status, 0);
+    EXPECT_THAT(read("p.svg"), HasSubstr(">sweep sweep, medium, 4 cases; ring: largest, "));
+    ASSERT_EQ(run({"report", "swept", "-o", "page.html"}).status, 0);
+    EXPECT_THAT(read("page.html"), testing::AllOf(HasSubstr("What was simulated"), HasSubstr("24 pins"), HasSubstr("common to all cases"),
+                                                  testing::Not(HasSubstr("<td><code>load.torque</code></td>"))));
 }
 
 TEST_F(PlotCommand, ReportsHowAChannelIsRecordedThatExists) {

@@ -139,6 +139,14 @@ TEST_F(ReportCommand, OfTwoRecordsShowsTheirDifferences) {
                 testing::AllOf(HasSubstr("Every key of both scenes has the same value"), HasSubstr("The same in every common row: ")));
 }
 
+TEST_F(ReportCommand, CountsTwoLevelsOfDetailAsOneDifference) {
+    for (const char* level : {"medium", "fine"}) ASSERT_EQ(run_briefly({"-o", std::string(level) + ".h5", "--detail", level}).status, 0);
+    ASSERT_EQ(run({"report", "medium.h5", "fine.h5", "-o", "both.html"}).status, 0);
+    EXPECT_THAT(read("both.html"),
+                testing::AllOf(HasSubstr("<title>cvtflow: tiny: detail.level medium, detail.level fine</title>"),
+                               HasSubstr("<tr data-key=\"detail.level\">"), Not(HasSubstr("<tr data-key=\"detail.order\">"))));
+}
+
 TEST_F(ReportCommand, TextsOfASceneCannotBecomePartsOfThePage) {
     const Outcome outcome = run_briefly({"-o", "evil.h5", "--set", "scene.description=</script><b>&"});
     ASSERT_EQ(outcome.status, 0) << outcome.err;

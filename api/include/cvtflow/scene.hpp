@@ -27,6 +27,8 @@ public:
     /// A scene that comes with cvtflow ("baseline"), from the installed data or the folders of the environment variable CVTFLOW_SCENES.
     /// @throws Error (scene)
     [[nodiscard]] static Scene ready(const std::string& name);
+    /// Names of the scenes that ready() finds, in alphabetical order; some may be scenes that cannot be read.
+    [[nodiscard]] static std::vector<std::string> ready_names();
 
     /// This scene with settings "key=value", as --set on the command line; the problems begin with the setting. @throws Error (scene)
     [[nodiscard]] Scene with(std::span<const std::string> settings) const;

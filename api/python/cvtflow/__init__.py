@@ -18,8 +18,10 @@ _classes.install()  # before the names below are taken
 
 from ._cvtflow import *  # noqa: E402,F401,F403
 from ._cvtflow import Scene, Simulation, library_version
+from ._fit import Fit, fit
 from ._results import Record, Rows, run
-from ._sweep import Fit, Results, Sweep, fit
+from ._scene import ready_scenes
+from ._sweep import Results, Sweep
 
 __version__ = library_version()
 

@@ -129,9 +129,26 @@ def plain(function, name):
     return call
 
 
+def _named(function):
+    """The function, which takes the name of an input also as the scene's key spells it: "load.torque", "load__torque"."""
+
+    def spelt(name):
+        if not isinstance(name, (str, _cvtflow.Input)):
+            raise TypeError(f'an input has a name, such as "load_torque", or is an Input, not {name!r}')
+        name_of_input = name.replace("__", "_").replace(".", "_") if isinstance(name, str) else name
+        return name_of_input if name_of_input in _cvtflow.Input.__members__ else name
+
+    @functools.wraps(function)
+    def call(self, *given, **named):
+        named = {key: spelt(each) if key == "input" else each for key, each in named.items()}
+        return function(self, *map(spelt, given[:1]), *given[1:], **named)
+
+    return call
+
+
 # What users call with values of their own, and seldom enough that a call of Python's more does not count.
 _with_plain_errors = {
-    Simulation: "__init__ advance_to set_input set_state rhs on_output on_transition",
+    Simulation: "__init__ advance_to input set_input set_state rhs on_output on_transition",
     Scene: "read parse ready with_detail keys value __getitem__",
     State: "from_bytes",
     Threads: "current_arena private_arena",
@@ -155,6 +172,7 @@ def install():
             function = plain(getattr(owner, name), owner.__name__ if name == "__init__" else shown)
             setattr(owner, name, staticmethod(function) if isinstance(bound, staticmethod) else function)
     Threads.__init__ = _no_threads
+    Simulation.input, Simulation.set_input = _named(Simulation.input), _named(Simulation.set_input)
     _cvtflow.Scene._repr_html_ = _scene_html
     _cvtflow.Scene.__repr__ = _scene_repr
     _cvtflow.Simulation._repr_html_ = _simulation_html

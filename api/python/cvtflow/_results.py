@@ -2,14 +2,32 @@
 
 import math
 import os
+import re
 from collections.abc import Mapping
 
 import numpy as np
 
 from ._channels import Channels, Columns, shown, split, unknown
-from ._cvtflow import RecordFile, Simulation, Threads, quantity
+from ._cvtflow import RecordFile, Scene, Simulation, Threads, quantity
 
 _MILLI = 1e3
+
+
+def _mean(values):
+    """Of the finite values; NaN where there are none."""
+    finite = values[np.isfinite(values)]
+    return float(finite.mean()) if len(finite) else math.nan
+
+
+def _spectrum(times, values):
+    """Frequencies [Hz] and amplitudes in a Hann window over all values, as of `cvtflow plot --orders`."""
+    distance = times[1] - times[0]
+    if abs(times[-1] - times[-2] - distance) > 1e-3 * distance:  # the last output of a run
+        values = values[:-1]
+    values = np.where(np.isfinite(values), values - _mean(values), 0.0)
+    window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(len(values)) / len(values))
+    padded = 2 << (len(values) - 1).bit_length()
+    return np.fft.rfftfreq(padded, distance), 2.0 * np.abs(np.fft.rfft(window * values, padded)) / window.sum()
 
 
 def _names(channels):
@@ -143,6 +161,55 @@ class Record(Series, Mapping):
     states = property(lambda self: States(self._file), doc="The recorded states: time, unknowns, phases.")
     transitions = property(lambda self: self._file.transitions(),
                            doc="Changes of a tip's phase: an array with fields time, pin, tip, phase_from, phase_to.")
+
+    def plot_losses(self, ax=None):
+        """Draws the mean losses by kind [W] as bars with their shares, the largest first, with Matplotlib, as `cvtflow plot --losses` does.
+        Returns the Axes. ax: as in plot(). Raises ValueError for a record without losses."""
+        import matplotlib.pyplot as pyplot
+
+        kinds = {name[5:].replace("_", " "): _mean(self[name]) for name in self.info if name.startswith("loss/") and name != "loss/total"}
+        if not kinds:
+            raise ValueError(f"{self.path}: the record has no losses")
+        total = sum(kinds.values())
+        kinds = {name: kinds[name] for name in sorted(kinds, key=kinds.get, reverse=True) if kinds[name] != 0.0} or {"all kinds": 0.0}
+        axes = pyplot.subplots(layout="constrained")[1] if ax is None else ax
+        bars = axes.barh(list(kinds), list(kinds.values()))
+        shares = [f" ({100.0 * each / total:.1f} %)" if total > 0.0 else "" for each in kinds.values()]
+        axes.bar_label(bars, [f" {each:.4g} W{share}" for each, share in zip(kinds.values(), shares)])
+        axes.margins(x=0.35)  # room for the labels
+        axes.invert_yaxis()
+        axes.set(xlabel="mean power dissipated [W]", title=f"Losses by kind: {total:.4g} W on average")
+        return axes
+
+    def plot_orders(self, *channels, ax=None, si=False, **style):
+        """Draws amplitudes of channels of one number over multiples of the pin passing frequency with Matplotlib, as
+        `cvtflow plot --orders` does; over the frequency [Hz] where no pins pass. Returns the Axes. ax, si, style:
+        as in plot(), in one panel.
+
+        Raises ValueError for fewer than 8 rows, rows further apart than half a pin period, or a channel of several numbers.
+        """
+        import matplotlib.pyplot as pyplot
+
+        time = self["time"]
+        scene = Scene.parse(re.sub(r"(?m)^state = .*$", "", self.attributes["parameters"]))  # that file may no longer exist
+        pins, pitch = scene["chain.pins"], np.atleast_1d(scene["chain.pitch"])
+        speed = _mean(self["chain_speed"]) if "chain_speed" in self else 0.0
+        passing = speed * pins / np.resize(pitch, pins).sum() if speed > 0.0 else None  # [Hz]; links repeat the pitches
+        if not channels:
+            raise TypeError("plot_orders() takes the names of one channel or more")
+        if len(time) < 8 or 2.0 * (passing or 0.0) * (time[-1] - time[0]) >= len(time) - 1:
+            raise ValueError(f"{self.path}: orders require 8 rows at least, and a run.output_interval below half a pin period")
+        axes = pyplot.subplots(layout="constrained")[1] if ax is None else ax
+        for name in channels:
+            if self[name].ndim > 1:
+                raise ValueError(f"{name}: choose one number, such as {name}[0]")
+            label, factor = shown(name, self.info[split(name)[0]].unit, si)
+            frequency, amplitude = _spectrum(time, self[name])
+            axes.semilogy(frequency / (passing or 1.0), factor * amplitude, label=label, **style)
+        axes.set(xlabel="order of the passing pins" if passing else "frequency [Hz]", ylabel="amplitude")
+        axes.set_xlim(0.0, min(frequency[-1] / passing, 12.5) if passing else frequency[-1])
+        axes.legend()
+        return axes
 
     def read(self, channel, first=0, count=None):
         """Rows of a channel, or of an element: [count] or [count, width]."""

@@ -9,13 +9,25 @@ from html import escape
 
 import numpy as np
 
-from ._cvtflow import SceneError, scene_keys
+from ._cvtflow import Scene, SceneError, scene_keys
 
 
 @lru_cache(maxsize=None)
 def all_keys():
     """KeyInfo of every key, by name."""
     return {key.name: key for key in scene_keys()}
+
+
+def ready_scenes():
+    """The scenes that Scene.ready() finds, as a dict: their descriptions by name. They come with cvtflow, or are in ./scenes or in the
+    folders of the environment variable CVTFLOW_SCENES. Scenes that cannot be read are left out."""
+    found = {}
+    for name in Scene.ready_names():
+        try:
+            found[name] = Scene.ready(name).description
+        except SceneError:
+            pass
+    return found
 
 
 def toml(value, table=False):

@@ -3,8 +3,10 @@
 import math
 import os
 import re
+import sys
 import tempfile
 import threading
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +20,14 @@ def _list(values):
     return "[" + ", ".join(toml(value) for value in values) + "]"
 
 
+COUNTS = ("case", "steps", "evaluations", "transitions", "truncated", "settling_evaluations", "threads")
+
+
+def _column(name, values):
+    """Counts as int64 where every case has one."""
+    return values.astype(np.int64) if name in COUNTS and np.isfinite(values).all() else values
+
+
 def _middle(line, size):
     """Length of a line [1] and its middle, where a label is farthest from its ends. size: width and height of the map"""
     along = np.concatenate(([0.0], np.cumsum(np.hypot(*(np.diff(line, axis=0) / size).T))))
@@ -25,19 +35,20 @@ def _middle(line, size):
 
 
 class Results(dict):
-    """Results of a sweep: arrays (lists for texts) by column, in the order of cases. info contains units and descriptions by column."""
+    """Results of a sweep: arrays [cases] (lists for texts) by column, in the order of cases; counts (steps, evaluations, …) are int64. info
+    contains units and descriptions by column."""
 
     def __init__(self, table):
         if not isinstance(table, Table):
             raise TypeError(f"Results() takes a Table, not {type(table).__name__}; Sweep.results(folder) reads a sweep's folder")
-        super().__init__((column.name, table.read(column.name)) for column in table.columns())
+        super().__init__((column.name, _column(column.name, table.read(column.name))) for column in table.columns())
         self.info = {column.name: column for column in table.columns()}
 
     def frame(self):
         """A pandas.DataFrame with the case as index; units by column are in frame.attrs["units"]. Raises ImportError without pandas."""
         import pandas
 
-        frame = pandas.DataFrame(self).astype({"case": int}).set_index("case")
+        frame = pandas.DataFrame(self).set_index("case")
         frame.attrs["units"] = {name: column.unit for name, column in self.info.items()}
         return frame
 
@@ -95,7 +106,7 @@ class Results(dict):
             chosen = chosen[np.argsort(across[chosen], kind="stable")]
             label = ", ".join(self._setting(name, value, si) for name, value in zip(by, group)) or None
             axes.plot(across[chosen], up[chosen], label=label, **{"marker": "o", **style})
-        axes.set(xlabel=self._shown(x, si)[0], ylabel=self._shown(y, si)[0])
+        axes.set(xlabel=self._shown(x, si)[0], ylabel=self._shown(y, si)[0], title=axes.get_title() or self._title(y, x))
         if by:
             axes.legend()
         return axes
@@ -127,7 +138,7 @@ class Results(dict):
         else:
             drawn = axes.scatter(across, up, c=colours, **style)
         axes.figure.colorbar(drawn, ax=axes, label=self._shown(value, si)[0])
-        axes.set(xlabel=self._shown(x, si)[0], ylabel=self._shown(y, si)[0])
+        axes.set(xlabel=self._shown(x, si)[0], ylabel=self._shown(y, si)[0], title=axes.get_title() or self._title(value, x, y))
         return axes
 
     def pivot(self, index, columns, values):
@@ -160,6 +171,7 @@ class Results(dict):
                 text = isinstance(column[0], str)
                 grid = np.full(shape, "" if text else np.nan, dtype=object if text else float)
                 grid[place] = column
+                grid = grid if text or np.isnan(grid).any() else grid.astype(np.asarray(column).dtype)  # counts
                 made[name] = (axes, grid, {"units": self.info[name].unit, "long_name": self.info[name].description})
         coords = {name: (name, values, {"units": self.info[name].unit}) for name, (values, _) in zip(axes, points)}
         return xarray.Dataset(made, coords=coords)
@@ -174,18 +186,23 @@ class Results(dict):
         label, factor = shown(name, self.info[name].unit, si)
         return label, factor * np.asarray(self[name], dtype=float)
 
+    def _title(self, value, *over):
+        """mean slip over load torque and clamping driven."""
+        value, *over = (shown(name, self.info[name].unit)[0].partition(" [")[0] for name in (value, *over))
+        return f"{value} over {' and '.join(over)}"
+
     def _setting(self, name, value, si):
         """load torque = 6 N·m, of a legend."""
         label, factor = shown(name, self.info[name].unit, si)
         words, _, unit = label.partition(" [")
-        return f"{words} = {_short(factor * value if isinstance(value, (int, float)) else value)} {unit.rstrip(']')}".rstrip()
+        return f"{words} = {_short(value if isinstance(value, str) else factor * value)} {unit.rstrip(']')}".rstrip()
 
     def __repr__(self):
         return f"<cvtflow.Results: {len(self['case'])} cases of {', '.join(self)}>"
 
 
 def _short(value):
-    return f"{value:.6g}" if isinstance(value, (int, float)) else str(value)
+    return value if isinstance(value, str) else f"{value:.6g}"
 
 
 class Sweep:
@@ -199,20 +216,30 @@ class Sweep:
 
     scene  a Scene, the name of a ready one, or a file
     scalars  a scalar such as "slip mean", or a list of them
-    axes   values by key, as Scene.with_() takes keys; keys that vary together are one tuple:
-           {("clamping.driving", "clamping.driven"): [("3 kN", "2 kN"), ...]}
+    axes   values by key, as Scene.with_() takes keys; a range is {"from": 6, "to": "12 N*m", "count": 4, "scale": "log"};
+           keys that vary together are one tuple: {("clamping.driving", "clamping.driven"): [("3 kN", "2 kN"), ...]};
+           rows of a file are {"csv": "points.csv"}, with "columns": {"M": "load.torque"} those of a measured file;
+           a sample is {"sample": "latin-hypercube", "count": 20, "seed": 1, "keys": {"load.torque": ("6 N*m", "12 N*m")}}, or "random";
+           several of these are a list: [{"load.torque": [6, 12]}, {"csv": "points.csv"}]
+    start  scene, settle or shared, or the keys of [start]: {"mode": "settle", "continuation": "load.torque"}
+    from_  outputs before this time do not count
+    budget    largest wall time of a case ("10 min"; numbers are in s), or {"steps": 100000, "wall": "10 min"}
+    accuracy  limit of the error of every scalar ("1 %"), or {"target": "1 %", "verify": 5, "seed": 1}: the sweep chooses detail, method and
+              step, and columns error_of_... contain the errors of the cases that it verifies
+    Malformed axes raise TypeError or ValueError, keys and values that a sweep file cannot have SceneError in run() and write().
     write() gives the file that `cvtflow batch` and tools/slurm/submit take; results() reads what they left, of one machine or of many.
     """
 
-    def __init__(self, scene, axes, scalars, *, settings=None, detail=None, start=None, from_=None, name=None):
-        self.scene, self.axes, self.scalars = scene, dict(axes), [scalars] if isinstance(scalars, str) else list(scalars)
+    def __init__(self, scene, axes, scalars, *, settings=None, detail=None, start=None, from_=None, name=None, budget=None, accuracy=None):
+        self.scene, self.axes, self.scalars = scene, _axes(axes), [scalars] if isinstance(scalars, str) else list(scalars)
         self.settings, self.detail, self.start, self.from_ = dict(settings or {}), detail, start, from_
-        self.name = name
+        self.name, self.budget, self.accuracy = name, budget, accuracy
 
     def __repr__(self):
-        lengths = [f"{keys if isinstance(keys, str) else ' with '.join(keys)} ({len(values)})" for keys, values in self.axes.items()]
+        counts = [len(values) if isinstance(values, list) else values.get("count", "?") for _, values in self.axes]
+        lengths = [f"{keys if isinstance(keys, str) else ' with '.join(keys)} ({count})" for (keys, _), count in zip(self.axes, counts)]
+        cases = "?" if "?" in counts else math.prod(counts)  # the rows of a file are not counted
         name = self.scene.name if isinstance(self.scene, Scene) else self.scene
-        cases = math.prod(len(values) for values in self.axes.values())
         return f"<cvtflow.Sweep of {name}: {cases} cases over {', '.join(lengths)}; {', '.join(self.scalars)}>"
 
     def _scene(self):
@@ -236,19 +263,36 @@ class Sweep:
         lines += [f"detail = {toml(self.detail)}"] if self.detail else []
         if self.settings:
             lines += ["[set]"] + [f"{key} = {toml(value)}" for key, value in flat(self._scene(), self.settings)]
-        for keys, values in self.axes.items():
-            lines += ["[[axes]]"] + self._axis(keys, list(values))
+        for keys, values in self.axes:
+            lines += ["[[axes]]"] + self._axis(keys, values)
         lines += ["[outputs]", f"scalars = {_list(self.scalars)}"]
         lines += [f"from = {toml(self.from_)}"] if self.from_ else []
-        lines += ["[start]", f"mode = {toml(self.start)}"] if self.start else []
+        sections = {"start": ("mode", self.start), "budget": ("wall", self.budget), "accuracy": ("target", self.accuracy)}
+        for section, (first, given) in sections.items():
+            if given is not None:
+                lines += [f"[{section}]", *_rows(given if isinstance(given, Mapping) else {first: given})]
         return "\n".join(lines) + "\n"
 
     def _axis(self, keys, values):
+        if keys in ("csv", "sample"):
+            return _rows(self._points(values))
         if isinstance(keys, str):
-            return [f"key = {toml(resolve(self._scene(), keys))}", f"values = {_list(values)}"]
+            values = _rows(values) if isinstance(values, Mapping) else [f"values = {_list(values)}"]
+            return [f"key = {toml(resolve(self._scene(), keys))}", *values]
         columns = zip(*values)
         rows = [f"{{key = {toml(resolve(self._scene(), key))}, values = {_list(column)}}}" for key, column in zip(keys, columns)]
         return ["zip = [" + ", ".join(rows) + "]"]
+
+    def _points(self, axis):
+        """A csv or a sample as a sweep file has it, from short names of keys and a path relative to the working directory."""
+        axis, scene = dict(axis), self._scene()
+        if "csv" in axis:
+            axis["csv"] = os.path.abspath(axis["csv"])
+        if isinstance(axis.get("columns"), Mapping):
+            axis["columns"] = [{"column": column, "key": resolve(scene, key)} for column, key in axis["columns"].items()]
+        if isinstance(axis.get("keys"), Mapping):
+            axis["keys"] = [{"key": resolve(scene, key), **_ends(key, ends)} for key, ends in axis["keys"].items()]
+        return axis
 
     def write(self, path):
         """Writes the sweep file, and a Scene beside it, and checks the sweep. Raises SceneError with every problem.
@@ -268,10 +312,11 @@ class Sweep:
         scene = path.with_name(name + ".scene.toml")
         return {path: MARK + self._text(scene.name), scene: MARK + self.scene.text}
 
-    def run(self, folder, threads=0, progress=None):
+    def run(self, folder, threads=0, progress=True):
         """Runs what is missing in the folder, on so many threads (0: all), and returns results(folder).
 
-        progress  called as progress(SweepProgress) after each case, on a worker's thread
+        progress  True: one line that replaces itself, where stderr is a terminal or in a notebook, else nothing; False or None: nothing;
+                  a function: called as progress(SweepProgress) after each case, on a worker's thread
         Ctrl-C ends it; running cases leave checkpoints, and the next call continues. Raises StateError if the folder holds another sweep,
         whose files stay as they are.
         """
@@ -303,79 +348,6 @@ class Sweep:
         _check(files)
         _replace(files, lambda there, text: there == text)
         return subprocess.run([script, str(next(iter(files))), str(folder), *arguments], check=True, capture_output=True, text=True).stdout
-
-
-class Fit:
-    """Result of fit(): values by key in SI, confidence intervals by key, residuals (simulated less measured) by column, and the scene."""
-
-    def __init__(self, scene, values, confidence, residuals, level):
-        self.scene, self.values, self.confidence, self.residuals, self.level = scene, values, confidence, residuals, level
-
-    def __repr__(self):
-        lines = [f"{key} = {value:.5g} ({self.confidence[key][0]:.5g} to {self.confidence[key][1]:.5g} at {100 * self.level:g} %)"
-                 for key, value in self.values.items()]
-        rest = [f"{name}: {math.sqrt(np.mean(each ** 2)):.3g} rms" for name, each in self.residuals.items()]
-        return f"<cvtflow.Fit {', '.join(lines)}; residuals {', '.join(rest)}>"
-
-
-def fit(scene, parameters, measured, *, deviations=None, level=0.95, settings=None, threads=0, step=0.02):
-    """Adjusts keys of a scene to measured values by least squares (scipy.optimize.least_squares). Returns a Fit.
-
-    fit("baseline", {"tip.friction_coefficient": (0.05, 0.14)}, {"load.torque": [60, 120, 180], "slip mean": [0.0015, 0.0028, 0.0046]})
-
-    parameters  least and largest value by key, in SI or with units; the search begins at the value of the scene
-    measured    arrays of equal length by name, or a pandas.DataFrame: keys of the scene are operating points, other names are scalars of a
-                sweep ("slip mean", "efficiency mean", "thrust_ratio mean") with their measured values, in SI
-    deviations  standard deviation of a measured value by scalar; None: 1 % of its largest magnitude
-    level       of the confidence intervals, from the Jacobian and the residuals; infinite without more values than parameters
-    settings    further values of keys by name, such as run.until
-    step        relative change of a key for its derivative
-    Raises ImportError where SciPy is not installed, ValueError for malformed arguments, RuntimeError for a case without a result.
-    """
-    from scipy.optimize import least_squares
-    from scipy.stats import t as student
-
-    scene = Sweep(scene, {}, [])._scene().with_(settings or {})
-    columns = {name: np.asarray(measured[name], dtype=float) for name in measured}
-    points = {name: each for name, each in columns.items() if name in all_keys()}
-    targets = {name: each for name, each in columns.items() if name not in points}
-    if not points or not targets or len({len(each) for each in columns.values()}) != 1:
-        raise ValueError("measured: one key of the scene or more, and one scalar or more, of equal lengths")
-    if not hasattr(parameters, "values") or not all(isinstance(ends, (tuple, list)) and len(ends) == 2 for ends in parameters.values()):
-        raise TypeError('parameters: least and largest value by key, such as {"tip.friction_coefficient": (0.05, 0.14)}')
-    keys = [resolve(scene, name) for name in parameters]
-    low, high = np.array([[_in_si(key, value) for value in ends] for key, ends in zip(keys, parameters.values())], dtype=float).T
-    if not np.all(low < high):
-        raise ValueError("parameters: the least value of a key is not below its largest")
-    scale = {name: (deviations or {}).get(name, 0.01 * np.max(np.abs(each))) for name, each in targets.items()}
-
-    def residuals_at(values):
-        rows = list(zip(*points.values()))
-        axes = {tuple(points): rows} if len(points) > 1 else {key: list(each) for key, each in points.items()}
-        sweep = Sweep(scene.with_({key: float(value) for key, value in zip(keys, values)}), axes, list(targets))
-        with tempfile.TemporaryDirectory() as folder:
-            results = sweep.run(folder, threads)
-        for number, status in enumerate(results["status"]):
-            if status != "ok":
-                raise RuntimeError(f"case {number} of {dict(zip(keys, values))} ended with the status {status}")
-        return {name: np.asarray(results[results.column(name)]) - each for name, each in targets.items()}
-
-    def weighted(values):
-        return np.concatenate([each / scale[name] for name, each in residuals_at(values).items()])
-
-    first = np.clip([float(scene[key]) for key in keys], low + 1e-6 * (high - low), high - 1e-6 * (high - low))
-    found = least_squares(weighted, first, bounds=(low, high), x_scale=high - low, diff_step=step, xtol=1e-4, ftol=1e-8)
-    free = len(found.fun) - len(keys)
-    covariance = np.linalg.pinv(found.jac.T @ found.jac)
-    spread = np.sqrt(np.diag(covariance) * (2.0 * found.cost / free)) if free > 0 else np.full(len(keys), np.inf)
-    reach = spread * (student.ppf(0.5 + 0.5 * level, free) if free > 0 else 1.0)
-    values = {key: float(value) for key, value in zip(keys, found.x)}
-    intervals = {key: (float(value - each), float(value + each)) for key, value, each in zip(keys, found.x, reach)}
-    return Fit(scene.with_(values), values, intervals, residuals_at(found.x), level)
-
-
-def _in_si(key, value):
-    return quantity(value, all_keys()[key].unit) if isinstance(value, str) else float(value)
 
 
 def _script():
@@ -425,21 +397,80 @@ def _replace(files, may_replace):
         os.replace(new, file)
 
 
+def _rows(values):
+    return [f"{name} = {toml(value)}" for name, value in values.items()]
+
+
+def _axes(given):
+    """(keys, values) of every axis: a list of values, a range, or ("csv" or "sample", the whole axis). Raises TypeError, ValueError."""
+    axes = []
+    for each in given if isinstance(given, (list, tuple)) else [given]:
+        if not isinstance(each, Mapping):
+            raise TypeError(f"axes: values by key, or a list of such dicts, not {each!r}")
+        kind = next((kind for kind in ("csv", "sample") if kind in each), None)
+        for keys, values in [(kind, dict(each))] if kind else each.items():
+            if not isinstance(values, Iterable) or isinstance(values, (str, bytes)):
+                raise TypeError(f"axes: {keys} takes a list of values, not {values!r}")
+            values = dict(values) if isinstance(values, Mapping) else list(values)
+            if isinstance(keys, tuple) and not all(isinstance(row, Iterable) and len(row) == len(keys) for row in values):
+                raise ValueError(f"axes: {', '.join(keys)}: each value is a tuple of {len(keys)}")
+            axes.append((keys, values))
+    return axes
+
+
+def _ends(key, ends):
+    """Interval of a key in a sample, given as (from, to) or as a sweep file has it."""
+    if not isinstance(ends, Mapping) and not (isinstance(ends, (tuple, list)) and len(ends) == 2):
+        raise TypeError(f"axes: {key} takes (from, to), not {ends!r}")
+    return ends if isinstance(ends, Mapping) else {"from": ends[0], "to": ends[1]}
+
+
 def _is_path(scene):
     return isinstance(scene, os.PathLike) or "/" in scene or scene.endswith(".toml")
+
+
+class _Line:
+    """Progress of a sweep as one line that replaces itself: on stderr if that is a terminal, in a notebook's cell, elsewhere nothing."""
+
+    def __init__(self):
+        shell = sys.modules["IPython"].get_ipython() if "IPython" in sys.modules else None
+        self._stream = sys.stdout if hasattr(shell, "kernel") else sys.stderr if sys.stderr and sys.stderr.isatty() else None
+        self._now, self._text = None, ""
+
+    def __call__(self, now):  # on a worker's thread
+        self._now = now
+
+    def show(self, end=""):
+        """On the caller's thread, to which a notebook's cell belongs."""
+        now = self._now
+        if now is None or self._stream is None:
+            return
+        left = now.cases - now.before - now.done
+        text = f"{now.cases - left} of {now.cases} cases" + (f", {now.failed} failed" if now.failed else "")
+        if left and now.done:
+            seconds = math.ceil(now.wall * left / now.done)
+            text += f", about {seconds} s left" if seconds < 120 else f", about {seconds // 60} min left"
+        if text != self._text or end:
+            print("\r" + text.ljust(len(self._text)), end=end, file=self._stream, flush=True)
+        self._text = text
 
 
 _run_uninterrupted = SweepFile.run
 
 
 def _run(self, folder, threads=0, progress=None):
-    """Runs the cases that are missing in folder/cases.h5. False after cancel(). Ctrl-C ends it; running cases leave checkpoints."""
+    """Runs the cases that are missing in folder/cases.h5. False after cancel(). Ctrl-C ends it; running cases leave checkpoints. progress:
+    as in Sweep.run()."""
+    if not (progress is None or isinstance(progress, bool) or callable(progress)):
+        raise TypeError(f"progress: True, False or a function of a SweepProgress, not {progress!r}")
+    line = _Line() if progress is True else None
+    report = line or progress or None
     done, thrown = [], []
     over = threading.Event()  # not Thread.join: interrupted by a signal, Python 3.11 takes the thread for ended
 
     def work():
         try:
-            done.append(_run_uninterrupted(self, folder, threads, progress))
+            done.append(_run_uninterrupted(self, folder, threads, report))
         except BaseException as error:
             thrown.append(error)
         finally:
@@ -448,11 +479,15 @@ def _run(self, folder, threads=0, progress=None):
     threading.Thread(target=work).start()  # so that this one can be interrupted
     try:
         while not over.wait(0.1):
-            pass
+            if line:
+                line.show()
     except BaseException:
         self.cancel()
         over.wait()
         raise
+    finally:
+        if line:
+            line.show("\n")
     if thrown:
         raise thrown[0]
     return done[0]

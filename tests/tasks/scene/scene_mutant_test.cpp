@@ -152,7 +152,7 @@ Reading SceneMutant::read(const std::string& text) {
     } catch (const SceneError& error) {
         const std::string message = error.what();
         for (auto word = std::sregex_iterator(message.begin(), message.end(), of_the_library); word != std::sregex_iterator(); ++word)
-            if (text.find(word->str()) == std::string::npos) return Reading::raw;  // a word that stands in the mutant may be quoted
+            if (text.find(word->str()) == std::string::npos) return Reading::raw;  // a word of the mutant may be quoted
         return Reading::refused;
     } catch (const std::bad_alloc&) {
         return Reading::memory;

@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "tools/program/plot/axis_scale.hpp"
+
 namespace cvtflow::tools {
 namespace {
 
@@ -68,6 +70,22 @@ TEST(Field, IsInThePictureWithItsColourBar) {
     EXPECT_THAT(text, testing::HasSubstr("class=\"contour\""));
     EXPECT_THAT(text, testing::HasSubstr(colour_bar(plane()).svg));
     EXPECT_THAT(text, testing::HasSubstr("class=\"legend\">z<"));
+}
+
+/// z = x²: a level's two lines have a label each.
+TEST(Field, EveryContourHasALabel) {
+    Field field{"z", {-2.0, -1.0, 0.0, 1.0, 2.0}, {0.0, 1.0, 2.0}, {}};
+    for (std::size_t row = 0; row < field.y.size(); ++row)
+        for (const double x : field.x) field.values.push_back(x * x);
+    const std::string text = field_svg(
+        field, [](double x) { return 100.0 * x; }, [](double y) { return -100.0 * y; });
+    for (const double level : contour_levels(field)) {
+        if (contour(field, level).empty()) continue;
+        const std::string label = "fill=\"#fff\">" + tick_label(level, 0.5) + "<";
+        std::size_t labels = 0;
+        for (auto at = text.find(label); at != std::string::npos; at = text.find(label, at + 1)) ++labels;
+        EXPECT_EQ(labels, 2U) << level;
+    }
 }
 
 /// z is 0 … 7: a label lies at its share of the bar's height, where the stripe has the colour that the picture gives to the value.

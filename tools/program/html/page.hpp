@@ -52,6 +52,9 @@ struct Page {
                                 std::string_view rows);
 /// Attributes of a record or sweep: short ones as a table, texts of several lines folded.
 [[nodiscard]] std::string attribute_table(const std::vector<engine::Attribute>& attributes);
+/// Keys with their values, defaults and meanings, folded. @param shared_by "records", "cases" of which these are the keys in common; empty:
+/// one scene
+[[nodiscard]] std::string default_differences(const std::vector<tasks::KeyDifference>& keys, std::string_view shared_by);
 /// Rows of two cells. @param rows heading and HTML
 [[nodiscard]] std::string definition_table(const std::vector<std::pair<std::string, std::string>>& rows);
 

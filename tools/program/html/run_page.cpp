@@ -59,6 +59,24 @@ std::string brief(const std::string& value) {
                        value.substr(value.rfind(']') + 1));
 }
 
+}  // namespace
+
+std::string default_differences(const std::vector<tasks::KeyDifference>& keys, std::string_view shared_by) {
+    std::string rows;
+    for (const tasks::KeyDifference& each : keys)
+        rows += fmt::format("<tr><td><code>{}</code></td><td>{}</td><td>{}</td><td>{}</td></tr>\n", each.key->key, html(brief(each.a)),
+                            html(each.b), html(each.key->meaning));
+    if (rows.empty())
+        return fmt::format("<p>Every key {} has its default.</p>\n",
+                           shared_by.empty() ? "of the scene" : fmt::format("that the {} share", shared_by));
+    std::string shown = table("", "", {"key", "here", "default", "meaning"}, rows);
+    shown.insert(shown.size() - 1, "</details>");
+    return fmt::format("<details><summary>{} from defaults{}</summary>{}", plural(static_cast<long>(keys.size()), "difference"),
+                       shared_by.empty() ? "" : fmt::format(", common to all {}", shared_by), shown);
+}
+
+namespace {
+
 /// Keys whose values are not the defaults, folded; of several records those that all share.
 std::string differences(const std::vector<RecordedRun>& runs) {
     const tasks::Scene& scene = *runs.front().scene();
@@ -67,16 +85,7 @@ std::string differences(const std::vector<RecordedRun>& runs) {
         const std::vector<tasks::KeyDifference> apart = differing_keys(scene, *run.scene());
         std::erase_if(keys, [&](const auto& key) { return std::ranges::count(apart, key.key, &tasks::KeyDifference::key) > 0; });
     }
-    std::string rows;
-    for (const tasks::KeyDifference& each : keys)
-        rows += fmt::format("<tr><td><code>{}</code></td><td>{}</td><td>{}</td><td>{}</td></tr>\n", each.key->key, html(brief(each.a)),
-                            html(each.b), html(each.key->meaning));
-    if (rows.empty())
-        return fmt::format("<p>Every key {} has its default.</p>\n", runs.size() > 1 ? "that the records share" : "of the scene");
-    std::string shown = table("", "", {"key", "here", "default", "meaning"}, rows);
-    shown.insert(shown.size() - 1, "</details>");
-    return fmt::format("<details><summary>{} from defaults{}</summary>{}", plural(static_cast<long>(keys.size()), "difference"),
-                       runs.size() > 1 ? ", common to all records" : "", shown);
+    return default_differences(keys, runs.size() > 1 ? "records" : "");
 }
 
 /// Mean power that flows into a shaft from outside [W]; NaN if the record does not contain it.

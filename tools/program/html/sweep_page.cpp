@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "tasks/batch/sweep/scalar.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/text/markup.hpp"
 #include "tools/program/text/scene_text.hpp"
@@ -112,6 +113,16 @@ std::string maps(const SweepView& sweep) {
     return "";
 }
 
+/// Detail and keys that all cases share; empty where the table does not say.
+std::string simulated(const SweepView& sweep) {
+    if (!sweep.scene) return "";
+    std::vector<tasks::KeyDifference> keys = differing_keys(*sweep.scene, {});
+    std::erase_if(keys, [&](const tasks::KeyDifference& each) {
+        return std::ranges::count(sweep.columns, tasks::column_name(each.key->key), &SweepColumn::name) > 0;
+    });
+    return definition_table({{"detail", html(detail_text(*sweep.scene))}}) + default_differences(keys, "cases");
+}
+
 std::string origin(const SweepView& sweep) {
     if (sweep.attributes.empty()) return "<p>A CSV file contains no provenance. The report of the sweep's folder shows it.</p>\n";
     return attribute_table(sweep.attributes);
@@ -139,6 +150,8 @@ std::string sweep_page(const SweepView& sweep, const Measured* measured) {
     if (measured != nullptr)
         page.sections.insert(page.sections.begin() + 1, {"measured", "Measured data", measured_body(sweep, *measured)});
     if (!grid.empty()) page.sections.insert(page.sections.begin() + 1, {"maps", "Maps", grid});
+    if (const std::string machine = simulated(sweep); !machine.empty())
+        page.sections.insert(page.sections.begin() + 1, {"simulated", "What was simulated", machine});
     return text_of(page);
 }
 

@@ -13,7 +13,7 @@ namespace cvtflow::tools {
 
 namespace {
 
-constexpr int parts = 12;  ///< of a cell, either way, that have a colour of their own
+constexpr double piece = 5.0;  ///< length of what has a colour of its own, either way [px]
 
 struct Range {
     double least = INFINITY, largest = -INFINITY;
@@ -69,14 +69,17 @@ std::vector<Cell> cells_of(const Field& field) {
     return cells;
 }
 
+int pieces(double length) { return std::max(1, static_cast<int>(std::ceil(std::abs(length) / piece))); }
+
 std::string colours(const std::vector<Cell>& cells, const Range& range, const Place& x, const Place& y) {
     std::string made = "<g shape-rendering=\"crispEdges\">\n";
     for (const Cell& cell : cells) {
-        const double left = x(cell.x[0]), width = (x(cell.x[1]) - left) / parts;
-        const double bottom = y(cell.y[0]), height = (bottom - y(cell.y[1])) / parts;
-        for (int row = 0; row < parts; ++row) {
-            for (int column = 0; column < parts; ++column) {
-                const double value = cell.at((column + 0.5) / parts, (row + 0.5) / parts);
+        const double left = x(cell.x[0]), across = x(cell.x[1]) - left, bottom = y(cell.y[0]), up = bottom - y(cell.y[1]);
+        const int columns = pieces(across), rows = pieces(up);
+        const double width = across / columns, height = up / rows;
+        for (int row = 0; row < rows; ++row) {
+            for (int column = 0; column < columns; ++column) {
+                const double value = cell.at((column + 0.5) / columns, (row + 0.5) / rows);
                 made +=
                     fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"{}\"/>\n", left + column * width,
                                 bottom - (row + 1) * height, width + 0.6, height + 0.6, heat_colour(range.share(value)));
@@ -86,7 +89,48 @@ std::string colours(const std::vector<Cell>& cells, const Range& range, const Pl
     return made + "</g>\n";
 }
 
+/// Segments that are joined end to end, as the lines that they make.
+std::vector<std::vector<Segment>> lines_of(const std::vector<Segment>& segments) {
+    const auto joined = [](const Segment& a, const Segment& b) {
+        const auto near = [](double p, double q) {
+            return std::abs(p - q) <= 1e-9 * (std::abs(p) + std::abs(q));
+        };  // two cells round alike
+        const auto same = [&](const Point& p, const Point& q) { return near(p.x, q.x) && near(p.y, q.y); };
+        return same(a.from, b.from) || same(a.from, b.to) || same(a.to, b.from) || same(a.to, b.to);
+    };
+    std::vector<std::vector<Segment>> lines;
+    for (const Segment& segment : segments) {
+        std::vector<Segment> line{segment};
+        std::erase_if(lines, [&](const std::vector<Segment>& other) {
+            const bool touches = std::ranges::any_of(other, [&](const Segment& each) { return joined(each, segment); });
+            if (touches) line.insert(line.end(), other.begin(), other.end());
+            return touches;
+        });
+        lines.push_back(std::move(line));
+    }
+    return lines;
+}
+
 double level_step(const std::vector<double>& levels) { return levels.size() > 1 ? levels[1] - levels[0] : std::abs(levels.front()); }
+
+/// A line's label, at the piece that is nearest to its middle; none at a line that is shorter than two labels.
+std::string label_of(const std::vector<Segment>& line, const std::string& text, const Place& x, const Place& y) {
+    constexpr double letter = 6.5, size = 11.0;  // [px]
+    double length = 0.0, across = 0.0, up = 0.0;
+    for (const Segment& each : line) {
+        const double part = std::hypot(x(each.to.x) - x(each.from.x), y(each.to.y) - y(each.from.y));
+        length += part, across += 0.5 * part * (x(each.from.x) + x(each.to.x)), up += 0.5 * part * (y(each.from.y) + y(each.to.y));
+    }
+    if (length < 2.0 * letter * static_cast<double>(text.size())) return "";
+    const auto off = [&](const Segment& each) {
+        return std::hypot(0.5 * (x(each.from.x) + x(each.to.x)) - across / length, 0.5 * (y(each.from.y) + y(each.to.y)) - up / length);
+    };
+    const Segment& middle = *std::ranges::min_element(line, {}, off);
+    return fmt::format(
+        "<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\" font-size=\"{}\" stroke=\"#222\" stroke-width=\"2.5\" "
+        "paint-order=\"stroke\" fill=\"#fff\">{}</text>\n",
+        0.5 * (x(middle.from.x) + x(middle.to.x)), 0.5 * (y(middle.from.y) + y(middle.to.y)) + 4.0, size, text);
+}
 
 }  // namespace
 
@@ -150,6 +194,7 @@ ColourBar colour_bar(const Field& field) {
 std::string field_svg(const Field& field, const Place& x, const Place& y) {
     std::string made = colours(cells_of(field), range_of(field), x, y);
     const std::vector<double> levels = contour_levels(field);
+    std::string labels;
     for (const double level : levels) {
         const std::vector<Segment> segments = contour(field, level);
         if (segments.empty()) continue;
@@ -157,13 +202,9 @@ std::string field_svg(const Field& field, const Place& x, const Place& y) {
         for (const Segment& piece : segments)
             path += fmt::format("M{:.1f} {:.1f}L{:.1f} {:.1f}", x(piece.from.x), y(piece.from.y), x(piece.to.x), y(piece.to.y));
         made += fmt::format("<path class=\"contour\" d=\"{}\" stroke=\"#fff\" stroke-width=\"1.3\" fill=\"none\"/>\n", path);
-        const Segment& middle = segments[segments.size() / 2];
-        made += fmt::format(
-            "<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\" font-size=\"11\" stroke=\"#222\" stroke-width=\"2.5\" "
-            "paint-order=\"stroke\" fill=\"#fff\">{}</text>\n",
-            x(0.5 * (middle.from.x + middle.to.x)), y(0.5 * (middle.from.y + middle.to.y)) + 4.0, tick_label(level, level_step(levels)));
+        for (const std::vector<Segment>& line : lines_of(segments)) labels += label_of(line, tick_label(level, level_step(levels)), x, y);
     }
-    return made;
+    return made + labels;
 }
 
 }  // namespace cvtflow::tools

@@ -190,8 +190,9 @@ public:
         const auto y_of = [this](double value) { return at_y(value); };
         made += clipped;
         for (const Region& region : plot_.regions) made += shade(region);
+        made += grid();
         for (const Field& field : plot_.fields) made += field_svg(field, x_of, y_of);
-        made += grid() + "</g>\n" + frame() + clipped;
+        made += "</g>\n" + frame() + clipped;
         for (std::size_t k = 0; k < plot_.series.size(); ++k) made += draw(styled(plot_.series[k], k));
         return made + "</g>\n" + headings() + legend_.text(left_, right_, top_, plot_.height) + "</svg>\n";
     }

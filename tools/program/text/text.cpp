@@ -137,10 +137,7 @@ Shown shown(const std::string& name, const std::string& unit) {
     return {fmt::format("{} [{}]", words_of(name), with_dots(symbol)), how.factor, symbol};
 }
 
-Shown shown_time(double end) {
-    constexpr double long_record = 10.0;  // [s]
-    return end > long_record ? Shown{"time [s]", 1.0, "s"} : shown("time", "s");
-}
+Shown shown_time(double end) { return end >= 1.0 ? Shown{"time [s]", 1.0, "s"} : shown("time", "s"); }
 
 std::string label_of_unit(const std::string& unit) {
     const auto parsed = tasks::parse_quantity("1 " + unit);

@@ -119,7 +119,13 @@ double last_time(const std::vector<RecordedRun>& runs) {
 
 std::vector<tasks::KeyDifference> differing_keys(const tasks::Scene& a, const tasks::Scene& b) {
     const auto counts = [](const tasks::Parameter& key) { return key.section() != "scene"; };
-    return tasks::differing_keys(a, b, counts, tasks::readable_value);
+    std::vector<tasks::KeyDifference> keys = tasks::differing_keys(a, b, counts, tasks::readable_value);
+    const bool levels = !tasks::level_of(a).empty() && !tasks::level_of(b).empty() && tasks::level_of(a) != tasks::level_of(b);
+    if (!levels) return keys;
+    std::erase_if(keys, [](const tasks::KeyDifference& each) {  // a level sets its dials; pulleys may be absent at any
+        return each.key->key != "detail.pulleys" && std::ranges::count(tasks::dial_keys(), each.key->key) > 0;
+    });
+    return keys;
 }
 
 std::string only_difference(const std::vector<RecordedRun>& runs, const RecordedRun& run) {
@@ -131,7 +137,10 @@ std::string only_difference(const std::vector<RecordedRun>& runs, const Recorded
             key = each.key;
         }
     }
-    return key == nullptr ? "" : fmt::format("{} {}", key->key, tasks::readable_value(*key, *run.scene()));
+    if (key == nullptr) return {};
+    std::string value = tasks::readable_value(*key, *run.scene());
+    std::erase(value, '"');
+    return fmt::format("{} {}", key->key, value);
 }
 
 const engine::ChannelInfo* RecordedRun::channel(const std::string& name) const {

@@ -80,7 +80,8 @@ private:
 /// The last time of all records [s].
 [[nodiscard]] double last_time(const std::vector<RecordedRun>& runs);
 
-/// Keys of two scenes with different values. Name and description of the scene are no difference.
+/// Keys of two scenes with different values. Name and description of the scene are no difference; of two levels of detail, detail.level
+/// replaces the dials that these set.
 [[nodiscard]] std::vector<tasks::KeyDifference> differing_keys(const tasks::Scene& a, const tasks::Scene& b);
 
 /// "load.torque 8 N*m" of one of several records whose scenes differ in one key alone; otherwise empty.

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <complex>
+#include <map>
 #include <numbers>
 #include <unsupported/Eigen/FFT>
 #include <utility>
@@ -18,7 +19,6 @@
 namespace cvtflow::tools {
 
 namespace {
-
 constexpr double max_order = 20.0;  ///< up to which multiples are marked
 constexpr int max_pattern = 6;      ///< links of a pattern whose multiples can still be distinguished
 
@@ -42,6 +42,10 @@ std::vector<Curve> chosen(const RecordedRun& run, const std::vector<std::string>
     return curves;
 }
 
+bool controls_ratio(const RecordedRun& run) {
+    return run.scene() && run.scene()->parameters.control.quantity == model::ControlledQuantity::ratio;
+}
+
 std::string subtitle_of(const std::vector<RecordedRun>& runs) {
     std::string text;
     for (const RecordedRun& run : runs) {
@@ -59,6 +63,11 @@ std::string name_in(const std::vector<RecordedRun>& runs, const RecordedRun& run
     if (runs.size() == 1) return name;
     const std::string setting = only_difference(runs, run);
     return fmt::format("{}, {}{}", name, run.path(), setting.empty() ? "" : " (" + setting + ")");
+}
+
+/// Target of a ratio that is controlled, for the panel of the ratio; empty where another quantity is, or nothing.
+std::vector<double> target_of(const RecordedRun& run, const Curve& curve) {
+    return curve.name == "ratio" && controls_ratio(run) ? run.values("control/target") : std::vector<double>();
 }
 
 double mean_of(const std::vector<double>& values) { return FiniteFigures(values).mean; }
@@ -83,12 +92,19 @@ Plot& panel_of(std::vector<Panel>& panels, const Curve& curve) {
     return panels.back().plot;
 }
 
+/// "loss: " where all curves are of one group.
+std::string group_of(const Plot& plot) {
+    const std::string group = plot.series.front().name.substr(0, plot.series.front().name.find('/') + 1);
+    const auto within = [&](const Series& series) { return series.name.starts_with(group); };
+    return group.empty() || !std::ranges::all_of(plot.series, within) ? "" : group.substr(0, group.size() - 1) + ": ";
+}
+
 /// Titles that say too much, and heights of several pictures below one another.
 std::vector<Plot> finished(std::vector<Panel>& panels, const std::string& subtitle) {
     std::vector<Plot> plots;
     for (Panel& panel : panels) {
         Plot& plot = panel.plot;
-        if (plot.title.size() > 80) plot.title = fmt::format("{} channels", plot.series.size());
+        if (plot.title.size() > 80) plot.title = fmt::format("{}{} channels", group_of(plot), plot.series.size());
         plot.subtitle = subtitle;
         if (panels.size() > 1) plot.height = 300.0;
         if (plot.series.size() == 1) plot.series.front().name.clear();
@@ -97,23 +113,39 @@ std::vector<Plot> finished(std::vector<Panel>& panels, const std::string& subtit
     return plots;
 }
 
-bool is_zero(const Series& series) {
-    return std::all_of(series.points.begin(), series.points.end(), [](const Point& point) { return !(std::abs(point.y) > 0.0); });
+/// Largest magnitude of a curve; 0 where no value is finite.
+double largest_of(const Series& series) {
+    const auto& points = series.points;
+    const auto most = finite_extremes(points.begin(), points.end(), [](const Point& point) { return std::abs(point.y); }).second;
+    return most != points.end() && std::isfinite(most->y) ? std::abs(most->y) : 0.0;
 }
 
-/// Removes curves that are zero throughout, unless all are. @return "; zero: loss/cylinder, …"
-std::string remove_zeros(std::vector<Panel>& panels) {
-    const auto empty = [](const Panel& panel) { return std::ranges::all_of(panel.plot.series, is_zero); };
+/// Removes curves that lie on the axis: zero throughout, unless all are; and of a group those below 1 % of its largest.
+/// @param words as the user gave them: a curve that is named is drawn   @return "; zero: loss/cylinder; below 1 %: loss/inner, …"
+std::string remove_small(std::vector<Panel>& panels, const std::vector<std::string>& words) {
+    constexpr double visible = 0.01;
+    const auto named = [&](const Series& series) {
+        return words.empty() || std::ranges::any_of(words, [&](const std::string& word) {
+                   return series.name == word || series.name.starts_with(word + ",");
+               });
+    };
+    const auto is_zero = [](const Series& series) { return largest_of(series) == 0.0; };
+    const auto empty = [&](const Panel& panel) { return std::ranges::all_of(panel.plot.series, is_zero); };
     if (std::ranges::all_of(panels, empty)) return "";
-    std::string names;
+    std::string zeros, small;
     for (Panel& panel : panels) {
+        std::map<std::string, double> largest;  // of each group
+        const auto group = [](const Series& series) { return series.name.substr(0, series.name.find('/')); };
+        for (const Series& series : panel.plot.series) largest[group(series)] = std::max(largest[group(series)], largest_of(series));
         std::erase_if(panel.plot.series, [&](const Series& series) {
-            if (is_zero(series)) names += (names.empty() ? "; zero: " : ", ") + series.name;
-            return is_zero(series);
+            const bool zero = is_zero(series), leaves = zero || (!named(series) && largest_of(series) < visible * largest[group(series)]);
+            std::string& names = zero ? zeros : small;
+            if (leaves) names += (names.empty() ? (zero ? "; zero: " : "; below 1 %: ") : ", ") + series.name;
+            return leaves;
         });
     }
     std::erase_if(panels, [](const Panel& panel) { return panel.plot.series.empty(); });
-    return names;
+    return zeros + small;
 }
 
 Series line_through(const std::string& name, const std::vector<double>& x, const std::vector<double>& y,
@@ -331,7 +363,8 @@ std::vector<Plot> time_plots(const std::vector<RecordedRun>& runs, const std::ve
         if (const std::string sparse = run.sparse(); !sparse.empty()) samples = "; " + sparse + ": curves are samples";
         if (!x.empty()) across = curve_along_x(run, x), along = shown(across.name, across.unit);
         for (const Curve& curve : chosen(run, words)) {
-            if (curve.name == across.name) continue;
+            const bool with_ratio = curve.name == "control/target" && std::ranges::count(words, "ratio") > 0 && controls_ratio(run);
+            if (curve.name == across.name || (x.empty() && with_ratio)) continue;
             const double period = every_output || across.unit == "m" ? 0.0 : averaged_period(run, curve.unit);
             if (period > 0.0) means = fmt::format("; means over pin periods ({})", time_text(period));
             Plot& plot = panel_of(panels, curve);
@@ -339,14 +372,18 @@ std::vector<Plot> time_plots(const std::vector<RecordedRun>& runs, const std::ve
             const DrawnCurve drawn = drawn_of(run, curve.values, period);
             const std::vector<double> values = scaled(drawn.values, shown(curve.name, curve.unit).factor);
             const std::string name = name_in(runs, run, curve.name);
+            if (const std::vector<double> target = target_of(run, curve); x.empty() && !target.empty()) {
+                plot.series.push_back(line_through(name_in(runs, run, "control/target"), scaled(run.times(), along.factor), target));
+                plot.series.back().line = Line::dashed, plot.series.back().colour = "#555555";
+            }
             plot.series.push_back(
                 x.empty() ? line_through(name, scaled(drawn.times, along.factor), values)
                           : line_through(name, scaled(drawn_of(run, across.values, period).values, along.factor), values, stretches));
         }
     }
     if (measured != nullptr) add_measured(panels, chosen(runs.front(), words), *measured, across, along.factor);
-    const std::string zeros = remove_zeros(panels);
-    return finished(panels, subtitle_of(runs) + means + samples + zeros);
+    const std::string left_out = remove_small(panels, words);
+    return finished(panels, subtitle_of(runs) + means + samples + left_out);
 }
 
 std::vector<Plot> order_plots(const std::vector<RecordedRun>& runs, const std::vector<std::string>& words) {

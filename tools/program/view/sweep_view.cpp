@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 #include <set>
+#include <sstream>
 
 #include "engine/base/input_file.hpp"
 #include "engine/base/text.hpp"
@@ -18,6 +19,7 @@
 #include "tools/program/guard.hpp"
 #include "tools/program/plot/axis_scale.hpp"
 #include "tools/program/plot/field.hpp"
+#include "tools/program/text/scene_text.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::tools {
@@ -54,7 +56,7 @@ SweepView from_csv(const std::string& path) {
     auto lines = lines_of(path);
     if (lines.size() < 2 || std::find(lines[0].begin(), lines[0].end(), "status") == lines[0].end())
         throw engine::RecordError(path + ": not a sweep's table as cvtflow table --csv prints it");
-    SweepView view{path, std::filesystem::path(path).stem().string(), {}, {}, {}};
+    SweepView view{path, std::filesystem::path(path).stem().string(), {}, {}, {}, {}};
     for (const std::string& cell : lines[0]) {
         const tasks::Heading heading = tasks::heading_of(cell);  // "slip_mean", or "slip_mean [1]" as --units prints it
         view.columns.push_back({heading.name, heading.unit, "", false, false});
@@ -67,10 +69,19 @@ SweepView from_csv(const std::string& path) {
     return view;
 }
 
+/// The scene of a sweep by its definition, whose other lines are of axes and outputs.
+std::optional<tasks::Scene> scene_of(const engine::CaseTable& table) {
+    std::istringstream lines(table.attribute("definition"));
+    std::string keys;
+    for (std::string line; std::getline(lines, line);)
+        if (tasks::find_parameter(line.substr(0, line.find(" = "))) != nullptr) keys += line + "\n";
+    return scene_in({{"definition", keys}}, "definition");
+}
+
 SweepView from_table(const std::string& path) {
     engine::CaseTable table = tasks::read_results(path);
     tasks::sort_rows(table);
-    SweepView view{path, table.attribute("sweep"), table.attributes, {}, {}};
+    SweepView view{path, table.attribute("sweep"), table.attributes, scene_of(table), {}, {}};
     const auto& columns = table.layout.columns();
     for (const engine::CaseColumn& column : columns) view.columns.push_back({column.name, column.unit, column.description, false, false});
     for (std::size_t row = 0; row < table.size(); ++row) {
@@ -146,12 +157,19 @@ struct Chosen {
     Plot plot;
 };
 
+/// "fine, "; empty where the cases differ in it or it is not known.
+std::string level_of(const SweepView& sweep) {
+    const bool varies =
+        std::ranges::any_of(sweep.columns, [](const auto& column) { return column.axis && column.name.starts_with("detail_"); });
+    return sweep.scene && !varies ? level_text(*sweep.scene) + ", " : "";
+}
+
 Chosen begin_plot(const SweepView& sweep, const SweepColumn& x, const SweepColumn& y, const std::string& title) {
     Chosen made{sweep, {}};
     made.good.keep_good();
     if (made.good.cells.empty()) throw UsageError(sweep.path + ": no case ended well");
     made.plot.title = title;
-    made.plot.subtitle = fmt::format("sweep {}, {}", sweep.name, counts_text(sweep, made.good.cells.size()));
+    made.plot.subtitle = fmt::format("sweep {}, {}{}", sweep.name, level_of(sweep), counts_text(sweep, made.good.cells.size()));
     made.plot.x.label = heading_of(x);
     made.plot.y.label = heading_of(y);
     return made;
@@ -404,6 +422,10 @@ Plot sweep_map(const SweepView& sweep, const std::string& x, const std::string& 
     }
     cases.name.clear();
     made.plot.series.push_back(std::move(cases));
+    const auto most =
+        std::ranges::max_element(places, {}, [](const auto& place) { return std::isfinite(place.second) ? place.second : -INFINITY; });
+    made.plot.series.push_back({"", {{most->first.first, most->first.second}}, Mark::ring, Line::none, "#ffffff"});
+    made.plot.subtitle += fmt::format("; ring: largest, {:.4g}", most->second);
     made.plot.fields.push_back(std::move(field));
     return made.plot;
 }

@@ -1,10 +1,12 @@
 #pragma once
 /// The results of a sweep, from its table or from a CSV of it, and their pictures.
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "engine/record/run/schema.hpp"
+#include "tasks/scene/scene.hpp"
 #include "tools/program/plot/plot.hpp"
 
 namespace cvtflow::tools {
@@ -19,6 +21,7 @@ struct SweepView {
     std::string path;
     std::string name;                           ///< of the sweep; of a CSV, the file's
     std::vector<engine::Attribute> attributes;  ///< none of a CSV
+    std::optional<tasks::Scene> scene = {};     ///< what all cases share; none of a CSV, or if this program cannot read it
     std::vector<SweepColumn> columns;
     std::vector<std::vector<std::string>> cells;  ///< [case][column]
 

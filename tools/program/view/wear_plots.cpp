@@ -16,7 +16,7 @@ namespace cvtflow::tools {
 
 namespace {
 
-constexpr const char* sheave_names[] = {"1-", "1+", "2-", "2+"};
+constexpr const char* sheave_names[] = {"1- (fixed)", "1+ (movable)", "2- (movable)", "2+ (fixed)"};
 
 /// All rows of a channel, `width` numbers each.
 struct Rows {

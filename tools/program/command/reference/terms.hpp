@@ -29,6 +29,8 @@ inline constexpr Term terms[] = {
     {"guide", "Slide rails on both sides of a strand, which bound its vibrations."},
     {"slip", "1 - ratio of speeds over ratio of radii by the pins: creep of a chain that holds, or sliding."},
     {"creep", "Sliding of tips that a chain which holds needs to carry its torque: some per mille."},
+    {"creep loss", "Power that tips lose by sliding along the circumference, over the power that is transmitted."},
+    {"slip by friction", "Slip that friction makes: the part of it that is zero without torque (friction_slip)."},
     {"safety factor", "Largest torque that friction carries over the load's; below 1 the chain slides."},
     {"torque limit", "2 mu S_2 r_2/cos(beta): the load of safety factor 1."},
     {"pin period", "Time in which a pin takes the place of the next one; means are over whole pin periods."},
@@ -45,6 +47,8 @@ inline constexpr Term terms[] = {
     {"channel", "A recorded quantity: cvtflow list channels."},
     {"state", "File of positions and velocities from which runs start (start.state)."},
     {"checkpoint", "File from which an interrupted run continues bit for bit."},
+    {"transition", "Change of a tip's phase: it touches, leaves, sticks or slides; one that just changed is suppressed for a step."},
+    {"schedule", "Executor of the tasks of a step; auto chooses the fastest by trials during the run (run.schedule)."},
     {"unreliable", "Status of a run whose energy balance does not close: its step was too long, or its model is ill-posed."},
     {"kernels", "The compiled arithmetic of the step for one instruction set; all give the same bits."},
 };

@@ -1,0 +1,83 @@
+"""Keys of a scene by measured values."""
+
+import math
+import tempfile
+
+import numpy as np
+
+from ._cvtflow import quantity
+from ._scene import all_keys, resolve
+from ._sweep import Sweep
+
+
+class Fit:
+    """Result of fit(): values by key in SI, confidence intervals by key, residuals (simulated less measured) by column, and the scene."""
+
+    def __init__(self, scene, values, confidence, residuals, level):
+        self.scene, self.values, self.confidence, self.residuals, self.level = scene, values, confidence, residuals, level
+
+    def __repr__(self):
+        lines = [f"{key} = {value:.5g} ({self.confidence[key][0]:.5g} to {self.confidence[key][1]:.5g} at {100 * self.level:g} %)"
+                 for key, value in self.values.items()]
+        rest = [f"{name}: {math.sqrt(np.mean(each ** 2)):.3g} rms" for name, each in self.residuals.items()]
+        return f"<cvtflow.Fit {', '.join(lines)}; residuals {', '.join(rest)}>"
+
+
+def fit(scene, parameters, measured, *, deviations=None, level=0.95, settings=None, threads=0, step=0.02):
+    """Adjusts keys of a scene to measured values by least squares (scipy.optimize.least_squares). Returns a Fit.
+
+    fit("baseline", {"tip.friction_coefficient": (0.05, 0.14)}, {"load.torque": [60, 120, 180], "slip mean": [0.0015, 0.0028, 0.0046]})
+
+    parameters  least and largest value by key, in SI or with units; the search begins at the value of the scene
+    measured    arrays of equal length by name, or a pandas.DataFrame: keys of the scene are operating points, other names are scalars of a
+                sweep ("slip mean", "efficiency mean", "thrust_ratio mean") with their measured values, in SI
+    deviations  standard deviation of a measured value by scalar; None: 1 % of its largest magnitude
+    level       of the confidence intervals, from the Jacobian and the residuals; infinite without more values than parameters
+    settings    further values of keys by name, such as run.until
+    step        relative change of a key for its derivative
+    Raises ImportError where SciPy is not installed, ValueError for malformed arguments, RuntimeError for a case without a result.
+    """
+    from scipy.optimize import least_squares
+    from scipy.stats import t as student
+
+    scene = Sweep(scene, {}, [])._scene().with_(settings or {})
+    columns = {name: np.asarray(measured[name], dtype=float) for name in measured}
+    points = {name: each for name, each in columns.items() if name in all_keys()}
+    targets = {name: each for name, each in columns.items() if name not in points}
+    if not points or not targets or len({len(each) for each in columns.values()}) != 1:
+        raise ValueError("measured: one key of the scene or more, and one scalar or more, of equal lengths")
+    if not hasattr(parameters, "values") or not all(isinstance(ends, (tuple, list)) and len(ends) == 2 for ends in parameters.values()):
+        raise TypeError('parameters: least and largest value by key, such as {"tip.friction_coefficient": (0.05, 0.14)}')
+    keys = [resolve(scene, name) for name in parameters]
+    low, high = np.array([[_in_si(key, value) for value in ends] for key, ends in zip(keys, parameters.values())], dtype=float).T
+    if not np.all(low < high):
+        raise ValueError("parameters: the least value of a key is not below its largest")
+    scale = {name: (deviations or {}).get(name, 0.01 * np.max(np.abs(each))) for name, each in targets.items()}
+
+    def residuals_at(values):
+        rows = list(zip(*points.values()))
+        axes = {tuple(points): rows} if len(points) > 1 else {key: list(each) for key, each in points.items()}
+        sweep = Sweep(scene.with_({key: float(value) for key, value in zip(keys, values)}), axes, list(targets))
+        with tempfile.TemporaryDirectory() as folder:
+            results = sweep.run(folder, threads, progress=False)
+        for number, status in enumerate(results["status"]):
+            if status != "ok":
+                raise RuntimeError(f"case {number} of {dict(zip(keys, values))} ended with the status {status}")
+        return {name: np.asarray(results[results.column(name)]) - each for name, each in targets.items()}
+
+    def weighted(values):
+        return np.concatenate([each / scale[name] for name, each in residuals_at(values).items()])
+
+    first = np.clip([float(scene[key]) for key in keys], low + 1e-6 * (high - low), high - 1e-6 * (high - low))
+    found = least_squares(weighted, first, bounds=(low, high), x_scale=high - low, diff_step=step, xtol=1e-4, ftol=1e-8)
+    free = len(found.fun) - len(keys)
+    covariance = np.linalg.pinv(found.jac.T @ found.jac)
+    spread = np.sqrt(np.diag(covariance) * (2.0 * found.cost / free)) if free > 0 else np.full(len(keys), np.inf)
+    reach = spread * (student.ppf(0.5 + 0.5 * level, free) if free > 0 else 1.0)
+    values = {key: float(value) for key, value in zip(keys, found.x)}
+    intervals = {key: (float(value - each), float(value + each)) for key, value, each in zip(keys, found.x, reach)}
+    return Fit(scene.with_(values), values, intervals, residuals_at(found.x), level)
+
+
+def _in_si(key, value):
+    return quantity(value, all_keys()[key].unit) if isinstance(value, str) else float(value)
