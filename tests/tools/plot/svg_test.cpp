@@ -74,6 +74,20 @@ TEST(Svg, ShowsTitleLabelsAndLegend) {
     for (const char* tick : {"0", "0.2", "1"}) EXPECT_THAT(text, HasSubstr("class=\"y\">" + std::string(tick) + "</text>"));
 }
 
+TEST(Svg, BreaksALongSubtitleIntoLinesThatFit) {
+    Plot plot = simple();
+    for (int k = 0; k < 60; ++k) plot.subtitle += (k == 0 ? "word" : " word") + std::to_string(k);
+    const std::string text = svg(plot);
+    static const std::regex line("y=\"([0-9.]+)\" fill=\"#555\">([^<]*)<");
+    std::string joined;
+    for (std::sregex_iterator each(text.begin(), text.end(), line), end; each != end; ++each) {
+        EXPECT_LT((*each)[2].length(), 130);
+        joined += (joined.empty() ? "" : " ") + (*each)[2].str();
+    }
+    EXPECT_EQ(joined, plot.subtitle);
+    EXPECT_THAT(text, HasSubstr("y=\"62\" fill=\"#555\">"));
+}
+
 TEST(Svg, EscapesWhatXmlWouldRead) {
     Plot plot = simple();
     plot.series[0].name = "a<b>&\"c\"\x01";

@@ -97,6 +97,13 @@ std::string maps_over(const SweepView& sweep, const std::string& x, const std::s
     return text;
 }
 
+/// Whether a column states what came out, and not how the case was computed.
+bool is_result(const SweepColumn& column) {
+    static constexpr std::string_view bookkeeping[] = {"case",        "energy_residual", "energy_suspicion",     "steps", "evaluations",
+                                                       "transitions", "truncated",       "settling_evaluations", "wall",  "threads"};
+    return !column.axis && std::ranges::count(bookkeeping, column.name) == 0;
+}
+
 /// Maps over the last axis and the first other axis that differs between cases: contours if the cases form a grid, else coloured points.
 std::string maps(const SweepView& sweep) {
     constexpr std::size_t most = 6;
@@ -105,7 +112,7 @@ std::string maps(const SweepView& sweep) {
         const SweepColumn& column = sweep.columns[c];
         const std::size_t values = column.number ? values_of(sweep, c).size() : 0;
         if (column.axis && values > 1) axes.push_back(column.name);
-        if (!column.axis && values > 1 && column.name != "case" && results.size() < most) results.push_back(column.name);
+        if (is_result(column) && values > 1 && results.size() < most) results.push_back(column.name);
     }
     for (std::size_t other = 0; other + 1 < axes.size(); ++other) {
         if (std::string text = maps_over(sweep, axes.back(), axes[other], results); !text.empty()) return text;

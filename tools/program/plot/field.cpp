@@ -71,6 +71,10 @@ std::vector<Cell> cells_of(const Field& field) {
 
 int pieces(double length) { return std::max(1, static_cast<int>(std::ceil(std::abs(length) / piece))); }
 
+/// One of 128 colours, so that pieces beside each other often have the same.
+std::string colour_of(double share) { return heat_colour(std::round(127.0 * share) / 127.0); }
+
+/// Pieces of a row that have the same colour are one rectangle.
 std::string colours(const std::vector<Cell>& cells, const Range& range, const Place& x, const Place& y) {
     std::string made = "<g shape-rendering=\"crispEdges\">\n";
     for (const Cell& cell : cells) {
@@ -78,11 +82,12 @@ std::string colours(const std::vector<Cell>& cells, const Range& range, const Pl
         const int columns = pieces(across), rows = pieces(up);
         const double width = across / columns, height = up / rows;
         for (int row = 0; row < rows; ++row) {
-            for (int column = 0; column < columns; ++column) {
-                const double value = cell.at((column + 0.5) / columns, (row + 0.5) / rows);
-                made +=
-                    fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"{}\"/>\n", left + column * width,
-                                bottom - (row + 1) * height, width + 0.6, height + 0.6, heat_colour(range.share(value)));
+            const auto colour = [&](int column) { return colour_of(range.share(cell.at((column + 0.5) / columns, (row + 0.5) / rows))); };
+            for (int from = 0, to = 0; from < columns; from = to) {
+                const std::string fill = colour(from);
+                for (to = from + 1; to < columns && colour(to) == fill;) ++to;
+                made += fmt::format("<path fill=\"{}\" d=\"M{:.1f} {:.1f}h{:.1f}v{:.1f}h{:.1f}z\"/>\n", fill, left + from * width,
+                                    bottom - (row + 1) * height, (to - from) * width + 0.6, height + 0.6, -(to - from) * width - 0.6);
             }
         }
     }

@@ -153,6 +153,23 @@ std::string text_at(double x, double y, const std::string& text, const std::stri
     return fmt::format("<text x=\"{}\" y=\"{}\" {}>{}</text>\n", px(x), px(y), more, escaped(text));
 }
 
+constexpr double subtitle_line = 18.0;  // [px]
+
+/// A text in lines of at most so many letters, broken at spaces; none of an empty text.
+std::vector<std::string> wrapped(const std::string& text, double longest) {
+    std::vector<std::string> lines;
+    for (std::size_t begin = 0; begin < text.size();) {
+        const std::size_t end = std::min(text.find(' ', begin), text.size());
+        const std::string word = text.substr(begin, end - begin);
+        if (!lines.empty() && letters(lines.back() + " " + word) <= longest)
+            lines.back() += " " + word;
+        else
+            lines.push_back(word);
+        begin = end + 1;
+    }
+    return lines;
+}
+
 std::vector<double> all(const Plot& plot, double Point::*coordinate) {
     std::vector<double> values;
     for (const Series& series : plot.series) {
@@ -170,7 +187,8 @@ public:
         double widest = 0.0;
         for (const Tick& tick : y_ticks_) widest = std::max(widest, letters(tick.label));
         left_ = std::max(plot.left_room, 44.0 + letter * widest);
-        top_ = plot.subtitle.empty() ? 44.0 : 62.0;
+        subtitle_ = wrapped(plot.subtitle, (plot.width - left_ - 8.0) / letter);
+        top_ = 44.0 + subtitle_line * static_cast<double>(subtitle_.size());
         right_ = plot.width - std::max(plot.right_room, legend_.width());
         bottom_ = std::max(plot.height - 52.0, top_ + 80.0);
         x_ticks_ = x_.ticks(std::max(3, static_cast<int>((right_ - left_) / 90.0)));
@@ -239,7 +257,8 @@ private:
 
     [[nodiscard]] std::string headings() const {
         std::string made = text_at(left_, 24.0, plot_.title, "font-size=\"16\" font-weight=\"bold\"");
-        if (!plot_.subtitle.empty()) made += text_at(left_, 44.0, plot_.subtitle, "fill=\"#555\"");
+        for (std::size_t k = 0; k < subtitle_.size(); ++k)
+            made += text_at(left_, 44.0 + subtitle_line * static_cast<double>(k), subtitle_[k], "fill=\"#555\"");
         made += text_at(0.5 * (left_ + right_), bottom_ + 40.0, plot_.x.label, "text-anchor=\"middle\" font-size=\"13\"");
         const double middle = 0.5 * (top_ + bottom_);
         return made + text_at(16.0, middle, plot_.y.label,
@@ -308,6 +327,7 @@ private:
     const AxisScale x_, y_;
     const Legend legend_;
     std::vector<Tick> x_ticks_, y_ticks_;
+    std::vector<std::string> subtitle_;
     double left_ = 0.0, right_ = 0.0, top_ = 0.0, bottom_ = 0.0;  ///< of the frame [px]
 };
 

@@ -105,8 +105,8 @@ std::vector<Plot> finished(std::vector<Panel>& panels, const std::string& subtit
     for (Panel& panel : panels) {
         Plot& plot = panel.plot;
         if (plot.title.size() > 80) plot.title = fmt::format("{}{} channels", group_of(plot), plot.series.size());
-        plot.subtitle = subtitle;
-        if (panels.size() > 1) plot.height = 300.0;
+        plot.subtitle = plots.empty() ? subtitle : "";
+        if (panels.size() > 1) plot.height = plots.empty() ? 320.0 : 300.0;
         if (plot.series.size() == 1) plot.series.front().name.clear();
         plots.push_back(std::move(plot));
     }

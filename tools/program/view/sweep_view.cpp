@@ -424,7 +424,7 @@ Plot sweep_map(const SweepView& sweep, const std::string& x, const std::string& 
     made.plot.series.push_back(std::move(cases));
     const auto most =
         std::ranges::max_element(places, {}, [](const auto& place) { return std::isfinite(place.second) ? place.second : -INFINITY; });
-    made.plot.series.push_back({"", {{most->first.first, most->first.second}}, Mark::ring, Line::none, "#ffffff"});
+    made.plot.series.push_back({"", {{most->first.first, most->first.second}}, Mark::ring, Line::none, "#e3342f"});
     made.plot.subtitle += fmt::format("; ring: largest, {:.4g}", most->second);
     made.plot.fields.push_back(std::move(field));
     return made.plot;
