@@ -129,6 +129,13 @@ struct Recording::Impl final : public tasks::RunObserver {
         next = std::floor(number) + 1.0;
         api::translated(ErrorCode::record, [&] { recorder.output(time, workspace, counters); });
     }
+    /// Between outputs only for means (record.means).
+    [[nodiscard]] bool samples(double time) const noexcept override {
+        return scene.run.means && !simulation.simulation().needs_settling() && recorder.samples(time);
+    }
+    void sample(double time, const tasks::Workspace& workspace, const tasks::Counters& counters) override {
+        recorder.sample(time, workspace, counters);
+    }
     void transition(const tasks::TransitionRecord& record) override {
         if (simulation.simulation().needs_settling()) return;
         api::translated(ErrorCode::record, [&] { recorder.transition(record); });

@@ -204,11 +204,6 @@ void Simulation::Impl::require_own_process() {
     }
 }
 
-void Simulation::Impl::transition(const tasks::TransitionRecord& record) {
-    if (recorder_ != nullptr) recorder_->transition(record);
-    callbacks_.note(record);
-}
-
 void Simulation::Impl::advance(Simulation& self, double until, long steps) {
     if (!std::isfinite(until)) throw Error(ErrorCode::argument, "time: not a finite number");
     api::FloatingDefaults defaults;
@@ -227,7 +222,8 @@ void Simulation::Impl::advance(Simulation& self, double until, long steps) {
         const long steps_before = simulation_.counters_of_part().steps;
         channels_.changed();
         const tasks::Fault fault = api::translated(ErrorCode::internal, [&] {
-            return simulation_.advance({.until = callbacks_.next_stop(simulation_.time(), until), .steps = steps}, *this, cancel_);
+            api::HostObserver observer(recorder_, callbacks_);
+            return simulation_.advance({.until = callbacks_.next_stop(simulation_.time(), until), .steps = steps}, observer, cancel_);
         });
         callbacks_.deliver(self, simulation_.time(), abandoned_, defaults);
         if (abandoned_) throw Error(ErrorCode::cancelled, "the simulation was destroyed or moved by its own callback");

@@ -70,6 +70,28 @@ private:
     std::vector<Transition> happened_;     ///< being delivered
 };
 
+/// Hands what happens in a run to a recorder, if there is one, and transitions to the host's callbacks.
+class HostObserver final : public tasks::RunObserver {
+public:
+    HostObserver(tasks::RunObserver* recorder, HostCallbacks& callbacks) : recorder_(recorder), callbacks_(callbacks) {}
+
+    void output(double time, const tasks::Workspace& workspace, const tasks::Counters& counters) override {
+        if (recorder_ != nullptr) recorder_->output(time, workspace, counters);
+    }
+    [[nodiscard]] bool samples(double time) const noexcept override { return recorder_ != nullptr && recorder_->samples(time); }
+    void sample(double time, const tasks::Workspace& workspace, const tasks::Counters& counters) override {
+        recorder_->sample(time, workspace, counters);
+    }
+    void transition(const tasks::TransitionRecord& record) override {
+        if (recorder_ != nullptr) recorder_->transition(record);
+        callbacks_.note(record);
+    }
+
+private:
+    tasks::RunObserver* recorder_;
+    HostCallbacks& callbacks_;
+};
+
 /// Length of a step without transitions [s].
 [[nodiscard]] double step_length(const tasks::Simulation& simulation, const tasks::Scene& scene);
 
@@ -77,7 +99,7 @@ private:
 
 inline namespace v0 {
 
-class Simulation::Impl final : private tasks::RunObserver {
+class Simulation::Impl final {
 public:
     using StateRecord = api::StateRecord;
 
@@ -120,10 +142,6 @@ public:
     [[nodiscard]] const tasks::Simulation& simulation() const noexcept { return simulation_; }
 
 private:
-    void output(double time, const tasks::Workspace& workspace, const tasks::Counters& counters) override {
-        if (recorder_ != nullptr) recorder_->output(time, workspace, counters);
-    }
-    void transition(const tasks::TransitionRecord& record) override;
     [[nodiscard]] const tasks::Scene& data() const noexcept { return scene_.data_->scene; }
     void require_own_process();
 

@@ -95,6 +95,40 @@ double record_bytes(const Scene& scene, const model::ChainModel& chain) {
     return instants(scene, scene.run.output_interval) * sizeof(double) * width + instants(scene, scene.run.state_interval) * state;
 }
 
+void OutputMeans::add(double time, std::span<const double> row) {
+    const double half = any_ ? 0.5 * (time - last_) : 0.0;
+    for (std::size_t k = 0; k < row.size(); ++k) sum_[k] += half * (before_[k] + row[k]);
+    std::ranges::copy(row, before_.begin());
+    if (!any_) begin_ = time;
+    last_ = time, any_ = true;
+}
+
+void OutputMeans::take(std::span<double> row) {
+    const double span = last_ - begin_;
+    for (std::size_t k = 0; k < row.size(); ++k) {
+        if (averaged_[k] && span > 0.0) row[k] = sum_[k] / span;
+        sum_[k] = 0.0;
+    }
+    begin_ = last_;
+}
+
+void OutputMeans::save(std::vector<double>& numbers) const {
+    if (!on()) return;
+    numbers.insert(numbers.end(), {begin_, last_, any_ ? 1.0 : 0.0});
+    numbers.insert(numbers.end(), before_.begin(), before_.end());
+    numbers.insert(numbers.end(), sum_.begin(), sum_.end());
+}
+
+std::span<const double> OutputMeans::load(std::span<const double> numbers) {
+    const std::size_t size = on() ? 3 + 2 * sum_.size() : 0;
+    if (numbers.size() < size) throw engine::RecordError("the checkpoint contains no means of outputs");
+    if (!on()) return numbers;
+    begin_ = numbers[0], last_ = numbers[1], any_ = numbers[2] != 0.0;
+    std::ranges::copy(numbers.subspan(3, before_.size()), before_.begin());
+    std::ranges::copy(numbers.subspan(3 + before_.size(), sum_.size()), sum_.begin());
+    return numbers.subspan(size);
+}
+
 RunRecorder::RunRecorder(const Scene& scene, const Simulation& simulation, const RunOptions& options)
     : options_(options),
       state_interval_(scene.run.state_interval),
@@ -102,9 +136,12 @@ RunRecorder::RunRecorder(const Scene& scene, const Simulation& simulation, const
       has_pulleys_(simulation.variator().layout().pulley_size != 0),
       observer_(simulation.variator()),
       channels_(chosen_channels(scene.run.channels, scene.parameters)) {
-    std::size_t width = 0;
-    for (const Channel* channel : channels_) width += static_cast<std::size_t>(channel->width(simulation.variator().chain()));
-    row_.resize(width);
+    std::vector<bool> averaged;
+    for (const Channel* channel : channels_)
+        averaged.insert(averaged.end(), static_cast<std::size_t>(channel->width(simulation.variator().chain())),
+                        !channel->is(Channel::unaveraged));
+    row_.resize(averaged.size());
+    if (scene.run.means) output_means_ = OutputMeans(std::move(averaged));
     means_.seek_steady(steady_rule(scene));
     if (!options.file.empty()) {
         run_ = options.from != nullptr && !options.from->run.empty() ? options.from->run : new_identity();
@@ -130,15 +167,21 @@ void RunRecorder::output(double time, const Workspace& workspace, const Counters
     const model::Observation& now = workspace.observed_by(observer_, time);
     ++outputs_;
     means_.add(now, workspace.energy.sums(time), workspace.pin_period(now.chain_speed), workspace.energy.mark());
-    if (file_) write(time, workspace, {now, workspace, counters, followed_pin_, observer_});
+    if (!file_) return;
+    read({now, workspace, counters, followed_pin_, observer_});
+    if (output_means_.on()) output_means_.add(time, row_), output_means_.take(row_);
+    write(time, workspace);
 }
 
-void RunRecorder::write(double time, const Workspace& workspace, const Instant& instant) {
+void RunRecorder::read(const Instant& instant) {
     double* next = row_.data();
     for (const Channel* channel : channels_) {
         channel->read(instant, next);
-        next += channel->width(workspace.variator.chain());
+        next += channel->width(instant.workspace.variator.chain());
     }
+}
+
+void RunRecorder::write(double time, const Workspace& workspace) {
     file_->append(time, row_);
     written_.channels.add(time, row_);
     if (time < next_state_ - 1e-9 * state_interval_) return;
@@ -157,9 +200,12 @@ void RunRecorder::transition(const TransitionRecord& record) {
     written_.tables[0].add(0.0, values);
 }
 
-void RunRecorder::sample(double time, const Workspace& workspace, const Counters& /*counters*/) {
+void RunRecorder::sample(double time, const Workspace& workspace, const Counters& counters) {
     const model::Observation& now = workspace.observed_by(observer_, time);
     means_.add(now, workspace.energy.sums(time), workspace.pin_period(now.chain_speed), workspace.energy.mark());
+    if (!output_means_.on()) return;
+    read({now, workspace, counters, followed_pin_, observer_});
+    output_means_.add(time, row_);
 }
 
 std::vector<double> RunRecorder::position() {
@@ -171,6 +217,7 @@ std::vector<double> RunRecorder::position() {
                                        static_cast<double>(rows->sum & 0xffffffffU)});
     }
     numbers.insert(numbers.end(), {next_state_, static_cast<double>(outputs_)});
+    output_means_.save(numbers);
     means_.save(numbers);
     return numbers;
 }
@@ -193,7 +240,7 @@ void RunRecorder::restore(const std::vector<double>& position) {
     }
     next_state_ = take();
     outputs_ = static_cast<long>(count());
-    (void)means_.load({next, position.data() + position.size()});
+    (void)means_.load(output_means_.load({next, position.data() + position.size()}));
     if (!file_) return;
     if (former_.empty() && written_.channels.count > 0)
         throw engine::RecordError(options_.file.path() + ": the checkpoint's record does not exist");

@@ -15,6 +15,30 @@ namespace cvtflow::tasks {
 /// Rows and states of a whole run, before they are compressed [byte].
 [[nodiscard]] double record_bytes(const Scene& scene, const model::ChainModel& chain);
 
+/// Means of channels over the time since the output before, by the trapezoidal rule over samples. Without columns it does nothing.
+class OutputMeans {
+public:
+    OutputMeans() = default;
+    /// columns of which means are taken: whether each is
+    explicit OutputMeans(std::vector<bool> averaged) : averaged_(std::move(averaged)), before_(averaged_.size()), sum_(averaged_.size()) {}
+
+    [[nodiscard]] bool on() const noexcept { return !averaged_.empty(); }
+    /// Values of all columns at a time between outputs, or at one [s].
+    void add(double time, std::span<const double> row);
+    /// Replaces values by means at an output, which has been added; the next mean begins there.
+    void take(std::span<double> row);
+    /// Appends times, values and sums to numbers; load() reads them.
+    void save(std::vector<double>& numbers) const;
+    /// @return what follows in numbers   @throws engine::RecordError for too few
+    [[nodiscard]] std::span<const double> load(std::span<const double> numbers);
+
+private:
+    std::vector<bool> averaged_;
+    double begin_ = 0.0, last_ = 0.0;  ///< of the mean, of the latest sample [s]
+    bool any_ = false;
+    std::vector<double> before_, sum_;  ///< [columns]: values [unit of the channel], integrals [unit s]
+};
+
 class RunRecorder final : public RunObserver {
 public:
     RunRecorder(const Scene& scene, const Simulation& simulation, const RunOptions& options);
@@ -37,7 +61,8 @@ public:
     void begin_part(double begin, double until) noexcept;
 
 private:
-    void write(double time, const Workspace& workspace, const Instant& instant);  ///< time [s]
+    void read(const Instant& instant);                    ///< the channels into the row
+    void write(double time, const Workspace& workspace);  ///< time [s]
 
     const RunOptions& options_;
     double state_interval_;  ///< [s]
@@ -46,6 +71,7 @@ private:
     model::Observer observer_;
     std::vector<const Channel*> channels_;
     std::vector<double> row_;  ///< one number per column of the channels [columns]
+    OutputMeans output_means_;
     std::string run_;
     std::string former_;  ///< file with the rows before the checkpoint
     engine::RunContents contents_;

@@ -314,6 +314,10 @@ std::vector<Parameter> parameters_of_run() {
     {"record.channels", "", 0, 0, {},
      "Channels recorded in addition to the usual ones, or groups such as tips/*; cvtflow list channels shows all.",
      "model choice", [](Scene& s) -> Slot { return &s.run.channels; }},
+    {"record.means", "", 0, 0, {},
+     "An output is the mean over the time since the output before, by ten samples per pin period at least, and not the value of its "
+     "instant. Sums so far, angles and places stay those of the instant.",
+     "model choice", [](Scene& s) -> Slot { return &s.run.means; }},
         // clang-format on
     };
 }

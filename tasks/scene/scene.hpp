@@ -73,6 +73,7 @@ struct RunSettings {
     int threads = 0;                    ///< 0: as many as this process may use
     std::uint64_t seed = 0;             ///< of whatever is drawn by chance
     std::vector<std::string> channels;  ///< recorded beside the usual ones: names, or groups such as "tips/*"
+    bool means = false;                 ///< an output is the mean since the one before, and not of its instant
     bool operator==(const RunSettings&) const = default;
 };
 

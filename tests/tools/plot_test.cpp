@@ -384,6 +384,30 @@ TEST_F(PlotCommand, CurvesOfAGroupThatLieOnTheAxisAreNamedInTheSubtitleAlone) {
     EXPECT_THAT(named, HasSubstr(">loss/joint_damping<")) << "it was asked for";
 }
 
+/// Means of 1 ms beside those of outputs every 10 us of the same steps, by the trapezoidal rule; sums are those of the instant.
+TEST_F(PlotCommand, OutputsAreMeansOverTheirIntervalWhereTheSceneAsksForThem) {
+    const Words scene{"run", "baseline", "-q", "--detail", "rigid", "--until", "4 ms", "--set", "run.state_interval=1 ms"};
+    ASSERT_EQ(run(scene + Words{"-o", "means.h5", "--set", "run.output_interval=1 ms", "--set", "record.means=true"}).status, 0);
+    ASSERT_EQ(run(scene + Words{"-o", "dense.h5", "--set", "run.output_interval=10 us"}).status, 0);
+    const engine::RunReader means((folder_ / "means.h5").string()), dense((folder_ / "dense.h5").string());
+    ASSERT_EQ(means.rows(), 5U);
+    const std::size_t stride = (dense.rows() - 1) / (means.rows() - 1);
+    for (const char* channel : {"tight_tension", "slip", "loss/tip_friction", "shaft_2/torque", "chain_speed"}) {
+        const std::vector<double> row = means.channel(channel), value = dense.channel(channel);
+        for (std::size_t k = 1; k < row.size(); ++k) {
+            double sum = 0.5 * (value[(k - 1) * stride] + value[k * stride]), spread = 0.0;
+            for (std::size_t j = (k - 1) * stride + 1; j < k * stride; ++j) sum += value[j];
+            for (std::size_t j = (k - 1) * stride; j < k * stride; ++j) spread = std::max(spread, std::abs(value[j] - value[k * stride]));
+            EXPECT_NEAR(row[k], sum / static_cast<double>(stride), 0.05 * spread + 1e-12 * std::abs(row[k])) << channel << ' ' << k;
+        }
+        EXPECT_NEAR(row[0], value[0], 1e-4 * std::abs(value[0])) << "of the instant: nothing was before";
+    }
+    EXPECT_NEAR(means.channel("dissipated/total").back(), dense.channel("dissipated/total").back(),
+                1e-3 * dense.channel("dissipated/total").back());
+    ASSERT_EQ(run({"plot", "means.h5", "slip", "-o", "p.svg"}).status, 0);
+    EXPECT_THAT(read("p.svg"), HasSubstr("; outputs are means over their interval<"));
+}
+
 TEST_F(PlotCommand, TheTargetOfARatioIsDrawnInItsPanel) {
     const Words control{"--set", "control.enabled=true",    "--set", "control.ratio=1.1", "--until", "40 us",
                         "--set", "run.output_interval=1 us"};

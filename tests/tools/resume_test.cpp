@@ -40,6 +40,21 @@ protected:
     [[nodiscard]] int killed_and_resumed(int kills) const;
 };
 
+/// A checkpoint in the middle of a mean keeps its sums.
+TEST_F(Resume, ContinuesMeansOfOutputsBitForBit) {
+    const Words scene{"tiny",    "-q",
+                      "--set",   "run.method=auto",
+                      "--until", "2 ms",
+                      "--set",   "run.output_interval=0.5 ms",
+                      "--set",   "run.state_interval=1 ms",
+                      "--set",   "record.means=true"};
+    ASSERT_EQ(run(Words{"run"} + scene + Words{"-o", "whole.h5"}).status, 0);
+    const Outcome cut = run(Words{"run"} + scene + Words{"-o", "cut.h5", "--checkpoint-every", "1 h", "--set", "run.max_steps=1000"});
+    ASSERT_EQ(cut.status, 4) << cut.err;
+    ASSERT_EQ(run({"resume", "cut.checkpoint.h5", "-q", "--set", "run.max_steps=0"}).status, 0);
+    expect_same("whole.h5", "cut.h5");
+}
+
 int Resume::killed_and_resumed(int kills) const {
     const auto begun = std::chrono::steady_clock::now();
     EXPECT_EQ(run(run_to_be_ended("whole.h5")).status, 0);

@@ -119,6 +119,20 @@ private:
     double before_ = 0.0;
 };
 
+/// Means of sums so far, and of means since the last output, would be neither.
+TEST(Channels, SumsAreLeftAsTheyAreByMeansOfOutputs) {
+    long sums = 0;
+    for (const Channel& channel : channels()) {
+        const bool stated = channel.description.find(" so far") != std::string_view::npos ||
+                            channel.description.find("since the last output") != std::string_view::npos;
+        EXPECT_TRUE(!stated || channel.is(Channel::unaveraged)) << channel.name;
+        sums += stated ? 1 : 0;
+        const Channel* integral = channel.integral();
+        EXPECT_TRUE(integral == nullptr || integral->is(Channel::unaveraged)) << channel.name;
+    }
+    EXPECT_GT(sums, 40);
+}
+
 /// Losses are known from samples every 24 steps, and a mean torque since the output before lies half an interval behind: a hundredth each
 /// over 200 outputs.
 TEST(Channels, HaveTheirIntegralWhereTheyNameOne) {

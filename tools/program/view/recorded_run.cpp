@@ -205,6 +205,12 @@ std::string RecordedRun::sparse() const {
     return fmt::format("outputs are {} apart, and pins pass at {:.4g} Hz", time_text(between), *pins);
 }
 
+std::string RecordedRun::sampling() const {
+    const std::string how = sparse();
+    if (how.empty()) return how;
+    return scene_ && scene_->run.means ? "outputs are means over their interval" : how + ": curves are samples";
+}
+
 std::string RecordedRun::unresolved() const {
     const std::string how = sparse();
     return how.empty() ? how : fmt::format("{}: spectra require run.output_interval below {}", how, time_text(0.5 / *pin_frequency()));

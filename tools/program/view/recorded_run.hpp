@@ -63,6 +63,8 @@ public:
     [[nodiscard]] std::optional<double> pin_frequency() const;
     /// How far outputs are apart where that is more than half a pin period: curves are samples of what passing pins do. Empty if less.
     [[nodiscard]] std::string sparse() const;
+    /// Whether curves through such outputs are samples, or means over their interval (record.means). Empty if they are not so far apart.
+    [[nodiscard]] std::string sampling() const;
     /// Why outputs are too far apart for spectra, with the interval that they require: passing pins would be aliased. Empty if they are
     /// not.
     [[nodiscard]] std::string unresolved() const;

@@ -360,7 +360,7 @@ std::vector<Plot> time_plots(const std::vector<RecordedRun>& runs, const std::ve
     Shown along = shown_time(last_time(runs));
     Curve across{"time", "s", {}, {}};
     for (const RecordedRun& run : runs) {
-        if (const std::string sparse = run.sparse(); !sparse.empty()) samples = "; " + sparse + ": curves are samples";
+        if (const std::string how = run.sampling(); !how.empty()) samples = "; " + how;
         if (!x.empty()) across = curve_along_x(run, x), along = shown(across.name, across.unit);
         for (const Curve& curve : chosen(run, words)) {
             const bool with_ratio = curve.name == "control/target" && std::ranges::count(words, "ratio") > 0 && controls_ratio(run);
