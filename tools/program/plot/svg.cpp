@@ -154,8 +154,6 @@ std::string text_at(double x, double y, const std::string& text, const std::stri
 }
 
 /// A text broken at spaces into lines of no more letters than that; no line of an empty text.
-
-/// A text in lines of at most so many letters, broken at spaces; none of an empty text.
 std::vector<std::string> wrapped(const std::string& text, double longest) {
     std::vector<std::string> lines;
     for (std::size_t begin = 0; begin < text.size();) {
