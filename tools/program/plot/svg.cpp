@@ -153,6 +153,8 @@ std::string text_at(double x, double y, const std::string& text, const std::stri
     return fmt::format("<text x=\"{}\" y=\"{}\" {}>{}</text>\n", px(x), px(y), more, escaped(text));
 }
 
+constexpr double subtitle_line = 18.0;  // [px]
+
 /// A text broken at spaces into lines of no more letters than that; no line of an empty text.
 std::vector<std::string> wrapped(const std::string& text, double longest) {
     std::vector<std::string> lines;
