@@ -187,6 +187,23 @@ class Records(Folder):
         with open(self.folder + "/p.csv", newline="") as file:
             return [(row["series"], float(row["x"]), float(row["y"])) for row in csv.DictReader(file)]
 
+    def test_means_are_by_the_trapezoidal_rule_over_whole_pin_periods(self):
+        rows = cvtflow.run(tiny(), "40 us", channels=["slip"], interval="1 us")
+        rows["time"] = np.array([0.0, 1.0, 3.0, 4.0, 8.0])
+        rows["slip"] = np.array([9.0, np.nan, 3.0, 4.0, 8.0])  # the time itself, where it is one
+        self.assertAlmostEqual(rows.means("3 s")["slip"], 5.5)
+        self.assertAlmostEqual(rows.means(1.0)["slip"], 5.5)  # the row that is not a number counts as none
+        with self.assertRaisesRegex(ValueError, "fewer than two rows"):
+            rows.means(7.9)
+        program("run", "baseline", "--detail", "rigid", "--until", "4 ms", "-q", "-o", "b.h5")
+        record = cvtflow.Record("b.h5")
+        time, speed = record["time"], record["chain_speed"]
+        period = float(np.mean(cvtflow.Scene.ready("baseline")["chain.pitch"])) / speed.mean()
+        window = time >= time[-1] - 2 * period - 1e-9  # of 2 ms two periods of 0.7 ms are whole
+        value = record["tight_tension"][window]
+        expected = float(((value[1:] + value[:-1]) / 2 @ np.diff(time[window])) / (time[window][-1] - time[window][0]))
+        self.assertAlmostEqual(record.means("2 ms")["tight_tension"], expected, delta=1e-9 * expected)
+
     @matplotlib_only
     def test_losses_are_drawn_as_the_program_draws_them(self):
         record, _ = self.recorded()

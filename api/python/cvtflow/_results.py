@@ -70,6 +70,28 @@ class Series:
             made[name] = (axes, values, {"units": column.unit, "long_name": column.description})
         return xarray.Dataset(made, coords={"time": ("time", self["time"], {"units": "s"})})
 
+    def means(self, begin=None):
+        """Means of all channels of one number from `begin` [s] (a text carries its unit; None: the middle) to the end, by the trapezoidal
+        rule: a dict by name, in SI. Of a Record, `begin` moves to where whole pin periods remain. Rows that are not finite count as none.
+        Raises ValueError for fewer than two rows from there on."""
+        time = self["time"]
+        begin = 0.5 * (time[0] + time[-1]) if begin is None else _seconds(begin)
+        if period := self._pin_period():
+            begin = time[-1] - period * max(1, math.floor((time[-1] - begin) / period * (1.0 + 1e-9)))
+        rows = time >= begin - 1e-9 * (time[-1] - time[0])
+        if np.count_nonzero(rows) < 2:
+            raise ValueError(f"means: fewer than two rows from {begin:.6g} s on")
+        made = {}
+        for name in (name for name, column in self.info.items() if column.width == 1 and name != "time"):
+            finite = rows & np.isfinite(self[name])
+            weight = np.gradient(time[finite]) if np.count_nonzero(finite) > 1 else np.ones(np.count_nonzero(finite))
+            weight[[0, -1]] *= 0.5 if len(weight) > 1 else 1.0
+            made[name] = float(weight @ self[name][finite] / weight.sum()) if weight.size else math.nan
+        return made
+
+    def _pin_period(self):
+        """[s]; None where it is not known."""
+
     def plot(self, *channels, x="time", ax=None, si=False, **style):
         """Draws channels over time, or over another channel, with Matplotlib: those of one unit in one panel, panels with a shared
         horizontal axis. Returns the Axes, or an array of them.
@@ -162,6 +184,12 @@ class Record(Series, Mapping):
     transitions = property(lambda self: self._file.transitions(),
                            doc="Changes of a tip's phase: an array with fields time, pin, tip, phase_from, phase_to.")
 
+    def _pin_period(self):
+        scene = Scene.parse(re.sub(r"(?m)^state = .*$", "", self.attributes["parameters"]))  # that file may no longer exist
+        pins, pitch = scene["chain.pins"], np.atleast_1d(scene["chain.pitch"])
+        speed = _mean(self["chain_speed"]) if "chain_speed" in self else 0.0
+        return np.resize(pitch, pins).mean() / speed if speed > 0.0 else None  # links repeat the pitches
+
     def plot_losses(self, ax=None):
         """Draws the mean losses by kind [W] as bars with their shares, the largest first, with Matplotlib, as `cvtflow plot --losses` does.
         Returns the Axes. ax: as in plot(). Raises ValueError for a record without losses."""
@@ -190,11 +218,8 @@ class Record(Series, Mapping):
         """
         import matplotlib.pyplot as pyplot
 
-        time = self["time"]
-        scene = Scene.parse(re.sub(r"(?m)^state = .*$", "", self.attributes["parameters"]))  # that file may no longer exist
-        pins, pitch = scene["chain.pins"], np.atleast_1d(scene["chain.pitch"])
-        speed = _mean(self["chain_speed"]) if "chain_speed" in self else 0.0
-        passing = speed * pins / np.resize(pitch, pins).sum() if speed > 0.0 else None  # [Hz]; links repeat the pitches
+        time, period = self["time"], self._pin_period()
+        passing = 1.0 / period if period else None  # [Hz]
         if not channels:
             raise TypeError("plot_orders() takes the names of one channel or more")
         if len(time) < 8 or 2.0 * (passing or 0.0) * (time[-1] - time[0]) >= len(time) - 1:
