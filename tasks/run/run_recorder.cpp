@@ -92,7 +92,8 @@ double record_bytes(const Scene& scene, const model::ChainModel& chain) {
     double width = 1.0;  // its time
     for (const Channel* channel : chosen_channels(scene.run.channels, scene.parameters)) width += channel->width(chain);
     const double state = sizeof(double) * (1.0 + chain.layout().size()) + model::tips_per_link * chain.layout().links;
-    return instants(scene, scene.run.output_interval) * sizeof(double) * width + instants(scene, scene.run.state_interval) * state;
+    return instants(scene, scene.run.output_interval) * sizeof(double) * width +
+           instants(scene, std::max(scene.run.state_interval, scene.run.output_interval)) * state;
 }
 
 void OutputMeans::add(double time, std::span<const double> row) {

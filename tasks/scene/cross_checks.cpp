@@ -313,13 +313,6 @@ Violation outputs_take_steps(const Scene& scene) {
                        seconds(scene.run.step));
 }
 
-Violation states_take_outputs(const Scene& scene) {
-    if (scene.run.state_interval >= scene.run.output_interval) return {};
-    return fmt::format(
-        "run.state_interval: {} is shorter than run.output_interval = {}; states are recorded at outputs: set it to at least {}",
-        seconds(scene.run.state_interval), seconds(scene.run.output_interval), seconds(scene.run.output_interval));
-}
-
 Violation followed_pin_exists(const Scene& scene) {
     const int pins = scene.parameters.chain.pins;
     if (scene.run.followed_pin < pins) return {};
@@ -438,7 +431,6 @@ const std::vector<CrossCheck>& general_checks() {
         {{"run.until", "detail.pulleys"}, steady_has_pulleys},
         {{"control.gains", "control.enabled", "control.quantity"}, gains_are_of_the_ratio},
         {{"run.output_interval", "run.step"}, outputs_take_steps},
-        {{"run.state_interval", "run.output_interval"}, states_take_outputs},
         {{"run.followed_pin", "chain.pins"}, followed_pin_exists},
         {{"run.segments", "chain.pins"}, segments_have_links},
         {{"run.method"}, method_exists},

@@ -60,6 +60,8 @@ constexpr Condition conditions[] = {
      [](const Scene& s) { return s.parameters.control.driven != model::DrivenControl::none; }, "control.driven is \"none\""},
     {"start.ring_speed", [](const Scene& s) { return s.parameters.start.layout == model::StartLayout::ring; },
      "start.layout is not \"ring\""},
+    {"run.state_interval", [](const Scene& s) { return s.run.state_interval >= s.run.output_interval; },
+     "run.output_interval is longer: states are recorded at outputs"},
     {"run.steady run.steady_limit", [](const Scene& s) { return s.run.until.automatic(); }, "run.until is not \"steady\""},
     {"run.tolerance", [](const Scene& s) { return s.run.step_control == StepControl::error; }, "run.step_control is not \"error\""},
 };

@@ -70,6 +70,15 @@ TEST(IdleKeys, HaveNoEffectAndActOnceTheyAreNotReported) {
     }
 }
 
+/// States are recorded at outputs: one wish, longer outputs, takes one setting.
+TEST(IdleKeys, ContainAnIntervalOfStatesThatThatOfOutputsExceeds) {
+    Scene usual, tiny = ready_tiny();
+    for (Scene* scene : {&usual, &tiny}) set_value(*scene, "run.output_interval=1 ms");
+    EXPECT_THAT(idle_keys(usual), IsEmpty()) << "the default was not asked for";
+    EXPECT_THAT(idle_keys(tiny),
+                ElementsAre("run.state_interval: no effect, since run.output_interval is longer: states are recorded at outputs"));
+}
+
 TEST(IdleKeys, OfOneReasonAreOneLine) {
     Scene scene;
     set_values(scene, std::vector<std::string>{"heat.ambient=300 K", "heat.oil_capacity=500 J/K"});

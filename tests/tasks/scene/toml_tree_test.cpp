@@ -112,7 +112,7 @@ TEST(TomlLimits, KnowWhatIsTextAndWhatIsNot) {
 
 TEST(Settings, AreNotBlamedForWhatTheyDidNotSay) {
     Scene scene = parse_scene("[scene]\nname = \"mine\"\n", "s.toml");
-    scene.run.state_interval = 0.5 * scene.run.output_interval;  // as a program may leave it
+    scene.run.step = 2.0 * scene.run.output_interval;  // as a program may leave it
     try {
         set_value(scene, "run.seed=3");
         FAIL();

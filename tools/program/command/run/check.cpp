@@ -62,9 +62,10 @@ Estimate cost_lines(const tasks::Scene& scene, const tasks::Simulation& simulati
     text += field("evaluations", stages == 0 ? "depends on the method's iterations"
                                              : fmt::format("{}, plus transitions", count_text(stages * (running + settling))));
     const long outputs = std::lround(std::floor(until / run.output_interval * (1.0 + 1e-12))) + 1;
-    const long states = std::lround(std::floor(until / run.state_interval * (1.0 + 1e-12))) + 1;
+    const double state_interval = std::max<double>(run.state_interval, run.output_interval);
+    const long states = std::lround(std::floor(until / state_interval * (1.0 + 1e-12))) + 1;
     text += field("record", fmt::format("{} every {}, {} every {}, up to {}", plural(outputs, "row"), time_text(run.output_interval),
-                                        plural(states, "state"), time_text(run.state_interval),
+                                        plural(states, "state"), time_text(state_interval),
                                         size_text(tasks::record_bytes(scene, simulation.variator().chain()))));
     constexpr double trial = 0.3;  // [s]
     std::string untried;
