@@ -70,7 +70,7 @@ TEST(IdleKeys, HaveNoEffectAndActOnceTheyAreNotReported) {
     }
 }
 
-/// States are recorded at outputs: one wish, longer outputs, takes one setting.
+/// States are recorded at outputs: longer outputs take one setting.
 TEST(IdleKeys, ContainAnIntervalOfStatesThatThatOfOutputsExceeds) {
     Scene usual, tiny = ready_tiny();
     for (Scene* scene : {&usual, &tiny}) set_value(*scene, "run.output_interval=1 ms");
