@@ -147,12 +147,12 @@ std::string figures(const RecordedRun& run) {
         rows += fmt::format("<tr data-channel=\"{0}\"><td title=\"{1}\">{0}</td><td>{2}</td>", html(curve.name), html(curve.description),
                             html(how.unit));
         for (const double number : {all.mean, last.mean, all.least, all.largest}) rows += number_cell(how.factor * number, "{:.6g}");
-        rows += "</tr>\n";
+        rows += fmt::format("<td class=\"meaning\">{}</td></tr>\n", html(curve.description));
     }
-    return table(
-        "sortable", html(run.path()),
-        {"channel", "unit", "mean", steady ? "mean of the last half, which is steady" : "mean of the last fifth", "least", "largest"},
-        rows);
+    return table("sortable", html(run.path()),
+                 {"channel", "unit", "mean", steady ? "mean of the last half, which is steady" : "mean of the last fifth", "least",
+                  "largest", "meaning"},
+                 rows);
 }
 
 /// Increase of each channel of accumulated energy over the record, by kind. Empty if the record has none.

@@ -108,6 +108,7 @@ std::vector<Plot> finished(std::vector<Panel>& panels, const std::string& subtit
         plot.subtitle = plots.empty() ? subtitle : "";
         if (panels.size() > 1) plot.height = plots.empty() ? 320.0 : 300.0;
         if (plot.series.size() == 1) plot.series.front().name.clear();
+        if (&panel != &panels.back()) plot.x.label.clear();
         plots.push_back(std::move(plot));
     }
     return plots;
@@ -336,7 +337,6 @@ std::vector<Point> thinned(const std::vector<Point>& points, std::size_t columns
 }
 
 namespace {
-
 /// Points of the measured columns among the curves of the first run. @throws UsageError if there is none
 void add_measured(std::vector<Panel>& panels, const std::vector<Curve>& curves, const Measured& measured, const Curve& x, double factor) {
     bool any = false;

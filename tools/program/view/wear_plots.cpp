@@ -82,6 +82,12 @@ Plot over_radius(const RecordedRun& run, const Rings& rings, const std::vector<d
         }
         plot.series.push_back(std::move(series));
     }
+    std::size_t first = rings.count, end = 0;  // rings in use: few at one ratio
+    for (std::size_t k = 0; k < values.size(); ++k)
+        if (values[k] > 0.0) first = std::min(first, k % rings.count), end = std::max(end, k % rings.count + 1);
+    if (first >= end) return plot;
+    plot.x.from = 1e3 * (rings.from + (static_cast<double>(first) - 1.0) * rings.width);
+    plot.x.to = 1e3 * (rings.from + (static_cast<double>(end) + 1.0) * rings.width);
     return plot;
 }
 
