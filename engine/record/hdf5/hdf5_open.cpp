@@ -42,15 +42,18 @@ Marked mark_of(const InputFile& file) {
     return found == sizeof head && head[8] < std::byte{2} ? Marked::old : Marked::yes;
 }
 
-/// A file that was not closed carries a mark that only readers of live files (SWMR) pass over.
+/// A file that was not closed carries a mark that only readers of live files (SWMR) pass over; where its writer was killed while the file
+/// grew, it is also shorter than its head says. Without the mark such a file is truncated.
 Handle open_closed_or_live(const std::string& path) {
     const Handle access = file_access();
     const hid_t closed = H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.id());
     if (closed >= 0) return {closed, H5Fclose, ""};
     const std::string reason = last_reason();
-    if (reason.find("SWMR") != std::string::npos || reason.find("already open for write") != std::string::npos)
-        return {H5Fopen(path.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, live_access().id()), H5Fclose, "live"};
-    throw Failure(reason);
+    const auto says = [&](const char* words) { return reason.find(words) != std::string::npos; };
+    if (!says("SWMR") && !says("already open for write") && !says("truncated file")) throw Failure(reason);
+    const hid_t live = H5Fopen(path.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, live_access().id());
+    if (live < 0 && says("truncated file")) throw Failure(reason);
+    return {live, H5Fclose, "live"};
 }
 
 [[noreturn]] void throw_damaged(const std::string& path, const std::string& reason) {

@@ -295,6 +295,19 @@ TEST_F(RunWriterTest, AFileOfARunKilledAtAnyInstantIsReadable) {
     }
 }
 
+/// Space is allotted before it is written: a writer that is killed in between leaves less than the head of its file says.
+TEST_F(RunWriterTest, ALiveFileWhoseLastSpaceWasNotWrittenIsReadable) {
+    RunFile file(path("out.h5"), example_contents());
+    append_example(file, 0);
+    file.flush();
+    std::filesystem::copy_file(file.part_path(), path("short.h5"));
+    std::filesystem::resize_file(path("short.h5"), std::filesystem::file_size(path("short.h5")) - 2048);
+    EXPECT_EQ(check_example(path("short.h5")), 1U);
+    file.close();
+    std::filesystem::resize_file(path("out.h5"), std::filesystem::file_size(path("out.h5")) - 4096);
+    EXPECT_THAT(error_of([&] { RunReader(path("out.h5")); }), testing::HasSubstr("truncated"));
+}
+
 TEST_F(RunWriterTest, ALiveFileCanBeReadWhileItIsWrittenAndDoesNotDisturbTheWriter) {
     RunFile file(path("out.h5"), example_contents());
     append_example(file, 0);
