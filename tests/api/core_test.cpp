@@ -65,6 +65,7 @@ TEST_F(CoreLibrary, LinksNoLibraryButThoseOfCxx) {
     const std::regex needed(R"(\(NEEDED\).*\[([a-z_A-Z+0-9-]+)\.so)");
     std::set<std::string> names;
     for (std::sregex_iterator row(text.begin(), text.end(), needed), end; row != end; ++row) names.insert((*row)[1]);
+    if (*CVTFLOW_SANITIZER != '\0') std::erase_if(names, [](const std::string& name) { return name.ends_with("san"); });
     EXPECT_THAT(names, testing::IsSubsetOf({"libstdc++", "libm", "libgcc_s", "libc", "ld-linux-x86-64"}));
     EXPECT_THAT(names, testing::Contains("libstdc++"));
 }
