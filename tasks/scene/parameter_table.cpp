@@ -282,7 +282,8 @@ std::vector<Parameter> parameters_of_run() {
      "model choice", [](Scene& s) -> Slot { return &s.run.steady_limit; }},
     {"run.output_interval", "s", 1e-12, 1e4, {}, "Time between records of the channels.",
      "model choice", [](Scene& s) -> Slot { return &s.run.output_interval; }},
-    {"run.state_interval", "s", 1e-12, 1e4, {}, "Time between records of the full state; at outputs, so at each where it is shorter than run.output_interval.",
+    {"run.state_interval", "s", 1e-12, 1e4, {}, "Time between records of the full state; at outputs, so at each where it is shorter than "
+     "run.output_interval.",
      "model choice", [](Scene& s) -> Slot { return &s.run.state_interval; }},
     {"run.max_steps", "1", 0, 9007199254740992, {}, "The run stops after this many steps; 0: no limit.",
      "model choice", [](Scene& s) -> Slot { return &s.run.max_steps; }},
