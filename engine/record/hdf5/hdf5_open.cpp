@@ -43,16 +43,16 @@ Marked mark_of(const InputFile& file) {
 }
 
 /// A file that was not closed carries a mark that only readers of live files (SWMR) pass over; where its writer was killed while the file
-/// grew, it is also shorter than its head says. Without the mark such a file is truncated.
+/// grew, it is also shorter than its head states. Without the mark such a file is truncated.
 Handle open_closed_or_live(const std::string& path) {
     const Handle access = file_access();
     const hid_t closed = H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.id());
     if (closed >= 0) return {closed, H5Fclose, ""};
     const std::string reason = last_reason();
-    const auto says = [&](const char* words) { return reason.find(words) != std::string::npos; };
-    if (!says("SWMR") && !says("already open for write") && !says("truncated file")) throw Failure(reason);
+    const auto has = [&](const char* words) { return reason.find(words) != std::string::npos; };
+    if (!has("SWMR") && !has("already open for write") && !has("truncated file")) throw Failure(reason);
     const hid_t live = H5Fopen(path.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, live_access().id());
-    if (live < 0 && says("truncated file")) throw Failure(reason);
+    if (live < 0 && has("truncated file")) throw Failure(reason);
     return {live, H5Fclose, "live"};
 }
 

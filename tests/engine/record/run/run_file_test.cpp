@@ -295,7 +295,7 @@ TEST_F(RunWriterTest, AFileOfARunKilledAtAnyInstantIsReadable) {
     }
 }
 
-/// Space is allotted before it is written: a writer that is killed in between leaves less than the head of its file says.
+/// Space is allotted before it is written: a writer that is killed in between leaves less than the head of its file states.
 TEST_F(RunWriterTest, ALiveFileWhoseLastSpaceWasNotWrittenIsReadable) {
     RunFile file(path("out.h5"), example_contents());
     append_example(file, 0);
