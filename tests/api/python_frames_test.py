@@ -195,8 +195,8 @@ class Records(Folder):
         self.assertAlmostEqual(rows.means(1.0)["slip"], 5.5)  # the row that is not a number counts as none
         with self.assertRaisesRegex(ValueError, "fewer than two rows"):
             rows.means(7.9)
-        program("run", "baseline", "--detail", "rigid", "--until", "4 ms", "-q", "-o", "b.h5")
-        record = cvtflow.Record("b.h5")
+        program("run", "baseline", "--detail", "rigid", "--until", "4 ms", "-q", "-o", f"{self.folder}/b.h5")
+        record = cvtflow.Record(f"{self.folder}/b.h5")
         time, speed = record["time"], record["chain_speed"]
         period = float(np.mean(cvtflow.Scene.ready("baseline")["chain.pitch"])) / speed.mean()
         window = time >= time[-1] - 2 * period - 1e-9  # of 2 ms two periods of 0.7 ms are whole
