@@ -108,7 +108,6 @@ std::vector<Plot> finished(std::vector<Panel>& panels, const std::string& subtit
         plot.subtitle = plots.empty() ? subtitle : "";
         if (panels.size() > 1) plot.height = plots.empty() ? 320.0 : 300.0;
         if (plot.series.size() == 1) plot.series.front().name.clear();
-        if (&panel != &panels.back()) plot.x.label.clear();
         plots.push_back(std::move(plot));
     }
     return plots;
