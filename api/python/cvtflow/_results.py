@@ -83,10 +83,11 @@ class Series:
             raise ValueError(f"means: fewer than two rows from {begin:.6g} s on")
         made = {}
         for name in (name for name, column in self.info.items() if column.width == 1 and name != "time"):
-            finite = rows & np.isfinite(self[name])
+            values = self[name]
+            finite = rows & np.isfinite(values)
             weight = np.gradient(time[finite]) if np.count_nonzero(finite) > 1 else np.ones(np.count_nonzero(finite))
             weight[[0, -1]] *= 0.5 if len(weight) > 1 else 1.0
-            made[name] = float(weight @ self[name][finite] / weight.sum()) if weight.size else math.nan
+            made[name] = float(weight @ values[finite] / weight.sum()) if weight.size else math.nan
         return made
 
     def _pin_period(self):
@@ -226,10 +227,11 @@ class Record(Series, Mapping):
             raise ValueError(f"{self.path}: orders require 8 rows at least, and a run.output_interval below half a pin period")
         axes = pyplot.subplots(layout="constrained")[1] if ax is None else ax
         for name in channels:
-            if self[name].ndim > 1:
+            values = self[name]
+            if values.ndim > 1:
                 raise ValueError(f"{name}: choose one number, such as {name}[0]")
             label, factor = shown(name, self.info[split(name)[0]].unit, si)
-            frequency, amplitude = _spectrum(time, self[name])
+            frequency, amplitude = _spectrum(time, values)
             axes.semilogy(frequency / (passing or 1.0), factor * amplitude, label=label, **style)
         axes.set(xlabel="order of the passing pins" if passing else "frequency [Hz]", ylabel="amplitude")
         axes.set_xlim(0.0, min(frequency[-1] / passing, 12.5) if passing else frequency[-1])
