@@ -33,9 +33,9 @@ inline void multiply_ends(const MirroredInverseOf<Number>& inverse, const V* for
 
 /// W links side by side, in single precision if W is single: velocities then count from those at which contacts were recorded. Column
 /// numbers count from the first link of the range.
-template <int P, int W, bool Steepest>
-class FrictionLanes : protected FrictionTips<P, W, Steepest> {
-    using Base = FrictionTips<P, W, Steepest>;
+template <int P, int W, bool AllSticking>
+class FrictionLanes : protected FrictionTips<P, W, AllSticking> {
+    using Base = FrictionTips<P, W, AllSticking>;
 
 protected:
     using Base::velocity, Base::contact, Base::in_scratch, Base::to_scratch, Base::links_at, Base::counts_from_recorded, Base::field_,
@@ -152,7 +152,7 @@ protected:
         const V tilt = xi * rates.e;
         const V axial_g = rates.z + tilt, axial_h = rates.z - tilt;
         const auto [factor_g, factor_h] =
-            sliding_factors<W, Steepest>(numbers_.joint, slip_g * slip_g + axial_g * axial_g, slip_h * slip_h + axial_h * axial_h);
+            sliding_factors<W, AllSticking>(numbers_.joint, slip_g * slip_g + axial_g * axial_g, slip_h * slip_h + axial_h * axial_h);
         const PointForce a = point_force(own, g, slip_g, axial_g, factor_g, force),
                          b = point_force(own, h, slip_h, axial_h, factor_h, force);
         spread(g, a.x + b.x, a.x - b.x, force);
@@ -165,7 +165,7 @@ protected:
     void middle_point(int own, int g, const JointRates& rates, V* force) const noexcept {
         const V slip = slip_of(own, g, halves_at(rates.x, g).even, halves_at(rates.y, g).even, rates);
         const PointForce f =
-            point_force(own, g, slip, rates.z, sliding_factor<W, Steepest>(numbers_.joint, slip * slip + rates.z * rates.z), force);
+            point_force(own, g, slip, rates.z, sliding_factor<W, AllSticking>(numbers_.joint, slip * slip + rates.z * rates.z), force);
         spread(g, f.x, V(0.0), force);
         spread(g, f.y, V(0.0), force + n);
         force[2 * n] += f.along;
@@ -212,7 +212,7 @@ protected:
         for (int j = 0; j < field_.components.plates; ++j) {
             const Number xi = numbers_.plate_position[static_cast<std::size_t>(j)];
             const V sliding = gap_z + xi * gap_e;
-            const V slide = contact(field_.components.plate(j), own) * sliding_share<W, Steepest>(numbers_.plate, sliding);
+            const V slide = contact(field_.components.plate(j), own) * sliding_share<W, AllSticking>(numbers_.plate, sliding);
             fz += slide;
             fe += xi * slide;
         }
@@ -265,12 +265,12 @@ protected:
 };
 
 /// Slopes of the links of a range: their joints, then the links.
-template <class Number, int P, bool Steepest>
+template <class Number, int P, bool AllSticking>
 void evaluate_links(const FrictionOperator& friction, const ContactFieldOf<Number>& field, const FrictionRangeOf<Number>& range,
                     const FrictionStageOf<Number>& stage) noexcept {
     const int links = range.last - range.first;
-    over_groups<Number>(0, links + 1, [&]<int W>(int own) { FrictionLanes<P, W, Steepest>(friction, field, range).joints(own); });
-    over_groups<Number>(0, links, [&]<int W>(int own) { FrictionLanes<P, W, Steepest>(friction, field, range).links(own, stage); });
+    over_groups<Number>(0, links + 1, [&]<int W>(int own) { FrictionLanes<P, W, AllSticking>(friction, field, range).joints(own); });
+    over_groups<Number>(0, links, [&]<int W>(int own) { FrictionLanes<P, W, AllSticking>(friction, field, range).links(own, stage); });
 }
 
 }  // namespace

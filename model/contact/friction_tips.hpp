@@ -134,7 +134,7 @@ struct AxisRows {
 };
 
 /// W axes side by side, in single precision if W is single: velocities then count from those at which contacts were recorded.
-template <int P, int W, bool Steepest>
+template <int P, int W, bool AllSticking>
 class FrictionTips : protected FrictionColumns<W> {
     using Base = FrictionColumns<W>;
 
@@ -151,7 +151,7 @@ protected:
         Base::range_;
     static constexpr int n = P + 1;
     /// Friction about rest has no velocities to count from.
-    static constexpr bool counts_from_recorded = is_single<W> && !Steepest;
+    static constexpr bool counts_from_recorded = is_single<W> && !AllSticking;
 
     /// Velocities of the axis in some rows at its tips.
     [[nodiscard]] AtTips<V> tip_velocities(int own, const AxisRows& rows) const noexcept {
@@ -181,7 +181,7 @@ protected:
         const V gx = contact(row + Tip::normal, own), gy = contact(row + Tip::normal + 1, own), gz = contact(row + Tip::normal + 2, own);
         v.x = v.x - turn * contact(row + Tip::lever_y, own);
         v.y = v.y + turn * contact(row + Tip::lever_x, own);
-        if constexpr (!Steepest) {
+        if constexpr (!AllSticking) {
             const auto time = static_cast<Number>(range_.time);
             v.x = v.x - contact(row + Tip::sheave, own) - time * contact(row + Tip::drift, own);
             v.y = v.y - contact(row + Tip::sheave + 1, own) - time * contact(row + Tip::drift + 1, own);
@@ -243,7 +243,7 @@ private:
 
     /// Factors of tips `low` and low + 1, whose slips have these squares.
     [[nodiscard]] std::pair<V, V> factors(int own, int low, const V& first, const V& second) const noexcept {
-        if (Steepest || numbers_.tip_law == nullptr) return plain_factors(own, low, first, second);
+        if (AllSticking || numbers_.tip_law == nullptr) return plain_factors(own, low, first, second);
         const auto [a, b] = plain_factors(own, low, first, second);
         const TipLaw& law = *numbers_.tip_law;
         return {a * speed_factor_of_square<W>(law, first), b * speed_factor_of_square<W>(law, second)};
@@ -251,7 +251,7 @@ private:
 
     /// Without the law by speed of the tips, which makes them no larger.
     [[nodiscard]] std::pair<V, V> plain_factors(int own, int low, const V& first, const V& second) const noexcept {
-        if (Steepest || !friction_.by_phase()) return sliding_factors<W, Steepest>(numbers_.tip, first, second);
+        if (AllSticking || !friction_.by_phase()) return sliding_factors<W, AllSticking>(numbers_.tip, first, second);
         return {1.0 / within_branch(own, low, sqrt(first)), 1.0 / within_branch(own, low + 1, sqrt(second))};
     }
 };

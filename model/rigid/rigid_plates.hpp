@@ -66,34 +66,34 @@ struct LaneRing {
 };
 
 /// Friction P of all links, (1 + aF (4 - β_i - β_{i+1})) P_i - aF (β_i P_{i-1} + β_{i+1} P_{i+1}) = B_i around the ring: F friction per
-/// sliding speed (ring_grip), B friction if no link's friction changed the sliding (ring_push), β_i the degree to which the halves of pin i
-/// stick together (ring_tie_…), a of a pin's speed per force over the step [m/s/N]. Each lane eliminates its links but the last, P_r = rub
-/// + behind P_{last of the lane before} + ahead P_{r+1}; the remaining system has one unknown per lane.
+/// sliding speed (ring_secant), B friction if no link's friction changed the sliding (ring_rhs), β_i the degree to which the halves of pin
+/// i stick together (ring_coupling_…), a of a pin's speed per force over the step [m/s/N]. Each lane eliminates its links but the last:
+/// P_r = friction + behind P_{last of the lane before} + ahead P_{r+1}; the remaining system has one unknown per lane.
 inline void solve_ring(const RingShares& shares, double a, const RigidView& columns) noexcept {
     const PinLanes absent = shares.absent_rows();
     const int last = (shares.rows - 1) * rigid_lanes;
-    PinLanes rub(0.0), behind(1.0), ahead(0.0);
-    PinLanes first_rub(0.0), first_behind(0.0), first_ahead(1.0);  // P of a lane's first link by those of both last ones
+    PinLanes friction(0.0), behind(1.0), ahead(0.0);
+    PinLanes first_friction(0.0), first_behind(0.0), first_ahead(1.0);  // P of a lane's first link by those of both last ones
     for (int at = 0, row = 0; at < last; at += rigid_lanes, ++row) {
-        const PinLanes number(row), grip = read(columns, Column::ring_secant, at), coupling = PinLanes(a) * grip;
+        const PinLanes number(row), secant = read(columns, Column::ring_secant, at), coupling = PinLanes(a) * secant;
         const PinLanes back = coupling * read(columns, Column::ring_coupling_rear, at),
                        on = coupling * read(columns, Column::ring_coupling_front, at);
         const PinLanes inverse = 1.0 / ((1.0 + 4.0 * coupling - back - on) - back * ahead);  // each row waits for this
-        rub = (read(columns, Column::ring_rhs, at) + back * rub) * inverse;
+        friction = (read(columns, Column::ring_rhs, at) + back * friction) * inverse;
         behind = select_greater<rigid_lanes>(absent, number, behind, back * behind * inverse);
         ahead = on * inverse;
-        first_rub += first_ahead * rub;
+        first_friction += first_ahead * friction;
         first_behind += select_greater<rigid_lanes>(absent, number, PinLanes(0.0), first_ahead * behind);
         first_ahead = select_greater<rigid_lanes>(absent, number, first_ahead, first_ahead * ahead);
-        write(columns, Column::ring_solution, at, rub);
+        write(columns, Column::ring_solution, at, friction);
         write(columns, Column::ring_lower, at, behind);
         write(columns, Column::ring_upper, at, ahead);
     }
-    const PinLanes grip = read(columns, Column::ring_secant, last), coupling = PinLanes(a) * grip;
+    const PinLanes secant = read(columns, Column::ring_secant, last), coupling = PinLanes(a) * secant;
     const PinLanes back = coupling * read(columns, Column::ring_coupling_rear, last),
                    on = coupling * read(columns, Column::ring_coupling_front, last);
     const PinLanes inverse = 1.0 / (1.0 + 4.0 * coupling - back * (1.0 + ahead) - on * (1.0 + neighbour<1>(first_behind)));
-    const PinLanes free = read(columns, Column::ring_rhs, last) + back * rub + on * neighbour<1>(first_rub);
+    const PinLanes free = read(columns, Column::ring_rhs, last) + back * friction + on * neighbour<1>(first_friction);
     PinLanes next = LaneRing{free * inverse, back * behind * inverse, on * neighbour<1>(first_ahead) * inverse}.solution();
     const PinLanes before = neighbour<-1>(next);
     write(columns, Column::ring_solution, last, next);
@@ -108,18 +108,19 @@ inline void solve_ring(const RingShares& shares, double a, const RigidView& colu
 inline void solve_friction(double step_per_mass, RigidColumns& columns) noexcept {
     const RingShares shares(columns.pins());
     columns.wrap(Column::plate_rhs, Column::plate_secant);
-    double *push = columns[Column::ring_rhs], *grip = columns[Column::ring_secant], *rub = columns[Column::plate_friction];
+    double *rhs = columns[Column::ring_rhs], *secant = columns[Column::ring_secant], *friction = columns[Column::plate_friction];
     double *behind = columns[Column::ring_coupling_rear], *ahead = columns[Column::ring_coupling_front];
-    const double *push_of = columns[Column::plate_rhs], *grip_of = columns[Column::plate_secant], *rub_in = columns[Column::ring_solution];
-    const double* tie_of = columns[Column::joint_coupling];
+    const double *rhs_of = columns[Column::plate_rhs], *secant_of = columns[Column::plate_secant],
+                 *solution = columns[Column::ring_solution];
+    const double* coupling_of = columns[Column::joint_coupling];
     shares.for_links([&](int place, int link) {
-        push[place] = push_of[link];
-        grip[place] = grip_of[link];
-        behind[place] = tie_of[link];
-        ahead[place] = tie_of[link + 1];
+        rhs[place] = rhs_of[link];
+        secant[place] = secant_of[link];
+        behind[place] = coupling_of[link];
+        ahead[place] = coupling_of[link + 1];
     });
     solve_ring(shares, step_per_mass, RigidView(columns));
-    shares.for_links([&](int place, int link) { rub[link] = rub_in[place]; });
+    shares.for_links([&](int place, int link) { friction[link] = solution[place]; });
     columns.wrap(Column::plate_friction, Column::plate_friction);
 }
 
@@ -132,8 +133,8 @@ inline void solve_friction(double step_per_mass, RigidColumns& columns) noexcept
 /// that plates hold oscillate with the factor h² tip_stiffness/m, at most 4 for any stable step of a leapfrog.
 constexpr double expected_share = 0.75;
 
-/// Velocities of the pins and of their halves on each other along z, and the halves' grip, before plates rub. Forces of the tips are those
-/// of the last step and what is expected to be added since.
+/// Velocities of the pins and of their halves on each other along z, and the friction per speed of the halves, before plates rub. Forces of
+/// the tips are those of the last step and what is expected to be added since.
 inline void free_slips(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all) noexcept {
     const RigidView columns(all);
     const PinLanes half_step(0.5 * expected_share * kick.step), per_slide(kick.step / c.slide_mass), per_mass(kick.step / c.mass);
@@ -148,9 +149,9 @@ inline void free_slips(const RigidCoefficients& c, const RigidKick& kick, RigidC
         const PinLanes on_pin = read(columns, Column::force_z, i) + read(columns, Column::tip_force_z, i) + 2.0 * (front + rear);
         const PinLanes drive = apart + per_slide * (read(columns, Column::force_slide, i) + on_slide);
         const PinLanes speed = kick.implicit() ? read(columns, Column::joint_slip, i) : abs(drive);
-        const PinLanes grip =
+        const PinLanes secant =
             c.joint_friction.coefficient * read(columns, Column::joint_normal, i) * slip_factor<rigid_lanes>(c.joint_friction, speed);
-        const PinLanes held = grip / (1.0 + per_slide * grip);
+        const PinLanes held = secant / (1.0 + per_slide * secant);
         write(columns, Column::axial_free_speed, i, along + per_mass * on_pin);
         write(columns, Column::tip_force_slide_expected, i, on_slide);
         write(columns, Column::joint_free_slip, i, drive);
@@ -222,12 +223,12 @@ inline void plate_friction(const RigidCoefficients& c, const RigidKick& kick, Ri
             return capacity * slip_factor<rigid_lanes>(c.plate_friction, kick.implicit() ? read(columns, kept, i) : abs(now));
         };
         const PinLanes low = grip_at(drive - parting, Column::plate_slip_low), high = grip_at(drive + parting, Column::plate_slip_high);
-        const PinLanes push = low * (drive - parting) + high * (drive + parting);
+        const PinLanes rhs = low * (drive - parting) + high * (drive + parting);
         write(columns, Column::plate_secant, i, low + high);
         write(columns, Column::plate_secant_high, i, high);
         write(columns, Column::plate_free_slip, i, drive);
-        write(columns, Column::plate_rhs, i, push);
-        if (!kick.implicit()) write(columns, Column::plate_friction, i, push);
+        write(columns, Column::plate_rhs, i, rhs);
+        if (!kick.implicit()) write(columns, Column::plate_friction, i, rhs);
     }
     if (kick.implicit()) solve_friction(kick.step / c.mass, all);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {

@@ -98,19 +98,19 @@ public:
             const RigidTipForce<W> force = rigid_tip_force<W>(side_of(tip), tips_[tip], normal_[tip], pull_, memory(tip));
             total.add(n_, side_of(tip), half_[half_of_tip(tip)], half_of_tip(tip), force);
         }
-        growth_ = n_.per_mass * (convert<W>(read_plane_of(Column::force_x)) + total.half[0] + total.half[1]);
-        end_growth_ = n_.per_tilt * (convert<W>(read_plane_of(Column::force_p)) + total.end);
-        bend_growth_ = n_.per_bend * (convert<W>(read_plane_of(Column::force_bend_x)) + total.bend);
+        velocity_change_ = n_.per_mass * (convert<W>(read_plane_of(Column::force_x)) + total.half[0] + total.half[1]);
+        end_velocity_change_ = n_.per_tilt * (convert<W>(read_plane_of(Column::force_p)) + total.end);
+        bend_velocity_change_ = n_.per_bend * (convert<W>(read_plane_of(Column::force_bend_x)) + total.bend);
         const D front = read_pins(Column::plate_friction, -1), rear = read_pins(Column::plate_friction),
                 tips = read_pins(Column::tip_force_slide_expected);
         const D free = read_pins(Column::force_slide) + tips - D(0.5) * (rear + front) - read_pins(Column::joint_friction);
-        loose_ = convert<W>(D(1.0) - read_pins(Column::joint_coupling));
+        free_share_ = convert<W>(D(1.0) - read_pins(Column::joint_coupling));
         const V mean = n_.per_mass * (convert<W>(read_pins(Column::force_z) + (rear - front)) + (total.z[0] + total.z[1]));
-        const V apart = n_.per_half_mass * (convert<W>(free) + loose_ * (V(0.5) * (total.z[0] - total.z[1]) - convert<W>(tips)));
-        growth_z_[0] = mean + apart, growth_z_[1] = mean - apart;
+        const V apart = n_.per_half_mass * (convert<W>(free) + free_share_ * (V(0.5) * (total.z[0] - total.z[1]) - convert<W>(tips)));
+        velocity_change_z_[0] = mean + apart, velocity_change_z_[1] = mean - apart;
     }
 
-    [[gnu::always_inline]] void rub(ReactionSum<W>& reaction, TipAccount<W>& account) noexcept {
+    [[gnu::always_inline]] void add_friction(ReactionSum<W>& reaction, TipAccount<W>& account) noexcept {
         RigidTipForces<W> total;
         typename ReactionSum<W>::Sides on_side;
         V rubbed(0.0);
@@ -149,12 +149,12 @@ private:
         return {convert<W>(read_pins(Column::tip_tangential + number)), convert<W>(read_pins(Column::tip_radial + number))};
     }
 
-    /// Sliding velocity behind the growth of the velocities: the pin has moved on by half a step as well.
+    /// Sliding velocity with the change of the velocities: the pin has moved on by half a step as well.
     [[nodiscard]] RigidSlip<W> slip_now(std::size_t tip) const noexcept {
         const SideMotion<W>& side = side_[end_of_tip(tip)];
-        const PlaneV ends = growth_ + bend_growth_ + (V(side.side) * end_growth_ - side.moved_on);
-        const PlaneV change = ends - side.turned_by * turned(growth_);
-        return begin_[tip] + slip_of<W>(side.side, tips_[tip], change, growth_z_[half_of_tip(tip)]);
+        const PlaneV ends = velocity_change_ + bend_velocity_change_ + (V(side.side) * end_velocity_change_ - side.moved_on);
+        const PlaneV change = ends - side.turned_by * turned(velocity_change_);
+        return begin_[tip] + slip_of<W>(side.side, tips_[tip], change, velocity_change_z_[half_of_tip(tip)]);
     }
 
     /// Friction now, one contact of a pin after the other, each with the velocities that those before it leave. The velocity that its
@@ -205,12 +205,12 @@ private:
     [[gnu::always_inline]] void follow(std::size_t tip, const RigidSlip<W>& change) noexcept {
         const TipPlace<W>& place = tips_[tip];
         const PlaneV f = change.tangential * turned(place.radial) + (change.radial * place.in) * place.radial;
-        growth_ = growth_ + n_.per_mass * f;
-        end_growth_ = end_growth_ + (V(side_of(tip)) * n_.per_tilt) * f;
-        bend_growth_ = bend_growth_ + n_.per_bend * f;
-        const V along = (V(side_of(tip)) * n_.per_mass) * (change.radial * place.out), apart = loose_ * along;
-        growth_z_[half_of_tip(tip)] += along + apart;
-        growth_z_[1 - half_of_tip(tip)] += along - apart;
+        velocity_change_ = velocity_change_ + n_.per_mass * f;
+        end_velocity_change_ = end_velocity_change_ + (V(side_of(tip)) * n_.per_tilt) * f;
+        bend_velocity_change_ = bend_velocity_change_ + n_.per_bend * f;
+        const V along = (V(side_of(tip)) * n_.per_mass) * (change.radial * place.out), apart = free_share_ * along;
+        velocity_change_z_[half_of_tip(tip)] += along + apart;
+        velocity_change_z_[1 - half_of_tip(tip)] += along - apart;
     }
 
     [[gnu::always_inline]] void store(const AxialResponse<W> (&of_half)[2]) noexcept {
@@ -234,8 +234,8 @@ private:
         for (int k = 0; k < rigid_coordinates; ++k) write_pins(Column::tip_force_x + k, widened<W>(forces[k]));
     }
 
-    PlaneV growth_, end_growth_, bend_growth_;  ///< of the velocities in this step
-    V growth_z_[2], loose_;                     ///< of the halves; share of a force parting them that friction between them leaves
+    PlaneV velocity_change_, end_velocity_change_, bend_velocity_change_;  ///< in this step [m/s]
+    V velocity_change_z_[2], free_share_;  ///< of the halves; share of a force parting them that friction between them leaves
     TipPlace<W> tips_[rigid_tips];
     RigidNormalForce<W> normal_[rigid_tips];
     V pull_;                          ///< a fourth of what plates lengthen the pin with [N]
@@ -257,7 +257,7 @@ public:
         if (group.free()) return group.release();
         group.press(sheaves, account_);
         group.predict();
-        group.rub(on_sheaves_, account_);
+        group.add_friction(on_sheaves_, account_);
     }
     void store(const RigidCoefficients& c, RigidReaction& reaction, Account& account) const noexcept {
         on_sheaves_.store(reaction.sheaves);

@@ -75,15 +75,15 @@ Fault run_trial(Simulation& simulation, double seconds, long most, TrialPace& pa
     const engine::Cancellation never;
     using Clock = std::chrono::steady_clock;
     long before = std::min(100L, most / 2);  // many tips first touch here
-    Fault fault =
-        before > 0 ? simulation.advance({.steps = before, .anew = true, .max_wall = 0.0}, observer, never) : Fault{FaultKind::max_steps};
+    Fault fault = before > 0 ? simulation.advance({.steps = before, .new_part = true, .max_wall = 0.0}, observer, never)
+                             : Fault{FaultKind::max_steps};
     for (long batch = 20; pace.wall < seconds && before < most && fault.kind == FaultKind::max_steps; batch *= 2) {
         const long requested = std::min(batch, most - before);
         // A run computes its automatic step once, which takes as long as a hundred steps.
         const bool anew = before == 0 || simulation.needs_settling();
         const long counted = anew ? 0 : simulation.counters().steps;
         const auto begin = Clock::now();
-        fault = simulation.advance({.steps = requested, .anew = anew, .max_wall = 0.0}, observer, never);
+        fault = simulation.advance({.steps = requested, .new_part = anew, .max_wall = 0.0}, observer, never);
         pace.wall += std::chrono::duration<double>(Clock::now() - begin).count();
         pace.steps += fault.kind == FaultKind::max_steps ? requested : simulation.counters().steps - counted;
         before += requested;

@@ -45,8 +45,8 @@ double longest_automatic_step(const Method& method, const model::Parameters& par
 
 namespace {
 
-/// Largest h times FallingFriction::growth(). Machine 93 of the lottery lost 3.6 % too much at 0.37 and 1.0 % at 0.25, machine 27 1.3 % at
-/// 0.2 [1].
+/// Largest h times NegativeSlopeFriction::growth(). Machine 93 of the lottery lost 3.6 % too much at 0.37 and 1.0 % at 0.25, machine 27 1.3
+/// % at 0.2 [1].
 constexpr double accurate_growth = 0.15;
 
 /// Least number of steps in which a pin takes the place of the next one. A pin strikes its sheave, and rolls in its joint, within a few
@@ -70,13 +70,14 @@ AutoStep::AutoStep(const model::Variator& variator, const model::Parameters& par
     : reach_(reach_of(method)),
       longest_(longest_automatic_step(method, parameters)),
       interval_(parameters.detail.pins == model::PinDetail::rigid && reach_.damping != forever ? rigid_check_interval : check_interval),
-      keeps_directions_(parameters.detail.pins == model::PinDetail::rigid),
+      reuses_eigenvectors_(parameters.detail.pins == model::PinDetail::rigid),
       memory_(std::make_shared<SpectralMemory>(variator.layout())),
       bound_(variator, MovedPart::all, memory_),
       variator_(variator),
       chain_(parameters.chain) {
-    if (variator.chain().coefficients().tip.law != nullptr) falling_ = std::make_unique<FallingFriction>(variator, parameters);
-    if (falling_ != nullptr) interval_ = check_interval;  // the forces that the growth is in proportion to change with the load
+    if (variator.chain().coefficients().tip.law != nullptr)
+        friction_growth_ = std::make_unique<NegativeSlopeFriction>(variator, parameters);
+    if (friction_growth_ != nullptr) interval_ = check_interval;  // the forces that the growth is in proportion to change with the load
     if (reach_.damping == forever) return;
     friction_matters_ = parameters.detail.pins == model::PinDetail::rigid || reach_.oscillation < (1.0 - 1e-6) * reach_.frictionless;
     model::Parameters without_friction = parameters;
@@ -120,14 +121,15 @@ double AutoStep::longest(double time, const double* state, const model::Phase* p
         part_ = 0;
         checked_ = time;
         pin_period_ = model::pin_period(chain_, variator_.layout(), state);
-        if (falling_ != nullptr) growth_ = falling_->growth(time, state, phases);
+        if (friction_growth_ != nullptr) growth_ = friction_growth_->growth(time, state, phases);
     }
-    const bool spread = keeps_directions_ && time >= 0.0 && time - begun_ >= check_interval * (1.0 - 1e-9);
+    const bool spread = reuses_eigenvectors_ && time >= 0.0 && time - begun_ >= check_interval * (1.0 - 1e-9);
     if (part_ != no_part && (!spread || time - turned_ >= turn_interval * (1.0 - 1e-9))) {
         estimate(time, state, phases, spread ? turn_evaluations : SpectralBound::unlimited);
         turned_ = time;
     }
-    const double passing = pin_period_ > 0.0 ? pin_period_ / (keeps_directions_ ? steps_per_rigid_pin : steps_per_pin_of_halves) : forever;
+    const double passing =
+        pin_period_ > 0.0 ? pin_period_ / (reuses_eigenvectors_ ? steps_per_rigid_pin : steps_per_pin_of_halves) : forever;
     return std::min({stable_step(), passing, longest_});
 }
 
@@ -135,7 +137,7 @@ void AutoStep::estimate(double time, const double* state, const model::Phase* ph
     const int parts = 1 + (damping_due_ ? static_cast<int>(damped_parts_.size()) : 0);
     do {
         SpectralBound& part = part_ == 0 ? bound_ : damped_parts_[static_cast<std::size_t>(part_ - 1)];
-        if (part_ > 0 && !keeps_directions_) part.forget();
+        if (part_ > 0 && !reuses_eigenvectors_) part.forget();
         const bool oscillation = part_ == 0 && reach_.decay == forever;
         evaluations_ +=
             oscillation ? part.estimate_oscillation(time, state, phases, budget) : part.estimate_at_rest(time, state, phases, budget);
@@ -181,7 +183,7 @@ std::string text_of(const LargestStep& limit) {
 void AutoStep::save(std::vector<double>& memory) const {
     memory.assign({checked_, begun_, stable_, damped_, damped_at_, growth_, pin_period_, static_cast<double>(evaluations_)});
     bound_.save(memory);
-    if (!keeps_directions_) return;
+    if (!reuses_eigenvectors_) return;
     for (const SpectralBound& part : damped_parts_) part.save(memory);
     memory.insert(memory.end(), {static_cast<double>(part_), damping_due_ ? 1.0 : 0.0, turned_});
     bound_.save_progress(memory);
@@ -201,7 +203,7 @@ void AutoStep::load(std::span<const double> memory) {
     pin_period_ = numbers[6];
     evaluations_ = pop_integer(memory, 0, std::numeric_limits<int>::max());
     memory = bound_.load(memory);
-    if (!keeps_directions_) return;
+    if (!reuses_eigenvectors_) return;
     for (SpectralBound& part : damped_parts_) memory = part.load(memory);
     part_ = pop_integer(memory, no_part, static_cast<int>(damped_parts_.size()));
     const auto turn = pop_front(memory, 2);
@@ -211,11 +213,11 @@ void AutoStep::load(std::span<const double> memory) {
     for (SpectralBound& part : damped_parts_) memory = part.load_progress(memory);
 }
 
-FallingFriction::FallingFriction(const model::Variator& variator, const model::Parameters& parameters)
+NegativeSlopeFriction::NegativeSlopeFriction(const model::Variator& variator, const model::Parameters& parameters)
     : variator_(variator), half_mass_(parameters.half.mass), observer_(variator) {}
 
 /// From the saturation speed on in steps of 2 %, up to 10 m/s: tips do not slide faster in a machine that works.
-double FallingFriction::fastest_growth(double force) const noexcept {
+double NegativeSlopeFriction::fastest_growth(double force) const noexcept {
     constexpr double ratio = 1.02, fastest = 10.0;  // [1], [m/s]
     const model::TipCoefficients& tip = variator_.chain().coefficients().tip;
     double growth = 0.0, speed = tip.friction.saturation_speed, value = tip.law->by_speed.at(speed);
@@ -230,14 +232,14 @@ double FallingFriction::fastest_growth(double force) const noexcept {
 }
 
 /// Positive root of s² + a s = a g.
-double FallingFriction::with_memory(double at_once, double speed) const noexcept {
+double NegativeSlopeFriction::with_memory(double at_once, double speed) const noexcept {
     const model::TipCoefficients& tip = variator_.chain().coefficients().tip;
     if (!(tip.law->memory > 0.0) || at_once <= 0.0) return at_once;
     const double follows = (speed + tip.friction.saturation_speed) / tip.law->memory;
     return 2.0 * at_once / (1.0 + std::sqrt(1.0 + 4.0 * at_once / follows));
 }
 
-double FallingFriction::growth(double t, const double* state, const model::Phase* phases) noexcept {
+double NegativeSlopeFriction::growth(double t, const double* state, const model::Phase* phases) noexcept {
     if (variator_.chain().coefficients().tip.law == nullptr || !(fastest_growth(1.0) > 0.0)) return 0.0;
     const auto& axial = observer_.observe(t, state, phases).tip_axial;
     double largest = 0.0;

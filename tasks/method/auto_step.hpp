@@ -18,10 +18,10 @@ namespace cvtflow::tasks {
 /// A pin half that slides at both tips, with normal forces N, obeys m u' = -2 N μ(u) + …: where μ falls, sliding grows with the rate
 /// g = 2 N |μ'|/m, or s where friction has a memory: s² + a s = a g, a = (|u| + v0)/L. A step of first order h errs in the growth, and so
 /// in losses, in proportion to h g.
-class FallingFriction {
+class NegativeSlopeFriction {
 public:
     /// `variator` must outlive it. Takes all its memory here.
-    FallingFriction(const model::Variator& variator, const model::Parameters& parameters);
+    NegativeSlopeFriction(const model::Variator& variator, const model::Parameters& parameters);
 
     /// Largest growth rate of all tips at a state, at the sliding speed where friction falls most steeply; 0: it does not fall [1/s].
     /// t [s], state [unknowns]
@@ -115,14 +115,14 @@ private:
     MethodReach reach_;
     double longest_;                          ///< of all steps [s]
     double interval_;                         ///< between two estimates, in the long run [s]
-    bool keeps_directions_;                   ///< damped_parts_ begin with the directions of the last estimate: rigid pins
+    bool reuses_eigenvectors_;                ///< damped_parts_ begin with the directions of the last estimate: rigid pins
     std::shared_ptr<SpectralMemory> memory_;  ///< of all bounds
     SpectralBound bound_;
     std::unique_ptr<const model::Variator> frictionless_;      ///< the machine without friction, where damping has a limit of its own
     bool friction_matters_ = true;                             ///< for the stability of oscillations with damping
     std::vector<SpectralBound> damped_parts_;                  ///< of it
     double damped_ = std::numeric_limits<double>::infinity();  ///< longest stable step without friction [s]
-    std::unique_ptr<FallingFriction> falling_;                 ///< of machines whose friction depends on the sliding speed
+    std::unique_ptr<NegativeSlopeFriction> friction_growth_;   ///< of machines whose friction depends on the sliding speed
     double growth_ = 0.0;                                      ///< of sliding, as found [1/s]
     const model::Variator& variator_;
     model::Chain chain_;

@@ -48,7 +48,7 @@ int Method::evaluations_per_step() const {
     return static_cast<int>(plan_.stages.size()) - (engine::CompiledPlan(plan_).last_is_result() ? 1 : 0);
 }
 
-std::unique_ptr<StepMethod> Method::at_work(Workspace& workspace) const {
+std::unique_ptr<StepMethod> Method::make(Workspace& workspace) const {
     if (program_ == nullptr) return std::make_unique<StageMethod>(workspace, error_power_of(plan_));
     if (const std::string why = program_->objection(workspace.parameters); !why.empty()) throw MethodRefused(why);
     return program_->make(workspace);

@@ -34,7 +34,7 @@ public:
         return program_ != nullptr ? program_->estimates_error : plan_.error.has_value();
     }
     /// At work on a workspace made with plan(). @throws MethodRefused with MethodProgram::objection(), or as MethodProgram::make
-    [[nodiscard]] std::unique_ptr<StepMethod> at_work(Workspace& workspace) const;
+    [[nodiscard]] std::unique_ptr<StepMethod> make(Workspace& workspace) const;
 
 private:
     Method(const MethodProgram* program, engine::StagePlan plan);

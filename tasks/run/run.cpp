@@ -25,21 +25,21 @@ const engine::Cancellation never;
 }
 
 /// Runs a simulation with checkpoints: at intervals the run pauses at an output, is written to disk, and continues.
-class Keeper final : public RunObserver {
+class CheckpointingObserver final : public RunObserver {
 public:
-    Keeper(const Scene& scene, const RunOptions& options, Simulation& simulation, RunRecorder& recorder)
+    CheckpointingObserver(const Scene& scene, const RunOptions& options, Simulation& simulation, RunRecorder& recorder)
         : scene_(scene), options_(options), simulation_(simulation), recorder_(recorder) {
-        simulation.pause_on(&due_);
+        simulation.pause_on(&pause_due_);
     }
 
     void output(double time, const Workspace& workspace, const Counters& counters) override {
         recorder_.output(time, workspace, counters);
-        due_ = recorder_.means().ended() || (options_.checkpoint_every > 0.0 && since(last_) >= options_.checkpoint_every);
+        pause_due_ = recorder_.means().ended() || (options_.checkpoint_every > 0.0 && since(last_) >= options_.checkpoint_every);
     }
     [[nodiscard]] bool samples(double time) const noexcept override { return recorder_.samples(time); }
     void sample(double time, const Workspace& workspace, const Counters& counters) override {
         recorder_.sample(time, workspace, counters);
-        due_ = recorder_.means().ended();
+        pause_due_ = recorder_.means().ended();
     }
     void transition(const TransitionRecord& record) override { recorder_.transition(record); }
 
@@ -49,20 +49,20 @@ public:
         recorder_.begin_part(s.needs_settling() ? -scene_.parameters.start.settling_time : report.begin, s.needs_settling() ? 0.0 : until);
         const Goal goal{.until = scene_.run.until.automatic() ? std::numeric_limits<double>::infinity() : until};
         Fault fault = s.advance(goal, *this, cancel);
-        while (fault.kind == FaultKind::cancelled && due_) {
+        while (fault.kind == FaultKind::cancelled && pause_due_) {
             if (recorder_.means().ended()) return recorder_.means().steady_fault();
             save(report);
             fault = s.advance(goal, *this, cancel);
         }
-        const bool may_go_on =
+        const bool resumable =
             fault.kind == FaultKind::cancelled || fault.kind == FaultKind::max_steps || fault.kind == FaultKind::max_wall;
-        if (may_go_on && !options_.checkpoint.empty()) save(report);
+        if (resumable && !options_.checkpoint.empty()) save(report);
         return fault;
     }
 
 private:
     void save(const RunReport& report) {
-        due_ = false;
+        pause_due_ = false;
         last_ = std::chrono::steady_clock::now();
         Checkpoint checkpoint;
         checkpoint.integration = simulation_.integration_state();
@@ -80,7 +80,7 @@ private:
     const RunOptions& options_;
     Simulation& simulation_;
     RunRecorder& recorder_;
-    bool due_ = false;
+    bool pause_due_ = false;
     std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now(), started_ = last_;
 };
 
@@ -115,7 +115,7 @@ void run_parts(const Scene& scene, const RunOptions& options, Simulation& simula
     if (simulation.needs_settling()) {
         const auto started = std::chrono::steady_clock::now();
         report.settled = true;
-        report.fault = Keeper(scene, options, simulation, recorder).go(0.0, cancel, report);
+        report.fault = CheckpointingObserver(scene, options, simulation, recorder).go(0.0, cancel, report);
         report.settling = simulation.counters();
         report.settling_wall += since(started);
     }
@@ -123,7 +123,7 @@ void run_parts(const Scene& scene, const RunOptions& options, Simulation& simula
     const auto started = std::chrono::steady_clock::now();
     if (!simulation.integration_state().started) report.begin = simulation.time();
     warn_if_unstable(scene, options, simulation, report);
-    report.fault = Keeper(scene, options, simulation, recorder).go(latest_end(scene), cancel, report);
+    report.fault = CheckpointingObserver(scene, options, simulation, recorder).go(latest_end(scene), cancel, report);
     report.counters = simulation.counters();
     report.local_errors = simulation.local_errors();
     report.wall += since(started);

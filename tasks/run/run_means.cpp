@@ -44,7 +44,7 @@ constexpr NoteKind kinds[] = {
 [[nodiscard]] double unresolved(EnergyBalance balance) noexcept {
     constexpr double min_samples = 10.0;
     balance.loss = 0.0;
-    return balance.samples < min_samples ? 0.0 : balance.honest();
+    return balance.samples < min_samples ? 0.0 : balance.expected_residual();
 }
 
 /// Work of an input from outside of the shafts' drag [J].

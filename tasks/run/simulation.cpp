@@ -82,7 +82,7 @@ Simulation::Simulation(const Scene& scene, const std::vector<Schedule>& candidat
     const auto saved = start != nullptr || scene_.state_file.empty() ? nullptr : saved_start(scene_);
     if (saved != nullptr) start_differences_ = tasks::start_differences(*saved, scene_);
     begin_with(saved.get(), start);
-    rest_at_start();
+    reset_integration();
 }
 
 Simulation::~Simulation() = default;
@@ -101,11 +101,11 @@ void Simulation::reset(const Scene& scene, const engine::SavedState* saved, cons
     find_gains(scene_);
     integrator_->adopt(scene_.parameters);
     counters_ = {};
-    rest_.settling_balance_error_ratio = rest_.settling_residual = 0.0;
+    saved_.settling_balance_error_ratio = saved_.settling_residual = 0.0;
     start_differences_.clear();
     needs_settling_ = false;
     begin_with(saved, placed);
-    rest_at_start();
+    reset_integration();
 }
 
 namespace {
@@ -202,7 +202,7 @@ void Simulation::begin_with(const engine::SavedState* saved, const model::StartS
         if (!checked_start_ || checked_start_->hash != hash) checked_start_ = {hash, start_misfit(*saved, scene_)};
         if (checked_start_->misfit <= start_misfit_tolerance) {
             take_state(*workspace_, scene_, *saved, start_differences_);
-            rest_.settling_balance_error_ratio = balance_error_ratio_of(*saved);
+            saved_.settling_balance_error_ratio = balance_error_ratio_of(*saved);
             time_ = saved->time;  // inputs and the governor's angle continue from there
             return;
         }
@@ -225,7 +225,7 @@ Fault Simulation::drive() {
     local_errors_ = controller_->local_errors();
     step_ = controller_->step();
     time_ = controller_->time();
-    rest_.started = true;
+    saved_.started = true;
     rest_known_ = false;
     const Fault fault = controller_->fault();
     try {
@@ -241,9 +241,9 @@ Fault Simulation::drive() {
 void Simulation::begin_part(const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel) {
     static_cast<void>(integration_state());
     controller_.emplace(*workspace_, integrator_->method(), settings, observer, cancel);
-    rest_.begin = settings.begin;
-    rest_.output_interval = settings.output_interval;
-    rest_.step = settings.step;
+    saved_.begin = settings.begin;
+    saved_.output_interval = settings.output_interval;
+    saved_.step = settings.step;
 }
 
 void Simulation::drop_controller() {
@@ -259,11 +259,11 @@ void Simulation::forget_controller() noexcept {
 
 const IntegrationState& Simulation::integration_state() const {
     if (!rest_known_ && controller_) {
-        controller_->save(rest_);
-        workspace_->heat.save(rest_.heat);
+        controller_->save(saved_);
+        workspace_->heat.save(saved_.heat);
     }
     rest_known_ = true;
-    return rest_;
+    return saved_;
 }
 
 StepSettings Simulation::settings_of(const Goal& goal) const {
@@ -278,18 +278,18 @@ StepSettings Simulation::settings_of(const Goal& goal) const {
                           .tolerance = run.tolerance,
                           .choice = choice_.get(),
                           .pause = pause_};
-    if (rest_.settling && !goal.anew) {
+    if (saved_.settling && !goal.new_part) {
         const double duration = scene_.parameters.start.settling_time;
         settings.begin = -duration;
         settings.until = std::min(goal.until, 0.0);
         settings.output_interval = duration / std::max(1.0, std::ceil(duration / run.output_interval * (1.0 - 1e-12)));
     }
     if (goal.steps > 0) settings.max_steps = goal.steps;
-    if (!rest_.started || goal.anew) return settings;
+    if (!saved_.started || goal.new_part) return settings;
     if (goal.steps > 0) settings.max_steps += counters_.steps;
-    settings.begin = rest_.begin;
-    settings.output_interval = rest_.output_interval;
-    settings.step = rest_.step;
+    settings.begin = saved_.begin;
+    settings.output_interval = saved_.output_interval;
+    settings.step = saved_.step;
     return settings;
 }
 
@@ -298,19 +298,19 @@ Fault Simulation::advance(const Goal& goal, RunObserver& observer, const engine:
     const double budget = settings.max_wall;
     if (budget > 0.0) settings.max_wall = std::max(shortest_budget, budget - paused_wall_);
     const auto begun = std::chrono::steady_clock::now();
-    const bool continues = rest_.started && !goal.anew;
+    const bool continues = saved_.started && !goal.new_part;
     if (continues && controller_)
         controller_->resume(settings, observer, cancel);
     else if (continues)
-        controller_.emplace(*workspace_, integrator_->method(), settings, rest_, observer, cancel);
+        controller_.emplace(*workspace_, integrator_->method(), settings, saved_, observer, cancel);
     else
         begin_part(settings, observer, cancel);
-    if (goal.anew) rest_.settling = needs_settling_ && settings.begin < 0.0;
+    if (goal.new_part) saved_.settling = needs_settling_ && settings.begin < 0.0;
     Fault fault = drive();
     paused_wall_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
     if (fault.kind == FaultKind::max_wall) std::tie(fault.value, fault.limit) = std::pair(paused_wall_, budget);
     if (fault.kind != FaultKind::cancelled || pause_ == nullptr || !*pause_) paused_wall_ = 0.0;
-    const bool settled = rest_.settling && !goal.anew && time_ >= -1e-9 * settings.output_interval;
+    const bool settled = saved_.settling && !goal.new_part && time_ >= -1e-9 * settings.output_interval;
     if (settled && (!fault || goal.steps > 0)) end_settling();
     return fault;
 }
@@ -319,9 +319,9 @@ void Simulation::end_settling() {
     needs_settling_ = false;
     time_ = 0.0;
     move_offset();
-    rest_.settling_balance_error_ratio = workspace_->energy.balance_error_ratio();
-    rest_.settling_residual = workspace_->energy.balance().relative();
-    rest_at_start();
+    saved_.settling_balance_error_ratio = workspace_->energy.balance_error_ratio();
+    saved_.settling_residual = workspace_->energy.balance().relative();
+    reset_integration();
 }
 
 void Simulation::move_offset() {
@@ -333,11 +333,11 @@ void Simulation::move_offset() {
     workspace_->state_to_set()[at.control_begin()] = std::clamp(corrected, -control.authority, control.authority) / control.integral;
 }
 
-void Simulation::rest_at_start() {
+void Simulation::reset_integration() {
     const Workspace& w = *workspace_;
     forget_controller();
-    rest_.couplings.clear();
-    if (!needs_settling_) couple(*workspace_, time_, rest_.couplings);
+    saved_.couplings.clear();
+    if (!needs_settling_) couple(*workspace_, time_, saved_.couplings);
     if (!scene_.run.step.automatic())
         choice_.reset();
     else if (choice_ == nullptr)
@@ -346,24 +346,24 @@ void Simulation::rest_at_start() {
     workspace_->heat.restart(scene_.parameters);
     workspace_->trip.follow(scene_.vehicle, scene_.cycle);
     workspace_->warm();
-    rest_.started = false;
-    rest_.settling = needs_settling_;
-    rest_.time = time_;
-    rest_.begin = rest_.output_interval = rest_.step = 0.0;
-    rest_.grid_number = rest_.grid_steps = rest_.outputs = 0;
-    rest_.counters = {};
-    rest_.method.clear();
-    rest_.state.assign(w.state(), w.state() + w.layout().size());
-    rest_.phases = w.tips.phases;
-    rest_.changed = w.tips.changed;
-    rest_.before = w.tips.before;
-    rest_.energy.clear();
-    rest_.heat.clear();
-    rest_.step_choice.clear();
+    saved_.started = false;
+    saved_.settling = needs_settling_;
+    saved_.time = time_;
+    saved_.begin = saved_.output_interval = saved_.step = 0.0;
+    saved_.grid_number = saved_.grid_steps = saved_.outputs = 0;
+    saved_.counters = {};
+    saved_.method.clear();
+    saved_.state.assign(w.state(), w.state() + w.layout().size());
+    saved_.phases = w.tips.phases;
+    saved_.changed = w.tips.changed;
+    saved_.before = w.tips.before;
+    saved_.energy.clear();
+    saved_.heat.clear();
+    saved_.step_choice.clear();
 }
 
 void Simulation::restore(IntegrationState from) {
-    if (const char* why = from.unsound()) throw SimulationError(why);
+    if (const char* why = from.invalid_reason()) throw SimulationError(why);
     Workspace& w = *workspace_;
     const std::size_t size = static_cast<std::size_t>(w.layout().size()), tips = w.tips.phases.size();
     if (from.state.size() != size || from.phases.size() != tips || from.changed.size() != tips || from.before.size() != tips) {
@@ -382,10 +382,10 @@ void Simulation::restore(IntegrationState from) {
     w.heat.restart(scene_.parameters);
     if (!w.heat.load(from.heat)) throw SimulationError("the state contains malformed temperatures");
     w.warm();
-    rest_ = std::move(from);
-    needs_settling_ = rest_.settling;
-    time_ = rest_.time;
-    counters_ = rest_.counters;
+    saved_ = std::move(from);
+    needs_settling_ = saved_.settling;
+    time_ = saved_.time;
+    counters_ = saved_.counters;
 }
 
 std::uint64_t Simulation::hash() const noexcept {

@@ -34,8 +34,8 @@ public:
 /// End of a call of Simulation::run().
 struct Goal {
     double until = std::numeric_limits<double>::infinity();  ///< [s]
-    long steps = 0;     ///< at most this many further steps, in addition to run.max_steps: ends with a Fault of kind max_steps; 0: no limit
-    bool anew = false;  ///< begins another part at the present time, with output times and counters of its own, settled or not
+    long steps = 0;  ///< at most this many further steps, in addition to run.max_steps: ends with a Fault of kind max_steps; 0: no limit
+    bool new_part = false;  ///< begins another part at the present time, with output times and counters of its own, settled or not
     std::optional<double> max_wall = {};  ///< in place of run.max_wall [s], 0: no budget
 };
 
@@ -73,7 +73,7 @@ public:
     /// They are not those of the last step: what follows may be fast.
     void inputs_changed() {
         workspace_->energy.inputs_changed(time_, true);
-        if (rest_.started && !controller_) workspace_->energy.save(rest_.energy);
+        if (saved_.started && !controller_) workspace_->energy.save(saved_.energy);
         rest_known_ = !controller_;
     }
     /// advance() ends before its next step as soon as the flag is true, with a Fault of kind cancelled; set by an observer. nullptr:
@@ -96,13 +96,13 @@ public:
     /// Counters of the present part, or of the last one: settling, or the run.
     [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
     /// Likewise, zero where no step of a part has been taken yet.
-    [[nodiscard]] const Counters& counters_of_part() const noexcept { return rest_.started ? counters_ : rest_.counters; }
+    [[nodiscard]] const Counters& counters_of_part() const noexcept { return saved_.started ? counters_ : saved_.counters; }
     /// Works, losses and balance of the present part: settling, or the run.
     [[nodiscard]] const EnergyLedger& energy() const noexcept { return workspace_->energy; }
     /// The largest EnergyLedger::balance_error_ratio() of settling and run: above 1 the results are wrong.
     /// @param from  of the run as a whole only what came after this mark
     [[nodiscard]] double balance_error_ratio(const std::optional<EnergyMark>& from = {}) const noexcept {
-        return std::max(rest_.settling_balance_error_ratio, workspace_->energy.balance_error_ratio(from));
+        return std::max(saved_.settling_balance_error_ratio, workspace_->energy.balance_error_ratio(from));
     }
     /// false: keeps no energies from the next run on, for measurements of what that costs.
     void keep_energies(bool on) noexcept { workspace_->energy.keep(on); }
@@ -128,7 +128,7 @@ public:
 
 private:
     void begin_with(const engine::SavedState* saved, const model::StartState* placed);
-    void rest_at_start();
+    void reset_integration();
     void end_settling();
     [[nodiscard]] StepSettings settings_of(const Goal& goal) const;
     [[nodiscard]] Fault drive();
@@ -152,8 +152,8 @@ private:
         double misfit = 0.0;
     };
     std::optional<CheckedStart> checked_start_;
-    mutable IntegrationState rest_;             ///< where the next call begins, but for what controller_ knows
-    mutable bool rest_known_ = true;            ///< rest_ is that of now
+    mutable IntegrationState saved_;            ///< where the next call begins, but for what controller_ knows
+    mutable bool rest_known_ = true;            ///< saved_ is that of now
     std::optional<StepController> controller_;  ///< of the last call, if the next one may continue with it
     const bool* pause_ = nullptr;
     double paused_wall_ = 0.0;  ///< of the advances since the last that did not end in a pause [s]

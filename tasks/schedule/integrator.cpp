@@ -15,9 +15,9 @@ Partition partition_of(const model::Parameters& parameters, int segments) {
     return Partition::equal(parameters.chain.pins, segments);
 }
 
-std::unique_ptr<StepMethod> at_work(const Method& method, Workspace& workspace) {
+std::unique_ptr<StepMethod> make(const Method& method, Workspace& workspace) {
     try {
-        return method.at_work(workspace);
+        return method.make(workspace);
     } catch (const std::invalid_argument& why) {
         throw MethodRefused(why.what());
     }
@@ -29,7 +29,7 @@ Integrator::Integrator(const model::Parameters& parameters, std::string_view met
                        const ChooserOptions& options, engine::StampRecorder* recorder)
     : chosen_(resolved_method(method, parameters)),
       workspace_(parameters, chosen_.plan(), partition_of(parameters, candidates.front().segments)),
-      method_(at_work(chosen_, workspace_)),
+      method_(make(chosen_, workspace_)),
       runner_(workspace_, *method_, candidates, options, recorder) {}
 
 void Integrator::begin_at(const FrozenStart& start) {
@@ -42,7 +42,7 @@ void Integrator::begin_at(const FrozenStart& start) {
 void Integrator::adopt(const model::Parameters& parameters) {
     workspace_.adopt(parameters);
     if (chosen_.program() == nullptr) return;
-    method_ = at_work(chosen_, workspace_);  // what a program has derived from the parameters
+    method_ = make(chosen_, workspace_);  // what a program has derived from the parameters
     runner_.take_method(*method_);
 }
 

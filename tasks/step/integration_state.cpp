@@ -49,7 +49,7 @@ struct FieldHash {
 
 }  // namespace
 
-const char* IntegrationState::unsound() const noexcept {
+const char* IntegrationState::invalid_reason() const noexcept {
     FieldCheck check;
     visit_fields(*this, check);
     if (check.reason != nullptr) return check.reason;

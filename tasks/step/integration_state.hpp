@@ -37,7 +37,7 @@ struct IntegrationState {
 
     bool operator==(const IntegrationState&) const = default;
     /// Reason why this state is invalid for every scene (counts, lengths, phases); nullptr if valid.
-    [[nodiscard]] const char* unsound() const noexcept;
+    [[nodiscard]] const char* invalid_reason() const noexcept;
     /// Hash of all fields, bit by bit.
     [[nodiscard]] std::uint64_t hash() const noexcept;
 };

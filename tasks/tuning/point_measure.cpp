@@ -164,7 +164,7 @@ double processor_time() {
 std::string percent_of(double share) { return fmt::format("{:.2g} %", 100.0 * share); }
 
 /// Enters the cost of a run since it began.
-void book(const Simulation& simulation, double began, double simulated, PointRun& run) {
+void record_cost(const Simulation& simulation, double began, double simulated, PointRun& run) {
     run.seconds = (processor_time() - began) / simulated;
     run.work = static_cast<double>(simulation.counters().evaluations) * simulation.workspace().layout().size() / simulated;
 }
@@ -264,8 +264,8 @@ PointRun PointMeasure::measured(const TuneChoice& choice, bool settled, engine::
     const double before = simulation->balance_error_ratio();
     if (!fault && state != nullptr) *state = simulation->saved_state();
     const double began = processor_time(), begin = simulation->time();
-    if (!fault) fault = advance(*simulation, {.until = point_.until, .anew = true}, reader);
-    book(*simulation, began, std::max(simulation->time() - begin, 1e-9), run);
+    if (!fault) fault = advance(*simulation, {.until = point_.until, .new_part = true}, reader);
+    record_cost(*simulation, began, std::max(simulation->time() - begin, 1e-9), run);
     run.values = reader.values();
     std::string notes;
     name_notes(reader.watch().means(), simulation->energy().balance(), notes);
@@ -289,7 +289,7 @@ PointRun PointMeasure::trial(const TuneChoice& choice, double duration) {
     SilentObserver silent;
     const double began = processor_time(), begin = simulation->time();
     const Fault fault = advance(*simulation, {.until = begin + duration}, silent);
-    book(*simulation, began, std::max(simulation->time() - begin, 1e-9), run);
+    record_cost(*simulation, began, std::max(simulation->time() - begin, 1e-9), run);
     if (fault) run.objection = fault.message();
     run.hash = simulation->hash();
     return run;

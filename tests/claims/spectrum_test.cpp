@@ -32,7 +32,7 @@ public:
         if (simulation_.needs_settling()) {
             EXPECT_FALSE(simulation_.advance({.until = 0.0}, quiet, never));
         }
-        EXPECT_FALSE(simulation_.advance({.until = simulation_.time() + 1e-5, .anew = true}, quiet, never));
+        EXPECT_FALSE(simulation_.advance({.until = simulation_.time() + 1e-5, .new_part = true}, quiet, never));
         state_.assign(simulation_.state(), simulation_.state() + simulation_.variator().layout().size());
     }
     [[nodiscard]] model::Parameters parameters() const { return parameters_; }

@@ -46,7 +46,7 @@ std::set<std::string> tasks_of_step(const std::string& level, int segments, std:
     tasks::apply_detail(scene, level);
     const tasks::Method method(tasks::resolved_method(tasks::automatic_method, scene.parameters));
     tasks::Workspace workspace(scene.parameters, method.plan(), tasks::Partition::equal(scene.parameters.chain.pins, segments));
-    const auto step = method.at_work(workspace);
+    const auto step = method.make(workspace);
     const engine::TaskGraph graph = tasks::step_graph(workspace, {}, step.get());
     std::vector<std::vector<std::string>> cycles;
     for (int task = 0; task < graph.size(); ++task) {

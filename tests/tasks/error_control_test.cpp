@@ -69,10 +69,10 @@ TEST(ReusedSlopes, AreThoseThatWouldBeEvaluated) {
     Simulation simulation(settled_tiny(with("dumka3-p1", "50ns", {"run.output_interval=1us", "run.state_interval=1us"})));
     SilentObserver silent;
     FrozenStart start = frozen_start(simulation);
-    ASSERT_FALSE(simulation.advance({.until = simulation.time() + 1e-6, .anew = true}, silent, not_cancelled));
+    ASSERT_FALSE(simulation.advance({.until = simulation.time() + 1e-6, .new_part = true}, silent, not_cancelled));
     for (int window = 0; simulation.counters().truncated > 0 && window < 40; ++window) {  // until one has no transition
         start = frozen_start(simulation);
-        ASSERT_FALSE(simulation.advance({.until = simulation.time() + 1e-6, .anew = true}, silent, not_cancelled));
+        ASSERT_FALSE(simulation.advance({.until = simulation.time() + 1e-6, .new_part = true}, silent, not_cancelled));
     }
     ASSERT_EQ(simulation.counters().truncated, 0);
     ASSERT_EQ(simulation.counters().steps, 20);

@@ -68,9 +68,9 @@ struct Averager final : tasks::RunObserver {
 /// the second with the larger balance error of both.
 void settle_and_average(tasks::Simulation& simulation, double settle, Averager& seen, double until, DetailOutcome& outcome) {
     tasks::SilentObserver silent;
-    tasks::Fault fault = simulation.advance({.until = settle, .anew = true}, silent, catch_interrupts());
+    tasks::Fault fault = simulation.advance({.until = settle, .new_part = true}, silent, catch_interrupts());
     const double before = simulation.balance_error_ratio();
-    if (!fault) fault = simulation.advance({.until = until, .anew = true}, seen, catch_interrupts());
+    if (!fault) fault = simulation.advance({.until = until, .new_part = true}, seen, catch_interrupts());
     outcome.watch = seen.watch.result(simulation.energy(), before);
     outcome.status = outcome.watch.status(fault);
     outcome.fault = fault ? fault.message() : unreliable_remark(fault, outcome.watch);

@@ -132,7 +132,7 @@ public:
         if (probed_) return probed_;
         SilentObserver silent;
         const engine::Cancellation never;
-        return simulation_.advance({.until = simulation_.time() + span, .anew = true}, silent, never);
+        return simulation_.advance({.until = simulation_.time() + span, .new_part = true}, silent, never);
     }
 
 private:

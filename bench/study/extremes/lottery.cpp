@@ -200,17 +200,17 @@ namespace {
 /// Means of a run.
 class Means final : public RunObserver {
 public:
-    explicit Means(const model::Variator& variator) : eye_(variator) {}
+    explicit Means(const model::Variator& variator) : observer_(variator) {}
     void output(double time, const Workspace& w, const Counters& counters) override { sample(time, w, counters); }
     [[nodiscard]] bool samples(double time) const noexcept override { return means.curve().due(time); }
     void sample(double time, const Workspace& w, const Counters&) override {
-        means.add(w.observed_by(eye_, time), w.energy.sums(time), w.pin_period());
+        means.add(w.observed_by(observer_, time), w.energy.sums(time), w.pin_period());
     }
     void transition(const TransitionRecord&) override {}
     RunMeans means;
 
 private:
-    model::Observer eye_;
+    model::Observer observer_;
 };
 
 /// The machine as a scene.

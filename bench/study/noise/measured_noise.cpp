@@ -121,7 +121,7 @@ NoiseSpectrum measure_noise(Scene scene, int rounds, const engine::Cancellation&
     model::Observer observer(simulation.variator());
     const double speed = simulation.workspace().observed_by(observer, simulation.time()).chain_speed;
     const double until = simulation.time() + 1.5 * rounds * model::chain_length(scene.parameters.chain) / speed;
-    if (!fault) fault = simulation.advance({.until = until, .anew = true}, recorder, cancel);
+    if (!fault) fault = simulation.advance({.until = until, .new_part = true}, recorder, cancel);
     spectrum.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
     if (recorder.complete && simulation.balance_error_ratio() <= 1.0)
         transform(recorder, rounds, scene.parameters.chain.pins, spectrum);

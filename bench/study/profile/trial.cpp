@@ -49,7 +49,7 @@ TrialSample Trial::run(long steps, double timeout) {
     DeadlineObserver observer(timeout);
     const bool anew = !begun_ || simulation_.needs_settling();
     const Counters before = anew ? Counters{} : simulation_.counters();
-    const Fault fault = simulation_.advance({.steps = steps, .anew = anew, .max_wall = 0.0}, observer, observer.cancellation());
+    const Fault fault = simulation_.advance({.steps = steps, .new_part = anew, .max_wall = 0.0}, observer, observer.cancellation());
     begun_ = true;
     const double wall = observer.waited();
     const double used = processor_seconds() - cpu;

@@ -183,8 +183,8 @@ CycleSequence FrictionLeapfrog<Number>::step() {
 template <class Number>
 void FrictionLeapfrog<Number>::begin() {
     if (frame_.is_new()) {
-        frame_.turn_over();
-        system_.turn_over();
+        frame_.begin_new_step();
+        system_.begin_new_step();
     }
     frame_.begin();
     w_.step.end_state_ready = true;
@@ -208,7 +208,7 @@ int FrictionLeapfrog<Number>::next_stages() noexcept {
     const PassCycles::Cycle cycle = kick_cycles.longest(table_->plan.stages() - stage_);
     for (int k = 0; k < cycle.rounds; ++k, ++stage_) {
         const KickRow row = table_->row(stage_);
-        together_[at(k)] = {row, table_->extrapolation(row.here.time, frame_.rise())};
+        together_[at(k)] = {row, table_->extrapolation(row.here.time, frame_.force_change_ratio())};
     }
     return cycle.number;
 }

@@ -19,7 +19,7 @@ public:
     /// Memory of segments, after every change of the partition.
     void repartition(const Partition& partition);
     /// Data that outlast a step become those of the step before.
-    void turn_over() noexcept { now_ = 1 - now_; }
+    void begin_new_step() noexcept { now_ = 1 - now_; }
     /// Memory that a step touches [B]: no room for what borders move through, nothing that is computed on demand.
     [[nodiscard]] std::size_t bytes() const noexcept;
 

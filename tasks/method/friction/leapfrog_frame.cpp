@@ -57,7 +57,7 @@ void LeapfrogFrame::extrapolate() {
     std::copy_n(w_.states[0] + at.pulley_begin() + at.pulley_size, at.pulley_size, w_.slopes[1] + at.pulley_begin());
 }
 
-void LeapfrogFrame::turn_over() {
+void LeapfrogFrame::begin_new_step() {
     extrapolate();
     std::copy(std::begin(w_.pulleys.sheaves), std::end(w_.pulleys.sheaves), sheaves_before_);
     length_before_ = continues_ ? length_ : 0.0;
@@ -67,7 +67,7 @@ void LeapfrogFrame::turn_over() {
 
 void LeapfrogFrame::begin() {
     length_ = w_.step.h;
-    rise_ = length_before_ > 0.0 ? 2.0 * length_ / (length_ + length_before_) : 0.0;
+    force_change_ratio_ = length_before_ > 0.0 ? 2.0 * length_ / (length_ + length_before_) : 0.0;
     static constexpr engine::Term from{0, 1.0}, along{1, 0.5};
     w_.step.evaluate_end = false;
     w_.step.row = {{&from, 1}, {&along, 1}, -1, 2, 0.5};
@@ -76,7 +76,7 @@ void LeapfrogFrame::begin() {
     engine::combine(w_.step.row, w_.step.h, w_.slots(), at.pulley_begin(), at.size(), w_.pulleys.tail.data());
     if (at.pulley_size != 0) w_.variator.pulleys().motions(w_.pulleys.tail.data(), w_.pulleys.sheaves);
     drift_.step = w_.step.h;
-    for (int k = 0; k < 4; ++k) drift_.change[k] = change_of(w_.pulleys.sheaves[k], sheaves_before_[k], rise_);
+    for (int k = 0; k < 4; ++k) drift_.change[k] = change_of(w_.pulleys.sheaves[k], sheaves_before_[k], force_change_ratio_);
 }
 
 void LeapfrogFrame::end(const model::SheaveForces& chain) {

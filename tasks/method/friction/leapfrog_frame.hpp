@@ -31,7 +31,7 @@ public:
     /// Whether there is a step before the one that begins.
     [[nodiscard]] bool continues() const noexcept { return continues_; }
     /// Called for a new step, before begin(): data of the step before become history.
-    void turn_over();
+    void begin_new_step();
     /// workspace.step.row for the middle of the step, and the sheaves there.
     void begin();
     /// Pulleys, from what the chain does to them; workspace.step.row for the result, whose links are in state slot 1.
@@ -39,7 +39,7 @@ public:
 
     [[nodiscard]] const model::ContactDrift& drift() const noexcept { return drift_; }
     /// How much a force changes over the step, in units of the difference between its last two values; 0 without a step before.
-    [[nodiscard]] double rise() const noexcept { return rise_; }
+    [[nodiscard]] double force_change_ratio() const noexcept { return force_change_ratio_; }
 
     void save(std::vector<double>& memory) const;
     /// @param memory from save()   @return the rest of the memory
@@ -49,11 +49,11 @@ private:
     void extrapolate();
 
     Workspace& w_;
-    bool continues_ = false;      ///< there is a step before the present one
-    double begun_ = -1e300;       ///< where the present step began [s]
-    double length_ = 0.0;         ///< of the present step [s]
-    double length_before_ = 0.0;  ///< of the one before, 0: none [s]
-    double rise_ = 0.0;           ///< [1]
+    bool continues_ = false;           ///< there is a step before the present one
+    double begun_ = -1e300;            ///< where the present step began [s]
+    double length_ = 0.0;              ///< of the present step [s]
+    double length_before_ = 0.0;       ///< of the one before, 0: none [s]
+    double force_change_ratio_ = 0.0;  ///< [1]
     model::ContactDrift drift_;
     model::SheaveMotion sheaves_before_[4]{};
 };

@@ -155,7 +155,7 @@ void SweepSystem<Number>::find_losses() const noexcept {
 }
 
 template <class Number>
-void SweepSystem<Number>::book(Workspace& w) noexcept {
+void SweepSystem<Number>::enter_losses(Workspace& w) noexcept {
     find_losses();
     if (losses_ != Losses::known) return;
     for (int link = 0; link < w.layout().links; ++link) {
@@ -221,9 +221,9 @@ template <class Number>
 void SweepLeapfrog<Number>::add_booking(engine::TaskGraph& graph) {
     const int others = graph.size();
     engine::Access accounts{static_cast<int>(Field::account), 0, w_.layout().links, true};
-    const int booking = graph.add({"book", observe_cycle, engine::code_of<&SweepLeapfrog::book>(*this), 0, {accounts}});
+    const int losses = graph.add({"book", observe_cycle, engine::code_of<&SweepLeapfrog::enter_losses>(*this), 0, {accounts}});
     for (int task = 0; task < others; ++task) {
-        if (graph.task(task).cycle == observe_cycle) graph.order(task, booking);
+        if (graph.task(task).cycle == observe_cycle) graph.order(task, losses);
     }
 }
 
@@ -251,8 +251,8 @@ void SweepLeapfrog<Number>::begin() {
         cold_ = !frame_.continues();
         if (w_.step.h > nominal_ || std::abs(w_.step.h - begun_length_) < same_length * begun_length_) nominal_ = w_.step.h;
         begun_length_ = w_.step.h;
-        frame_.turn_over();
-        system_.turn_over();
+        frame_.begin_new_step();
+        system_.begin_new_step();
     }
     frame_.begin();
     system_.begin(w_.step.h, nominal_);
@@ -338,8 +338,8 @@ void SweepLeapfrog<Number>::sweep(int item) noexcept {
 }
 
 template <class Number>
-void SweepLeapfrog<Number>::book(int /*item*/) noexcept {
-    system_.book(w_);
+void SweepLeapfrog<Number>::enter_losses(int /*item*/) noexcept {
+    system_.enter_losses(w_);
 }
 
 template class SweepLeapfrog<double>;

@@ -53,7 +53,7 @@ public:
     void sweep(const Workspace& workspace, model::SweepPart part, double ahead, int number, int segment) noexcept;
 
     /// Losses by friction in the accounts of an observe cycle become what the forces of the last step have done; while all is at rest.
-    void book(Workspace& workspace) noexcept;
+    void enter_losses(Workspace& workspace) noexcept;
 
     /// Data that outlast a step: its forces, and their losses.
     void save(std::vector<double>& memory) const;
@@ -113,8 +113,8 @@ public:
 
     // Bodies of tasks.
     void record(int segment) noexcept;
-    void sweep(int item) noexcept;  ///< item = pass of the cycle × segments + segment
-    void book(int item) noexcept;   ///< losses by friction in an observe cycle, after all else; item 0
+    void sweep(int item) noexcept;         ///< item = pass of the cycle × segments + segment
+    void enter_losses(int item) noexcept;  ///< losses by friction in an observe cycle, after all else; item 0
 
 private:
     void begin();

@@ -19,7 +19,7 @@ namespace {
 
 // DECISIONS 74 states the residuals of accurate and of wrong runs; the test Lottery counts them on random machines.
 constexpr double share_of_losses = 1e-3;
-constexpr double share_of_through = 1e-5;
+constexpr double share_of_energy_in = 1e-5;
 constexpr double share_of_stored = 1e-6;
 constexpr double deviations = 6.0;
 /// Noise explains no more than this share of what was dissipated: a run that blows up, or begins with a shock, makes its own noise. With
@@ -28,7 +28,7 @@ constexpr double deviations = 6.0;
 constexpr double noise_share_with_inputs = 0.009, noise_share_without = 0.5, noise_span = 10e-3;  // [1], [1], [s]
 constexpr double dense_share = 0.05, dense_time = 5e-4;                                           // [1], [s]
 constexpr double min_samples = 10.0;
-constexpr double closer = 8.0;  ///< by which samples lie closer in doubt
+constexpr double closer = 8.0;  ///< by which samples lie closer in dense sampling
 
 [[nodiscard]] double total(const auto& values) noexcept { return std::accumulate(values.begin(), values.end(), 0.0); }
 
@@ -45,18 +45,20 @@ constexpr double closer = 8.0;  ///< by which samples lie closer in doubt
 
 double EnergyBalance::relative() const noexcept { return loss > 0.0 ? std::abs(residual()) / loss : 0.0; }
 
-double EnergyBalance::honest() const noexcept { return share_of_losses * loss + share_of_through * through + share_of_stored * stored; }
+double EnergyBalance::expected_residual() const noexcept {
+    return share_of_losses * loss + share_of_energy_in * energy_in + share_of_stored * stored;
+}
 
 namespace {
 
 /// Residual that noise of samples may explain, over the losses. A start that settles begins with a shock, which does not count.
 [[nodiscard]] double noise_share(const EnergyBalance& balance, bool settling) noexcept {
-    if (settling || balance.through <= 0.0) return noise_share_without;
+    if (settling || balance.energy_in <= 0.0) return noise_share_without;
     return std::min(noise_share_with_inputs * std::sqrt(std::max(1.0, noise_span / balance.span)), noise_share_without);
 }
 
 [[nodiscard]] double tolerance_of(const EnergyBalance& balance, bool settling) noexcept {
-    return balance.honest() + std::min(deviations * balance.deviation, noise_share(balance, settling) * balance.loss);
+    return balance.expected_residual() + std::min(deviations * balance.deviation, noise_share(balance, settling) * balance.loss);
 }
 
 [[nodiscard]] double balance_error_ratio_of(const EnergyBalance& balance, bool settling) noexcept {
@@ -125,7 +127,7 @@ bool EnergyLedger::due(double time) const noexcept {
     if (!(time > m_.sampled)) return false;  // a step may be cut at its start
     const double since = time - m_.jumped;   // what follows a jump dies out fast at first: samples lie as close as it is young
     if (since < dense_time && m_.steps >= 1.0 && time - m_.sampled >= dense_share * since) return true;
-    return m_.steps >= (m_.doubt != 0.0 ? std::max(1.0, stride_ / closer) : stride_);
+    return m_.steps >= (m_.dense_sampling != 0.0 ? std::max(1.0, stride_ / closer) : stride_);
 }
 
 void EnergyLedger::sample(double time, const model::Account& links, const model::Account& pulleys, double pin_period) noexcept {
@@ -137,7 +139,7 @@ void EnergyLedger::sample(double time, const model::Account& links, const model:
     m_.pin_period = pin_period;
     if (m_.samples > 0.0) {
         for (std::size_t k = 0; k < now.loss.size(); ++k) m_.loss[k] += 0.5 * spacing * (m_.power[k] + now.loss[k]);
-        for (std::size_t k = 0; k < m_.inputs.work.size(); ++k) m_.through += std::max(0.0, m_.inputs.work[k] - m_.work_sampled[k]);
+        for (std::size_t k = 0; k < m_.inputs.work.size(); ++k) m_.energy_in += std::max(0.0, m_.inputs.work[k] - m_.work_sampled[k]);
     }
     m_.add_noise(power, spacing);
     m_.power = now.loss;
@@ -163,7 +165,7 @@ void EnergyLedger::sample_counted(double time, double pin_period) noexcept {
     m_.loss = account_.lost;
     if (time < 0.0) m_.add_noise(total(m_.power), spacing);
     m_.inputs = account_;
-    for (std::size_t k = 0; k < m_.inputs.work.size(); ++k) m_.through += std::max(0.0, m_.inputs.work[k] - m_.work_sampled[k]);
+    for (std::size_t k = 0; k < m_.inputs.work.size(); ++k) m_.energy_in += std::max(0.0, m_.inputs.work[k] - m_.work_sampled[k]);
     m_.stored = account_.stored;
     m_.max_stored = std::max(m_.max_stored, m_.stored);
     m_.close_sample(time);
@@ -185,13 +187,13 @@ void EnergyLedger::Memory::close_sample(double time) noexcept {
 /// A residual that noise can explain is evaluated again; one that it cannot explain is kept.
 void EnergyLedger::Memory::close_window() noexcept {
     const EnergyBalance closed = balance_since(part);
-    if (part.begin >= judged_from) worst = std::max(worst, balance_error_ratio_of(closed, part.begin < 0.0));
-    doubt = std::abs(closed.residual()) > closed.honest() ? 1.0 : 0.0;
+    if (part.begin >= judged_from) max_error_ratio = std::max(max_error_ratio, balance_error_ratio_of(closed, part.begin < 0.0));
+    dense_sampling = std::abs(closed.residual()) > closed.expected_residual() ? 1.0 : 0.0;
     part = here();
 }
 
 EnergyMark EnergyLedger::Memory::here() const noexcept {
-    return {sampled, total(loss), total(work_sampled), stored, through, noise, samples};
+    return {sampled, total(loss), total(work_sampled), stored, energy_in, noise, samples};
 }
 
 EnergyBalance EnergyLedger::Memory::balance_since(const EnergyMark& span) const noexcept {
@@ -200,14 +202,14 @@ EnergyBalance EnergyLedger::Memory::balance_since(const EnergyMark& span) const 
             now.stored - span.stored,
             now.work - span.work,
             now.loss - span.loss,
-            now.through - span.through,
+            now.energy_in - span.energy_in,
             max_stored,
             std::sqrt(std::max(0.0, now.noise - span.noise)),
             now.samples - span.samples};
 }
 
 double EnergyLedger::balance_error_ratio(const std::optional<EnergyMark>& from) const noexcept {
-    double most = m_.worst;
+    double most = m_.max_error_ratio;
     for (const EnergyMark& span : {from.value_or(m_.all), m_.part})
         most = std::max(most, balance_error_ratio_of(balance(span), span.begin < 0.0));
     return most;
@@ -292,7 +294,7 @@ void EnergyLedger::Memory::visit(AnyMemory& m, Visitor&& visitor) {
     };
     field("samples", m.samples), field("sampled", m.sampled), field("steps", m.steps), field("jumped", m.jumped);
     field("power", m.power), field("loss", m.loss), field("powers", m.powers);
-    field("stored", m.stored), field("max_stored", m.max_stored), field("noise", m.noise), field("through", m.through);
+    field("stored", m.stored), field("max_stored", m.max_stored), field("noise", m.noise), field("through", m.energy_in);
     field("pin_period", m.pin_period);
     field("work", m.inputs.work), field("work_sampled", m.work_sampled);
     field("impulse", m.inputs.impulse), field("drag: energy, impulse", m.inputs.drag);
@@ -301,7 +303,7 @@ void EnergyLedger::Memory::visit(AnyMemory& m, Visitor&& visitor) {
     field("outputs", m.outputs), field("output_time", m.output_time);
     constexpr const char* of_span = ": begin, loss, work, stored, through, noise, samples";
     field(of_span, m.all), field(of_span, m.part);
-    field("worst", m.worst), field("doubt", m.doubt), field("judged_from", m.judged_from);
+    field("worst", m.max_error_ratio), field("doubt", m.dense_sampling), field("judged_from", m.judged_from);
     PastSums::visit(m.past, field);
 }
 

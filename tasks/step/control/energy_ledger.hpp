@@ -26,7 +26,7 @@ struct EnergyBalance {
     double change = 0.0;     ///< of the stored energy [J]
     double work = 0.0;       ///< of the inputs [J]
     double loss = 0.0;       ///< dissipated [J]
-    double through = 0.0;    ///< what the inputs have brought, each interval's positive ones [J]
+    double energy_in = 0.0;  ///< what the inputs have brought, each interval's positive ones [J]
     double stored = 0.0;     ///< largest energy that the chain held [J]
     double deviation = 0.0;  ///< standard error of `loss` from sampling [J]
     double samples = 0.0;    ///< of the losses [1]
@@ -35,8 +35,8 @@ struct EnergyBalance {
     /// |residual| over the losses; the threshold stands beside it as tolerance() over the losses.
     [[nodiscard]] double relative() const noexcept;
     /// Residual that accurate steps may leave [J].
-    [[nodiscard]] double honest() const noexcept;
-    /// honest(), plus the error of sampling: a larger residual means wrong results [J].
+    [[nodiscard]] double expected_residual() const noexcept;
+    /// expected_residual(), plus the error of sampling: a larger residual means wrong results [J].
     [[nodiscard]] double tolerance() const noexcept;
     /// |residual| over its tolerance; 0 for so few samples that their noise is not known. Not a number is infinite.
     [[nodiscard]] double balance_error_ratio() const noexcept;
@@ -121,7 +121,7 @@ private:
 
 /// Sums of a ledger at one of its samples, from which later balances may count. Numbers only.
 struct EnergyMark {
-    double begin = 0.0, loss = 0.0, work = 0.0, stored = 0.0, through = 0.0, noise = 0.0, samples = 0.0;  ///< [s], [J], samples [1]
+    double begin = 0.0, loss = 0.0, work = 0.0, stored = 0.0, energy_in = 0.0, noise = 0.0, samples = 0.0;  ///< [s], [J], samples [1]
 };
 
 class EnergyLedger {
@@ -187,18 +187,18 @@ public:
 private:
     /// Numbers only: saved and loaded by visit(), the list of the fields.
     struct Memory {
-        double samples, sampled, steps;                         ///< how many; when the last one was [s]; steps since
-        double jumped;                                          ///< when inputs or the state jumped last, the beginning included [s]
-        std::array<double, model::loss_kinds> power, loss;      ///< [W], [J]
-        std::array<double, 4> powers;                           ///< of the last samples, the last one first, for the noise of sampling [W]
-        double stored, max_stored, noise, through, pin_period;  ///< [J], pin_period in s
+        double samples, sampled, steps;                     ///< how many; when the last one was [s]; steps since
+        double jumped;                                      ///< when inputs or the state jumped last, the beginning included [s]
+        std::array<double, model::loss_kinds> power, loss;  ///< [W], [J]
+        std::array<double, 4> powers;                       ///< of the last samples, the last one first, for the noise of sampling [W]
+        double stored, max_stored, noise, energy_in, pin_period;  ///< [J], pin_period in s
         InputWorks inputs;
         model::WorkRates work_sampled;
         std::array<double, 2> impulse_output, momentum_output;  ///< [N·m·s]
         std::array<double, 2> chain_torque;                     ///< [N·m]
         double outputs, output_time;                            ///< [1, s]
         EnergyMark all, part;                                   ///< begins of the judged spans of time: of all, and of the present window
-        double worst, doubt;                                    ///< doubt: 1 while samples lie close [1]
+        double max_error_ratio, dense_sampling;                 ///< dense_sampling: 1 while samples lie close [1]
         double judged_from;  ///< windows that begin earlier are not remembered: settling (t < 0) forgets how it began [s]
         PastSums past;       ///< at outputs
 

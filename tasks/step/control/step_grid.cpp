@@ -9,11 +9,11 @@ namespace cvtflow::tasks {
 namespace {
 
 /// A step by hand [s]. A third of 10 us is written as 3.33 us: it is that of the grid that is longer by what three digits leave out.
-[[nodiscard]] double step_by_hand(const StepSettings& settings) noexcept {
-    constexpr double three_digits = 1.1e-3, a_tenth_of_a_step = 0.1;
+[[nodiscard]] double fixed_step(const StepSettings& settings) noexcept {
+    constexpr double three_digits = 1.1e-3, tenth_of_a_step = 0.1;
     const double steps = settings.output_interval / settings.step, whole = std::floor(steps);
-    const bool is_meant = whole >= 1.0 && steps - whole <= std::min(three_digits * steps, a_tenth_of_a_step);
-    return is_meant ? settings.output_interval / whole : settings.step;
+    const bool divides_interval = whole >= 1.0 && steps - whole <= std::min(three_digits * steps, tenth_of_a_step);
+    return divides_interval ? settings.output_interval / whole : settings.step;
 }
 
 /// A point of an input's table that is closer than this fraction of a step is where the step begins or ends.
@@ -50,7 +50,7 @@ StepGrid grid_of(const StepSettings& settings) noexcept {
     const bool free = settings.control == StepControl::error;
     if (settings.automatic() && !free)
         grid.legs_per_output = static_cast<long>(std::ceil(settings.output_interval / StepChoice::ask_interval * (1.0 - 1e-12)));
-    grid.divide(free ? settings.output_interval : settings.automatic() ? settings.choice->longest() : step_by_hand(settings));
+    grid.divide(free ? settings.output_interval : settings.automatic() ? settings.choice->longest() : fixed_step(settings));
     return grid;
 }
 

@@ -80,7 +80,7 @@ TEST(RigidPlates, FrictionFollowsFromTheVelocitiesThatTheWholeChainLeavesBehind)
             Account account;
             model.kernels().plate_friction(model.coefficients(), {step}, columns, account);
             model.kernels().joint_friction(model.coefficients(), {step}, columns, account);
-            const double *rub = columns[Column::plate_friction], *joint = columns[Column::joint_friction];
+            const double *friction = columns[Column::plate_friction], *joint = columns[Column::joint_friction];
             double largest = 0.0, held = 0.0;
             for (int pin = 0; pin < pins; ++pin) {
                 const int next = (pin + 1) % pins, before = (pin + pins - 1) % pins;
@@ -95,11 +95,11 @@ TEST(RigidPlates, FrictionFollowsFromTheVelocitiesThatTheWholeChainLeavesBehind)
                 const double tension = 0.5 * columns[Column::tension][pin];
                 const double at_low = grip_of(p, p.plate.friction, tension, low[static_cast<std::size_t>(pin)]) * (slides - parting);
                 const double at_high = grip_of(p, p.plate.friction, tension, high[static_cast<std::size_t>(pin)]) * (slides + parting);
-                EXPECT_NEAR(rub[pin], at_low + at_high, 1e-9) << pin;
+                EXPECT_NEAR(friction[pin], at_low + at_high, 1e-9) << pin;
                 EXPECT_NEAR(columns[Column::plate_friction_moment][pin], at_high - at_low, 1e-9) << pin;
                 EXPECT_NEAR(columns[Column::plate_slip_low][pin], std::abs(slides - parting), 1e-12) << pin;
                 EXPECT_NEAR(columns[Column::plate_slip_high][pin], std::abs(slides + parting), 1e-12) << pin;
-                largest = std::max(largest, std::abs(rub[pin]));
+                largest = std::max(largest, std::abs(friction[pin]));
                 held = std::max(held, std::abs(joint[pin]));
             }
             EXPECT_GT(std::min(largest, held), 10.0);

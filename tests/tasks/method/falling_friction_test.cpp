@@ -14,7 +14,7 @@ namespace cvtflow::tasks {
 namespace {
 
 double growth_of(const Simulation& simulation, const Scene& scene) {
-    FallingFriction falling(simulation.variator(), scene.parameters);
+    NegativeSlopeFriction falling(simulation.variator(), scene.parameters);
     return falling.growth(simulation.time(), simulation.state(), simulation.phases().data());
 }
 
@@ -33,7 +33,7 @@ Scene scene_with(const char* law, const char* table = "tip.friction_coefficient=
 }
 
 /// Friction of two knots falls linearly between them: -μ' is the slope of the line, and differences of 2 % see it but for the ends.
-TEST(FallingFriction, GrowsWithForceAndSlopeOverMass) {
+TEST(NegativeSlopeFriction, GrowsWithForceAndSlopeOverMass) {
     const Scene scene = scene_with("table", "tip.friction_table=[[0.1,0.09],[0.6,0.04]]");
     const auto started = loaded(scene);
     const Simulation& simulation = *started;
@@ -47,13 +47,13 @@ TEST(FallingFriction, GrowsWithForceAndSlopeOverMass) {
     EXPECT_NEAR(growth_of(simulation, scene), 1.5 * exact, 0.01 * exact);
 }
 
-TEST(FallingFriction, IsZeroWhereFrictionRisesOrDoesNotChange) {
+TEST(NegativeSlopeFriction, IsZeroWhereFrictionRisesOrDoesNotChange) {
     for (const Scene& scene : {scene_with("constant"), scene_with("table", "tip.friction_table=[[0.1,0.04],[0.6,0.09]]")})
         EXPECT_EQ(growth_of(*loaded(scene), scene), 0.0);
 }
 
 /// s² + a s = a g at the speed where that is fastest, a = (v + v0)/L: far below g where the memory is long.
-TEST(FallingFriction, GrowsMoreSlowlyWithMemory) {
+TEST(NegativeSlopeFriction, GrowsMoreSlowlyWithMemory) {
     const char* table = "tip.friction_table=[[0.1,0.09],[0.6,0.04]]";
     Scene scene = scene_with("table", table);
     const double at_once = growth_of(*loaded(scene), scene);
@@ -61,7 +61,7 @@ TEST(FallingFriction, GrowsMoreSlowlyWithMemory) {
         scene.parameters.tip.friction_memory = memory;
         model::Variator remembering(scene.parameters);
         const auto started = loaded(scene_with("table", table));
-        FallingFriction falling(remembering, scene.parameters);
+        NegativeSlopeFriction falling(remembering, scene.parameters);
         const double found = falling.growth(started->time(), started->state(), started->phases().data());
         double expected = 0.0;
         for (double v = 0.1; v < 0.6; v += 1e-4) {
@@ -74,7 +74,7 @@ TEST(FallingFriction, GrowsMoreSlowlyWithMemory) {
 }
 
 /// The automatic step follows the growth where it is steep, and is that of the law's cap where it is not.
-TEST(FallingFriction, ShortensAutomaticSteps) {
+TEST(NegativeSlopeFriction, ShortensAutomaticSteps) {
     double steps[2];
     const char* tables[] = {"tip.friction_table=[[0.02,0.09],[0.5,0.089]]", "tip.friction_table=[[0.02,0.09],[0.022,0.02]]"};
     for (int k = 0; k < 2; ++k) {

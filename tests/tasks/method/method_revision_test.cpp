@@ -24,7 +24,7 @@ namespace {
     Simulation simulation(scene);
     SilentObserver silent;
     const engine::Cancellation never;
-    (void)simulation.advance({.steps = 40, .anew = true, .max_wall = 0.0}, silent, never);
+    (void)simulation.advance({.steps = 40, .new_part = true, .max_wall = 0.0}, silent, never);
     return engine::hex(simulation.hash());
 }
 

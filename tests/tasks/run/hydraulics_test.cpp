@@ -67,7 +67,7 @@ TEST(PumpEfficiency, IsUndefinedBeforeThereIsPower) {
     Simulation simulation(hydraulic_scene("rigid"));
     settle_and_go(simulation, 0.0);
     PumpEfficiency seen(simulation);
-    ASSERT_FALSE(simulation.advance({.until = 0.5e-3, .anew = true}, seen, oil_uncancelled));
+    ASSERT_FALSE(simulation.advance({.until = 0.5e-3, .new_part = true}, seen, oil_uncancelled));
     EXPECT_TRUE(std::isnan(seen.values.front())) << "no time has passed";
     EXPECT_GT(seen.values.back(), 0.1);
     EXPECT_LT(seen.values.back(), 1.0);

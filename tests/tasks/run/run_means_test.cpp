@@ -228,15 +228,15 @@ TEST(RunMeans, OfASummaryAreOverOneWindow) {
 
 class Watching final : public RunObserver {
 public:
-    explicit Watching(const Simulation& simulation) : eye_(simulation.variator()) {}
+    explicit Watching(const Simulation& simulation) : observer_(simulation.variator()) {}
     void output(double time, const Workspace& workspace, const Counters&) override {
-        watch.add(workspace.observed_by(eye_, time), workspace);
+        watch.add(workspace.observed_by(observer_, time), workspace);
     }
     void transition(const TransitionRecord&) override {}
     RunWatch watch;
 
 private:
-    model::Observer eye_;
+    model::Observer observer_;
 };
 
 WatchResult watched(const std::vector<std::string>& settings, double duration) {

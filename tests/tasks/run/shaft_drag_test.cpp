@@ -110,7 +110,7 @@ TEST(ShaftDragSummary, CountsDragAmongTheLosses) {
         RunWatch& watch_;
         model::Observer observer_;
     } outputs(watch, simulation);
-    ASSERT_FALSE(simulation.advance({.until = 3e-3, .anew = true}, outputs, drag_uncancelled));
+    ASSERT_FALSE(simulation.advance({.until = 3e-3, .new_part = true}, outputs, drag_uncancelled));
     const SpanMeans means = watch.result(simulation.energy()).means;
     EXPECT_NEAR(means.shaft_power[0], driving_torque * means.speed[0], 1e-3 * means.input);
     EXPECT_NEAR(-means.shaft_power[1], loading_torque * means.speed[1], 1e-3 * means.input);

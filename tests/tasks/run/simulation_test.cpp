@@ -106,7 +106,7 @@ TEST(Simulation, RunsInOneGoAsInPieces) {
     Simulation whole(tiny_scene()), pieces(tiny_scene());
     ASSERT_FALSE(settle_and_run(whole, 4e-5));
     ASSERT_FALSE(settle_and_run(pieces, 2e-5));
-    ASSERT_FALSE(pieces.advance({.until = 4e-5, .anew = true}, silent, uncancelled));
+    ASSERT_FALSE(pieces.advance({.until = 4e-5, .new_part = true}, silent, uncancelled));
     EXPECT_DOUBLE_EQ(pieces.time(), whole.time());
     // Times of steps may differ in their last digit.
     for (int k = 0; k < whole.variator().layout().size(); ++k)
@@ -133,7 +133,7 @@ TEST(Simulation, APartBegunAnewCountsFromZeroAndEndsAfterItsSteps) {
     Simulation simulation(tiny_scene());
     ASSERT_FALSE(settle_and_run(simulation, 1e-5));
     const double before = simulation.time();
-    EXPECT_EQ(simulation.advance({.steps = 5, .anew = true}, silent, uncancelled).kind, FaultKind::max_steps);
+    EXPECT_EQ(simulation.advance({.steps = 5, .new_part = true}, silent, uncancelled).kind, FaultKind::max_steps);
     EXPECT_EQ(simulation.counters().steps, 5);
     EXPECT_GT(simulation.time(), before);
     EXPECT_EQ(simulation.advance({.steps = 3}, silent, uncancelled).kind, FaultKind::max_steps);
@@ -176,7 +176,7 @@ TEST(Simulation, ContinuesFromASavedStateAsIfItHadNotBeenSaved) {
             EXPECT_EQ(continued.hash(), simulation.hash());
             EXPECT_EQ(slope_of(continued, continued.time()), slope_of(simulation, simulation.time()));
             ASSERT_FALSE(continued.advance({.until = saved_at + 1e-5}, silent, uncancelled));
-            ASSERT_FALSE(simulation.advance({.until = saved_at + 1e-5, .anew = true}, silent, uncancelled));
+            ASSERT_FALSE(simulation.advance({.until = saved_at + 1e-5, .new_part = true}, silent, uncancelled));
             EXPECT_EQ(continued.hash(), simulation.hash());
         }
     }

@@ -161,7 +161,7 @@ TEST(ScheduleRunner, EndsWhenAskedWhileSchedulesChange) {
     EXPECT_EQ(simulation.counters().steps, 50);
     engine::Cancellation at_once;
     at_once.request();
-    EXPECT_EQ(simulation.advance({.until = 1.0, .anew = true}, quiet, at_once).kind, FaultKind::cancelled);
+    EXPECT_EQ(simulation.advance({.until = 1.0, .new_part = true}, quiet, at_once).kind, FaultKind::cancelled);
 }
 
 TEST(ScheduleRunner, ReportsItsChoice) {
@@ -169,13 +169,13 @@ TEST(ScheduleRunner, ReportsItsChoice) {
     SilentObserver quiet;
     const engine::Cancellation never;
     Simulation brief(scene, std::vector<Schedule>{Schedule{}, {"barrier", {Assembly::fused}, 2, 2}}, {});
-    EXPECT_EQ(brief.advance({.steps = 3, .anew = true}, quiet, never).kind, FaultKind::max_steps);
+    EXPECT_EQ(brief.advance({.steps = 3, .new_part = true}, quiet, never).kind, FaultKind::max_steps);
     EXPECT_EQ(brief.runner().text(), "serial (auto; the run was too short to try others)");
     EXPECT_EQ(Simulation(scene, Schedule{"barrier", {Assembly::staged}, 5, 2}).runner().text(), "barrier, staged, 5 segments, 2 threads");
     ChooserOptions options = restless();
     options.gain = options.min_lead = 1e9;  // nothing can bring that
     Simulation longer(scene, std::vector<Schedule>{Schedule{}, {"barrier", {Assembly::fused}, 2, 2}}, options);
-    EXPECT_EQ(longer.advance({.steps = 200, .anew = true}, quiet, never).kind, FaultKind::max_steps);
+    EXPECT_EQ(longer.advance({.steps = 200, .new_part = true}, quiet, never).kind, FaultKind::max_steps);
     EXPECT_THAT(longer.runner().text(), AllOf(StartsWith("serial (auto: "),
                                               HasSubstr(" us per cycle, barrier, fused, 2 segments, 2 threads "), HasSubstr("0 changes)")));
 }

@@ -169,13 +169,13 @@ TEST(IntegrationState, WithLessThanItsMethodRemembersIsRefused) {
 
 TEST(IntegrationState, ThatCannotBeIsRefused) {
     const IntegrationState good = midway(tiny());
-    ASSERT_EQ(good.unsound(), nullptr);
+    ASSERT_EQ(good.invalid_reason(), nullptr);
     const auto refused = [&](const auto& change) {
         IntegrationState bad = good;
         change(bad);
         Simulation simulation(tiny());
         EXPECT_THROW(simulation.restore(bad), SimulationError);
-        EXPECT_NE(bad.unsound(), nullptr);
+        EXPECT_NE(bad.invalid_reason(), nullptr);
     };
     refused([](IntegrationState& s) { s.grid_number = -1; });
     refused([](IntegrationState& s) { s.counters.steps = std::numeric_limits<long>::max(); });

@@ -52,7 +52,7 @@ ExitStatus dot(const DotArguments& arguments) {
     const tasks::Method chosen = tasks::method_of(scene);
     tasks::Workspace workspace(scene.parameters, chosen.plan(),
                                tasks::Partition::equal(scene.parameters.chain.pins, std::max(1, scene.run.segments)));
-    const std::unique_ptr<tasks::StepMethod> method = chosen.at_work(workspace);
+    const std::unique_ptr<tasks::StepMethod> method = chosen.make(workspace);
     const engine::TaskGraph graph = tasks::step_graph(workspace, {.kind = scene.run.assembly}, method.get());
     fmt::print("{}", to_dot(graph, cycle_named(graph, arguments.cycle, chosen.name())));
     return ExitStatus::finished;

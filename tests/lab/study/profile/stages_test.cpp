@@ -19,7 +19,7 @@ class GraphOf {
 public:
     GraphOf(const Scene& scene, const std::string& method, const AssemblyOptions& options)
         : workspace_(scene.parameters, Method(method).plan(), Partition::equal(scene.parameters.chain.pins, 3)),
-          method_(Method(method).at_work(workspace_)) {
+          method_(Method(method).make(workspace_)) {
         graph_ = step_graph(workspace_, options, method_.get());
     }
     [[nodiscard]] const engine::TaskGraph& graph() const { return graph_; }

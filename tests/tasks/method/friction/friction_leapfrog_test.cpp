@@ -59,7 +59,7 @@ TEST(FrictionLeapfrog, ItsGraphHasNoRaces) {
         const Scene scene = claims::ready_scene("baseline", {std::string("run.method=") + name});
         for (const int segments : {1, 2, 5, 84}) {
             Workspace workspace(scene.parameters, Method(name).plan(), Partition::equal(84, segments));
-            const auto method = Method(name).at_work(workspace);
+            const auto method = Method(name).make(workspace);
             for (const Assembly assembly : {Assembly::fused, Assembly::staged}) {
                 EXPECT_TRUE(engine::race_check(step_graph(workspace, {.kind = assembly}, method.get())).empty()) << name << " " << segments;
             }
@@ -71,7 +71,7 @@ TEST(FrictionLeapfrog, ItsGraphHasNoRaces) {
 TEST(FrictionLeapfrog, StagesOfACycleWaitForNeighboursOnly) {
     const Scene scene = claims::ready_scene("baseline", {"run.method=leapfrog-chebyshev"});
     Workspace workspace(scene.parameters, Method("leapfrog-chebyshev").plan(), Partition::equal(84, 5));
-    const auto method = Method("leapfrog-chebyshev").at_work(workspace);
+    const auto method = Method("leapfrog-chebyshev").make(workspace);
     const engine::TaskGraph graph = step_graph(workspace, {}, method.get());
     const int cycle = graph.cycles() - 2;  // the last is the step's end
     ASSERT_EQ(graph.levels(cycle), 8);

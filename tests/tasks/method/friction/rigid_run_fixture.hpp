@@ -18,7 +18,7 @@ class RigidRun {
 public:
     explicit RigidRun(const model::Parameters& parameters)
         : workspace_(parameters, method_.plan(), Partition::equal(parameters.chain.pins, 1)),
-          step_method_(method_.at_work(workspace_)),
+          step_method_(method_.make(workspace_)),
           graph_(step_graph(workspace_, {}, step_method_.get())) {}
 
     /// Begins at a state. @param time [s]   @param y [unknowns]

@@ -55,7 +55,7 @@ TEST(SweepLeapfrog, ItsGraphHasNoRaces) {
     const Scene scene = claims::ready_scene("baseline", {"run.method=leapfrog-sweep"});
     for (const int segments : {1, 2, 5, 84}) {
         Workspace workspace(scene.parameters, Method("leapfrog-sweep").plan(), Partition::equal(84, segments));
-        const auto method = Method("leapfrog-sweep").at_work(workspace);
+        const auto method = Method("leapfrog-sweep").make(workspace);
         for (const Assembly assembly : {Assembly::fused, Assembly::staged})
             EXPECT_TRUE(engine::race_check(step_graph(workspace, {.kind = assembly}, method.get())).empty()) << segments;
     }
