@@ -18,5 +18,19 @@ TEST(HostRigidPins, GiveTheSameBitsForEveryWayOfRunningAndContinued) {
     EXPECT_EQ(restored.hash(), whole.hash());
 }
 
+TEST(HostRigidPins, ReportEveryTransitionOfTheirTips) {
+    Simulation simulation(tiny({"detail.pins=rigid", "detail.order=2", "run.method=leapfrog-rigid", "run.step=1 us"}));
+    long transitions = 0;
+    simulation.advance_to(0.0);
+    simulation.on_transition([&](Simulation& at, const Transition& t) {
+        EXPECT_LE(t.time, at.time());
+        EXPECT_EQ(t.from + t.to, 1) << "free or touching";
+        ++transitions;
+    });
+    simulation.advance_to(1e-3);
+    EXPECT_EQ(transitions, simulation.counters().transitions);
+    EXPECT_GT(transitions, 0);
+}
+
 }  // namespace
 }  // namespace cvtflow::host

@@ -179,8 +179,8 @@ public:
     /// Called after the first step at or after every multiple of `interval` [s]. Replaces the one before; an empty function removes it.
     /// @throws Error (argument) unless interval > 0; busy
     void on_output(double interval, std::function<void(Simulation&)> callback);
-    /// Called for every transition since the last call, in their order, between two outputs at the latest. At rigid pins they are not
-    /// counted, and there is no call. @throws Error busy
+    /// Called for every transition since the last call, in their order, between two outputs at the latest. At rigid pins tips touch or are
+    /// free, from the end of a step on. @throws Error busy
     void on_transition(std::function<void(Simulation&, const Transition&)> callback);
 
 private:

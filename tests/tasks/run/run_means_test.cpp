@@ -39,7 +39,7 @@ TEST(RunMeans, AreOverWholePinPeriodsAndSayWhatIsOdd) {
     EXPECT_NEAR(means.all().efficiency, 0.98, 1e-9);
     EXPECT_EQ(means.all().periods, std::floor(0.1 / 7e-4));
     std::string names;
-    EnergyBalance balance{.work = 20.0, .loss = 20.0, .through = 1e3, .stored = 4.0, .samples = 100.0};
+    EnergyBalance balance{.work = 20.0, .loss = 20.0, .energy_in = 1e3, .stored = 4.0, .samples = 100.0};
     name_notes(means, balance, names);
     EXPECT_EQ(names, "gross_slip unsteady");
     balance.loss = 0.05;  // 1e-5 of what came in are a fifth of it
@@ -105,7 +105,7 @@ std::string notes_of_idling(double speed) {
         means.add(now, sums, 1e-3);
     }
     std::string names;
-    name_notes(means, {.work = 240.0, .loss = 90.0, .through = 250.0, .samples = 100.0}, names);
+    name_notes(means, {.work = 240.0, .loss = 90.0, .energy_in = 250.0, .samples = 100.0}, names);
     return names;
 }
 
@@ -134,7 +134,7 @@ RunMeans steady_means(double drive, double load, double pin_period = 7e-4, doubl
     return means;
 }
 
-constexpr EnergyBalance closed_balance{.work = 10.0, .loss = 10.0, .through = 1000.0, .samples = 100.0};
+constexpr EnergyBalance closed_balance{.work = 10.0, .loss = 10.0, .energy_in = 1000.0, .samples = 100.0};
 
 std::string names_of(const RunMeans& means) {
     std::string names;

@@ -69,7 +69,7 @@ TEST(EnergyLedger, NoiseThatARunMakesByItselfExcusesNothing) {
 TEST(EnergyLedger, NoiseExcusesNoMoreThanAHundredthOfTheLossesWhereThereAreInputs) {
     EnergyBalance balance{.span = 20e-3, .change = -100.0, .loss = 101.1, .stored = 100.0, .deviation = 50.0, .samples = 500.0};
     EXPECT_LT(balance.balance_error_ratio(), 1.0) << "a ring: nothing comes in";
-    balance.through = 600.0;
+    balance.energy_in = 600.0;
     EXPECT_GT(balance.balance_error_ratio(), 1.0);
     balance.loss = 100.6;  // no right run exceeded 0.0063
     EXPECT_LT(balance.balance_error_ratio(), 1.0);
