@@ -16,6 +16,8 @@ enum class NewtonMatrix {
     schubert,         ///< kept over steps, with Broyden's updates within the sparsity (Schubert 1970) and a new factorisation each
 };
 
+[[nodiscard]] constexpr bool keeps_over_steps(NewtonMatrix matrix) noexcept { return matrix >= NewtonMatrix::frozen; }
+
 /// Where the iteration starts.
 enum class NewtonStart {
     rest,   ///< velocities of the step's start

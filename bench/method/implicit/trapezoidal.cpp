@@ -5,14 +5,12 @@
 #include <limits>
 #include <utility>
 
-#include "model/start/start_state.hpp"
 #include "tasks/step/step_method.hpp"
 
 namespace cvtflow::bench {
 
 namespace {
 
-constexpr int increment_slot = 2;
 /// Least share of a Newton step that is tried: with a matrix of this iterate, and with an older one.
 constexpr double shortest = 1.0 / 256.0, shortest_with_old = 1.0 / 8.0;
 /// A matrix is given up when the residual falls by less than this factor, once it has had some iterations to show what it can: few if it is
@@ -24,12 +22,9 @@ constexpr int max_updates = 30;
 }  // namespace
 
 TrapezoidalMethod::TrapezoidalMethod(Workspace& workspace, const NewtonOptions& options)
-    : ImplicitMethod(workspace),
+    : TrapezoidalRule(workspace, options.start),
       options_(options),
-      link_mass_(model::link_mass(workspace.parameters)),
       broyden_(matrix_.unknowns(), options.matrix == NewtonMatrix::broyden ? max_updates : 0),
-      energies_(static_cast<std::size_t>(w_.layout().links)),
-      residual_(right_side_),
       residual_before_(right_side_),
       step_(right_side_),
       change_(right_side_) {
@@ -38,13 +33,14 @@ TrapezoidalMethod::TrapezoidalMethod(Workspace& workspace, const NewtonOptions& 
 }
 
 void TrapezoidalMethod::restart() noexcept {
-    start_slope_ = end_slope_ = has_jacobian_ = false;
+    phases_changed();  // discards the slopes
+    has_jacobian_ = false;
     since_jacobian_ = 0;
     broyden_.clear();
 }
 
 void TrapezoidalMethod::save(std::vector<double>& memory) const {
-    const bool keeps = keeps_over_steps() && has_jacobian_;
+    const bool keeps = keeps_over_steps(options_.matrix) && has_jacobian_;
     memory = {end_slope_ ? 1.0 : 0.0, keeps ? 1.0 : 0.0, static_cast<double>(since_jacobian_)};
     if (end_slope_) memory.insert(memory.end(), w_.slopes[trial_slope], w_.slopes[trial_slope] + w_.layout().size());
     if (!keeps) return;
@@ -64,25 +60,24 @@ void TrapezoidalMethod::load(std::span<const double> memory) {
 }
 
 CycleSequence TrapezoidalMethod::step() {
+    ++statistics_.steps;
+    iterations_ = 0;
+    refreshed_ = direction_ = renew_ = false;
+    first_ = true;
     if (!knows_start_slope()) {
-        terms_[0] = {0, 1.0};
-        co_yield evaluate({terms_, 1}, 0.0, start_slope);
+        co_yield evaluate_start();
         close_evaluation(w_);
-        start_slope_ = true;
     }
-    end_slope_ = direction_ = renew_ = false;
-    first_ = predicting_ = true;
-    co_yield prepare_cycle;  // v⁺ = v, or v + h a
+    co_yield predict();
     start_tail();
-    predicting_ = false;
-    for (double lambda = 0.0;;) {
-        co_yield evaluate_trial(lambda);
+    for (lambda_ = 0.0;;) {
+        co_yield evaluate_trial(lambda_);
         close_evaluation(w_);
         co_yield prepare_cycle;
         const double norm = residual_norm();
         if (!first_ && !falls(norm) && options_.backtracking) {
             if (!shorten()) co_return give_up();
-            lambda = first_ ? 0.0 : 0.5 * lambda_;
+            lambda_ = first_ ? 0.0 : 0.5 * lambda_;
             continue;
         }
         accept_trial(norm);
@@ -99,46 +94,8 @@ CycleSequence TrapezoidalMethod::step() {
         ++solves_;
         co_yield solve_cycle;
         finish_solve();
-        lambda = 1.0;
+        lambda_ = 1.0;
     }
-}
-
-/// Whether the slope at the start is known: the step is taken again, shorter, or begins where the last one has ended. Counts the step.
-bool TrapezoidalMethod::knows_start_slope() noexcept {
-    ++statistics_.steps;
-    iterations_ = 0;
-    refreshed_ = false;
-    const bool again = start_slope_ && w_.step.time == time_of_start_;
-    time_of_start_ = w_.step.time;
-    if (again) return true;
-    if (!std::exchange(end_slope_, false)) return false;
-    std::swap(w_.slopes[trial_slope], w_.slopes[start_slope]);
-    return start_slope_ = true;
-}
-
-/// Trial = iterate + λ increment, into the trial's slot.
-int TrapezoidalMethod::evaluate_trial(double lambda) noexcept {
-    lambda_ = lambda;
-    terms_[0] = {iterate_, 1.0};
-    terms_[1] = {increment_slot, lambda};
-    const std::span<const engine::Term> terms(terms_, first_ ? 1 : 2);
-    return evaluate(terms, 1.0, trial_slope, trial_);
-}
-
-void TrapezoidalMethod::prepare(int segment) noexcept {
-    for (int link = w_.partition[segment].first; link < w_.partition[segment].last; ++link) {
-        if (predicting_) {
-            start_link(link);
-        } else {
-            residual_of_link(link);
-        }
-    }
-}
-
-double TrapezoidalMethod::residual_norm() noexcept {
-    double energy = residual_of_tail();
-    for (const double part : energies_) energy += part;
-    return std::isfinite(energy) ? std::sqrt(energy / link_mass_) : HUGE_VAL;
 }
 
 bool TrapezoidalMethod::falls(double norm) const noexcept { return norm <= (1.0 - 1e-4 * lambda_) * norm_ || norm <= options_.tolerance; }
@@ -172,7 +129,7 @@ TrapezoidalMethod::Matrix TrapezoidalMethod::next_matrix() noexcept {
     const bool by_rule =
         options_.matrix == NewtonMatrix::every_iteration || (options_.matrix == NewtonMatrix::once_per_step && iterations_ == 0);
     if (by_rule || !has_jacobian_) return Matrix::new_jacobian;
-    const int iterations_to_show = keeps_over_steps() ? iterations_with_old : iterations_with_new;
+    const int iterations_to_show = keeps_over_steps(options_.matrix) ? iterations_with_old : iterations_with_new;
     const bool poor = since_jacobian_ > 0 && iterations_ >= iterations_to_show && contraction_ > poor_contraction;
     refreshed_ = refreshed_ || poor;
     if (poor || (options_.matrix == NewtonMatrix::broyden && broyden_.full())) return Matrix::new_jacobian;
@@ -196,24 +153,7 @@ void TrapezoidalMethod::finish_solve() noexcept {
     direction_ = true;
     step_ = solution_;
     residual_before_ = residual_;
-    double* out = state(increment_slot) + q_tail_;
-    std::fill(out, out + w_.tail_size(), 0.0);
-    for (int k = 0; k < border_size_; ++k) {
-        out[half_ + k] = border(solution_)[k];
-        if (k < half_) out[k] = theta() * border(solution_)[k];
-    }
-}
-
-/// Increment of the state from that of the velocities.
-void TrapezoidalMethod::finish(int first, int last) noexcept {
-    for (int link = first; link < last; ++link) {
-        double* q = state(increment_slot) + w_.layout().link_begin(link);
-        const double* x = velocities(solution_, link);
-        for (int k = 0; k < size_; ++k) {
-            q[k] = theta() * x[k];
-            q[size_ + k] = x[k];
-        }
-    }
+    finish_tail();
 }
 
 /// The best iterate is used, and counted, unless it is no number.
@@ -227,14 +167,10 @@ Fault TrapezoidalMethod::give_up() noexcept {
 }
 
 void TrapezoidalMethod::finish_step() noexcept {
-    const int ledger = w_.layout().ledger_begin();
-    for (int k = ledger; k < w_.layout().size(); ++k)
-        state(iterate_)[k] = state(0)[k] + theta() * (w_.slopes[start_slope][k] + w_.slopes[trial_slope][k]);
+    take_iterate();
     statistics_.iterations += iterations_;
     statistics_.refreshed += refreshed_ ? 1 : 0;
     statistics_.most = std::max<long>(statistics_.most, iterations_);
-    terms_[0] = {iterate_, 1.0};
-    w_.step.row = {{terms_, 1}, {}, -1, -1, 1.0};
 }
 
 std::string TrapezoidalMethod::report() const { return text(statistics()); }
