@@ -67,7 +67,8 @@ State Simulation::state() const {
         const Impl::Scope scope(*impl_, Impl::Scope::As::visitor);
         const tasks::Simulation& now = impl_->simulation();
         State state;
-        state.bytes_ = api::write_state_bytes(scene().data_->fingerprint(), now.variator().pulleys().held(), now.integration_state());
+        state.bytes_ =
+            api::write_state_bytes(scene().data_->fingerprint(), now.workspace().variator.pulleys().held(), now.integration_state());
         return state;
     });
 }
@@ -86,8 +87,8 @@ double Simulation::input(Input input) const {
     return entered(ErrorCode::internal, [&] { return impl_->input(input); });
 }
 
-std::size_t Simulation::size() const noexcept { return static_cast<std::size_t>(impl_->simulation().variator().layout().size()); }
-std::span<const double> Simulation::unknowns() const noexcept { return {impl_->simulation().state(), size()}; }
+std::size_t Simulation::size() const noexcept { return static_cast<std::size_t>(impl_->simulation().workspace().layout().size()); }
+std::span<const double> Simulation::unknowns() const noexcept { return {impl_->simulation().workspace().state(), size()}; }
 void Simulation::rhs(double t, std::span<const double> x, std::span<double> out) {
     entered(ErrorCode::internal, [&] { impl_->rhs(t, x, out); });
 }
@@ -97,7 +98,7 @@ ChannelInfo Simulation::channel_info(std::size_t index) const {
     return entered(ErrorCode::internal, [&] {
         const tasks::Channel& row = impl_->channels().row(index);
         return ChannelInfo{row.name, row.unit, row.description,
-                           static_cast<std::size_t>(row.width(impl_->simulation().variator().chain()))};
+                           static_cast<std::size_t>(row.width(impl_->simulation().workspace().variator.chain()))};
     });
 }
 std::size_t Simulation::find_channel(const std::string& name) const {
@@ -112,7 +113,7 @@ std::span<const double> Simulation::channel(std::size_t index) {
 std::span<const double> Simulation::channel(const std::string& name) { return channel(find_channel(name)); }
 
 Counters Simulation::counters() const noexcept {
-    const tasks::Counters& so_far = impl_->simulation().counters_of_part();
+    const tasks::Counters& so_far = impl_->simulation().part().counters();
     return {so_far.steps, so_far.evaluations, so_far.detected, so_far.truncated, so_far.suppressed};
 }
 std::vector<std::string> Simulation::notices() const {
@@ -120,7 +121,7 @@ std::vector<std::string> Simulation::notices() const {
 }
 Energy Simulation::energy() const noexcept {
     const api::FloatingDefaults defaults;
-    const tasks::EnergyBalance balance = impl_->simulation().energy().balance();
+    const tasks::EnergyBalance balance = impl_->simulation().workspace().energy.balance();
     const double balance_error_ratio = impl_->simulation().balance_error_ratio();
     return {balance.residual(), balance.loss, balance_error_ratio, balance_error_ratio <= 1.0};
 }
@@ -250,7 +251,7 @@ void Simulation::Impl::set_input(Input input, double value) {
     const Scope scope(*this, Scope::As::visitor);
     const InputRow& row = input_row(input, data());
     require_in_range(row, value);
-    const model::PulleyModel& pulleys = simulation_.variator().pulleys();
+    const model::PulleyModel& pulleys = simulation_.workspace().variator.pulleys();
     model::HeldInputs held = pulleys.held();
     if (row.turns != InputRow::none) {  // the reference turns on from where it is
         const double now = simulation_.time();
@@ -262,12 +263,11 @@ void Simulation::Impl::set_input(Input input, double value) {
     if (!row.is_angle()) held.*row.held = value;
     simulation_.hold(held);
     channels_.changed();
-    simulation_.inputs_changed();
 }
 
 double Simulation::Impl::input(Input input) const {
     const InputRow& row = input_row(input, data());
-    const model::PulleyModel& pulleys = simulation_.variator().pulleys();
+    const model::PulleyModel& pulleys = simulation_.workspace().variator.pulleys();
     if (row.is_angle()) {
         const bool acts = pulleys.held().coupled;
         return acts ? pulleys.reference_angle(simulation_.time(), row.turns) -

@@ -29,11 +29,11 @@ template <class Function>
 }  // namespace
 
 ChannelReader::ChannelReader(const tasks::Simulation& simulation, const tasks::Scene& scene)
-    : simulation_(simulation), followed_pin_(scene.run.followed_pin), observer_(simulation.variator()) {
+    : simulation_(simulation), followed_pin_(scene.run.followed_pin), observer_(simulation.workspace().variator) {
     for (const tasks::Channel& row : tasks::channels()) {
         if (!row.is(tasks::Channel::any_machine) && scene.parameters.detail.pulleys == model::PulleyDetail::absent) continue;
         rows_.push_back(&row);
-        values_.emplace_back(static_cast<std::size_t>(row.width(simulation.variator().chain())));
+        values_.emplace_back(static_cast<std::size_t>(row.width(simulation.workspace().variator.chain())));
     }
 }
 
@@ -55,7 +55,7 @@ std::size_t ChannelReader::find(std::string_view name) const {
 std::span<const double> ChannelReader::read(std::size_t index) {
     const tasks::Channel& channel = row(index);
     const tasks::Workspace& workspace = simulation_.workspace();
-    const tasks::Counters& counters = simulation_.counters_of_part();
+    const tasks::Counters& counters = simulation_.part().counters();
     const bool chain = channel.needs_chain(counters);
     if (observation_ == nullptr || (chain && !chain_observed_)) {
         observation_ =
@@ -219,7 +219,7 @@ void Simulation::Impl::advance(Simulation& self, double until, long steps) {
     last_stop_ = steps > 0 ? std::numeric_limits<double>::infinity() : until;
     while (simulation_.time() < until - tolerance) {
         if (cancel_.withdraw()) throw Error(ErrorCode::cancelled, "cancelled");
-        const long steps_before = simulation_.counters_of_part().steps;
+        const long steps_before = simulation_.part().counters().steps;
         channels_.changed();
         const tasks::Fault fault = api::translated(ErrorCode::internal, [&] {
             api::HostObserver observer(recorder_, callbacks_);
@@ -228,7 +228,7 @@ void Simulation::Impl::advance(Simulation& self, double until, long steps) {
         callbacks_.deliver(self, simulation_.time(), abandoned_, defaults);
         if (abandoned_) throw Error(ErrorCode::cancelled, "the simulation was destroyed or moved by its own callback");
         if (fault.kind == tasks::FaultKind::cancelled) cancel_.withdraw();
-        if (steps > 0 && (simulation_.counters_of_part().steps != steps_before || !fault)) return;
+        if (steps > 0 && (simulation_.part().counters().steps != steps_before || !fault)) return;
         if (fault) throw Error(api::code_of(fault.kind), fault.message() + advice(simulation_, fault.kind));
     }
 }
@@ -238,7 +238,7 @@ std::unique_ptr<Simulation::Impl> Simulation::Impl::copy() {
     const tasks::IntegrationState& now = simulation_.integration_state();
     const model::StartState start{now.state, now.phases, {}, 0.0};
     auto other = std::make_unique<Impl>(scene_, threads_, segments_, &start);
-    other->restore({scene_.data_->fingerprint(), simulation_.variator().pulleys().held(), now});
+    other->restore({scene_.data_->fingerprint(), simulation_.workspace().variator.pulleys().held(), now});
     other->start_differences_ = start_differences_;
     return other;
 }
@@ -247,21 +247,20 @@ void Simulation::Impl::restore(StateRecord record) {
     const Scope scope(*this, Scope::As::stepper);
     if (record.fingerprint != scene_.data_->fingerprint())
         throw Error(ErrorCode::state, "saved state: it belongs to another scene, method or step");
-    api::translated(ErrorCode::state, [&] { simulation_.restore(std::move(record.integration)); });
-    simulation_.hold(record.held);
+    api::translated(ErrorCode::state, [&] { simulation_.restore(std::move(record.integration), &record.held); });
     channels_.changed();
     last_stop_ = std::numeric_limits<double>::infinity();
     callbacks_.restart(simulation_.time());
 }
 
 void Simulation::Impl::rhs(double t, std::span<const double> x, std::span<double> out) {
-    const std::size_t size = static_cast<std::size_t>(simulation_.variator().layout().size());
+    const std::size_t size = static_cast<std::size_t>(simulation_.workspace().layout().size());
     if (x.size() != size || out.size() != size) {
         throw Error(ErrorCode::argument, "rhs: spans of " + std::to_string(x.size()) + " and " + std::to_string(out.size()) +
                                              " numbers for " + std::to_string(size) + " unknowns");
     }
     const Scope scope(*this, Scope::As::visitor);
-    if (!slope_) slope_.emplace(simulation_.variator(), simulation_.workspace().rule);
+    if (!slope_) slope_.emplace(simulation_.workspace().variator, simulation_.workspace().rule);
     (*slope_)(t, x.data(), out.data());
 }
 

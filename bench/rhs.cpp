@@ -46,20 +46,23 @@ constexpr std::string_view settings_of_lowest[] = {"detail.order=0", "detail.pla
 /// The settled baseline at some detail with everything that a row needs.
 struct Case {
     explicit Case(tasks::Scene scene)
-        : parameters(scene.parameters), simulation(scene), phases(simulation.phases()), scratch(simulation.variator().layout()) {
+        : parameters(scene.parameters),
+          simulation(scene),
+          phases(simulation.workspace().tips.phases),
+          scratch(simulation.workspace().layout()) {
         const auto& at = layout();
-        variator().pulleys().motions(simulation.state() + at.pulley_begin(), scratch.sheaves);
+        variator().pulleys().motions(simulation.workspace().state() + at.pulley_begin(), scratch.sheaves);
         for (int link = 0; link < at.links; ++link) {
             model::TipProbe probe;
-            variator().chain().probe(simulation.state() + at.link_begin(link), scratch.sheaves, false, probe);
+            variator().chain().probe(simulation.workspace().state() + at.link_begin(link), scratch.sheaves, false, probe);
             for (int tip = 0; tip < model::tips_per_link; ++tip) {
                 phases[static_cast<std::size_t>(model::tips_per_link * link + tip)] =
                     probe.depth[tip] > 0.0 ? model::Phase::touching : model::Phase::free;
             }
         }
-        model::fill_window(variator(), simulation.state(), scratch);
+        model::fill_window(variator(), simulation.workspace().state(), scratch);
     }
-    [[nodiscard]] const model::Variator& variator() const { return simulation.variator(); }
+    [[nodiscard]] const model::Variator& variator() const { return simulation.workspace().variator; }
     [[nodiscard]] const model::ChainLayout& layout() const { return variator().layout(); }
     [[nodiscard]] model::ChainRange range() const { return {0, layout().links, scratch.window.data(), scratch.sheaves, phases.data()}; }
 
@@ -121,8 +124,8 @@ void count(benchmark::State& run, const std::string& row, const std::function<vo
 
 /// One evaluation with kernels of any kind, on a model that has others.
 void evaluate(const Case& c, const model::ChainKernels& kernels, model::EvaluationScratch& scratch, double* slope) {
-    const double* tail = c.simulation.state() + c.layout().pulley_begin();
-    model::fill_window(c.variator(), c.simulation.state(), scratch);
+    const double* tail = c.simulation.workspace().state() + c.layout().pulley_begin();
+    model::fill_window(c.variator(), c.simulation.workspace().state(), scratch);
     c.variator().pulleys().motions(tail, scratch.sheaves);
     kernels.slopes(c.variator().chain(), {0, c.layout().links, scratch.window.data(), scratch.sheaves, c.phases.data()}, slope,
                    scratch.loads.data(), nullptr);
@@ -170,7 +173,7 @@ void pulleys(benchmark::State& run) {
     const Case& c = case_of("whole");
     std::vector<double> slope(static_cast<std::size_t>(c.layout().size() - c.layout().pulley_begin()));
     for (auto _ : run) {
-        c.variator().close(0.0, c.simulation.state() + c.layout().pulley_begin(),
+        c.variator().close(0.0, c.simulation.workspace().state() + c.layout().pulley_begin(),
                            c.variator().sheave_forces(c.phases.data(), c.scratch.loads.data()), nullptr, slope.data());
         benchmark::DoNotOptimize(slope.data());
     }
@@ -182,7 +185,7 @@ void transitions(benchmark::State& run) {
     std::vector<model::TipProbe> probes(static_cast<std::size_t>(c.layout().links));
     for (auto _ : run) {
         for (int link = 0; link < c.layout().links; ++link) {
-            c.variator().chain().probe(c.simulation.state() + c.layout().link_begin(link), c.scratch.sheaves,
+            c.variator().chain().probe(c.simulation.workspace().state() + c.layout().link_begin(link), c.scratch.sheaves,
                                        c.parameters.detail.stick_slip, probes[static_cast<std::size_t>(link)]);
         }
         benchmark::DoNotOptimize(probes.data());
@@ -192,7 +195,7 @@ void transitions(benchmark::State& run) {
 
 void plain_whole(benchmark::State& run) {
     const Case& c = case_of("whole");
-    const std::span state(c.simulation.state(), static_cast<std::size_t>(c.layout().size()));
+    const std::span state(c.simulation.workspace().state(), static_cast<std::size_t>(c.layout().size()));
     plain::Result result;
     for (auto _ : run) {
         result = plain::right_hand_side(c.parameters, 0.0, state, c.phases);
@@ -204,7 +207,7 @@ void plain_whole(benchmark::State& run) {
 /// A part of the oracle on a state that is unpacked already.
 void plain_part(benchmark::State& run, void (*add)(const plain::System&, plain::Totals&)) {
     const Case& c = case_of("whole");
-    const std::span state(c.simulation.state(), static_cast<std::size_t>(c.layout().size()));
+    const std::span state(c.simulation.workspace().state(), static_cast<std::size_t>(c.layout().size()));
     const plain::System system = plain::unpack(c.parameters, 0.0, state, c.phases);
     plain::Totals totals = plain::empty_totals(system);
     for (auto _ : run) {

@@ -138,26 +138,26 @@ void print_row(const Options& options, const std::string& detail, const Means& m
         if (const tasks::Fault fault = simulation.advance({.until = until}, silent, never)) throw tasks::SimulationError(fault.message());
     };
     if (simulation.needs_settling()) advance(0.0);
-    model::Observer observer(simulation.variator());
+    model::Observer observer(simulation.workspace().variator);
     const double until = options.milliseconds("until"), from = until - options.milliseconds("mean");
     const double clock = processor_time(), begin = simulation.time();
     advance(from);
     Means m;
     m.processor = processor_time() - clock;
     const double observing = processor_time();
-    const tasks::EnergySums before = simulation.energy().sums(simulation.time());
+    const tasks::EnergySums before = simulation.workspace().energy.sums(simulation.time());
     while (simulation.time() < until) {
         advance(simulation.time() + output_interval);
         const model::Observation& o = simulation.workspace().observed_by(observer, simulation.time());
         m.add(o.tight, o.slack, o.slip, o.ratio, o.clamping[0] / o.clamping[1], o.radius);
     }
     m.observing = processor_time() - observing;
-    const tasks::EnergySums after = simulation.energy().sums(simulation.time());
+    const tasks::EnergySums after = simulation.workspace().energy.sums(simulation.time());
     m.step = simulation.step();
     m.simulated = from - begin;
     m.steps = std::lround(m.simulated / m.step);
     m.span = after.time - before.time;
-    m.residual = simulation.energy().balance().residual();
+    m.residual = simulation.workspace().energy.balance().residual();
     for (std::size_t k = 0; k < m.lost.size(); ++k) m.lost[k] = after.loss[k] - before.loss[k];
     for (std::size_t k = 0; k < m.worked.size(); ++k) m.worked[k] = after.work[k] - before.work[k];
     return m;
@@ -186,7 +186,7 @@ public:
     [[nodiscard]] bool run(double until) { return !simulation_.advance({.until = until}, silent_, never_) && std::isfinite(lost()); }
     void take_step() { static_cast<void>(run(simulation_.time() + step_)); }
     [[nodiscard]] double time() const { return simulation_.time(); }
-    [[nodiscard]] double lost() const { return simulation_.energy().sums(simulation_.time()).lost(); }
+    [[nodiscard]] double lost() const { return simulation_.workspace().energy.sums(simulation_.time()).lost(); }
     [[nodiscard]] const tasks::Workspace& workspace() const { return simulation_.workspace(); }
 
 private:

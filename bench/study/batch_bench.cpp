@@ -73,7 +73,7 @@ long bare_loop(const Sweep& sweep, StartStates& starts, double& wall, double& cp
         const StartStates::State start = starts.of_case(number, scene, never);
         Scene geometric = scene;
         geometric.state_file.clear();
-        if (simulation == nullptr || !simulation->fits(scene)) simulation = std::make_unique<Simulation>(geometric, Schedule{});
+        if (simulation == nullptr || !fits(*simulation, scene)) simulation = std::make_unique<Simulation>(geometric, Schedule{});
         simulation->reset(scene, start.get());
         const Watch watch;
         if (simulation->needs_settling()) {

@@ -33,7 +33,7 @@ void CaseEngine::save() {
         const std::vector<double> position = recorder_->position();
         checkpoint.recorder.insert(checkpoint.recorder.end(), position.begin(), position.end());
     }
-    sign(checkpoint, scene_, simulation_->variator());
+    sign(checkpoint, scene_, simulation_->workspace().variator);
     std::filesystem::create_directories(places_.checkpoints);
     write_checkpoint(permit_state(checkpoint_file(), sweep_), checkpoint);
     on_disk_ = true;
@@ -132,7 +132,7 @@ void keep_for_neighbour(const Sweep& sweep, const CasePlaces& places, long numbe
     if (sweep.strand() == 1) return;
     simulation.move_offset();
     engine::SavedState saved = simulation.saved_state();
-    const model::Variator& variator = simulation.variator();
+    const model::Variator& variator = simulation.workspace().variator;
     const model::ChainLayout& at = variator.layout();
     const double gone = scene.parameters.drive.speed.integral(saved.time);
     if (at.pulley_size != 0) {

@@ -42,7 +42,7 @@ void judge(const Fault& fault, CaseResult& result) {
 
 /// Whether what came out can be believed, and what is odd about it.
 void judge_energy(const Simulation& simulation, const RunMeans& means, CaseResult& result) {
-    const EnergyBalance balance = simulation.energy().balance(means.mark());
+    const EnergyBalance balance = simulation.workspace().energy.balance(means.mark());
     result.residual = balance.relative();
     result.balance_error_ratio = simulation.balance_error_ratio(means.mark());
     if (simulation.workspace().layout().pulley_size != 0) {
@@ -145,19 +145,18 @@ void CaseEngine::prepare() {
 double CaseEngine::elapsed() const { return wall_before_ + seconds_since(started_); }
 
 void CaseEngine::begin(const StartStates::State& saved) {
-    if (serial_ == nullptr || !serial_->fits(scene_)) {
+    if (serial_ == nullptr || !fits(*serial_, scene_)) {
         Scene geometric = scene_;  // the state comes by reset()
         geometric.state_file.clear();
         serial_observer_.reset();
         serial_ = std::make_unique<Simulation>(geometric, Schedule{});
-        serial_observer_ = std::make_unique<model::Observer>(serial_->variator());
+        serial_observer_ = std::make_unique<model::Observer>(serial_->workspace().variator);
     }
     serial_->reset(scene_, saved.get(), saved ? nullptr : starts_.placed(result_.number, scene_).get());
     simulation_ = serial_.get();
     observer_ = serial_observer_.get();
-    simulation_->pause_on(&pause_);
     if (record_options_.from != nullptr)
-        require_same(checkpoint_file(), *record_options_.from, scene_, simulation_->variator(), places_.mixed);
+        require_same(checkpoint_file(), *record_options_.from, scene_, simulation_->workspace().variator, places_.mixed);
     if (!sweep_.records || own_start_) return;
     record_options_.file = permit_record(case_file(places_.records, "case", result_.number), scene_);
     recorder_ = std::make_unique<RunRecorder>(scene_, *simulation_, record_options_);
@@ -197,7 +196,7 @@ void CaseEngine::integrate() {
         report.fault = fault;
         report.hash = result_.hash;
         report.wall = elapsed();
-        report.energy = simulation_->energy().balance(means.mark());
+        report.energy = simulation_->workspace().energy.balance(means.mark());
         report.balance_error_ratio = result_.balance_error_ratio;
         std::exchange(recorder_, nullptr)->finish(report);
     }
@@ -211,7 +210,7 @@ Fault CaseEngine::part() {
         if (recorder_) recorder_->begin_part(s.needs_settling() ? -1.0 : s.time(), latest_);
         pause_ = false;
         const bool settling = s.needs_settling();
-        const Fault fault = s.advance({.until = end_}, *this, never_);
+        const Fault fault = s.advance({.until = end_, .pause = &pause_}, *this, never_);
         if (settling) result_.settling = s.counters();
         if (fault.kind == FaultKind::cancelled && scalars_.means().ended()) return scalars_.means().steady_fault();
         if (fault.kind != FaultKind::cancelled || pause_reason_ == Pause::stop || pause_reason_ == Pause::none) return fault;
@@ -257,7 +256,7 @@ CaseEngine::Pause CaseEngine::pause_for(double time, const Counters& counters) {
     const double window = seconds_since(window_begin_);
     const double rate = window > 0.0 ? static_cast<double>(counters.steps - window_steps_) / window : 0.0;
     const int threads = std::min(control_.threads_per_case(), max_segments(scene_.parameters));
-    const int now = simulation_ == serial_.get() ? 1 : simulation_->runner().schedule().threads;
+    const int now = simulation_ == serial_.get() ? 1 : simulation_->integrator().runner().schedule().threads;
     if (now == 1 && window > trial_seconds) serial_rate_ = rate;
     if (now == 1 && threads > 1 && threads != refused_threads_ && serial_rate_ > 0.0 && left > worth_a_switch) return Pause::more_threads;
     const bool disappointing = now > 1 && window > trial_seconds && rate < required_gain * serial_rate_;
@@ -283,10 +282,9 @@ void CaseEngine::change_threads() {
         geometric.state_file.clear();
         parallel_observer_.reset();
         parallel_ = std::make_unique<Simulation>(geometric, schedule);
-        parallel_observer_ = std::make_unique<model::Observer>(parallel_->variator());
+        parallel_observer_ = std::make_unique<model::Observer>(parallel_->workspace().variator);
         simulation_ = parallel_.get();
         observer_ = parallel_observer_.get();
-        simulation_->pause_on(&pause_);
         result_.threads = std::max(result_.threads, threads);
     }
     simulation_->restore(at);

@@ -57,7 +57,7 @@ struct TrialPace {
 /// Observes at every output of the run, as recorders and scalars do: at rigid pins that costs as much as the steps.
 class ObservingObserver final : public RunObserver {
 public:
-    explicit ObservingObserver(const Simulation& simulation) : simulation_(simulation), observer_(simulation.variator()) {}
+    explicit ObservingObserver(const Simulation& simulation) : simulation_(simulation), observer_(simulation.workspace().variator) {}
     void output(double time, const Workspace& workspace, const Counters& /*counters*/) override {
         if (!simulation_.needs_settling()) static_cast<void>(workspace.observed_by(observer_, time));
     }

@@ -28,9 +28,7 @@ const engine::Cancellation never;
 class CheckpointingObserver final : public RunObserver {
 public:
     CheckpointingObserver(const Scene& scene, const RunOptions& options, Simulation& simulation, RunRecorder& recorder)
-        : scene_(scene), options_(options), simulation_(simulation), recorder_(recorder) {
-        simulation.pause_on(&pause_due_);
-    }
+        : scene_(scene), options_(options), simulation_(simulation), recorder_(recorder) {}
 
     void output(double time, const Workspace& workspace, const Counters& counters) override {
         recorder_.output(time, workspace, counters);
@@ -47,7 +45,7 @@ public:
     [[nodiscard]] Fault go(double until, const engine::Cancellation& cancel, RunReport& report) {
         Simulation& s = simulation_;
         recorder_.begin_part(s.needs_settling() ? -scene_.parameters.start.settling_time : report.begin, s.needs_settling() ? 0.0 : until);
-        const Goal goal{.until = scene_.run.until.automatic() ? std::numeric_limits<double>::infinity() : until};
+        const Goal goal{.until = scene_.run.until.automatic() ? std::numeric_limits<double>::infinity() : until, .pause = &pause_due_};
         Fault fault = s.advance(goal, *this, cancel);
         while (fault.kind == FaultKind::cancelled && pause_due_) {
             if (recorder_.means().ended()) return recorder_.means().steady_fault();
@@ -72,7 +70,7 @@ private:
         checkpoint.run = recorder_.run();
         checkpoint.replaces = options_.replaces;
         checkpoint.recorder = recorder_.position();
-        sign(checkpoint, scene_, simulation_.variator());
+        sign(checkpoint, scene_, simulation_.workspace().variator);
         write_checkpoint(options_.checkpoint, checkpoint);
     }
 
@@ -125,7 +123,7 @@ void run_parts(const Scene& scene, const RunOptions& options, Simulation& simula
     warn_if_unstable(scene, options, simulation, report);
     report.fault = CheckpointingObserver(scene, options, simulation, recorder).go(latest_end(scene), cancel, report);
     report.counters = simulation.counters();
-    report.local_errors = simulation.local_errors();
+    report.local_errors = simulation.part().local_errors();
     report.wall += since(started);
 }
 
@@ -134,7 +132,7 @@ void run_parts(const Scene& scene, const RunOptions& options, Simulation& simula
 RunReport run_scene(const Scene& scene, const RunOptions& options) {
     Simulation simulation(scene);
     if (options.from != nullptr) {
-        require_same(options.checkpoint, *options.from, scene, simulation.variator(), options.mixed);
+        require_same(options.checkpoint, *options.from, scene, simulation.workspace().variator, options.mixed);
         require_rest(options.checkpoint, *options.from, scene);
     }
     RunRecorder recorder(scene, simulation, options);
@@ -143,10 +141,10 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
     report.step_setting = scene.run.step;
     report.step_control = scene.run.step_control;
     report.tolerance = scene.run.tolerance;
-    report.kernels = model::name_of(simulation.variator().chain().isa());
+    report.kernels = model::name_of(simulation.workspace().variator.chain().isa());
     if (model::fuses_multiply_add()) report.kernels += " with fused multiply-adds";
-    report.working_set = simulation.workspace().bytes() + simulation.step_method().bytes().value_or(0);
-    report.counts_method = simulation.step_method().bytes().has_value();
+    report.working_set = simulation.workspace().bytes() + simulation.integrator().method().bytes().value_or(0);
+    report.counts_method = simulation.integrator().method().bytes().has_value();
     report.start_differences = simulation.start_differences();
     if (options.from != nullptr)
         restore(*options.from, simulation, recorder, report);
@@ -155,15 +153,15 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
     run_parts(scene, options, simulation, recorder, report);
     report.end = simulation.time();
     report.step = simulation.step();
-    if (simulation.step_choice() != nullptr) report.stable_step = simulation.step_choice()->stable_step();
-    report.energy = simulation.energy().balance(recorder.means().mark());
+    if (simulation.part().step_choice() != nullptr) report.stable_step = simulation.part().step_choice()->stable_step();
+    report.energy = simulation.workspace().energy.balance(recorder.means().mark());
     report.couplings = couplings_of(simulation);
     report.heat = simulation.workspace().heat;
     report.trip = simulation.workspace().trip.sums(report.end);
     report.balance_error_ratio = simulation.balance_error_ratio(recorder.means().mark());
     report.settling_residual = simulation.integration_state().settling_residual;
-    report.method_report = simulation.step_method().report();
-    report.schedule = simulation.runner().text();
+    report.method_report = simulation.integrator().method().report();
+    report.schedule = simulation.integrator().runner().text();
     report.hash = simulation.hash();
     recorder.finish(report);
     // Rows of a record that this run did not continue are in no finished record.

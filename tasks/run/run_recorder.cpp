@@ -134,19 +134,19 @@ RunRecorder::RunRecorder(const Scene& scene, const Simulation& simulation, const
     : options_(options),
       state_interval_(scene.run.state_interval),
       followed_pin_(scene.run.followed_pin),
-      has_pulleys_(simulation.variator().layout().pulley_size != 0),
-      observer_(simulation.variator()),
+      has_pulleys_(simulation.workspace().layout().pulley_size != 0),
+      observer_(simulation.workspace().variator),
       channels_(chosen_channels(scene.run.channels, scene.parameters)) {
     std::vector<bool> averaged;
     for (const Channel* channel : channels_)
-        averaged.insert(averaged.end(), static_cast<std::size_t>(channel->width(simulation.variator().chain())),
+        averaged.insert(averaged.end(), static_cast<std::size_t>(channel->width(simulation.workspace().variator.chain())),
                         !channel->is(Channel::unaveraged));
     row_.resize(averaged.size());
     if (scene.run.means) output_means_ = OutputMeans(std::move(averaged));
     means_.seek_steady(steady_rule(scene));
     if (!options.file.empty()) {
         run_ = options.from != nullptr && !options.from->run.empty() ? options.from->run : new_identity();
-        contents_ = contents_of(scene, simulation.variator().chain(), channels_, run_);
+        contents_ = contents_of(scene, simulation.workspace().variator.chain(), channels_, run_);
         if (options.from != nullptr) former_ = former_record(options);
         file_ = std::make_unique<engine::RunFile>(
             options.file, contents_,

@@ -12,11 +12,12 @@ namespace cvtflow::tasks {
 
 std::vector<CouplingReport> couplings_of(const Simulation& simulation) {
     std::vector<CouplingReport> found;
-    const model::PulleyModel& pulleys = simulation.variator().pulleys();
-    const CouplingSums& energy = simulation.energy().input_works().couplings;
+    const Workspace& w = simulation.workspace();
+    const model::PulleyModel& pulleys = w.variator.pulleys();
+    const CouplingSums& energy = w.energy.input_works().couplings;
     for (const int shaft : {0, 1}) {
         if (!pulleys.coupled(shaft)) continue;
-        const auto now = pulleys.coupling(simulation.time(), simulation.state() + simulation.workspace().layout().pulley_begin(), shaft);
+        const auto now = pulleys.coupling(simulation.time(), w.state() + w.layout().pulley_begin(), shaft);
         const auto k = static_cast<std::size_t>(shaft);
         found.push_back({shaft, now.twist, now.energy, energy.work[k], energy.dissipated[k]});
     }

@@ -2,10 +2,7 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <chrono>
-#include <cmath>
 #include <span>
-#include <tuple>
 #include <utility>
 
 #include "engine/base/hash.hpp"
@@ -19,8 +16,6 @@
 #include "tasks/run/saved_start.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/schedule/schedule.hpp"
-#include "tasks/step/control/step_controller.hpp"
-#include "tasks/step/integration_state.hpp"
 
 namespace cvtflow::tasks {
 
@@ -78,40 +73,36 @@ Simulation::Simulation(const Scene& scene, const Schedule& schedule, engine::Sta
 
 Simulation::Simulation(const Scene& scene, const std::vector<Schedule>& candidates, const ChooserOptions& options,
                        engine::StampRecorder* recorder, const model::StartState* start)
-    : scene_(with_gains(scene)), integrator_(integrator_of(scene_, candidates, options, recorder)), workspace_(&integrator_->workspace()) {
+    : scene_(with_gains(scene)),
+      integrator_(integrator_of(scene_, candidates, options, recorder)),
+      workspace_(&integrator_->workspace()),
+      part_(scene_, *integrator_) {
     const auto saved = start != nullptr || scene_.state_file.empty() ? nullptr : saved_start(scene_);
     if (saved != nullptr) start_differences_ = tasks::start_differences(*saved, scene_);
     begin_with(saved.get(), start);
-    reset_integration();
-}
-
-Simulation::~Simulation() = default;
-
-bool Simulation::fits(const Scene& scene) const {
-    return method_of(scene) == method().name() && model::layout_of(scene.parameters) == workspace_->layout();
 }
 
 void Simulation::reset(const Scene& scene, const engine::SavedState* saved, const model::StartState* placed) {
-    if (!model::Variator::same_machine(scene_.parameters, scene.parameters)) {
-        choice_.reset();
-        checked_start_.reset();
-    }
-    forget_controller();
+    const bool same_machine = model::Variator::same_machine(scene_.parameters, scene.parameters);
+    if (!same_machine) checked_start_.reset();
+    part_.forget(same_machine);
     scene_ = scene;
     find_gains(scene_);
     integrator_->adopt(scene_.parameters);
-    counters_ = {};
-    saved_.settling_balance_error_ratio = saved_.settling_residual = 0.0;
     start_differences_.clear();
-    needs_settling_ = false;
     begin_with(saved, placed);
-    reset_integration();
+}
+
+void Simulation::restore(IntegrationState state, const model::HeldInputs* held) {
+    part_.restore(std::move(state));
+    if (held != nullptr) workspace_->variator.hold(*held);
+}
+
+bool fits(const Simulation& simulation, const Scene& scene) {
+    return method_of(scene) == simulation.method().name() && model::layout_of(scene.parameters) == simulation.workspace().layout();
 }
 
 namespace {
-
-/// Rest of a budget that is used up: 0 would mean no budget [s].
-constexpr double shortest_budget = 1e-9;
 
 constexpr std::int64_t ledger_size = model::loss_kinds + model::work_kinds;
 
@@ -169,30 +160,6 @@ void take_state(Workspace& w, const Scene& scene, const engine::SavedState& save
                    [=](std::uint8_t phase) { return adopted(phase, stick_slip); });
 }
 
-/// Couplings and hydraulics take over where a run begins: at t = 0 after settling, or at a start that needs none.
-/// @param couplings IntegrationState::couplings [none or 6]
-void couple(Workspace& w, double time, std::vector<double>& couplings) {
-    if (w.layout().pulley_size == 0) return;
-    double* const tail = w.state_to_set() + w.layout().pulley_begin();
-    w.variator.pulleys().fill_cylinders(time, tail);
-    w.variator.couple(time, tail);
-    for (const model::ReferenceAngle& from : w.variator.pulleys().held().reference)
-        couplings.insert(couplings.end(), {from.since, from.angle, from.zero});
-}
-
-/// @param numbers IntegrationState::couplings [none or 6]
-void restore_couplings(model::Variator& variator, std::span<const double> numbers) {
-    model::HeldInputs held = variator.pulleys().held();
-    held.coupled = !numbers.empty();
-    for (model::ReferenceAngle& reference : held.reference) {
-        reference = {};
-        if (!held.coupled) continue;
-        reference = {numbers[0], numbers[1], numbers[2]};
-        numbers = numbers.subspan(3);
-    }
-    variator.hold(held);
-}
-
 }  // namespace
 
 /// A state of another machine begins with a shock that no method resolves: the geometric start settles instead.
@@ -202,8 +169,7 @@ void Simulation::begin_with(const engine::SavedState* saved, const model::StartS
         if (!checked_start_ || checked_start_->hash != hash) checked_start_ = {hash, start_misfit(*saved, scene_)};
         if (checked_start_->misfit <= start_misfit_tolerance) {
             take_state(*workspace_, scene_, *saved, start_differences_);
-            saved_.settling_balance_error_ratio = balance_error_ratio_of(*saved);
-            time_ = saved->time;  // inputs and the governor's angle continue from there
+            part_.begin(saved->time, false, balance_error_ratio_of(*saved));  // inputs and the governor's angle continue from there
             return;
         }
         const std::string unfit = unfit_text(checked_start_->misfit);
@@ -214,197 +180,28 @@ void Simulation::begin_with(const engine::SavedState* saved, const model::StartS
     const model::StartState& start = placed == nullptr ? made : *placed;
     std::copy(start.state.begin(), start.state.end(), workspace_->state_to_set());
     workspace_->tips.phases = start.phases;
-    needs_settling_ = scene_.parameters.start.layout == model::StartLayout::belt && scene_.parameters.start.settling_time > 0.0;
-    time_ = needs_settling_ ? -scene_.parameters.start.settling_time : 0.0;
-}
-
-/// A run that ended by a goal, a pause or its caller continues with the same controller.
-Fault Simulation::drive() {
-    integrator_->run(*controller_);
-    counters_ = controller_->counters();
-    local_errors_ = controller_->local_errors();
-    step_ = controller_->step();
-    time_ = controller_->time();
-    saved_.started = true;
-    rest_known_ = false;
-    const Fault fault = controller_->fault();
-    try {
-        controller_->rethrow();
-    } catch (...) {
-        drop_controller();
-        throw;
-    }
-    if (fault && fault.kind != FaultKind::cancelled && fault.kind != FaultKind::max_steps) drop_controller();
-    return fault;
-}
-
-void Simulation::begin_part(const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel) {
-    static_cast<void>(integration_state());
-    controller_.emplace(*workspace_, integrator_->method(), settings, observer, cancel);
-    saved_.begin = settings.begin;
-    saved_.output_interval = settings.output_interval;
-    saved_.step = settings.step;
-}
-
-void Simulation::drop_controller() {
-    static_cast<void>(integration_state());
-    forget_controller();
-}
-
-/// Its state is not saved.
-void Simulation::forget_controller() noexcept {
-    controller_.reset();
-    rest_known_ = true;
-}
-
-const IntegrationState& Simulation::integration_state() const {
-    if (!rest_known_ && controller_) {
-        controller_->save(saved_);
-        workspace_->heat.save(saved_.heat);
-    }
-    rest_known_ = true;
-    return saved_;
-}
-
-StepSettings Simulation::settings_of(const Goal& goal) const {
-    const RunSettings& run = scene_.run;
-    StepSettings settings{.begin = time_,
-                          .until = goal.until,
-                          .step = run.step,
-                          .output_interval = run.output_interval,
-                          .max_steps = run.max_steps,
-                          .max_wall = goal.max_wall.value_or(run.max_wall),
-                          .control = run.step_control,
-                          .tolerance = run.tolerance,
-                          .choice = choice_.get(),
-                          .pause = pause_};
-    if (saved_.settling && !goal.new_part) {
-        const double duration = scene_.parameters.start.settling_time;
-        settings.begin = -duration;
-        settings.until = std::min(goal.until, 0.0);
-        settings.output_interval = duration / std::max(1.0, std::ceil(duration / run.output_interval * (1.0 - 1e-12)));
-    }
-    if (goal.steps > 0) settings.max_steps = goal.steps;
-    if (!saved_.started || goal.new_part) return settings;
-    if (goal.steps > 0) settings.max_steps += counters_.steps;
-    settings.begin = saved_.begin;
-    settings.output_interval = saved_.output_interval;
-    settings.step = saved_.step;
-    return settings;
-}
-
-Fault Simulation::advance(const Goal& goal, RunObserver& observer, const engine::Cancellation& cancel) {
-    StepSettings settings = settings_of(goal);
-    const double budget = settings.max_wall;
-    if (budget > 0.0) settings.max_wall = std::max(shortest_budget, budget - paused_wall_);
-    const auto begun = std::chrono::steady_clock::now();
-    const bool continues = saved_.started && !goal.new_part;
-    if (continues && controller_)
-        controller_->resume(settings, observer, cancel);
-    else if (continues)
-        controller_.emplace(*workspace_, integrator_->method(), settings, saved_, observer, cancel);
-    else
-        begin_part(settings, observer, cancel);
-    if (goal.new_part) saved_.settling = needs_settling_ && settings.begin < 0.0;
-    Fault fault = drive();
-    paused_wall_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
-    if (fault.kind == FaultKind::max_wall) std::tie(fault.value, fault.limit) = std::pair(paused_wall_, budget);
-    if (fault.kind != FaultKind::cancelled || pause_ == nullptr || !*pause_) paused_wall_ = 0.0;
-    const bool settled = saved_.settling && !goal.new_part && time_ >= -1e-9 * settings.output_interval;
-    if (settled && (!fault || goal.steps > 0)) end_settling();
-    return fault;
-}
-
-void Simulation::end_settling() {
-    needs_settling_ = false;
-    time_ = 0.0;
-    move_offset();
-    saved_.settling_balance_error_ratio = workspace_->energy.balance_error_ratio();
-    saved_.settling_residual = workspace_->energy.balance().relative();
-    reset_integration();
-}
-
-void Simulation::move_offset() {
-    if (scene_.gains == ControlGains::given) return;
-    const model::ChainLayout& at = workspace_->layout();
-    const model::Control& control = scene_.parameters.control;
-    const double* tail = workspace_->state() + at.pulley_begin();
-    const double corrected = workspace_->variator.pulleys().inputs(time_, tail).clamping[0] - scene_.parameters.clamping.driving.at(time_);
-    workspace_->state_to_set()[at.control_begin()] = std::clamp(corrected, -control.authority, control.authority) / control.integral;
-}
-
-void Simulation::reset_integration() {
-    const Workspace& w = *workspace_;
-    forget_controller();
-    saved_.couplings.clear();
-    if (!needs_settling_) couple(*workspace_, time_, saved_.couplings);
-    if (!scene_.run.step.automatic())
-        choice_.reset();
-    else if (choice_ == nullptr)
-        choice_ = std::make_unique<AutoStep>(w.variator, scene_.parameters, method());
-    workspace_->energy.restart(integrator_->method().observation_stride());
-    workspace_->heat.restart(scene_.parameters);
-    workspace_->trip.follow(scene_.vehicle, scene_.cycle);
-    workspace_->warm();
-    saved_.started = false;
-    saved_.settling = needs_settling_;
-    saved_.time = time_;
-    saved_.begin = saved_.output_interval = saved_.step = 0.0;
-    saved_.grid_number = saved_.grid_steps = saved_.outputs = 0;
-    saved_.counters = {};
-    saved_.method.clear();
-    saved_.state.assign(w.state(), w.state() + w.layout().size());
-    saved_.phases = w.tips.phases;
-    saved_.changed = w.tips.changed;
-    saved_.before = w.tips.before;
-    saved_.energy.clear();
-    saved_.heat.clear();
-    saved_.step_choice.clear();
-}
-
-void Simulation::restore(IntegrationState from) {
-    if (const char* why = from.invalid_reason()) throw SimulationError(why);
-    Workspace& w = *workspace_;
-    const std::size_t size = static_cast<std::size_t>(w.layout().size()), tips = w.tips.phases.size();
-    if (from.state.size() != size || from.phases.size() != tips || from.changed.size() != tips || from.before.size() != tips) {
-        throw SimulationError(fmt::format("a state of {} unknowns and {} tips does not fit this scene: {} and {}", from.state.size(),
-                                          from.phases.size(), size, tips));
-    }
-    forget_controller();
-    std::copy(from.state.begin(), from.state.end(), w.state_to_set());
-    w.tips.phases = from.phases;
-    w.tips.changed = from.changed;
-    w.tips.before = from.before;
-    w.phases_changed();
-    integrator_->method().restart();
-    w.energy.load(from.energy, integrator_->method().observation_stride());
-    restore_couplings(w.variator, from.couplings);
-    w.heat.restart(scene_.parameters);
-    if (!w.heat.load(from.heat)) throw SimulationError("the state contains malformed temperatures");
-    w.warm();
-    saved_ = std::move(from);
-    needs_settling_ = saved_.settling;
-    time_ = saved_.time;
-    counters_ = saved_.counters;
+    const bool settles = scene_.parameters.start.layout == model::StartLayout::belt && scene_.parameters.start.settling_time > 0.0;
+    part_.begin(settles ? -scene_.parameters.start.settling_time : 0.0, settles);
 }
 
 std::uint64_t Simulation::hash() const noexcept {
+    const std::vector<model::Phase>& phases = workspace_->tips.phases;
     engine::Hash hash;
-    hash.add(std::span<const double>(state(), static_cast<std::size_t>(workspace_->layout().size())));
-    hash.add(std::span<const std::uint8_t>(reinterpret_cast<const std::uint8_t*>(phases().data()), phases().size()));
+    hash.add(std::span<const double>(workspace_->state(), static_cast<std::size_t>(workspace_->layout().size())));
+    hash.add(std::span<const std::uint8_t>(reinterpret_cast<const std::uint8_t*>(phases.data()), phases.size()));
     return hash.value();
 }
 
 engine::SavedState Simulation::saved_state() const {
     engine::SavedState saved;
-    saved.time = time_;
-    saved.state.assign(state(), state() + workspace_->layout().size());
-    for (const model::Phase phase : phases()) saved.phases.push_back(static_cast<std::uint8_t>(phase));
+    saved.time = time();
+    saved.state.assign(workspace_->state(), workspace_->state() + workspace_->layout().size());
+    for (const model::Phase phase : workspace_->tips.phases) saved.phases.push_back(static_cast<std::uint8_t>(phase));
     const std::string text = write_scene(scene_);
     saved.fingerprint = engine::Hash().add(std::string_view(text)).hex();
     saved.attributes = {{"scene", text}, {"method", method().name()}, {std::string(balance_error_ratio_attribute), balance_error_ratio()}};
     if (workspace_->layout().ledger) saved.attributes.push_back({std::string(ledger_size_attribute), ledger_size});
-    if (step_ > 0.0) saved.attributes.push_back({std::string(step_taken_attribute), step_});
+    if (step() > 0.0) saved.attributes.push_back({std::string(step_taken_attribute), step()});
     return saved;
 }
 
@@ -424,8 +221,8 @@ FrozenStart frozen_start(const Simulation& simulation) {
     const Workspace& at = simulation.workspace();
     const std::size_t size = static_cast<std::size_t>(at.layout().size());
     Workspace probed(at.parameters, *engine::find_method("rk4"), Partition::equal(at.layout().links, 1));
-    std::copy_n(simulation.state(), size, probed.state_to_set());
-    probed.tips.phases = simulation.phases();
+    std::copy_n(at.state(), size, probed.state_to_set());
+    probed.tips.phases = at.tips.phases;
     SilentObserver silent;
     const engine::Cancellation never;
     StepController controller(probed, StepSettings{}, silent, never);  // probes the start

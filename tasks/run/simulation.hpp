@@ -2,22 +2,16 @@
 /// One simulation of one scene: its start state, its step loop, its counters; and its slope as solvers outside know it. No global state;
 /// any number may live side by side.
 
-#include <algorithm>
-#include <limits>
 #include <memory>
 #include <optional>
-#include <span>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "model/law/phase_rule.hpp"
 #include "model/start/start_state.hpp"
 #include "model/variator/variator.hpp"
-#include "tasks/method/auto_step.hpp"
-#include "tasks/scene/scene.hpp"
-#include "tasks/schedule/integrator.hpp"
-#include "tasks/step/control/step_controller.hpp"
-#include "tasks/step/integration_state.hpp"
+#include "tasks/run/run_part.hpp"
 
 namespace cvtflow::engine {
 struct SavedState;
@@ -29,14 +23,6 @@ namespace cvtflow::tasks {
 class SimulationError : public std::runtime_error {
 public:
     using std::runtime_error::runtime_error;
-};
-
-/// End of a call of Simulation::run().
-struct Goal {
-    double until = std::numeric_limits<double>::infinity();  ///< [s]
-    long steps = 0;  ///< at most this many further steps, in addition to run.max_steps: ends with a Fault of kind max_steps; 0: no limit
-    bool new_part = false;  ///< begins another part at the present time, with output times and counters of its own, settled or not
-    std::optional<double> max_wall = {};  ///< in place of run.max_wall [s], 0: no budget
 };
 
 class Simulation {
@@ -51,70 +37,56 @@ public:
     /// Prepares the start state for schedules to choose from while it runs, serial first (see ScheduleChooser).
     Simulation(const Scene& scene, const std::vector<Schedule>& candidates, const ChooserOptions& options,
                engine::StampRecorder* recorder = nullptr, const model::StartState* start = nullptr);
-    ~Simulation();
+    Simulation(const Simulation&) = delete;
 
-    /// Whether reset() may be used: the same unknowns and the same method.
-    [[nodiscard]] bool fits(const Scene& scene) const;
-    /// Becomes a simulation of another scene that fits, in the memory of this one; bit for bit as a new one.
+    /// Becomes a simulation of another scene that fits(), in the memory of this one; bit for bit as a new one.
     /// @param saved the state to start from, instead of the scene's file; nullptr, or one that does not fit: geometric start
     /// @param placed that start, if it has been made already
     /// @throws as the constructor
     void reset(const Scene& scene, const engine::SavedState* saved, const model::StartState* placed = nullptr);
 
     /// Whether the start is geometric and has to settle before t = 0.
-    [[nodiscard]] bool needs_settling() const noexcept { return needs_settling_; }
+    [[nodiscard]] bool needs_settling() const noexcept { return part_.needs_settling(); }
     /// Continues from the present state: that of the last call, of restore(), or the start. A geometric start settles first,
     /// from t = -start.settling_time to t = 0 with clamping and load ramped up: that is a part of its own, with outputs at negative times,
     /// and the call ends with it in any case. Where calls end does not change a bit of what follows. Ends with the first step at or after
     /// the goal's time, or with a Fault.
-    [[nodiscard]] Fault advance(const Goal& goal, RunObserver& observer, const engine::Cancellation& cancel);
-    /// Puts values in place of the tables of inputs, between runs.
-    void hold(const model::HeldInputs& held) noexcept { workspace_->variator.hold(held); }
-    /// They are not those of the last step: what follows may be fast.
-    void inputs_changed() {
-        workspace_->energy.inputs_changed(time_, true);
-        if (saved_.started && !controller_) workspace_->energy.save(saved_.energy);
-        rest_known_ = !controller_;
+    [[nodiscard]] Fault advance(const Goal& goal, RunObserver& observer, const engine::Cancellation& cancel) {
+        return part_.advance(goal, observer, cancel);
     }
-    /// advance() ends before its next step as soon as the flag is true, with a Fault of kind cancelled; set by an observer. nullptr:
-    /// none.
-    void pause_on(const bool* flag) noexcept { pause_ = flag; }
+    /// Puts values in place of the tables of inputs, between runs. They are not those of the last step: what follows may be fast.
+    void hold(const model::HeldInputs& held) {
+        workspace_->variator.hold(held);
+        part_.inputs_changed();
+    }
 
     /// The present integration state, which is written when it is read.
-    [[nodiscard]] const IntegrationState& integration_state() const;
+    [[nodiscard]] const IntegrationState& integration_state() const { return part_.integration_state(); }
     /// Takes an integration_state() of a simulation of the same scene and method, in whatever process.
+    /// @param held  inputs that were held there; nullptr: those that are held here
     /// @throws SimulationError if the numbers of unknowns or tips differ
-    void restore(IntegrationState state);
+    void restore(IntegrationState state, const model::HeldInputs* held = nullptr);
 
-    /// Schedule and graph at present, and how schedules have come and gone.
-    [[nodiscard]] const ScheduleRunner& runner() const noexcept { return integrator_->runner(); }
-    [[nodiscard]] double time() const noexcept { return time_; }
+    /// The part in progress: settling, or the run.
+    [[nodiscard]] const RunPart& part() const noexcept { return part_; }
+    /// Method, schedule and graph at present, and how schedules have come and gone.
+    [[nodiscard]] const Integrator& integrator() const noexcept { return *integrator_; }
+    /// State, phases, model and energies of the present part.
     [[nodiscard]] const Workspace& workspace() const noexcept { return *workspace_; }
-    [[nodiscard]] const model::Variator& variator() const noexcept { return workspace_->variator; }
-    [[nodiscard]] const double* state() const noexcept { return workspace_->state(); }
-    [[nodiscard]] const std::vector<model::Phase>& phases() const noexcept { return workspace_->tips.phases; }
+    [[nodiscard]] double time() const noexcept { return part_.time(); }
     /// Counters of the present part, or of the last one: settling, or the run.
-    [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
-    /// Likewise, zero where no step of a part has been taken yet.
-    [[nodiscard]] const Counters& counters_of_part() const noexcept { return saved_.started ? counters_ : saved_.counters; }
-    /// Works, losses and balance of the present part: settling, or the run.
-    [[nodiscard]] const EnergyLedger& energy() const noexcept { return workspace_->energy; }
+    [[nodiscard]] const Counters& counters() const noexcept { return part_.last_counters(); }
     /// The largest EnergyLedger::balance_error_ratio() of settling and run: above 1 the results are wrong.
     /// @param from  of the run as a whole only what came after this mark
     [[nodiscard]] double balance_error_ratio(const std::optional<EnergyMark>& from = {}) const noexcept {
-        return std::max(saved_.settling_balance_error_ratio, workspace_->energy.balance_error_ratio(from));
+        return part_.balance_error_ratio(from);
     }
     /// false: keeps no energies from the next run on, for measurements of what that costs.
     void keep_energies(bool on) noexcept { workspace_->energy.keep(on); }
-    /// Choice of automatic steps, with its last estimate; nullptr: run.step is given.
-    [[nodiscard]] const AutoStep* step_choice() const noexcept { return choice_.get(); }
-    /// Likewise, if the scene asks for errors.
-    [[nodiscard]] const LocalErrorStatistics& local_errors() const noexcept { return local_errors_; }
     /// The method of its steps: run.method, or what that is where it is "auto".
     [[nodiscard]] const Method& method() const noexcept { return integrator_->chosen_method(); }
-    [[nodiscard]] const StepMethod& step_method() const noexcept { return integrator_->method(); }
     /// Step in use in the last run [s].
-    [[nodiscard]] double step() const noexcept { return step_; }
+    [[nodiscard]] double step() const noexcept { return part_.step(); }
     /// Hash of state and phases: equal for every number of segments, threads and schedule.
     [[nodiscard]] std::uint64_t hash() const noexcept;
     /// Differences between this scene and the one that the state file was settled with, one line each, and whether the state therefore was
@@ -122,29 +94,17 @@ public:
     [[nodiscard]] const std::vector<std::string>& start_differences() const noexcept { return start_differences_; }
 
     /// With control.gains = "found": moves what the proportional part corrects at present into the integral part.
-    void move_offset();
+    void move_offset() { part_.move_offset(); }
     /// The present state as a file for start.state.
     [[nodiscard]] engine::SavedState saved_state() const;
 
 private:
     void begin_with(const engine::SavedState* saved, const model::StartState* placed);
-    void reset_integration();
-    void end_settling();
-    [[nodiscard]] StepSettings settings_of(const Goal& goal) const;
-    [[nodiscard]] Fault drive();
-    void begin_part(const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel);
-    void drop_controller();
-    void forget_controller() noexcept;
 
     Scene scene_;
     std::unique_ptr<Integrator> integrator_;
-    Workspace* workspace_;              ///< the integrator's
-    std::unique_ptr<AutoStep> choice_;  ///< of automatic steps
-    bool needs_settling_ = false;
-    double time_ = 0.0;  ///< [s]
-    double step_ = 0.0;  ///< [s]
-    Counters counters_;
-    LocalErrorStatistics local_errors_;
+    Workspace* workspace_;  ///< the integrator's
+    RunPart part_;
     std::vector<std::string> start_differences_;
     /// Misfit of the last saved start in this machine: cases of a sweep often share both.
     struct CheckedStart {
@@ -152,23 +112,16 @@ private:
         double misfit = 0.0;
     };
     std::optional<CheckedStart> checked_start_;
-    mutable IntegrationState saved_;            ///< where the next call begins, but for what controller_ knows
-    mutable bool rest_known_ = true;            ///< saved_ is that of now
-    std::optional<StepController> controller_;  ///< of the last call, if the next one may continue with it
-    const bool* pause_ = nullptr;
-    double paused_wall_ = 0.0;  ///< of the advances since the last that did not end in a pause [s]
 };
 
+/// Whether reset() may be used: the same unknowns and the same method.
+[[nodiscard]] bool fits(const Simulation& simulation, const Scene& scene);
 /// The automatic step at the present state, independent of run.step [s].
 [[nodiscard]] double automatic_step(const Simulation& simulation);
 /// The largest step that is stable and accurate for the method at the present state. Takes a hundred evaluations.
 [[nodiscard]] LargestStep largest_step(const Simulation& simulation);
 /// The simulation's present state, with the phases that a run would begin with.
 [[nodiscard]] FrozenStart frozen_start(const Simulation& simulation);
-
-}  // namespace cvtflow::tasks
-
-namespace cvtflow::tasks {
 
 /// The right-hand side as a function of time and unknowns alone. Serial; owns the memory of one evaluation.
 class PlainSlope {

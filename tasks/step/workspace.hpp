@@ -166,7 +166,7 @@ public:
     std::vector<model::LineVector<double>> windows;  ///< [segments] stage states of the segment's links and of the layout's halo
     std::vector<SegmentResult> segment_results;      ///< [segments]
     FrameMemory frame;                               ///< of the controller's coroutine
-    EnergyLedger energy;                             ///< works, losses and balance so far, written by the controller
+    EnergyLedger energy;                             ///< works, losses and balance of the present part, written by the controller
     model::HeatBalance heat;                         ///< temperatures, changed at outputs by the controller
     model::Trip trip;                                ///< of the scene's vehicle; empty without a cycle
     std::unique_ptr<AssemblyMemory> further;         ///< of the assembly that the laboratory adds; nullptr in the product

@@ -256,7 +256,7 @@ PointRun PointMeasure::measured(const TuneChoice& choice, bool settled, engine::
     PointRun run;
     Scene scene = chosen_scene(point_.scene, choice, 0.0);
     const std::unique_ptr<Simulation> simulation = begin(choice, scene, settled, run);
-    OutputReader reader(simulation->variator(), outputs_, scene.run.followed_pin, point_.from);
+    OutputReader reader(simulation->workspace().variator, outputs_, scene.run.followed_pin, point_.from);
     SilentObserver silent;
     Fault fault;
     if (simulation->needs_settling()) fault = advance(*simulation, {.until = 0.0}, silent);
@@ -268,7 +268,7 @@ PointRun PointMeasure::measured(const TuneChoice& choice, bool settled, engine::
     record_cost(*simulation, began, std::max(simulation->time() - begin, 1e-9), run);
     run.values = reader.values();
     std::string notes;
-    name_notes(reader.watch().means(), simulation->energy().balance(), notes);
+    name_notes(reader.watch().means(), simulation->workspace().energy.balance(), notes);
     run.unsteady = notes.find("unsteady") != std::string::npos;
     if (fault)
         run.objection = fault.message();

@@ -24,10 +24,9 @@ const std::map<std::string, std::string> tables{
     {"tasks/scene/parameter_table.cpp", "one row per parameter"},
 };
 
-/// Classes of more methods: file and class, and how many it has today. Numbers may only shrink.
+/// Classes of more methods, and how many: only the interface of hosts, which a division would break. Numbers may only shrink.
 const std::map<std::string, int> large_classes{
     {"api/include/cvtflow/simulation.hpp: Simulation", 27},
-    {"tasks/run/simulation.hpp: Simulation", 37},
 };
 
 TEST(Size, FilesAreShort) {

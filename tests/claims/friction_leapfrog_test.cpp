@@ -80,7 +80,7 @@ void expect_limit(const std::string& method) {
         tasks::Simulation simulation(scene);
         tasks::SilentObserver silent;
         EXPECT_FALSE(simulation.advance({.until = 100e-6}, silent, never)) << scale;
-        model::Observer observer(simulation.variator());
+        model::Observer observer(simulation.workspace().variator);
         return simulation.workspace().observed_by(observer, simulation.time()).tight;
     };
     const double tenth = end("0.1"), hundredth = end("0.01"), thousandth = end("0.001");

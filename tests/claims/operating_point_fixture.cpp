@@ -43,7 +43,7 @@ tasks::Scene scene_at_level(const std::string& name, const std::string& level, s
     return scene;
 }
 
-Operation::Operation(const tasks::Scene& scene) : simulation_(scene), observer_(simulation_.variator()) {
+Operation::Operation(const tasks::Scene& scene) : simulation_(scene), observer_(simulation_.workspace().variator) {
     if (simulation_.needs_settling()) fault = simulation_.advance({.until = 0.0}, *this, no_cancellation);
     if (fault) return;
     recording_ = true;

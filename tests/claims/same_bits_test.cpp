@@ -19,7 +19,7 @@ std::vector<double> end_of(const tasks::Scene& scene) {
     EXPECT_FALSE(simulation.advance({.until = 0.0}, silent, never));
     EXPECT_GT(simulation.counters().detected, 0);
     EXPECT_FALSE(simulation.advance({.until = scene.run.until}, silent, never));
-    return {simulation.state(), simulation.state() + simulation.variator().layout().size()};
+    return {simulation.workspace().state(), simulation.workspace().state() + simulation.workspace().layout().size()};
 }
 
 class SameBits : public testing::TestWithParam<std::string> {};

@@ -13,7 +13,7 @@ namespace {
 /// Mean friction of the tips on sheaves 1-, 1+, 2-, 2+, over 30 ms after settling [W].
 class SheaveFriction final : public tasks::RunObserver {
 public:
-    explicit SheaveFriction(const tasks::Scene& scene) : simulation_(scene), observer_(simulation_.variator()) {
+    explicit SheaveFriction(const tasks::Scene& scene) : simulation_(scene), observer_(simulation_.workspace().variator) {
         tasks::SilentObserver settling;
         EXPECT_FALSE(simulation_.advance({.until = 0.0}, settling, engine::Cancellation()));
         EXPECT_FALSE(simulation_.advance({.until = scene.run.until}, *this, engine::Cancellation()));

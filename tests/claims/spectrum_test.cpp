@@ -33,13 +33,13 @@ public:
             EXPECT_FALSE(simulation_.advance({.until = 0.0}, quiet, never));
         }
         EXPECT_FALSE(simulation_.advance({.until = simulation_.time() + 1e-5, .new_part = true}, quiet, never));
-        state_.assign(simulation_.state(), simulation_.state() + simulation_.variator().layout().size());
+        state_.assign(simulation_.workspace().state(), simulation_.workspace().state() + simulation_.workspace().layout().size());
     }
     [[nodiscard]] model::Parameters parameters() const { return parameters_; }
     [[nodiscard]] Extent extent(const model::Parameters& parameters) const {
         const model::Variator variator(parameters);
         Extent extent{0.0, 0.0, 0};
-        for (const auto& value : bench::spectrum(variator, simulation_.time(), state_, simulation_.phases())) {
+        for (const auto& value : bench::spectrum(variator, simulation_.time(), state_, simulation_.workspace().tips.phases)) {
             extent.fastest_decay = std::max(extent.fastest_decay, -value.real());
             extent.fastest_oscillation = std::max(extent.fastest_oscillation, std::abs(value.imag()));
             extent.fast += value.real() < -1e6 ? 1 : 0;

@@ -37,7 +37,7 @@ ControlledOutcome controlled_outcome(const Scene& scene, const Schedule& schedul
     Simulation simulation(scene, schedule);
     SilentObserver silent;
     const Fault fault = simulation.advance({.until = simulation.time() + scene.run.until}, silent, not_cancelled);
-    return {simulation.hash(), simulation.counters(), simulation.local_errors(), fault};
+    return {simulation.hash(), simulation.counters(), simulation.part().local_errors(), fault};
 }
 
 std::vector<std::string> with(const std::string& method, const std::string& step, std::vector<std::string> more = {}) {
@@ -76,10 +76,10 @@ TEST(ReusedSlopes, AreThoseThatWouldBeEvaluated) {
     }
     ASSERT_EQ(simulation.counters().truncated, 0);
     ASSERT_EQ(simulation.counters().steps, 20);
-    bench::FrozenStepper stepper(simulation.variator(), *engine::find_method("dumka3-p1"), start.phases);
+    bench::FrozenStepper stepper(simulation.workspace().variator, *engine::find_method("dumka3-p1"), start.phases);
     stepper.advance(start.time, 5e-8, 20, start.state);
     for (std::size_t k = 0; k < start.state.size(); ++k)
-        EXPECT_NEAR(simulation.state()[k], start.state[k], 1e-10 * std::abs(start.state[k]) + 1e-12) << k;
+        EXPECT_NEAR(simulation.workspace().state()[k], start.state[k], 1e-10 * std::abs(start.state[k]) + 1e-12) << k;
 }
 
 TEST(ErrorControl, TighterTolerancesAreMoreExact) {
@@ -144,11 +144,11 @@ TEST(ErrorControl, EndsWhenNoStepIsShortEnough) {
 TEST(SpectralBound, IsTheExtentOfTheSpectrum) {
     const Simulation simulation(settled_tiny());
     const FrozenStart start = frozen_start(simulation);
-    SpectralBound bound(simulation.variator());
+    SpectralBound bound(simulation.workspace().variator);
     const int evaluations = bound.estimate(start.time, start.state.data(), start.phases.data());
     EXPECT_LE(evaluations, 301);
     double real = 0.0, imaginary = 0.0;
-    for (const auto& value : bench::spectrum(simulation.variator(), start.time, start.state, start.phases)) {
+    for (const auto& value : bench::spectrum(simulation.workspace().variator, start.time, start.state, start.phases)) {
         real = std::max(real, -value.real());
         imaginary = std::max(imaginary, std::abs(value.imag()));
     }

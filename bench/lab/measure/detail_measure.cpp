@@ -33,10 +33,10 @@ const std::vector<tasks::TunedOutput>& shown() {
 /// Averages over both halves of a run.
 struct Averager final : tasks::RunObserver {
     Averager(const tasks::Simulation& simulation, double from, double until)
-        : observer(simulation.variator()),
+        : observer(simulation.workspace().variator),
           middle(0.5 * (from + until)),
-          first(simulation.variator(), shown(), 0, from),
-          second(simulation.variator(), shown(), 0, middle) {}
+          first(simulation.workspace().variator, shown(), 0, from),
+          second(simulation.workspace().variator, shown(), 0, middle) {}
     void output(double time, const tasks::Workspace& w, const tasks::Counters& counters) override {
         const model::Observation& now = w.observed_by(observer, time);
         watch.add(now, w);
@@ -71,7 +71,7 @@ void settle_and_average(tasks::Simulation& simulation, double settle, Averager& 
     tasks::Fault fault = simulation.advance({.until = settle, .new_part = true}, silent, catch_interrupts());
     const double before = simulation.balance_error_ratio();
     if (!fault) fault = simulation.advance({.until = until, .new_part = true}, seen, catch_interrupts());
-    outcome.watch = seen.watch.result(simulation.energy(), before);
+    outcome.watch = seen.watch.result(simulation.workspace().energy, before);
     outcome.status = outcome.watch.status(fault);
     outcome.fault = fault ? fault.message() : unreliable_remark(fault, outcome.watch);
     if (outcome.status == "unreliable") outcome.fault += "; use a shorter --step";
@@ -79,13 +79,13 @@ void settle_and_average(tasks::Simulation& simulation, double settle, Averager& 
 
 /// Minimum of several, because the machine may be busy.
 double cost_of(const tasks::Simulation& simulation) {
-    model::EvaluationScratch scratch(simulation.variator().layout());
-    std::vector<double> slope(static_cast<std::size_t>(simulation.variator().layout().size()));
+    const tasks::Workspace& w = simulation.workspace();
+    model::EvaluationScratch scratch(w.layout());
+    std::vector<double> slope(static_cast<std::size_t>(w.layout().size()));
     double best = 1.0;
     for (int repetition = 0; repetition < 200; ++repetition) {
         const auto begin = std::chrono::steady_clock::now();
-        for (int k = 0; k < 5; ++k)
-            model::right_hand_side(simulation.variator(), 0.0, simulation.state(), simulation.phases().data(), slope.data(), scratch);
+        for (int k = 0; k < 5; ++k) model::right_hand_side(w.variator, 0.0, w.state(), w.tips.phases.data(), slope.data(), scratch);
         best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() / 5.0);
     }
     return best;
@@ -212,7 +212,7 @@ DetailOutcome DetailMeasure::measure(const DetailVariant& variant, double target
     const tasks::StateFile start(tasks::convert_state(settled_, reference_, scene.parameters));
     scene.state_file = start.path();
     auto simulation = begin(scene, variant.share);
-    outcome.coordinates = simulation->variator().layout().coordinates();
+    outcome.coordinates = simulation->workspace().layout().coordinates();
     average(*simulation, settle, length, outcome);
     outcome.step = simulation->step();
     outcome.simulation = std::move(simulation);

@@ -44,17 +44,17 @@ struct Account {
 };
 
 Account account_of(const Simulation& simulation) {
-    const model::ChainLayout& at = simulation.variator().layout();
-    model::Observer observer(simulation.variator());
+    const model::ChainLayout& at = simulation.workspace().layout();
+    model::Observer observer(simulation.workspace().variator);
     const auto& energies = simulation.workspace().observed_by(observer, simulation.time()).account.energy;
     Account account;
     account.energy = std::accumulate(energies.begin(), energies.end(), 0.0);
     for (int k = 0; k < model::loss_kinds + model::work_kinds; ++k) {
-        const double entry = simulation.state()[at.ledger_begin() + k];
+        const double entry = simulation.workspace().state()[at.ledger_begin() + k];
         (k < model::loss_kinds ? account.lost : account.put_in) += entry;
         account.passed += std::abs(entry);
     }
-    account.unknowns.assign(simulation.state(), simulation.state() + at.ledger_begin());
+    account.unknowns.assign(simulation.workspace().state(), simulation.workspace().state() + at.ledger_begin());
     return account;
 }
 
@@ -147,8 +147,9 @@ private:
 
 /// Stable step of both the row's and RK4's at its start; zero or infinite values mean that there is no answer.
 [[nodiscard]] double stable_step(const Simulation& simulation, const std::string& method) {
+    const Workspace& w = simulation.workspace();
     const auto limit = [&](const Method& of) {
-        return estimated_step_limit(simulation.variator(), of, simulation.time(), simulation.state(), simulation.phases().data()).step;
+        return estimated_step_limit(w.variator, of, simulation.time(), w.state(), w.tips.phases.data()).step;
     };
     return std::min(limit(method), limit("rk4"));
 }

@@ -237,15 +237,15 @@ void run_exactly(const Simulation& coarse, Scene scene, const engine::SavedState
     scene.run.step = coarse.step() / rules.refinement;
     Simulation simulation(scene, Schedule{});
     simulation.reset(scene, &start);
-    Means means(simulation.variator());
+    Means means(simulation.workspace().variator);
     const engine::Cancellation never;
     if (const Fault fault = simulation.advance({.until = rules.duration}, means, never)) {
         ticket.message = "shorter steps: " + fault.message();
         return;
     }
     ticket.exact_slip = means.means.all().slip;
-    ticket.exact_loss = simulation.energy().sums(simulation.time()).lost();
-    ticket.exact_residual = simulation.energy().balance().relative();
+    ticket.exact_loss = simulation.workspace().energy.sums(simulation.time()).lost();
+    ticket.exact_residual = simulation.workspace().energy.balance().relative();
 }
 
 void settle_and_run(const Scene& scene, LotteryTicket& ticket, const LotteryRules& rules) {
@@ -256,7 +256,7 @@ void settle_and_run(const Scene& scene, LotteryTicket& ticket, const LotteryRule
     ticket.ready = !simulation.needs_settling();
     Fault fault = ticket.ready ? Fault{} : simulation.advance({.until = 0.0}, silent, never);
     const engine::SavedState start = simulation.saved_state();
-    Means means(simulation.variator());
+    Means means(simulation.workspace().variator);
     if (!fault) fault = simulation.advance({.until = rules.duration}, means, never);
     ticket.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     ticket.step = simulation.step();
@@ -265,9 +265,9 @@ void settle_and_run(const Scene& scene, LotteryTicket& ticket, const LotteryRule
     ticket.message = fault ? fault.message() : "";
     if (fault) return;
     ticket.slip = means.means.all().slip;
-    ticket.loss = simulation.energy().sums(simulation.time()).lost();
-    ticket.residual = simulation.energy().balance().relative();
-    name_notes(means.means, simulation.energy().balance(), ticket.notes);
+    ticket.loss = simulation.workspace().energy.sums(simulation.time()).lost();
+    ticket.residual = simulation.workspace().energy.balance().relative();
+    name_notes(means.means, simulation.workspace().energy.balance(), ticket.notes);
     run_exactly(simulation, scene, start, ticket, rules);
 }
 

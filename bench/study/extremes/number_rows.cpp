@@ -23,7 +23,7 @@ const std::vector<FaultKind> diverged{FaultKind::non_finite, FaultKind::penetrat
 const std::vector<FaultKind> unsound{FaultKind::non_finite, FaultKind::penetration, FaultKind::left_sheave, FaultKind::blow_up};
 
 void put(const Simulation& simulation, IntegrationState& start, double value) {
-    const model::ChainLayout& at = simulation.variator().layout();
+    const model::ChainLayout& at = simulation.workspace().layout();
     start.state[static_cast<std::size_t>(at.link_begin(3) + at.link_size())] = value;  // a velocity of link 3
 }
 void put_nan(const Simulation& simulation, double, IntegrationState& start) {
@@ -40,8 +40,8 @@ void put_denormals(const Simulation&, double, IntegrationState& start) {
 }
 /// Shaft 1 has turned as far as its governor wants by then.
 void put_late(const Simulation& simulation, double, IntegrationState& start) {
-    const model::PulleyModel& pulleys = simulation.variator().pulleys();
-    const std::size_t begin = static_cast<std::size_t>(simulation.variator().layout().pulley_begin());
+    const model::PulleyModel& pulleys = simulation.workspace().variator.pulleys();
+    const std::size_t begin = static_cast<std::size_t>(simulation.workspace().layout().pulley_begin());
     const double turned = pulleys.reference_angle(1e4, 0);
     if (pulleys.size() == 36) {
         for (const int body : {0, model::sheave_body(0, 0), model::sheave_body(0, 1)})

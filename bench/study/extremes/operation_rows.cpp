@@ -18,8 +18,8 @@ namespace {
 /// Places of shaft 1's movable sheave in the state.
 struct Sheave {
     explicit Sheave(const Simulation& simulation, int shaft) {
-        const model::ChainLayout& at = simulation.variator().layout();
-        position = static_cast<std::size_t>(at.pulley_begin() + simulation.variator().pulleys().movable(shaft));
+        const model::ChainLayout& at = simulation.workspace().layout();
+        position = static_cast<std::size_t>(at.pulley_begin() + simulation.workspace().variator.pulleys().movable(shaft));
         velocity = position + static_cast<std::size_t>(at.pulley_size);
         outwards = shaft == 0 ? 1.0 : -1.0;
     }
@@ -31,7 +31,7 @@ constexpr std::array both_ends{model::End::rear, model::End::front};
 
 /// Deepest tip between any sheaves for a state.
 double deepest(const Simulation& simulation, const std::vector<double>& state) {
-    const model::Variator& variator = simulation.variator();
+    const model::Variator& variator = simulation.workspace().variator;
     const model::ChainLayout& at = variator.layout();
     model::SheaveMotion sheaves[4];
     variator.pulleys().motions(state.data() + at.pulley_begin(), sheaves);
@@ -59,7 +59,7 @@ void penetrate_a_little(const Simulation& simulation, double, IntegrationState& 
 void tear_open(const Simulation& simulation, double step, IntegrationState& start) { move_both(simulation, start, 0.0, 1e-4 / step); }
 /// Every link moves towards the middle between the shafts.
 void compress(const Simulation& simulation, double, IntegrationState& start) {
-    const model::ChainLayout& at = simulation.variator().layout();
+    const model::ChainLayout& at = simulation.workspace().layout();
     const double middle = 0.5 * simulation.workspace().parameters.pulley.centre_distance;
     for (int link = 0; link < at.links; ++link) {
         double* q = start.state.data() + at.link_begin(link);
@@ -68,7 +68,7 @@ void compress(const Simulation& simulation, double, IntegrationState& start) {
 }
 /// The whole chain moves across both pulleys: by a millimetre within 10 us.
 void throw_aside(const Simulation& simulation, double, IntegrationState& start) {
-    const model::ChainLayout& at = simulation.variator().layout();
+    const model::ChainLayout& at = simulation.workspace().layout();
     for (int link = 0; link < at.links; ++link) {
         double* v = start.state.data() + at.link_begin(link) + at.link_size();
         for (const model::End end : both_ends) v[at.y(end, 0)] += 100.0;
@@ -80,7 +80,7 @@ void open_wide(const Simulation& simulation, double, IntegrationState& start) { 
 /// part.
 void move_wedges(const Simulation& simulation, IntegrationState& start, double distance, double speed) {
     move_both(simulation, start, distance, speed);
-    const model::ChainLayout& at = simulation.variator().layout();
+    const model::ChainLayout& at = simulation.workspace().layout();
     const double middle = 0.5 * simulation.workspace().parameters.pulley.centre_distance;
     for (int link = 0; link < at.links; ++link) {
         double* q = start.state.data() + at.link_begin(link);
@@ -94,7 +94,7 @@ void move_wedges(const Simulation& simulation, IntegrationState& start, double d
 
 /// The state after a time in which nothing is accelerated.
 std::vector<double> drifted(const Simulation& simulation, std::vector<double> state, double time) {
-    const model::ChainLayout& at = simulation.variator().layout();
+    const model::ChainLayout& at = simulation.workspace().layout();
     const auto drift = [&](int begin, int size) {
         for (int k = begin; k < begin + size; ++k) state[static_cast<std::size_t>(k)] += time * state[static_cast<std::size_t>(k + size)];
     };

@@ -116,12 +116,11 @@ NoiseSpectrum measure_noise(Scene scene, int rounds, const engine::Cancellation&
     Simulation simulation(scene);
     SilentObserver silent;
     Fault fault = simulation.needs_settling() ? simulation.advance({}, silent, cancel) : Fault{};
-    RoundRecorder recorder(simulation.variator(), rounds);
-    simulation.pause_on(&recorder.complete);
-    model::Observer observer(simulation.variator());
+    RoundRecorder recorder(simulation.workspace().variator, rounds);
+    model::Observer observer(simulation.workspace().variator);
     const double speed = simulation.workspace().observed_by(observer, simulation.time()).chain_speed;
     const double until = simulation.time() + 1.5 * rounds * model::chain_length(scene.parameters.chain) / speed;
-    if (!fault) fault = simulation.advance({.until = until, .new_part = true}, recorder, cancel);
+    if (!fault) fault = simulation.advance({.until = until, .new_part = true, .pause = &recorder.complete}, recorder, cancel);
     spectrum.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
     if (recorder.complete && simulation.balance_error_ratio() <= 1.0)
         transform(recorder, rounds, scene.parameters.chain.pins, spectrum);

@@ -44,7 +44,7 @@ std::vector<double> runs_per_step(const engine::TaskGraph& graph, const std::vec
 
 /// Work of tasks in cycles that ran [instructions]; 0: the cycle did not run.
 std::vector<double> work_of(const Simulation& simulation, const std::vector<double>& runs) {
-    const engine::TaskGraph& graph = simulation.runner().graph();
+    const engine::TaskGraph& graph = simulation.integrator().runner().graph();
     void* const context = const_cast<Workspace*>(&simulation.workspace());  // only a child process runs the tasks
     std::vector<int> counted_tasks;
     std::vector<std::function<void()>> bodies;
@@ -110,7 +110,7 @@ CountedStep count_step(const Scene& scene, int segments, std::set<std::string>& 
     recorder.clear();
     trial.run(steps);
     if (recorder.lost(0) > 0) throw std::logic_error("the recording of the counted steps is too short");
-    const engine::TaskGraph& graph = trial.simulation().runner().graph();
+    const engine::TaskGraph& graph = trial.simulation().integrator().runner().graph();
     if (sequential.empty() && segments > 1) sequential = sequential_stages(graph);
     const std::vector<double> runs = runs_per_step(graph, recorder.spans(0));
     std::vector<double> work = work_of(trial.simulation(), runs);

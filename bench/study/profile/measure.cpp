@@ -152,13 +152,13 @@ int stamps_of_a_step(const Scene& scene, const Schedule& schedule) {
 
 StageTable stages_of(const std::vector<ScheduleTrial>& lanes) {
     StageTable stages;
-    for (const ScheduleTrial& lane : lanes) stages.add(lane.trial->simulation().runner().graph());
+    for (const ScheduleTrial& lane : lanes) stages.add(lane.trial->simulation().integrator().runner().graph());
     return stages;
 }
 
 void record_lane(const Scene& scene, ScheduleTrial& lane, const MeasureOptions& options, const StageTable& stages) {
     Recording& recording = lane.result.recording;
-    const engine::TaskGraph& graph = lane.trial->simulation().runner().graph();
+    const engine::TaskGraph& graph = lane.trial->simulation().integrator().runner().graph();
     const double per_step = lane.result.loads.front().step.median;
     if (lane.dropped || per_step <= 0.0) return;
     const int stamps = stamps_of_a_step(scene, lane.result.schedule);

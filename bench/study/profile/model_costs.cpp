@@ -53,7 +53,7 @@ void sample_segments(const Scene& scene, int segments, const MeasureOptions& opt
     const double per_step = trial.run(4).per_step();
     recorder.clear();
     trial.run(std::min(500L, steps_within(options.round_seconds, per_step)));
-    const engine::TaskGraph& graph = trial.simulation().runner().graph();
+    const engine::TaskGraph& graph = trial.simulation().integrator().runner().graph();
     const auto times = task_times({recorder.spans(0)}, graph.size());
     const Workspace& workspace = trial.simulation().workspace();
     model.touching = touching_links(workspace);

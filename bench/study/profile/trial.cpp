@@ -53,7 +53,7 @@ TrialSample Trial::run(long steps, double timeout) {
     begun_ = true;
     const double wall = observer.waited();
     const double used = processor_seconds() - cpu;
-    simulation_.runner().release_threads();  // the next schedule's turn is its own
+    simulation_.integrator().runner().release_threads();  // the next schedule's turn is its own
     if (fault && fault.kind != FaultKind::max_steps && fault.kind != FaultKind::cancelled) throw SimulationError(fault.message());
     const Counters& after = simulation_.counters();
     return {wall, used, after.steps - before.steps, after.evaluations - before.evaluations};

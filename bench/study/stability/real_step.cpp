@@ -86,7 +86,7 @@ bool RealStep::prepare(double h) {
     base_.counters = {};
     image_ = base_;
     if (!take(image_) || !move_on() || !move_on()) return false;
-    scale_ = scale_of_state(simulation_.variator().layout(), h);
+    scale_ = scale_of_state(simulation_.workspace().layout(), h);
     scale_.resize(base_.state.size() + base_.method.size(), 1.0 / h);  // accelerations, most of them
     return true;
 }

@@ -55,12 +55,12 @@ LongRun Confirmation::run(std::span<const std::string> settings, FrozenStart* be
         throw SimulationError(
             fmt::format("{}: the start is not settled, nothing can be measured from there (cvtflow settle)", scene_.name));
     if (begin != nullptr) *begin = frozen_start(simulation);
-    LongObserver observer(simulation.variator());
+    LongObserver observer(simulation.workspace().variator);
     LongRun run;
     const auto started = LongClock::now();
     run.fault = simulation.advance({.until = simulation.time() + settings_.duration}, observer, cancel_);
     run.wall = std::chrono::duration<double>(LongClock::now() - started).count() / settings_.duration;
-    run.watch = observer.watch.result(simulation.energy(), simulation.balance_error_ratio());
+    run.watch = observer.watch.result(simulation.workspace().energy, simulation.balance_error_ratio());
     run.step = simulation.step();
     if (end != nullptr && !run.fault) *end = frozen_start(simulation);
     return run;

@@ -75,7 +75,7 @@ Trajectory observed(const Scene& scene, const MeasureSettings& settings, double 
     const double begin = simulation.time();
     if (simulation.needs_settling())
         throw SimulationError(fmt::format("{}: the start is not settled, nothing can be measured from there (cvtflow settle)", scene.name));
-    TrajectoryObserver observer(simulation.variator(), begin, trajectory);
+    TrajectoryObserver observer(simulation.workspace().variator, begin, trajectory);
     const auto started = Clock::now();
     trajectory.fault = simulation.advance({.until = begin + duration}, observer, cancel);
     trajectory.wall = seconds(Clock::now() - started) - observer.observing();
@@ -83,9 +83,9 @@ Trajectory observed(const Scene& scene, const MeasureSettings& settings, double 
     trajectory.step = simulation.step();
     trajectory.simulated = simulation.time() - begin;
     trajectory.hash = simulation.hash();
-    trajectory.watch = observer.watch.result(simulation.energy(), simulation.balance_error_ratio());
-    trajectory.schedule = simulation.runner().schedule().text();
-    if (const auto* trapezoidal = dynamic_cast<const TrapezoidalMethod*>(&simulation.step_method()))
+    trajectory.watch = observer.watch.result(simulation.workspace().energy, simulation.balance_error_ratio());
+    trajectory.schedule = simulation.integrator().runner().schedule().text();
+    if (const auto* trapezoidal = dynamic_cast<const TrapezoidalMethod*>(&simulation.integrator().method()))
         trajectory.newton = trapezoidal->statistics();
     return trajectory;
 }

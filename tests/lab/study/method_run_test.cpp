@@ -34,7 +34,8 @@ void expect_same(const std::string& method, const std::string& step, double seco
     MethodRun run(scene.parameters, method);
     for (int again = 0; again < 2; ++again) {
         ASSERT_FALSE(run.run(start, 400e-6, seconds, 10e-6, silent, never));
-        EXPECT_TRUE(std::equal(whole.state(), whole.state() + start.state.size(), run.workspace().state())) << method;
+        EXPECT_TRUE(std::equal(whole.workspace().state(), whole.workspace().state() + start.state.size(), run.workspace().state()))
+            << method;
         EXPECT_EQ(run.counters().steps, whole.counters().steps) << method;
         EXPECT_EQ(run.step(), whole.step()) << method;
     }

@@ -142,7 +142,7 @@ TEST(Channels, HaveTheirIntegralWhereTheyNameOne) {
     }
     Scene scene = test::settled_tiny({"run.step=100 ns", "run.output_interval=1 us"});
     Simulation simulation(scene);
-    Integrals integrals(simulation.variator());
+    Integrals integrals(simulation.workspace().variator);
     const engine::Cancellation never;
     ASSERT_FALSE(simulation.advance({.until = 2e-4}, integrals, never));
     EXPECT_GT(integrals.sums.size(), 20u);

@@ -39,7 +39,7 @@ TEST(ForceChannels, NamesThatMeanNothingAreFound) {
 /// Means of channels at the outputs of a run from a settled state.
 class Means final : public RunObserver {
 public:
-    explicit Means(const Scene& scene) : simulation_(scene), observer_(simulation_.variator()), pin_(scene.run.followed_pin) {
+    explicit Means(const Scene& scene) : simulation_(scene), observer_(simulation_.workspace().variator), pin_(scene.run.followed_pin) {
         fault = simulation_.advance({.until = scene.run.until}, *this, engine::Cancellation());
     }
     void output(double time, const Workspace& workspace, const Counters& counters) override {

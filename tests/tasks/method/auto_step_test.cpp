@@ -42,9 +42,9 @@ TEST_P(AutoStepOn, IsStableAndNotNeedlesslyShort) {
     for (const char* method : {"leapfrog-chebyshev", "leapfrog-sweep"}) {
         const Scene scene = claims::ready_scene("tiny", {GetParam(), std::string("run.method=") + method});
         const Simulation simulation(scene);
-        AutoStep automatic(simulation.variator(), scene.parameters, method);
-        const double step = automatic.longest(simulation.time(), simulation.state(), simulation.phases().data());
-        const bench::LinearChain chain(simulation.variator(), scene.parameters, frozen_start(simulation));
+        AutoStep automatic(simulation.workspace().variator, scene.parameters, method);
+        const double step = automatic.longest(simulation.time(), simulation.workspace().state(), simulation.workspace().tips.phases.data());
+        const bench::LinearChain chain(simulation.workspace().variator, scene.parameters, frozen_start(simulation));
         // These machines do not rest in the state of the ready one: what grows by itself grows alike in shorter steps.
         const double by_itself = std::max(1.0, std::pow(bench::predicted_growth(chain, method, step / 4.0), 4.0));
         EXPECT_LE(bench::predicted_growth(chain, method, step), by_itself + noticeable_growth) << method << ", " << step << " s";
@@ -116,9 +116,9 @@ TEST(AutoStep, OfRigidPinsSpreadsItsEstimates) {
     SilentObserver silent;
     const engine::Cancellation never;
     ASSERT_FALSE(simulation.advance({.until = 0.0}, silent, never));
-    AutoStep spread(simulation.variator(), scene.parameters, simulation.method()),
-        resumed(simulation.variator(), scene.parameters, simulation.method());
-    const auto ask = [&](AutoStep& step, double time) { return step.longest(time, simulation.state(), simulation.phases().data()); };
+    const Workspace& w = simulation.workspace();
+    AutoStep spread(w.variator, scene.parameters, simulation.method()), resumed(w.variator, scene.parameters, simulation.method());
+    const auto ask = [&](AutoStep& step, double time) { return step.longest(time, w.state(), w.tips.phases.data()); };
     const double at_once = ask(spread, 0.0);
     const LargestStep first = spread.largest();
     long before = 0;

@@ -66,8 +66,8 @@ TEST(AutomaticMethod, IsResolvedOnceWhenASimulationIsMade) {
 /// A simulation whose memory another scene takes over is of one method.
 TEST(AutomaticMethod, DecidesWhetherAnotherSceneFits) {
     const Simulation simulation(claims::ready_scene("baseline", {"run.schedule=serial"}));
-    EXPECT_TRUE(simulation.fits(claims::ready_scene("baseline", {"run.method=leapfrog-sweep"})));
-    EXPECT_FALSE(simulation.fits(claims::ready_scene("baseline", {"detail.friction=smoothed"})));
+    EXPECT_TRUE(fits(simulation, claims::ready_scene("baseline", {"run.method=leapfrog-sweep"})));
+    EXPECT_FALSE(fits(simulation, claims::ready_scene("baseline", {"detail.friction=smoothed"})));
 }
 
 }  // namespace

@@ -14,8 +14,8 @@ namespace cvtflow::tasks {
 namespace {
 
 double growth_of(const Simulation& simulation, const Scene& scene) {
-    NegativeSlopeFriction falling(simulation.variator(), scene.parameters);
-    return falling.growth(simulation.time(), simulation.state(), simulation.phases().data());
+    NegativeSlopeFriction falling(simulation.workspace().variator, scene.parameters);
+    return falling.growth(simulation.time(), simulation.workspace().state(), simulation.workspace().tips.phases.data());
 }
 
 /// After a short settling: tips bear loads.
@@ -37,7 +37,7 @@ TEST(NegativeSlopeFriction, GrowsWithForceAndSlopeOverMass) {
     const Scene scene = scene_with("table", "tip.friction_table=[[0.1,0.09],[0.6,0.04]]");
     const auto started = loaded(scene);
     const Simulation& simulation = *started;
-    model::Observer observer(simulation.variator());
+    model::Observer observer(simulation.workspace().variator);
     const auto& axial = simulation.workspace().observed_by(observer, simulation.time()).tip_axial;
     double force = 0.0;
     for (const double tip : axial) force = std::max(force, std::abs(tip));
@@ -62,7 +62,7 @@ TEST(NegativeSlopeFriction, GrowsMoreSlowlyWithMemory) {
         model::Variator remembering(scene.parameters);
         const auto started = loaded(scene_with("table", table));
         NegativeSlopeFriction falling(remembering, scene.parameters);
-        const double found = falling.growth(started->time(), started->state(), started->phases().data());
+        const double found = falling.growth(started->time(), started->workspace().state(), started->workspace().tips.phases.data());
         double expected = 0.0;
         for (double v = 0.1; v < 0.6; v += 1e-4) {
             const double t = (v - 0.1) / 0.5, g = at_once * 4.0 * t * (1.0 - t), a = (v + 0.01) / memory;  // of a cubic with level ends
@@ -81,8 +81,8 @@ TEST(NegativeSlopeFriction, ShortensAutomaticSteps) {
         const Scene scene = scene_with("table", tables[k]);
         const auto started = loaded(scene);
         const Simulation& simulation = *started;
-        AutoStep automatic(simulation.variator(), scene.parameters, "leapfrog-sweep");
-        steps[k] = automatic.longest(simulation.time(), simulation.state(), simulation.phases().data());
+        AutoStep automatic(simulation.workspace().variator, scene.parameters, "leapfrog-sweep");
+        steps[k] = automatic.longest(simulation.time(), simulation.workspace().state(), simulation.workspace().tips.phases.data());
         EXPECT_LE(steps[k] * growth_of(simulation, scene), 0.15 * (1.0 + 1e-12)) << tables[k];
     }
     EXPECT_LT(steps[1], 0.5 * steps[0]);

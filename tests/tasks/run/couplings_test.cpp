@@ -31,20 +31,20 @@ Scene coupled_scene() {
     return scene;
 }
 
-const double* pulleys_of(const Simulation& simulation) { return simulation.state() + simulation.workspace().layout().pulley_begin(); }
+const double* pulleys_of(const Simulation& of) { return of.workspace().state() + of.workspace().layout().pulley_begin(); }
 
 TEST(SimulationCouplings, TheirEnergyBalanceClosesToRounding) {
     Simulation simulation(coupled_scene());
     settle_and_go(simulation, 0.0);
     double stored[2];
     for (int shaft = 0; shaft < 2; ++shaft)
-        stored[shaft] = simulation.variator().pulleys().coupling(0.0, pulleys_of(simulation), shaft).energy;
+        stored[shaft] = simulation.workspace().variator.pulleys().coupling(0.0, pulleys_of(simulation), shaft).energy;
     settle_and_go(simulation, 1e-3);
-    const EnergyLedger& energy = simulation.energy();
+    const EnergyLedger& energy = simulation.workspace().energy;
     const EnergySums sums = energy.sums(simulation.time());
     for (std::size_t k = 0; k < 2; ++k) {
         const int shaft = static_cast<int>(k);
-        const double now = simulation.variator().pulleys().coupling(simulation.time(), pulleys_of(simulation), shaft).energy;
+        const double now = simulation.workspace().variator.pulleys().coupling(simulation.time(), pulleys_of(simulation), shaft).energy;
         const double far = energy.input_works().couplings.work[k], lost = energy.input_works().couplings.dissipated[k];
         EXPECT_GT(lost, 0.0) << shaft;
         EXPECT_NEAR(far, sums.work[k] + (now - stored[k]) + lost, 1e-9 * std::abs(far)) << shaft;  // sums over 20,000 steps
@@ -60,13 +60,13 @@ TEST(SimulationCouplings, RigidPinsCountWorkAndLossOfBothCouplings) {
     settle_and_go(simulation, 0.0);
     double stored[2];
     for (int shaft = 0; shaft < 2; ++shaft)
-        stored[shaft] = simulation.variator().pulleys().coupling(0.0, pulleys_of(simulation), shaft).energy;
+        stored[shaft] = simulation.workspace().variator.pulleys().coupling(0.0, pulleys_of(simulation), shaft).energy;
     settle_and_go(simulation, 1e-3);
-    const EnergyLedger& energy = simulation.energy();
+    const EnergyLedger& energy = simulation.workspace().energy;
     const EnergySums sums = energy.sums(simulation.time());
     for (std::size_t k = 0; k < 2; ++k) {
         const int shaft = static_cast<int>(k);
-        const double now = simulation.variator().pulleys().coupling(simulation.time(), pulleys_of(simulation), shaft).energy;
+        const double now = simulation.workspace().variator.pulleys().coupling(simulation.time(), pulleys_of(simulation), shaft).energy;
         const double far = energy.input_works().couplings.work[k], lost = energy.input_works().couplings.dissipated[k];
         EXPECT_GT(std::abs(far), 0.01) << shaft;
         EXPECT_GT(lost, 0.0) << shaft;
@@ -78,7 +78,8 @@ TEST(SimulationCouplings, RigidPinsCountWorkAndLossOfBothCouplings) {
 TEST(SimulationCouplings, AFarEndThatSlowsDownBrakesTheShaft) {
     Simulation simulation(coupled_scene());
     settle_and_go(simulation, 0.0);
-    const auto torque = [&] { return simulation.variator().pulleys().inputs(simulation.time(), pulleys_of(simulation)).load_torque; };
+    const model::PulleyModel& pulleys = simulation.workspace().variator.pulleys();
+    const auto torque = [&] { return pulleys.inputs(simulation.time(), pulleys_of(simulation)).load_torque; };
     const double before = torque();
     EXPECT_LT(before, 0.0);
     settle_and_go(simulation, 4e-4);
@@ -96,7 +97,7 @@ TEST(SimulationCouplings, ContinueBitForBitFromAnIntegrationState) {
     other.restore(middle);
     settle_and_go(other, 5e-4);
     EXPECT_EQ(other.hash(), whole.hash());
-    EXPECT_EQ(other.energy().input_works().couplings.work, whole.energy().input_works().couplings.work);
+    EXPECT_EQ(other.workspace().energy.input_works().couplings.work, whole.workspace().energy.input_works().couplings.work);
 }
 
 TEST(SimulationCouplings, AreReleasedWhereAStateBeforeThemIsPutBack) {

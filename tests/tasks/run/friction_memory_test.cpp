@@ -108,7 +108,7 @@ TEST(FrictionMemory, OfNoLengthIsAbsent) {
     EXPECT_NE(with.hash(), none.hash());
     const auto saved = [](const Simulation& simulation) { return simulation.integration_state().method.size(); };
     EXPECT_EQ(saved(without), saved(none));
-    EXPECT_EQ(saved(with), saved(none) + 4 * static_cast<std::size_t>(none.variator().layout().links));
+    EXPECT_EQ(saved(with), saved(none) + 4 * static_cast<std::size_t>(none.workspace().layout().links));
 }
 
 /// A right-hand side has no step before it: every tip remembers its present speed, to the bit.
@@ -116,14 +116,14 @@ TEST(FrictionMemory, OfARightHandSideIsTheLawAtOnce) {
     Simulation settled(falling_tiny({"tip.friction_memory=1 um"}));
     settle_and_go(settled, 0.0);
     const model::Variator with(falling_tiny({"tip.friction_memory=1 um"}).parameters), without(falling_tiny({}).parameters);
-    const std::vector<double> y(settled.state(), settled.state() + with.layout().size());
+    const std::vector<double> y(settled.workspace().state(), settled.workspace().state() + with.layout().size());
     std::vector<double> slopes[2] = {y, y};
     for (const int repeat : {0, 1}) {  // a second evaluation must not remember the first
         std::vector<double> there = y;
         if (repeat == 1) std::ranges::for_each(there, [](double& number) { number *= 1.0 + 1e-9; });
         model::EvaluationScratch a(with.layout()), b(with.layout());
-        model::right_hand_side(with, 0.0, there.data(), settled.phases().data(), slopes[0].data(), a);
-        model::right_hand_side(without, 0.0, there.data(), settled.phases().data(), slopes[1].data(), b);
+        model::right_hand_side(with, 0.0, there.data(), settled.workspace().tips.phases.data(), slopes[0].data(), a);
+        model::right_hand_side(without, 0.0, there.data(), settled.workspace().tips.phases.data(), slopes[1].data(), b);
         EXPECT_EQ(slopes[0], slopes[1]) << repeat;
     }
 }
@@ -139,9 +139,9 @@ TEST(FrictionMemory, MakesMeansThatDoNotDependOnTheStep) {
                          "tip.friction_table=[[0.02,0.16],[0.1,0.09]]", "load.torque=190", k == 0 ? "run.step=auto" : "run.step=1.25 us"});
         Simulation simulation(scene);
         settle_and_go(simulation, 0.0);
-        const double before = simulation.energy().sums(0.0).lost();
+        const double before = simulation.workspace().energy.sums(0.0).lost();
         settle_and_go(simulation, 20e-3);
-        lost[k] = simulation.energy().sums(simulation.time()).lost() - before;
+        lost[k] = simulation.workspace().energy.sums(simulation.time()).lost() - before;
         steps[k] = static_cast<double>(simulation.counters().steps);
     }
     EXPECT_NEAR(lost[0], lost[1], 0.01 * lost[1]);

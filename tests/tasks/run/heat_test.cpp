@@ -26,12 +26,13 @@ TEST(SimulationHeat, LossesWarmTheMachineAndThinTheOil) {
     Simulation simulation(warming_scene());
     settle_and_go(simulation, 0.0);
     const model::HeatBalance& heat = simulation.workspace().heat;
-    const double start = heat.film(), before = simulation.variator().chain().coefficients().tip.law->by_speed.at(0.1);
+    const double start = heat.film(), before = simulation.workspace().variator.chain().coefficients().tip.law->by_speed.at(0.1);
     settle_and_go(simulation, 5e-4);
     EXPECT_GT(heat.pulleys(), start + 0.5);
     EXPECT_NEAR(heat.given(), heat.stored() + heat.taken(), 1e-9 * heat.given());
-    EXPECT_NEAR(heat.given(), simulation.energy().sums(5e-4).lost(), 0.05 * heat.given()) << "up to the last output";
-    EXPECT_GT(simulation.variator().chain().coefficients().tip.law->by_speed.at(0.1), before) << "thin oil: more boundary friction";
+    EXPECT_NEAR(heat.given(), simulation.workspace().energy.sums(5e-4).lost(), 0.05 * heat.given()) << "up to the last output";
+    EXPECT_GT(simulation.workspace().variator.chain().coefficients().tip.law->by_speed.at(0.1), before)
+        << "thin oil: more boundary friction";
 }
 
 TEST(SimulationHeat, ContinuesBitForBitFromAnIntegrationState) {

@@ -28,18 +28,18 @@ Scene hydraulic_scene(const std::string& detail, std::vector<std::string> more =
     return scene;
 }
 
-const double* tail_of(const Simulation& simulation) { return simulation.state() + simulation.workspace().layout().pulley_begin(); }
+const double* tail_of(const Simulation& of) { return of.workspace().state() + of.workspace().layout().pulley_begin(); }
 
 model::HydraulicEnergy energy_of(const Simulation& simulation) {
-    return simulation.variator().pulleys().hydraulic_energy(tail_of(simulation));
+    return simulation.workspace().variator.pulleys().hydraulic_energy(tail_of(simulation));
 }
 
 model::Inputs inputs_of(const Simulation& simulation) {
-    return simulation.variator().pulleys().inputs(simulation.time(), tail_of(simulation));
+    return simulation.workspace().variator.pulleys().inputs(simulation.time(), tail_of(simulation));
 }
 
 model::HydraulicInstant oil_in(const Simulation& simulation) {
-    return simulation.variator().pulleys().hydraulics(simulation.time(), tail_of(simulation));
+    return simulation.workspace().variator.pulleys().hydraulics(simulation.time(), tail_of(simulation));
 }
 
 /// S_2 rises by half within 0.2 ms: a transient of everything.
@@ -48,7 +48,7 @@ const std::vector<std::string> step_of_force{"clamping.driven=[[0, 4000], [0.2e-
 /// The channel at every output of a run of `tiny` with a pump.
 class PumpEfficiency final : public RunObserver {
 public:
-    explicit PumpEfficiency(const Simulation& simulation) : observer_(simulation.variator()) {}
+    explicit PumpEfficiency(const Simulation& simulation) : observer_(simulation.workspace().variator) {}
     void output(double time, const Workspace& workspace, const Counters& counters) override {
         const auto all = channels();
         const auto found = std::find_if(all.begin(), all.end(), [](const Channel& each) { return each.name == "efficiency_with_pump"; });
@@ -86,7 +86,7 @@ TEST_P(SimulationHydraulics, TheirPowersBalance) {
     EXPECT_GT(now.pump, 0.0);
     EXPECT_LT(std::abs(residual), 1e-3 * now.pump);
     EXPECT_LT(std::abs(residual), 2e-2 * (std::abs(now.sheaves) + std::abs(now.stored - before.stored))) << "these are a small part";
-    EXPECT_LE(simulation.energy().balance_error_ratio(), 1.0);
+    EXPECT_LE(simulation.workspace().energy.balance_error_ratio(), 1.0);
 }
 
 TEST_P(SimulationHydraulics, TakeOverWithoutAJumpAndFollowTheForceThatIsRequested) {

@@ -27,7 +27,7 @@ Scene imperfect_scene(const std::string& detail, std::vector<std::string> more) 
 /// Force of each pin on the sheaves while it touches, and place of a movable sheave over time.
 class PressingObserver final : public RunObserver {
 public:
-    explicit PressingObserver(const Simulation& of) : observer_(of.variator()), links_(of.workspace().layout().links) {
+    explicit PressingObserver(const Simulation& of) : observer_(of.workspace().variator), links_(of.workspace().layout().links) {
         sum_.resize(static_cast<std::size_t>(links_)), count_.resize(sum_.size());
     }
     void output(double time, const Workspace& workspace, const Counters&) override {
@@ -113,7 +113,7 @@ TEST_P(UnequalPins, PressWhereTheyStandOutOfLine) {
     EXPECT_GT(line.correlation, 0.7);
     EXPECT_GT(line.slope, 0.7 * string);
     EXPECT_LT(line.slope, 3.0 * string);
-    EXPECT_LE(with.energy().balance_error_ratio(), 1.0);
+    EXPECT_LE(with.workspace().energy.balance_error_ratio(), 1.0);
 }
 
 TEST_P(UnequalPins, AndUnbalanceContinueBitForBitAndWithAnyNumberOfSegments) {

@@ -228,7 +228,7 @@ TEST(RunMeans, OfASummaryAreOverOneWindow) {
 
 class Watching final : public RunObserver {
 public:
-    explicit Watching(const Simulation& simulation) : observer_(simulation.variator()) {}
+    explicit Watching(const Simulation& simulation) : observer_(simulation.workspace().variator) {}
     void output(double time, const Workspace& workspace, const Counters&) override {
         watch.add(workspace.observed_by(observer_, time), workspace);
     }
@@ -244,7 +244,7 @@ WatchResult watched(const std::vector<std::string>& settings, double duration) {
     Watching observer(simulation);
     const engine::Cancellation never;
     EXPECT_FALSE(simulation.advance({.until = simulation.time() + duration}, observer, never));
-    return observer.watch.result(simulation.energy(), simulation.balance_error_ratio());
+    return observer.watch.result(simulation.workspace().energy, simulation.balance_error_ratio());
 }
 
 TEST(RunWatch, KnowsHowLongARunWasInPinPeriods) {

@@ -38,8 +38,8 @@ Scene dragged_scene(const std::string& detail, std::vector<std::string> more = {
 }
 
 double shaft_angle(const Simulation& simulation, int shaft) {
-    const double* tail = simulation.state() + simulation.workspace().layout().pulley_begin();
-    return tail[simulation.variator().pulleys().rotation(shaft)];
+    const double* tail = simulation.workspace().state() + simulation.workspace().layout().pulley_begin();
+    return tail[simulation.workspace().variator.pulleys().rotation(shaft)];
 }
 
 class ShaftDrag : public testing::TestWithParam<std::string> {};
@@ -49,9 +49,9 @@ TEST_P(ShaftDrag, TakesWhatTheVariatorDoesNotGet) {
     Simulation simulation(dragged_scene(GetParam()));
     settle_and_go(simulation, 0.0);
     const double from[2] = {shaft_angle(simulation, 0), shaft_angle(simulation, 1)};
-    const EnergySums before = simulation.energy().sums(0.0);
+    const EnergySums before = simulation.workspace().energy.sums(0.0);
     settle_and_go(simulation, 3e-3);
-    const EnergySums after = simulation.energy().sums(simulation.time());
+    const EnergySums after = simulation.workspace().energy.sums(simulation.time());
     const double torque[2] = {driving_torque, -loading_torque};
     double brought = 0.0, dragged = 0.0;
     for (std::size_t k = 0; k < 2; ++k) {
@@ -62,7 +62,7 @@ TEST_P(ShaftDrag, TakesWhatTheVariatorDoesNotGet) {
         brought += std::max(0.0, outside);
         dragged += taken;
     }
-    EXPECT_LE(simulation.energy().balance_error_ratio(), 1.0);
+    EXPECT_LE(simulation.workspace().energy.balance_error_ratio(), 1.0);
     const double clamping = std::max(0.0, after.work[2] - before.work[2]);
     const double lost = after.lost() - before.lost() + dragged;
     EXPECT_NEAR(after.overall_since(before, 0.0, 0.0), 1.0 - lost / (brought + clamping), 1e-5);
@@ -75,7 +75,7 @@ TEST_P(ShaftDrag, LeavesTheImpulseFromOutsideAsItIs) {
         without(dragged_scene(GetParam(), {"drag.driving_seals=0", "drag.driving_viscous=0", "drag.driven_seals=0",
                                            "drag.driven_churning=0", "drag.bearing_friction=0"}));
     for (Simulation* each : {&with, &without}) settle_and_go(*each, 1e-3);
-    const InputWorks &dragged = with.energy().input_works(), &free = without.energy().input_works();
+    const InputWorks &dragged = with.workspace().energy.input_works(), &free = without.workspace().energy.input_works();
     EXPECT_EQ(free.drag.energy[0], 0.0);
     EXPECT_EQ(free.net_impulse()[1], free.impulse[1]);
     EXPECT_NEAR(dragged.impulse[0], free.impulse[0], 1e-9) << "the drive's";
@@ -87,7 +87,7 @@ TEST_P(ShaftDrag, ContinuesBitForBitFromAnIntegrationState) {
     const Scene scene = dragged_scene(GetParam());
     const ContinuedRun run(scene, 3e-4, 6e-4);
     EXPECT_EQ(run.other.hash(), run.whole.hash());
-    EXPECT_EQ(run.other.energy().input_works().drag.energy, run.whole.energy().input_works().drag.energy);
+    EXPECT_EQ(run.other.workspace().energy.input_works().drag.energy, run.whole.workspace().energy.input_works().drag.energy);
 }
 
 INSTANTIATE_TEST_SUITE_P(Levels, ShaftDrag, testing::Values("rigid", "medium"), [](const auto& instance) { return instance.param; });
@@ -100,7 +100,7 @@ TEST(ShaftDragSummary, CountsDragAmongTheLosses) {
     RunWatch watch;
     class Outputs final : public RunObserver {
     public:
-        Outputs(RunWatch& watch, const Simulation& of) : watch_(watch), observer_(of.variator()) {}
+        Outputs(RunWatch& watch, const Simulation& of) : watch_(watch), observer_(of.workspace().variator) {}
         void output(double time, const Workspace& workspace, const Counters&) override {
             watch_.add(workspace.observed_by(observer_, time), workspace);
         }
@@ -111,7 +111,7 @@ TEST(ShaftDragSummary, CountsDragAmongTheLosses) {
         model::Observer observer_;
     } outputs(watch, simulation);
     ASSERT_FALSE(simulation.advance({.until = 3e-3, .new_part = true}, outputs, drag_uncancelled));
-    const SpanMeans means = watch.result(simulation.energy()).means;
+    const SpanMeans means = watch.result(simulation.workspace().energy).means;
     EXPECT_NEAR(means.shaft_power[0], driving_torque * means.speed[0], 1e-3 * means.input);
     EXPECT_NEAR(-means.shaft_power[1], loading_torque * means.speed[1], 1e-3 * means.input);
     EXPECT_GT(means.lost, means.drag[0] + means.drag[1]);

@@ -31,9 +31,10 @@ Fault settle_and_run(Simulation& simulation, double until) {
 }
 
 std::vector<double> slope_of(const Simulation& simulation, double t) {
-    model::EvaluationScratch scratch(simulation.variator().layout());
-    std::vector<double> slope(static_cast<std::size_t>(simulation.variator().layout().size()));
-    model::right_hand_side(simulation.variator(), t, simulation.state(), simulation.phases().data(), slope.data(), scratch);
+    const Workspace& w = simulation.workspace();
+    model::EvaluationScratch scratch(w.layout());
+    std::vector<double> slope(static_cast<std::size_t>(w.layout().size()));
+    model::right_hand_side(w.variator, t, w.state(), w.tips.phases.data(), slope.data(), scratch);
     return slope;
 }
 
@@ -66,7 +67,7 @@ TEST(Simulation, CountsTheMemoryOfItsMethod) {
         EXPECT_FALSE(settle_and_run(simulation, 1e-5)) << method;
         kept = simulation.integration_state().method.size();
         const model::RigidState* columns = simulation.workspace().rigid_pins();  // counted as the workspace's
-        const std::optional<std::size_t> own = simulation.step_method().bytes();
+        const std::optional<std::size_t> own = simulation.integrator().method().bytes();
         return columns != nullptr ? *own + columns->bytes() : own;
     };
     std::size_t kept = 0;
@@ -109,8 +110,8 @@ TEST(Simulation, RunsInOneGoAsInPieces) {
     ASSERT_FALSE(pieces.advance({.until = 4e-5, .new_part = true}, silent, uncancelled));
     EXPECT_DOUBLE_EQ(pieces.time(), whole.time());
     // Times of steps may differ in their last digit.
-    for (int k = 0; k < whole.variator().layout().size(); ++k)
-        EXPECT_NEAR(pieces.state()[k], whole.state()[k], 1e-7 + 1e-7 * std::abs(whole.state()[k]));
+    for (int k = 0; k < whole.workspace().layout().size(); ++k)
+        EXPECT_NEAR(pieces.workspace().state()[k], whole.workspace().state()[k], 1e-7 + 1e-7 * std::abs(whole.workspace().state()[k]));
 }
 
 TEST(Simulation, WhereCallsEndDoesNotChangeABit) {
@@ -191,21 +192,21 @@ TEST(Simulation, TakesASavedStateWithAnotherNumberOfControllers) {
         scene.parameters.ledger = true;
         Simulation simulation(scene);
         ASSERT_FALSE(settle_and_run(simulation, 1e-5));
-        const model::ChainLayout before = simulation.variator().layout();
-        ASSERT_NE(simulation.state()[before.control_begin()], 0.0);
+        const model::ChainLayout before = simulation.workspace().layout();
+        ASSERT_NE(simulation.workspace().state()[before.control_begin()], 0.0);
         const StateFile file(simulation);
         scene.state_file = file.path();
         const bool had_two = driven == model::DrivenControl::safety;
         scene.parameters.control.driven = had_two ? model::DrivenControl::none : model::DrivenControl::safety;
         Simulation other(scene);
-        const model::ChainLayout& at = other.variator().layout();
+        const model::ChainLayout& at = other.workspace().layout();
         EXPECT_EQ(before.controls + at.controls, 3);
-        EXPECT_EQ(other.state()[at.control_begin()], simulation.state()[before.control_begin()]);
+        EXPECT_EQ(other.workspace().state()[at.control_begin()], simulation.workspace().state()[before.control_begin()]);
         if (!had_two) {
-            EXPECT_EQ(other.state()[at.control_begin() + 1], 0.0);
+            EXPECT_EQ(other.workspace().state()[at.control_begin() + 1], 0.0);
         }
         for (int k = 0; k < model::loss_kinds + model::work_kinds; ++k)
-            EXPECT_EQ(other.state()[at.ledger_begin() + k], simulation.state()[before.ledger_begin() + k]);
+            EXPECT_EQ(other.workspace().state()[at.ledger_begin() + k], simulation.workspace().state()[before.ledger_begin() + k]);
     }
 }
 
@@ -219,15 +220,15 @@ TEST(Simulation, TakesTheLedgerOfASavedStateFromBeforeGuides) {
         scene.parameters.ledger = true;
         Simulation simulation(scene);
         ASSERT_FALSE(settle_and_run(simulation, 1e-5));
-        const model::ChainLayout& at = simulation.variator().layout();
+        const model::ChainLayout& at = simulation.workspace().layout();
         engine::SavedState saved = simulation.saved_state();
         ASSERT_EQ(std::erase_if(saved.attributes, [](const auto& each) { return each.name == ledger_size_attribute; }), 1u);
         saved.state.erase(saved.state.begin() + at.ledger_begin() + static_cast<int>(model::Loss::guide));
         const StateFile file(saved);
         scene.state_file = file.path();
         const Simulation other(scene);
-        EXPECT_EQ(std::vector<double>(other.state(), other.state() + at.size()),
-                  std::vector<double>(simulation.state(), simulation.state() + at.size()));
+        EXPECT_EQ(std::vector<double>(other.workspace().state(), other.workspace().state() + at.size()),
+                  std::vector<double>(simulation.workspace().state(), simulation.workspace().state() + at.size()));
     }
 }
 
@@ -243,10 +244,10 @@ TEST(Simulation, TakesASavedStateWithOrWithoutControlAndLedger) {
         scene.parameters.control.enabled = !had;
         scene.parameters.ledger = !had;
         Simulation other(scene);
-        const model::ChainLayout& at = other.variator().layout();
-        EXPECT_EQ(std::vector<double>(other.state(), other.state() + at.control_begin()),
-                  std::vector<double>(simulation.state(), simulation.state() + at.control_begin()));
-        for (int k = at.control_begin(); k < at.size(); ++k) EXPECT_EQ(other.state()[k], 0.0);
+        const model::ChainLayout& at = other.workspace().layout();
+        EXPECT_EQ(std::vector<double>(other.workspace().state(), other.workspace().state() + at.control_begin()),
+                  std::vector<double>(simulation.workspace().state(), simulation.workspace().state() + at.control_begin()));
+        for (int k = at.control_begin(); k < at.size(); ++k) EXPECT_EQ(other.workspace().state()[k], 0.0);
     }
 }
 
@@ -262,7 +263,7 @@ TEST(Simulation, TranslatesStickAndSlipOfASavedState) {
         Simulation other(scene);
         ASSERT_FALSE(other.advance({.until = 1e-6}, silent, uncancelled));
         int touching = 0, stick_or_slip = 0;
-        for (const model::Phase phase : other.phases()) {
+        for (const model::Phase phase : other.workspace().tips.phases) {
             touching += phase == model::Phase::touching ? 1 : 0;
             stick_or_slip += phase == model::Phase::stick || phase == model::Phase::slip ? 1 : 0;
         }
@@ -329,9 +330,9 @@ TEST(Simulation, BeginsControlAndLedgerAtZeroWhereTheSavedStateHasNone) {
     Simulation reused(scene);
     ASSERT_FALSE(reused.advance({.until = reused.time() + 20e-6}, silent, uncancelled));
     const model::ChainLayout& at = reused.workspace().layout();
-    ASSERT_NE(reused.state()[at.control_begin()], 0.0) << "an integral of the first case";
+    ASSERT_NE(reused.workspace().state()[at.control_begin()], 0.0) << "an integral of the first case";
     reused.reset(scene, saved_start(scene).get());
-    EXPECT_EQ(reused.state()[at.control_begin()], 0.0);
+    EXPECT_EQ(reused.workspace().state()[at.control_begin()], 0.0);
     EXPECT_EQ(reused.hash(), started.hash());
 }
 
@@ -350,17 +351,17 @@ TEST(FoundGains, HoldTheRatioBySettlingOnce) {
     Simulation simulation(scene);
     const double speed = scene.parameters.drive.speed.at(0.0);
     const auto clamping = [&] {
-        const model::ChainLayout& at = simulation.workspace().layout();
-        return simulation.variator().pulleys().inputs(simulation.time(), simulation.state() + at.pulley_begin()).clamping[0];
+        const Workspace& w = simulation.workspace();
+        return w.variator.pulleys().inputs(simulation.time(), w.state() + w.layout().pulley_begin()).clamping[0];
     };
-    const auto built_up = [&] { return simulation.state()[simulation.workspace().layout().control_begin()]; };
+    const auto built_up = [&] { return simulation.workspace().state()[simulation.workspace().layout().control_begin()]; };
     ASSERT_FALSE(simulation.advance({.until = 0.0}, silent, uncancelled));
     const double proportional = 60.0 * 20e3 / (0.0051 * speed), integral = proportional / 0.5, found = built_up() * integral;
     EXPECT_GT(found, 1e3);
     EXPECT_LT(found, 3e3);
     EXPECT_GT(clamping(), 25.1e3 + found) << "what is left of the error acts beside it";
     ASSERT_FALSE(simulation.advance({.until = 60e-3}, silent, uncancelled));
-    model::Observer observer(simulation.variator());
+    model::Observer observer(simulation.workspace().variator);
     const model::Observation& now = simulation.workspace().observed_by(observer, simulation.time());
     EXPECT_NEAR(now.ratio, 1.0023, 0.0005);
     EXPECT_NEAR(clamping(), 25.1e3 + integral * built_up(), 0.02 * clamping());

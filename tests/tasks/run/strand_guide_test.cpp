@@ -32,7 +32,7 @@ Scene pressed_scene(const std::string& detail, const std::vector<std::string>& m
 /// Means and extremes over the outputs.
 class GuideWatch final : public RunObserver {
 public:
-    explicit GuideWatch(const Simulation& simulation) : observer_(simulation.variator()) {}
+    explicit GuideWatch(const Simulation& simulation) : observer_(simulation.workspace().variator) {}
     void output(double time, const Workspace& workspace, const Counters&) override {
         const model::Observation& now = workspace.observed_by(observer_, time);
         ++count_;
@@ -51,7 +51,7 @@ private:
 };
 
 double lost_by_guides(const Simulation& simulation) {
-    return simulation.energy().sums(simulation.time()).loss[static_cast<std::size_t>(model::Loss::guide)];
+    return simulation.workspace().energy.sums(simulation.time()).loss[static_cast<std::size_t>(model::Loss::guide)];
 }
 
 class StrandGuide : public testing::TestWithParam<std::string> {};
@@ -61,12 +61,12 @@ class StrandGuide : public testing::TestWithParam<std::string> {};
 TEST_P(StrandGuide, TakesTheEnergyThatItsAccountStates) {
     Simulation simulation(pressed_scene(GetParam(), {GetParam() == "rigid" ? "run.step=1 us" : "run.step=auto"}));
     settle_and_go(simulation, 0.0);
-    const double before = lost_by_guides(simulation), all_before = simulation.energy().sums(0.0).lost();
-    const EnergyMark from = simulation.energy().mark();
+    const double before = lost_by_guides(simulation), all_before = simulation.workspace().energy.sums(0.0).lost();
+    const EnergyMark from = simulation.workspace().energy.mark();
     settle_and_go(simulation, 2e-3);
     const double taken = lost_by_guides(simulation) - before;
-    EXPECT_GT(taken, 0.5 * (simulation.energy().sums(simulation.time()).lost() - all_before));
-    EXPECT_LT(std::abs(simulation.energy().balance(from).residual()), 1e-3 * taken);
+    EXPECT_GT(taken, 0.5 * (simulation.workspace().energy.sums(simulation.time()).lost() - all_before));
+    EXPECT_LT(std::abs(simulation.workspace().energy.balance(from).residual()), 1e-3 * taken);
 }
 
 TEST_P(StrandGuide, ContinuesBitForBitFromAnIntegrationState) {

@@ -19,8 +19,8 @@ Scene ready(const std::string& name, const std::vector<std::string>& settings) {
 }
 
 double turning(const Simulation& simulation, int shaft) {
-    const double* tail = simulation.state() + simulation.workspace().layout().pulley_begin();
-    return simulation.variator().pulleys().shaft_speed(tail, shaft);
+    const double* tail = simulation.workspace().state() + simulation.workspace().layout().pulley_begin();
+    return simulation.workspace().variator.pulleys().shaft_speed(tail, shaft);
 }
 
 /// m dv/dt = -(F_0 + c v²): v = sqrt(F_0/c) tan(atan(v_0 sqrt(c/F_0)) - t sqrt(F_0 c)/m). A light vehicle with large drag, so that
@@ -35,9 +35,9 @@ TEST(SimulationVehicle, CoastsDownAsTheClosedFormHasIt) {
     settle_and_go(simulation, 2e-3);
     const double lever = scene.vehicle.lever(), v0 = turning(simulation, 1) * lever, ratio = turning(simulation, 0) * lever / v0;
     const double polar = p.pulley.shaft_polar_inertia + 2.0 * p.pulley.sheave_polar_inertia;
+    const Workspace& w = simulation.workspace();
     const double link = 2.0 * p.half.mass + p.plate.count * p.plate.mass,
-                 radius =
-                     simulation.variator().pulleys().running_radius(simulation.state() + simulation.workspace().layout().pulley_begin(), 1);
+                 radius = w.variator.pulleys().running_radius(w.state() + w.layout().pulley_begin(), 1);
     const double chain = p.chain.pins * link * radius * radius;
     const double mass = scene.vehicle.mass + (polar + ratio * ratio * polar + chain) / (lever * lever);
     const double constant = 40.0 * 9.81, drag = 0.5 * 1.2 * 10.0, lasted = 40e-3;
@@ -55,9 +55,9 @@ TEST(SimulationVehicle, ShaftTwoGivesWhatTheCycleNeeds) {
     Simulation simulation(ready("ece15", {"cycle.begin=128 s"}));
     settle_and_go(simulation, 0.1);
     const auto load = static_cast<std::size_t>(model::Work::load);
-    const double work = simulation.energy().sums(0.1).work[load], needed = simulation.workspace().trip.sums(0.1)[2];
+    const double work = simulation.workspace().energy.sums(0.1).work[load], needed = simulation.workspace().trip.sums(0.1)[2];
     settle_and_go(simulation, 0.4);
-    const double given = work - simulation.energy().sums(0.4).work[load];
+    const double given = work - simulation.workspace().energy.sums(0.4).work[load];
     const double target = simulation.workspace().trip.sums(0.4)[static_cast<std::size_t>(model::TripAccount::shaft)] - needed;
     EXPECT_GT(target, 1500.0);
     EXPECT_NEAR(given, target, 0.01 * target);

@@ -21,12 +21,11 @@ TEST(WallBudget, PausesDoNotGiveTheBudgetOfWallTimeBack) {
     scene.run.output_interval = 2e-7;  // a few steps: several pauses fit into the budget, however slow the build
     scene.run.max_wall = budget;
     Simulation simulation(scene);
-    simulation.pause_on(&observer.due);
     Fault fault;
     int pauses = 0;
     do {
         observer.due = false;
-        fault = simulation.advance({.until = scene.run.until}, observer, engine::Cancellation());
+        fault = simulation.advance({.until = scene.run.until, .pause = &observer.due}, observer, engine::Cancellation());
     } while (fault.kind == FaultKind::cancelled && ++pauses < 10'000);
     EXPECT_EQ(fault.kind, FaultKind::max_wall);
     EXPECT_EQ(fault.limit, budget);

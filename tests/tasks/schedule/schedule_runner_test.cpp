@@ -61,7 +61,8 @@ RunnerOutcome runner_outcome(const Scene& scene, const std::vector<Schedule>& ca
     const engine::Cancellation never;
     Simulation simulation(scene, candidates, options);
     EXPECT_FALSE(simulation.advance({.until = scene.run.until}, quiet, never));
-    return {simulation.hash(), simulation.counters(), simulation.runner().pause_count(), simulation.runner().repartition_count()};
+    return {simulation.hash(), simulation.counters(), simulation.integrator().runner().pause_count(),
+            simulation.integrator().runner().repartition_count()};
 }
 
 TEST(ScheduleRunner, ChangingTheScheduleEveryFewStepsDoesNotChangeTheBits) {
@@ -105,7 +106,7 @@ void expect_bits_with_changing_segments(const std::vector<std::string>& methods)
             EXPECT_EQ(simulation.advance({.steps = 30}, quiet, never).kind, FaultKind::max_steps) << method;
             if (candidates.size() == 1) expected = simulation.hash();
             EXPECT_EQ(simulation.hash(), expected) << method;
-            EXPECT_EQ(simulation.runner().pause_count() > 0, candidates.size() > 1);
+            EXPECT_EQ(simulation.integrator().runner().pause_count() > 0, candidates.size() > 1);
         }
     }
 }
@@ -121,7 +122,7 @@ class QuietAllocations final : public RunObserver {
 public:
     void watch(const Simulation& simulation) { simulation_ = &simulation; }
     void output(double, const Workspace&, const Counters&) override {
-        const long rests = simulation_->runner().pause_count(), now = engine::test::allocation_count();
+        const long rests = simulation_->integrator().runner().pause_count(), now = engine::test::allocation_count();
         if (outputs_ > 1 && rests == rests_) quiet_ += 1, allocations_ += now - before_;
         ++outputs_;
         rests_ = rests;
@@ -146,7 +147,7 @@ TEST(ScheduleRunner, AllocatesNothingBetweenRests) {
     counter.watch(simulation);
     const engine::Cancellation never;
     EXPECT_FALSE(simulation.advance({.until = scene.run.until}, counter, never));
-    EXPECT_GT(simulation.runner().pause_count(), 3);
+    EXPECT_GT(simulation.integrator().runner().pause_count(), 3);
     EXPECT_GT(counter.quiet_, 10);
     EXPECT_EQ(counter.allocations_, 0);
 }
@@ -170,14 +171,16 @@ TEST(ScheduleRunner, ReportsItsChoice) {
     const engine::Cancellation never;
     Simulation brief(scene, std::vector<Schedule>{Schedule{}, {"barrier", {Assembly::fused}, 2, 2}}, {});
     EXPECT_EQ(brief.advance({.steps = 3, .new_part = true}, quiet, never).kind, FaultKind::max_steps);
-    EXPECT_EQ(brief.runner().text(), "serial (auto; the run was too short to try others)");
-    EXPECT_EQ(Simulation(scene, Schedule{"barrier", {Assembly::staged}, 5, 2}).runner().text(), "barrier, staged, 5 segments, 2 threads");
+    EXPECT_EQ(brief.integrator().runner().text(), "serial (auto; the run was too short to try others)");
+    EXPECT_EQ(Simulation(scene, Schedule{"barrier", {Assembly::staged}, 5, 2}).integrator().runner().text(),
+              "barrier, staged, 5 segments, 2 threads");
     ChooserOptions options = restless();
     options.gain = options.min_lead = 1e9;  // nothing can bring that
     Simulation longer(scene, std::vector<Schedule>{Schedule{}, {"barrier", {Assembly::fused}, 2, 2}}, options);
     EXPECT_EQ(longer.advance({.steps = 200, .new_part = true}, quiet, never).kind, FaultKind::max_steps);
-    EXPECT_THAT(longer.runner().text(), AllOf(StartsWith("serial (auto: "),
-                                              HasSubstr(" us per cycle, barrier, fused, 2 segments, 2 threads "), HasSubstr("0 changes)")));
+    EXPECT_THAT(
+        longer.integrator().runner().text(),
+        AllOf(StartsWith("serial (auto: "), HasSubstr(" us per cycle, barrier, fused, 2 segments, 2 threads "), HasSubstr("0 changes)")));
 }
 
 TEST(AutoSchedule, RespectsWhatTheSceneFixes) {

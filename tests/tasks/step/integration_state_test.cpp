@@ -71,10 +71,9 @@ Course from_file_to_file(const Scene& scene, int segments) {
         here.run.segments = session % 2 == 0 ? 1 : segments;
         Simulation simulation(here);
         if (!fresh) simulation.restore(at);
-        simulation.pause_on(&observer.pause);
         observer.pause = false;
         const bool settling = simulation.needs_settling();
-        const Fault fault = simulation.advance({.until = here.run.until}, observer, never);
+        const Fault fault = simulation.advance({.until = here.run.until, .pause = &observer.pause}, observer, never);
         fresh = false;
         if (settling) course.settling = simulation.counters();
         if (!fault && !settling) {
@@ -84,10 +83,10 @@ Course from_file_to_file(const Scene& scene, int segments) {
         }
         Checkpoint checkpoint;
         checkpoint.integration = simulation.integration_state();
-        sign(checkpoint, here, simulation.variator());
+        sign(checkpoint, here, simulation.workspace().variator);
         write_checkpoint(file, checkpoint);
         const Checkpoint read = read_checkpoint(file);
-        require_same(file, read, here, simulation.variator());
+        require_same(file, read, here, simulation.workspace().variator);
         EXPECT_EQ(read.integration, checkpoint.integration);
         EXPECT_EQ(read.integration.hash(), checkpoint.integration.hash());
         at = read.integration;
@@ -143,8 +142,7 @@ TEST(IntegrationState, OfAnotherSizeIsRefused) {
 IntegrationState midway(const Scene& scene) {
     Simulation simulation(scene);
     Pauser observer(true);
-    simulation.pause_on(&observer.pause);
-    EXPECT_EQ(simulation.advance({.until = 0.0}, observer, never).kind, FaultKind::cancelled);
+    EXPECT_EQ(simulation.advance({.until = 0.0, .pause = &observer.pause}, observer, never).kind, FaultKind::cancelled);
     return simulation.integration_state();
 }
 
@@ -194,7 +192,7 @@ TEST(Simulation, ResetIsANewOne) {
     ASSERT_FALSE(used.advance({.until = 0.0}, observer, never));
     scene.parameters.load.torque = model::TimeTable(7.0);
     scene.parameters.tip.friction.saturation_speed *= 0.5;
-    ASSERT_TRUE(used.fits(scene));
+    ASSERT_TRUE(fits(used, scene));
     used.reset(scene, nullptr);
     Simulation fresh(scene);
     ASSERT_FALSE(used.advance({.until = 0.0}, observer, never));
@@ -202,7 +200,7 @@ TEST(Simulation, ResetIsANewOne) {
     EXPECT_EQ(used.hash(), fresh.hash());
     EXPECT_EQ(used.counters(), fresh.counters());
     scene.parameters.detail.order = 2;
-    EXPECT_FALSE(used.fits(scene));
+    EXPECT_FALSE(fits(used, scene));
 }
 
 /// Every counter of settling: one of the six was lost.
@@ -219,7 +217,7 @@ TEST(RunHistory, ComesBackWhole) {
     checkpoint.history.begin = 0.25;
     checkpoint.history.wall = 3.0;
     checkpoint.history.settling_wall = 2.0;
-    sign(checkpoint, scene, simulation.variator());
+    sign(checkpoint, scene, simulation.workspace().variator);
     const std::string file = (std::filesystem::temp_directory_path() / ("cvtflow_history_" + std::to_string(getpid()) + ".h5")).string();
     write_checkpoint(file, checkpoint);
     EXPECT_EQ(read_checkpoint(file).history, checkpoint.history);

@@ -74,9 +74,9 @@ TEST(OutputReader, CountsFromItsTimeOnAndFiguresAreOverWholePinPeriods) {
     const Scene scene = test::settled_tiny({"run.until=5 ms"});
     const auto outputs = tuned_outputs({"slip", "slip mean", "tight_tension", "tight_tension mean", "tips"}, true);
     Simulation simulation(scene);
-    OutputReader all(simulation.variator(), outputs, 0, 0.0);
-    OutputReader late(simulation.variator(), outputs, 0, 1.0);
-    TwoReaders both(all, late, simulation.variator());
+    OutputReader all(simulation.workspace().variator, outputs, 0, 0.0);
+    OutputReader late(simulation.workspace().variator, outputs, 0, 1.0);
+    TwoReaders both(all, late, simulation.workspace().variator);
     const engine::Cancellation never;
     ASSERT_FALSE(simulation.advance({.until = scene.run.until}, both, never));
     ASSERT_GT(both.time.back(), both.pin_period);

@@ -83,7 +83,7 @@ TEST_F(TunedScenes, OfOtherUnknownsBeginWithTheStateThatWasMeasured) {
 
     const auto outputs = tuned_outputs(any.outputs, true);
     PointMeasure measure(points_of(scene, any.times).front(), "full", outputs, never);
-    OutputReader reader(simulation.variator(), outputs, 0, 0.0);
+    OutputReader reader(simulation.workspace().variator, outputs, 0, 0.0);
     ASSERT_FALSE(simulation.advance({.until = any.times.average}, reader, never));
     const double measured = measure.run(finest).values[0];
     EXPECT_NEAR(reader.values()[0], measured, 1e-6 * measured) << "angles of the shafts begin anew";

@@ -73,8 +73,8 @@ ExitStatus fit(const FitArguments& arguments) {
     const tasks::FrozenStart start = tasks::frozen_start(simulation);
     const double step = loaded.scene.run.step.value_or(tasks::longest_automatic_step(simulation.method().name(), loaded.scene.parameters));
     fmt::print("{}: polynomial for steps of {}\n", loaded.scene.name, time_text(step));
-    const FitExtent extent = arguments.eigenvalues ? extent_by_eigenvalues(simulation.variator(), start)
-                                                   : extent_by_power_iteration(simulation.variator(), start);
+    const FitExtent extent = arguments.eigenvalues ? extent_by_eigenvalues(simulation.workspace().variator, start)
+                                                   : extent_by_power_iteration(simulation.workspace().variator, start);
     const auto began = std::chrono::steady_clock::now();
     const auto method = fitted(arguments, extent, step);
     const double milliseconds = 1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();

@@ -85,7 +85,7 @@ TEST_P(EveryImplicitMethod, DeclaresAGraphWithoutRaces) {
     for (const int segments : {1, 5, 24}) {
         for (const Assembly assembly : {Assembly::fused, Assembly::staged}) {
             const Simulation simulation(scene, {"serial", {assembly}, segments, 1});
-            EXPECT_TRUE(engine::race_check(simulation.runner().graph()).empty()) << segments;
+            EXPECT_TRUE(engine::race_check(simulation.integrator().runner().graph()).empty()) << segments;
         }
     }
 }

@@ -31,26 +31,25 @@ std::unique_ptr<Simulation> settled(const Scene& scene) {
 }
 
 double stable_step(const Simulation& at, const Method& method) {
-    return estimated_step_limit(at.variator(), method, at.time(), at.state(), at.phases().data()).step;
+    return estimated_step_limit(at.workspace().variator, method, at.time(), at.workspace().state(), at.workspace().tips.phases.data()).step;
 }
 
 TEST(StableStep, IsTheReachOfTheMethodOverTheOutermostEigenvalueOfTheDenseSpectrum) {
     const auto owner = settled(small());
-    const Simulation& simulation = *owner;
-    const std::vector<double> state(simulation.state(), simulation.state() + simulation.variator().layout().size());
+    const Workspace& w = owner->workspace();
+    const std::vector<double> state(w.state(), w.state() + w.layout().size());
     double radius = 0.0;
-    for (const auto& value : bench::spectrum(simulation.variator(), 0.0, state, simulation.phases()))
-        radius = std::max(radius, std::abs(value));
+    for (const auto& value : bench::spectrum(w.variator, 0.0, state, w.tips.phases)) radius = std::max(radius, std::abs(value));
     // The outermost eigenvalue is friction's, real; power iterations find it to some per cent from below.
-    EXPECT_NEAR(stable_step(simulation, "rk4") * radius, 2.785, 0.05 * 2.785);
+    EXPECT_NEAR(stable_step(*owner, "rk4") * radius, 2.785, 0.05 * 2.785);
 }
 
 TEST(StableStep, HasNoAnswerWhereTheStateIsNotFinite) {
     const auto owner = settled(small());
-    const Simulation& simulation = *owner;
-    std::vector<double> state(simulation.state(), simulation.state() + simulation.variator().layout().size());
+    const Workspace& w = owner->workspace();
+    std::vector<double> state(w.state(), w.state() + w.layout().size());
     state[5] = std::nan("");
-    const double step = estimated_step_limit(simulation.variator(), "rk4", 0.0, state.data(), simulation.phases().data()).step;
+    const double step = estimated_step_limit(w.variator, "rk4", 0.0, state.data(), w.tips.phases.data()).step;
     EXPECT_FALSE(step > 0.0 && std::isfinite(step));
 }
 

@@ -16,7 +16,7 @@ namespace {
 TEST(StepLimitBound, ReportsWhatLimitsALeapfrogAndContinuesCheaply) {
     const Simulation simulation(settled_tiny());
     const FrozenStart start = frozen_start(simulation);
-    StepLimitBound bound(simulation.variator(), "leapfrog-chebyshev");
+    StepLimitBound bound(simulation.workspace().variator, "leapfrog-chebyshev");
     const int cold = bound.update(start.time, start.state.data(), start.phases.data());
     const StepLimit first = bound.limit();
     EXPECT_EQ(first.by, StepLimiter::oscillation);
@@ -31,16 +31,16 @@ TEST(StepLimitBound, ReportsWhatLimitsALeapfrogAndContinuesCheaply) {
 TEST(StepLimitBound, SetsNoLimitToMethodsThatSolveForTheWholeState) {
     const Simulation simulation(settled_tiny());
     const FrozenStart start = frozen_start(simulation);
-    StepLimitBound bound(simulation.variator(), "trapezoidal-full");
+    StepLimitBound bound(simulation.workspace().variator, "trapezoidal-full");
     EXPECT_EQ(bound.update(start.time, start.state.data(), start.phases.data()), 0);
     EXPECT_TRUE(std::isinf(bound.limit().step));
-    EXPECT_THROW(StepLimitBound(simulation.variator(), "no method"), std::invalid_argument);
+    EXPECT_THROW(StepLimitBound(simulation.workspace().variator, "no method"), std::invalid_argument);
 }
 
 TEST(StepLimitBound, IsScaledByWhatIsKnownBetter) {
     const Simulation simulation(settled_tiny());
     const FrozenStart start = frozen_start(simulation);
-    StepLimitBound bound(simulation.variator(), "leapfrog-rkc");
+    StepLimitBound bound(simulation.workspace().variator, "leapfrog-rkc");
     bound.update(start.time, start.state.data(), start.phases.data());
     const double known = 0.5 * bound.limit().step;
     bound.calibrate(known);
@@ -52,7 +52,7 @@ TEST(StepLimitBound, IsScaledByWhatIsKnownBetter) {
 TEST(StepLimitBound, ContinuesFromItsMemoryWithTheSameBits) {
     const Simulation simulation(settled_tiny());
     const FrozenStart start = frozen_start(simulation);
-    StepLimitBound bound(simulation.variator(), "leapfrog-rkc"), other(simulation.variator(), "leapfrog-rkc");
+    StepLimitBound bound(simulation.workspace().variator, "leapfrog-rkc"), other(simulation.workspace().variator, "leapfrog-rkc");
     bound.update(start.time, start.state.data(), start.phases.data());
     std::vector<double> memory;
     bound.save(memory);
@@ -72,7 +72,7 @@ double oscillation_of(const char* mass_scaling) {
                std::vector<std::string>{std::string("detail.mass_scaling=") + mass_scaling, "start.state=", "start.settling_time=0"});
     const Simulation simulation(scene);
     const FrozenStart start = frozen_start(simulation);
-    StepLimitBound bound(simulation.variator(), "leapfrog-sweep");
+    StepLimitBound bound(simulation.workspace().variator, "leapfrog-sweep");
     bound.update(start.time, start.state.data(), start.phases.data());
     return bound.limit().oscillation;
 }

@@ -80,13 +80,13 @@ void run_long(long steps) {
     scene.run.output_interval = 1e-6;
     Simulation simulation(scene);
     simulation.restore(start);
-    model::Observer observer(simulation.variator());
+    model::Observer observer(simulation.workspace().variator);
     const auto energy = [&] {
-        const model::ChainLayout& at = simulation.variator().layout();
+        const model::ChainLayout& at = simulation.workspace().layout();
         double sum = 0.0;
         for (const double part : simulation.workspace().observed_by(observer, simulation.time()).account.energy) sum += part;
-        for (int k = 0; k < model::loss_kinds; ++k) sum += simulation.state()[at.ledger_begin() + k];
-        for (int k = 0; k < model::work_kinds; ++k) sum -= simulation.state()[at.ledger_begin() + model::loss_kinds + k];
+        for (int k = 0; k < model::loss_kinds; ++k) sum += simulation.workspace().state()[at.ledger_begin() + k];
+        for (int k = 0; k < model::work_kinds; ++k) sum -= simulation.workspace().state()[at.ledger_begin() + model::loss_kinds + k];
         return sum;
     };
     const double before = energy();
@@ -100,7 +100,7 @@ void run_long(long steps) {
     EXPECT_LE(counters.evaluations, counters.steps + 2 * counters.truncated + counters.steps / 100);
     // Euler at h = 1 ns gains or loses h/2 times the squared frequency of what vibrates: 1e-3 of the whole is far above that.
     EXPECT_NEAR(energy(), before, 1e-3 * before);
-    for (int k = 0; k < simulation.variator().layout().size(); ++k) ASSERT_TRUE(std::isfinite(simulation.state()[k]));
+    for (int k = 0; k < simulation.workspace().layout().size(); ++k) ASSERT_TRUE(std::isfinite(simulation.workspace().state()[k]));
 }
 
 TEST(Extremes, AHundredThousandStepsDriftNowhere) { run_long(100'000); }

@@ -12,7 +12,7 @@ namespace {
 /// A run searches for its automatic step once, with a hundred evaluations or more; afterwards, from time to time, with a few more.
 TEST(Trial, SearchesForItsAutomaticStepOnceAsARunDoes) {
     Trial trial(claims::ready_scene("baseline", {"run.method=leapfrog-chebyshev"}), Schedule{});
-    const auto evaluations = [&] { return trial.simulation().step_choice()->evaluations(); };
+    const auto evaluations = [&] { return trial.simulation().part().step_choice()->evaluations(); };
     EXPECT_EQ(trial.run(50).steps, 50);
     const long first = evaluations();
     EXPECT_GT(first, 100);

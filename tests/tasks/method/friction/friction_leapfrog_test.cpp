@@ -90,7 +90,8 @@ TEST(FrictionLeapfrog, StagesInSinglePrecisionDifferFromDoubleByRoundingAlone) {
         Simulation simulation(claims::ready_scene("baseline", {"run.method=" + method, "run.step=2us", "run.schedule=serial"}));
         SilentObserver silent;
         EXPECT_FALSE(simulation.advance({.until = 60e-6}, silent, uncancelled)) << method;
-        return std::vector<double>(simulation.state(), simulation.state() + simulation.variator().layout().size());
+        const Workspace& w = simulation.workspace();
+        return std::vector<double>(w.state(), w.state() + w.layout().size());
     };
     for (const std::string method : {"leapfrog-rkc", "leapfrog-chebyshev"}) {
         const std::vector<double> single = state_after(method), twice = state_after(method + "-double");

@@ -364,16 +364,16 @@ TEST(RigidRuns, WritesItsLossesIntoTheLedger) {
     scene.parameters.ledger = true;
     Simulation simulation(scene);
     settle_tiny(simulation);
-    const model::ChainLayout& at = simulation.variator().layout();
+    const model::ChainLayout& at = simulation.workspace().layout();
     const auto ledger = [&] {
         double sum = 0.0;
-        for (int k = 0; k < model::loss_kinds; ++k) sum += simulation.state()[at.ledger_begin() + k];
+        for (int k = 0; k < model::loss_kinds; ++k) sum += simulation.workspace().state()[at.ledger_begin() + k];
         return sum;
     };
     const double before = ledger();
     SilentObserver silent;
     ASSERT_FALSE(simulation.advance({.until = 2e-3}, silent, never_cancelled));
-    const double lost = simulation.energy().sums(simulation.time()).lost();
+    const double lost = simulation.workspace().energy.sums(simulation.time()).lost();
     EXPECT_GT(lost, 0.0);
     EXPECT_NEAR(ledger() - before, lost, 1e-12 * lost);
 }

@@ -98,7 +98,7 @@ TEST(SweepLeapfrog, BooksTheLossesOfItsForcesAndNotOfTheLaw) {
                                                            "joint.saturation_speed=5e-4", "plate.saturation_speed=1e-3"}));
     SilentObserver silent;
     ASSERT_FALSE(simulation.advance({.until = 2e-3}, silent, unstopped));
-    EXPECT_LT(std::abs(simulation.energy().balance().relative()), 3e-3);
+    EXPECT_LT(std::abs(simulation.workspace().energy.balance().relative()), 3e-3);
 }
 
 TEST(SweepLeapfrog, LeavesRunOutThatMovesFlanksFarToOtherMethods) {

@@ -66,7 +66,7 @@ Estimate cost_lines(const tasks::Scene& scene, const tasks::Simulation& simulati
     const long states = std::lround(std::floor(until / state_interval * (1.0 + 1e-12))) + 1;
     text += field("record", fmt::format("{} every {}, {} every {}, up to {}", plural(outputs, "row"), time_text(run.output_interval),
                                         plural(states, "state"), time_text(state_interval),
-                                        size_text(tasks::record_bytes(scene, simulation.variator().chain()))));
+                                        size_text(tasks::record_bytes(scene, simulation.workspace().variator.chain()))));
     constexpr double trial = 0.3;  // [s]
     std::string untried;
     tasks::Fault fault;
@@ -93,7 +93,7 @@ ExitStatus check(const SceneArguments& arguments) {
     std::string text = fmt::format("{}: {}\n", scene.name, scene.description.empty() ? "no description" : scene.description);
     text += field("file", scene.path.string());
     text += field("detail", detail_text(scene));
-    text += field("size", size_line(simulation.variator().layout()));
+    text += field("size", size_line(simulation.workspace().layout()));
     text += field("start", start_line(scene, simulation));
     for (const std::string& difference : simulation.start_differences()) text += field("", difference);
     const double step = scene.run.step.value_or(automatic_step(simulation));
