@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from . import _rainflow, _wear
 from ._channels import Channels, Columns, shown, split, unknown
 from ._cvtflow import RecordFile, Scene, Simulation, Threads, quantity
 
@@ -89,6 +90,23 @@ class Series:
             weight[[0, -1]] *= 0.5 if len(weight) > 1 else 1.0
             made[name] = float(weight @ values[finite] / weight.sum()) if weight.size else math.nan
         return made
+
+    def rainflow(self, channel, begin=None, until=None):
+        """Load cycles of a channel of one number, as `cvtflow table --rainflow` counts them (ASTM E1049): an array with the fields range
+        and mean [unit of the channel], count (1; 0.5 for half a cycle), from_time and to_time [s].
+
+        begin  of the rows that count [s] (a text carries its unit); None: 0
+        until  likewise their end; None: that of all rows
+
+        Rows that are not finite count as none. Raises ValueError for a channel of several numbers.
+        """
+        time, values = self["time"], self[channel]
+        if values.ndim > 1:
+            raise ValueError(f"{channel}: choose one number, such as {channel}[0]")
+        rows = np.isfinite(values) & (time >= (0.0 if begin is None else _seconds(begin)))
+        if until is not None:
+            rows &= time <= _seconds(until)
+        return _rainflow.cycles(time[rows], values[rows])
 
     def _pin_period(self):
         """[s]; None where it is not known."""
@@ -185,8 +203,11 @@ class Record(Series, Mapping):
     transitions = property(lambda self: self._file.transitions(),
                            doc="Changes of a tip's phase: an array with fields time, pin, tip, phase_from, phase_to.")
 
+    def _scene(self):
+        return Scene.parse(re.sub(r"(?m)^state = .*$", "", self.attributes["parameters"]))  # that file may no longer exist
+
     def _pin_period(self):
-        scene = Scene.parse(re.sub(r"(?m)^state = .*$", "", self.attributes["parameters"]))  # that file may no longer exist
+        scene = self._scene()
         pins, pitch = scene["chain.pins"], np.atleast_1d(scene["chain.pitch"])
         speed = _mean(self["chain_speed"]) if "chain_speed" in self else 0.0
         return np.resize(pitch, pins).mean() / speed if speed > 0.0 else None  # links repeat the pitches
@@ -237,6 +258,30 @@ class Record(Series, Mapping):
         axes.set_xlim(0.0, min(frequency[-1] / passing, 12.5) if passing else frequency[-1])
         axes.legend()
         return axes
+
+    def wear(self):
+        """Wear by Archard's law, of a record with the channels wear/* (record.channels=wear/*), as `cvtflow plot --wear` states it:
+        a dict of arrays in SI.
+
+        radius          middles of the rings of a sheave [rings], m
+        energy          friction energy of the tips per radius, of sheaves 1-, 1+, 2-, 2+ [4, rings], J/m
+        pressure_speed  largest Hertz pressure of a tip times its sliding speed [4, rings], Pa m/s
+        sheave_depth    worn in 1,000 hours of what the record shows, with wear.coefficient [4, rings], m
+        tip_depth       likewise [tips], m; NaN for tips that never pressed
+
+        Raises ValueError without these channels, or for fewer than 2 rows.
+        """
+        return _wear.wear(self, self._scene())
+
+    def plot_wear(self, ax=None):
+        """Draws wear() with Matplotlib in four panels, as `cvtflow plot --wear` does: over the radius of each sheave friction energy,
+        pressure times sliding speed and worn depth, and the number of tips by worn depth. Returns the four Axes, [2, 2].
+
+        ax  four Axes, in any shape; None: a new figure
+
+        Raises ValueError as wear() does.
+        """
+        return _wear.draw(self, self._scene(), ax)
 
     def read(self, channel, first=0, count=None):
         """Rows of a channel, or of an element: [count] or [count, width]."""
