@@ -55,6 +55,9 @@ class Wear(Folder):
         record, _ = self.recorded(*WORN[:2], "wear.coefficient=0")
         self.assertEqual(np.nanmax(record.wear()["tip_depth"]), 0.0)
         self.assertEqual(len(record.plot_wear()[1, 1].patches), 0)
+        program("plot", self.file, "--wear", "-o", self.folder + "/w.csv")
+        with open(self.folder + "/w.csv", newline="") as file:
+            self.assertNotIn("Worn depth of the tips in 1,000 hours", [row["plot"] for row in csv.DictReader(file)])
 
     def test_requires_its_channels_and_two_rows(self):
         with self.assertRaisesRegex(ValueError, r"no channel wear/friction_power; record it with record.channels=wear/\*"):

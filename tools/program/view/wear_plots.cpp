@@ -126,7 +126,7 @@ Plot over_tips(const RecordedRun& run, const model::Parameters& p) {
         const double a = 0.5 * std::numbers::pi * model::contact_radius(p) * pressure[tip] / model::contact_modulus(p);
         if (a > 0.0) depths.push_back(scale * way[tip] / (std::numbers::pi * a * a));
     }
-    if (!depths.empty()) plot.series.push_back(histogram(depths));
+    if (!depths.empty() && scale > 0.0) plot.series.push_back(histogram(depths));
     return plot;
 }
 
@@ -134,7 +134,8 @@ Plot over_tips(const RecordedRun& run, const model::Parameters& p) {
 
 bool has_wear(const RecordedRun& run) {
     const auto names = {"wear/friction_power", "wear/force_speed", "wear/pressure_speed", "wear/tip_force_speed", "wear/tip_pressure"};
-    return run.scene() && std::all_of(names.begin(), names.end(), [&](const char* name) { return run.channel(name) != nullptr; });
+    return run.scene() && run.times().size() > 1 &&
+           std::all_of(names.begin(), names.end(), [&](const char* name) { return run.channel(name) != nullptr; });
 }
 
 std::vector<Plot> wear_plots(const RecordedRun& run) {
@@ -142,6 +143,7 @@ std::vector<Plot> wear_plots(const RecordedRun& run) {
     const std::vector<double> energy = integrals(run, power), way = integrals(run, rows_of(run, "wear/force_speed")),
                               loads = largest(rows_of(run, "wear/pressure_speed"));
     if (!run.scene()) throw UsageError(run.path() + ": its scene cannot be read by this program");
+    if (run.times().size() < 2) throw UsageError(run.path() + ": one output; wear needs two");
     const model::Parameters& p = run.scene()->parameters;
     const std::size_t count = power.width / 4;
     const Rings rings{p.pulley.innermost, (p.pulley.outermost - p.pulley.innermost) / static_cast<double>(count), count};
