@@ -73,6 +73,15 @@ TEST(AxisScale, TicksAreRoundNumbersBetweenTheEnds) {
     EXPECT_THAT(labels(AxisScale({"", Scale::symlog, 10.0, -1e3, 100.0}, {}), 9), ElementsAre("−10³", "−10²", "−10", "0", "10", "10²"));
 }
 
+TEST(AxisScale, WithinADecadeTicksOfALogarithmicAxisAreNiceRatios) {
+    const Axis ratio{"ratio", Scale::logarithmic, 1.0, {}, {}};
+    EXPECT_THAT(labels(AxisScale(ratio, {0.417, 2.4}), 6), ElementsAre("0.5", "0.75", "1", "1.5", "2"));
+    EXPECT_THAT(labels(AxisScale({"", Scale::logarithmic, 1.0, 2e-7, 1.4e-6}, {}), 6),
+                ElementsAre("2·10⁻⁷", "3·10⁻⁷", "5·10⁻⁷", "7.5·10⁻⁷", "10⁻⁶"));
+    EXPECT_THAT(labels(AxisScale({"", Scale::logarithmic, 1.0, 0.9, 1.1}, {}), 4), ElementsAre("0.9", "0.95", "1", "1.05", "1.1"))
+        << "one of them would be too few";
+}
+
 TEST(AxisScale, TicksAscendAndAreSeenByTheAxis) {
     for (const Scale kind : {Scale::linear, Scale::logarithmic, Scale::symlog}) {
         const AxisScale scale({"", kind, 5.0, {}, {}}, {0.3, 4e4});

@@ -88,6 +88,14 @@ TEST(Field, EveryContourHasALabel) {
     }
 }
 
+/// z = log2 x at the corners of one cell: the level 0 is in the middle of the picture, not of the numbers.
+TEST(Field, OnALogarithmicAxisContoursAreLinearInThePicture) {
+    const Field field{"z", {0.5, 2.0}, {0.0, 1.0}, {-1.0, 1.0, -1.0, 1.0}};
+    const std::string text = field_svg(
+        field, [](double x) { return 300.0 + 100.0 * std::log2(x); }, [](double y) { return 200.0 - 100.0 * y; });
+    EXPECT_THAT(text, testing::HasSubstr("class=\"contour\" d=\"M300.0 200.0L300.0 100.0\""));
+}
+
 /// z is 0 … 7: a label lies at its share of the bar's height, where the stripe has the colour that the picture gives to the value.
 TEST(Field, TheColourBarHasTheColoursOfTheValuesBesideIt) {
     const ColourBar bar = colour_bar(plane());

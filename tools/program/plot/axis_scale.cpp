@@ -116,7 +116,9 @@ bool AxisScale::within(double value) const noexcept {
 std::vector<Tick> AxisScale::ticks(int labels) const {
     if (scale_ == Scale::linear) return round_numbers(labels);
     if (scale_ == Scale::symlog) return decades_of_both_signs(labels);
-    return end_ - begin_ < 1.0 ? round_numbers(labels) : decades(labels);
+    if (end_ - begin_ >= 1.0) return decades(labels);
+    std::vector<Tick> ticks = within_a_decade();
+    return ticks.size() < 4 ? round_numbers(labels) : ticks;
 }
 
 std::vector<Tick> AxisScale::round_numbers(int labels) const {
@@ -128,6 +130,17 @@ std::vector<Tick> AxisScale::round_numbers(int labels) const {
     for (int k = 0; k < count && first + k <= to / step + 1e-9; ++k) {
         const double number = first + k;
         if (shows(number * step)) ticks.push_back({number * step, tick_label(number * step, step)});
+    }
+    return ticks;
+}
+
+/// 1, 1.5, 2, 3, 5, 7.5 and so on: about as far from one another on a logarithmic axis.
+std::vector<Tick> AxisScale::within_a_decade() const {
+    std::vector<Tick> ticks;
+    for (int exponent = static_cast<int>(std::floor(begin_)); exponent <= end_; ++exponent) {
+        const double decade = std::pow(10.0, exponent);
+        for (const double digit : {1.0, 1.5, 2.0, 3.0, 5.0, 7.5})
+            if (within(digit * decade)) ticks.push_back({digit * decade, tick_label(digit * decade, 0.1 * decade)});
     }
     return ticks;
 }

@@ -33,6 +33,7 @@ private:
     [[nodiscard]] double forward(double value) const noexcept;
     [[nodiscard]] double backward(double image) const noexcept;
     [[nodiscard]] std::vector<Tick> round_numbers(int labels) const;
+    [[nodiscard]] std::vector<Tick> within_a_decade() const;
     [[nodiscard]] std::vector<Tick> decades(int labels) const;
     [[nodiscard]] std::vector<Tick> decades_of_both_signs(int labels) const;
     [[nodiscard]] bool within(double value) const noexcept;

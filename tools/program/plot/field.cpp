@@ -75,10 +75,10 @@ int pieces(double length) { return std::max(1, static_cast<int>(std::ceil(std::a
 std::string colour_of(double share) { return heat_colour(std::round(127.0 * share) / 127.0); }
 
 /// Pieces of a row that have the same colour are one rectangle.
-std::string colours(const std::vector<Cell>& cells, const Range& range, const Place& x, const Place& y) {
+std::string colours(const std::vector<Cell>& cells, const Range& range) {
     std::string made = "<g shape-rendering=\"crispEdges\">\n";
     for (const Cell& cell : cells) {
-        const double left = x(cell.x[0]), across = x(cell.x[1]) - left, bottom = y(cell.y[0]), up = bottom - y(cell.y[1]);
+        const double left = cell.x[0], across = cell.x[1] - left, bottom = cell.y[0], up = bottom - cell.y[1];
         const int columns = pieces(across), rows = pieces(up);
         const double width = across / columns, height = up / rows;
         for (int row = 0; row < rows; ++row) {
@@ -119,22 +119,22 @@ std::vector<std::vector<Segment>> lines_of(const std::vector<Segment>& segments)
 double level_step(const std::vector<double>& levels) { return levels.size() > 1 ? levels[1] - levels[0] : std::abs(levels.front()); }
 
 /// A line's label, at the piece that is nearest to its middle; none at a line that is shorter than two labels.
-std::string label_of(const std::vector<Segment>& line, const std::string& text, const Place& x, const Place& y) {
+std::string label_of(const std::vector<Segment>& line, const std::string& text) {
     constexpr double letter = 6.5, size = 11.0;  // [px]
     double length = 0.0, across = 0.0, up = 0.0;
     for (const Segment& each : line) {
-        const double part = std::hypot(x(each.to.x) - x(each.from.x), y(each.to.y) - y(each.from.y));
-        length += part, across += 0.5 * part * (x(each.from.x) + x(each.to.x)), up += 0.5 * part * (y(each.from.y) + y(each.to.y));
+        const double part = std::hypot(each.to.x - each.from.x, each.to.y - each.from.y);
+        length += part, across += 0.5 * part * (each.from.x + each.to.x), up += 0.5 * part * (each.from.y + each.to.y);
     }
     if (length < 2.0 * letter * static_cast<double>(text.size())) return "";
     const auto off = [&](const Segment& each) {
-        return std::hypot(0.5 * (x(each.from.x) + x(each.to.x)) - across / length, 0.5 * (y(each.from.y) + y(each.to.y)) - up / length);
+        return std::hypot(0.5 * (each.from.x + each.to.x) - across / length, 0.5 * (each.from.y + each.to.y) - up / length);
     };
     const Segment& middle = *std::ranges::min_element(line, {}, off);
     return fmt::format(
         "<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\" font-size=\"{}\" stroke=\"#222\" stroke-width=\"2.5\" "
         "paint-order=\"stroke\" fill=\"#fff\">{}</text>\n",
-        0.5 * (x(middle.from.x) + x(middle.to.x)), 0.5 * (y(middle.from.y) + y(middle.to.y)) + 4.0, size, text);
+        0.5 * (middle.from.x + middle.to.x), 0.5 * (middle.from.y + middle.to.y) + 4.0, size, text);
 }
 
 }  // namespace
@@ -197,17 +197,20 @@ ColourBar colour_bar(const Field& field) {
 }
 
 std::string field_svg(const Field& field, const Place& x, const Place& y) {
-    std::string made = colours(cells_of(field), range_of(field), x, y);
+    Field placed = field;  // colours and contours are linear in the picture, also on a logarithmic axis
+    std::ranges::transform(field.x, placed.x.begin(), x);
+    std::ranges::transform(field.y, placed.y.begin(), y);
+    std::string made = colours(cells_of(placed), range_of(field));
     const std::vector<double> levels = contour_levels(field);
     std::string labels;
     for (const double level : levels) {
-        const std::vector<Segment> segments = contour(field, level);
+        const std::vector<Segment> segments = contour(placed, level);
         if (segments.empty()) continue;
         std::string path;
         for (const Segment& piece : segments)
-            path += fmt::format("M{:.1f} {:.1f}L{:.1f} {:.1f}", x(piece.from.x), y(piece.from.y), x(piece.to.x), y(piece.to.y));
+            path += fmt::format("M{:.1f} {:.1f}L{:.1f} {:.1f}", piece.from.x, piece.from.y, piece.to.x, piece.to.y);
         made += fmt::format("<path class=\"contour\" d=\"{}\" stroke=\"#fff\" stroke-width=\"1.3\" fill=\"none\"/>\n", path);
-        for (const std::vector<Segment>& line : lines_of(segments)) labels += label_of(line, tick_label(level, level_step(levels)), x, y);
+        for (const std::vector<Segment>& line : lines_of(segments)) labels += label_of(line, tick_label(level, level_step(levels)));
     }
     return made + labels;
 }

@@ -34,8 +34,9 @@ struct Series {
     std::vector<Point> points;  ///< in the order in which a line joins them; points that are not finite interrupt it
     Mark mark = Mark::dot;
     Line line = Line::none;
-    std::string colour;  ///< as in CSS; empty: the next of the palette
-    double width = 1.6;  ///< of the line [px]; a broad one, drawn first, shows below others that agree with it
+    std::string colour;     ///< as in CSS; empty: the next of the palette
+    double width = 1.6;     ///< of the line [px]; a broad one, drawn first, shows below others that agree with it
+    bool sets_ends = true;  ///< whether the axes reach its points; else it is cut where they end
 };
 
 /// A shaded part of the plane: where `inside` holds.

@@ -173,6 +173,7 @@ std::vector<std::string> wrapped(const std::string& text, double longest) {
 std::vector<double> all(const Plot& plot, double Point::*coordinate) {
     std::vector<double> values;
     for (const Series& series : plot.series) {
+        if (!series.sets_ends) continue;
         for (const Point& point : series.points) values.push_back(point.*coordinate);
     }
     const auto of_field = coordinate == &Point::x ? &Field::x : &Field::y;

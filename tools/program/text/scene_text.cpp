@@ -35,32 +35,11 @@ double number_of(const std::vector<engine::Attribute>& attributes, std::string_v
     return number == nullptr ? 0.0 : *number;
 }
 
-/// The instant of a run at which tables of clamping force and load leave the smallest safety factor.
-struct LeastSafety {
-    double limit = 0.0, load = 0.0;  ///< [N*m]
-    double factor = INFINITY;        ///< [1]
-};
-
 /// Drag of shaft 2 without the chain's pull, at the speed that the tables ask of it [N*m].
 double drag_of_driven(const model::Parameters& p, double time) {
     const double speed = std::abs(p.drive.speed.at(time)) / (p.control.enabled ? p.control.ratio.at(time) : p.start.ratio);
     const model::ShaftDrag& of = p.drag.driven;
     return of.seals + (of.viscous + of.churning * speed) * speed;
-}
-
-/// 2 mu S_2 r_2/cos(beta), friction of all contacts along the circumference, over load and drag. @param radius of the driven pulley [m]
-LeastSafety least_safety(const tasks::Scene& scene, double radius) {
-    constexpr int instants = 200;
-    const model::Parameters& p = scene.parameters;
-    const double lever = model::grip(p.tip) * radius;
-    LeastSafety least;
-    for (int k = 0; k <= instants; ++k) {
-        const double time = tasks::latest_end(scene) * k / instants;
-        const double torque = p.load.torque.at(time), load = std::abs(torque + drag_of_driven(p, time));
-        const double limit = lever * model::driven_clamping(p.clamping, p.clamping.driven.at(time), torque, lever);
-        if (load > 0.0 && limit / load < least.factor) least = {limit, load, limit / load};
-    }
-    return least;
 }
 
 /// Whether load and clamping force of the driven pulley are known: those of their tables, or at least clamping.safety times the load.
@@ -122,6 +101,23 @@ std::optional<tasks::Scene> scene_in(const std::vector<engine::Attribute>& attri
     }
 }
 
+std::optional<LeastSafety> least_safety(const tasks::Scene& scene) {
+    constexpr int instants = 200;
+    const model::Parameters& p = scene.parameters;
+    if (p.detail.pulleys == model::PulleyDetail::absent || p.start.layout != model::StartLayout::belt || !tables_act(p)) return {};
+    const auto radii = model::belt_radii(model::chain_length(p.chain), p.start.ratio, p.pulley.centre_distance);
+    if (!radii) return {};
+    const double lever = model::grip(p.tip) * radii->driven;
+    LeastSafety least;
+    for (int k = 0; k <= instants; ++k) {
+        const double time = tasks::latest_end(scene) * k / instants;
+        const double torque = p.load.torque.at(time), load = torque + drag_of_driven(p, time);
+        const double limit = lever * model::driven_clamping(p.clamping, p.clamping.driven.at(time), torque, lever);
+        if (load != 0.0 && limit / std::abs(load) < least.factor) least = {limit, load, limit / std::abs(load)};
+    }
+    return std::isfinite(least.factor) ? std::optional(least) : std::nullopt;
+}
+
 std::string machine_lines(const tasks::Scene& scene) {
     const model::Parameters& p = scene.parameters;
     if (p.detail.pulleys == model::PulleyDetail::absent || p.start.layout != model::StartLayout::belt) return "";
@@ -136,13 +132,12 @@ std::string machine_lines(const tasks::Scene& scene) {
     if (p.drive.mode != model::DriveMode::torque)
         text += field("pins pass",
                       fmt::format("{:.4g} Hz at the start", std::abs(p.drive.speed.at(0.0)) * radii->driving * p.chain.pins / length));
-    if (!tables_act(p)) return text;
-    const LeastSafety least = least_safety(scene, radii->driven);
-    if (!std::isfinite(least.factor)) return text;
+    const std::optional<LeastSafety> least = least_safety(scene);
+    if (!least) return text;
     text += field("torque limit",
                   fmt::format("{:.4g} N*m on the driven pulley (2 mu S_2 r_2/cos(beta)); load{} {:.4g} N*m: safety factor {:.3g}",
-                              least.limit, p.drag.driven == model::ShaftDrag{} ? "" : " and drag", least.load, least.factor));
-    if (least.factor < 1.0) text += field("", "the load exceeds the limit: the chain slips; raise clamping.driven or lower load.torque");
+                              least->limit, p.drag.driven == model::ShaftDrag{} ? "" : " and drag", std::abs(least->load), least->factor));
+    if (least->factor < 1.0) text += field("", "the load exceeds the limit: the chain slips; raise clamping.driven or lower load.torque");
     return text;
 }
 

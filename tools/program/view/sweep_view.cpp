@@ -15,12 +15,14 @@
 #include "tasks/batch/sweep/scalar.hpp"
 #include "tasks/scene/csv.hpp"
 #include "tasks/scene/parameter_table.hpp"
+#include "tasks/scene/toml_tree.hpp"
 #include "tasks/scene/units.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/plot/axis_scale.hpp"
 #include "tools/program/plot/field.hpp"
 #include "tools/program/text/scene_text.hpp"
 #include "tools/program/text/text.hpp"
+#include "tools/program/view/map_marks.hpp"
 
 namespace cvtflow::tools {
 
@@ -104,11 +106,6 @@ double factor_of(const SweepColumn& column) { return shown(column.name, column.u
 std::string title_of(const SweepColumn& column) {
     const std::string heading = heading_of(column);
     return heading.substr(0, heading.find(" ["));
-}
-
-/// In the unit of the column's heading.
-double value_of(const SweepView& sweep, std::size_t row, std::size_t column) {
-    return sweep.number(row, column) * factor_of(sweep.columns[column]);
 }
 
 /// "start ratio 2.4", "clamping driven 10000 N".
@@ -224,7 +221,19 @@ std::map<std::pair<double, double>, double> by_place(const SweepView& sweep, std
     return places;
 }
 
+/// A speed ratio: 1/2 is as far from 1 as 2 is, because the pulleys change places. Every other axis is linear.
+Scale map_scale(const SweepView& sweep, std::size_t column) {
+    const std::string& name = sweep.columns[column].name;
+    const bool ratio = name == "start_ratio" || name == "control_ratio" || name.starts_with("ratio_");
+    const auto positive = [&](const auto& cells) { return as_number(cells[column]) > 0.0; };
+    return ratio && std::ranges::all_of(sweep.cells, positive) ? Scale::logarithmic : Scale::linear;
+}
+
 }  // namespace
+
+double value_of(const SweepView& sweep, std::size_t row, std::size_t column) {
+    return sweep.number(row, column) * factor_of(sweep.columns[column]);
+}
 
 Measured read_measured(const std::string& path) {
     const auto lines = lines_of(path);
@@ -289,6 +298,21 @@ std::size_t SweepView::column(const std::string& word) const {
 }
 
 double SweepView::number(std::size_t row, std::size_t column) const { return as_number(cells[row][column]); }
+
+std::optional<tasks::Scene> SweepView::scene_of_case(std::size_t row) const {
+    std::optional<tasks::Scene> made = scene;
+    for (std::size_t c = 0; c < columns.size() && made; ++c) {
+        const tasks::Parameter* key = key_of(columns[c].name);
+        if (key == nullptr || key->key == "start.state") continue;  // every table has a column start_state
+        const auto parsed = tasks::parse_toml("value = " + cells[row][c]);
+        const auto* document = std::get_if<tasks::Node>(&parsed);
+        if (document == nullptr) return {};
+        std::vector<tasks::Problem> problems;
+        tasks::read_value(*key, std::get<tasks::Node::Table>(document->value).front().node, *made, problems);
+        if (!problems.empty()) return {};
+    }
+    return made;
+}
 
 namespace {
 
@@ -404,12 +428,16 @@ Plot sweep_map(const SweepView& sweep, const std::string& x, const std::string& 
     Chosen made =
         begin_plot(sweep, sweep.columns[xc], sweep.columns[yc],
                    fmt::format("{} over {} and {}", title_of(sweep.columns[cc]), title_of(sweep.columns[xc]), title_of(sweep.columns[yc])));
+    made.plot.x.scale = map_scale(made.good, xc);
+    made.plot.y.scale = map_scale(made.good, yc);
     const auto places = by_place(made.good, xc, yc, cc);
+    const std::vector<Series> marks = map_marks(made.good, xc, yc);
     Field field{label, distinct(made.good, xc), distinct(made.good, yc), {}};
     const std::size_t grid = field.x.size() * field.y.size();
     if (field.x.size() < 2 || field.y.size() < 2 || 2 * places.size() < grid) {  // hardly a grid
         made.plot.series.push_back({label, {}, Mark::none, Line::none, "#000000"});
         add_points(made.plot, made.good, xc, yc, cc, label);
+        made.plot.series.insert(made.plot.series.end(), marks.begin(), marks.end());
         return made.plot;
     }
     Series cases{"cases", {}, Mark::small_dot, Line::none, "#ffffff"};
@@ -425,6 +453,7 @@ Plot sweep_map(const SweepView& sweep, const std::string& x, const std::string& 
     const auto most =
         std::ranges::max_element(places, {}, [](const auto& place) { return std::isfinite(place.second) ? place.second : -INFINITY; });
     made.plot.series.push_back({"", {{most->first.first, most->first.second}}, Mark::ring, Line::none, "#e3342f"});
+    made.plot.series.insert(made.plot.series.end(), marks.begin(), marks.end());
     made.plot.subtitle += fmt::format("; ring: largest, {:.4g}", most->second);
     made.plot.fields.push_back(std::move(field));
     return made.plot;

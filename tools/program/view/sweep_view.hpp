@@ -29,11 +29,16 @@ struct SweepView {
     [[nodiscard]] std::size_t column(const std::string& word) const;
     /// NaN for a cell that is no number.
     [[nodiscard]] double number(std::size_t row, std::size_t column) const;
+    /// The scene of a case, without a start state; none of a CSV, or if this program cannot read it.
+    [[nodiscard]] std::optional<tasks::Scene> scene_of_case(std::size_t row) const;
     /// Keeps cases whose column has that value. @param condition "start.ratio=1"   @throws UsageError
     void keep(const std::string& condition);
     /// Keeps cases that ended well; all if the table has no status.
     void keep_good();
 };
+
+/// In the unit in which pictures show the column.
+[[nodiscard]] double value_of(const SweepView& sweep, std::size_t row, std::size_t column);
 
 /// A column of measured data.
 struct MeasuredColumn {
@@ -78,7 +83,8 @@ struct Measured {
 /// @param measured drawn as points if given   @throws UsageError for columns that are not there or hold no numbers
 [[nodiscard]] Plot sweep_curves(const SweepView& sweep, const std::string& x, const std::string& y, const Measured* measured = nullptr);
 
-/// `colour` over x and y: with contours where the cases form a grid, as coloured points where they do not.
+/// `colour` over x and y: with contours where the cases form a grid, as coloured points where they do not; map_marks() above them. A speed
+/// ratio has a logarithmic axis.
 /// @throws UsageError as above, and where several cases fall on one point, with the axes in which they differ
 [[nodiscard]] Plot sweep_map(const SweepView& sweep, const std::string& x, const std::string& y, const std::string& colour);
 
