@@ -34,8 +34,8 @@ void joints(const Pass& pass, int own, int count, const Pass::Columns& before, c
     const Pass::Joints joint = pass.joints_between(before, here);
     Forces forces(out);
     joint.on_front.apply(1.0, forces.data(), End::front);
-    forces.data()[at<order>.x(End::rear, 0)] = joint.before;
-    forces.data()[at<order>.y(End::rear, 0)] = joint.after;
+    forces.data()[link_layout<order>.x(End::rear, 0)] = joint.before;
+    forces.data()[link_layout<order>.y(End::rear, 0)] = joint.after;
     forces.write(own, count);
 }
 

@@ -10,17 +10,17 @@ using namespace cvtflow::model;
 
 template <int P>
 [[nodiscard]] const double* state_of(const StagedChain& chain, int link) noexcept {
-    return chain.states + link * at<P>.link_block();
+    return chain.states + link * link_layout<P>.link_block();
 }
 
 template <int P>
 [[nodiscard]] double* force_of(const StagedChain& chain, int link) noexcept {
-    return chain.slope + link * at<P>.link_block() + at<P>.link_size();
+    return chain.slope + link * link_layout<P>.link_block() + link_layout<P>.link_size();
 }
 
 template <int P>
 [[nodiscard]] LinkFrame frame_of(const StagedChain& chain, int link) noexcept {
-    return link_frame<P>(state_of<P>(chain, link), state_of<P>(chain, link) + at<P>.link_size());
+    return link_frame<P>(state_of<P>(chain, link), state_of<P>(chain, link) + link_layout<P>.link_size());
 }
 
 template <bool Observe>
@@ -52,7 +52,7 @@ void joint_of_pin(const ChainModel& model, const StagedChain& chain, int pin) no
 
 template <int P, bool Observe>
 void chain_forces(const ChainModel& model, const StagedChain& chain, int first, int last) noexcept {
-    constexpr int size = at<P>.link_size();
+    constexpr int size = link_layout<P>.link_size();
     for (int link = first; link < last; ++link) {
         const double* state = state_of<P>(chain, link);
         double* f = force_of<P>(chain, link);

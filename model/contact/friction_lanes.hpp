@@ -64,7 +64,7 @@ public:
 
     /// Slopes of links first + own … + W - 1; their joints must be in scratch.
     void links(int own, const FrictionStageOf<Number>& stage) const noexcept {
-        V f[at<P>.link_size()];
+        V f[link_layout<P>.link_size()];
         add_joints(own, f);
         V moment = in_scratch(2 * n + 3, own) + in_scratch(2 * n + 2, own + 1);
         plates(own, f);
@@ -82,11 +82,11 @@ protected:
     [[nodiscard]] JointRates joint_rates(int own) const noexcept {
         JointRates rates;
         for (int m = 0; m < n; ++m) {
-            rates.x[m] = velocity(at<P>.x(End::front, m), own - 1) - velocity(at<P>.x(End::rear, m), own);
-            rates.y[m] = velocity(at<P>.y(End::front, m), own - 1) - velocity(at<P>.y(End::rear, m), own);
+            rates.x[m] = velocity(link_layout<P>.x(End::front, m), own - 1) - velocity(link_layout<P>.x(End::rear, m), own);
+            rates.y[m] = velocity(link_layout<P>.y(End::front, m), own - 1) - velocity(link_layout<P>.y(End::rear, m), own);
         }
-        rates.z = velocity(at<P>.z(End::front), own - 1) - velocity(at<P>.z(End::rear), own);
-        rates.e = velocity(at<P>.e(End::front), own - 1) - velocity(at<P>.e(End::rear), own);
+        rates.z = velocity(link_layout<P>.z(End::front), own - 1) - velocity(link_layout<P>.z(End::rear), own);
+        rates.e = velocity(link_layout<P>.e(End::front), own - 1) - velocity(link_layout<P>.e(End::rear), own);
         if constexpr (counts_from_recorded) {
             rates.z += contact(field_.components.joint_gap(), own);
             rates.e += contact(field_.components.joint_gap() + 1, own);
@@ -98,8 +98,8 @@ protected:
 
     /// How fast the gap between a link's pins opens: z, e.
     [[nodiscard]] std::pair<V, V> plate_rates(int own) const noexcept {
-        V z = velocity(at<P>.z(End::front), own) - velocity(at<P>.z(End::rear), own);
-        V e = velocity(at<P>.e(End::front), own) - velocity(at<P>.e(End::rear), own);
+        V z = velocity(link_layout<P>.z(End::front), own) - velocity(link_layout<P>.z(End::rear), own);
+        V e = velocity(link_layout<P>.e(End::front), own) - velocity(link_layout<P>.e(End::rear), own);
         if constexpr (counts_from_recorded) {
             z += contact(field_.components.plate_gap(), own);
             e += contact(field_.components.plate_gap() + 1, own);
@@ -185,25 +185,25 @@ protected:
 
     void add_joints(int own, V* f) const noexcept {
         for (int m = 0; m < n; ++m) {
-            f[at<P>.x(End::rear, m)] = -in_scratch(m, own);
-            f[at<P>.y(End::rear, m)] = -in_scratch(n + m, own);
-            f[at<P>.x(End::front, m)] = in_scratch(m, own + 1);
-            f[at<P>.y(End::front, m)] = in_scratch(n + m, own + 1);
+            f[link_layout<P>.x(End::rear, m)] = -in_scratch(m, own);
+            f[link_layout<P>.y(End::rear, m)] = -in_scratch(n + m, own);
+            f[link_layout<P>.x(End::front, m)] = in_scratch(m, own + 1);
+            f[link_layout<P>.y(End::front, m)] = in_scratch(n + m, own + 1);
         }
-        f[at<P>.z(End::rear)] = -in_scratch(2 * n, own);
-        f[at<P>.e(End::rear)] = -in_scratch(2 * n + 1, own);
-        f[at<P>.z(End::front)] = in_scratch(2 * n, own + 1);
-        f[at<P>.e(End::front)] = in_scratch(2 * n + 1, own + 1);
+        f[link_layout<P>.z(End::rear)] = -in_scratch(2 * n, own);
+        f[link_layout<P>.e(End::rear)] = -in_scratch(2 * n + 1, own);
+        f[link_layout<P>.z(End::front)] = in_scratch(2 * n, own + 1);
+        f[link_layout<P>.e(End::front)] = in_scratch(2 * n + 1, own + 1);
     }
 
     /// Adds the couple of the links' ends that a moment about z is.
     void add_couple(int own, const V& moment, V* f) const noexcept {
         const V couple = moment * contact(ContactComponents::inverse_length, own);
         const V tx = contact(ContactComponents::frame_x, own), ty = contact(ContactComponents::frame_y, own);
-        f[at<P>.x(End::front, 0)] = f[at<P>.x(End::front, 0)] - couple * ty;
-        f[at<P>.y(End::front, 0)] += couple * tx;
-        f[at<P>.x(End::rear, 0)] += couple * ty;
-        f[at<P>.y(End::rear, 0)] = f[at<P>.y(End::rear, 0)] - couple * tx;
+        f[link_layout<P>.x(End::front, 0)] = f[link_layout<P>.x(End::front, 0)] - couple * ty;
+        f[link_layout<P>.y(End::front, 0)] += couple * tx;
+        f[link_layout<P>.x(End::rear, 0)] += couple * ty;
+        f[link_layout<P>.y(End::rear, 0)] = f[link_layout<P>.y(End::rear, 0)] - couple * tx;
     }
 
     void plates(int own, V* f) const noexcept {
@@ -216,10 +216,10 @@ protected:
             fz += slide;
             fe += xi * slide;
         }
-        f[at<P>.z(End::front)] = f[at<P>.z(End::front)] - fz;
-        f[at<P>.e(End::front)] = f[at<P>.e(End::front)] - fe;
-        f[at<P>.z(End::rear)] += fz;
-        f[at<P>.e(End::rear)] += fe;
+        f[link_layout<P>.z(End::front)] = f[link_layout<P>.z(End::front)] - fz;
+        f[link_layout<P>.e(End::front)] = f[link_layout<P>.e(End::front)] - fe;
+        f[link_layout<P>.z(End::rear)] += fz;
+        f[link_layout<P>.e(End::rear)] += fe;
     }
 
     /// Whether a tip of the links side by side touches.
@@ -233,7 +233,7 @@ protected:
     void tips(int own, V* f, V& moment, const FrictionStageOf<Number>& stage) const noexcept {
         const V turn = turning(own);
         for (const End end : {End::rear, End::front}) {
-            const AxisRows rows{at<P>.x(end, 0), at<P>.y(end, 0), at<P>.z(end)};
+            const AxisRows rows{link_layout<P>.x(end, 0), link_layout<P>.y(end, 0), link_layout<P>.z(end)};
             const int low = 2 * static_cast<int>(end);
             const AtTips<V> forces = Base::tip_friction(own, low, rows, turn, moment);
             Base::add_mean_tip_forces(own, low, forces, stage);
@@ -243,8 +243,8 @@ protected:
 
     /// How fast links turn.
     [[nodiscard]] V turning(int own) const noexcept {
-        const V vx = velocity(at<P>.x(End::front, 0), own) - velocity(at<P>.x(End::rear, 0), own);
-        const V vy = velocity(at<P>.y(End::front, 0), own) - velocity(at<P>.y(End::rear, 0), own);
+        const V vx = velocity(link_layout<P>.x(End::front, 0), own) - velocity(link_layout<P>.x(End::rear, 0), own);
+        const V vy = velocity(link_layout<P>.y(End::front, 0), own) - velocity(link_layout<P>.y(End::rear, 0), own);
         return (contact(ContactComponents::frame_x, own) * vy - contact(ContactComponents::frame_y, own) * vx) *
                contact(ContactComponents::inverse_length, own);
     }

@@ -82,7 +82,7 @@ private:
         V sum(0.0);
         for (const End end : {End::rear, End::front}) {
             const int low = 2 * static_cast<int>(end);
-            const AtTips<V> v = Base::tip_velocities(own, {at<P>.x(end, 0), at<P>.y(end, 0), at<P>.z(end)});
+            const AtTips<V> v = Base::tip_velocities(own, {link_layout<P>.x(end, 0), link_layout<P>.y(end, 0), link_layout<P>.z(end)});
             for (const auto& [moving, corner] : {std::pair{&v.low, low}, std::pair{&v.high, low + 1}}) {
                 const AtTip<V> sliding = Base::slip(own, corner, *moving, turn), force = tip_force(own, corner);
                 sum += force.x * sliding.x + force.y * sliding.y + force.z * sliding.z;
@@ -134,7 +134,7 @@ public:
     void links(int own) const noexcept {
         const bool opening = sweep_.part == SweepPart::opening, closing = sweep_.part == SweepPart::closing;
         const bool touch = !closing && Base::touching(own);
-        V f[at<P>.link_size()];
+        V f[link_layout<P>.link_size()];
         Base::add_joints(own, f);
         V moment = in_scratch(2 * n + 3, own) + in_scratch(2 * n + 2, own + 1);
         if (opening) open_link(own, touch, f, moment);
@@ -222,8 +222,8 @@ private:
             const V force = before(rows_.opening(rows_.plates() + k), own);
             put(rows_.plates() + k, own, force);
             put(rows_.plate_rate() + k, own, before(rows_.plate_rate() + k, own));
-            f[at<P>.z(End::front) + k] += force;
-            f[at<P>.z(End::rear) + k] = f[at<P>.z(End::rear) + k] - force;
+            f[link_layout<P>.z(End::front) + k] += force;
+            f[link_layout<P>.z(End::rear) + k] = f[link_layout<P>.z(End::rear) + k] - force;
         }
         for (int row = rows_.tip(0); row < rows_.forces(); ++row) put(row, own, touch ? before(rows_.opening(row), own) : V(0.0));
         if (!touch) return;
@@ -236,7 +236,7 @@ private:
 
     void add_tips(int own, End end, const AtTips<V>& forces, V* f, V& moment) const noexcept {
         const int low = 2 * static_cast<int>(end);
-        FrictionTips<P, W, false>::spread(forces, {at<P>.x(end, 0), at<P>.y(end, 0), at<P>.z(end)}, f);
+        FrictionTips<P, W, false>::spread(forces, {link_layout<P>.x(end, 0), link_layout<P>.y(end, 0), link_layout<P>.z(end)}, f);
         for (const auto& [force, corner] : {std::pair{&forces.low, low}, std::pair{&forces.high, low + 1}}) {
             const int row = field_.components.tip(corner);
             moment += contact(row + Tip::lever_x, own) * force->y - contact(row + Tip::lever_y, own) * force->x;
@@ -251,9 +251,9 @@ private:
 
     /// Velocities after forces have acted over the step. @param to velocities so far, or the result
     void accelerate(int own, const V* f, ColumnsOf<Number>& to) const noexcept {
-        V change[at<P>.link_size()];
+        V change[link_layout<P>.link_size()];
         respond(f, change);
-        for (int row = 0; row < at<P>.link_size(); ++row) {
+        for (int row = 0; row < link_layout<P>.link_size(); ++row) {
             V v = velocity(row, own);
             if (sweep_.part == SweepPart::opening)
                 v = load<W>(sweep_.start->at(row, column(own))) + responses_.step * load<W>(sweep_.base->at(row, column(own)));
@@ -278,10 +278,10 @@ private:
         put(rows_.plates(), own, new_z);
         put(rows_.plates() + 1, own, new_e);
         const V shift = responses_.link_shift * (new_z - force_z), turn = responses_.link_tilt * (new_e - force_e);
-        add_velocity(at<P>.z(End::front), own, shift);
-        add_velocity(at<P>.z(End::rear), own, -shift);
-        add_velocity(at<P>.e(End::front), own, turn);
-        add_velocity(at<P>.e(End::rear), own, -turn);
+        add_velocity(link_layout<P>.z(End::front), own, shift);
+        add_velocity(link_layout<P>.z(End::rear), own, -shift);
+        add_velocity(link_layout<P>.e(End::front), own, turn);
+        add_velocity(link_layout<P>.e(End::rear), own, -turn);
     }
 
     /// Σ secant, Σ ξ secant, Σ ξ² secant.
@@ -309,20 +309,21 @@ private:
 
     /// All tips at the velocities that they have left each other so far.
     void solve_tips(int own) const noexcept {
-        V f[at<P>.link_size()];
+        V f[link_layout<P>.link_size()];
         for (V& row : f) row = V(0.0);
         V moment(0.0);
         const V turn = Base::turning(own);
         for (const End end : {End::rear, End::front}) {
             const int low = 2 * static_cast<int>(end);
-            const AtTips<V> velocities = Base::tip_velocities(own, {at<P>.x(end, 0), at<P>.y(end, 0), at<P>.z(end)});
+            const AtTips<V> velocities =
+                Base::tip_velocities(own, {link_layout<P>.x(end, 0), link_layout<P>.y(end, 0), link_layout<P>.z(end)});
             const AtTips<V> changes{solve_tip(own, low, velocities.low, turn), solve_tip(own, low + 1, velocities.high, turn)};
             add_tips(own, end, changes, f, moment);
         }
         add_couple(own, moment, f);
-        V change[at<P>.link_size()];
+        V change[link_layout<P>.link_size()];
         respond(f, change);
-        for (int row = 0; row < at<P>.link_size(); ++row) add_velocity(row, own, responses_.step * change[row]);
+        for (int row = 0; row < link_layout<P>.link_size(); ++row) add_velocity(row, own, responses_.step * change[row]);
     }
 
     /// With the slip u that would be there without this tip's friction, c the limit and r the response, friction is -c u/(max(|u| - r c,

@@ -59,7 +59,7 @@ template <int P, bool Observe, class Real>
                                           [[maybe_unused]] Account* account) noexcept {
     constexpr int W = width_of<Real>;
     for (const End end : {End::rear, End::front}) {
-        const int x = at<P>.x(end, 0), y = at<P>.y(end, 0);
+        const int x = link_layout<P>.x(end, 0), y = link_layout<P>.y(end, 0);
         const GuideContact<W> contact(g, 0.5, q[x], q[y], v[x], v[y]);
         if constexpr (Observe) {
             account->store(Energy::supports, sum<W>(contact.energy));

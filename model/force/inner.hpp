@@ -53,7 +53,8 @@ template <int P, bool Observe>
 [[nodiscard]] inline double bending(const Coefficients& c, const LinkFrame& frame, const double* q, const double* v, double* f,
                                     Account* account) noexcept {
     constexpr int modes = P - 1;
-    constexpr int xa = at<P>.x(End::rear, 2), xb = at<P>.x(End::front, 2), ya = at<P>.y(End::rear, 2), yb = at<P>.y(End::front, 2);
+    constexpr int xa = link_layout<P>.x(End::rear, 2), xb = link_layout<P>.x(End::front, 2), ya = link_layout<P>.y(End::rear, 2),
+                  yb = link_layout<P>.y(End::front, 2);
     using V = Lanes<2 * modes>;
     const auto both = [](const double* from, int rear, int front) {
         return join<modes>(load<modes>(from + rear), load<modes>(from + front));
@@ -100,8 +101,8 @@ template <int P, bool Observe, int W>
     constexpr std::size_t modes = P - 1;
     using Modes = std::array<V, 2 * modes>;
     Modes along, across, along_rate, across_rate, moment;
-    const auto x_of = [](std::size_t k) { return at<P>.x(k < modes ? End::rear : End::front, 2) + static_cast<int>(k % modes); };
-    const auto y_of = [](std::size_t k) { return at<P>.y(k < modes ? End::rear : End::front, 2) + static_cast<int>(k % modes); };
+    const auto x_of = [](std::size_t k) { return link_layout<P>.x(k < modes ? End::rear : End::front, 2) + static_cast<int>(k % modes); };
+    const auto y_of = [](std::size_t k) { return link_layout<P>.y(k < modes ? End::rear : End::front, 2) + static_cast<int>(k % modes); };
     for (std::size_t k = 0; k < 2 * modes; ++k) {
         const int x = x_of(k), y = y_of(k);
         along[k] = q[x] * frame.tx + q[y] * frame.ty;
@@ -123,8 +124,8 @@ template <int P, bool Observe, int W>
 template <int P, bool Observe, class Kind, class Real>
 [[nodiscard]] inline Real plate_pack(const Coefficients& c, const Kind& kind, const LinkFrameOf<Real>& frame, const Real* q, const Real* v,
                                      Real* f, Account* account) noexcept {
-    constexpr int za = at<P>.z(End::rear);
-    constexpr int zb = at<P>.z(End::front);
+    constexpr int za = link_layout<P>.z(End::rear);
+    constexpr int zb = link_layout<P>.z(End::front);
     const auto inverse_half = 2.0 * kind.inverse_length;
     const Real rise = inverse_half * (q[zb] - q[za]);
     const Real rise_rate = inverse_half * (v[zb] - v[za]);
@@ -134,7 +135,8 @@ template <int P, bool Observe, class Kind, class Real>
         f[za] -= inverse_half * shear;
         return Real(0.0);
     } else {
-        constexpr int xa = at<P>.x(End::rear, 1), ya = at<P>.y(End::rear, 1), xb = at<P>.x(End::front, 1), yb = at<P>.y(End::front, 1);
+        constexpr int xa = link_layout<P>.x(End::rear, 1), ya = link_layout<P>.y(End::rear, 1), xb = link_layout<P>.x(End::front, 1),
+                      yb = link_layout<P>.y(End::front, 1);
         const double s = c.slope_scale;
         const Real tx = s * frame.tx, ty = s * frame.ty;
         const Real ta = q[xa] * tx + q[ya] * ty, tb = q[xb] * tx + q[yb] * ty;  // slopes along t …
@@ -167,7 +169,7 @@ template <int P, bool Observe, class Real>
 inline void add_lengths(const Coefficients& c, const std::array<Real, 2>& longer, const Real* q, Real* f,
                         [[maybe_unused]] Account* account) noexcept {
     for (const End end : {End::rear, End::front}) {
-        const int e = at<P>.e(end);
+        const int e = link_layout<P>.e(end);
         const Real& by = longer[static_cast<std::size_t>(end)];
         f[e] += c.extension.stiffness * by;
         if constexpr (Observe) account->store(Energy::inner, c.extension.stiffness * by * (0.5 * by - q[e]));
@@ -181,7 +183,7 @@ template <int P, bool Observe, class Kind, class Real>
                                            const Real* v, Real* f, Account* account) noexcept {
     Real moment = plate_pack<P, Observe>(c, kind, frame, q, v, f, account);
     for (const End end : {End::rear, End::front}) {
-        const int e = at<P>.e(end);
+        const int e = link_layout<P>.e(end);
         f[e] -= element_force<Observe>(c.extension, q[e], v[e], Energy::inner, account);
     }
     if constexpr (P >= 2) moment += bending<P, Observe>(c, frame, q, v, f, account);

@@ -13,7 +13,7 @@ namespace {
 
 /// Offsets inside a link's coordinates for order P, as constants.
 template <int P>
-inline constexpr ChainLayout at{P};
+inline constexpr ChainLayout link_layout{P};
 
 /// Frame of one link (Real: double) or of several side by side (Real: Lanes).
 template <class Real>
@@ -30,13 +30,13 @@ template <int P, class Real>
     using std::sqrt;
     constexpr auto a = End::rear;
     constexpr auto b = End::front;
-    const Real dx = q[at<P>.x(b, 0)] - q[at<P>.x(a, 0)];
-    const Real dy = q[at<P>.y(b, 0)] - q[at<P>.y(a, 0)];
+    const Real dx = q[link_layout<P>.x(b, 0)] - q[link_layout<P>.x(a, 0)];
+    const Real dy = q[link_layout<P>.y(b, 0)] - q[link_layout<P>.y(a, 0)];
     const Real inverse = 1.0 / sqrt(dx * dx + dy * dy);
     const Real tx = dx * inverse;
     const Real ty = dy * inverse;
-    const Real vx = v[at<P>.x(b, 0)] - v[at<P>.x(a, 0)];
-    const Real vy = v[at<P>.y(b, 0)] - v[at<P>.y(a, 0)];
+    const Real vx = v[link_layout<P>.x(b, 0)] - v[link_layout<P>.x(a, 0)];
+    const Real vy = v[link_layout<P>.y(b, 0)] - v[link_layout<P>.y(a, 0)];
     return {tx, ty, inverse, (tx * vy - ty * vx) * inverse};
 }
 
@@ -44,10 +44,10 @@ template <int P, class Real>
 template <int P, class Real>
 inline void add_moment(const LinkFrameOf<Real>& frame, const Real& moment, Real* f) noexcept {
     const Real couple = moment * frame.inverse_length;
-    f[at<P>.x(End::front, 0)] -= couple * frame.ty;
-    f[at<P>.y(End::front, 0)] += couple * frame.tx;
-    f[at<P>.x(End::rear, 0)] += couple * frame.ty;
-    f[at<P>.y(End::rear, 0)] -= couple * frame.tx;
+    f[link_layout<P>.x(End::front, 0)] -= couple * frame.ty;
+    f[link_layout<P>.y(End::front, 0)] += couple * frame.tx;
+    f[link_layout<P>.x(End::rear, 0)] += couple * frame.ty;
+    f[link_layout<P>.y(End::rear, 0)] -= couple * frame.tx;
 }
 
 /// Coordinates (or velocities, or generalized forces) of one half minus those of another; of several links side by side if Real is Lanes.
@@ -60,10 +60,11 @@ struct Difference {
     }
     /// Half `plus_end` of the link at `plus` minus half `minus_end` of the link at `minus`.
     [[gnu::always_inline]] Difference(const Real* plus, End plus_end, const Real* minus, End minus_end) noexcept
-        : z(plus[at<P>.z(plus_end)] - minus[at<P>.z(minus_end)]), e(plus[at<P>.e(plus_end)] - minus[at<P>.e(minus_end)]) {
+        : z(plus[link_layout<P>.z(plus_end)] - minus[link_layout<P>.z(minus_end)]),
+          e(plus[link_layout<P>.e(plus_end)] - minus[link_layout<P>.e(minus_end)]) {
         for (int m = 0; m <= P; ++m) {
-            x[m] = plus[at<P>.x(plus_end, m)] - minus[at<P>.x(minus_end, m)];
-            y[m] = plus[at<P>.y(plus_end, m)] - minus[at<P>.y(minus_end, m)];
+            x[m] = plus[link_layout<P>.x(plus_end, m)] - minus[link_layout<P>.x(minus_end, m)];
+            y[m] = plus[link_layout<P>.y(plus_end, m)] - minus[link_layout<P>.y(minus_end, m)];
         }
     }
 
@@ -78,11 +79,11 @@ struct Difference {
     /// Adds this generalized force, times sign, to that of one half of a link. sign [1]
     [[gnu::always_inline]] void apply(double sign, Real* f, End end) const noexcept {
         for (int m = 0; m <= P; ++m) {
-            f[at<P>.x(end, m)] += sign * x[m];
-            f[at<P>.y(end, m)] += sign * y[m];
+            f[link_layout<P>.x(end, m)] += sign * x[m];
+            f[link_layout<P>.y(end, m)] += sign * y[m];
         }
-        f[at<P>.z(end)] += sign * z;
-        f[at<P>.e(end)] += sign * e;
+        f[link_layout<P>.z(end)] += sign * z;
+        f[link_layout<P>.e(end)] += sign * e;
     }
 };
 

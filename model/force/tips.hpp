@@ -159,8 +159,8 @@ template <int P, class Corner>
     g.side = at_tips.by_side(-1.0, 1.0);
     g.end.x = end_values<P>(at_tips, q);
     g.end.y = end_values<P>(at_tips, q + 2 * (P + 1));
-    g.end.z = at_tips.by_end(q[at<P>.z(End::rear)], q[at<P>.z(End::front)]) +
-              g.side * (c.half_length + at_tips.by_end(q[at<P>.e(End::rear)], q[at<P>.e(End::front)]));
+    g.end.z = at_tips.by_end(q[link_layout<P>.z(End::rear)], q[link_layout<P>.z(End::front)]) +
+              g.side * (c.half_length + at_tips.by_end(q[link_layout<P>.e(End::rear)], q[link_layout<P>.e(End::front)]));
     g.slope_x = c.slope_scale * end_slopes<P>(at_tips, q);
     g.slope_y = c.slope_scale * end_slopes<P>(at_tips, q + 2 * (P + 1));
     g.tilt = g.slope_x * ox + g.slope_y * oy;
@@ -219,8 +219,8 @@ template <int P, class Corner, class Sheaves>
     const Tips sideways = (c.tip.radius * c.tip.cosine) * g.side;
     const auto& w = frame.turning;
     const Tips ex = end_values<P>(at_tips, v), ey = end_values<P>(at_tips, v + 2 * (P + 1));
-    const Tips ez = at_tips.by_end(v[at<P>.z(End::rear)], v[at<P>.z(End::front)]) +
-                    g.side * at_tips.by_end(v[at<P>.e(End::rear)], v[at<P>.e(End::front)]);
+    const Tips ez = at_tips.by_end(v[link_layout<P>.z(End::rear)], v[link_layout<P>.z(End::front)]) +
+                    g.side * at_tips.by_end(v[link_layout<P>.e(End::rear)], v[link_layout<P>.e(End::front)]);
     const auto slope_x = c.slope_scale * end_slopes<P>(at_tips, v), slope_y = c.slope_scale * end_slopes<P>(at_tips, v + 2 * (P + 1));
     const auto tilting = slope_x * frame.ty - slope_y * frame.tx + w * (g.slope_x * frame.tx + g.slope_y * frame.ty);
     const auto& [ux, uy, uz] = o.velocity;
@@ -380,10 +380,10 @@ inline void spread_end(const Real& minus, const Real& plus, const Real& tilt_min
 /// The tips' moments on all coordinates of a half.
 template <int P, class Real>
 inline void load_end(End end, const TipAction<Real>& minus, const TipAction<Real>& plus, Real* f) noexcept {
-    spread_end<P>(minus.total.x, plus.total.x, minus.tilt_x, plus.tilt_x, f + at<P>.x(end, 0));
-    spread_end<P>(minus.total.y, plus.total.y, minus.tilt_y, plus.tilt_y, f + at<P>.y(end, 0));
-    f[at<P>.z(end)] += minus.total.z + plus.total.z;
-    f[at<P>.e(end)] += plus.total.z - minus.total.z;
+    spread_end<P>(minus.total.x, plus.total.x, minus.tilt_x, plus.tilt_x, f + link_layout<P>.x(end, 0));
+    spread_end<P>(minus.total.y, plus.total.y, minus.tilt_y, plus.tilt_y, f + link_layout<P>.y(end, 0));
+    f[link_layout<P>.z(end)] += minus.total.z + plus.total.z;
+    f[link_layout<P>.e(end)] += plus.total.z - minus.total.z;
 }
 
 /// Adds generalized forces of the four tips to those of their link; returns the moment about z on it. f [N, N·m]

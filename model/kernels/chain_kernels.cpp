@@ -24,7 +24,7 @@ public:
 
     /// @param states blocks of `links` neighbouring links [unknowns]
     void run(const double* states, int links, TipProbe* probes) const noexcept {
-        for (int own = 0; own < links; own += W) group(states + own * at<P>.link_block(), std::min(W, links - own), probes + own);
+        for (int own = 0; own < links; own += W) group(states + own * link_layout<P>.link_block(), std::min(W, links - own), probes + own);
     }
 
 private:
@@ -35,9 +35,10 @@ private:
     /// states [unknowns]
     void group(const double* states, int count, TipProbe* probes) const noexcept {
         std::array<const double*, W> from;
-        for (int lane = 0; lane < W; ++lane) from[static_cast<std::size_t>(lane)] = states + std::min(lane, count - 1) * at<P>.link_block();
+        for (int lane = 0; lane < W; ++lane)
+            from[static_cast<std::size_t>(lane)] = states + std::min(lane, count - 1) * link_layout<P>.link_block();
         Columns columns;
-        load_rows<W, at<P>.link_block()>(from, columns.state.data());
+        load_rows<W, link_layout<P>.link_block()>(from, columns.state.data());
         columns.frame = link_frame<P>(columns.q(), columns.v());
         std::array<SheaveMotionLanes<W>, 2> sheaves;
         const V shaft = pulleys_of<P>(c_, sheaves_, columns, sheaves);
@@ -47,8 +48,8 @@ private:
         probe(OneTip<W, End::front, 0>{}, 2, columns, sheaves.data(), rows.data());
         probe(OneTip<W, End::front, 1>{}, 3, columns, sheaves.data(), rows.data());
         const V* q = columns.q();
-        const V x = 0.5 * (q[at<P>.x(End::rear, 0)] + q[at<P>.x(End::front, 0)]) - shaft * c_.centre_distance;
-        const V y = 0.5 * (q[at<P>.y(End::rear, 0)] + q[at<P>.y(End::front, 0)]);
+        const V x = 0.5 * (q[link_layout<P>.x(End::rear, 0)] + q[link_layout<P>.x(End::front, 0)]) - shaft * c_.centre_distance;
+        const V y = 0.5 * (q[link_layout<P>.y(End::rear, 0)] + q[link_layout<P>.y(End::front, 0)]);
         rows[radius_row] = sqrt(x * x + y * y);
         std::array<double*, W> to;
         for (int lane = 0; lane < count; ++lane) to[static_cast<std::size_t>(lane)] = reinterpret_cast<double*>(probes + lane);
@@ -91,15 +92,19 @@ public:
             JointForce<P>& front = joints[(own & 1) ^ 1];
             joint_between(link + 1, here, ahead, front,
                           link + 1 < range_.last ? part_of(accounts, own + 1, AccountPart::joint) : &neighbour);
-            link_slope(link, here, rear, front, slope + own * at<P>.link_block(), loads[own], part_of(accounts, own, AccountPart::joint),
-                       contacts != nullptr ? contacts + own : nullptr);
+            link_slope(link, here, rear, front, slope + own * link_layout<P>.link_block(), loads[own],
+                       part_of(accounts, own, AccountPart::joint), contacts != nullptr ? contacts + own : nullptr);
             here = ahead;
         }
     }
 
 private:
-    [[nodiscard]] const double* state(int link) const noexcept { return range_.window + (link - range_.first + 1) * at<P>.link_block(); }
-    [[nodiscard]] LinkFrame frame_of(int link) const noexcept { return link_frame<P>(state(link), state(link) + at<P>.link_size()); }
+    [[nodiscard]] const double* state(int link) const noexcept {
+        return range_.window + (link - range_.first + 1) * link_layout<P>.link_block();
+    }
+    [[nodiscard]] LinkFrame frame_of(int link) const noexcept {
+        return link_frame<P>(state(link), state(link) + link_layout<P>.link_size());
+    }
 
     /// Joint of the pin between link - 1 and link.
     void joint_between(int link, const LinkFrame& before, const LinkFrame& after, JointForce<P>& out, Account* account) const noexcept {
@@ -113,7 +118,7 @@ private:
     /// @param accounts, contact those of this link
     void link_slope(int link, const LinkFrame& frame, const JointForce<P>& rear, const JointForce<P>& front, double* slope, LinkLoad& load,
                     Account* accounts, LinkContact* contact) const noexcept {
-        constexpr int size = at<P>.link_size();
+        constexpr int size = link_layout<P>.link_size();
         double* f = slope + size;
         std::memcpy(slope, state(link) + size, size * sizeof(double));
         const double moment = link_part<P, Observe>(c_, link, frame, state(link), f, part_of(accounts, 0, AccountPart::link));
@@ -146,7 +151,7 @@ void slopes_of(const ChainModel& model, const ChainRange& range, double* slope, 
 template <int P>
 void probe_link(const ChainModel& model, const double* state, const SheaveMotion* sheaves, bool with_slip, TipProbe& probe) noexcept {
     const Coefficients& c = model.coefficients();
-    const double* v = state + at<P>.link_size();
+    const double* v = state + link_layout<P>.link_size();
     const SheaveMotion* own = sheaves + 2 * model.shaft_of(state);
     const LinkFrame frame = link_frame<P>(state, v);
     const FourTips four;
@@ -159,8 +164,9 @@ void probe_link(const ChainModel& model, const double* state, const SheaveMotion
         const Vector3<TipLanes> slip = tangential(motion.material, geometry.normal);
         TipLanes(sqrt(dot(slip, slip))).copy_to(probe.slip);
     }
-    const double x = 0.5 * (state[at<P>.x(End::rear, 0)] + state[at<P>.x(End::front, 0)]) - model.shaft_of(state) * c.centre_distance;
-    const double y = 0.5 * (state[at<P>.y(End::rear, 0)] + state[at<P>.y(End::front, 0)]);
+    const double x =
+        0.5 * (state[link_layout<P>.x(End::rear, 0)] + state[link_layout<P>.x(End::front, 0)]) - model.shaft_of(state) * c.centre_distance;
+    const double y = 0.5 * (state[link_layout<P>.y(End::rear, 0)] + state[link_layout<P>.y(End::front, 0)]);
     probe.radius = std::sqrt(x * x + y * y);
 }
 

@@ -33,8 +33,8 @@ inline void with_lanes(int width, const Body& body) noexcept {
 template <int P, bool Observe>
 [[nodiscard]] inline double link_part(const Coefficients& c, int link, const LinkFrame& frame, const double* state, double* f,
                                       Account* account) noexcept {
-    const double* v = state + at<P>.link_size();
-    std::memset(f, 0, static_cast<std::size_t>(at<P>.link_size()) * sizeof(double));
+    const double* v = state + link_layout<P>.link_size();
+    std::memset(f, 0, static_cast<std::size_t>(link_layout<P>.link_size()) * sizeof(double));
     const LinkKind& kind = c.kind(link);
     const double moment = inner_elasticity<P, Observe>(c, kind, frame, state, v, f, account);
     if (!c.longer.empty()) add_lengths<P, Observe, double>(c, lengths_at(c, link), state, f, account);
@@ -64,7 +64,7 @@ template <int P, class Kind, class Real>
 template <int P, bool Observe>
 inline void joint_part(const Coefficients& c, const LinkFrame& before, const LinkFrame& after, const double* state_before,
                        const double* state_after, JointForce<P>& out, Account* account) noexcept {
-    constexpr int size = at<P>.link_size();
+    constexpr int size = link_layout<P>.link_size();
     out = {};
     with_lanes(c.joint_points.width, [&]<int W>() {
         joint<P, W, Observe>(c, before, after, state_before, state_before + size, state_after, state_after + size, out, account);
@@ -149,8 +149,8 @@ inline void tip_part(const ChainModel& model, const LinkFrame& frame, const doub
         note_contact(shaft_x, geometry, motion, forces, *contact);
         contact->shaft = load.shaft;
     };
-    share.moment = tips<P, Observe>(model.coefficients(), frame, state, state + at<P>.link_size(), sheaves + 2 * load.shaft, phases,
-                                    share.force, load.load, account, seen);
+    share.moment = tips<P, Observe>(model.coefficients(), frame, state, state + link_layout<P>.link_size(), sheaves + 2 * load.shaft,
+                                    phases, share.force, load.load, account, seen);
 }
 
 /// Adds joints and tips (none: nullptr) to what link_part left in f. The order of the sums is part of the promise of equal bits. moment
@@ -162,7 +162,7 @@ inline void assemble(const LinkFrame& frame, double moment, const JointForce<P>&
     front.on_front.apply(1.0, f, End::front);
     moment += rear.after + front.before;
     if (tips != nullptr) {
-        for (int k = 0; k < at<P>.link_size(); ++k) f[k] += tips->force[k];
+        for (int k = 0; k < link_layout<P>.link_size(); ++k) f[k] += tips->force[k];
         moment += tips->moment;
     }
     add_moment<P>(frame, moment, f);

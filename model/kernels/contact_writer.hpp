@@ -125,7 +125,7 @@ public:
     /// Accelerations of a group, rows of the coordinates.
     void accelerations(int own, int count, const V* rows) const noexcept {
         const Rows to = rows_of(frictionless_, own, count);
-        for (int row = 0; row < at<P>.link_size(); ++row) to.put(row, rows[row]);
+        for (int row = 0; row < link_layout<P>.link_size(); ++row) to.put(row, rows[row]);
     }
 
     /// Ghost columns, one on each side of the chain's, where the range holds the link that they repeat.
@@ -216,7 +216,7 @@ public:
 
     /// @param v velocities passed over, rows of the coordinates
     void velocities(int own, int count, const Lanes<W>* v) const noexcept {
-        constexpr int size = at<P>.link_size(), block = 2 * size;
+        constexpr int size = link_layout<P>.link_size(), block = 2 * size;
         constexpr int rows = (size + W - 1) / W * W;  // the last of a block: velocities, and some coordinates before them
         std::array<const double*, W> from;
         for (int lane = 0; lane < W; ++lane)

@@ -24,7 +24,7 @@ public:
     using V = Lanes<W>;
     using Columns = LinkColumns<P, W>;
     using Reaction = TipReaction<V>;
-    static constexpr int size = at<P>.link_size();
+    static constexpr int size = link_layout<P>.link_size();
 
     /// @param count links that the lanes represent, from the first
     LaneTips(const Coefficients& c, const ChainRange& range, int first, int count, const Contacts& contacts) noexcept
@@ -122,7 +122,7 @@ private:
     void find_near(const Columns& columns) noexcept {
         constexpr double yielding = 5e-4;  // m
         const V* q = columns.q();
-        const V first(c_.centre_distance), middle = q[at<P>.x(End::rear, 0)] + q[at<P>.x(End::front, 0)];
+        const V first(c_.centre_distance), middle = q[link_layout<P>.x(End::rear, 0)] + q[link_layout<P>.x(End::front, 0)];
         const auto by_shaft = [&](double one, double other) { return select_greater<W>(first, middle, V(one), V(other)); };
         const SheaveMotion* motions = range_.sheaves;
         const V minus = by_shaft(motions[0].z, motions[2].z), plus = by_shaft(motions[1].z, motions[3].z);
@@ -130,8 +130,8 @@ private:
         const double touching_radius = c_.tip.touching_radius - c_.tip.radius * c_.tip.sine;
         near_ = V(-1.0);
         for (const End end : {End::rear, End::front}) {
-            const V x = q[at<P>.x(end, 0)] - centre, y = q[at<P>.y(end, 0)], z = q[at<P>.z(end)];
-            const V radial = c_.tip.sine * (touching_radius - sqrt(x * x + y * y)), length = c_.half_length + q[at<P>.e(end)];
+            const V x = q[link_layout<P>.x(end, 0)] - centre, y = q[link_layout<P>.y(end, 0)], z = q[link_layout<P>.z(end)];
+            const V radial = c_.tip.sine * (touching_radius - sqrt(x * x + y * y)), length = c_.half_length + q[link_layout<P>.e(end)];
             const V beyond = larger<W>(length - (z - minus), length + (z - plus));
             near_ = larger<W>(radial + c_.tip.cosine * beyond + yielding, near_);
         }
@@ -160,8 +160,8 @@ private:
     void check_limits(const Columns& columns, const V& shaft) const noexcept {
         TipSearch& search = *contacts_.search();
         const V* q = columns.q();
-        const V x = 0.5 * (q[at<P>.x(End::rear, 0)] + q[at<P>.x(End::front, 0)]) - shaft * c_.centre_distance;
-        const V y = 0.5 * (q[at<P>.y(End::rear, 0)] + q[at<P>.y(End::front, 0)]), square = x * x + y * y;
+        const V x = 0.5 * (q[link_layout<P>.x(End::rear, 0)] + q[link_layout<P>.x(End::front, 0)]) - shaft * c_.centre_distance;
+        const V y = 0.5 * (q[link_layout<P>.y(End::rear, 0)] + q[link_layout<P>.y(End::front, 0)]), square = x * x + y * y;
         const V touching = select_greater<W>(deepest_, V(0.0), square, V(0.0));
         if (!all_at_most<W>(deepest_, search.deepest) || !all_at_most<W>(-square, -search.innermost * search.innermost) ||
             !all_at_most<W>(touching, search.outermost * search.outermost))
@@ -231,8 +231,8 @@ public:
     using V = Lanes<W>;
     using Columns = LinkColumns<P, W>;
     using Joints = JointForce<P, V>;
-    static constexpr int size = at<P>.link_size();
-    static constexpr int block = at<P>.link_block();
+    static constexpr int size = link_layout<P>.link_size();
+    static constexpr int block = link_layout<P>.link_block();
 
     /// slope [unknowns, per second]
     LanePass(const ChainModel& model, const ChainRange& range, double* slope, LinkLoad* loads) noexcept
@@ -429,11 +429,11 @@ private:
         const auto front_minus_rear = [&](int front, int rear) { return before(earlier[front], here[front]) - here[rear]; };
         Difference<P, V> d;
         for (int m = 0; m <= P; ++m) {
-            d.x[m] = front_minus_rear(at<P>.x(End::front, m), at<P>.x(End::rear, m));
-            d.y[m] = front_minus_rear(at<P>.y(End::front, m), at<P>.y(End::rear, m));
+            d.x[m] = front_minus_rear(link_layout<P>.x(End::front, m), link_layout<P>.x(End::rear, m));
+            d.y[m] = front_minus_rear(link_layout<P>.y(End::front, m), link_layout<P>.y(End::rear, m));
         }
-        d.z = front_minus_rear(at<P>.z(End::front), at<P>.z(End::rear));
-        d.e = front_minus_rear(at<P>.e(End::front), at<P>.e(End::rear));
+        d.z = front_minus_rear(link_layout<P>.z(End::front), link_layout<P>.z(End::rear));
+        d.e = front_minus_rear(link_layout<P>.e(End::front), link_layout<P>.e(End::rear));
         return d;
     }
 
@@ -442,11 +442,11 @@ private:
         const auto& a = rear.on_front;
         const auto& b = next.on_front;
         for (int m = 0; m <= P; ++m) {
-            f[at<P>.x(End::front, m)] += after(a.x[m], b.x[m]);
-            f[at<P>.y(End::front, m)] += after(a.y[m], b.y[m]);
+            f[link_layout<P>.x(End::front, m)] += after(a.x[m], b.x[m]);
+            f[link_layout<P>.y(End::front, m)] += after(a.y[m], b.y[m]);
         }
-        f[at<P>.z(End::front)] += after(a.z, b.z);
-        f[at<P>.e(End::front)] += after(a.e, b.e);
+        f[link_layout<P>.z(End::front)] += after(a.z, b.z);
+        f[link_layout<P>.e(End::front)] += after(a.e, b.e);
     }
 
     const ChainModel& model_;

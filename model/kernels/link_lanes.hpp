@@ -75,7 +75,7 @@ template <int W, std::size_t rows, class Body>
 /// States of W links.
 template <int P, int W>
 struct LinkColumns {
-    static constexpr int size = at<P>.link_size();
+    static constexpr int size = link_layout<P>.link_size();
     std::array<Lanes<W>, 2 * size> state;  ///< [q | v]
     LinkFrameOf<Lanes<W>> frame;
 
@@ -104,8 +104,8 @@ template <int P, int W>
 [[nodiscard]] inline Lanes<W> pulleys_of(const Coefficients& c, const SheaveMotion* motions, const LinkColumns<P, W>& columns,
                                          std::array<SheaveMotionLanes<W>, 2>& sheaves) noexcept {
     using V = Lanes<W>;
-    const V middle =
-        columns.state[static_cast<std::size_t>(at<P>.x(End::rear, 0))] + columns.state[static_cast<std::size_t>(at<P>.x(End::front, 0))];
+    const V middle = columns.state[static_cast<std::size_t>(link_layout<P>.x(End::rear, 0))] +
+                     columns.state[static_cast<std::size_t>(link_layout<P>.x(End::front, 0))];
     const auto by_shaft = [&](double first, double second) { return select_greater<W>(V(c.centre_distance), middle, V(first), V(second)); };
     constexpr std::size_t numbers = sizeof(SheaveMotion) / sizeof(double);
     for (std::size_t side = 0; side < 2; ++side) {

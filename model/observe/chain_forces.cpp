@@ -44,7 +44,7 @@ template <int P, int W>
 void read_plates(const ForceReading& from, int link) {
     const Coefficients& c = from.coefficients();
     const double* q = from.link(link);
-    const double* v = q + at<P>.link_size();
+    const double* v = q + link_layout<P>.link_size();
     const Difference<P> d(q, End::front, q, End::rear), rate(v, End::front, v, End::rear);
     alignas(64) std::array<double, max_plate_lanes + W> tension{};
     const auto of = [](const auto& numbers, int first) { return load<W>(&numbers[place(first)]); };
@@ -62,7 +62,7 @@ void read_joint(const ForceReading& from, int pin) {
     const Coefficients& c = from.coefficients();
     const double* before = from.link(c.layout.previous(pin));
     const double* after = from.link(pin);
-    constexpr int size = at<P>.link_size();
+    constexpr int size = link_layout<P>.link_size();
     const JointFrames<double> frames(link_frame<P>(before, before + size), link_frame<P>(after, after + size));
     const auto motion =
         joint_motion<P, W>(c.joint, frames, AxisPoints<P, W>(c.joint_points, 0), Difference<P>(before, End::front, after, End::rear),
@@ -78,15 +78,15 @@ template <int P>
 void read_halves(const ForceReading& from, int link) {
     const Coefficients& c = from.coefficients();
     const double* q = from.link(link);
-    const LinkFrame frame = link_frame<P>(q, q + at<P>.link_size());
+    const LinkFrame frame = link_frame<P>(q, q + link_layout<P>.link_size());
     for (const End end : {End::rear, End::front}) {
         const std::size_t half = place(2 * link + static_cast<int>(end));
         const double longer = c.longer.empty() ? 0.0 : lengths_at(c, link)[static_cast<std::size_t>(end)];
-        from.forces.half_axial[half] = 0.5 * c.extension.stiffness * (q[at<P>.e(end)] - longer);  // k = 4EA/ℓ_p
+        from.forces.half_axial[half] = 0.5 * c.extension.stiffness * (q[link_layout<P>.e(end)] - longer);  // k = 4EA/ℓ_p
         if constexpr (P >= 2) {
             const std::size_t spring = place(static_cast<int>(end) * (P - 1));  // k = 144 EI/ℓ_p³: M = 12 EI x_2/ℓ_p² = k ℓ_p x_2/12
             const double arm = c.half_length / 6.0;
-            const double x = q[at<P>.x(end, 2)], y = q[at<P>.y(end, 2)];
+            const double x = q[link_layout<P>.x(end, 2)], y = q[link_layout<P>.y(end, 2)];
             from.forces.bending_travel[half] = c.travel.stiffness[spring] * arm * (x * frame.tx + y * frame.ty);
             from.forces.bending_height[half] = c.height.stiffness[spring] * arm * (y * frame.tx - x * frame.ty);
         }

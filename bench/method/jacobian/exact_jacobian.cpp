@@ -17,14 +17,14 @@ namespace {
 
 template <int P>
 [[nodiscard]] DualFrame dual_frame(const double* state) noexcept {
-    constexpr int n = at<P>.link_size(), xa = at<P>.x(End::rear, 0), ya = at<P>.y(End::rear, 0), xb = at<P>.x(End::front, 0),
-                  yb = at<P>.y(End::front, 0);
+    constexpr int n = link_layout<P>.link_size(), xa = link_layout<P>.x(End::rear, 0), ya = link_layout<P>.y(End::rear, 0),
+                  xb = link_layout<P>.x(End::front, 0), yb = link_layout<P>.y(End::front, 0);
     using T = Dual<4>;
-    T q[at<0>.link_size()], v[at<0>.link_size()];  // of a link of order 0 whose rear half is at the origin
-    q[at<0>.x(End::front, 0)] = T::variable(state[xb] - state[xa], 0);
-    q[at<0>.y(End::front, 0)] = T::variable(state[yb] - state[ya], 1);
-    v[at<0>.x(End::front, 0)] = T::variable(state[n + xb] - state[n + xa], 2);
-    v[at<0>.y(End::front, 0)] = T::variable(state[n + yb] - state[n + ya], 3);
+    T q[link_layout<0>.link_size()], v[link_layout<0>.link_size()];  // of a link of order 0 whose rear half is at the origin
+    q[link_layout<0>.x(End::front, 0)] = T::variable(state[xb] - state[xa], 0);
+    q[link_layout<0>.y(End::front, 0)] = T::variable(state[yb] - state[ya], 1);
+    v[link_layout<0>.x(End::front, 0)] = T::variable(state[n + xb] - state[n + xa], 2);
+    v[link_layout<0>.y(End::front, 0)] = T::variable(state[n + yb] - state[n + ya], 3);
     return link_frame<0>(q, v);
 }
 

@@ -57,9 +57,9 @@ struct PointWeights {
     [[nodiscard]] static int component(int coordinate) noexcept { return coordinate < P + 1 ? 0 : coordinate < 2 * (P + 1) ? 1 : 2; }
     /// Place of the coordinate in a link's q.
     [[nodiscard]] static int place(int coordinate, End end) noexcept {
-        if (coordinate < P + 1) return at<P>.x(end, coordinate);
-        if (coordinate < 2 * (P + 1)) return at<P>.y(end, coordinate - P - 1);
-        return coordinate == 2 * (P + 1) ? at<P>.z(end) : at<P>.e(end);
+        if (coordinate < P + 1) return link_layout<P>.x(end, coordinate);
+        if (coordinate < 2 * (P + 1)) return link_layout<P>.y(end, coordinate - P - 1);
+        return coordinate == 2 * (P + 1) ? link_layout<P>.z(end) : link_layout<P>.e(end);
     }
 };
 
@@ -127,7 +127,7 @@ public:
     static constexpr int gaps = 2 * (P + 1), rates = Weights::count, inputs = gaps + rates + 6;
 
     JointRows(const Coefficients& c, const JointLinks& links, bool of_after) noexcept : of_after_(of_after) {
-        constexpr int n = at<P>.link_size();
+        constexpr int n = link_layout<P>.link_size();
         const Difference<P> gap(links.state_before, End::front, links.state_after, End::rear);
         const Difference<P> rate(links.state_before + n, End::front, links.state_after + n, End::rear);
         for (std::size_t g = 0; g < static_cast<std::size_t>(c.joint_points.count); ++g) {

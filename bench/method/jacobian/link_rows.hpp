@@ -19,7 +19,7 @@ using DualFrame = LinkFrameOf<Dual<4>>;
 template <int P>
 class LinkRows {
 public:
-    static constexpr int size = at<P>.link_size();
+    static constexpr int size = link_layout<P>.link_size();
     static constexpr int sheaves_at = 6 * size;
     static constexpr int width = 6 * size + 2 * sheave_directions;
 
@@ -45,10 +45,10 @@ public:
     /// The moment as a couple on the m = 0 coordinates; after all contributions.
     void fold_moment(const DualFrame& frame) noexcept {
         const Dual<4> cx = -(frame.inverse_length * frame.ty), cy = frame.inverse_length * frame.tx;
-        add_couple(at<P>.x(End::front, 0), 1.0, cx);
-        add_couple(at<P>.y(End::front, 0), 1.0, cy);
-        add_couple(at<P>.x(End::rear, 0), -1.0, cx);
-        add_couple(at<P>.y(End::rear, 0), -1.0, cy);
+        add_couple(link_layout<P>.x(End::front, 0), 1.0, cx);
+        add_couple(link_layout<P>.y(End::front, 0), 1.0, cy);
+        add_couple(link_layout<P>.x(End::rear, 0), -1.0, cx);
+        add_couple(link_layout<P>.y(End::rear, 0), -1.0, cy);
     }
 
     /// Forces to accelerations.
@@ -64,8 +64,8 @@ private:
     static void add_difference(double* row, int link, int direction, double value) noexcept {
         const With with = direction < 2 ? With::position : With::velocity;
         const bool x = direction % 2 == 0;
-        row[column(link, with, x ? at<P>.x(End::front, 0) : at<P>.y(End::front, 0))] += value;
-        row[column(link, with, x ? at<P>.x(End::rear, 0) : at<P>.y(End::rear, 0))] -= value;
+        row[column(link, with, x ? link_layout<P>.x(End::front, 0) : link_layout<P>.y(End::front, 0))] += value;
+        row[column(link, with, x ? link_layout<P>.x(End::rear, 0) : link_layout<P>.y(End::rear, 0))] -= value;
     }
     /// sign [1]
     void add_couple(int coordinate, double sign, const Dual<4>& arm) noexcept {

@@ -29,7 +29,7 @@ public:
             slope_[m] = 0.5 * m * (m + 1) * (even ? sign_ : 1.0);
             start_[m] = value_[m] - sign_ * slope_[m];
         }
-        T q[at<1>.link_size()], v[at<1>.link_size()];
+        T q[link_layout<1>.link_size()], v[link_layout<1>.link_size()];
         straight(state, x0, q);
         straight(state + LinkRows<P>::size, rate_x0, v);
         const LinkFrameOf<T> of_link{T::variable(frame.tx.value, tx), T::variable(frame.ty.value, ty), 0.0,
@@ -42,15 +42,15 @@ public:
         double own[LinkRows<P>::width];
         const auto expanded = [&](const T& part) { expand(part, own); };
         for (const bool along_x : {true, false}) {
-            const auto place = [&](int m) { return along_x ? at<P>.x(end_, m) : at<P>.y(end_, m); };
+            const auto place = [&](int m) { return along_x ? link_layout<P>.x(end_, m) : link_layout<P>.y(end_, m); };
             expanded(along_x ? effect_.action.total.x : effect_.action.total.y);
             for (int m = 0; m <= P; ++m) add(value_[m], own, rows.row(place(m)));
             expanded(along_x ? effect_.action.tilt_x : effect_.action.tilt_y);
             for (int m = 1; m <= P; ++m) add(slope_[m], own, rows.row(place(m)));
         }
         expanded(effect_.action.total.z);
-        add(1.0, own, rows.row(at<P>.z(end_)));
-        add(sign_, own, rows.row(at<P>.e(end_)));
+        add(1.0, own, rows.row(link_layout<P>.z(end_)));
+        add(sign_, own, rows.row(link_layout<P>.e(end_)));
         expanded(effect_.action.moment);
         add(1.0, own, rows.moment_row());
         rows.moment += effect_.action.moment.value;
@@ -83,12 +83,12 @@ private:
             for (int m = 0; m <= P; ++m) total += weights[m] * x[m];
             return total;
         };
-        const double *along_x = from + at<P>.x(end_, 0), *along_y = from + at<P>.y(end_, 0);
-        to[at<1>.x(End::rear, 0)] = T::variable(sum(along_x, start_), first + x0);
-        to[at<1>.x(End::rear, 1)] = T::variable(sum(along_x, slope_), first + x1);
-        to[at<1>.y(End::rear, 0)] = T::variable(sum(along_y, start_), first + y0);
-        to[at<1>.y(End::rear, 1)] = T::variable(sum(along_y, slope_), first + y1);
-        to[at<1>.z(End::rear)] = T::variable(from[at<P>.z(end_)] + sign_ * from[at<P>.e(end_)], first + z);
+        const double *along_x = from + link_layout<P>.x(end_, 0), *along_y = from + link_layout<P>.y(end_, 0);
+        to[link_layout<1>.x(End::rear, 0)] = T::variable(sum(along_x, start_), first + x0);
+        to[link_layout<1>.x(End::rear, 1)] = T::variable(sum(along_x, slope_), first + x1);
+        to[link_layout<1>.y(End::rear, 0)] = T::variable(sum(along_y, start_), first + y0);
+        to[link_layout<1>.y(End::rear, 1)] = T::variable(sum(along_y, slope_), first + y1);
+        to[link_layout<1>.z(End::rear)] = T::variable(from[link_layout<P>.z(end_)] + sign_ * from[link_layout<P>.e(end_)], first + z);
     }
 
     [[nodiscard]] static SheaveLanes<T> moving(const SheaveMotion& s) noexcept {
@@ -108,11 +108,11 @@ private:
             const std::size_t first = with == With::position ? 0 : rate_x0;
             const auto to = [&](int coordinate) -> double& { return out[Rows::column(1, with, coordinate)]; };
             for (int m = 0; m <= P; ++m) {
-                to(at<P>.x(end_, m)) = start_[m] * g[first + x0] + slope_[m] * g[first + x1];
-                to(at<P>.y(end_, m)) = start_[m] * g[first + y0] + slope_[m] * g[first + y1];
+                to(link_layout<P>.x(end_, m)) = start_[m] * g[first + x0] + slope_[m] * g[first + x1];
+                to(link_layout<P>.y(end_, m)) = start_[m] * g[first + y0] + slope_[m] * g[first + y1];
             }
-            to(at<P>.z(end_)) = g[first + z];
-            to(at<P>.e(end_)) = sign_ * g[first + z];
+            to(link_layout<P>.z(end_)) = g[first + z];
+            to(link_layout<P>.e(end_)) = sign_ * g[first + z];
         }
         Rows::add_frame(out, 1, frame_, g[tx], g[ty], g[turning]);
         for (std::size_t d = 0; d < sheave_directions; ++d) out[Rows::sheave_column(side_, static_cast<int>(d))] = g[first_of_sheave + d];
