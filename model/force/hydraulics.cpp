@@ -12,7 +12,7 @@ namespace {
     return 0.5 * density * area * (inner * inner + area / (2.0 * std::numbers::pi) - feed * feed);
 }
 
-[[nodiscard]] std::size_t at(HydraulicUnknown unknown) noexcept { return static_cast<std::size_t>(unknown); }
+[[nodiscard]] std::size_t place_of(HydraulicUnknown unknown) noexcept { return static_cast<std::size_t>(unknown); }
 
 }  // namespace
 
@@ -53,8 +53,8 @@ HydraulicInstant HydraulicModel::instant(const double* unknowns, const std::arra
     for (int shaft = 0; shaft < 2; ++shaft) {
         const auto k = static_cast<std::size_t>(shaft);
         now.target[k] = target(shaft, motion[k], requested[k]);
-        now.set[k] = stiffness(shaft) * unknowns[at(HydraulicUnknown::set_1) + k];
-        now.pressure[k] = stiffness(shaft) * (unknowns[at(HydraulicUnknown::oil_1) + k] - motion[k].position);
+        now.set[k] = stiffness(shaft) * unknowns[place_of(HydraulicUnknown::set_1) + k];
+        now.pressure[k] = stiffness(shaft) * (unknowns[place_of(HydraulicUnknown::oil_1) + k] - motion[k].position);
         now.flow[k] = data_.valve_conductance * (now.set[k] - now.pressure[k]);
         now.force[k] = std::max(0.0, area(shaft) * now.pressure[k] + other_force(shaft, motion[k]));
         now.sheaves += area(shaft) * now.pressure[k] * motion[k].speed;
@@ -97,14 +97,14 @@ void HydraulicModel::rates(const HydraulicInstant& now, double* rates) const noe
     for (int shaft = 0; shaft < 2; ++shaft) {
         const auto k = static_cast<std::size_t>(shaft);
         const double set = std::clamp((now.target[k] - now.set[k]) / data_.valve_lag, -data_.valve_rate, data_.valve_rate);
-        rates[at(HydraulicUnknown::set_1) + k] = set / stiffness(shaft);
-        rates[at(HydraulicUnknown::oil_1) + k] = (now.flow[k] - data_.leakage * std::max(0.0, now.pressure[k])) / area(shaft);
+        rates[place_of(HydraulicUnknown::set_1) + k] = set / stiffness(shaft);
+        rates[place_of(HydraulicUnknown::oil_1) + k] = (now.flow[k] - data_.leakage * std::max(0.0, now.pressure[k])) / area(shaft);
     }
-    rates[at(HydraulicUnknown::pump)] = now.pump;
-    rates[at(HydraulicUnknown::relief)] = now.relief;
-    rates[at(HydraulicUnknown::valves)] = now.valves;
-    rates[at(HydraulicUnknown::leakage)] = now.leakage;
-    rates[at(HydraulicUnknown::sheaves)] = now.sheaves;
+    rates[place_of(HydraulicUnknown::pump)] = now.pump;
+    rates[place_of(HydraulicUnknown::relief)] = now.relief;
+    rates[place_of(HydraulicUnknown::valves)] = now.valves;
+    rates[place_of(HydraulicUnknown::leakage)] = now.leakage;
+    rates[place_of(HydraulicUnknown::sheaves)] = now.sheaves;
 }
 
 void HydraulicModel::fill(const std::array<CylinderMotion, 2>& motion, const std::array<double, 2>& force,
@@ -114,24 +114,24 @@ void HydraulicModel::fill(const std::array<CylinderMotion, 2>& motion, const std
     for (int shaft = 0; shaft < 2; ++shaft) {
         const auto k = static_cast<std::size_t>(shaft);
         const double pressure = target(shaft, motion[k], force[k]);
-        unknowns[at(HydraulicUnknown::set_1) + k] = std::min(droop * pressure, data_.relief_pressure) / stiffness(shaft);
-        unknowns[at(HydraulicUnknown::oil_1) + k] = motion[k].position + pressure / stiffness(shaft);
+        unknowns[place_of(HydraulicUnknown::set_1) + k] = std::min(droop * pressure, data_.relief_pressure) / stiffness(shaft);
+        unknowns[place_of(HydraulicUnknown::oil_1) + k] = motion[k].position + pressure / stiffness(shaft);
     }
 }
 
 HydraulicEnergy HydraulicModel::energy(const double* unknowns, const std::array<CylinderMotion, 2>& motion) const noexcept {
     HydraulicEnergy sums;
-    sums.pump = unknowns[at(HydraulicUnknown::pump)];
+    sums.pump = unknowns[place_of(HydraulicUnknown::pump)];
     const double hydraulic = data_.pump_mechanical * sums.pump;
     sums.mechanical = sums.pump - hydraulic;
     sums.volumetric = (1.0 - data_.pump_volumetric) * hydraulic;
-    sums.relief = unknowns[at(HydraulicUnknown::relief)];
-    sums.valves = unknowns[at(HydraulicUnknown::valves)];
-    sums.leakage = unknowns[at(HydraulicUnknown::leakage)];
-    sums.sheaves = unknowns[at(HydraulicUnknown::sheaves)];
+    sums.relief = unknowns[place_of(HydraulicUnknown::relief)];
+    sums.valves = unknowns[place_of(HydraulicUnknown::valves)];
+    sums.leakage = unknowns[place_of(HydraulicUnknown::leakage)];
+    sums.sheaves = unknowns[place_of(HydraulicUnknown::sheaves)];
     for (int shaft = 0; shaft < 2; ++shaft) {
         const auto k = static_cast<std::size_t>(shaft);
-        const double pressure = stiffness(shaft) * (unknowns[at(HydraulicUnknown::oil_1) + k] - motion[k].position);
+        const double pressure = stiffness(shaft) * (unknowns[place_of(HydraulicUnknown::oil_1) + k] - motion[k].position);
         sums.stored += 0.5 * capacity_ * pressure * pressure;
     }
     return sums;

@@ -11,7 +11,7 @@ namespace cvtflow::tasks {
 
 namespace {
 
-FurtherMethods& further() {
+FurtherMethods& further_methods() {
     static FurtherMethods none{{nullptr, nullptr, {}}, nullptr, nullptr};
     return none;
 }
@@ -31,7 +31,7 @@ FurtherMethods& further() {
 }  // namespace
 
 void add_methods(const FurtherMethods& more) {
-    further() = more;
+    further_methods() = more;
     engine::add_tables(more.tables);
 }
 
@@ -40,7 +40,7 @@ const std::vector<MethodProgram>& method_programs() {
         std::vector<MethodProgram> programs{dumka3_program()};
         const auto append = [&](const std::vector<MethodProgram>& more) { programs.insert(programs.end(), more.begin(), more.end()); };
         append(friction_methods());
-        if (further().programs != nullptr) append(further().programs());
+        if (further_methods().programs != nullptr) append(further_methods().programs());
         return programs;
     }();
     return all;
@@ -48,8 +48,8 @@ const std::vector<MethodProgram>& method_programs() {
 
 engine::StageReach reach_of_table(const engine::StagePlan& plan) {
     if (plan.reach) return *plan.reach;
-    if (further().reach_of_table == nullptr) throw std::logic_error("the reach of " + plan.name + " is not declared");
-    return further().reach_of_table(plan);
+    if (further_methods().reach_of_table == nullptr) throw std::logic_error("the reach of " + plan.name + " is not declared");
+    return further_methods().reach_of_table(plan);
 }
 
 const MethodProgram* find_program(std::string_view name) {
@@ -100,7 +100,7 @@ bool belongs_to_laboratory(std::string_view method) noexcept {
 std::string no_method(std::string_view method) {
     if (const engine::MethodFamily* family = engine::family_of(method))
         return fmt::format("no method '{}': {} takes {}", method, family->form, family->limits);
-    if (belongs_to_laboratory(method) && further().programs == nullptr)
+    if (belongs_to_laboratory(method) && further_methods().programs == nullptr)
         return fmt::format("{} belongs to the laboratory: cvtflow-lab run SCENE --method {}", method, method);
     const std::string near = engine::closest(method, method_names());
     return fmt::format("no method '{}' ({})", method, near.empty() ? "cvtflow list methods" : fmt::format("did you mean '{}'?", near));

@@ -9,22 +9,24 @@ namespace cvtflow::tasks {
 
 namespace {
 
-FurtherAssembly& further() {
+FurtherAssembly& further_assembly() {
     static FurtherAssembly none{nullptr, nullptr};
     return none;
 }
 
 }  // namespace
 
-void add_assembly(const FurtherAssembly& staged) { further() = staged; }
+void add_assembly(const FurtherAssembly& staged) { further_assembly() = staged; }
 
-bool has_assembly(Assembly kind) noexcept { return kind == Assembly::fused || further().graph != nullptr; }
+bool has_assembly(Assembly kind) noexcept { return kind == Assembly::fused || further_assembly().graph != nullptr; }
 
-std::unique_ptr<AssemblyMemory> further_memory(Workspace& w) { return further().memory == nullptr ? nullptr : further().memory(w); }
+std::unique_ptr<AssemblyMemory> further_memory(Workspace& w) {
+    return further_assembly().memory == nullptr ? nullptr : further_assembly().memory(w);
+}
 
 engine::TaskGraph step_graph(const Workspace& w, const AssemblyOptions& options, StepMethod* method) {
     if (!has_assembly(options.kind)) throw std::invalid_argument("assembly \"staged\" belongs to the laboratory: cvtflow-lab");
-    engine::TaskGraph graph = options.kind == Assembly::fused ? fused_graph(w) : further().graph(w, options);
+    engine::TaskGraph graph = options.kind == Assembly::fused ? fused_graph(w) : further_assembly().graph(w, options);
     if (method != nullptr) method->add_tasks(graph);
     graph.freeze();
     return graph;

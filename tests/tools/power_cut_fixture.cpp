@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t page = 4096;
+constexpr std::size_t page_size = 4096;
 
 /// A file's bytes: now, and what of them is on disk.
 struct Content {
@@ -121,10 +121,10 @@ private:
         std::string bytes = content.durable;
         if (disk_ == Disk::dropped) return bytes;
         for (const Change& change : content.since) {
-            for (std::size_t at = 0; at < std::max<std::size_t>(1, change.bytes.size()); at += page) {
+            for (std::size_t at = 0; at < std::max<std::size_t>(1, change.bytes.size()); at += page_size) {
                 Change part = change;
                 part.at += at;
-                part.bytes = change.bytes.substr(std::min(at, change.bytes.size()), page);
+                part.bytes = change.bytes.substr(std::min(at, change.bytes.size()), page_size);
                 if (chance() % 2 == 0) carry_out(part, bytes);
             }
         }

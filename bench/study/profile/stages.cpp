@@ -7,7 +7,6 @@
 
 namespace cvtflow::bench {
 
-using namespace tasks;
 
 namespace {
 

@@ -4,7 +4,6 @@
 
 namespace cvtflow::bench {
 
-using namespace tasks;
 
 double median(std::vector<double> values) {
     if (values.empty()) return 0.0;

@@ -29,7 +29,7 @@ bool keeps_first_slope(const engine::CompiledPlan& plan) {
     return keeps;
 }
 
-KickTable table(const Kick& kick, int stages) {
+KickTable table_of(const Kick& kick, int stages) {
     const engine::StagePlan plan = kick.plan(stages);
     const engine::Tableau tableau = engine::unroll(plan);
     double centre = 0.0;
@@ -44,7 +44,7 @@ const Kick chebyshev_kick{[](int stages) { return engine::chebyshev(stages, damp
                           [](int stages) { return engine::chebyshev_reach(stages, damping); }};
 
 KickTables::KickTables(const Kick& kick) {
-    for (int stages = 2; stages <= most_stages; stages += stages < 24 ? 1 : stages / 12) tables_.push_back(table(kick, stages));
+    for (int stages = 2; stages <= most_stages; stages += stages < 24 ? 1 : stages / 12) tables_.push_back(table_of(kick, stages));
 }
 
 const KickTable* KickTables::reaching(double z) const noexcept {

@@ -16,7 +16,7 @@ namespace {
 
 enum RigidCycle : int { rigid_cycle = method_cycles };
 /// Fields of these tasks, numbered behind those of the step graph. Unit: a pin.
-enum RigidField { motion = 1100, link_force, plate_force, tip_force, energies };
+enum RigidField { motion = 1100, link_force, plate_force, tip_force, account };
 
 /// Steps that differ by less, as a part of themselves, are of one length: they are differences of times, which are rounded.
 constexpr double equal_steps = 1e-8;
@@ -78,22 +78,22 @@ void RigidLeapfrog::add_tasks(engine::TaskGraph& graph) {
                    rigid_cycle,
                    engine::code_of<&RigidLeapfrog::links>(*this),
                    0,
-                   {writes(motion), writes(link_force), writes(energies)}}),
+                   {writes(motion), writes(link_force), writes(account)}}),
         graph.add({"plates",
                    rigid_cycle,
                    engine::code_of<&RigidLeapfrog::plates>(*this),
                    0,
-                   {reads(motion), reads(link_force), writes(plate_force), writes(energies)}}),
+                   {reads(motion), reads(link_force), writes(plate_force), writes(account)}}),
         graph.add({"tips",
                    rigid_cycle,
                    engine::code_of<&RigidLeapfrog::tips>(*this),
                    0,
-                   {reads(motion), reads(link_force), reads(plate_force), writes(tip_force), writes(energies)}}),
+                   {reads(motion), reads(link_force), reads(plate_force), writes(tip_force), writes(account)}}),
         graph.add({"kick",
                    rigid_cycle,
                    engine::code_of<&RigidLeapfrog::kick>(*this),
                    0,
-                   {reads(link_force), writes(plate_force), reads(tip_force), writes(motion), writes(energies)}}),
+                   {reads(link_force), writes(plate_force), reads(tip_force), writes(motion), writes(account)}}),
     };
     for (int k = 0; k < 3; ++k) graph.order(tasks[k], tasks[k + 1]);
 }

@@ -248,7 +248,7 @@ TEST(ChainForces, AreOfTheInstantThatWasObservedLast) {
 }
 
 /// Halves of every order on rigid pulleys, which do not tilt: normal forces put no torque on them.
-std::vector<oracle::Case> machines() {
+std::vector<oracle::Case> orders_on_rigid_pulleys() {
     std::vector<oracle::Case> cases;
     for (int order = 0; order <= 3; ++order) {
         Parameters p = oracle::small_scene();
@@ -260,7 +260,7 @@ std::vector<oracle::Case> machines() {
 }
 
 TEST(Creep, DragIsTheTorqueOfTheChainOnRigidPulleys) {
-    for (const oracle::Case& one : machines()) {
+    for (const oracle::Case& one : orders_on_rigid_pulleys()) {
         const Variator variator(one.parameters);
         Observer observer(variator);
         const auto random = oracle::random_state(one.parameters, 21);
@@ -275,7 +275,7 @@ TEST(Creep, DragIsTheTorqueOfTheChainOnRigidPulleys) {
 }
 
 TEST(Creep, LosesAPartOfWhatTheFrictionOfTipsLoses) {
-    for (const oracle::Case& one : machines()) {
+    for (const oracle::Case& one : orders_on_rigid_pulleys()) {
         const Variator variator(one.parameters);
         Observer observer(variator);
         const auto random = oracle::random_state(one.parameters, 22);

@@ -41,7 +41,7 @@ std::vector<double> random_state(const Parameters& p, std::uint64_t seed) {
     return y;
 }
 
-std::vector<oracle::Case> machines() {
+std::vector<oracle::Case> rigid_machines() {
     std::vector<oracle::Case> cases;
     for (const auto pulleys : {PulleyDetail::elastic, PulleyDetail::rigid, PulleyDetail::absent}) {
         for (const auto law : {FrictionLaw::piecewise, FrictionLaw::smoothed}) {
@@ -114,7 +114,7 @@ TEST(RigidModel, EnergiesAndLossesOfEveryKindAreTheOracles) {
 
 /// Differences of 1 kJ over 2e-8 s round to 1e-5 W.
 TEST(RigidModel, EnergyChangesByWorksMinusLosses) {
-    for (const oracle::Case& one : machines()) {
+    for (const oracle::Case& one : rigid_machines()) {
         SCOPED_TRACE(one.name);
         const Variator variator(one.parameters);
         const ChainLayout& at = variator.layout();

@@ -13,7 +13,7 @@ namespace cvtflow::tasks {
 namespace {
 
 SilentObserver no_observer;
-const engine::Cancellation never_cancelled;
+const engine::Cancellation not_ended;
 
 /// Both shafts through couplings; the far end of shaft 2 slows down from 1 ms on.
 Scene coupled_scene() {
@@ -103,7 +103,7 @@ TEST(SimulationCouplings, ContinueBitForBitFromAnIntegrationState) {
 TEST(SimulationCouplings, AreReleasedWhereAStateBeforeThemIsPutBack) {
     const Scene scene = coupled_scene();
     Simulation simulation(scene), fresh(scene);
-    ASSERT_EQ(simulation.advance({.until = 0.0, .steps = 100}, no_observer, never_cancelled).kind, FaultKind::max_steps);
+    ASSERT_EQ(simulation.advance({.until = 0.0, .steps = 100}, no_observer, not_ended).kind, FaultKind::max_steps);
     const IntegrationState settling = simulation.integration_state();
     settle_and_go(simulation, 1e-4);
     simulation.restore(settling);
@@ -112,7 +112,7 @@ TEST(SimulationCouplings, AreReleasedWhereAStateBeforeThemIsPutBack) {
     EXPECT_EQ(simulation.hash(), fresh.hash());
 }
 
-TEST(SimulationCouplings, CannotBeTuned) { EXPECT_THROW(Tuner(coupled_scene(), {}, never_cancelled), SceneError); }
+TEST(SimulationCouplings, CannotBeTuned) { EXPECT_THROW(Tuner(coupled_scene(), {}, not_ended), SceneError); }
 
 }  // namespace
 }  // namespace cvtflow::tasks

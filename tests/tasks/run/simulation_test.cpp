@@ -14,7 +14,7 @@ namespace cvtflow::tasks {
 namespace {
 
 SilentObserver silent;
-const engine::Cancellation uncancelled;
+const engine::Cancellation never_ended;
 
 Scene tiny_scene() {
     Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml");
@@ -26,8 +26,8 @@ Scene tiny_scene() {
 }
 
 Fault settle_and_run(Simulation& simulation, double until) {
-    if (const Fault fault = simulation.advance({.until = 0.0}, silent, uncancelled)) return fault;
-    return simulation.advance({.until = until}, silent, uncancelled);
+    if (const Fault fault = simulation.advance({.until = 0.0}, silent, never_ended)) return fault;
+    return simulation.advance({.until = until}, silent, never_ended);
 }
 
 std::vector<double> slope_of(const Simulation& simulation, double t) {
@@ -83,7 +83,7 @@ TEST(Simulation, CountsTheMemoryOfItsMethod) {
 
 TEST(Simulation, GoesThroughTransitionsInTheseRuns) {
     Simulation simulation(tiny_scene());
-    ASSERT_FALSE(simulation.advance({.until = 0.0}, silent, uncancelled));
+    ASSERT_FALSE(simulation.advance({.until = 0.0}, silent, never_ended));
     EXPECT_GT(simulation.counters().detected, 100);
     EXPECT_GT(simulation.counters().truncated, 50);
 }
@@ -96,8 +96,8 @@ TEST(Simulation, AnyNumberMayLiveSideBySide) {
     other.run.segments = 3;
     Simulation first(tiny_scene()), second(other);
     for (int part = 0; part < 2; ++part) {  // by turns
-        ASSERT_FALSE(first.advance({.until = 1e-5}, silent, uncancelled));
-        ASSERT_FALSE(second.advance({.until = 1e-5}, silent, uncancelled));
+        ASSERT_FALSE(first.advance({.until = 1e-5}, silent, never_ended));
+        ASSERT_FALSE(second.advance({.until = 1e-5}, silent, never_ended));
     }
     EXPECT_EQ(first.hash(), alone.hash());
     EXPECT_NE(second.hash(), alone.hash());
@@ -107,7 +107,7 @@ TEST(Simulation, RunsInOneGoAsInPieces) {
     Simulation whole(tiny_scene()), pieces(tiny_scene());
     ASSERT_FALSE(settle_and_run(whole, 4e-5));
     ASSERT_FALSE(settle_and_run(pieces, 2e-5));
-    ASSERT_FALSE(pieces.advance({.until = 4e-5, .new_part = true}, silent, uncancelled));
+    ASSERT_FALSE(pieces.advance({.until = 4e-5, .new_part = true}, silent, never_ended));
     EXPECT_DOUBLE_EQ(pieces.time(), whole.time());
     // Times of steps may differ in their last digit.
     for (int k = 0; k < whole.workspace().layout().size(); ++k)
@@ -120,7 +120,7 @@ TEST(Simulation, WhereCallsEndDoesNotChangeABit) {
     ASSERT_FALSE(settle_and_run(whole, until));
     long calls = 0, steps = 0;
     while (pieces.needs_settling() || pieces.time() < until - 1e-12) {
-        const Fault fault = pieces.advance({.until = until, .steps = 997}, silent, uncancelled);
+        const Fault fault = pieces.advance({.until = until, .steps = 997}, silent, never_ended);
         ASSERT_TRUE(!fault || fault.kind == FaultKind::max_steps) << fault.message();
         ASSERT_LT(++calls, 100);
         steps = pieces.counters().steps;
@@ -134,10 +134,10 @@ TEST(Simulation, APartBegunAnewCountsFromZeroAndEndsAfterItsSteps) {
     Simulation simulation(tiny_scene());
     ASSERT_FALSE(settle_and_run(simulation, 1e-5));
     const double before = simulation.time();
-    EXPECT_EQ(simulation.advance({.steps = 5, .new_part = true}, silent, uncancelled).kind, FaultKind::max_steps);
+    EXPECT_EQ(simulation.advance({.steps = 5, .new_part = true}, silent, never_ended).kind, FaultKind::max_steps);
     EXPECT_EQ(simulation.counters().steps, 5);
     EXPECT_GT(simulation.time(), before);
-    EXPECT_EQ(simulation.advance({.steps = 3}, silent, uncancelled).kind, FaultKind::max_steps);
+    EXPECT_EQ(simulation.advance({.steps = 3}, silent, never_ended).kind, FaultKind::max_steps);
     EXPECT_EQ(simulation.counters().steps, 8) << "continues";
 }
 
@@ -176,8 +176,8 @@ TEST(Simulation, ContinuesFromASavedStateAsIfItHadNotBeenSaved) {
             EXPECT_EQ(continued.time(), simulation.time());
             EXPECT_EQ(continued.hash(), simulation.hash());
             EXPECT_EQ(slope_of(continued, continued.time()), slope_of(simulation, simulation.time()));
-            ASSERT_FALSE(continued.advance({.until = saved_at + 1e-5}, silent, uncancelled));
-            ASSERT_FALSE(simulation.advance({.until = saved_at + 1e-5, .new_part = true}, silent, uncancelled));
+            ASSERT_FALSE(continued.advance({.until = saved_at + 1e-5}, silent, never_ended));
+            ASSERT_FALSE(simulation.advance({.until = saved_at + 1e-5, .new_part = true}, silent, never_ended));
             EXPECT_EQ(continued.hash(), simulation.hash());
         }
     }
@@ -238,7 +238,7 @@ TEST(Simulation, TakesASavedStateWithOrWithoutControlAndLedger) {
         scene.parameters.control.enabled = had;
         scene.parameters.ledger = had;
         Simulation simulation(scene);
-        ASSERT_FALSE(simulation.advance({.until = 0.0}, silent, uncancelled));
+        ASSERT_FALSE(simulation.advance({.until = 0.0}, silent, never_ended));
         const StateFile file(simulation);
         scene.state_file = file.path();
         scene.parameters.control.enabled = !had;
@@ -256,12 +256,12 @@ TEST(Simulation, TranslatesStickAndSlipOfASavedState) {
         Scene scene = tiny_scene();
         scene.parameters.detail.stick_slip = had;
         Simulation simulation(scene);
-        ASSERT_FALSE(simulation.advance({.until = 0.0}, silent, uncancelled));
+        ASSERT_FALSE(simulation.advance({.until = 0.0}, silent, never_ended));
         const StateFile file(simulation);
         scene.state_file = file.path();
         scene.parameters.detail.stick_slip = !had;
         Simulation other(scene);
-        ASSERT_FALSE(other.advance({.until = 1e-6}, silent, uncancelled));
+        ASSERT_FALSE(other.advance({.until = 1e-6}, silent, never_ended));
         int touching = 0, stick_or_slip = 0;
         for (const model::Phase phase : other.workspace().tips.phases) {
             touching += phase == model::Phase::touching ? 1 : 0;
@@ -287,7 +287,7 @@ TEST(Simulation, ReportsWhatDiffersFromTheSceneThatWasSettledAndRefusesAnotherDe
 TEST(Simulation, SettlesAnewWhereItsStateBelongsToAnotherMachine) {
     Scene scene = tiny_scene();
     Simulation simulation(scene);
-    ASSERT_FALSE(simulation.advance({.until = 0.0}, silent, uncancelled));
+    ASSERT_FALSE(simulation.advance({.until = 0.0}, silent, never_ended));
     const StateFile file(simulation);
     scene.state_file = file.path();
     const std::pair<const char*, bool> settings[] = {{"tip.friction_coefficient=0.12", true},
@@ -322,13 +322,13 @@ TEST(Simulation, SettlesAnewWhereItsStateBelongsToAnotherMachine) {
 TEST(Simulation, BeginsControlAndLedgerAtZeroWhereTheSavedStateHasNone) {
     Scene scene = tiny_scene();
     Simulation plain(scene);
-    ASSERT_FALSE(plain.advance({.until = 0.0}, silent, uncancelled));
+    ASSERT_FALSE(plain.advance({.until = 0.0}, silent, never_ended));
     const StateFile file(plain);
     scene.state_file = file.path();
     for (const char* setting : {"control.enabled=true", "control.integral=1e8 N/s", "record.ledger=true"}) set_value(scene, setting);
     const Simulation started(scene);
     Simulation reused(scene);
-    ASSERT_FALSE(reused.advance({.until = reused.time() + 20e-6}, silent, uncancelled));
+    ASSERT_FALSE(reused.advance({.until = reused.time() + 20e-6}, silent, never_ended));
     const model::ChainLayout& at = reused.workspace().layout();
     ASSERT_NE(reused.workspace().state()[at.control_begin()], 0.0) << "an integral of the first case";
     reused.reset(scene, saved_start(scene).get());
@@ -355,12 +355,12 @@ TEST(FoundGains, HoldTheRatioBySettlingOnce) {
         return w.variator.pulleys().inputs(simulation.time(), w.state() + w.layout().pulley_begin()).clamping[0];
     };
     const auto built_up = [&] { return simulation.workspace().state()[simulation.workspace().layout().control_begin()]; };
-    ASSERT_FALSE(simulation.advance({.until = 0.0}, silent, uncancelled));
+    ASSERT_FALSE(simulation.advance({.until = 0.0}, silent, never_ended));
     const double proportional = 60.0 * 20e3 / (0.0051 * speed), integral = proportional / 0.5, found = built_up() * integral;
     EXPECT_GT(found, 1e3);
     EXPECT_LT(found, 3e3);
     EXPECT_GT(clamping(), 25.1e3 + found) << "what is left of the error acts beside it";
-    ASSERT_FALSE(simulation.advance({.until = 60e-3}, silent, uncancelled));
+    ASSERT_FALSE(simulation.advance({.until = 60e-3}, silent, never_ended));
     model::Observer observer(simulation.workspace().variator);
     const model::Observation& now = simulation.workspace().observed_by(observer, simulation.time());
     EXPECT_NEAR(now.ratio, 1.0023, 0.0005);

@@ -12,7 +12,7 @@ namespace cvtflow::tasks {
 namespace {
 
 namespace fs = std::filesystem;
-const engine::Cancellation never;
+const engine::Cancellation not_cancelled;
 
 class TunedScenes : public testing::Test {
 protected:
@@ -37,9 +37,9 @@ protected:
 
 TEST_F(TunedScenes, AreMeasuredOnceAndKeptByContent) {
     const Scene scene = test::settled_tiny();
-    const TunedScene first = tuned_scene(scene, settings(), folder_, never);
+    const TunedScene first = tuned_scene(scene, settings(), folder_, not_cancelled);
     ASSERT_TRUE(first.result);
-    const TunedScene second = tuned_scene(scene, settings(), folder_, never);
+    const TunedScene second = tuned_scene(scene, settings(), folder_, not_cancelled);
     EXPECT_FALSE(second.result) << "as kept";
     EXPECT_EQ(second.kept.choice, first.kept.choice);
     EXPECT_EQ(write_scene(second.scene), write_scene(first.scene));
@@ -54,14 +54,14 @@ TEST_F(TunedScenes, AreMeasuredOnceAndKeptByContent) {
 TEST_F(TunedScenes, BeginWithTheStartOfTheSceneAsWritten) {
     Scene scene = test::settled_tiny();
     TuneSettings any = settings();
-    const TunedScene tuned = tuned_scene(scene, any, folder_, never);
+    const TunedScene tuned = tuned_scene(scene, any, folder_, not_cancelled);
     Scene written = chosen_scene(scene, tuned.kept.choice, tuned.kept.step);
     if (model::layout_of(written.parameters) != model::layout_of(scene.parameters)) written.state_file = tuned.scene.state_file;
     EXPECT_EQ(write_scene(tuned.scene), write_scene(written));
     any.budget = 1e3;
     EXPECT_EQ(tuning_key(scene, any), tuning_key(scene, settings())) << "a choice does not depend on the budget it was found within";
     scene.state_file.clear();
-    const TunedScene geometric = tuned_scene(scene, settings(), folder_, never);
+    const TunedScene geometric = tuned_scene(scene, settings(), folder_, not_cancelled);
     EXPECT_TRUE(geometric.scene.state_file.empty());
     EXPECT_TRUE(Simulation(geometric.scene).needs_settling());
 }
@@ -74,7 +74,7 @@ TEST_F(TunedScenes, OfOtherUnknownsBeginWithTheStateThatWasMeasured) {
     const TuneChoice finest{"full", RunSettings{}.method, 1.0};
     ASSERT_FALSE(model::layout_of(chosen_scene(scene, finest, 0.0).parameters) == model::layout_of(scene.parameters));
     keep_tuning(folder_, tuning_key(scene, any), {finest, 0.0, 0.01});
-    const TunedScene tuned = tuned_scene(scene, any, folder_, never);
+    const TunedScene tuned = tuned_scene(scene, any, folder_, not_cancelled);
     ASSERT_FALSE(tuned.result) << "the choice is as kept";
     const fs::path state = tuned.scene.state_file;
     EXPECT_EQ(state.parent_path(), folder_.lexically_normal());
@@ -82,20 +82,20 @@ TEST_F(TunedScenes, OfOtherUnknownsBeginWithTheStateThatWasMeasured) {
     EXPECT_FALSE(simulation.needs_settling());
 
     const auto outputs = tuned_outputs(any.outputs, true);
-    PointMeasure measure(points_of(scene, any.times).front(), "full", outputs, never);
+    PointMeasure measure(points_of(scene, any.times).front(), "full", outputs, not_cancelled);
     OutputReader reader(simulation.workspace().variator, outputs, 0, 0.0);
-    ASSERT_FALSE(simulation.advance({.until = any.times.average}, reader, never));
+    ASSERT_FALSE(simulation.advance({.until = any.times.average}, reader, not_cancelled));
     const double measured = measure.run(finest).values[0];
     EXPECT_NEAR(reader.values()[0], measured, 1e-6 * measured) << "angles of the shafts begin anew";
 
     const auto written = fs::last_write_time(state);
-    EXPECT_EQ(tuned_scene(scene, any, folder_, never).scene.state_file, state);
+    EXPECT_EQ(tuned_scene(scene, any, folder_, not_cancelled).scene.state_file, state);
     EXPECT_EQ(fs::last_write_time(state), written) << "kept";
     fs::resize_file(state, fs::file_size(state) / 2);
-    EXPECT_FALSE(Simulation(tuned_scene(scene, any, folder_, never).scene, Schedule{}).needs_settling()) << "made anew";
+    EXPECT_FALSE(Simulation(tuned_scene(scene, any, folder_, not_cancelled).scene, Schedule{}).needs_settling()) << "made anew";
     fs::remove(state);
     std::ofstream(state) << "mine";
-    EXPECT_TRUE(Simulation(tuned_scene(scene, any, folder_, never).scene, Schedule{}).needs_settling());
+    EXPECT_TRUE(Simulation(tuned_scene(scene, any, folder_, not_cancelled).scene, Schedule{}).needs_settling());
     EXPECT_EQ(fs::file_size(state), 4u) << "not a state: the file of another program";
 }
 
@@ -119,7 +119,7 @@ TEST_F(TunedScenes, AreMeasuredAnewWhereWhatIsKeptIsDamagedOrForeign) {
 }
 
 TEST_F(TunedScenes, NeedNoPlaceToBeKept) {
-    const TunedScene tuned = tuned_scene(test::settled_tiny(), settings(), "/proc/nowhere", never);
+    const TunedScene tuned = tuned_scene(test::settled_tiny(), settings(), "/proc/nowhere", not_cancelled);
     EXPECT_TRUE(tuned.result);
     EXPECT_NO_THROW(Simulation{tuned.scene});
 }
@@ -144,7 +144,7 @@ TEST_F(TunedScenes, SayWhatWasNearestWhereNothingIsAccurateEnough) {
 
 TEST_F(TunedScenes, AsFilesAreScenesThatSayWhereTheyComeFrom) {
     const Scene scene = test::settled_tiny();
-    const TuneResult result = Tuner(scene, settings(), never).tune(0.2);
+    const TuneResult result = Tuner(scene, settings(), not_cancelled).tune(0.2);
     const std::string text = tuned_text(scene, result, "");
     const Scene read = parse_scene(text, "tuned.toml", StartState::ignored);
     const TunedChoice& chosen = result.choices[*result.chosen];

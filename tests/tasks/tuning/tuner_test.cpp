@@ -13,7 +13,7 @@ namespace cvtflow::tasks {
 
 namespace {
 
-const engine::Cancellation undisturbed;
+const engine::Cancellation never_stopped;
 
 TuneSettings brief() {
     TuneSettings settings;
@@ -26,7 +26,7 @@ TuneSettings brief() {
 const TunedChoice& chosen(const TuneResult& result) { return result.choices.at(result.chosen.value()); }
 
 TEST(Tuner, TakesTheCheapestChoiceWhoseErrorsTimesTheMarginAreWithinTheTarget) {
-    Tuner tuner(test::settled_tiny(), brief(), undisturbed);
+    Tuner tuner(test::settled_tiny(), brief(), never_stopped);
     const TuneResult result = tuner.tune(0.2);
     ASSERT_TRUE(result.chosen) << result.choices.front().outcome;
     EXPECT_LE(chosen(result).error() * tuning_margin, 0.2);
@@ -42,8 +42,8 @@ TEST(Tuner, TakesTheCheapestChoiceWhoseErrorsTimesTheMarginAreWithinTheTarget) {
 }
 
 TEST(Tuner, ChoosesTheSameEveryTimeAndKnowsEveryLevelOfTheCatalogue) {
-    const TuneResult one = Tuner(test::settled_tiny(), brief(), undisturbed).tune(0.2),
-                     other = Tuner(test::settled_tiny(), brief(), undisturbed).tune(0.2);
+    const TuneResult one = Tuner(test::settled_tiny(), brief(), never_stopped).tune(0.2),
+                     other = Tuner(test::settled_tiny(), brief(), never_stopped).tune(0.2);
     EXPECT_EQ(chosen(one).choice, chosen(other).choice);
     EXPECT_EQ(chosen(one).errors, chosen(other).errors) << "errors have no noise";
     for (const DetailPreset& preset : detail_presets()) {
@@ -54,7 +54,7 @@ TEST(Tuner, ChoosesTheSameEveryTimeAndKnowsEveryLevelOfTheCatalogue) {
 }
 
 TEST(Tuner, AsksForMoreDetailForMoreAccuracy) {
-    Tuner tuner(test::settled_tiny(), brief(), undisturbed);
+    Tuner tuner(test::settled_tiny(), brief(), never_stopped);
     const TuneResult rough = tuner.tune(0.5), fine = tuner.tune(0.01);
     EXPECT_LE(chosen(fine).error() * tuning_margin, 0.01);
     EXPECT_LT(chosen(rough).work, chosen(fine).work);
@@ -64,7 +64,7 @@ TEST(Tuner, AsksForMoreDetailForMoreAccuracy) {
 TEST(Tuner, NeverTakesWhatBreaksDownHoweverCheapItIs) {
     Scene scene = test::settled_tiny();
     set_value(scene, "tip.deepest=1 um");  // every tip is deeper than that: no run gets anywhere, the reference neither
-    Tuner tuner(scene, brief(), undisturbed);
+    Tuner tuner(scene, brief(), never_stopped);
     try {
         static_cast<void>(tuner.tune(0.5));
         FAIL() << "nothing can be measured";
@@ -77,7 +77,7 @@ TEST(Tuner, NeverTakesWhatBreaksDownHoweverCheapItIs) {
 TEST(Tuner, ReportsWhatItLeavesOutWhenItsBudgetIsUsedUp) {
     TuneSettings settings = brief();
     settings.budget = 1e-9;
-    const TuneResult result = Tuner(test::settled_tiny(), settings, undisturbed).tune(0.2);
+    const TuneResult result = Tuner(test::settled_tiny(), settings, never_stopped).tune(0.2);
     EXPECT_FALSE(result.chosen);
     for (const TunedChoice& choice : result.choices) EXPECT_EQ(choice.outcome, "budget used up");
     EXPECT_EQ(result.tried(), 0);
@@ -90,7 +90,7 @@ TEST(Tuner, KeepsItsBudgetInsideAReference) {
     TuneSettings settings = brief();
     std::vector<std::string> said;
     settings.progress = [&said](const std::string& what) { said.push_back(what); };
-    Tuner free(test::settled_tiny(), settings, undisturbed);
+    Tuner free(test::settled_tiny(), settings, never_stopped);
     static_cast<void>(free.tune(0.2));
     const auto first_reference =
         std::find_if(said.begin(), said.end(), [](const std::string& line) { return line.starts_with("reference at "); });
@@ -102,7 +102,7 @@ TEST(Tuner, KeepsItsBudgetInsideAReference) {
     settings.times = {0.5, 0.5};  // a second of simulated time takes minutes
     settings.budget = 2.0;
     const auto begun = Clock::now();
-    const TuneResult result = Tuner(test::settled_tiny(), settings, undisturbed).tune(0.2);
+    const TuneResult result = Tuner(test::settled_tiny(), settings, never_stopped).tune(0.2);
     EXPECT_LT(std::chrono::duration<double>(Clock::now() - begun).count(), 30.0);
     EXPECT_FALSE(result.chosen);
     EXPECT_NE(result.used_up_by, "");
@@ -111,7 +111,7 @@ TEST(Tuner, KeepsItsBudgetInsideAReference) {
 TEST(Tuner, LeavesOutMethodsWhereALevelOfDetailDoesNotTakeThem) {
     TuneSettings settings = brief();
     settings.methods = {"sw2", RunSettings{}.method};  // its exact Jacobian is made for pin halves
-    const TuneResult result = Tuner(test::settled_tiny(), settings, undisturbed).tune(0.2);
+    const TuneResult result = Tuner(test::settled_tiny(), settings, never_stopped).tune(0.2);
     EXPECT_THAT(result.left_out, testing::Contains(testing::HasSubstr("sw2 at rigid: ")));
     const auto tried = [&](const char* detail, const std::string& method) {
         return std::any_of(result.choices.begin(), result.choices.end(),
@@ -133,7 +133,7 @@ TEST(Tuner, EndsWhenItIsCancelled) {
 TEST(Tuner, MeasuresAtPointsThatItHasNotTried) {
     const Scene scene = test::settled_tiny();
     const TuneSettings settings = brief();
-    Tuner tuner(scene, settings, undisturbed);
+    Tuner tuner(scene, settings, never_stopped);
     const TuneChoice finest{std::string(detail_presets().back().name), RunSettings{}.method, 0.25};
     for (const OperatingPoint& point : unseen_points(scene, settings.times, 2, 1)) {
         std::string why;

@@ -51,7 +51,7 @@ std::string status_list(const RecordedRun& run) {
 }
 
 /// A value as text; of a long table its beginning, how many points it has, and its unit.
-std::string brief(const std::string& value) {
+std::string brief_value(const std::string& value) {
     constexpr std::size_t longest = 160;
     const auto end = value.rfind("], [", longest);
     if (value.size() <= longest || end == std::string::npos) return value;
@@ -64,8 +64,8 @@ std::string brief(const std::string& value) {
 std::string default_differences(const std::vector<tasks::KeyDifference>& keys, std::string_view shared_by) {
     std::string rows;
     for (const tasks::KeyDifference& each : keys)
-        rows += fmt::format("<tr><td><code>{}</code></td><td>{}</td><td>{}</td><td>{}</td></tr>\n", each.key->key, html(brief(each.a)),
-                            html(each.b), html(each.key->meaning));
+        rows += fmt::format("<tr><td><code>{}</code></td><td>{}</td><td>{}</td><td>{}</td></tr>\n", each.key->key,
+                            html(brief_value(each.a)), html(each.b), html(each.key->meaning));
     if (rows.empty())
         return fmt::format("<p>Every key {} has its default.</p>\n",
                            shared_by.empty() ? "of the scene" : fmt::format("that the {} share", shared_by));

@@ -19,12 +19,12 @@ namespace {
 constexpr const char* sheave_names[] = {"1- (fixed)", "1+ (movable)", "2- (movable)", "2+ (fixed)"};
 
 /// All rows of a channel, `width` numbers each.
-struct Rows {
+struct ChannelRows {
     std::vector<double> values;
     std::size_t width;
 };
 
-Rows rows_of(const RecordedRun& run, const std::string& name) {
+ChannelRows rows_of(const RecordedRun& run, const std::string& name) {
     const engine::ChannelInfo* channel = run.channel(name);
     if (channel == nullptr)
         throw UsageError(fmt::format("{}: the record has no channel {}; record it with --set record.channels=wear/*", run.path(), name));
@@ -32,7 +32,7 @@ Rows rows_of(const RecordedRun& run, const std::string& name) {
 }
 
 /// ∫ dt of every number.
-std::vector<double> integrals(const RecordedRun& run, const Rows& rows) {
+std::vector<double> integrals(const RecordedRun& run, const ChannelRows& rows) {
     std::vector<double> sums(rows.width, 0.0);
     for (std::size_t k = 1; k < run.times().size(); ++k) {
         const double half = 0.5 * (run.times()[k] - run.times()[k - 1]);
@@ -51,7 +51,7 @@ std::string sampled_text(const RecordedRun& run, double sampled) {
                        so_far.back() - so_far.front());
 }
 
-std::vector<double> largest(const Rows& rows) {
+std::vector<double> largest(const ChannelRows& rows) {
     std::vector<double> most(rows.width, 0.0);
     for (std::size_t k = 0; k < rows.values.size(); ++k) most[k % rows.width] = std::max(most[k % rows.width], rows.values[k]);
     return most;
@@ -139,7 +139,7 @@ bool has_wear(const RecordedRun& run) {
 }
 
 std::vector<Plot> wear_plots(const RecordedRun& run) {
-    const Rows power = rows_of(run, "wear/friction_power");
+    const ChannelRows power = rows_of(run, "wear/friction_power");
     const std::vector<double> energy = integrals(run, power), way = integrals(run, rows_of(run, "wear/force_speed")),
                               loads = largest(rows_of(run, "wear/pressure_speed"));
     if (!run.scene()) throw UsageError(run.path() + ": its scene cannot be read by this program");

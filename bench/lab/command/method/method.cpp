@@ -37,7 +37,7 @@ std::string program_text(const tasks::MethodProgram& program) {
     return text + program_figures(program_result(program));
 }
 
-ExitStatus method(const MethodArguments& arguments) {
+ExitStatus describe_method(const MethodArguments& arguments) {
     const std::optional<tasks::Method> found = tasks::Method::find(arguments.name);
     if (!found) throw UsageError(tasks::no_method(arguments.name));
     if (const tasks::MethodProgram* program = found->program()) {
@@ -69,7 +69,7 @@ Action declare_method(CLI::App& app) {
         "All properties are derived from the table: order by rooted trees, stability by executing it on y' = lambda y.\n"
         "growth: largest |Y|/|y| of a stage. gain: largest amplification of an error of one stage until the end of the step; each passage\n"
         "through the corner of the friction law is such an error.");
-    return [arguments] { return method(*arguments); };
+    return [arguments] { return describe_method(*arguments); };
 }
 
 }  // namespace cvtflow::bench

@@ -36,8 +36,9 @@ Value chosen(const std::map<std::string, Value>& names, const json& object, cons
     return found->second;
 }
 
-Axis axis_of(const json& object) {
-    Axis axis{object.at("label").get<std::string>(), chosen(scales, object, "scale", "linear"), object.value("linear_up_to", 1.0), {}, {}};
+tools::Axis axis_of(const json& object) {
+    tools::Axis axis{
+        object.at("label").get<std::string>(), chosen(scales, object, "scale", "linear"), object.value("linear_up_to", 1.0), {}, {}};
     if (object.contains("from")) axis.from = object.at("from").get<double>();
     if (object.contains("to")) axis.to = object.at("to").get<double>();
     return axis;

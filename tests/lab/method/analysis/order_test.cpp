@@ -36,10 +36,10 @@ TEST(Order, OfKnownMethods) {
 }
 
 TEST(Order, OfChainedPlans) {
-    EXPECT_EQ(order_of(test::two_half_euler_steps()), 1);
-    EXPECT_EQ(order_of(test::dumka3_degree_3()), 3);
-    EXPECT_EQ(order_of(test::dumka3_degree_6()), 3);
-    EXPECT_EQ(embedded_order_of(test::dumka3_degree_3()), 2);
+    EXPECT_EQ(order_of(engine::test::two_half_euler_steps()), 1);
+    EXPECT_EQ(order_of(engine::test::dumka3_degree_3()), 3);
+    EXPECT_EQ(order_of(engine::test::dumka3_degree_6()), 3);
+    EXPECT_EQ(embedded_order_of(engine::test::dumka3_degree_3()), 2);
 }
 
 TEST(Order, OfAnInconsistentMethodIsZero) { EXPECT_EQ(order_of(butcher_plan("half", "", "", {}, {0.5})), 0); }
@@ -64,8 +64,8 @@ void expect_measured(const StagePlan& plan) {
     const bool high = order >= 5;
     const double tolerance = high ? 0.3 : 0.15;
     const double clear = clear_of_rounding(plan);
-    EXPECT_NEAR(measured_order(plan, test::kepler(), high ? 2e-13 : clear), order, tolerance) << plan.name << ", autonomous";
-    EXPECT_NEAR(measured_order(plan, test::driven(), high ? 5e-12 : clear), order, tolerance) << plan.name << ", non-autonomous";
+    EXPECT_NEAR(measured_order(plan, engine::test::kepler(), high ? 2e-13 : clear), order, tolerance) << plan.name << ", autonomous";
+    EXPECT_NEAR(measured_order(plan, engine::test::driven(), high ? 5e-12 : clear), order, tolerance) << plan.name << ", non-autonomous";
 }
 
 TEST(Order, MeasuredIsDerivedForEveryMethodOfTheCatalogue) {
@@ -77,13 +77,16 @@ TEST(Order, CutStepsKeepTheOrderUpToFour) {
     for (const StagePlan& plan : methods()) {
         const int order = std::min(4, order_of(plan, plan.name.starts_with("fitted") ? 4e-5 : 1e-10));
         const double clear = clear_of_rounding(plan);
-        EXPECT_NEAR(measured_order(plan, test::kepler(), clear, test::integrate_with_cuts), order, 0.15) << plan.name << ", autonomous";
-        EXPECT_NEAR(measured_order(plan, test::driven(), clear, test::integrate_with_cuts), order, 0.15) << plan.name << ", non-autonomous";
+        EXPECT_NEAR(measured_order(plan, engine::test::kepler(), clear, engine::test::integrate_with_cuts), order, 0.15)
+            << plan.name << ", autonomous";
+        EXPECT_NEAR(measured_order(plan, engine::test::driven(), clear, engine::test::integrate_with_cuts), order, 0.15)
+            << plan.name << ", non-autonomous";
     }
 }
 
 TEST(Order, MeasuredIsDerivedForChainedPlans) {
-    for (const StagePlan& plan : {test::two_half_euler_steps(), test::dumka3_degree_3(), test::dumka3_degree_6()}) expect_measured(plan);
+    for (const StagePlan& plan : {engine::test::two_half_euler_steps(), engine::test::dumka3_degree_3(), engine::test::dumka3_degree_6()})
+        expect_measured(plan);
 }
 
 }  // namespace

@@ -33,29 +33,29 @@ TEST(Stability, BoundariesOfEuler) {
 TEST(Stability, ChainedStepsMultiply) {
     const std::complex<double> z{-0.7, 0.4};
     const std::complex<double> half = 1.0 + 0.5 * z;
-    EXPECT_LT(std::abs(stability_function(test::two_half_euler_steps(), z) - half * half), 1e-15);
-    EXPECT_NEAR(real_stability(test::two_half_euler_steps()), 4.0, 1e-2);
+    EXPECT_LT(std::abs(stability_function(engine::test::two_half_euler_steps(), z) - half * half), 1e-15);
+    EXPECT_NEAR(real_stability(engine::test::two_half_euler_steps()), 4.0, 1e-2);
 }
 
 /// Degree 3, order 3: Taylor's polynomial. Degree 6: at least the length that Medovikov's table claims. Imaginary: survey of methods.
 TEST(Stability, BoundariesOfDumka) {
-    EXPECT_NEAR(real_stability(test::dumka3_degree_3()), 2.5127, 1e-3);
-    EXPECT_GE(real_stability(test::dumka3_degree_6()), 9.784756);
-    EXPECT_LE(real_stability(test::dumka3_degree_6()), 11.0);
-    EXPECT_NEAR(imaginary_stability(test::dumka3_degree_3()), std::sqrt(3.0), 1e-3);
-    EXPECT_NEAR(imaginary_stability(test::dumka3_degree_6()), 2.744, 1e-3);
+    EXPECT_NEAR(real_stability(engine::test::dumka3_degree_3()), 2.5127, 1e-3);
+    EXPECT_GE(real_stability(engine::test::dumka3_degree_6()), 9.784756);
+    EXPECT_LE(real_stability(engine::test::dumka3_degree_6()), 11.0);
+    EXPECT_NEAR(imaginary_stability(engine::test::dumka3_degree_3()), std::sqrt(3.0), 1e-3);
+    EXPECT_NEAR(imaginary_stability(engine::test::dumka3_degree_6()), 2.744, 1e-3);
 }
 
 TEST(Stability, ReachAlongARayOfDampingRatioFivePercent) {
     const std::complex<double> ray{-0.05, std::sqrt(1.0 - 0.05 * 0.05)};
-    EXPECT_NEAR(stability_reach(test::dumka3_degree_6(), ray, 1e-9), 3.065, 2e-3);
+    EXPECT_NEAR(stability_reach(engine::test::dumka3_degree_6(), ray, 1e-9), 3.065, 2e-3);
 }
 
 /// By hand for two half Euler steps at h λ = -4: Y = y, -y; an error of the second stage is multiplied by 1 + z/2 = -1.
 TEST(Stability, GrowthAndGainOfChainedSteps) {
-    EXPECT_NEAR(stage_growth(test::two_half_euler_steps(), 4.0), 1.0, 1e-14);
-    EXPECT_NEAR(perturbation_gain(test::two_half_euler_steps(), 4.0), 1.0, 1e-14);
-    EXPECT_NEAR(perturbation_gain(test::two_half_euler_steps(), 8.0), 3.0, 1e-14);
+    EXPECT_NEAR(stage_growth(engine::test::two_half_euler_steps(), 4.0), 1.0, 1e-14);
+    EXPECT_NEAR(perturbation_gain(engine::test::two_half_euler_steps(), 4.0), 1.0, 1e-14);
+    EXPECT_NEAR(perturbation_gain(engine::test::two_half_euler_steps(), 8.0), 3.0, 1e-14);
 }
 
 /// The order of DUMKA3's Euler steps lets stages grow, and errors made within a step much more. Survey of methods, on [-200, 0] for P5.

@@ -22,7 +22,7 @@ Scene small() {
     return scene;
 }
 
-std::unique_ptr<Simulation> settled(const Scene& scene) {
+std::unique_ptr<Simulation> settled_simulation(const Scene& scene) {
     auto simulation = std::make_unique<Simulation>(scene);
     SilentObserver silent;
     const engine::Cancellation never;
@@ -35,7 +35,7 @@ double stable_step(const Simulation& at, const Method& method) {
 }
 
 TEST(StableStep, IsTheReachOfTheMethodOverTheOutermostEigenvalueOfTheDenseSpectrum) {
-    const auto owner = settled(small());
+    const auto owner = settled_simulation(small());
     const Workspace& w = owner->workspace();
     const std::vector<double> state(w.state(), w.state() + w.layout().size());
     double radius = 0.0;
@@ -45,7 +45,7 @@ TEST(StableStep, IsTheReachOfTheMethodOverTheOutermostEigenvalueOfTheDenseSpectr
 }
 
 TEST(StableStep, HasNoAnswerWhereTheStateIsNotFinite) {
-    const auto owner = settled(small());
+    const auto owner = settled_simulation(small());
     const Workspace& w = owner->workspace();
     std::vector<double> state(w.state(), w.state() + w.layout().size());
     state[5] = std::nan("");
@@ -54,7 +54,7 @@ TEST(StableStep, HasNoAnswerWhereTheStateIsNotFinite) {
 }
 
 TEST(StableStep, DistinguishesStepsThatEndFromStepsThatBlowUp) {
-    const auto owner = settled(small());
+    const auto owner = settled_simulation(small());
     const Simulation& start = *owner;
     const double stable = stable_step(start, "rk4");
     const auto fault_at = [&](double factor) {

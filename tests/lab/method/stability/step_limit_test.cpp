@@ -9,7 +9,7 @@
 #include "tests/tasks/settled_tiny_fixture.hpp"
 
 namespace cvtflow::bench {
-using test::settled_tiny;
+using tasks::test::settled_tiny;
 
 namespace {
 

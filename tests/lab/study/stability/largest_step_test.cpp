@@ -22,7 +22,7 @@
 namespace cvtflow::bench {
 
 using namespace tasks;
-using test::settled_tiny;
+using tasks::test::settled_tiny;
 
 namespace {
 

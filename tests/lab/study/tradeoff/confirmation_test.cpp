@@ -23,7 +23,7 @@ ConfirmSettings brief() {
     return settings;
 }
 
-Confirmation confirmation(const ConfirmSettings& settings = brief()) { return {test::settled_tiny(), settings, never}; }
+Confirmation confirmation(const ConfirmSettings& settings = brief()) { return {tasks::test::settled_tiny(), settings, never}; }
 
 TEST(Confirmation, OfWhatIsRightObjectsToNothing) {
     Confirmation confirm = confirmation();

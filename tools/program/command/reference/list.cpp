@@ -28,25 +28,27 @@ namespace cvtflow::tools {
 namespace {
 
 /// The recommended methods, and what each is for.
-struct Choice {
+struct Recommendation {
     const char* method;
     const char* reason;
 };
 
 constexpr std::array choices{
-    Choice{"leapfrog-sweep",
-           "one evaluation of all forces a step, friction solved for contact by contact; pin halves, piecewise friction law"},
-    Choice{"leapfrog-rigid", "one evaluation of all forces a step, friction solved for where it acts; rigid pins, every friction law"},
-    Choice{"leapfrog-chebyshev", "one evaluation of all forces a step, friction in stages of its own; pin halves, every friction law"},
-    Choice{"dumka3", "explicit, steps by local error (run.step_control = \"error\"); the spectrum determines the number of stages"},
-    Choice{"dumka3-p5", "explicit, fixed steps, 2 us at full detail: friction is not split off; a sixth of the cost of rk4"},
-    Choice{"rk4", "the reference: order 4, 45 ns or less at full detail"},
+    Recommendation{"leapfrog-sweep",
+                   "one evaluation of all forces a step, friction solved for contact by contact; pin halves, piecewise friction law"},
+    Recommendation{"leapfrog-rigid",
+                   "one evaluation of all forces a step, friction solved for where it acts; rigid pins, every friction law"},
+    Recommendation{"leapfrog-chebyshev",
+                   "one evaluation of all forces a step, friction in stages of its own; pin halves, every friction law"},
+    Recommendation{"dumka3", "explicit, steps by local error (run.step_control = \"error\"); the spectrum determines the number of stages"},
+    Recommendation{"dumka3-p5", "explicit, fixed steps, 2 us at full detail: friction is not split off; a sixth of the cost of rk4"},
+    Recommendation{"rk4", "the reference: order 4, 45 ns or less at full detail"},
 };
 
 std::string methods() {
     Table table({{"method"}, {"used for"}});
     table.add({std::string(tasks::automatic_method), "the default: a method by detail and friction law, as listed below"});
-    for (const Choice& choice : choices) table.add({choice.method, choice.reason});
+    for (const Recommendation& choice : choices) table.add({choice.method, choice.reason});
     std::string automatic;
     for (const tasks::AutomaticChoice& row : tasks::automatic_choices()) automatic += fmt::format("\n  {}: {}", row.method, row.machines);
     return table.text() + "\nauto is the first of these that suits:" + automatic + "\n" +
