@@ -5,6 +5,7 @@ package's folder. Needed on the machine: what building cvtflow needs (README), p
 
     pip install .                                       # into build-wheel/
     pip install . --config-settings build-dir=DIR --config-settings jobs=2 --config-settings cmake-args="-DCVTFLOW_NATIVE=ON -DCMAKE_CXX_COMPILER=clang++"
+    pip wheel . --no-deps --config-settings bundle=ON   # with the libraries it needs, for any distribution with this glibc or a newer one
 """
 
 import base64
@@ -49,15 +50,37 @@ def metadata():
     return "\n".join(lines) + "\n"
 
 
-def tag():
+def tag(bundle=False):
     python = f"cp{sys.version_info.major}{sys.version_info.minor}"
-    return f"{python}-{python}-{re.sub(r'[^A-Za-z0-9]', '_', sysconfig.get_platform())}"
+    platform = re.sub(r"[^A-Za-z0-9]", "_", sysconfig.get_platform())
+    if bundle:  # PEP 600: the oldest glibc that it runs with
+        platform = platform.replace("linux", "manylinux_" + os.confstr("CS_GNU_LIBC_VERSION").split()[1].replace(".", "_"))
+    return f"{python}-{python}-{platform}"
 
 
-def infos():
-    wheel = f"Wheel-Version: 1.0\nGenerator: cvtflow {version()}\nRoot-Is-Purelib: false\nTag: {tag()}\n"
+def infos(bundle=False):
+    wheel = f"Wheel-Version: 1.0\nGenerator: cvtflow {version()}\nRoot-Is-Purelib: false\nTag: {tag(bundle)}\n"
     folder = f"{PACKAGE}-{version()}.dist-info"
     return {f"{folder}/METADATA": metadata().encode(), f"{folder}/WHEEL": wheel.encode()}
+
+
+# DT_RPATH instead of DT_RUNPATH: it also holds for the libraries that a library needs.
+BUNDLED = [f"-DCMAKE_{kind}_LINKER_FLAGS=-Wl,--disable-new-dtags" for kind in ("SHARED", "MODULE")]
+EVERYWHERE = re.compile(r"(lib(c|m|dl|rt|pthread|resolv|util|stdc\+\+|gcc_s)|ld-linux[\w-]*|linux-vdso)\.so")  # of PEP 600's profile
+
+
+def bundles(settings):
+    return (settings or {}).get("bundle", "").upper() in ("ON", "YES", "TRUE", "1")
+
+
+def needed(library):
+    """Paths of the libraries that one needs, those that every distribution has left out."""
+    listed = subprocess.run(["ldd", str(library)], check=True, capture_output=True, text=True).stdout
+    found = re.findall(r"^\s*(\S+) => (\S+)", listed, re.MULTILINE)
+    missing = [name for name, path in found if path == "not"]
+    if missing:
+        raise RuntimeError(f"cvtflow: {library} needs {', '.join(missing)}, which cannot be found")
+    return [pathlib.Path(path) for name, path in found if not EVERYWHERE.match(name)]
 
 
 def build(settings):
@@ -66,7 +89,7 @@ def build(settings):
     # The package's folder is the prefix: the module looks for the library beside itself, the library for scenes beside itself.
     arguments = ["-DCMAKE_BUILD_TYPE=Release", "-DCVTFLOW_NATIVE=OFF", "-DCVTFLOW_UNITY=ON", "-DCVTFLOW_TESTS=OFF", "-DCVTFLOW_BENCH=OFF",
                  "-DCVTFLOW_EXAMPLES=OFF", "-DCVTFLOW_PYTHON=" + sys.executable, "-DCVTFLOW_PYTHON_DIR=..", "-DCMAKE_INSTALL_LIBDIR=lib",
-                 "-DCMAKE_BUILD_WITH_INSTALL_RPATH=ON", *shlex.split(settings.get("cmake-args") or "")]
+                 "-DCMAKE_BUILD_WITH_INSTALL_RPATH=ON", *(BUNDLED if bundles(settings) else []), *shlex.split(settings.get("cmake-args") or "")]
     jobs = settings.get("jobs") or str(os.cpu_count())
     environment = dict(os.environ, LD_LIBRARY_PATH=f"{folder}:{os.environ.get('LD_LIBRARY_PATH', '')}")  # the type stub is asked of the module
     subprocess.run(["cmake", "-S", str(TOP), "-B", str(folder), *arguments], check=True)
@@ -74,8 +97,8 @@ def build(settings):
     return folder
 
 
-def contents(folder):
-    """Name in the wheel and file, for everything that the package holds."""
+def contents(folder, bundle=False):
+    """Name in the wheel and file, for everything that the package holds. @param bundle with the libraries that it needs"""
     package = folder / "python" / PACKAGE
     if not list(package.glob("_cvtflow*.so")):
         raise RuntimeError("cvtflow: no Python module was built; CMake's output lists what is missing (Debian: python3-dev, pybind11-dev)")
@@ -84,6 +107,8 @@ def contents(folder):
             yield f"{PACKAGE}/{file.name}", file
     library = folder / os.readlink(folder / "libcvtflow.so")  # by the name that the module looks for
     yield f"{PACKAGE}/lib/{library.name}", library
+    for file in needed(library) if bundle else []:
+        yield f"{PACKAGE}/lib/{file.name}", file
     for file in sorted((TOP / "scenes").rglob("*")):
         if file.is_file():
             yield f"{PACKAGE}/share/cvtflow/scenes/{file.relative_to(TOP / 'scenes')}", file
@@ -94,7 +119,7 @@ def get_requires_for_build_wheel(config_settings=None):
 
 
 def prepare_metadata_for_build_wheel(metadata_directory, config_settings=None):
-    for name, text in infos().items():
+    for name, text in infos(bundles(config_settings)).items():
         path = pathlib.Path(metadata_directory) / name
         path.parent.mkdir(exist_ok=True)
         path.write_bytes(text)
@@ -102,8 +127,8 @@ def prepare_metadata_for_build_wheel(metadata_directory, config_settings=None):
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
-    folder = build(config_settings or {})
-    name = f"{PACKAGE}-{version()}-{tag()}.whl"
+    folder, bundle = build(config_settings or {}), bundles(config_settings)
+    name = f"{PACKAGE}-{version()}-{tag(bundle)}.whl"
     record = []
     with zipfile.ZipFile(pathlib.Path(wheel_directory) / name, "w", zipfile.ZIP_DEFLATED) as wheel:
 
@@ -114,9 +139,9 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
             info.external_attr, info.compress_type = (0o100000 | mode) << 16, zipfile.ZIP_DEFLATED
             wheel.writestr(info, data)
 
-        for inside, file in contents(folder):
+        for inside, file in contents(folder, bundle):
             add(inside, file.read_bytes(), 0o755 if ".so" in inside else 0o644)
-        for inside, data in infos().items():
+        for inside, data in infos(bundle).items():
             add(inside, data)
         place = f"{PACKAGE}-{version()}.dist-info/RECORD"
         wheel.writestr(place, "\n".join(record + [f"{place},,"]) + "\n")

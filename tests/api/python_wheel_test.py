@@ -61,5 +61,20 @@ class Wheel(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertTrue(done.stdout.startswith(str(site)), done.stdout)
 
+    def test_a_bundle_contains_all_libraries_that_not_every_distribution_has(self):
+        name = build_backend.build_wheel(self.folder, {"bundle": "ON"})
+        self.assertRegex(name, r"-manylinux_2_\d+_\w+\.whl$")
+        site = Path(self.folder, "site")
+        with zipfile.ZipFile(Path(self.folder, name)) as wheel:
+            self.assertIn(f"Tag: {name[:-4].split('-', 2)[2]}\n", wheel.read(next(n for n in wheel.namelist() if n.endswith("/WHEEL"))).decode())
+            wheel.extractall(site)
+        libraries = site / "cvtflow/lib"
+        listed = subprocess.run(["ldd", next(libraries.glob("libcvtflow.so.*"))], capture_output=True, text=True,
+                                env={"LD_LIBRARY_PATH": str(libraries)}).stdout  # a build for a bundle has the path in its libraries
+        outside = [line.split()[0] for line in listed.splitlines() if "=> /" in line and str(libraries) not in line]
+        self.assertRegex(" ".join(outside), r"\blibc\.so")
+        self.assertIn("libhdf5", listed)
+        self.assertEqual([each for each in outside if not build_backend.EVERYWHERE.match(each)], [])
+
 
 main() if __name__ == "__main__" else None
