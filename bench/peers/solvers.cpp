@@ -68,7 +68,7 @@ int slope(realtype t, N_Vector y, N_Vector out, void* user) {
     return 0;
 }
 
-int jacobian(realtype t, N_Vector y, N_Vector /*slope*/, SUNMatrix out, void* user, N_Vector, N_Vector, N_Vector) {
+int dense_jacobian(realtype t, N_Vector y, N_Vector /*slope*/, SUNMatrix out, void* user, N_Vector, N_Vector, N_Vector) {
     Problem& problem = *static_cast<Problem*>(user);
     const SparsePattern& pattern = problem.pattern();
     std::copy(pattern.begin.begin(), pattern.begin.end(), SUNSparseMatrix_IndexPointers(out));
@@ -106,7 +106,7 @@ PeerRun run_cvode(Problem& problem, double tolerance) {
     require(CVodeSetUserData(memory, &problem), "CVodeSetUserData");
     require(CVodeSetMaxNumSteps(memory, most_steps), "CVodeSetMaxNumSteps");
     require(CVodeSetLinearSolver(memory, common.solver, common.matrix), "CVodeSetLinearSolver");
-    require(CVodeSetJacFn(memory, jacobian), "CVodeSetJacFn");
+    require(CVodeSetJacFn(memory, dense_jacobian), "CVodeSetJacFn");
     PeerRun run = go_through(common, [&](double until) {
         realtype reached = 0.0;
         CVodeSetStopTime(memory, until);
@@ -147,7 +147,7 @@ struct Halves {
     static int explicit_part(realtype t, N_Vector y, N_Vector out, void* user) { return take(t, y, out, user, false); }
     static int implicit_part(realtype t, N_Vector y, N_Vector out, void* user) { return take(t, y, out, user, true); }
     static int implicit_jacobian(realtype t, N_Vector y, N_Vector f, SUNMatrix out, void* user, N_Vector a, N_Vector b, N_Vector c) {
-        jacobian(t, y, f, out, user, a, b, c);
+        dense_jacobian(t, y, f, out, user, a, b, c);
         Problem& problem = *static_cast<Problem*>(user);
         const SparsePattern& pattern = problem.pattern();
         for (std::size_t k = 0; k < pattern.row.size(); ++k) {

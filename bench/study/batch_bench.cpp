@@ -1,4 +1,5 @@
 #include "bench/study/batch_bench.hpp"
+#include "bench/study/profile/statistics.hpp"
 
 #include <stdlib.h>
 #include <sys/resource.h>
@@ -55,11 +56,6 @@ public:
 private:
     std::filesystem::path path_;
 };
-
-double median(std::vector<double> values) {
-    std::sort(values.begin(), values.end());
-    return values[values.size() / 2];
-}
 
 /// All cases one after the other, nothing but their steps timed. @return evaluations
 long bare_loop(const Sweep& sweep, StartStates& starts, double& wall, double& cpu) {

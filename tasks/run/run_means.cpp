@@ -18,7 +18,7 @@ constexpr double gross_slip = 0.03;  ///< creep of a holding chain stays below a
 constexpr double often = 0.05;       ///< share of time
 constexpr double misses = 0.01;      ///< of a controller's target
 constexpr double moves = 0.01;       ///< a mean, from begin to end of the window: it is no result to 1 %
-constexpr double drifts_ratio = 0.01, drifts_slip = 0.2, min_slip = 5e-4;
+constexpr double drifts_ratio = 0.01, drifts_slip = 0.2, slip_threshold = 5e-4;
 constexpr double standing_speed = 0.1;   ///< of shafts, 5 mm/s at the chain: of the order of the speeds at which tips creep [rad/s]
 constexpr double resolved_share = 0.05;  ///< of the losses, that the balance may leave whatever they are
 constexpr double min_load = 0.01;        ///< taken by shafts, of the input
@@ -220,14 +220,14 @@ enum class Change { none, drift, trend, brief, energy };
 [[nodiscard]] Change change_of(const RunMeans& means) {
     const SpanMeans whole = means.all(), first = means.first_fifth(), last = means.last_fifth();
     const bool ratio_drifts = std::abs(last.ratio - first.ratio) > drifts_ratio * std::abs(whole.ratio);
-    const bool slip_drifts = std::abs(last.slip - first.slip) > drifts_slip * std::abs(whole.slip) + min_slip;
+    const bool slip_drifts = std::abs(last.slip - first.slip) > drifts_slip * std::abs(whole.slip) + slip_threshold;
     if (ratio_drifts || slip_drifts) return Change::drift;
     if (means.trend().least() > moves) return Change::trend;
     if (means.curve().pin_period() > 0.0 && whole.periods < 1.0) return Change::brief;
     return std::abs(whole.stored) > takes_energy ? Change::energy : Change::none;
 }
 
-[[nodiscard]] std::string text_of(Change change, const RunMeans& means) {
+[[nodiscard]] std::string trend_text(Change change, const RunMeans& means) {
     const SpanMeans whole = means.all(), first = means.first_fifth(), last = means.last_fifth();
     const auto percent = [](double share) { return fmt::format("{:.3g} %", 100.0 * share); };
     switch (change) {
@@ -283,7 +283,7 @@ std::vector<Note> notes(const RunMeans& means, const EnergyBalance& balance, boo
         fmt::format("clamping exceeds wear.clamping_limit at its slip speed in {} of the time", percent(whole.beyond)),
         fmt::format("an efficiency of {} ({} in the last fifth) is none: what moves has taken or given energy", percent(whole.efficiency),
                     percent(last.efficiency)),
-        text_of(change_of(means), means),
+        trend_text(change_of(means), means),
         "the machine is at rest: slip is noise",
         fmt::format("no load: drive and load transfer {} of the losses{}", percent(whole.carried),
                     whole.no_load ? ": there is no efficiency, and slip is that of idling" : ": slip and efficiency are those of idling"),

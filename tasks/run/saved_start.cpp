@@ -25,7 +25,7 @@ double balance_error_ratio_of(const engine::SavedState& saved) {
 namespace {
 
 /// Text of an attribute; empty if the state does not contain it.
-std::string_view text_of(const engine::SavedState& saved, std::string_view name) {
+std::string_view attribute_text(const engine::SavedState& saved, std::string_view name) {
     const std::string* text = engine::attribute_value<std::string>(saved.attributes, name);
     return text == nullptr ? std::string_view() : std::string_view(*text);
 }
@@ -82,9 +82,9 @@ std::string_view text_of(const engine::SavedState& saved, std::string_view name)
 
 }  // namespace
 
-std::string_view settled_scene_text(const engine::SavedState& saved) { return text_of(saved, "scene"); }
+std::string_view settled_scene_text(const engine::SavedState& saved) { return attribute_text(saved, "scene"); }
 
-std::string_view program_of(const engine::SavedState& saved) { return text_of(saved, program_attribute); }
+std::string_view program_of(const engine::SavedState& saved) { return attribute_text(saved, program_attribute); }
 
 std::uint64_t content_hash(const engine::SavedState& saved) noexcept {
     return engine::Hash()

@@ -14,18 +14,18 @@ using testing::AllOf;
 using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::Not;
-using Words = std::vector<std::string>;
+using TuneWords = std::vector<std::string>;
 
 class Tune : public Sweeps {
 protected:
     /// tiny, settled for a moment.
-    const Words tiny_{"tiny", "--set", "start.settling_time=1ms", "--set", "start.ramp_time=0.5ms", "--set", "run.until=1ms"};
-    const Words brief_{"--accuracy", "20 %", "--outputs", "tight_tension, slip", "--settling", "1 ms", "--average", "1 ms"};
+    const TuneWords tiny_{"tiny", "--set", "start.settling_time=1ms", "--set", "start.ramp_time=0.5ms", "--set", "run.until=1ms"};
+    const TuneWords brief_{"--accuracy", "20 %", "--outputs", "tight_tension, slip", "--settling", "1 ms", "--average", "1 ms"};
     const std::vector<std::string> cache_{"XDG_CACHE_HOME=" + folder_.string()};
 };
 
 TEST_F(Tune, WritesASceneThatRunsWithWhatItChose) {
-    const Outcome outcome = run(Words{"tune"} + tiny_ + brief_ + Words{"--verify", "1", "-o", "out", "-q"});
+    const Outcome outcome = run(TuneWords{"tune"} + tiny_ + brief_ + TuneWords{"--verify", "1", "-o", "out", "-q"});
     ASSERT_EQ(outcome.status, 0) << outcome.err << outcome.out;
     EXPECT_THAT(outcome.out,
                 AllOf(HasSubstr("tiny: accuracy 20 %, at 1 operating point\n"), ContainsRegex("\n  chosen  .* errors times 2 within"),
@@ -45,17 +45,17 @@ TEST_F(Tune, WritesASceneThatRunsWithWhatItChose) {
 }
 
 TEST_F(Tune, EndsWithItsOwnStatusWhereItsBudgetIsUsedUp) {
-    const Outcome outcome = run(Words{"tune"} + tiny_ + brief_ + Words{"--budget", "1 us", "-q", "-o", "out"});
+    const Outcome outcome = run(TuneWords{"tune"} + tiny_ + brief_ + TuneWords{"--budget", "1 us", "-q", "-o", "out"});
     EXPECT_EQ(outcome.status, 4) << outcome.err;
     EXPECT_THAT(outcome.out, HasSubstr("chosen              none: nothing was tried: the budget ended during: methods\n"));
     EXPECT_TRUE(nlohmann::json::parse(read("out/tune_tiny.json"))["budget_used_up_by"] == "methods");
     EXPECT_FALSE(exists("tiny.tuned.toml"));
-    const Outcome ran = run(Words{"run"} + tiny_ + brief_ + Words{"--budget", "1 us", "-q", "-o", "none", "--cache", "kept"});
+    const Outcome ran = run(TuneWords{"run"} + tiny_ + brief_ + TuneWords{"--budget", "1 us", "-q", "-o", "none", "--cache", "kept"});
     EXPECT_EQ(ran.status, 4);
     EXPECT_EQ(ran.err, "cvtflow: tiny: nothing was tried: the budget ended during: methods\n");
-    const Outcome strict = run(Words{"tune"} + tiny_ +
-                               Words{"--accuracy", "0.0001 %", "--outputs", "tight_tension", "--settling", "1 ms", "--average", "1 ms",
-                                     "--methods", "leapfrog-sweep", "-q"});
+    const Outcome strict = run(TuneWords{"tune"} + tiny_ +
+                               TuneWords{"--accuracy", "0.0001 %", "--outputs", "tight_tension", "--settling", "1 ms", "--average", "1 ms",
+                                         "--methods", "leapfrog-sweep", "-q"});
     EXPECT_NE(strict.status, 4) << "it had all the time";
     EXPECT_NE(strict.status, 0) << strict.out;
 }
@@ -73,7 +73,7 @@ TEST_F(Tune, ReportsWhatIsWrongWithItsArguments) {
 }
 
 TEST_F(Tune, RunFindsWhatItNeedsOnceAndBeginsAtOnceTheSecondTime) {
-    const Words words = Words{"run"} + tiny_ + brief_ + Words{"-o", "none"};
+    const TuneWords words = TuneWords{"run"} + tiny_ + brief_ + TuneWords{"-o", "none"};
     const Outcome first = run(words, cache_), second = run(words, cache_);
     ASSERT_EQ(first.status, 0) << first.err;
     EXPECT_THAT(first.err, ContainsRegex("cvtflow: tiny: .* for 20 % \\(largest error measured: .* %\\), found in "));

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "bench/lab/text/watch_text.hpp"
+#include "bench/study/profile/statistics.hpp"
 #include "tasks/scene/csv.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/plot/plot.hpp"
@@ -70,12 +71,6 @@ void print(const Ladder& ladder) {
         table.add(cells);
     }
     fmt::print("{}\n", table.text(2));
-}
-
-double median(std::vector<double> values) {
-    std::sort(values.begin(), values.end());
-    const std::size_t n = values.size();
-    return n == 0 ? std::nan("") : 0.5 * (values[n / 2] + values[(n - 1) / 2]);
 }
 
 /// Medians and maxima of the errors over the points.

@@ -113,10 +113,10 @@ ExtremeJudge::~ExtremeJudge() = default;
 namespace {
 
 /// A simulation of the row at its start, ready to run with a step.
-class Trial {
+class JudgedTrial {
 public:
     /// @param nominal the row's step, which its preparation may depend on   @param step the one to run with
-    Trial(const Extreme& row, Scene scene, const IntegrationState& settled, double nominal, double step, double span)
+    JudgedTrial(const Extreme& row, Scene scene, const IntegrationState& settled, double nominal, double step, double span)
         : simulation_(with_step(std::move(scene), step, span)) {
         IntegrationState start = simulation_.integration_state();
         if (!row.geometric && settled.state.size() == start.state.size() && settled.phases.size() == start.phases.size()) start = settled;
@@ -169,10 +169,10 @@ private:
     return "";
 }
 
-void compare(const Extreme& row, const Scene& scene, const IntegrationState& settled, double span, Trial& coarse, const Account& before,
-             ExtremeCase& result) {
+void compare_halved(const Extreme& row, const Scene& scene, const IntegrationState& settled, double span, JudgedTrial& coarse,
+                    const Account& before, ExtremeCase& result) {
     const Account after = account_of(coarse.simulation());
-    Trial fine(row, scene, settled, result.step, 0.5 * result.step, span);
+    JudgedTrial fine(row, scene, settled, result.step, 0.5 * result.step, span);
     result.fault = fine.run(0.5 * span);
     const Account halfway = account_of(fine.simulation());
     if (!result.fault) result.fault = fine.run(0.5 * span);
@@ -207,10 +207,10 @@ ExtremeCase ExtremeJudge::run(const Extreme& row, const Level& level, const std:
         Scene scene = level.scene;
         scene.run.method = method;
         set_values(scene, row.settings);
-        result.stable_step = stable_step(Trial(row, scene, level.settled, usual_step, usual_step, 1e-5).simulation(), method);
+        result.stable_step = stable_step(JudgedTrial(row, scene, level.settled, usual_step, usual_step, 1e-5).simulation(), method);
         result.step = step_for(row, result.stable_step);
         const double span = static_cast<double>(row.steps) * result.step;
-        Trial coarse(row, scene, level.settled, result.step, result.step, span);
+        JudgedTrial coarse(row, scene, level.settled, result.step, result.step, span);
         const Account before = account_of(coarse.simulation());
         result.fault = coarse.run(span);
         result.steps = coarse.simulation().counters().steps;
@@ -218,7 +218,7 @@ ExtremeCase ExtremeJudge::run(const Extreme& row, const Level& level, const std:
             result.ending = Ending::fault;
             result.message = result.fault.message();
         } else {
-            compare(row, scene, level.settled, span, coarse, before, result);
+            compare_halved(row, scene, level.settled, span, coarse, before, result);
         }
     } catch (const std::exception& error) {  // SceneError, SimulationError, std::invalid_argument: the scene is refused in words
         result.ending = Ending::refused;

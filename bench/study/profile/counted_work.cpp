@@ -85,7 +85,7 @@ std::vector<double> step_times(const engine::TaskGraph& graph, const std::vector
     return times;
 }
 
-std::vector<StageWork> stages_of(const engine::TaskGraph& graph, const std::vector<double>& runs, const std::vector<double>& work) {
+std::vector<StageWork> counted_stages(const engine::TaskGraph& graph, const std::vector<double>& runs, const std::vector<double>& work) {
     std::vector<StageWork> stages;
     for (int task = 0; task < graph.size(); ++task) {
         const std::string name = graph.task(task).stage_name();
@@ -114,7 +114,7 @@ CountedStep count_step(const Scene& scene, int segments, std::set<std::string>& 
     if (sequential.empty() && segments > 1) sequential = sequential_stages(graph);
     const std::vector<double> runs = runs_per_step(graph, recorder.spans(0));
     std::vector<double> work = work_of(trial.simulation(), runs);
-    CountedStep step{step_times(graph, runs, work, segments), {}, stages_of(graph, runs, work), trial.simulation().step()};
+    CountedStep step{step_times(graph, runs, work, segments), {}, counted_stages(graph, runs, work), trial.simulation().step()};
     for (int task = 0; task < graph.size(); ++task) {
         if (sequential.contains(graph.task(task).stage_name())) work[static_cast<std::size_t>(task)] = 0.0;
     }

@@ -7,7 +7,6 @@
 
 namespace cvtflow::bench {
 
-
 namespace {
 
 constexpr std::size_t behind_tasks = 3;  // controller, wait, exit

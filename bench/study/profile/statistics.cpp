@@ -4,7 +4,6 @@
 
 namespace cvtflow::bench {
 
-
 double median(std::vector<double> values) {
     if (values.empty()) return 0.0;
     std::sort(values.begin(), values.end());

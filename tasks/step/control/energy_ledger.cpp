@@ -61,7 +61,7 @@ namespace {
     return balance.expected_residual() + std::min(deviations * balance.deviation, noise_share(balance, settling) * balance.loss);
 }
 
-[[nodiscard]] double balance_error_ratio_of(const EnergyBalance& balance, bool settling) noexcept {
+[[nodiscard]] double window_error_ratio(const EnergyBalance& balance, bool settling) noexcept {
     if (balance.samples < min_samples) return 0.0;
     const double ratio = std::abs(balance.residual()) / tolerance_of(balance, settling);
     return std::isnan(ratio) ? std::numeric_limits<double>::infinity() : ratio;
@@ -71,7 +71,7 @@ namespace {
 
 double EnergyBalance::tolerance() const noexcept { return tolerance_of(*this, false); }
 
-double EnergyBalance::balance_error_ratio() const noexcept { return balance_error_ratio_of(*this, false); }
+double EnergyBalance::balance_error_ratio() const noexcept { return window_error_ratio(*this, false); }
 
 void EnergyLedger::restart(long stride) noexcept {
     m_ = {};
@@ -187,7 +187,7 @@ void EnergyLedger::Memory::close_sample(double time) noexcept {
 /// A residual that noise can explain is evaluated again; one that it cannot explain is kept.
 void EnergyLedger::Memory::close_window() noexcept {
     const EnergyBalance closed = balance_since(part);
-    if (part.begin >= judged_from) max_error_ratio = std::max(max_error_ratio, balance_error_ratio_of(closed, part.begin < 0.0));
+    if (part.begin >= judged_from) max_error_ratio = std::max(max_error_ratio, window_error_ratio(closed, part.begin < 0.0));
     dense_sampling = std::abs(closed.residual()) > closed.expected_residual() ? 1.0 : 0.0;
     part = here();
 }
@@ -211,7 +211,7 @@ EnergyBalance EnergyLedger::Memory::balance_since(const EnergyMark& span) const 
 double EnergyLedger::balance_error_ratio(const std::optional<EnergyMark>& from) const noexcept {
     double most = m_.max_error_ratio;
     for (const EnergyMark& span : {from.value_or(m_.all), m_.part})
-        most = std::max(most, balance_error_ratio_of(balance(span), span.begin < 0.0));
+        most = std::max(most, window_error_ratio(balance(span), span.begin < 0.0));
     return most;
 }
 

@@ -20,7 +20,7 @@ HydraulicModel model_of(const Hydraulics& hydraulics) {
     return model;
 }
 
-Hydraulics present() {
+Hydraulics usual_hydraulics() {
     Hydraulics h;
     h.mode = HydraulicMode::force;
     return h;
@@ -31,7 +31,7 @@ double& oil_of(std::array<double, hydraulic_unknowns>& unknowns, std::size_t sha
 double stiffness(const Hydraulics& h, double area) { return area * h.oil_modulus / h.oil_volume; }
 
 TEST(Hydraulics, RotatingOilPressesAsItsPressureOverTheRing) {
-    Hydraulics h = present();
+    Hydraulics h = usual_hydraulics();
     h.driving.inner = 31e-3;
     h.driven.compensation = 0.004;
     const HydraulicModel model = model_of(h);
@@ -54,7 +54,7 @@ TEST(Hydraulics, RotatingOilPressesAsItsPressureOverTheRing) {
 }
 
 TEST(Hydraulics, ASpringPushesLessTheFartherTheSheaveHasMoved) {
-    Hydraulics h = present();
+    Hydraulics h = usual_hydraulics();
     h.driven.spring = 1500.0;
     h.driven.spring_rate = 1e5;
     const HydraulicModel model = model_of(h);
@@ -63,7 +63,7 @@ TEST(Hydraulics, ASpringPushesLessTheFartherTheSheaveHasMoved) {
 }
 
 TEST(Hydraulics, FilledCylindersHaveTheForcesThatAreRequested) {
-    const HydraulicModel model = model_of(present());
+    const HydraulicModel model = model_of(usual_hydraulics());
     const Motion motion{CylinderMotion{1e-3, 0.0, 200.0}, CylinderMotion{-2e-3, 0.0, 150.0}};
     std::array<double, hydraulic_unknowns> unknowns{};
     model.fill(motion, {27e3, 20e3}, unknowns.data());
@@ -78,7 +78,7 @@ TEST(Hydraulics, FilledCylindersHaveTheForcesThatAreRequested) {
 
 /// A blocked piston fills through an open valve with the time constant C/(G + L).
 TEST(Hydraulics, ABlockedCylinderFillsExponentially) {
-    Hydraulics h = present();
+    Hydraulics h = usual_hydraulics();
     h.leakage = 1e-10;
     const HydraulicModel model = model_of(h);
     std::array<double, hydraulic_unknowns> unknowns{}, rates{};
@@ -97,7 +97,7 @@ TEST(Hydraulics, ABlockedCylinderFillsExponentially) {
 
 /// A piston that moves against a constant force takes the whole flow of a small pump: its stroke lasts A Δy/Q.
 TEST(Hydraulics, AStrokeLastsAsLongAsThePumpTakesToFillIt) {
-    Hydraulics h = present();
+    Hydraulics h = usual_hydraulics();
     h.leakage = 0.0;
     const HydraulicModel model = model_of(h);
     std::array<double, hydraulic_unknowns> unknowns{}, rates{};
@@ -120,7 +120,7 @@ TEST(Hydraulics, AStrokeLastsAsLongAsThePumpTakesToFillIt) {
 
 /// Pump = losses + sheaves + change of what is stored, at every instant, whatever the state.
 TEST(Hydraulics, PowersBalanceAtEveryInstant) {
-    Hydraulics h = present();
+    Hydraulics h = usual_hydraulics();
     const HydraulicModel model = model_of(h);
     std::mt19937_64 random(7);
     const auto draw = [&](double from, double to) { return from + (to - from) * static_cast<double>(random() >> 11) * 0x1p-53; };
@@ -152,7 +152,7 @@ TEST(Hydraulics, PowersBalanceAtEveryInstant) {
 }
 
 TEST(Hydraulics, SetPressuresFollowWithinTheirRateAndEndAtTheReliefPressure) {
-    Hydraulics h = present();
+    Hydraulics h = usual_hydraulics();
     h.valve_rate = 2e7;
     const HydraulicModel model = model_of(h);
     std::array<double, hydraulic_unknowns> unknowns{}, rates{};

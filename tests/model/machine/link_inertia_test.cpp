@@ -100,7 +100,7 @@ TEST(LinkInertia, WeighsTheWholeLink) {
 }
 
 /// Kinetic energy of the mass distribution itself: halves as uniform lines, plates as uniform bars between them, by quadrature.
-double kinetic_energy(const Parameters& p, const std::vector<double>& a, const std::vector<double>& b) {
+double plain_kinetic_energy(const Parameters& p, const std::vector<double>& a, const std::vector<double>& b) {
     const auto at = [](const std::vector<double>& half, double xi) {
         double value = 0.0;
         for (std::size_t m = 0; m < half.size(); ++m) value += half[m] * legendre(static_cast<int>(m), xi);
@@ -136,7 +136,7 @@ TEST(LinkInertia, IsTheKineticEnergyOfItsMasses) {
         const auto momentum = times(inertia.lateral_matrix.data(), 2 * (P + 1), v.data());
         double energy = 0.0;
         for (std::size_t k = 0; k < v.size(); ++k) energy += 0.5 * v[k] * momentum[k];
-        EXPECT_NEAR(energy, kinetic_energy(p, a, b), 1e-16);  // ~1e-2 J, some ten roundings
+        EXPECT_NEAR(energy, plain_kinetic_energy(p, a, b), 1e-16);  // ~1e-2 J, some ten roundings
     });
 }
 

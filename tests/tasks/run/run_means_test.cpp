@@ -115,7 +115,7 @@ TEST(RunMeans, SayWhereSlipIsNoiseAndWhereEfficiencyIsThatOfIdling) {
 }
 
 /// Means of a steady chain, a tenth of a second, of 100 W of losses, whose drive and load have those powers [W].
-RunMeans steady_means(double drive, double load, double pin_period = 7e-4, double cylinder = 0.0) {
+RunMeans means_once_steady(double drive, double load, double pin_period = 7e-4, double cylinder = 0.0) {
     RunMeans means;
     for (int k = 0; k <= 5000; ++k) {
         model::Observation now;
@@ -143,19 +143,19 @@ std::string names_of(const RunMeans& means) {
 }
 
 TEST(RunMeans, OfAStateThatStoresOrGivesEnergyAreNotSteady) {
-    EXPECT_EQ(names_of(steady_means(10000.0, 9900.0)), "");
-    EXPECT_EQ(names_of(steady_means(10000.0, 9600.0)), "unsteady") << "3 % of the input are stored";
-    EXPECT_EQ(names_of(steady_means(6000.0, 9600.0)), "unsteady") << "the load is carried by what moves";
-    EXPECT_THAT(notes(steady_means(6000.0, 9600.0), closed_balance).front().text,
+    EXPECT_EQ(names_of(means_once_steady(10000.0, 9900.0)), "");
+    EXPECT_EQ(names_of(means_once_steady(10000.0, 9600.0)), "unsteady") << "3 % of the input are stored";
+    EXPECT_EQ(names_of(means_once_steady(6000.0, 9600.0)), "unsteady") << "the load is carried by what moves";
+    EXPECT_THAT(notes(means_once_steady(6000.0, 9600.0), closed_balance).front().text,
                 testing::HasSubstr("the stored energy has given 61.7 % of the input"));
-    EXPECT_EQ(names_of(steady_means(10000.0, 9900.0, 0.2)), "unsteady") << "half a pin period";
+    EXPECT_EQ(names_of(means_once_steady(10000.0, 9900.0, 0.2)), "unsteady") << "half a pin period";
 }
 
 TEST(RunMeans, WithoutLoadThereIsNoEfficiency) {
-    const RunMeans means = steady_means(100.0, 0.0);
+    const RunMeans means = means_once_steady(100.0, 0.0);
     EXPECT_TRUE(std::isnan(means.all().efficiency));
     EXPECT_EQ(names_of(means), "no_load");
-    EXPECT_TRUE(std::isnan(steady_means(120.0, 0.0, 7e-4, 20.0).all().efficiency)) << "what a cylinder takes is no load";
+    EXPECT_TRUE(std::isnan(means_once_steady(120.0, 0.0, 7e-4, 20.0).all().efficiency)) << "what a cylinder takes is no load";
 }
 
 /// 28 pin periods, a hundred samples in each, whose tight tension swings by a third and its mean rises by `rise` in all.

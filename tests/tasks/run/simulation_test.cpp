@@ -142,16 +142,16 @@ TEST(Simulation, APartBegunAnewCountsFromZeroAndEndsAfterItsSteps) {
 }
 
 /// A state file that is gone with the test.
-class StateFile {
+class WrittenState {
 public:
-    explicit StateFile(const Simulation& simulation) : StateFile(simulation.saved_state()) {}
-    explicit StateFile(const engine::SavedState& saved)
+    explicit WrittenState(const Simulation& simulation) : WrittenState(simulation.saved_state()) {}
+    explicit WrittenState(const engine::SavedState& saved)
         : path_(std::filesystem::temp_directory_path() / ("cvtflow_simulation_test_" + std::to_string(::getpid()) + ".h5")) {
         engine::write_state(path_.string(), saved);
     }
-    ~StateFile() { std::filesystem::remove(path_); }
-    StateFile(const StateFile&) = delete;
-    StateFile& operator=(const StateFile&) = delete;
+    ~WrittenState() { std::filesystem::remove(path_); }
+    WrittenState(const WrittenState&) = delete;
+    WrittenState& operator=(const WrittenState&) = delete;
     [[nodiscard]] std::string path() const { return path_.string(); }
 
 private:
@@ -168,7 +168,7 @@ TEST(Simulation, ContinuesFromASavedStateAsIfItHadNotBeenSaved) {
             scene.parameters.detail.stick_slip = everything;
             Simulation simulation(scene);
             ASSERT_FALSE(settle_and_run(simulation, saved_at));
-            const StateFile file(simulation);
+            const WrittenState file(simulation);
             scene.state_file = file.path();
             Simulation continued(scene);
             EXPECT_FALSE(continued.needs_settling());
@@ -194,7 +194,7 @@ TEST(Simulation, TakesASavedStateWithAnotherNumberOfControllers) {
         ASSERT_FALSE(settle_and_run(simulation, 1e-5));
         const model::ChainLayout before = simulation.workspace().layout();
         ASSERT_NE(simulation.workspace().state()[before.control_begin()], 0.0);
-        const StateFile file(simulation);
+        const WrittenState file(simulation);
         scene.state_file = file.path();
         const bool had_two = driven == model::DrivenControl::safety;
         scene.parameters.control.driven = had_two ? model::DrivenControl::none : model::DrivenControl::safety;
@@ -224,7 +224,7 @@ TEST(Simulation, TakesTheLedgerOfASavedStateFromBeforeGuides) {
         engine::SavedState saved = simulation.saved_state();
         ASSERT_EQ(std::erase_if(saved.attributes, [](const auto& each) { return each.name == ledger_size_attribute; }), 1u);
         saved.state.erase(saved.state.begin() + at.ledger_begin() + static_cast<int>(model::Loss::guide));
-        const StateFile file(saved);
+        const WrittenState file(saved);
         scene.state_file = file.path();
         const Simulation other(scene);
         EXPECT_EQ(std::vector<double>(other.workspace().state(), other.workspace().state() + at.size()),
@@ -239,7 +239,7 @@ TEST(Simulation, TakesASavedStateWithOrWithoutControlAndLedger) {
         scene.parameters.ledger = had;
         Simulation simulation(scene);
         ASSERT_FALSE(simulation.advance({.until = 0.0}, silent, never_ended));
-        const StateFile file(simulation);
+        const WrittenState file(simulation);
         scene.state_file = file.path();
         scene.parameters.control.enabled = !had;
         scene.parameters.ledger = !had;
@@ -257,7 +257,7 @@ TEST(Simulation, TranslatesStickAndSlipOfASavedState) {
         scene.parameters.detail.stick_slip = had;
         Simulation simulation(scene);
         ASSERT_FALSE(simulation.advance({.until = 0.0}, silent, never_ended));
-        const StateFile file(simulation);
+        const WrittenState file(simulation);
         scene.state_file = file.path();
         scene.parameters.detail.stick_slip = !had;
         Simulation other(scene);
@@ -275,7 +275,7 @@ TEST(Simulation, TranslatesStickAndSlipOfASavedState) {
 TEST(Simulation, ReportsWhatDiffersFromTheSceneThatWasSettledAndRefusesAnotherDetail) {
     Scene scene = tiny_scene();
     Simulation simulation(scene);
-    const StateFile file(simulation);
+    const WrittenState file(simulation);
     scene.state_file = file.path();
     scene.parameters.half.mass *= 2.0;
     EXPECT_EQ(Simulation(scene).start_differences().size(), 1u);
@@ -288,7 +288,7 @@ TEST(Simulation, SettlesAnewWhereItsStateBelongsToAnotherMachine) {
     Scene scene = tiny_scene();
     Simulation simulation(scene);
     ASSERT_FALSE(simulation.advance({.until = 0.0}, silent, never_ended));
-    const StateFile file(simulation);
+    const WrittenState file(simulation);
     scene.state_file = file.path();
     const std::pair<const char*, bool> settings[] = {{"tip.friction_coefficient=0.12", true},
                                                      {"chain.damping_ratio=0.05", true},
@@ -323,7 +323,7 @@ TEST(Simulation, BeginsControlAndLedgerAtZeroWhereTheSavedStateHasNone) {
     Scene scene = tiny_scene();
     Simulation plain(scene);
     ASSERT_FALSE(plain.advance({.until = 0.0}, silent, never_ended));
-    const StateFile file(plain);
+    const WrittenState file(plain);
     scene.state_file = file.path();
     for (const char* setting : {"control.enabled=true", "control.integral=1e8 N/s", "record.ledger=true"}) set_value(scene, setting);
     const Simulation started(scene);

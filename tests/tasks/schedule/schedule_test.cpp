@@ -18,7 +18,7 @@
 namespace cvtflow::tasks {
 namespace {
 
-Scene scene_of(const std::string& name, const std::vector<std::string>& settings) {
+Scene scheduled_scene(const std::string& name, const std::vector<std::string>& settings) {
     Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/" + name + ".toml");
     set_values(scene, settings);
     return scene;
@@ -39,8 +39,8 @@ Outcome outcome(const Scene& scene, const Schedule& schedule) {
 
 /// From the settled baseline at medium detail, long enough for transitions.
 Scene settled(const std::string& until) {
-    return scene_of("shift", {"run.method=rk4", "run.step=50 ns", "run.until=" + until, "run.output_interval=20 us",
-                              "run.state_interval=20 us", "clamping.driving=27.1 kN"});
+    return scheduled_scene("shift", {"run.method=rk4", "run.step=50 ns", "run.until=" + until, "run.output_interval=20 us",
+                                     "run.state_interval=20 us", "clamping.driving=27.1 kN"});
 }
 
 /// Assemblies, segments and threads of an executor that differ.

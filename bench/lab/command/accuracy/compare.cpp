@@ -159,7 +159,7 @@ CompareSetting setting_of(const CompareArguments& arguments, const std::string& 
     return setting;
 }
 
-ExitStatus compare(const CompareArguments& arguments) try {
+ExitStatus run_compare(const CompareArguments& arguments) try {
     for (const std::string& choice : arguments.choices) static_cast<void>(read_choice(choice));
     const LoadedScene loaded = load_scene(arguments.scene);
     if (!loaded.notice.empty()) say(arguments, loaded.notice);
@@ -234,7 +234,7 @@ Action declare_compare(CLI::App& app) {
     return [arguments] {
         if (arguments->choices.empty())
             arguments->choices = arguments->newton ? implicit_choices() : arguments->front ? front_choices : usual_choices;
-        return compare(*arguments);
+        return run_compare(*arguments);
     };
 }
 

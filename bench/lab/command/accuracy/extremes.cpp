@@ -27,7 +27,7 @@ void print_cases(const ExtremeResult& result) {
     }
 }
 
-ExitStatus extremes(const ExtremesArguments& arguments) {
+ExitStatus run_extremes(const ExtremesArguments& arguments) {
     ExtremeJudge judge(tasks::read_scene(find_scene("tiny")));
     fmt::print("{:<10} {:<72} {:<6} {}\n", "group", "row", "", "outcome: number of cases (4 methods x 3 levels of detail)");
     int rows = 0, failed = 0;
@@ -58,7 +58,7 @@ Action declare_extremes(CLI::App& app) {
         "Every row runs the scene tiny at an extreme value, with four methods at four levels of detail. Each run must be accurate (energy "
         "balance,\nagreement with half the step), refused with a message, ended by a named fault, or warned of as beyond stability.\n"
         "Exit status 3: a row has another outcome than stated.");
-    return [arguments] { return extremes(*arguments); };
+    return [arguments] { return run_extremes(*arguments); };
 }
 
 }  // namespace cvtflow::bench

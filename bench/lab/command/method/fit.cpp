@@ -64,7 +64,7 @@ std::optional<bench::FittedMethod> fitted(const FitArguments& arguments, const F
     return bench::fit(request, points);
 }
 
-ExitStatus fit(const FitArguments& arguments) {
+ExitStatus run_fit(const FitArguments& arguments) {
     const LoadedScene loaded = load_scene(arguments.scene);
     const tasks::Simulation simulation(loaded.scene);
     if (simulation.needs_settling())
@@ -109,7 +109,7 @@ Action declare_fit(CLI::App& app) {
         "Measures the spectrum at the scene's settled start and fits the cheapest stability polynomial to it, on RKC's recurrence.\n"
         "The printed name denotes the method without a scene: cvtflow-lab method fitted-l200-w2. run.method = \"fitted\" repeats the fit "
         "during a run.");
-    return [arguments] { return fit(*arguments); };
+    return [arguments] { return run_fit(*arguments); };
 }
 
 }  // namespace cvtflow::bench

@@ -84,7 +84,7 @@ std::optional<bench::StepLimit> program_limit_of(const tasks::Scene& scene, cons
     return bench::predicted_step_limit(variator, scene.parameters, tasks::method_of(scene), start);
 }
 
-ExitStatus spectrum(const SpectrumArguments& arguments) {
+ExitStatus run_spectrum(const SpectrumArguments& arguments) {
     const ProgressReporter report(arguments.quiet);
     const LoadedScene loaded = load_scene(arguments.scene);
     const tasks::Scene& scene = loaded.scene;
@@ -146,7 +146,7 @@ Action declare_spectrum(CLI::App& app) {
     declare_output(app, arguments->output);
     app.add_flag("-q,--quiet", arguments->quiet, "No progress; results are printed all the same");
     app.footer(spectrum_explanation);
-    return [arguments] { return spectrum(*arguments); };
+    return [arguments] { return run_spectrum(*arguments); };
 }
 
 }  // namespace cvtflow::bench

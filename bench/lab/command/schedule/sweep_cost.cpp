@@ -6,6 +6,7 @@
 
 #include "bench/lab/command/command.hpp"
 #include "bench/study/batch_bench.hpp"
+#include "bench/study/profile/statistics.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tasks/schedule/schedule.hpp"
 #include "tools/program/arguments.hpp"
@@ -52,11 +53,6 @@ struct RunArguments {
     SceneArguments scene;
     int rounds = 5;
 };
-
-[[nodiscard]] double median(std::vector<double> values) {
-    std::ranges::sort(values);
-    return values[values.size() / 2];
-}
 
 /// Medians of processor times, and of the ratios of each round with their extremes.
 ExitStatus run_cost(const RunArguments& arguments) {

@@ -12,12 +12,12 @@ namespace cvtflow::bench {
 namespace {
 
 /// A random matrix of the structure, near the identity, in both forms. Blocks of an odd number see no border.
-struct Problem {
+struct BorderedSystem {
     int blocks, size, border;
     Eigen::MatrixXd dense;
     std::vector<double> rhs;
 
-    Problem(int blocks_, int size_, int border_, unsigned seed) : blocks(blocks_), size(size_), border(border_) {
+    BorderedSystem(int blocks_, int size_, int border_, unsigned seed) : blocks(blocks_), size(size_), border(border_) {
         std::mt19937 random(seed);
         std::uniform_real_distribution<double> value(-0.3, 0.3);
         const int n = blocks * size + border;
@@ -39,13 +39,13 @@ struct Problem {
     }
 };
 
-void copy(const Problem& p, int row, int column, int rows, int columns, double* to, int stride) {
+void copy(const BorderedSystem& p, int row, int column, int rows, int columns, double* to, int stride) {
     for (int i = 0; i < rows; ++i) {
         for (int j = 0; j < columns; ++j) to[i * stride + j] = p.dense(row + i, column + j);
     }
 }
 
-void fill_block(const Problem& p, CyclicBorder& system, int i) {
+void fill_block(const BorderedSystem& p, CyclicBorder& system, int i) {
     const CyclicBorder::Block block = system.block(i);
     const int n = p.size, edge = p.blocks * n;
     copy(p, i * n, i * n, n, n, block.diagonal, n);
@@ -59,7 +59,7 @@ void fill_block(const Problem& p, CyclicBorder& system, int i) {
     }
 }
 
-std::vector<double> solved(const Problem& p, int chunks, bool backwards = false) {
+std::vector<double> solved(const BorderedSystem& p, int chunks, bool backwards = false) {
     CyclicBorder system(p.blocks, p.size, p.border, chunks);
     std::vector<int> all;
     for (int k = p.border; k-- > 0;) all.push_back(k);  // in any order
@@ -82,7 +82,7 @@ std::vector<double> solved(const Problem& p, int chunks, bool backwards = false)
     return x;
 }
 
-double residual(const Problem& p, const std::vector<double>& x) {
+double residual(const BorderedSystem& p, const std::vector<double>& x) {
     const auto n = static_cast<Eigen::Index>(x.size());
     const Eigen::Map<const Eigen::VectorXd> is(x.data(), n), rhs(p.rhs.data(), n);
     const Eigen::VectorXd should = p.dense.partialPivLu().solve(rhs);
@@ -91,7 +91,7 @@ double residual(const Problem& p, const std::vector<double>& x) {
 
 TEST(CyclicBorder, SolvesAsADenseSolverDoes) {
     for (const auto& [blocks, size, border] : {std::array{84, 20, 36}, {24, 12, 37}, {12, 8, 4}, {9, 16, 0}, {7, 3, 5}}) {
-        const Problem problem(blocks, size, border, 7);
+        const BorderedSystem problem(blocks, size, border, 7);
         for (const int chunks : {1, 2, 3, 4, blocks / 2, blocks}) {
             if (chunks > blocks) continue;
             EXPECT_LT(residual(problem, solved(problem, chunks)), 1e-11)
@@ -102,19 +102,19 @@ TEST(CyclicBorder, SolvesAsADenseSolverDoes) {
 
 TEST(CyclicBorder, TakesTheShortestRings) {
     for (const int blocks : {1, 2, 3}) {
-        const Problem problem(blocks, 4, 3, 11);
+        const BorderedSystem problem(blocks, 4, 3, 11);
         for (int chunks = 1; chunks <= blocks; ++chunks)
             EXPECT_LT(residual(problem, solved(problem, chunks)), 1e-12) << blocks << " in " << chunks;
     }
 }
 
 TEST(CyclicBorder, TheOrderInWhichChunksAreDoneChangesNoBit) {
-    const Problem problem(30, 12, 10, 3);
+    const BorderedSystem problem(30, 12, 10, 3);
     EXPECT_EQ(solved(problem, 5), solved(problem, 5, true));
 }
 
 TEST(CyclicBorder, ReportsThatAMatrixIsSingular) {
-    Problem problem(6, 3, 2, 5);
+    BorderedSystem problem(6, 3, 2, 5);
     problem.dense.block(0, 0, 3, problem.dense.cols()).setZero();
     CyclicBorder system(6, 3, 2, 2);
     const std::vector<int> all{0, 1};

@@ -69,8 +69,8 @@ std::string cell_text(const SweepView& sweep, std::size_t row, std::size_t colum
 }
 
 /// Counts the cases whose cells differ by more than `tolerance`.
-ColumnDifference difference(const SweepView& a, const SweepView& b, const std::string& name, const std::vector<Pair>& pairs,
-                            double tolerance) {
+ColumnDifference column_difference(const SweepView& a, const SweepView& b, const std::string& name, const std::vector<Pair>& pairs,
+                                   double tolerance) {
     const std::size_t ca = a.column(name), cb = b.column(name);
     const Shown how = shown(name, a.columns[ca].unit);
     ColumnDifference found{name, how.unit, how.factor, 0, 0.0, 0.0, ""};
@@ -127,7 +127,7 @@ ExitStatus diff(const DiffArguments& arguments) {
     }
     std::vector<ColumnDifference> different;
     for (const std::string& name : names)
-        if (ColumnDifference found = difference(a, b, name, pairs, arguments.tolerance); found.cases > 0)
+        if (ColumnDifference found = column_difference(a, b, name, pairs, arguments.tolerance); found.cases > 0)
             different.push_back(std::move(found));
     const bool same_cases = pairs.size() == in_a.size() && pairs.size() == in_b.size();
     const bool equal = different.empty() && lacking.empty() && same_cases;
