@@ -51,26 +51,26 @@ public:
 
     using Base::Base;
 
-    /// Joint of the rear pins of links first + own … + W - 1, to scratch.
-    void joints(int own) const noexcept {
-        const JointRates rates = joint_rates(own);
+    /// Joint of the rear pins of links first + group … + W - 1, to scratch.
+    void joints(int group) const noexcept {
+        const JointRates rates = joint_rates(group);
         V force[joint_rows];
         for (V& row : force) row = V(0.0);
         const int points = field_.components.joint_points;
-        for (int g = 0; g < points / 2; ++g) mirrored_points(own, g, rates, force);
-        if (points % 2 == 1) middle_point(own, points / 2, rates, force);
-        for (int row = 0; row < joint_rows; ++row) to_scratch(row, own, force[row]);
+        for (int g = 0; g < points / 2; ++g) mirrored_points(group, g, rates, force);
+        if (points % 2 == 1) middle_point(group, points / 2, rates, force);
+        for (int row = 0; row < joint_rows; ++row) to_scratch(row, group, force[row]);
     }
 
-    /// Slopes of links first + own … + W - 1; their joints must be in scratch.
-    void links(int own, const FrictionStageOf<Number>& stage) const noexcept {
+    /// Slopes of links first + group … + W - 1; their joints must be in scratch.
+    void links(int group, const FrictionStageOf<Number>& stage) const noexcept {
         V f[link_layout<P>.link_size()];
-        add_joints(own, f);
-        V moment = in_scratch(2 * n + 3, own) + in_scratch(2 * n + 2, own + 1);
-        plates(own, f);
-        if (touching(own)) tips(own, f, moment, stage);
-        add_couple(own, moment, f);
-        Base::with_sink(own, stage, [&](const auto& sink) { accelerate(f, sink); });
+        add_joints(group, f);
+        V moment = in_scratch(2 * n + 3, group) + in_scratch(2 * n + 2, group + 1);
+        plates(group, f);
+        if (touching(group)) tips(group, f, moment, stage);
+        add_couple(group, moment, f);
+        Base::with_sink(group, stage, [&](const auto& sink) { accelerate(f, sink); });
     }
 
 protected:
@@ -79,30 +79,30 @@ protected:
         V x[n], y[n], z, e, before, after;
     };
 
-    [[nodiscard]] JointRates joint_rates(int own) const noexcept {
+    [[nodiscard]] JointRates joint_rates(int group) const noexcept {
         JointRates rates;
         for (int m = 0; m < n; ++m) {
-            rates.x[m] = velocity(link_layout<P>.x(End::front, m), own - 1) - velocity(link_layout<P>.x(End::rear, m), own);
-            rates.y[m] = velocity(link_layout<P>.y(End::front, m), own - 1) - velocity(link_layout<P>.y(End::rear, m), own);
+            rates.x[m] = velocity(link_layout<P>.x(End::front, m), group - 1) - velocity(link_layout<P>.x(End::rear, m), group);
+            rates.y[m] = velocity(link_layout<P>.y(End::front, m), group - 1) - velocity(link_layout<P>.y(End::rear, m), group);
         }
-        rates.z = velocity(link_layout<P>.z(End::front), own - 1) - velocity(link_layout<P>.z(End::rear), own);
-        rates.e = velocity(link_layout<P>.e(End::front), own - 1) - velocity(link_layout<P>.e(End::rear), own);
+        rates.z = velocity(link_layout<P>.z(End::front), group - 1) - velocity(link_layout<P>.z(End::rear), group);
+        rates.e = velocity(link_layout<P>.e(End::front), group - 1) - velocity(link_layout<P>.e(End::rear), group);
         if constexpr (counts_from_recorded) {
-            rates.z += contact(field_.components.joint_gap(), own);
-            rates.e += contact(field_.components.joint_gap() + 1, own);
+            rates.z += contact(field_.components.joint_gap(), group);
+            rates.e += contact(field_.components.joint_gap() + 1, group);
         }
-        rates.before = turning(own - 1);
-        rates.after = turning(own);
+        rates.before = turning(group - 1);
+        rates.after = turning(group);
         return rates;
     }
 
     /// How fast the gap between a link's pins opens: z, e.
-    [[nodiscard]] std::pair<V, V> plate_rates(int own) const noexcept {
-        V z = velocity(link_layout<P>.z(End::front), own) - velocity(link_layout<P>.z(End::rear), own);
-        V e = velocity(link_layout<P>.e(End::front), own) - velocity(link_layout<P>.e(End::rear), own);
+    [[nodiscard]] std::pair<V, V> plate_rates(int group) const noexcept {
+        V z = velocity(link_layout<P>.z(End::front), group) - velocity(link_layout<P>.z(End::rear), group);
+        V e = velocity(link_layout<P>.e(End::front), group) - velocity(link_layout<P>.e(End::rear), group);
         if constexpr (counts_from_recorded) {
-            z += contact(field_.components.plate_gap(), own);
-            e += contact(field_.components.plate_gap() + 1, own);
+            z += contact(field_.components.plate_gap(), group);
+            e += contact(field_.components.plate_gap() + 1, group);
         }
         return {z, e};
     }
@@ -123,38 +123,38 @@ protected:
     }
 
     /// Sliding of point g across the axis.
-    [[nodiscard]] V slip_of(int own, int g, const V& x, const V& y, const JointRates& rates) const noexcept {
+    [[nodiscard]] V slip_of(int group, int g, const V& x, const V& y, const JointRates& rates) const noexcept {
         const int row = field_.components.joint(g);
-        const V slip = contact(row + Joint::normal_x, own) * y - contact(row + Joint::normal_y, own) * x +
-                       rates.before * contact(row + Joint::lever_before, own) + rates.after * contact(row + Joint::lever_after, own);
-        if constexpr (counts_from_recorded) return slip + contact(field_.components.sliding(g), own);
+        const V slip = contact(row + Joint::normal_x, group) * y - contact(row + Joint::normal_y, group) * x +
+                       rates.before * contact(row + Joint::lever_before, group) + rates.after * contact(row + Joint::lever_after, group);
+        if constexpr (counts_from_recorded) return slip + contact(field_.components.sliding(g), group);
         return slip;
     }
 
     /// Force at point g that slides with slip and axial; moments to force.
-    [[nodiscard]] PointForce point_force(int own, int g, const V& slip, const V& axial, const V& factor, V* force) const noexcept {
+    [[nodiscard]] PointForce point_force(int group, int g, const V& slip, const V& axial, const V& factor, V* force) const noexcept {
         const int row = field_.components.joint(g);
-        const V friction_per_speed = contact(row + Joint::friction_limit, own) * factor;
+        const V friction_per_speed = contact(row + Joint::friction_limit, group) * factor;
         const V across = friction_per_speed * slip;  // against the motion: signs below
-        force[2 * n + 2] = force[2 * n + 2] - across * contact(row + Joint::lever_before, own);
-        force[2 * n + 3] = force[2 * n + 3] - across * contact(row + Joint::lever_after, own);
-        return {across * contact(row + Joint::normal_y, own), -(across * contact(row + Joint::normal_x, own)),
+        force[2 * n + 2] = force[2 * n + 2] - across * contact(row + Joint::lever_before, group);
+        force[2 * n + 3] = force[2 * n + 3] - across * contact(row + Joint::lever_after, group);
+        return {across * contact(row + Joint::normal_y, group), -(across * contact(row + Joint::normal_x, group)),
                 -(friction_per_speed * axial)};
     }
 
     /// Points g and count - 1 - g, at ξ and -ξ.
-    void mirrored_points(int own, int g, const JointRates& rates, V* force) const noexcept {
+    void mirrored_points(int group, int g, const JointRates& rates, V* force) const noexcept {
         const int h = field_.components.joint_points - 1 - g;
         const Number xi = numbers_.joint_position[static_cast<std::size_t>(g)];
         const Halves x = halves_at(rates.x, g), y = halves_at(rates.y, g);
-        const V slip_g = slip_of(own, g, x.even + x.odd, y.even + y.odd, rates),
-                slip_h = slip_of(own, h, x.even - x.odd, y.even - y.odd, rates);
+        const V slip_g = slip_of(group, g, x.even + x.odd, y.even + y.odd, rates),
+                slip_h = slip_of(group, h, x.even - x.odd, y.even - y.odd, rates);
         const V tilt = xi * rates.e;
         const V axial_g = rates.z + tilt, axial_h = rates.z - tilt;
         const auto [factor_g, factor_h] =
             sliding_factors<W, AllSticking>(numbers_.joint, slip_g * slip_g + axial_g * axial_g, slip_h * slip_h + axial_h * axial_h);
-        const PointForce a = point_force(own, g, slip_g, axial_g, factor_g, force),
-                         b = point_force(own, h, slip_h, axial_h, factor_h, force);
+        const PointForce a = point_force(group, g, slip_g, axial_g, factor_g, force),
+                         b = point_force(group, h, slip_h, axial_h, factor_h, force);
         spread(g, a.x + b.x, a.x - b.x, force);
         spread(g, a.y + b.y, a.y - b.y, force + n);
         force[2 * n] += a.along + b.along;
@@ -162,10 +162,10 @@ protected:
     }
 
     /// The point at ξ = 0.
-    void middle_point(int own, int g, const JointRates& rates, V* force) const noexcept {
-        const V slip = slip_of(own, g, halves_at(rates.x, g).even, halves_at(rates.y, g).even, rates);
+    void middle_point(int group, int g, const JointRates& rates, V* force) const noexcept {
+        const V slip = slip_of(group, g, halves_at(rates.x, g).even, halves_at(rates.y, g).even, rates);
         const PointForce f =
-            point_force(own, g, slip, rates.z, sliding_factor<W, AllSticking>(numbers_.joint, slip * slip + rates.z * rates.z), force);
+            point_force(group, g, slip, rates.z, sliding_factor<W, AllSticking>(numbers_.joint, slip * slip + rates.z * rates.z), force);
         spread(g, f.x, V(0.0), force);
         spread(g, f.y, V(0.0), force + n);
         force[2 * n] += f.along;
@@ -183,36 +183,36 @@ protected:
         return numbers_.joint_basis[static_cast<std::size_t>(m)][static_cast<std::size_t>(point)];
     }
 
-    void add_joints(int own, V* f) const noexcept {
+    void add_joints(int group, V* f) const noexcept {
         for (int m = 0; m < n; ++m) {
-            f[link_layout<P>.x(End::rear, m)] = -in_scratch(m, own);
-            f[link_layout<P>.y(End::rear, m)] = -in_scratch(n + m, own);
-            f[link_layout<P>.x(End::front, m)] = in_scratch(m, own + 1);
-            f[link_layout<P>.y(End::front, m)] = in_scratch(n + m, own + 1);
+            f[link_layout<P>.x(End::rear, m)] = -in_scratch(m, group);
+            f[link_layout<P>.y(End::rear, m)] = -in_scratch(n + m, group);
+            f[link_layout<P>.x(End::front, m)] = in_scratch(m, group + 1);
+            f[link_layout<P>.y(End::front, m)] = in_scratch(n + m, group + 1);
         }
-        f[link_layout<P>.z(End::rear)] = -in_scratch(2 * n, own);
-        f[link_layout<P>.e(End::rear)] = -in_scratch(2 * n + 1, own);
-        f[link_layout<P>.z(End::front)] = in_scratch(2 * n, own + 1);
-        f[link_layout<P>.e(End::front)] = in_scratch(2 * n + 1, own + 1);
+        f[link_layout<P>.z(End::rear)] = -in_scratch(2 * n, group);
+        f[link_layout<P>.e(End::rear)] = -in_scratch(2 * n + 1, group);
+        f[link_layout<P>.z(End::front)] = in_scratch(2 * n, group + 1);
+        f[link_layout<P>.e(End::front)] = in_scratch(2 * n + 1, group + 1);
     }
 
     /// Adds the couple of the links' ends that a moment about z is.
-    void add_couple(int own, const V& moment, V* f) const noexcept {
-        const V couple = moment * contact(ContactComponents::inverse_length, own);
-        const V tx = contact(ContactComponents::frame_x, own), ty = contact(ContactComponents::frame_y, own);
+    void add_couple(int group, const V& moment, V* f) const noexcept {
+        const V couple = moment * contact(ContactComponents::inverse_length, group);
+        const V tx = contact(ContactComponents::frame_x, group), ty = contact(ContactComponents::frame_y, group);
         f[link_layout<P>.x(End::front, 0)] = f[link_layout<P>.x(End::front, 0)] - couple * ty;
         f[link_layout<P>.y(End::front, 0)] += couple * tx;
         f[link_layout<P>.x(End::rear, 0)] += couple * ty;
         f[link_layout<P>.y(End::rear, 0)] = f[link_layout<P>.y(End::rear, 0)] - couple * tx;
     }
 
-    void plates(int own, V* f) const noexcept {
-        const auto [gap_z, gap_e] = plate_rates(own);
+    void plates(int group, V* f) const noexcept {
+        const auto [gap_z, gap_e] = plate_rates(group);
         V fz(0.0), fe(0.0);
         for (int j = 0; j < field_.components.plates; ++j) {
             const Number xi = numbers_.plate_position[static_cast<std::size_t>(j)];
             const V sliding = gap_z + xi * gap_e;
-            const V slide = contact(field_.components.plate(j), own) * sliding_share<W, AllSticking>(numbers_.plate, sliding);
+            const V slide = contact(field_.components.plate(j), group) * sliding_share<W, AllSticking>(numbers_.plate, sliding);
             fz += slide;
             fe += xi * slide;
         }
@@ -223,30 +223,30 @@ protected:
     }
 
     /// Whether a tip of the links side by side touches.
-    [[nodiscard]] bool touching(int own) const noexcept {
-        const Phase* phases = range_.phases + tips_per_link * (range_.first + own);
+    [[nodiscard]] bool touching(int group) const noexcept {
+        const Phase* phases = range_.phases + tips_per_link * (range_.first + group);
         std::uint32_t any = 0;
-        for (int link = 0; link < links_at(own); ++link) any |= phase_word(phases + tips_per_link * link);
+        for (int link = 0; link < links_at(group); ++link) any |= phase_word(phases + tips_per_link * link);
         return any != 0;
     }
 
-    void tips(int own, V* f, V& moment, const FrictionStageOf<Number>& stage) const noexcept {
-        const V turn = turning(own);
+    void tips(int group, V* f, V& moment, const FrictionStageOf<Number>& stage) const noexcept {
+        const V turn = turning(group);
         for (const End end : {End::rear, End::front}) {
             const AxisRows rows{link_layout<P>.x(end, 0), link_layout<P>.y(end, 0), link_layout<P>.z(end)};
             const int low = 2 * static_cast<int>(end);
-            const AtTips<V> forces = Base::tip_friction(own, low, rows, turn, moment);
-            Base::add_mean_tip_forces(own, low, forces, stage);
+            const AtTips<V> forces = Base::tip_friction(group, low, rows, turn, moment);
+            Base::add_mean_tip_forces(group, low, forces, stage);
             Base::spread(forces, rows, f);
         }
     }
 
     /// How fast links turn.
-    [[nodiscard]] V turning(int own) const noexcept {
-        const V vx = velocity(link_layout<P>.x(End::front, 0), own) - velocity(link_layout<P>.x(End::rear, 0), own);
-        const V vy = velocity(link_layout<P>.y(End::front, 0), own) - velocity(link_layout<P>.y(End::rear, 0), own);
-        return (contact(ContactComponents::frame_x, own) * vy - contact(ContactComponents::frame_y, own) * vx) *
-               contact(ContactComponents::inverse_length, own);
+    [[nodiscard]] V turning(int group) const noexcept {
+        const V vx = velocity(link_layout<P>.x(End::front, 0), group) - velocity(link_layout<P>.x(End::rear, 0), group);
+        const V vy = velocity(link_layout<P>.y(End::front, 0), group) - velocity(link_layout<P>.y(End::rear, 0), group);
+        return (contact(ContactComponents::frame_x, group) * vy - contact(ContactComponents::frame_y, group) * vx) *
+               contact(ContactComponents::inverse_length, group);
     }
 
     template <class Sink>
@@ -269,8 +269,8 @@ template <class Number, int P, bool AllSticking>
 void evaluate_links(const FrictionOperator& friction, const ContactFieldOf<Number>& field, const FrictionRangeOf<Number>& range,
                     const FrictionStageOf<Number>& stage) noexcept {
     const int links = range.last - range.first;
-    over_groups<Number>(0, links + 1, [&]<int W>(int own) { FrictionLanes<P, W, AllSticking>(friction, field, range).joints(own); });
-    over_groups<Number>(0, links, [&]<int W>(int own) { FrictionLanes<P, W, AllSticking>(friction, field, range).links(own, stage); });
+    over_groups<Number>(0, links + 1, [&]<int W>(int group) { FrictionLanes<P, W, AllSticking>(friction, field, range).joints(group); });
+    over_groups<Number>(0, links, [&]<int W>(int group) { FrictionLanes<P, W, AllSticking>(friction, field, range).links(group, stage); });
 }
 
 }  // namespace

@@ -77,23 +77,23 @@ protected:
     FrictionColumns(const ContactFieldOf<Number>& field, const FrictionRangeOf<Number>& range) noexcept
         : field_(field), range_(range), scratch_stride_(FrictionOperator::joint_stride<Number>(range.last - range.first)) {}
 
-    [[nodiscard]] int column(int own) const noexcept { return range_.first + own + range_.shift; }
-    [[nodiscard]] V velocity(int row, int own) const noexcept { return load<W>(range_.velocity + row * range_.stride + own + 1); }
-    [[nodiscard]] V contact(int row, int own) const noexcept { return load<W>(field_.columns.at(row, column(own))); }
+    [[nodiscard]] int column(int group) const noexcept { return range_.first + group + range_.shift; }
+    [[nodiscard]] V velocity(int row, int group) const noexcept { return load<W>(range_.velocity + row * range_.stride + group + 1); }
+    [[nodiscard]] V contact(int row, int group) const noexcept { return load<W>(field_.columns.at(row, column(group))); }
     /// A row of scratch. @param place of the first lane, from 0 on
     [[nodiscard]] V in_scratch(int row, int place) const noexcept { return load<W>(range_.scratch + row * scratch_stride_ + place); }
     void to_scratch(int row, int place, const V& lanes) const noexcept { lanes.copy_to(range_.scratch + row * scratch_stride_ + place); }
 
     /// Lanes that represent links of the range.
-    [[nodiscard]] int links_at(int own) const noexcept { return std::min(lane_count<W>, range_.last - range_.first - own); }
+    [[nodiscard]] int links_at(int group) const noexcept { return std::min(lane_count<W>, range_.last - range_.first - group); }
 
     /// Adds to a row of the range's links; columns beside them are others'.
-    void add(int own, const V& lanes, ColumnsOf<Number>& columns, int row) const noexcept {
-        Number* to = columns.at(row, column(own));
-        if (links_at(own) == lane_count<W>) return (load<W>(to) + lanes).copy_to(to);
+    void add(int group, const V& lanes, ColumnsOf<Number>& columns, int row) const noexcept {
+        Number* to = columns.at(row, column(group));
+        if (links_at(group) == lane_count<W>) return (load<W>(to) + lanes).copy_to(to);
         Number sum[static_cast<std::size_t>(lane_count<W>)] = {};
-        std::copy_n(to, links_at(own), sum);
-        store_first<W>(load<W>(sum) + lanes, to, links_at(own));
+        std::copy_n(to, links_at(group), sum);
+        store_first<W>(load<W>(sum) + lanes, to, links_at(group));
     }
 
     const ContactFieldOf<Number>& field_;
@@ -110,9 +110,9 @@ inline void over_groups(int first, int last, const Body& body) noexcept {
     constexpr bool single = std::is_same_v<Number, float>;
     constexpr int native = single ? native_floats : native_lanes, most = std::min(ColumnsOf<Number>::line, 2 * native);
     constexpr int narrow = single ? singles<native> : native, wide = single ? singles<most> : most;
-    int own = first;
-    for (; last - own > native; own += most) body.template operator()<wide>(own);
-    if (own < last) body.template operator()<narrow>(own);
+    int group = first;
+    for (; last - group > native; group += most) body.template operator()<wide>(group);
+    if (group < last) body.template operator()<narrow>(group);
 }
 
 /// Vector of one tip: velocity along its sheave's surface, or force.
@@ -154,47 +154,48 @@ protected:
     static constexpr bool counts_from_recorded = is_single<W> && !AllSticking;
 
     /// Velocities of the axis in some rows at its tips.
-    [[nodiscard]] AtTips<V> tip_velocities(int own, const AxisRows& rows) const noexcept {
+    [[nodiscard]] AtTips<V> tip_velocities(int group, const AxisRows& rows) const noexcept {
         V even[2], odd[2];  // modes of x and of y
         for (int axis = 0; axis < 2; ++axis) {
             const int row = axis == 0 ? rows.x : rows.y;
-            even[axis] = velocity(row, own);
+            even[axis] = velocity(row, group);
             odd[axis] = V(0.0);
-            for (int m = 1; m < n; ++m) (m % 2 == 0 ? even : odd)[axis] += velocity(row + m, own);
+            for (int m = 1; m < n; ++m) (m % 2 == 0 ? even : odd)[axis] += velocity(row + m, group);
         }
-        const V z = velocity(rows.z, own), e = velocity(rows.z + 1, own);
+        const V z = velocity(rows.z, group), e = velocity(rows.z + 1, group);
         return {{even[0] - odd[0], even[1] - odd[1], z - e}, {even[0] + odd[0], even[1] + odd[1], z + e}};
     }
 
     /// Forces at tips `low` and low + 1 of the axis in some rows; their moments about z are added. @param turn how fast the axis turns
-    [[nodiscard]] AtTips<V> tip_friction(int own, int low, const AxisRows& rows, const V& turn, V& moment) const noexcept {
-        const AtTips<V> velocities = tip_velocities(own, rows);
-        const AtTip<V> a = slip(own, low, velocities.low, turn), b = slip(own, low + 1, velocities.high, turn);
-        const auto [factor_a, factor_b] = factors(own, low, a.square(), b.square());
-        const AtTip<V> below = force(own, low, a, factor_a, moment), above = force(own, low + 1, b, factor_b, moment);
+    [[nodiscard]] AtTips<V> tip_friction(int group, int low, const AxisRows& rows, const V& turn, V& moment) const noexcept {
+        const AtTips<V> velocities = tip_velocities(group, rows);
+        const AtTip<V> a = slip(group, low, velocities.low, turn), b = slip(group, low + 1, velocities.high, turn);
+        const auto [factor_a, factor_b] = factors(group, low, a.square(), b.square());
+        const AtTip<V> below = force(group, low, a, factor_a, moment), above = force(group, low + 1, b, factor_b, moment);
         return {below, above};
     }
 
     /// Velocity along the sheave's surface. @param v of the axis' end
-    [[nodiscard]] AtTip<V> slip(int own, int corner, AtTip<V> v, const V& turn) const noexcept {
+    [[nodiscard]] AtTip<V> slip(int group, int corner, AtTip<V> v, const V& turn) const noexcept {
         const int row = field_.components.tip(corner);
-        const V gx = contact(row + Tip::normal, own), gy = contact(row + Tip::normal + 1, own), gz = contact(row + Tip::normal + 2, own);
-        v.x = v.x - turn * contact(row + Tip::lever_y, own);
-        v.y = v.y + turn * contact(row + Tip::lever_x, own);
+        const V gx = contact(row + Tip::normal, group), gy = contact(row + Tip::normal + 1, group),
+                gz = contact(row + Tip::normal + 2, group);
+        v.x = v.x - turn * contact(row + Tip::lever_y, group);
+        v.y = v.y + turn * contact(row + Tip::lever_x, group);
         if constexpr (!AllSticking) {
             const auto time = static_cast<Number>(range_.time);
-            v.x = v.x - contact(row + Tip::sheave, own) - time * contact(row + Tip::drift, own);
-            v.y = v.y - contact(row + Tip::sheave + 1, own) - time * contact(row + Tip::drift + 1, own);
-            v.z = v.z - contact(row + Tip::sheave + 2, own) - time * contact(row + Tip::drift + 2, own);
+            v.x = v.x - contact(row + Tip::sheave, group) - time * contact(row + Tip::drift, group);
+            v.y = v.y - contact(row + Tip::sheave + 1, group) - time * contact(row + Tip::drift + 1, group);
+            v.z = v.z - contact(row + Tip::sheave + 2, group) - time * contact(row + Tip::drift + 2, group);
         }
         const V along = v.x * gx + v.y * gy + v.z * gz;
         return {v.x - along * gx, v.y - along * gy, v.z - along * gz};
     }
 
     /// A sliding speed within the branch of the law of the tip's phase.
-    [[nodiscard]] V within_branch(int own, int corner, const V& speed) const noexcept {
+    [[nodiscard]] V within_branch(int group, int corner, const V& speed) const noexcept {
         const int row = field_.components.tip(corner);
-        return larger<W>(smaller<W>(speed, contact(row + Tip::most, own)), contact(row + Tip::least, own));
+        return larger<W>(smaller<W>(speed, contact(row + Tip::most, group)), contact(row + Tip::least, group));
     }
 
     /// Adds them to the axis' coordinates.
@@ -210,49 +211,49 @@ protected:
     }
 
     /// Adds them to the mean forces of tips `low` and low + 1, if those are requested.
-    void add_mean_tip_forces(int own, int low, const AtTips<V>& tips, const FrictionStageOf<Number>& stage) const noexcept {
+    void add_mean_tip_forces(int group, int low, const AtTips<V>& tips, const FrictionStageOf<Number>& stage) const noexcept {
         if (stage.mean_tip_forces == nullptr) return;
         const auto weight = static_cast<Number>(stage.weight);
         int row = 3 * low;
         for (const AtTip<V>* tip : {&tips.low, &tips.high}) {
-            add(own, weight * tip->x, *stage.mean_tip_forces, row++);
-            add(own, weight * tip->y, *stage.mean_tip_forces, row++);
-            add(own, weight * tip->z, *stage.mean_tip_forces, row++);
+            add(group, weight * tip->x, *stage.mean_tip_forces, row++);
+            add(group, weight * tip->y, *stage.mean_tip_forces, row++);
+            add(group, weight * tip->z, *stage.mean_tip_forces, row++);
         }
     }
 
     /// Calls give(sink) with where accelerations of a group go.
     template <class Give>
-    void with_sink(int own, const FrictionStageOf<Number>& stage, const Give& give) const noexcept {
-        if (stage.next == nullptr) return give(SlopeSink<W>{stage.slope->at(0, column(own)), stage.slope->stride(), links_at(own)});
-        if (stage.next->terms <= 2) return give(RowSink<W, 2>(stage, *stage.next, column(own), links_at(own)));
-        give(RowSink<W, VelocityRow::max_terms>(stage, *stage.next, column(own), links_at(own)));
+    void with_sink(int group, const FrictionStageOf<Number>& stage, const Give& give) const noexcept {
+        if (stage.next == nullptr) return give(SlopeSink<W>{stage.slope->at(0, column(group)), stage.slope->stride(), links_at(group)});
+        if (stage.next->terms <= 2) return give(RowSink<W, 2>(stage, *stage.next, column(group), links_at(group)));
+        give(RowSink<W, VelocityRow::max_terms>(stage, *stage.next, column(group), links_at(group)));
     }
 
     const FrictionOperator& friction_;
     const FrictionNumbers<Number>& numbers_;
 
 private:
-    [[nodiscard]] AtTip<V> force(int own, int corner, const AtTip<V>& slip, const V& factor, V& moment) const noexcept {
+    [[nodiscard]] AtTip<V> force(int group, int corner, const AtTip<V>& slip, const V& factor, V& moment) const noexcept {
         const int row = field_.components.tip(corner);
-        const V friction_per_speed = -contact(row + Tip::friction_limit, own) * factor;
+        const V friction_per_speed = -contact(row + Tip::friction_limit, group) * factor;
         const AtTip<V> force{friction_per_speed * slip.x, friction_per_speed * slip.y, friction_per_speed * slip.z};
-        moment += contact(row + Tip::lever_x, own) * force.y - contact(row + Tip::lever_y, own) * force.x;
+        moment += contact(row + Tip::lever_x, group) * force.y - contact(row + Tip::lever_y, group) * force.x;
         return force;
     }
 
     /// Factors of tips `low` and low + 1, whose slips have these squares.
-    [[nodiscard]] std::pair<V, V> factors(int own, int low, const V& first, const V& second) const noexcept {
-        if (AllSticking || numbers_.tip_law == nullptr) return plain_factors(own, low, first, second);
-        const auto [a, b] = plain_factors(own, low, first, second);
+    [[nodiscard]] std::pair<V, V> factors(int group, int low, const V& first, const V& second) const noexcept {
+        if (AllSticking || numbers_.tip_law == nullptr) return plain_factors(group, low, first, second);
+        const auto [a, b] = plain_factors(group, low, first, second);
         const TipLaw& law = *numbers_.tip_law;
         return {a * speed_factor_of_square<W>(law, first), b * speed_factor_of_square<W>(law, second)};
     }
 
     /// Without the law by speed of the tips, which makes them no larger.
-    [[nodiscard]] std::pair<V, V> plain_factors(int own, int low, const V& first, const V& second) const noexcept {
+    [[nodiscard]] std::pair<V, V> plain_factors(int group, int low, const V& first, const V& second) const noexcept {
         if (AllSticking || !friction_.by_phase()) return sliding_factors<W, AllSticking>(numbers_.tip, first, second);
-        return {1.0 / within_branch(own, low, sqrt(first)), 1.0 / within_branch(own, low + 1, sqrt(second))};
+        return {1.0 / within_branch(group, low, sqrt(first)), 1.0 / within_branch(group, low + 1, sqrt(second))};
     }
 };
 

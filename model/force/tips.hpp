@@ -443,9 +443,9 @@ template <int P, bool Observe, class Seen>
                                  const SheaveMotion* sheaves, const Phase* phases, double* f, SheaveLoad& load, Account* account,
                                  const Seen& seen) noexcept {
     const FourTips four;
-    const auto own = sheaves_at(four, sheaves);
-    const auto geometry = tip_geometry<P>(c, four, frame, q, own);
-    const auto motion = tip_motion<P>(c, four, frame, v, own, geometry);
+    const auto sheave = sheaves_at(four, sheaves);
+    const auto geometry = tip_geometry<P>(c, four, frame, q, sheave);
+    const auto motion = tip_motion<P>(c, four, frame, v, sheave, geometry);
     const auto forces =
         tip_forces<Observe, tips_per_link>(c.tip, geometry, motion, touching_lanes(phases), phases_of_link(phases), account);
     load = load_sheaves(geometry, motion, forces);

@@ -24,7 +24,8 @@ public:
 
     /// @param states blocks of `links` neighbouring links [unknowns]
     void run(const double* states, int links, TipProbe* probes) const noexcept {
-        for (int own = 0; own < links; own += W) group(states + own * link_layout<P>.link_block(), std::min(W, links - own), probes + own);
+        for (int first = 0; first < links; first += W)
+            group(states + first * link_layout<P>.link_block(), std::min(W, links - first), probes + first);
     }
 
 private:
@@ -58,12 +59,12 @@ private:
 
     template <class Corner>
     void probe(const Corner& corner, int number, const Columns& columns, const SheaveMotionLanes<W>* sheaves, V* rows) const noexcept {
-        const auto own = sheaves_at(corner, sheaves);
-        const auto geometry = tip_geometry<P>(c_, corner, columns.frame, columns.q(), own);
+        const auto sheave = sheaves_at(corner, sheaves);
+        const auto geometry = tip_geometry<P>(c_, corner, columns.frame, columns.q(), sheave);
         rows[depth_row + number] = geometry.depth;
         rows[slip_row + number] = V(0.0);
         if (!with_slip_) return;
-        const auto slip = tangential(tip_motion<P>(c_, corner, columns.frame, columns.v(), own, geometry).material, geometry.normal);
+        const auto slip = tangential(tip_motion<P>(c_, corner, columns.frame, columns.v(), sheave, geometry).material, geometry.normal);
         rows[slip_row + number] = sqrt(dot(slip, slip));
     }
 
@@ -86,14 +87,14 @@ public:
         JointForce<P> joints[2];  // of the pins behind and before a link, taking turns
         joint_between(range_.first, frame_, here, joints[0], accounts);
         for (int link = range_.first; link < range_.last; ++link) {
-            const int own = link - range_.first;
+            const int place = link - range_.first;
             const LinkFrame ahead = frame_of(link + 1);
-            const JointForce<P>& rear = joints[own & 1];
-            JointForce<P>& front = joints[(own & 1) ^ 1];
+            const JointForce<P>& rear = joints[place & 1];
+            JointForce<P>& front = joints[(place & 1) ^ 1];
             joint_between(link + 1, here, ahead, front,
-                          link + 1 < range_.last ? part_of(accounts, own + 1, AccountPart::joint) : &neighbour);
-            link_slope(link, here, rear, front, slope + own * link_layout<P>.link_block(), loads[own],
-                       part_of(accounts, own, AccountPart::joint), contacts != nullptr ? contacts + own : nullptr);
+                          link + 1 < range_.last ? part_of(accounts, place + 1, AccountPart::joint) : &neighbour);
+            link_slope(link, here, rear, front, slope + place * link_layout<P>.link_block(), loads[place],
+                       part_of(accounts, place, AccountPart::joint), contacts != nullptr ? contacts + place : nullptr);
             here = ahead;
         }
     }
@@ -111,8 +112,8 @@ private:
         joint_part<P, Observe>(c_, before, after, state(link - 1), state(link), out, account);
     }
 
-    [[nodiscard]] static Account* part_of(Account* accounts, int own, AccountPart part) noexcept {
-        return Observe ? accounts + account_parts * own + static_cast<int>(part) : nullptr;
+    [[nodiscard]] static Account* part_of(Account* accounts, int place, AccountPart part) noexcept {
+        return Observe ? accounts + account_parts * place + static_cast<int>(part) : nullptr;
     }
 
     /// @param accounts, contact those of this link
@@ -152,10 +153,10 @@ template <int P>
 void probe_link(const ChainModel& model, const double* state, const SheaveMotion* sheaves, bool with_slip, TipProbe& probe) noexcept {
     const Coefficients& c = model.coefficients();
     const double* v = state + link_layout<P>.link_size();
-    const SheaveMotion* own = sheaves + 2 * model.shaft_of(state);
+    const SheaveMotion* shaft_sheaves = sheaves + 2 * model.shaft_of(state);
     const LinkFrame frame = link_frame<P>(state, v);
     const FourTips four;
-    const auto sheave = sheaves_at(four, own);
+    const auto sheave = sheaves_at(four, shaft_sheaves);
     const auto geometry = tip_geometry<P>(c, four, frame, state, sheave);
     geometry.depth.copy_to(probe.depth);
     TipLanes(0.0).copy_to(probe.slip);

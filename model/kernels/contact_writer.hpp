@@ -48,7 +48,7 @@ private:
     }
 };
 
-/// Groups of W links; `own` counts from the range's first, `count` of the lanes represent links. Lanes outside the range are left out.
+/// Groups of W links; `group` counts from the range's first, `count` of the lanes represent links. Lanes outside the range are left out.
 /// @tparam Number float: velocities count from those of the links that are passed over
 template <int P, int W, class Number = double>
 class ContactWriter {
@@ -66,11 +66,11 @@ public:
 
     [[nodiscard]] TipSearch* search() const noexcept { return search_; }
 
-    /// Rows of the field for the links own, …
-    [[nodiscard]] Rows rows(int own, int count) const noexcept { return rows_of(field_.columns, own, count); }
+    /// Rows of the field for the links group, …
+    [[nodiscard]] Rows rows(int group, int count) const noexcept { return rows_of(field_.columns, group, count); }
 
-    void frame(int own, int count, const LinkFrameOf<V>& frame) const noexcept {
-        const Rows to = rows(own, count);
+    void frame(int group, int count, const LinkFrameOf<V>& frame) const noexcept {
+        const Rows to = rows(group, count);
         to.put(ContactComponents::frame_x, frame.tx);
         to.put(ContactComponents::frame_y, frame.ty);
         to.put(ContactComponents::inverse_length, frame.inverse_length);
@@ -99,16 +99,16 @@ public:
     }
 
     /// Links that touch nowhere.
-    void no_tips(int own, int count) const noexcept {
-        const Rows to = rows(own, count);
+    void no_tips(int group, int count) const noexcept {
+        const Rows to = rows(group, count);
         for (int corner = 0; corner < tips_per_link; ++corner) to.put(field_.components.tip(corner) + Tip::friction_limit, V(0.0));
     }
 
     /// @param sheave of the tip's side for every link, shaft its number
     template <class Geometry>
-    void tip(int own, int count, int corner, const Geometry& g, const TipMotion<V>& m, const V& normal, const SheaveMotionLanes<W>& sheave,
-             const V& shaft) const noexcept {
-        const Rows to = rows(own, count);
+    void tip(int group, int count, int corner, const Geometry& g, const TipMotion<V>& m, const V& normal,
+             const SheaveMotionLanes<W>& sheave, const V& shaft) const noexcept {
+        const Rows to = rows(group, count);
         const int row = field_.components.tip(corner);
         to.put(row + Tip::normal, g.normal.x);
         to.put(row + Tip::normal + 1, g.normal.y);
@@ -118,13 +118,13 @@ public:
         const V limit = c_.tip.friction.coefficient * normal;
         to.put(row + Tip::friction_limit, c_.tip.law == nullptr ? limit : limit * pressure_factor<W>(*c_.tip.law, root_of(g.depth)));
         surface(to, corner, m, sheave, shaft);
-        keep_arms(own, count, corner, m.sheave_arm);
-        if (by_phase_) branches(own, count, corner);
+        keep_arms(group, count, corner, m.sheave_arm);
+        if (by_phase_) branches(group, count, corner);
     }
 
     /// Accelerations of a group, rows of the coordinates.
-    void accelerations(int own, int count, const V* rows) const noexcept {
-        const Rows to = rows_of(frictionless_, own, count);
+    void accelerations(int group, int count, const V* rows) const noexcept {
+        const Rows to = rows_of(frictionless_, group, count);
         for (int row = 0; row < link_layout<P>.link_size(); ++row) to.put(row, rows[row]);
     }
 
@@ -141,11 +141,11 @@ public:
 protected:
     [[nodiscard]] static V root_of(const V& depth) noexcept { return sqrt(positive_part<W>(depth)); }
     /// Lanes of a group that represent links of the range: [first, last).
-    [[nodiscard]] static int first_lane(int own) noexcept { return std::max(0, -own); }
-    [[nodiscard]] int last_lane(int own, int count) const noexcept { return std::min({count, W, range_.last - range_.first - own}); }
+    [[nodiscard]] static int first_lane(int group) noexcept { return std::max(0, -group); }
+    [[nodiscard]] int last_lane(int group, int count) const noexcept { return std::min({count, W, range_.last - range_.first - group}); }
 
-    [[nodiscard]] Rows rows_of(ColumnsOf<Number>& columns, int own, int count) const noexcept {
-        return {columns.at(0, range_.first + own + range_.shift), columns.stride(), first_lane(own), last_lane(own, count)};
+    [[nodiscard]] Rows rows_of(ColumnsOf<Number>& columns, int group, int count) const noexcept {
+        return {columns.at(0, range_.first + group + range_.shift), columns.stride(), first_lane(group), last_lane(group, count)};
     }
 
     /// Velocity of the sheave at a tip's contact, and how it changes over the step while both go round.
@@ -168,13 +168,13 @@ protected:
         to.put(row + Tip::drift + 2, change(&SheaveMotion::vz) + cx * p.y - cy * p.x + h * (s.spin_x * y - s.spin_y * x));
     }
 
-    void keep_arms(int own, int count, int corner, const Vector3<V>& p) const noexcept {
+    void keep_arms(int group, int count, int corner, const Vector3<V>& p) const noexcept {
         alignas(64) double x[W], y[W], z[W];
         p.x.copy_to(x);
         p.y.copy_to(y);
         p.z.copy_to(z);
-        for (int lane = first_lane(own); lane < last_lane(own, count); ++lane) {
-            TipArms& arms = field_.arms[static_cast<std::size_t>(range_.first + own + lane)];
+        for (int lane = first_lane(group); lane < last_lane(group, count); ++lane) {
+            TipArms& arms = field_.arms[static_cast<std::size_t>(range_.first + group + lane)];
             arms.x[corner] = x[lane];
             arms.y[corner] = y[lane];
             arms.z[corner] = z[lane];
@@ -182,11 +182,11 @@ protected:
     }
 
     /// Speeds between which the branch of the law of a tip's phase has its kink.
-    void branches(int own, int count, int corner) const noexcept {
+    void branches(int group, int count, int corner) const noexcept {
         const int row = field_.components.tip(corner);
         const double v0 = c_.tip.friction.saturation_speed;
-        for (int lane = first_lane(own); lane < last_lane(own, count); ++lane) {
-            const int link = range_.first + own + lane;
+        for (int lane = first_lane(group); lane < last_lane(group, count); ++lane) {
+            const int link = range_.first + group + lane;
             const Phase phase = range_.phases[tips_per_link * link + corner];
             constexpr double least = relative ? slowest_single : std::numeric_limits<double>::min();
             *field_.columns.at(row + Tip::least, link + range_.shift) = static_cast<Number>(phase == Phase::slip ? least : v0);
@@ -215,15 +215,15 @@ public:
         : Base(real, range, drift, by_phase, start.field, start.frictionless, search), start_(start) {}
 
     /// @param v velocities passed over, rows of the coordinates
-    void velocities(int own, int count, const Lanes<W>* v) const noexcept {
+    void velocities(int group, int count, const Lanes<W>* v) const noexcept {
         constexpr int size = link_layout<P>.link_size(), block = 2 * size;
         constexpr int rows = (size + W - 1) / W * W;  // the last of a block: velocities, and some coordinates before them
         std::array<const double*, W> from;
         for (int lane = 0; lane < W; ++lane)
-            from[static_cast<std::size_t>(lane)] = start_.states + (own + std::min(lane, count - 1) + 1) * block - rows;
+            from[static_cast<std::size_t>(lane)] = start_.states + (group + std::min(lane, count - 1) + 1) * block - rows;
         std::array<Lanes<W>, rows> begin;
         load_rows<W, rows>(from, begin.data());
-        const auto to = Base::rows_of(start_.velocity, own, count);
+        const auto to = Base::rows_of(start_.velocity, group, count);
         for (int row = 0; row < size; ++row) to.put(row, begin[static_cast<std::size_t>(rows - size + row)] - v[row]);
     }
 

@@ -31,7 +31,7 @@ public:
         : c_(c),
           range_(range),
           phases_(range.phases + tips_per_link * first),
-          own_(first - range.first),
+          group_(first - range.first),
           count_(std::min(count, W)),
           contacts_(contacts) {
         for (int link = 0; link < count_; ++link)
@@ -44,7 +44,7 @@ public:
         if (searches) find_near(columns);
         if (any_ == 0) {
             if (searches) keep_phases();
-            if constexpr (Contacts::recorded) contacts_.no_tips(own_, count_);
+            if constexpr (Contacts::recorded) contacts_.no_tips(group_, count_);
             return;
         }
         std::array<SheaveMotionLanes<W>, 2> sheaves;
@@ -79,16 +79,17 @@ private:
     template <class Corner>
     [[nodiscard]] TipAction<V> tip(const Corner& corner, int number, const Columns& columns, const SheaveMotionLanes<W>* sheaves,
                                    [[maybe_unused]] const V& shaft, Reaction& reaction) noexcept {
-        const auto own = [&] {
+        const auto sheave = [&] {
             if constexpr (Rigid)
                 return rigid_sheaves_at(corner, sheaves);
             else
                 return sheaves_at(corner, sheaves);
         }();
-        const auto geometry = tip_geometry<P>(c_, corner, columns.frame, columns.q(), own);
-        const auto motion = tip_motion<P>(c_, corner, columns.frame, columns.v(), own, geometry);
+        const auto geometry = tip_geometry<P>(c_, corner, columns.frame, columns.q(), sheave);
+        const auto motion = tip_motion<P>(c_, corner, columns.frame, columns.v(), sheave, geometry);
         const auto forces = forces_of(number, geometry, motion);
-        if constexpr (Contacts::recorded) contacts_.tip(own_, count_, number, geometry, motion, forces.normal, sheaves[number % 2], shaft);
+        if constexpr (Contacts::recorded)
+            contacts_.tip(group_, count_, number, geometry, motion, forces.normal, sheaves[number % 2], shaft);
         reaction = tip_reaction(geometry, motion, forces);
         return tip_action(c_, columns.frame, geometry, motion, forces);
     }
@@ -152,7 +153,7 @@ private:
     }
 
     void keep_phases() const noexcept {
-        Phase* to = contacts_.search()->phases + tips_per_link * (range_.first + own_);
+        Phase* to = contacts_.search()->phases + tips_per_link * (range_.first + group_);
         for (int link = 0; link < count_; ++link)
             std::memcpy(to + tips_per_link * link, &words_[static_cast<std::size_t>(link)], sizeof words_[0]);
     }
@@ -214,7 +215,7 @@ private:
     const Coefficients& c_;
     const ChainRange& range_;
     const Phase* phases_;  ///< of the first lane's link
-    int own_;              ///< first lane's link, from the range's first
+    int group_;            ///< first lane's link, from the range's first
     int count_;
     std::array<std::uint32_t, W> words_{};  ///< phases of each link, 0 beyond the last
     std::uint32_t any_ = 0;
@@ -223,7 +224,7 @@ private:
     const Contacts& contacts_;
 };
 
-/// `own` counts links from the range's first, and the pins behind them.
+/// `group` counts links from the range's first, and the pins behind them.
 /// @tparam Contacts NoContacts, or ContactWriter: then accelerations go there instead of slopes
 template <int P, int W, class Contacts = NoContacts>
 class LanePass {
@@ -259,10 +260,10 @@ public:
         std::array<Joints, 2> joints;    // of the pins behind their links
         std::size_t now = 0;
         read(-W, columns[1]);
-        for (int own = 0; own <= links_; own += W) {
-            read(own, columns[now]);
-            joints[now] = joints_between(columns[now ^ 1], columns[now], own);
-            if (own > 0) finish(own - W, columns[now ^ 1], joints[now ^ 1], joints[now]);
+        for (int group = 0; group <= links_; group += W) {
+            read(group, columns[now]);
+            joints[now] = joints_between(columns[now ^ 1], columns[now], group);
+            if (group > 0) finish(group - W, columns[now ^ 1], joints[now ^ 1], joints[now]);
             now ^= 1;
         }
         const int last = links_ / W * W;
@@ -271,24 +272,24 @@ public:
 
     // The parts, which benches time one by one.
 
-    /// Links own … own + W - 1; lanes outside the window repeat its ends.
-    void read(int own, Columns& columns) const noexcept {
+    /// Links group … group + W - 1; lanes outside the window repeat its ends.
+    void read(int group, Columns& columns) const noexcept {
         std::array<const double*, W> from;
         for (int lane = 0; lane < W; ++lane)
-            from[static_cast<std::size_t>(lane)] = range_.window + std::clamp(own + lane + 1, 0, links_ + 1) * block;
+            from[static_cast<std::size_t>(lane)] = range_.window + std::clamp(group + lane + 1, 0, links_ + 1) * block;
         load_rows<W, block>(from, columns.state.data());
         columns.frame = link_frame<P>(columns.q(), columns.v());
     }
 
-    /// Joints of the pins behind the links `here`, the first of which is `own`.
-    [[nodiscard]] Joints joints_between(const Columns& earlier, const Columns& here, [[maybe_unused]] int own = 0) const noexcept {
+    /// Joints of the pins behind the links `here`, the first of which is `group`.
+    [[nodiscard]] Joints joints_between(const Columns& earlier, const Columns& here, [[maybe_unused]] int group = 0) const noexcept {
         const auto& a = earlier.frame;
         const auto& b = here.frame;
         const JointFrames<V> frames(
             {before(a.tx, b.tx), before(a.ty, b.ty), before(a.inverse_length, b.inverse_length), before(a.turning, b.turning)}, b);
         const Difference<P, V> gap = opening(earlier.q(), here.q()), rate = opening(earlier.v(), here.v());
         const auto& points = c_.joint_points;
-        [[maybe_unused]] const auto rows = contacts_.rows(own, std::min(W, links_ - own));
+        [[maybe_unused]] const auto rows = contacts_.rows(group, std::min(W, links_ - group));
         if constexpr (Contacts::relative) contacts_.gaps(rows, contacts_.components().joint_gap(), rate);
         JointTerms<P, W> total;
         V worst(0.0);
@@ -322,59 +323,59 @@ public:
     }
 
     /// Elasticity inside the links. Adds to f; returns moments about z.
-    [[nodiscard]] V inner(int own, int count, const Columns& columns, V* f) const noexcept {
-        const V moment = inner_elasticity<P, false>(c_, kinds(own, count), columns.frame, columns.q(), columns.v(), f, nullptr);
-        if (!c_.longer.empty()) add_lengths<P, false, V>(c_, lengths(own, count), columns.q(), f, nullptr);
+    [[nodiscard]] V inner(int group, int count, const Columns& columns, V* f) const noexcept {
+        const V moment = inner_elasticity<P, false>(c_, kinds(group, count), columns.frame, columns.q(), columns.v(), f, nullptr);
+        if (!c_.longer.empty()) add_lengths<P, false, V>(c_, lengths(group, count), columns.q(), f, nullptr);
         return moment;
     }
 
-    void tips(int own, int count, const Columns& columns, V* f, V& moment, LinkLoad* loads) const noexcept {
-        const int first = range_.first + own;
+    void tips(int group, int count, const Columns& columns, V* f, V& moment, LinkLoad* loads) const noexcept {
+        const int first = range_.first + group;
         if ((c_.layout.pulley_size | static_cast<int>(c_.eccentric)) == 4) {  // an eccentric sheave also moves across its axis
-            LaneTips<P, W, true, Contacts>(c_, range_, first, count, contacts_).add(columns, f, moment, loads + own);
+            LaneTips<P, W, true, Contacts>(c_, range_, first, count, contacts_).add(columns, f, moment, loads + group);
         } else {
-            LaneTips<P, W, false, Contacts>(c_, range_, first, count, contacts_).add(columns, f, moment, loads + own);
+            LaneTips<P, W, false, Contacts>(c_, range_, first, count, contacts_).add(columns, f, moment, loads + group);
         }
     }
 
-    /// Slopes of links own … from their forces, which are lost.
-    void solve(int own, int count, V* f) const noexcept {
+    /// Slopes of links group … from their forces, which are lost.
+    void solve(int group, int count, V* f) const noexcept {
         multiply<2 * (P + 1), 2>(model_.inertia().lateral, f);
         multiply<4, 1>(model_.inertia().axial, f + 4 * (P + 1));
-        if constexpr (Contacts::recorded) return contacts_.accelerations(own, count, f);
+        if constexpr (Contacts::recorded) return contacts_.accelerations(group, count, f);
         std::array<double*, W> to;
         for (int lane = 0; lane < count; ++lane) {
-            double* slope = slope_ + (own + lane) * block;
-            std::memcpy(slope, range_.window + (own + lane + 1) * block + size, size * sizeof(double));
+            double* slope = slope_ + (group + lane) * block;
+            std::memcpy(slope, range_.window + (group + lane + 1) * block + size, size * sizeof(double));
             to[static_cast<std::size_t>(lane)] = slope + size;
         }
         store_rows<W, size>(f, to, count);
     }
 
-    /// Slopes of links own … from their states, the joints behind them and those behind the links that follow.
-    void finish(int own, const Columns& columns, const Joints& rear, const Joints& next) const noexcept {
-        const int count = std::min(W, links_ - own);
+    /// Slopes of links group … from their states, the joints behind them and those behind the links that follow.
+    void finish(int group, const Columns& columns, const Joints& rear, const Joints& next) const noexcept {
+        const int count = std::min(W, links_ - group);
         std::array<V, size> f;
         f.fill(V(0.0));
-        V moment = inner(own, count, columns, f.data());
-        plates(kinds(own, count), columns, f.data(), own, count);
-        if constexpr (Contacts::recorded) contacts_.frame(own, count, columns.frame);
-        if constexpr (Contacts::relative) contacts_.velocities(own, count, columns.v());
+        V moment = inner(group, count, columns, f.data());
+        plates(kinds(group, count), columns, f.data(), group, count);
+        if constexpr (Contacts::recorded) contacts_.frame(group, count, columns.frame);
+        if constexpr (Contacts::relative) contacts_.velocities(group, count, columns.v());
         rear.on_front.apply(-1.0, f.data(), End::rear);
         add_front(rear, next, f.data());
         moment += rear.after + after(rear.before, next.before);
-        tips(own, count, columns, f.data(), moment, loads_);
+        tips(group, count, columns, f.data(), moment, loads_);
         add_moment<P>(columns.frame, moment, f.data());
-        solve(own, count, f.data());
+        solve(group, count, f.data());
     }
 
-    [[nodiscard]] KindLanes<W> kinds(int own, int count) const noexcept {
+    [[nodiscard]] KindLanes<W> kinds(int group, int count) const noexcept {
         constexpr int numbers = sizeof(LinkKind) / sizeof(double);
         static_assert(sizeof(KindLanes<W>) == numbers * sizeof(V));
         std::array<const double*, W> from;
         for (int lane = 0; lane < W; ++lane) {
             from[static_cast<std::size_t>(lane)] =
-                reinterpret_cast<const double*>(&c_.kind(range_.first + own + std::min(lane, count - 1)));
+                reinterpret_cast<const double*>(&c_.kind(range_.first + group + std::min(lane, count - 1)));
         }
         std::array<V, numbers> rows;
         load_rows<W, numbers>(from, rows.data());
@@ -383,20 +384,20 @@ public:
         return kinds;
     }
 
-    [[nodiscard]] std::array<V, 2> lengths(int own, int count) const noexcept {
+    [[nodiscard]] std::array<V, 2> lengths(int group, int count) const noexcept {
         alignas(64) double longer[2][W];
         for (int lane = 0; lane < W; ++lane) {
-            const std::array<double, 2> of_link = lengths_at(c_, range_.first + own + std::min(lane, count - 1));
+            const std::array<double, 2> of_link = lengths_at(c_, range_.first + group + std::min(lane, count - 1));
             for (std::size_t end = 0; end < 2; ++end) longer[end][lane] = of_link[end];
         }
         return {load<W>(longer[0]), load<W>(longer[1])};
     }
 
-    void plates(const KindLanes<W>& kind, const Columns& columns, V* f, [[maybe_unused]] int own = 0,
+    void plates(const KindLanes<W>& kind, const Columns& columns, V* f, [[maybe_unused]] int group = 0,
                 [[maybe_unused]] int count = 0) const noexcept {
         const Difference<P, V> d(columns.q(), End::front, columns.q(), End::rear), rate(columns.v(), End::front, columns.v(), End::rear);
         const auto& points = c_.plates;
-        [[maybe_unused]] const auto rows = contacts_.rows(own, count);
+        [[maybe_unused]] const auto rows = contacts_.rows(group, count);
         if constexpr (Contacts::relative) contacts_.gaps(rows, contacts_.components().plate_gap(), rate);
         Difference<P, V> pull;
         for (int first = 0; first < points.count; first += points.width) {
