@@ -5,7 +5,6 @@
 #include <cmath>
 #include <map>
 #include <optional>
-#include <ranges>
 
 #include "tasks/batch/results/results.hpp"
 #include "tools/program/text/scene_text.hpp"
@@ -54,8 +53,9 @@ void add_limits(std::vector<Series>& marks, const SweepView& sweep, std::size_t 
     const auto [least, largest] = std::ranges::minmax(loads);
     for (const auto& limits : limits_over(sweep, load, other)) {
         if (limits.size() < 2) continue;
-        const auto [lowest, highest] = std::ranges::minmax(limits | std::views::values);
-        if (lowest > largest || highest < least) continue;
+        const auto by_limit = [](const auto& a, const auto& b) { return a.second < b.second; };
+        const auto [lowest, highest] = std::minmax_element(limits.begin(), limits.end(), by_limit);
+        if (lowest->second > largest || highest->second < least) continue;
         Series line{marks.empty() ? "torque limit" : "", {}, Mark::none, Line::dashed, mark_colour, 2.2, false};
         for (const auto& [place, limit] : limits) line.points.push_back(across ? Point{limit, place} : Point{place, limit});
         marks.push_back(std::move(line));
