@@ -108,7 +108,7 @@ std::vector<std::string> nearest_keys(std::string_view key) {
 std::vector<const Entry*> level_first(const std::vector<Entry>& rows) {
     std::vector<const Entry*> ordered;
     for (const Entry& row : rows) ordered.push_back(&row);
-    std::ranges::stable_partition(ordered, [](const Entry* row) { return row->key == "level" || row->key == level_key; });
+    std::stable_partition(ordered.begin(), ordered.end(), [](const Entry* row) { return row->key == "level" || row->key == level_key; });
     return ordered;
 }
 
