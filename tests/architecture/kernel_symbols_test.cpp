@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "model/kernels/kernels.hpp"
 #include "source_tree_fixture.hpp"
 
 namespace cvtflow::architecture {
@@ -50,6 +51,21 @@ int entries_of(const char* objects) {
 TEST(KernelSymbols, NoneIsSharedBetweenInstructionSets) {
     EXPECT_GE(entries_of(CVTFLOW_OBJECTS_DIR), 5);         // native, chain, friction, single and rigid kernels of at least one
     EXPECT_GE(entries_of(CVTFLOW_STAGED_OBJECTS_DIR), 1);  // staged_kernels of the laboratory
+}
+
+/// A fused multiply-add here and not there would make bits depend on instruction sets and on how sources are grouped; GCC 12 makes some in
+/// spite of -ffp-contract=off.
+TEST(KernelSymbols, NoMultiplyAddIsFusedInTheLibrary) {
+    if (model::fuses_multiply_add()) GTEST_SKIP() << "CVTFLOW_FMA is on";
+    std::istringstream code(output_of(CVTFLOW_OBJDUMP " -d --no-show-raw-insn '" CVTFLOW_LIBRARY "'"));
+    std::string function;
+    long instructions = 0;
+    for (std::string line; std::getline(code, line); ++instructions) {
+        if (line.ends_with(">:")) function = line;
+        EXPECT_EQ(line.find("\tvfm"), std::string::npos) << function << line;
+        EXPECT_EQ(line.find("\tvfnm"), std::string::npos) << function << line;
+    }
+    EXPECT_GT(instructions, 100000);
 }
 
 }  // namespace

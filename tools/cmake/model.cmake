@@ -34,8 +34,8 @@ file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/model/*.cpp)
 list(FILTER sources EXCLUDE REGEX "/model/.*_kernels\\.cpp$")
 add_library(cvtflow_model STATIC ${sources})
 target_link_libraries(cvtflow_model PUBLIC cvtflow_flags cvtflow_arch)
-# Alone: within a group, a build for this machine's processor computes other bits than one for any (docs/decisions/house.md, 65).
-set_source_files_properties(${PROJECT_SOURCE_DIR}/model/basis/portable_math.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+# GCC 12 makes (v)fmaddsub of a product, a sum and a difference side by side, whatever -ffp-contract is: a test disassembles the library.
+target_compile_options(cvtflow_model PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>)
 cvtflow_in_groups(cvtflow_model)
 target_sources(cvtflow_model PRIVATE ${PROJECT_BINARY_DIR}/compiled_kernels.cpp)
 foreach(part ${kernel_parts})   # whoever wants the model's objects names these as well: a static library's are those of its own sources
