@@ -128,7 +128,7 @@ void evaluate(const Case& c, const model::ChainKernels& kernels, model::Evaluati
     model::fill_window(c.variator(), c.simulation.workspace().state(), scratch);
     c.variator().pulleys().motions(tail, scratch.sheaves);
     kernels.slopes(c.variator().chain(), {0, c.layout().links, scratch.window.data(), scratch.sheaves, c.phases.data()}, slope,
-                   scratch.loads.data(), nullptr);
+                   scratch.loads.data());
     c.variator().close(0.0, tail, c.variator().sheave_forces(c.phases.data(), scratch.loads.data()), nullptr,
                        slope + c.layout().pulley_begin());
 }

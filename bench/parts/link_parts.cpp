@@ -43,7 +43,8 @@ void others(int part, const Pass& pass, int own, int count, const Pass::Columns&
     Forces forces(out);
     V moment(0.0);
     if (part == 1) moment = pass.inner(own, count, columns, forces.data());
-    if (part == 2) pass.plates(pass.kinds(own, count), columns, forces.data());
+    NoBooks none;
+    if (part == 2) pass.plates(pass.kinds(own, count), columns, forces.data(), none);
     if (part == 4) pass.tips(own, count, columns, forces.data(), moment, loads);
     add_moment<order>(columns.frame, moment, forces.data());
     forces.write(own, count);

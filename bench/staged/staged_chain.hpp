@@ -1,6 +1,6 @@
 #pragma once
 /// The chain evaluated stage by stage, as the published parallelisation does: contact forces, chain forces, boundary pins, forward pass,
-/// reverse pass. Gives bit for bit what ChainModel::slopes gives, since both are made of the same parts (model/kernels/chain_parts.hpp).
+/// reverse pass. Gives bit for bit what ChainModel::slopes gives, since both are made of the same formulas (bench/staged/one_link.hpp).
 
 #include <vector>
 

@@ -1,6 +1,6 @@
+#include "bench/staged/one_link.hpp"
 #include "bench/staged/staged_chain.hpp"
 #include "model/basis/isa.hpp"
-#include "model/kernels/chain_parts.hpp"
 
 namespace cvtflow::bench {
 
@@ -24,8 +24,11 @@ template <int P>
 }
 
 template <bool Observe>
-[[nodiscard]] Account* account(const StagedChain& chain, int link, AccountPart part) noexcept {
-    return Observe ? chain.accounts + account_parts * link + static_cast<int>(part) : nullptr;
+[[nodiscard]] auto books([[maybe_unused]] const StagedChain& chain, [[maybe_unused]] int link, [[maybe_unused]] AccountPart part) noexcept {
+    if constexpr (Observe)
+        return SummingBooks{chain.accounts + account_parts * link + static_cast<int>(part)};
+    else
+        return NoBooks{};
 }
 
 /// Results are kept as plain doubles; these read and write them.
@@ -45,8 +48,9 @@ void joint_of_pin(const ChainModel& model, const StagedChain& chain, int pin) no
     static_assert(sizeof(JointForce<P>) == (2 * (P + 1) + 4) * sizeof(double));
     const int before = model.layout().previous(pin);
     JointForce<P> force;
-    joint_part<P, Observe>(model.coefficients(), frame_of<P>(chain, before), frame_of<P>(chain, pin), state_of<P>(chain, before),
-                           state_of<P>(chain, pin), force, account<Observe>(chain, pin, AccountPart::joint));
+    auto of_joint = books<Observe>(chain, pin, AccountPart::joint);
+    joint_part<P>(model.coefficients(), frame_of<P>(chain, before), frame_of<P>(chain, pin), state_of<P>(chain, before),
+                  state_of<P>(chain, pin), force, of_joint);
     keep(force, chain.buffers->joints.data() + pin * chain.buffers->joint_stride);
 }
 
@@ -57,8 +61,9 @@ void chain_forces(const ChainModel& model, const StagedChain& chain, int first, 
         const double* state = state_of<P>(chain, link);
         double* f = force_of<P>(chain, link);
         std::memcpy(f - size, state + size, size * sizeof(double));
-        chain.buffers->moments[static_cast<std::size_t>(link)] = link_part<P, Observe>(
-            model.coefficients(), link, frame_of<P>(chain, link), state, f, account<Observe>(chain, link, AccountPart::link));
+        auto of_link = books<Observe>(chain, link, AccountPart::link);
+        chain.buffers->moments[static_cast<std::size_t>(link)] =
+            link_part<P>(model.coefficients(), link, frame_of<P>(chain, link), state, f, of_link);
         if (link > first) joint_of_pin<P, Observe>(model, chain, link);
     }
 }
@@ -67,8 +72,9 @@ template <int P, bool Observe>
 void contact(const ChainModel& model, const StagedChain& chain, int link) noexcept {
     static_assert(sizeof(TipShare<P>) == (4 * (P + 1) + 5) * sizeof(double));
     TipShare<P> share;
-    tip_part<P, Observe>(model, frame_of<P>(chain, link), state_of<P>(chain, link), chain.sheaves, chain.phases + tips_per_link * link,
-                         share, chain.loads[link], account<Observe>(chain, link, AccountPart::tips));
+    auto of_tips = books<Observe>(chain, link, AccountPart::tips);
+    tip_part<P>(model, frame_of<P>(chain, link), state_of<P>(chain, link), chain.sheaves, chain.phases + tips_per_link * link, share,
+                chain.loads[link], of_tips);
     keep(share, chain.buffers->tips.data() + link * chain.buffers->tip_stride);
 }
 

@@ -72,9 +72,8 @@ class RigidChain;
 
 /// The chain's functions of one order and one instruction set.
 struct ChainKernels {
-    void (*slopes)(const ChainModel&, const ChainRange&, double*, LinkLoad*, Account*) noexcept;
+    void (*slopes)(const ChainModel&, const ChainRange&, double*, LinkLoad*) noexcept;
     void (*observed_slopes)(const ChainModel&, const ChainRange&, double*, LinkLoad*, Account*, LinkContact*) noexcept;
-    void (*probe)(const ChainModel&, const double*, const SheaveMotion*, bool, TipProbe&) noexcept;
     void (*probe_links)(const ChainModel&, const double*, int, const SheaveMotion*, bool, TipProbe*) noexcept;
 };
 
@@ -96,7 +95,7 @@ public:
     /// Slopes [v | acceleration] of the links of a range, link_block() numbers each, to slope + (link - first) link_block();
     /// reactions on the sheaves to loads[link - first] where a tip touches.
     void slopes(const ChainRange& range, double* slope, LinkLoad* loads) const noexcept {
-        kernels_.slopes(*this, range, slope, loads, nullptr);
+        kernels_.slopes(*this, range, slope, loads);
     }
     /// slopes(), with losses and stored energies of each link (joint of pin i booked on link i) to accounts[account_parts (link - first) +
     /// part]. Accounts must be cleared before.
@@ -109,7 +108,7 @@ public:
     /// two behind (NeighbourWindow).
     /// @param slip whether slip is computed: only the phases stick and slip need it
     void probe(const double* state, const SheaveMotion* sheaves, bool slip, TipProbe& probe) const noexcept {
-        kernels_.probe(*this, state, sheaves, slip, probe);
+        probe_links(state, 1, sheaves, slip, &probe);
     }
     /// probe(), bit by bit, for `links` neighbouring links. @param states their blocks (of rigid pins: with one more before and
     /// two behind)   @param probes [links]

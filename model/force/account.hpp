@@ -28,4 +28,16 @@ struct Account {
     [[nodiscard]] double operator[](Energy kind) const noexcept { return energy[static_cast<std::size_t>(kind)]; }
 };
 
+namespace {
+
+/// Books of forces that nobody observes. Others have, with observed = true,
+///     void store(Energy kind, const Real& joules, double factor = 1.0);   what is stored, times a factor [J]
+///     void lose(Loss kind, const Real& watts);                            what is lost [W]
+/// where Real is a number or lanes: of links side by side (model/kernels/observation_writer.hpp).
+struct NoBooks {
+    static constexpr bool observed = false;
+};
+
+}  // namespace
+
 }  // namespace cvtflow::model

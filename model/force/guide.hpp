@@ -47,31 +47,20 @@ struct GuideContact {
     }
 };
 
-template <class Real>
-inline constexpr int width_of = 1;
-template <int W>
-inline constexpr int width_of<Lanes<W>> = W;
-
-/// Adds the guides' forces to those of a link, or of links side by side: half a pin at each end. A function of its own, so that the code
-/// of machines without guides stays as it is. q [coordinates of the link], v [m/s, rad/s], f [N, N·m]
-template <int P, bool Observe, class Real>
-[[gnu::noinline]] inline void guide_force(const GuideCoefficients& g, const Real* q, const Real* v, Real* f,
-                                          [[maybe_unused]] Account* account) noexcept {
-    constexpr int W = width_of<Real>;
+/// Adds the guides' forces to those of links side by side: half a pin at each end. A function of its own, so that the code of machines
+/// without guides stays as it is. q [coordinates of the link], v [m/s, rad/s], f [N, N·m]
+template <int P, int W, class Books>
+[[gnu::noinline]] inline void guide_force(const GuideCoefficients& g, const Lanes<W>* q, const Lanes<W>* v, Lanes<W>* f,
+                                          [[maybe_unused]] Books& books) noexcept {
     for (const End end : {End::rear, End::front}) {
         const int x = link_layout<P>.x(end, 0), y = link_layout<P>.y(end, 0);
         const GuideContact<W> contact(g, 0.5, q[x], q[y], v[x], v[y]);
-        if constexpr (Observe) {
-            account->store(Energy::supports, sum<W>(contact.energy));
-            account->lose(Loss::guide, sum<W>(contact.damping * contact.approach + contact.friction * contact.speed));
+        if constexpr (Books::observed) {
+            books.store(Energy::supports, contact.energy);
+            books.lose(Loss::guide, contact.damping * contact.approach + contact.friction * contact.speed);
         }
-        if constexpr (W == 1) {
-            f[x] += sum<W>(contact.fx);
-            f[y] += sum<W>(contact.fy);
-        } else {
-            f[x] += contact.fx;
-            f[y] += contact.fy;
-        }
+        f[x] += contact.fx;
+        f[y] += contact.fy;
     }
 }
 

@@ -35,13 +35,6 @@ struct JointForce {
         before += total[2 * P + 4];
         after += total[2 * P + 5];
     }
-    /// Adds the sums of terms over their lanes.
-    template <int W>
-    void add_sums(const std::array<Lanes<W>, rows>& terms) noexcept {
-        alignas(64) double total[rows];
-        sums<W>(terms, total);
-        add(total);
-    }
 };
 
 /// The two links that meet, and the sum of their directions: along the bisector.
@@ -173,16 +166,16 @@ template <int P, int W, class Real, class Points, class Friction>
 }
 
 /// Rolling contact: normal force and friction.
-template <int P, int W, bool Observe, class Real, class Points>
+template <int P, int W, class Real, class Points, class Books>
 [[nodiscard]] inline JointTerms<P, W> rolling_contact_force(const JointCoefficients& j, const JointFrames<Real>& frames,
                                                             const Points& points, const Lanes<W>& weight, const JointMotion<W>& m,
-                                                            Account* account) noexcept {
+                                                            [[maybe_unused]] Books& books) noexcept {
     const auto [pressing, square, friction_per_speed] = rolling_forces<W>(j, weight, m);
-    if constexpr (Observe) {
+    if constexpr (Books::observed) {
         const auto& [contact, closing, normal] = pressing;
-        account->store(Energy::joints, sum<W>(contact.energy));
-        account->lose(Loss::joint_damping, sum<W>((normal - contact.elastic) * closing));
-        account->lose(Loss::joint_friction, sum<W>(friction_per_speed * square));
+        books.store(Energy::joints, contact.energy);
+        books.lose(Loss::joint_damping, (normal - contact.elastic) * closing);
+        books.lose(Loss::joint_friction, friction_per_speed * square);
     }
     return rolling_terms<P, W>(j, frames, points, m, pressing.normal, friction_per_speed);
 }
@@ -197,9 +190,10 @@ template <int W, class Real>
 }
 
 /// Clearance of the plate opening: holds the transverse offset of the arc centres against the bisector.
-template <int P, int W, bool Observe, class Real, class Points>
+template <int P, int W, class Real, class Points, class Books>
 [[nodiscard]] inline JointTerms<P, W> clearance_force(const JointCoefficients& j, const JointFrames<Real>& frames, const Points& points,
-                                                      const Lanes<W>& weight, const JointMotion<W>& m, Account* account) noexcept {
+                                                      const Lanes<W>& weight, const JointMotion<W>& m,
+                                                      [[maybe_unused]] Books& books) noexcept {
     using V = Lanes<W>;
     using std::sqrt;
     const Real inverse = 1.0 / sqrt(frames.sx * frames.sx + frames.sy * frames.sy), bx = frames.sx * inverse, by = frames.sy * inverse;
@@ -214,26 +208,11 @@ template <int P, int W, bool Observe, class Real, class Points>
     points.spread(force * by, -force * bx, V(0.0), terms.data());
     terms[2 * P + 4] = -force * (j.arm * (frames.before.tx * bx + frames.before.ty * by) - 0.5 * along);
     terms[2 * P + 5] = -force * (j.arm * (frames.after.tx * bx + frames.after.ty * by) - 0.5 * along);
-    if constexpr (Observe) {
-        account->store(Energy::joints, 0.5 * sum<W>(spring * offset));
-        account->lose(Loss::joint_damping, sum<W>((force - spring) * offset_rate));
+    if constexpr (Books::observed) {
+        books.store(Energy::joints, spring * offset, 0.5);
+        books.lose(Loss::joint_damping, (force - spring) * offset_rate);
     }
     return terms;
-}
-
-/// The joint between the front half of the link at q_before and the rear half of the one at q_after. q_before [coordinates of the link],
-/// v_before [m/s]
-template <int P, int W, bool Observe>
-inline void joint(const Coefficients& c, const LinkFrame& before, const LinkFrame& after, const double* q_before, const double* v_before,
-                  const double* q_after, const double* v_after, JointForce<P>& out, Account* account) noexcept {
-    const JointFrames<double> frames(before, after);
-    const AxisPoints<P, W> points(c.joint_points, 0);
-    const Lanes<W> weight = load<W>(c.joint_points.weight.data());
-    const auto motion = joint_motion<P, W>(c.joint, frames, points, Difference<P>(q_before, End::front, q_after, End::rear),
-                                           Difference<P>(v_before, End::front, v_after, End::rear));
-    out.template add_sums<W>(rolling_contact_force<P, W, Observe>(c.joint, frames, points, weight, motion, account));
-    if (all_at_most<W>(beyond_clearance<W>(c.joint, frames, motion), 0.0)) return;  // the rule: rolling keeps the centres on the bisector
-    out.template add_sums<W>(clearance_force<P, W, Observe>(c.joint, frames, points, weight, motion, account));
 }
 
 }  // namespace

@@ -87,37 +87,7 @@ struct Difference {
     }
 };
 
-/// Points along ξ, loaded for one chunk of lanes.
-template <int P, int W>
-struct AxisPoints {
-    Lanes<W> basis[P + 1];  ///< P_m(ξ), m ≥ 1
-    Lanes<W> xi;
-
-    template <int Most>
-    AxisPoints(const PointLanes<Most>& points, int first) noexcept : xi(load<W>(&points.position[static_cast<std::size_t>(first)])) {
-        for (int m = 1; m <= P; ++m) basis[m] = load<W>(&points.basis[static_cast<std::size_t>(m)][static_cast<std::size_t>(first)]);
-    }
-    /// Σ c_m P_m(ξ). @param c [coefficients of the axis]
-    [[nodiscard]] Lanes<W> along(const double* c) const noexcept {
-        Lanes<W> value(c[0]);
-        for (int m = 1; m <= P; ++m) value += c[m] * basis[m];
-        return value;
-    }
-    /// Contributions of point forces to each coordinate, before they are summed over the points: in the order of Difference.
-    /// @param terms [2P + 4]
-    void spread(const Lanes<W>& fx, const Lanes<W>& fy, const Lanes<W>& fz, Lanes<W>* terms) const noexcept {
-        terms[0] = fx;
-        terms[P + 1] = fy;
-        for (int m = 1; m <= P; ++m) {
-            terms[m] = fx * basis[m];
-            terms[P + 1 + m] = fy * basis[m];
-        }
-        terms[2 * P + 2] = fz;
-        terms[2 * P + 3] = fz * xi;
-    }
-};
-
-/// One of these points, for links side by side.
+/// A point along ξ.
 template <int P, int W>
 struct AxisPoint {
     double basis[P + 1];  ///< P_m(ξ), m ≥ 1

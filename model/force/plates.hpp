@@ -57,26 +57,26 @@ template <int W>
 }
 
 /// Behind the terms of a force, where observed: stored energy, power lost to damping and to friction.
-inline constexpr std::size_t plate_books = 3;
-template <int P, bool Observe>
-inline constexpr std::size_t plate_rows = 2 * P + 4 + (Observe ? plate_books : 0);
+template <int P, class Books>
+inline constexpr std::size_t plate_rows = 2 * P + 4 + (Books::observed ? 3 : 0);
 
-/// Sums of those rows to an account. books [plate_books]
-inline void book_plates(const double* books, Account* account) noexcept {
-    account->store(Energy::plates, 0.5 * books[0]);
-    account->lose(Loss::plate_damping, books[1]);
-    account->lose(Loss::plate_friction, books[2]);
+/// Sums of those rows, the three behind the force. totals [plate_rows]
+template <int P, class Real, class Books>
+inline void book_plates(const Real* totals, Books& books) noexcept {
+    books.store(Energy::plates, totals[2 * P + 4], 0.5);
+    books.lose(Loss::plate_damping, totals[2 * P + 5]);
+    books.lose(Loss::plate_friction, totals[2 * P + 6]);
 }
 
 /// Contributions of W plates of a link, or of one plate of W links, to the force on the front half, in the order of Difference.
 /// @param slide plate_slide(), or Zero
-template <int P, int W, bool Observe, class Points, class Number, class Slide>
-[[nodiscard, gnu::always_inline]] inline std::array<Lanes<W>, plate_rows<P, Observe>> plate_terms(
+template <int P, int W, class Books, class Points, class Number, class Slide>
+[[nodiscard, gnu::always_inline]] inline std::array<Lanes<W>, plate_rows<P, Books>> plate_terms(
     const Points& at_plates, const Number& stiffness, const Number& damping, const PlateStretch<W>& s, const Slide& slide) noexcept {
     const Lanes<W> along = s.tension * s.inverse_length;
-    std::array<Lanes<W>, plate_rows<P, Observe>> terms;
+    std::array<Lanes<W>, plate_rows<P, Books>> terms;
     at_plates.spread(-along * s.dx, -along * s.dy, -along * s.dz - slide, terms.data());
-    if constexpr (Observe) {
+    if constexpr (Books::observed) {
         terms[2 * P + 4] = stiffness * s.stretch * s.stretch;
         terms[2 * P + 5] = damping * s.stretching * s.stretching;
         terms[2 * P + 6] = slide * s.vz;
@@ -84,29 +84,22 @@ template <int P, int W, bool Observe, class Points, class Number, class Slide>
     return terms;
 }
 
-/// One chunk of W plates; adds the force on the front half to `pull`.
-template <int P, int W, bool Observe>
-inline void plate_chunk(const Coefficients& c, double free_length, const Difference<P>& d, const Difference<P>& rate, int first,
-                        Difference<P>& pull, [[maybe_unused]] Account* account) noexcept {
-    const auto of = [first](const auto& numbers) { return load<W>(&numbers[static_cast<std::size_t>(first)]); };
-    alignas(64) double total[plate_rows<P, Observe>];
-    const AxisPoints<P, W> points(c.plates, first);
-    const auto weight = of(c.plates.weight), damping = of(c.plates.damping);
-    const PlateStretch<W> stretch = plate_stretch<P, W>(c, free_length, points, weight, damping, d, rate);
-    sums<W>(plate_terms<P, W, Observe>(points, weight, damping, stretch, plate_slide(c, stretch)), total);
-    pull.add(total);
-    if constexpr (Observe) book_plates(total + 2 * P + 4, account);
-}
-
-/// All plates of a link. Adds to the generalized forces f of the link. q [coordinates of the link], v [m/s], f [N, N·m]
-template <int P, int W, bool Observe>
-inline void plates(const Coefficients& c, const LinkKind& kind, const double* q, const double* v, double* f, Account* account) noexcept {
-    const Difference<P> d(q, End::front, q, End::rear);
-    const Difference<P> rate(v, End::front, v, End::rear);
-    Difference<P> pull;
-    for (int first = 0; first < c.plates.count; first += W) plate_chunk<P, W, Observe>(c, kind.free_length, d, rate, first, pull, account);
-    pull.apply(1.0, f, End::front);
-    pull.apply(-1.0, f, End::rear);
+/// Sum of the plates' elastic tensions.
+template <int P, class Kind, class Real>
+[[nodiscard]] inline Real elastic_tension(const Coefficients& c, const Kind& kind, const Real* q) noexcept {
+    using std::sqrt;
+    const Difference<P, Real> d(q, End::front, q, End::rear);
+    Real tension(0.0);
+    for (std::size_t j = 0; j < static_cast<std::size_t>(c.plates.count); ++j) {
+        Real dx(0.0), dy(0.0);
+        for (int m = 0; m <= P; ++m) {
+            dx += d.x[m] * c.plates.basis[static_cast<std::size_t>(m)][j];
+            dy += d.y[m] * c.plates.basis[static_cast<std::size_t>(m)][j];
+        }
+        const Real dz = d.z + c.plates.position[j] * d.e;
+        tension += c.plates.weight[j] * (sqrt(dx * dx + dy * dy + dz * dz) - kind.free_length);
+    }
+    return tension;
 }
 
 }  // namespace

@@ -27,23 +27,6 @@
 namespace cvtflow::model {
 namespace {
 
-using TipLanes = Lanes<tips_per_link>;
-
-/// The four tips of one link. Reals of the link are numbers, those of tips have four lanes.
-struct FourTips {
-    using Real = double;
-    using Tips = TipLanes;
-    static constexpr int width = tips_per_link;
-
-    /// (-, +, -, +): what differs between the two sides [any unit].
-    [[nodiscard]] static Tips by_side(double minus, double plus) noexcept {
-        const Lanes<2> sides = join<1>(minus, plus);
-        return join<2>(sides, sides);
-    }
-    /// (rear, rear, front, front): what differs between the two ends of the link [any unit].
-    [[nodiscard]] static Tips by_end(double rear, double front) noexcept { return join<2>(Lanes<2>(rear), Lanes<2>(front)); }
-};
-
 /// One corner of W links, numbers of any unit [any]. @param side 0 is -z
 template <int W, End end, int side>
 struct OneTip {
@@ -263,18 +246,6 @@ struct PhaseLanes {
     [[nodiscard]] Phase operator[](std::size_t lane) const noexcept { return first[static_cast<std::size_t>(stride) * lane]; }
 };
 
-/// Phases of one link.
-[[nodiscard]] inline PhaseLanes phases_of_link(const Phase* phases) noexcept {
-    constexpr std::uint32_t stick_or_slip = 0x02020202;
-    return {phases, 1, (phase_word(phases) & stick_or_slip) != 0, tips_per_link};
-}
-
-/// 1 where a tip of a link touches, else 0.
-[[nodiscard]] inline TipLanes touching_lanes(const Phase* phases) noexcept {
-    const auto touching_at = [&](int corner) { return phases[corner] == Phase::free ? 0.0 : 1.0; };
-    return join<2>(join<1>(touching_at(0), touching_at(1)), join<1>(touching_at(2), touching_at(3)));
-}
-
 /// g(|v|) from v², with the branch that the phase prescribes: frozen within a step for `stick` and `slip`.
 template <int W>
 [[nodiscard]] inline Lanes<W> phase_slip_factor(const FrictionCurve& curve, const Lanes<W>& square, const PhaseLanes& phases) noexcept {
@@ -324,21 +295,20 @@ template <int W, int P>
     return p;
 }
 
-/// @param touching 1 or 0   @param account where observed: of the link whose tips the lanes are
-template <bool Observe, int W, int P>
+/// @param touching 1 or 0
+template <int W, int P, class Books>
 [[nodiscard, gnu::always_inline]] inline TipForces<Lanes<W>> tip_forces(const TipCoefficients& tip, const TipGeometry<P, Lanes<W>>& g,
                                                                         const TipMotion<Lanes<W>>& motion, const Lanes<W>& touching,
-                                                                        const PhaseLanes& phases,
-                                                                        [[maybe_unused]] Account* account) noexcept {
+                                                                        const PhaseLanes& phases, [[maybe_unused]] Books& books) noexcept {
     using Tips = Lanes<W>;
     const auto [depth, root, elastic, normal] = tip_pressing<W>(tip, g, motion, touching);
     const Vector3<Tips> v = tangential(motion.material, g.normal);
     const Tips friction_per_speed = -grip<W>(tip, normal, root, dot(v, v), phases);
     const Vector3<Tips> friction{friction_per_speed * v.x, friction_per_speed * v.y, friction_per_speed * v.z};
-    if constexpr (Observe) {
-        account->store(Energy::tips, 0.4 * sum<W>(elastic * depth));
-        account->lose(Loss::tip_damping, sum<W>((normal - elastic) * motion.closing));
-        account->lose(Loss::tip_friction, -sum<W>(dot(friction, motion.material)));
+    if constexpr (Books::observed) {
+        books.store(Energy::tips, elastic * depth, 0.4);
+        books.lose(Loss::tip_damping, (normal - elastic) * motion.closing);
+        books.lose(Loss::tip_friction, -dot(friction, motion.material));
     }
     return {normal, friction};
 }
@@ -386,23 +356,6 @@ inline void load_end(End end, const TipAction<Real>& minus, const TipAction<Real
     f[link_layout<P>.e(end)] += plus.total.z - minus.total.z;
 }
 
-/// Adds generalized forces of the four tips to those of their link; returns the moment about z on it. f [N, N·m]
-template <int P>
-[[nodiscard]] inline double load_link(const TipAction<TipLanes>& action, double* f) noexcept {
-    alignas(64) double number[5][4];
-    action.total.x.copy_to(number[0]);
-    action.total.y.copy_to(number[1]);
-    action.total.z.copy_to(number[2]);
-    action.tilt_x.copy_to(number[3]);
-    action.tilt_y.copy_to(number[4]);
-    const auto of = [&](int tip) {
-        return TipAction<double>{{number[0][tip], number[1][tip], number[2][tip]}, number[3][tip], number[4][tip], 0.0};
-    };
-    load_end<P>(End::rear, of(0), of(1), f);
-    load_end<P>(End::front, of(2), of(3), f);
-    return sum<tips_per_link>(action.moment);
-}
-
 /// Reaction of each tip on its sheave: force and generalized moments.
 template <class Tips>
 struct TipReaction {
@@ -418,39 +371,6 @@ template <int P, class Tips, class Friction>
             {-t.normal * (r.y * g.local.z - r.z * g.local.y) - (p.y * t.friction.z - p.z * t.friction.y),
              -t.normal * (r.z * g.local.x - r.x * g.local.z) - (p.z * t.friction.x - p.x * t.friction.z),
              number<Tips>(-(p.x * t.friction.y - p.y * t.friction.x))}};
-}
-
-/// Reactions of the four tips of a link on the two sheaves.
-template <int P>
-[[nodiscard, gnu::always_inline]] inline SheaveLoad load_sheaves(const TipGeometry<P, TipLanes>& g, const TipMotion<TipLanes>& motion,
-                                                                 const TipForces<TipLanes>& t) noexcept {
-    const auto pair = [](const TipLanes& lanes, double* two) { folded<tips_per_link>(lanes).copy_to(two); };  // rear + front, by side
-    const auto [force, moment] = tip_reaction(g, motion, t);
-    SheaveLoad load;
-    pair(force.x, load.fx);
-    pair(force.y, load.fy);
-    pair(force.z, load.fz);
-    pair(moment.x, load.mx);
-    pair(moment.y, load.my);
-    pair(moment.z, load.mz);
-    return load;
-}
-
-/// All tips of a link; `sheaves` are the two of its pulley. Adds to the link's generalized forces, returns the moment about z on it.
-/// @param seen called with the tips' geometry, motion and forces, where observed
-template <int P, bool Observe, class Seen>
-[[nodiscard]] inline double tips(const Coefficients& c, const LinkFrame& frame, const double* q, const double* v,
-                                 const SheaveMotion* sheaves, const Phase* phases, double* f, SheaveLoad& load, Account* account,
-                                 const Seen& seen) noexcept {
-    const FourTips four;
-    const auto sheave = sheaves_at(four, sheaves);
-    const auto geometry = tip_geometry<P>(c, four, frame, q, sheave);
-    const auto motion = tip_motion<P>(c, four, frame, v, sheave, geometry);
-    const auto forces =
-        tip_forces<Observe, tips_per_link>(c.tip, geometry, motion, touching_lanes(phases), phases_of_link(phases), account);
-    load = load_sheaves(geometry, motion, forces);
-    if constexpr (Observe) seen(geometry, motion, forces);
-    return load_link<P>(tip_action(c, frame, geometry, motion, forces), f);
 }
 
 }  // namespace

@@ -1,10 +1,8 @@
 #include <algorithm>
-#include <cmath>
 
 #include "model/basis/isa.hpp"
 #include "model/chain/chain_model.hpp"
 #include "model/force/tips.hpp"
-#include "model/kernels/chain_parts.hpp"
 #include "model/kernels/lane_pass.hpp"
 #include "model/kernels/link_lanes.hpp"
 #include "model/kernels/native_kernels.hpp"
@@ -73,122 +71,22 @@ private:
     bool with_slip_;
 };
 
-/// One pass over a range of links, keeping the frame and the joint of the link before.
-template <int P, bool Observe>
-class LinkPass {
-public:
-    LinkPass(const ChainModel& model, const ChainRange& range) noexcept
-        : model_(model), c_(model.coefficients()), range_(range), frame_(frame_of(range.first - 1)) {}
-
-    /// @param accounts, contacts of the range's first link on, where observed
-    void run(double* slope, LinkLoad* loads, Account* accounts, LinkContact* contacts) noexcept {
-        Account neighbour;  // the joint behind the last link is booked by the next range
-        LinkFrame here = frame_of(range_.first);
-        JointForce<P> joints[2];  // of the pins behind and before a link, taking turns
-        joint_between(range_.first, frame_, here, joints[0], accounts);
-        for (int link = range_.first; link < range_.last; ++link) {
-            const int place = link - range_.first;
-            const LinkFrame ahead = frame_of(link + 1);
-            const JointForce<P>& rear = joints[place & 1];
-            JointForce<P>& front = joints[(place & 1) ^ 1];
-            joint_between(link + 1, here, ahead, front,
-                          link + 1 < range_.last ? part_of(accounts, place + 1, AccountPart::joint) : &neighbour);
-            link_slope(link, here, rear, front, slope + place * link_layout<P>.link_block(), loads[place],
-                       part_of(accounts, place, AccountPart::joint), contacts != nullptr ? contacts + place : nullptr);
-            here = ahead;
-        }
-    }
-
-private:
-    [[nodiscard]] const double* state(int link) const noexcept {
-        return range_.window + (link - range_.first + 1) * link_layout<P>.link_block();
-    }
-    [[nodiscard]] LinkFrame frame_of(int link) const noexcept {
-        return link_frame<P>(state(link), state(link) + link_layout<P>.link_size());
-    }
-
-    /// Joint of the pin between link - 1 and link.
-    void joint_between(int link, const LinkFrame& before, const LinkFrame& after, JointForce<P>& out, Account* account) const noexcept {
-        joint_part<P, Observe>(c_, before, after, state(link - 1), state(link), out, account);
-    }
-
-    [[nodiscard]] static Account* part_of(Account* accounts, int place, AccountPart part) noexcept {
-        return Observe ? accounts + account_parts * place + static_cast<int>(part) : nullptr;
-    }
-
-    /// @param accounts, contact those of this link
-    void link_slope(int link, const LinkFrame& frame, const JointForce<P>& rear, const JointForce<P>& front, double* slope, LinkLoad& load,
-                    Account* accounts, LinkContact* contact) const noexcept {
-        constexpr int size = link_layout<P>.link_size();
-        double* f = slope + size;
-        std::memcpy(slope, state(link) + size, size * sizeof(double));
-        const double moment = link_part<P, Observe>(c_, link, frame, state(link), f, part_of(accounts, 0, AccountPart::link));
-        const Phase* phases = range_.phases + tips_per_link * link;
-        TipShare<P> share;
-        const bool touching = any_touching(phases);
-        if constexpr (Observe) {
-            if (contact != nullptr) *contact = {.tension = elastic_tension<P>(c_, c_.kind(link), state(link))};
-        }
-        if (touching) {
-            tip_part<P, Observe>(model_, frame, state(link), range_.sheaves, phases, share, load, part_of(accounts, 0, AccountPart::tips),
-                                 contact);
-        }
-        assemble<P>(frame, moment, rear, front, touching ? &share : nullptr, f);
-        accelerate<P>(model_.inertia(), f);
-    }
-
-    const ChainModel& model_;
-    const Coefficients& c_;
-    const ChainRange& range_;
-    LinkFrame frame_;
-};
-
-template <int P, bool Observe>
-void slopes_of(const ChainModel& model, const ChainRange& range, double* slope, LinkLoad* loads, Account* accounts,
-               LinkContact* contacts) noexcept {
-    LinkPass<P, Observe>(model, range).run(slope, loads, accounts, contacts);
-}
-
-template <int P>
-void probe_link(const ChainModel& model, const double* state, const SheaveMotion* sheaves, bool with_slip, TipProbe& probe) noexcept {
-    const Coefficients& c = model.coefficients();
-    const double* v = state + link_layout<P>.link_size();
-    const SheaveMotion* shaft_sheaves = sheaves + 2 * model.shaft_of(state);
-    const LinkFrame frame = link_frame<P>(state, v);
-    const FourTips four;
-    const auto sheave = sheaves_at(four, shaft_sheaves);
-    const auto geometry = tip_geometry<P>(c, four, frame, state, sheave);
-    geometry.depth.copy_to(probe.depth);
-    TipLanes(0.0).copy_to(probe.slip);
-    if (with_slip) {
-        const auto motion = tip_motion<P>(c, four, frame, v, sheave, geometry);
-        const Vector3<TipLanes> slip = tangential(motion.material, geometry.normal);
-        TipLanes(sqrt(dot(slip, slip))).copy_to(probe.slip);
-    }
-    const double x =
-        0.5 * (state[link_layout<P>.x(End::rear, 0)] + state[link_layout<P>.x(End::front, 0)]) - model.shaft_of(state) * c.centre_distance;
-    const double y = 0.5 * (state[link_layout<P>.y(End::rear, 0)] + state[link_layout<P>.y(End::front, 0)]);
-    probe.radius = std::sqrt(x * x + y * y);
-}
-
 template <int P>
 void probe_links(const ChainModel& model, const double* states, int links, const SheaveMotion* sheaves, bool with_slip,
                  TipProbe* probes) noexcept {
     LaneProbe<P, native_lanes>(model.coefficients(), sheaves, with_slip).run(states, links, probes);
 }
 
-/// Links side by side are faster with vectors of 4 and 8 lanes. With 2 lanes (and 16 registers) they are at high order slower than lanes
-/// inside a link.
 template <int P>
-inline constexpr bool links_side_by_side = native_lanes != 2 || P < 2;
+void slopes(const ChainModel& model, const ChainRange& range, double* slope, LinkLoad* loads) noexcept {
+    LanePass<P, native_lanes>(model, range, slope, loads).run();
+}
 
 template <int P>
-void slopes(const ChainModel& model, const ChainRange& range, double* slope, LinkLoad* loads, Account* accounts) noexcept {
-    if constexpr (links_side_by_side<P>) {
-        LanePass<P, native_lanes>(model, range, slope, loads).run();
-    } else {
-        slopes_of<P, false>(model, range, slope, loads, accounts, nullptr);
-    }
+void observed_slopes(const ChainModel& model, const ChainRange& range, double* slope, LinkLoad* loads, Account* accounts,
+                     LinkContact* contacts) noexcept {
+    using Writer = ObservationWriter<P, native_lanes>;
+    LanePass<P, native_lanes, Writer>(model, range, slope, loads, Writer(accounts, contacts)).run();
 }
 
 }  // namespace
@@ -197,9 +95,9 @@ template <>
 ChainKernels chain_kernels<compiled_isa>(int order) noexcept {
     return of_order(order, []<int P>() -> ChainKernels {
         if constexpr (slopes_alone)
-            return {slopes<P>, nullptr, nullptr, nullptr};
+            return {slopes<P>, nullptr, nullptr};
         else
-            return {slopes<P>, slopes_of<P, true>, probe_link<P>, probe_links<P>};
+            return {slopes<P>, observed_slopes<P>, probe_links<P>};
     });
 }
 

@@ -18,6 +18,8 @@ namespace {
 
 /// No observation: forces only.
 struct NoContacts {
+    using Books = NoBooks;
+    using PointBooks = NoBooks;
     static constexpr bool recorded = false, relative = false;
     static constexpr TipSearch* search() noexcept { return nullptr; }
     [[nodiscard]] static int rows(int, int) noexcept { return 0; }
@@ -57,6 +59,8 @@ public:
     using Joint = ContactComponents::Joint;
     using Tip = ContactComponents::Tip;
     using Rows = GroupRows<W, Number>;
+    using Books = NoBooks;
+    using PointBooks = NoBooks;
     static constexpr bool recorded = true, relative = std::is_same_v<Number, float>;
 
     /// @param real coefficients with friction in them   @param search nullptr: tips touch as the range's phases state

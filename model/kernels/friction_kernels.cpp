@@ -1,6 +1,5 @@
 #include "model/basis/isa.hpp"
 #include "model/contact/sweep_lanes.hpp"
-#include "model/kernels/chain_parts.hpp"
 #include "model/kernels/lane_pass.hpp"
 #include "model/kernels/native_kernels.hpp"
 

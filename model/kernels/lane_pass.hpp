@@ -1,231 +1,21 @@
 #pragma once
-/// One pass over a range of links, W at a time, keeping the states and joints of the links before; tips corner by corner, where links that
-/// touch nowhere come along with forces of zero. (model/kernels/link_lanes.hpp)
+/// One pass over a range of links, W at a time, keeping the states and joints of the links before. (model/kernels/link_lanes.hpp)
 
 #include <algorithm>
-#include <cstddef>
 #include <type_traits>
 
 #include "model/chain/chain_model.hpp"
 #include "model/force/inner.hpp"
 #include "model/force/joint.hpp"
 #include "model/force/plates.hpp"
-#include "model/force/tips.hpp"
-#include "model/kernels/contact_writer.hpp"
-#include "model/kernels/link_lanes.hpp"
+#include "model/kernels/lane_tips.hpp"
+#include "model/kernels/observation_writer.hpp"
 
 namespace cvtflow::model {
 namespace {
 
-/// @tparam Rigid whether sheaves only turn and move along z; then only those reactions are written
-template <int P, int W, bool Rigid, class Contacts = NoContacts>
-class LaneTips {
-public:
-    using V = Lanes<W>;
-    using Columns = LinkColumns<P, W>;
-    using Reaction = TipReaction<V>;
-    static constexpr int size = link_layout<P>.link_size();
-
-    /// @param count links that the lanes represent, from the first
-    LaneTips(const Coefficients& c, const ChainRange& range, int first, int count, const Contacts& contacts) noexcept
-        : c_(c),
-          range_(range),
-          phases_(range.phases + tips_per_link * first),
-          group_(first - range.first),
-          count_(std::min(count, W)),
-          contacts_(contacts) {
-        for (int link = 0; link < count_; ++link)
-            any_ |= words_[static_cast<std::size_t>(link)] = phase_word(phases_ + tips_per_link * link);
-    }
-
-    /// Adds forces and moments on the links; reactions of those that touch to loads.
-    void add(const Columns& columns, V* f, V& moment, LinkLoad* loads) noexcept {
-        const bool searches = contacts_.search() != nullptr;
-        if (searches) find_near(columns);
-        if (any_ == 0) {
-            if (searches) keep_phases();
-            if constexpr (Contacts::recorded) contacts_.no_tips(group_, count_);
-            return;
-        }
-        std::array<SheaveMotionLanes<W>, 2> sheaves;
-        const V shaft = pulleys_of<P>(c_, range_.sheaves, columns, sheaves);
-        std::array<V, size> share;
-        share.fill(V(0.0));
-        std::array<Reaction, 2> rear, front;  // by side
-        std::array<V, 2> turning = pair<End::rear>(columns, sheaves, shaft, rear, share);
-        const std::array<V, 2> more = pair<End::front>(columns, sheaves, shaft, front, share);
-        for (std::size_t side = 0; side < 2; ++side) turning[side] += more[side];
-        for (int k = 0; k < size; ++k) f[k] += share[static_cast<std::size_t>(k)];
-        moment += turning[0] + turning[1];
-        if (searches) {
-            std::copy_n(found_.begin(), count_, words_.begin());  // further lanes belong to others
-            keep_phases();
-            check_limits(columns, shaft);
-        }
-        write(rear, front, shaft, loads);
-    }
-
-private:
-    /// Both tips of a half: adds their forces to share, returns their moments.
-    template <End end>
-    [[nodiscard]] std::array<V, 2> pair(const Columns& columns, const std::array<SheaveMotionLanes<W>, 2>& sheaves, const V& shaft,
-                                        std::array<Reaction, 2>& reaction, std::array<V, size>& share) noexcept {
-        const TipAction<V> minus = tip(OneTip<W, end, 0>{}, 2 * static_cast<int>(end), columns, sheaves.data(), shaft, reaction[0]);
-        const TipAction<V> plus = tip(OneTip<W, end, 1>{}, 2 * static_cast<int>(end) + 1, columns, sheaves.data(), shaft, reaction[1]);
-        load_end<P>(end, minus, plus, share.data());
-        return {minus.moment, plus.moment};
-    }
-
-    template <class Corner>
-    [[nodiscard]] TipAction<V> tip(const Corner& corner, int number, const Columns& columns, const SheaveMotionLanes<W>* sheaves,
-                                   [[maybe_unused]] const V& shaft, Reaction& reaction) noexcept {
-        const auto sheave = [&] {
-            if constexpr (Rigid)
-                return rigid_sheaves_at(corner, sheaves);
-            else
-                return sheaves_at(corner, sheaves);
-        }();
-        const auto geometry = tip_geometry<P>(c_, corner, columns.frame, columns.q(), sheave);
-        const auto motion = tip_motion<P>(c_, corner, columns.frame, columns.v(), sheave, geometry);
-        const auto forces = forces_of(number, geometry, motion);
-        if constexpr (Contacts::recorded)
-            contacts_.tip(group_, count_, number, geometry, motion, forces.normal, sheaves[number % 2], shaft);
-        reaction = tip_reaction(geometry, motion, forces);
-        return tip_action(c_, columns.frame, geometry, motion, forces);
-    }
-
-    /// Without friction where contacts are recorded: it is solved for apart from all else.
-    template <class Geometry>
-    [[nodiscard, gnu::always_inline]] auto forces_of(int number, const Geometry& geometry, const TipMotion<V>& motion) noexcept {
-        if constexpr (Contacts::recorded) {
-            const auto pressing = tip_pressing<W>(c_.tip, geometry, motion,
-                                                  contacts_.search() == nullptr ? touching(number) : search(number, geometry.depth));
-            deepest_ = larger<W>(pressing.depth, deepest_);
-            return TipForces<V, Zero>{pressing.normal, {}};
-        } else {
-            constexpr std::uint32_t stick_or_slip = 0x02020202;
-            const PhaseLanes phases{phases_ + number, tips_per_link, (any_ & stick_or_slip) != 0, static_cast<std::size_t>(count_)};
-            return tip_forces<false, W>(c_.tip, geometry, motion, touching(number), phases, nullptr);
-        }
-    }
-
-    /// 1 where a tip touches, else 0.
-    [[nodiscard]] V touching(int number) const noexcept {
-        alignas(64) double touching[W];
-        for (std::size_t link = 0; link < W; ++link) touching[link] = (words_[link] >> (8 * number) & 0xffu) != 0 ? 1.0 : 0.0;
-        return load<W>(touching);
-    }
-
-    // Where the record decides which tips touch.
-
-    /// Above 0 where a link is so near its sheaves that its tips may touch; only there they do. A tip is as deep as a pin that is straight
-    /// between flanks that are not tilted, give or take what pins and sheaves yield.
-    void find_near(const Columns& columns) noexcept {
-        constexpr double yielding = 5e-4;  // m
-        const V* q = columns.q();
-        const V first(c_.centre_distance), middle = q[link_layout<P>.x(End::rear, 0)] + q[link_layout<P>.x(End::front, 0)];
-        const auto by_shaft = [&](double one, double other) { return select_greater<W>(first, middle, V(one), V(other)); };
-        const SheaveMotion* motions = range_.sheaves;
-        const V minus = by_shaft(motions[0].z, motions[2].z), plus = by_shaft(motions[1].z, motions[3].z);
-        const V centre = by_shaft(0.0, c_.centre_distance);
-        const double touching_radius = c_.tip.touching_radius - c_.tip.radius * c_.tip.sine;
-        near_ = V(-1.0);
-        for (const End end : {End::rear, End::front}) {
-            const V x = q[link_layout<P>.x(end, 0)] - centre, y = q[link_layout<P>.y(end, 0)], z = q[link_layout<P>.z(end)];
-            const V radial = c_.tip.sine * (touching_radius - sqrt(x * x + y * y)), length = c_.half_length + q[link_layout<P>.e(end)];
-            const V beyond = larger<W>(length - (z - minus), length + (z - plus));
-            near_ = larger<W>(radial + c_.tip.cosine * beyond + yielding, near_);
-        }
-        found_.fill(0);
-        any_ = all_at_most<W>(near_, 0.0) ? 0 : 1;
-        if (any_ == 0) words_.fill(0);
-    }
-
-    /// 1 where a tip touches, by its depth and its phase so far, else 0; notes the new phases.
-    [[nodiscard]] V search(int number, const V& depth) noexcept {
-        alignas(64) double bound[W], touches[W];
-        for (std::size_t link = 0; link < W; ++link)
-            bound[link] = (words_[link] >> (8 * number) & 0xffu) != 0 ? -contacts_.search()->release : 0.0;
-        const V touching = select_greater<W>(near_, V(0.0), select_greater<W>(depth, load<W>(bound), V(1.0), V(0.0)), V(0.0));
-        touching.copy_to(touches);
-        for (std::size_t link = 0; link < W; ++link) found_[link] |= static_cast<std::uint32_t>(touches[link] != 0.0) << (8 * number);
-        return touching;
-    }
-
-    void keep_phases() const noexcept {
-        Phase* to = contacts_.search()->phases + tips_per_link * (range_.first + group_);
-        for (int link = 0; link < count_; ++link)
-            std::memcpy(to + tips_per_link * link, &words_[static_cast<std::size_t>(link)], sizeof words_[0]);
-    }
-
-    void check_limits(const Columns& columns, const V& shaft) const noexcept {
-        TipSearch& search = *contacts_.search();
-        const V* q = columns.q();
-        const V x = 0.5 * (q[link_layout<P>.x(End::rear, 0)] + q[link_layout<P>.x(End::front, 0)]) - shaft * c_.centre_distance;
-        const V y = 0.5 * (q[link_layout<P>.y(End::rear, 0)] + q[link_layout<P>.y(End::front, 0)]), square = x * x + y * y;
-        const V touching = select_greater<W>(deepest_, V(0.0), square, V(0.0));
-        if (!all_at_most<W>(deepest_, search.deepest) || !all_at_most<W>(-square, -search.innermost * search.innermost) ||
-            !all_at_most<W>(touching, search.outermost * search.outermost))
-            search.suspect = true;
-    }
-
-    void write(const std::array<Reaction, 2>& rear, const std::array<Reaction, 2>& front, const V& shaft, LinkLoad* loads) const noexcept {
-        constexpr std::size_t numbers = sizeof(SheaveLoad) / sizeof(double);
-        const auto sums = [&](auto part, auto axis) {
-            return std::array{rear[0].*part.*axis + front[0].*part.*axis, rear[1].*part.*axis + front[1].*part.*axis};
-        };
-        using Axis = Vector3<V>;
-        constexpr auto force = &Reaction::force, moment = &Reaction::moment;
-        if constexpr (Rigid) {
-            const auto fz = sums(force, &Axis::z), mz = sums(moment, &Axis::z);
-            std::array<V, 4> rows{fz[0], fz[1], mz[0], mz[1]};
-            scatter(rows, shaft, loads, [](const double* row, SheaveLoad& load) {
-                std::memcpy(load.fz, row, sizeof load.fz);
-                std::memcpy(load.mz, row + 2, sizeof load.mz);
-            });
-        } else {
-            std::array<V, numbers> rows;
-            std::size_t row = 0;
-            for (const auto part : {force, moment}) {
-                for (const auto axis : {&Axis::x, &Axis::y, &Axis::z}) {
-                    const auto both = sums(part, axis);
-                    rows[row++] = both[0];
-                    rows[row++] = both[1];
-                }
-            }
-            scatter(rows, shaft, loads,
-                    [](const double* numbers_of_link, SheaveLoad& load) { std::memcpy(&load, numbers_of_link, sizeof load); });
-        }
-    }
-
-    /// Gives every touching link its column of rows.
-    template <std::size_t numbers, class Take>
-    void scatter(const std::array<V, numbers>& rows, const V& shaft, LinkLoad* loads, const Take& take) const noexcept {
-        alignas(64) double column[W][numbers];
-        std::array<double*, W> to;
-        for (std::size_t link = 0; link < W; ++link) to[link] = column[link];
-        store_rows<W, static_cast<int>(numbers)>(rows.data(), to, count_);
-        for (std::size_t link = 0; link < W; ++link) {
-            if (words_[link] == 0) continue;
-            take(column[link], loads[link].load);
-            loads[link].shaft = static_cast<int>(shaft[link]);
-        }
-    }
-
-    const Coefficients& c_;
-    const ChainRange& range_;
-    const Phase* phases_;  ///< of the first lane's link
-    int group_;            ///< first lane's link, from the range's first
-    int count_;
-    std::array<std::uint32_t, W> words_{};  ///< phases of each link, 0 beyond the last
-    std::uint32_t any_ = 0;
-    std::array<std::uint32_t, W> found_{};  ///< phases of each link, by a search
-    V near_{0.0}, deepest_{0.0};            ///< find_near(); deepest touching tip of each link [m]
-    const Contacts& contacts_;
-};
-
 /// `group` counts links from the range's first, and the pins behind them.
-/// @tparam Contacts NoContacts, or ContactWriter: then accelerations go there instead of slopes
+/// @tparam Contacts NoContacts, ObservationWriter, or ContactWriter: then accelerations go there instead of slopes
 template <int P, int W, class Contacts = NoContacts>
 class LanePass {
 public:
@@ -234,16 +24,18 @@ public:
     using Joints = JointForce<P, V>;
     static constexpr int size = link_layout<P>.link_size();
     static constexpr int block = link_layout<P>.link_block();
+    using Books = typename Contacts::Books;
+    static constexpr bool observed = Books::observed;
 
     /// slope [unknowns, per second]
-    LanePass(const ChainModel& model, const ChainRange& range, double* slope, LinkLoad* loads) noexcept
+    LanePass(const ChainModel& model, const ChainRange& range, double* slope, LinkLoad* loads, const Contacts& contacts = {}) noexcept
         : model_(model),
           c_(model.coefficients()),
           range_(range),
           links_(range.last - range.first),
           slope_(slope),
           loads_(loads),
-          contacts_{} {}
+          contacts_(contacts) {}
     /// With coefficients of its own.
     LanePass(const ChainModel& model, const Coefficients& coefficients, const ChainRange& range, LinkLoad* loads,
              const Contacts& contacts) noexcept
@@ -283,55 +75,51 @@ public:
 
     /// Joints of the pins behind the links `here`, the first of which is `group`.
     [[nodiscard]] Joints joints_between(const Columns& earlier, const Columns& here, [[maybe_unused]] int group = 0) const noexcept {
-        const auto& a = earlier.frame;
-        const auto& b = here.frame;
-        const JointFrames<V> frames(
-            {before(a.tx, b.tx), before(a.ty, b.ty), before(a.inverse_length, b.inverse_length), before(a.turning, b.turning)}, b);
-        const Difference<P, V> gap = opening(earlier.q(), here.q()), rate = opening(earlier.v(), here.v());
+        const JointPlace pins(earlier, here);
         const auto& points = c_.joint_points;
         [[maybe_unused]] const auto rows = contacts_.rows(group, std::min(W, links_ - group));
-        if constexpr (Contacts::relative) contacts_.gaps(rows, contacts_.components().joint_gap(), rate);
-        JointTerms<P, W> total;
+        if constexpr (Contacts::relative) contacts_.gaps(rows, contacts_.components().joint_gap(), pins.rate);
+        PointTerms total;
         V worst(0.0);
+        Books books;
+        typename Contacts::PointBooks of_point;
         const auto pressed = [&](int point) noexcept {
             const AxisPoint<P, W> at_point(points, point);
             const V weight(points.weight[static_cast<std::size_t>(point)]);
-            const auto motion = joint_motion<P, W>(c_.joint, frames, at_point, gap, rate);
-            worst = larger<W>(beyond_clearance<W>(c_.joint, frames, motion), worst);
+            const auto motion = joint_motion<P, W>(c_.joint, pins.frames, at_point, pins.gap, pins.rate);
+            worst = larger<W>(beyond_clearance<W>(c_.joint, pins.frames, motion), worst);
             if constexpr (Contacts::recorded) {
                 const V normal = normal_force<W>(c_.joint, weight, motion).normal;
                 contacts_.joint(rows, point, motion, normal);
-                return rolling_terms<P, W>(c_.joint, frames, at_point, motion, normal, Zero{});
+                return rolling_terms<P, W>(c_.joint, pins.frames, at_point, motion, normal, Zero{});
             } else {
-                return rolling_contact_force<P, W, false>(c_.joint, frames, at_point, weight, motion, nullptr);
+                return with_books(rolling_contact_force<P, W>(c_.joint, pins.frames, at_point, weight, motion, of_point), of_point);
             }
         };
         pairwise_sum<W>(points.count, points.width, pressed, total);
         Joints out;
         out.add(total.data());
-        if (all_at_most<W>(worst, 0.0)) return out;
-        const auto held = [&](int point) noexcept {
-            const AxisPoint<P, W> at_point(points, point);
-            const auto motion = joint_motion<P, W>(c_.joint, frames, at_point, gap, rate);
-            return clearance_force<P, W, false>(c_.joint, frames, at_point, V(points.weight[static_cast<std::size_t>(point)]), motion,
-                                                nullptr);
-        };
-        pairwise_sum<W>(points.count, points.width, held, total);
-        for (V& row : total) row = select_greater<W>(worst, V(0.0), row, V(0.0));  // of joints that exceed it somewhere
-        out.add(total.data());
+        if constexpr (observed) book_joints(total, of_point.factor, books);
+        if (!all_at_most<W>(worst, 0.0)) hold(pins, worst, out, books);
+        if constexpr (observed) contacts_.book(AccountPart::joint, group, links_ - group, books);
         return out;
     }
 
     /// Elasticity inside the links. Adds to f; returns moments about z.
     [[nodiscard]] V inner(int group, int count, const Columns& columns, V* f) const noexcept {
-        const V moment = inner_elasticity<P, false>(c_, kinds(group, count), columns.frame, columns.q(), columns.v(), f, nullptr);
-        if (!c_.longer.empty()) add_lengths<P, false, V>(c_, lengths(group, count), columns.q(), f, nullptr);
+        Books books;
+        return inner(group, count, columns, f, books);
+    }
+    [[nodiscard]] V inner(int group, int count, const Columns& columns, V* f, Books& books) const noexcept {
+        const V moment = inner_elasticity<P>(c_, kinds(group, count), columns.frame, columns.q(), columns.v(), f, books);
+        if (!c_.longer.empty()) add_lengths<P>(c_, lengths(group, count), columns.q(), f, books);
         return moment;
     }
 
     void tips(int group, int count, const Columns& columns, V* f, V& moment, LinkLoad* loads) const noexcept {
         const int first = range_.first + group;
-        if ((c_.layout.pulley_size | static_cast<int>(c_.eccentric)) == 4) {  // an eccentric sheave also moves across its axis
+        // An eccentric sheave also moves across its axis, and where forces are observed, those that nothing yields to are, too.
+        if (!observed && (c_.layout.pulley_size | static_cast<int>(c_.eccentric)) == 4) {
             LaneTips<P, W, true, Contacts>(c_, range_, first, count, contacts_).add(columns, f, moment, loads + group);
         } else {
             LaneTips<P, W, false, Contacts>(c_, range_, first, count, contacts_).add(columns, f, moment, loads + group);
@@ -340,8 +128,7 @@ public:
 
     /// Slopes of links group … from their forces, which are lost.
     void solve(int group, int count, V* f) const noexcept {
-        multiply<2 * (P + 1), 2>(model_.inertia().lateral, f);
-        multiply<4, 1>(model_.inertia().axial, f + 4 * (P + 1));
+        accelerate<P>(model_.inertia(), f);
         if constexpr (Contacts::recorded) return contacts_.accelerations(group, count, f);
         std::array<double*, W> to;
         for (int lane = 0; lane < count; ++lane) {
@@ -357,8 +144,13 @@ public:
         const int count = std::min(W, links_ - group);
         std::array<V, size> f;
         f.fill(V(0.0));
-        V moment = inner(group, count, columns, f.data());
-        plates(kinds(group, count), columns, f.data(), group, count);
+        Books books;
+        V moment = inner(group, count, columns, f.data(), books);
+        plates(kinds(group, count), columns, f.data(), books, group, count);
+        if constexpr (observed) {
+            contacts_.book(AccountPart::link, group, count, books);
+            contacts_.tension(group, count, elastic_tension<P>(c_, kinds(group, count), columns.q()));
+        }
         if constexpr (Contacts::recorded) contacts_.frame(group, count, columns.frame);
         if constexpr (Contacts::relative) contacts_.velocities(group, count, columns.v());
         rear.on_front.apply(-1.0, f.data(), End::rear);
@@ -393,7 +185,7 @@ public:
         return {load<W>(longer[0]), load<W>(longer[1])};
     }
 
-    void plates(const KindLanes<W>& kind, const Columns& columns, V* f, [[maybe_unused]] int group = 0,
+    void plates(const KindLanes<W>& kind, const Columns& columns, V* f, [[maybe_unused]] Books& books, [[maybe_unused]] int group = 0,
                 [[maybe_unused]] int count = 0) const noexcept {
         const Difference<P, V> d(columns.q(), End::front, columns.q(), End::rear), rate(columns.v(), End::front, columns.v(), End::rear);
         const auto& points = c_.plates;
@@ -407,20 +199,68 @@ public:
                 const auto stretch = plate_stretch<P, W>(c_, kind.free_length, place, points.weight[j], points.damping[j], d, rate);
                 if constexpr (Contacts::recorded) {
                     contacts_.plate(rows, first + plate, stretch.tension);
-                    return plate_terms<P, W, false>(place, points.weight[j], points.damping[j], stretch, Zero{});
+                    return plate_terms<P, W, Books>(place, points.weight[j], points.damping[j], stretch, Zero{});
                 } else {
-                    return plate_terms<P, W, false>(place, points.weight[j], points.damping[j], stretch, plate_slide(c_, stretch));
+                    return plate_terms<P, W, Books>(place, points.weight[j], points.damping[j], stretch, plate_slide(c_, stretch));
                 }
             };
-            std::array<V, plate_rows<P, false>> total;
+            std::array<V, plate_rows<P, Books>> total;
             pairwise_sum<W>(std::min(points.width, points.count - first), points.width, pulled, total);
             pull.add(total.data());
+            if constexpr (observed) book_plates<P>(total.data(), books);
         }
         pull.apply(1.0, f, End::front);
         pull.apply(-1.0, f, End::rear);
     }
 
 private:
+    /// Terms of a joint's point, with its energy and losses behind them where observed.
+    using PointTerms = std::array<V, Joints::rows + (observed ? ContactBooks<W>::numbers : 0)>;
+
+    [[nodiscard, gnu::always_inline]] static PointTerms with_books(const JointTerms<P, W>& terms,
+                                                                   [[maybe_unused]] const typename Contacts::PointBooks& books) noexcept {
+        if constexpr (!observed) {
+            return terms;
+        } else {
+            PointTerms all;
+            std::copy_n(books.rows.begin(), books.rows.size(), std::copy(terms.begin(), terms.end(), all.begin()));
+            return all;
+        }
+    }
+    static void book_joints(const PointTerms& total, double factor, Books& books) noexcept {
+        ContactBooks<W>::book(&total[Joints::rows], factor, Energy::joints, Loss::joint_damping, Loss::joint_friction, books);
+    }
+
+    /// The links that meet in joints side by side, and how the front halves lie and move against the rear halves.
+    struct JointPlace {
+        JointFrames<V> frames;
+        Difference<P, V> gap, rate;
+
+        JointPlace(const Columns& earlier, const Columns& here) noexcept
+            : frames({before(earlier.frame.tx, here.frame.tx), before(earlier.frame.ty, here.frame.ty),
+                      before(earlier.frame.inverse_length, here.frame.inverse_length), before(earlier.frame.turning, here.frame.turning)},
+                     here.frame),
+              gap(opening(earlier.q(), here.q())),
+              rate(opening(earlier.v(), here.v())) {}
+    };
+
+    /// The clearance of plate openings, in joints that exceed it somewhere: where `worst` is above 0.
+    void hold(const JointPlace& pins, const V& worst, Joints& out, [[maybe_unused]] Books& books) const noexcept {
+        const auto& points = c_.joint_points;
+        PointTerms total;
+        typename Contacts::PointBooks of_point;
+        const auto held = [&](int point) noexcept {
+            const AxisPoint<P, W> at_point(points, point);
+            const auto motion = joint_motion<P, W>(c_.joint, pins.frames, at_point, pins.gap, pins.rate);
+            const V weight(points.weight[static_cast<std::size_t>(point)]);
+            return with_books(clearance_force<P, W>(c_.joint, pins.frames, at_point, weight, motion, of_point), of_point);
+        };
+        pairwise_sum<W>(points.count, points.width, held, total);
+        for (V& row : total) row = select_greater<W>(worst, V(0.0), row, V(0.0));
+        out.add(total.data());
+        if constexpr (observed) book_joints(total, of_point.factor, books);
+    }
+
     /// The lane before each lane.
     [[nodiscard]] static V before(const V& earlier, const V& here) noexcept { return slide<W, W - 1>(earlier, here); }
     /// The lane after each lane.

@@ -1,7 +1,6 @@
 #pragma once
-/// Links side by side: lanes run over as many links as the processor's vectors hold. Every lane does what model/kernels/chain_parts.hpp
-/// does for one link, in the same order (sums over plates, points and tips in the same trees), so that it gives the same bits whatever its
-/// neighbours are.
+/// Links side by side: lanes run over as many links as the processor's vectors hold. Every lane does the same in the same order (sums over
+/// plates, points and tips in fixed trees), so that it gives the same bits whatever its neighbours are.
 
 #include <algorithm>
 #include <array>
@@ -133,6 +132,13 @@ inline void multiply(const SmallInverse& inverse, Lanes<W>* f) noexcept {
         }
     }
     std::memcpy(static_cast<void*>(f), product.data(), sizeof product);
+}
+
+/// Accelerations of links from their generalized forces, in place. f [in: N, N·m; out: m/s², rad/s²]
+template <int P, int W>
+inline void accelerate(const LinkInertia& inertia, Lanes<W>* f) noexcept {
+    multiply<2 * (P + 1), 2>(inertia.lateral, f);
+    multiply<4, 1>(inertia.axial, f + 4 * (P + 1));
 }
 
 }  // namespace

@@ -7,7 +7,9 @@
 #include <cstddef>
 
 #include "model/basis/isa.hpp"
-#include "model/kernels/chain_parts.hpp"
+#include "model/force/inner.hpp"
+#include "model/force/joint.hpp"
+#include "model/force/plates.hpp"
 #include "model/machine/belt.hpp"
 
 namespace cvtflow::model {
@@ -40,37 +42,50 @@ void read_tips(const ForceReading& from, int link) {
     copy(contact.radius, from.forces.tip_radius);
 }
 
-template <int P, int W>
+template <int P>
+[[nodiscard]] Difference<P, Lanes<1>> between(const double* plus, End plus_end, const double* minus, End minus_end) noexcept {
+    constexpr int size = link_layout<P>.link_size();
+    Lanes<1> front[size], rear[size];
+    std::copy_n(plus, size, front);
+    std::copy_n(minus, size, rear);
+    return {front, plus_end, rear, minus_end};
+}
+
+template <int P>
 void read_plates(const ForceReading& from, int link) {
     const Coefficients& c = from.coefficients();
     const double* q = from.link(link);
     const double* v = q + link_layout<P>.link_size();
-    const Difference<P> d(q, End::front, q, End::rear), rate(v, End::front, v, End::rear);
-    alignas(64) std::array<double, max_plate_lanes + W> tension{};
-    const auto of = [](const auto& numbers, int first) { return load<W>(&numbers[place(first)]); };
-    for (int first = 0; first < c.plates.count; first += W) {
-        plate_stretch<P, W>(c, c.kind(link).free_length, AxisPoints<P, W>(c.plates, first), of(c.plates.weight, first),
-                            of(c.plates.damping, first), d, rate)
-            .tension.copy_to(&tension[place(first)]);
+    const auto d = between<P>(q, End::front, q, End::rear), rate = between<P>(v, End::front, v, End::rear);
+    for (int plate = 0; plate < c.plates.count; ++plate) {
+        const auto stretch = plate_stretch<P, 1>(c, Lanes<1>(c.kind(link).free_length), AxisPoint<P, 1>(c.plates, plate),
+                                                 c.plates.weight[place(plate)], c.plates.damping[place(plate)], d, rate);
+        from.forces.plate_tension[place(c.plates.count * link + plate)] = stretch.tension[0];
     }
-    std::copy_n(tension.begin(), c.plates.count, &from.forces.plate_tension[place(c.plates.count * link)]);
 }
 
 /// The joint of pin `pin`, between the links before and behind it.
-template <int P, int W>
+template <int P>
 void read_joint(const ForceReading& from, int pin) {
     const Coefficients& c = from.coefficients();
     const double* before = from.link(c.layout.previous(pin));
     const double* after = from.link(pin);
     constexpr int size = link_layout<P>.link_size();
-    const JointFrames<double> frames(link_frame<P>(before, before + size), link_frame<P>(after, after + size));
-    const auto motion =
-        joint_motion<P, W>(c.joint, frames, AxisPoints<P, W>(c.joint_points, 0), Difference<P>(before, End::front, after, End::rear),
-                           Difference<P>(before + size, End::front, after + size, End::rear));
-    const auto rolling = rolling_forces<W>(c.joint, load<W>(c.joint_points.weight.data()), motion);
-    from.forces.joint_normal[place(pin)] = sum<W>(rolling.pressing.normal);
-    from.forces.joint_friction[place(pin)] = -sum<W>(rolling.friction_per_speed * motion.slip);
-    from.forces.joint_axial[place(pin)] = -sum<W>(rolling.friction_per_speed * motion.axial);
+    const auto frame = [](const double* link) -> LinkFrameOf<Lanes<1>> {
+        const LinkFrame f = link_frame<P>(link, link + size);
+        return {f.tx, f.ty, f.inverse_length, f.turning};
+    };
+    const JointFrames<Lanes<1>> frames(frame(before), frame(after));
+    const auto gap = between<P>(before, End::front, after, End::rear),
+               rate = between<P>(before + size, End::front, after + size, End::rear);
+    ChainForces& to = from.forces;
+    for (int point = 0; point < c.joint_points.count; ++point) {
+        const auto motion = joint_motion<P, 1>(c.joint, frames, AxisPoint<P, 1>(c.joint_points, point), gap, rate);
+        const auto rolling = rolling_forces<1>(c.joint, Lanes<1>(c.joint_points.weight[place(point)]), motion);
+        to.joint_normal[place(pin)] += rolling.pressing.normal[0];
+        to.joint_friction[place(pin)] -= (rolling.friction_per_speed * motion.slip)[0];
+        to.joint_axial[place(pin)] -= (rolling.friction_per_speed * motion.axial)[0];
+    }
 }
 
 /// Second derivative of the axis in the middle: P_2'' = 3, P_3''(0) = 0. With EI and the axial strain 2e/ℓ_p.
@@ -97,9 +112,9 @@ template <int P>
 void read_forces(const ForceReading& from) {
     const Coefficients& c = from.coefficients();
     for (int link = 0; link < c.layout.links; ++link) {
-        with_lanes(c.plates.width, [&]<int W>() { read_plates<P, W>(from, link); });
+        read_plates<P>(from, link);
         read_tips(from, link);
-        with_lanes(c.joint_points.width, [&]<int W>() { read_joint<P, W>(from, link); });
+        read_joint<P>(from, link);
         read_halves<P>(from, link);
     }
 }

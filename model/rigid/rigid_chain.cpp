@@ -28,7 +28,7 @@ void share_reaction(const SheaveForces& sheaves, int links, LinkLoad* loads) noe
     }
 }
 
-void slopes(const ChainModel& model, const ChainRange& range, double* slope, LinkLoad* loads, Account*) noexcept {
+void slopes(const ChainModel& model, const ChainRange& range, double* slope, LinkLoad* loads) noexcept {
     const RigidChain& chain = *model.rigid();
     const ChainLayout& at = model.layout();
     const int size = at.link_size();
@@ -44,15 +44,11 @@ void slopes(const ChainModel& model, const ChainRange& range, double* slope, Lin
 
 void observed_slopes(const ChainModel& model, const ChainRange& range, double* slope, LinkLoad* loads, Account* accounts,
                      LinkContact*) noexcept {
-    slopes(model, range, slope, loads, nullptr);
+    slopes(model, range, slope, loads);
     const RigidChain& chain = *model.rigid();
     const Account& found = chain.last().forces.account;
     for (std::size_t kind = 0; kind < loss_kinds; ++kind) accounts->loss[kind] += found.loss[kind];
     for (std::size_t kind = 0; kind < energy_kinds; ++kind) accounts->energy[kind] += found.energy[kind];
-}
-
-void probe(const ChainModel& model, const double* state, const SheaveMotion* sheaves, bool, TipProbe& found) noexcept {
-    model.rigid()->probe(state, 1, sheaves, &found);
 }
 
 void probe_links(const ChainModel& model, const double* states, int links, const SheaveMotion* sheaves, bool, TipProbe* found) noexcept {
@@ -61,7 +57,7 @@ void probe_links(const ChainModel& model, const double* states, int links, const
 
 }  // namespace
 
-ChainKernels RigidChain::kernels() noexcept { return {slopes, observed_slopes, model::probe, probe_links}; }
+ChainKernels RigidChain::kernels() noexcept { return {slopes, observed_slopes, probe_links}; }
 
 RigidChain::RigidChain(const Parameters& parameters, Isa isa) : model_(parameters, isa), columns_(model_.columns()), strip_(rigid_lanes) {}
 

@@ -30,8 +30,8 @@ struct FurtherElement {
     };
 
     /// Pin halves: adds to the generalized forces f of a link with velocities v, and to its moment about z, which a strut has none of.
-    template <int P, bool Observe, class Real>
-    static void of_halves(const LinkFrameOf<Real>& frame, const Real* v, Real* f, Real&, [[maybe_unused]] Account* account) noexcept {
+    template <int P, class Real, class Books>
+    static void of_halves(const LinkFrameOf<Real>& frame, const Real* v, Real* f, Real&, [[maybe_unused]] Books& books) noexcept {
         constexpr int xa = link_layout<P>.x(End::rear, 0), ya = link_layout<P>.y(End::rear, 0), xb = link_layout<P>.x(End::front, 0),
                       yb = link_layout<P>.y(End::front, 0);
         const Strut<Real> strut(1.0 / frame.inverse_length, (v[xb] - v[xa]) * frame.tx + (v[yb] - v[ya]) * frame.ty);
@@ -40,9 +40,9 @@ struct FurtherElement {
         f[yb] -= fy;
         f[xa] += fx;
         f[ya] += fy;
-        if constexpr (Observe) {
-            account->store(Energy::pack, strut.energy);
-            account->lose(Loss::inner, strut.power);
+        if constexpr (Books::observed) {
+            books.store(Energy::pack, strut.energy);
+            books.lose(Loss::inner, strut.power);
         }
     }
 

@@ -26,7 +26,7 @@ inline constexpr int two_dozen = directions<24>;
     const auto j = static_cast<std::size_t>(plate);
     const AxisPoint<0, six> place(c.plates, plate);
     const auto stretch = plate_stretch<0, six>(c, Lanes<six>(kind.free_length), place, c.plates.weight[j], c.plates.damping[j], d, rate);
-    return plate_terms<0, six, false>(place, c.plates.weight[j], c.plates.damping[j], stretch, plate_slide(c, stretch));
+    return plate_terms<0, six, NoBooks>(place, c.plates.weight[j], c.plates.damping[j], stretch, plate_slide(c, stretch));
 }
 
 using PointOfJoint = JointTerms<0, eleven>;
@@ -38,9 +38,10 @@ using PointOfJoint = JointTerms<0, eleven>;
     const AxisPoint<0, eleven> place(c.joint_points, point);
     const Lanes<eleven> weight(c.joint_points.weight[static_cast<std::size_t>(point)]);
     const auto motion = joint_motion<0, eleven>(c.joint, frames, place, gap, rate);
-    PointOfJoint terms = rolling_contact_force<0, eleven, false>(c.joint, frames, place, weight, motion, nullptr);
+    NoBooks none;
+    PointOfJoint terms = rolling_contact_force<0, eleven>(c.joint, frames, place, weight, motion, none);
     if (all_at_most<eleven>(beyond_clearance<eleven>(c.joint, frames, motion), 0.0)) return terms;
-    const PointOfJoint held = clearance_force<0, eleven, false>(c.joint, frames, place, weight, motion, nullptr);
+    const PointOfJoint held = clearance_force<0, eleven>(c.joint, frames, place, weight, motion, none);
     for (std::size_t k = 0; k < terms.size(); ++k) terms[k] += held[k];
     return terms;
 }
@@ -61,7 +62,8 @@ template <int side>
     if (!(geometry.depth.value > 0.0)) return {};
     const auto motion = tip_motion<1>(c, tip, frame, v, sheave, geometry);
     const PhaseLanes phases{&phase, 0, phase == Phase::stick || phase == Phase::slip, 1};
-    const auto forces = tip_forces<false, two_dozen>(c.tip, geometry, motion, Lanes<two_dozen>(1.0), phases, nullptr);
+    NoBooks none;
+    const auto forces = tip_forces<two_dozen>(c.tip, geometry, motion, Lanes<two_dozen>(1.0), phases, none);
     return {tip_action(c, frame, geometry, motion, forces), tip_reaction(geometry, motion, forces)};
 }
 

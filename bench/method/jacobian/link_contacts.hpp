@@ -20,7 +20,8 @@ inline void add_inner(const Coefficients& c, const LinkKind& kind, const double*
         q[k] = T::variable(state[k], k);
         v[k] = T::variable(state[n + k], n + k);
     }
-    const T moment = inner_elasticity<P, false>(c, kind, link_frame<P>(q, v), q, v, f, nullptr);
+    NoBooks none;
+    const T moment = inner_elasticity<P>(c, kind, link_frame<P>(q, v), q, v, f, none);
     const auto add = [](const T& from, double* row) {
         for (int k = 0; k < 2 * n; ++k) row[LinkRows<P>::column(1, With::position, 0) + k] += from.slope[static_cast<std::size_t>(k)];
     };
