@@ -18,30 +18,15 @@ namespace cvtflow::tools {
 
 namespace {
 
-/// Places of blocks behind the head: 8 bytes of length, then the numbers.
-class Offsets {
-public:
-    std::size_t next(std::size_t bytes) noexcept {
-        const std::size_t here = end_;
-        end_ += sizeof(std::uint64_t) + bytes;
-        return here;
-    }
-
-private:
-    std::size_t end_ = 0;
-};
-
-std::string array_text(std::string_view type, std::string_view name, int components, std::size_t offset) {
+/// Adds a block, its length and then the numbers, to those behind the head; the head's line of it.
+template <class Number>
+std::string append(std::string& blocks, std::string_view type, std::string_view name, const std::vector<Number>& numbers,
+                   int components = 1) {
+    const std::uint64_t offset = blocks.size(), bytes = numbers.size() * sizeof(Number);
+    blocks.append(reinterpret_cast<const char*>(&bytes), sizeof bytes);
+    blocks.append(reinterpret_cast<const char*>(numbers.data()), bytes);
     return fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"/>\n", type, name,
                        components, offset);
-}
-
-/// A block: its length, then the numbers.
-template <class Number>
-void append(std::string& file, const std::vector<Number>& numbers) {
-    const std::uint64_t bytes = numbers.size() * sizeof(Number);
-    file.append(reinterpret_cast<const char*>(&bytes), sizeof bytes);
-    file.append(reinterpret_cast<const char*>(numbers.data()), bytes);
 }
 
 std::string element(const std::string& name, const std::string& inside) { return fmt::format("<{0}>\n{1}</{0}>\n", name, inside); }
@@ -100,40 +85,21 @@ long VtkSeries::number_of(const std::filesystem::path& file) const {
     return error == std::errc() && stop == last && number >= 0 ? number : -1;
 }
 
-std::size_t VtkSeries::length(const VtkArray& array) const noexcept {
-    return sizeof(float) * static_cast<std::size_t>(array.components) * (array.of_points ? mesh_.points : mesh_.cells());
-}
-
-/// The order of offsets is that in which blocks are written.
-std::string VtkSeries::head() const {
-    Offsets offsets;
-    const std::size_t count = mesh_.cells();
-    std::string cells = array_text("Int64", "connectivity", 1, offsets.next(sizeof(std::int64_t) * mesh_.connectivity.size()));
-    cells += array_text("Int64", "offsets", 1, offsets.next(sizeof(std::int64_t) * count));
-    cells += array_text("UInt8", "types", 1, offsets.next(count));
-    std::string of_cells = array_text("Int32", "part", 1, offsets.next(sizeof(std::int32_t) * count));
-    of_cells += array_text("Int32", "number", 1, offsets.next(sizeof(std::int32_t) * count));
-    const std::string points = array_text("Float32", "Points", 3, offsets.next(3 * sizeof(float) * mesh_.points));
-    std::string of_points;
-    for (const VtkArray& array : arrays_)
-        (array.of_points ? of_points : of_cells) += array_text("Float32", array.name, array.components, offsets.next(length(array)));
-    std::string text = "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" ";
-    text += "header_type=\"UInt64\">\n<UnstructuredGrid>\n";
-    text += fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", mesh_.points, count);
-    text += element("Points", points) + element("Cells", cells) + element("PointData", of_points) + element("CellData", of_cells);
-    return text + "</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_";
-}
-
 void VtkSeries::add(double time, const VtkFrame& frame) {
-    std::string file = head();
-    append(file, mesh_.connectivity);
-    append(file, mesh_.offsets);
-    append(file, mesh_.types);
-    append(file, mesh_.part);
-    append(file, mesh_.number);
-    append(file, frame.points);
-    for (const auto& values : frame.values) append(file, values);
-    file += "\n</AppendedData>\n</VTKFile>\n";
+    std::string blocks, of_points;
+    std::string cells = append(blocks, "Int64", "connectivity", mesh_.connectivity);
+    cells += append(blocks, "Int64", "offsets", mesh_.offsets);
+    cells += append(blocks, "UInt8", "types", mesh_.types);
+    std::string of_cells = append(blocks, "Int32", "part", mesh_.part);
+    of_cells += append(blocks, "Int32", "number", mesh_.number);
+    const std::string points = append(blocks, "Float32", "Points", frame.points, 3);
+    for (std::size_t k = 0; k < arrays_.size(); ++k)
+        (arrays_[k].of_points ? of_points : of_cells) += append(blocks, "Float32", arrays_[k].name, frame.values[k], arrays_[k].components);
+    std::string file = "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" ";
+    file += "header_type=\"UInt64\">\n<UnstructuredGrid>\n";
+    file += fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", mesh_.points, mesh_.cells());
+    file += element("Points", points) + element("Cells", cells) + element("PointData", of_points) + element("CellData", of_cells);
+    file += "</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_" + blocks + "\n</AppendedData>\n</VTKFile>\n";
     const std::filesystem::path name = this->file(count_);
     engine::write_whole({name.string(), {.force = replace_}}, file);
     ++count_;

@@ -59,8 +59,6 @@ public:
     [[nodiscard]] std::uintmax_t finish();
 
 private:
-    [[nodiscard]] std::string head() const;
-    [[nodiscard]] std::size_t length(const VtkArray& array) const noexcept;
     [[nodiscard]] std::filesystem::path file(long number) const;
     /// Number of a file of a series of this name; -1: another file.
     [[nodiscard]] long number_of(const std::filesystem::path& file) const;
