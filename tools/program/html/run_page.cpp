@@ -14,7 +14,6 @@
 #include "tools/program/text/markup.hpp"
 #include "tools/program/text/scene_text.hpp"
 #include "tools/program/text/text.hpp"
-#include "tools/program/view/chain_motion.hpp"
 #include "tools/program/view/recorded_run.hpp"
 #include "tools/program/view/run_plots.hpp"
 
@@ -284,11 +283,12 @@ nlohmann::json curve_data(const RecordedRun& run, std::size_t max_bytes) {
 
 /// Labels of the shafts are by the power that flows into them.
 nlohmann::json motion_data(const RecordedRun& run, const ChainMotion& motion) {
-    nlohmann::json data{
-        {"pins", motion.pins},       {"recorded", motion.recorded}, {"t", packed(motion.times)},          {"x", quantised(motion.x)},
-        {"y", quantised(motion.y)},  {"z", quantised(motion.z)},    {"distance", motion.centre_distance}, {"length", motion.pin_length},
-        {"width", motion.pin_width}, {"flank", motion.flank},       {"innermost", motion.innermost},      {"outermost", motion.outermost},
-        {"span", motion.plate_span}, {"plates", motion.plates},     {"pulleys", motion.pulleys}};
+    const model::Parameters& p = run.scene()->parameters;
+    const bool pulleys = p.detail.pulleys != model::PulleyDetail::absent;
+    nlohmann::json data{{"recorded", motion.recorded}, {"t", packed(motion.times)}, {"pins", p.chain.pins}, {"pulleys", pulleys}};
+    data.update({{"x", quantised(motion.x)}, {"y", quantised(motion.y)}, {"z", quantised(motion.z)}, {"flank", p.tip.angle}});
+    data.update({{"length", p.half.length}, {"width", p.half.width}, {"span", p.plate.span}, {"plates", p.plate.count}});
+    data.update({{"distance", p.pulley.centre_distance}, {"innermost", p.pulley.innermost}, {"outermost", p.pulley.outermost}});
     data["colours"] = nlohmann::json::array();
     const auto add = [&](const char* name, const char* unit, std::vector<float> values) {
         const Shown how = shown(name, unit);
@@ -297,7 +297,7 @@ nlohmann::json motion_data(const RecordedRun& run, const ChainMotion& motion) {
     };
     add("pin force", "N", motion.pin_force);
     add("tension", "N", motion.tension);
-    if (motion.pulleys) add("slip", "1", motion.slip);
+    if (pulleys) add("slip", "1", motion.slip);
     const bool first_drives = !(power_into(run, 1) < power_into(run, 2));
     data["labels"] = {first_drives ? "drive" : "driven", first_drives ? "driven" : "drive"};
     for (const std::size_t shaft : {0U, 1U})
@@ -422,8 +422,8 @@ void add_chain(Page& page, const RecordedRun& run) {
     for (const char* script : {"three.min.js", "solids.js", "chain.js"}) page.scripts.push_back(script);
     page.data["motion"] = motion_data(run, motion);
     page.sections.push_back({"running", "Running chain", chain_body(motion)});
-    if (motion.pulleys && !motion.pin_force.empty())
-        page.sections.push_back({"pin-forces", "Pin forces", picture(pin_force_plot(motion, run.conditions()))});
+    if (page.data["motion"]["pulleys"] && !motion.pin_force.empty())
+        page.sections.push_back({"pin-forces", "Pin forces", picture(pin_force_plot(run, motion))});
 }
 
 /// "baseline", of several records "baseline, tiny" or "baseline: load.torque 7 N*m, load.torque 8 N*m".

@@ -1,5 +1,3 @@
-#include "tools/program/view/chain_motion.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,7 +6,7 @@
 
 #include "model/parameters/chain_layout.hpp"
 #include "tools/program/text/text.hpp"
-#include "tools/program/view/recorded_run.hpp"
+#include "tools/program/view/run_plots.hpp"
 
 namespace cvtflow::tools {
 
@@ -77,10 +75,11 @@ private:
         motion.z.push_back(static_cast<float>(q[at_.z(model::End::rear)]));
         const auto phases = tips_of(now.phases, pin);
         const bool touches = std::any_of(phases.begin(), phases.end(), [](std::uint8_t phase) { return phase != 0; });
-        const std::size_t shaft = q[ix] > 0.5 * motion.centre_distance ? 1 : 0;
+        const double distance = run_.scene()->parameters.pulley.centre_distance;
+        const std::size_t shaft = q[ix] > 0.5 * distance ? 1 : 0;
         double slip = 0.0;
         if (touches) {
-            const double dx = q[ix] - (shaft == 1 ? motion.centre_distance : 0.0), dy = q[iy];
+            const double dx = q[ix] - (shaft == 1 ? distance : 0.0), dy = q[iy];
             const double squared = dx * dx + dy * dy;
             if (speed[shaft] != 0.0) slip = 1.0 - (dx * v[iy] - dy * v[ix]) / squared / speed[shaft];
             sum[shaft] += std::sqrt(squared), count[shaft] += 1.0;
@@ -96,33 +95,13 @@ private:
     std::array<std::string, 2> angle_, speed_;
 };
 
-ChainMotion shape_of(const model::Parameters& parameters) {
-    ChainMotion motion;
-    motion.pins = parameters.chain.pins;
-    motion.centre_distance = parameters.pulley.centre_distance;
-    motion.pin_length = parameters.half.length;
-    motion.pin_width = parameters.half.width;
-    motion.flank = parameters.tip.angle;
-    motion.innermost = parameters.pulley.innermost;
-    motion.outermost = parameters.pulley.outermost;
-    motion.plates = parameters.plate.count;
-    motion.plate_span = parameters.plate.span;
-    motion.pulleys = parameters.detail.pulleys != model::PulleyDetail::absent;
-    return motion;
-}
-
-/// Minimum, mean and maximum per 3° of angle.
-struct RoundBin {
-    double least = INFINITY, largest = -INFINITY, sum = 0.0, count = 0.0;
-};
-
 }  // namespace
 
 ChainMotion chain_motion(const RecordedRun& run, std::size_t max_states) {
     const std::size_t recorded = run.reader().state_times().size();
     if (!run.scene() || recorded == 0) return {};
     const ChainLayout at = model::layout_of(run.scene()->parameters);
-    ChainMotion motion = shape_of(run.scene()->parameters);
+    ChainMotion motion;
     motion.recorded = recorded;
     const MotionReader reader(run, at);
     const std::size_t shown = std::min(recorded, max_states);
@@ -133,33 +112,33 @@ ChainMotion chain_motion(const RecordedRun& run, std::size_t max_states) {
     return motion;
 }
 
-Plot pin_force_plot(const ChainMotion& motion, const std::string& conditions) {
+Plot pin_force_plot(const RecordedRun& run, const ChainMotion& motion) {
     constexpr int bins = 120;
+    const double distance = run.scene()->parameters.pulley.centre_distance;
     Plot plot;
     plot.title = "Axial force of the pins round the pulleys";
-    plot.subtitle = conditions + ", mean over all states; thin: minimum and maximum";
+    plot.subtitle = run.conditions() + ", mean over all states; thin: minimum and maximum";
     plot.x.label = "angle about the shaft in its sense of turning, 0: away from the other shaft [°]";
     const Shown how = shown("pin force", "N");
     plot.y.label = fmt::format("force of both halves on each sheave [{}]", how.unit);
     plot.x.from = -130.0, plot.x.to = 130.0;
     for (const int shaft : {1, 2}) {
-        std::vector<RoundBin> round(bins);
+        std::vector<std::vector<double>> round(bins);  // forces per 3° of angle
         for (std::size_t k = 0; k < motion.pin_force.size(); ++k) {
             if (motion.side[k] != static_cast<float>(shaft) || !std::isfinite(motion.pin_force[k])) continue;
-            const double away = shaft == 2 ? motion.x[k] - motion.centre_distance : -static_cast<double>(motion.x[k]);
+            const double away = shaft == 2 ? motion.x[k] - distance : -static_cast<double>(motion.x[k]);
             const double angle = std::atan2(shaft == 2 ? motion.y[k] : -static_cast<double>(motion.y[k]), away);
-            RoundBin& bin = round[static_cast<std::size_t>(std::clamp((angle / std::numbers::pi + 1.0) * 0.5 * bins, 0.0, bins - 1.0))];
-            bin.least = std::min<double>(bin.least, motion.pin_force[k]), bin.largest = std::max<double>(bin.largest, motion.pin_force[k]);
-            bin.sum += motion.pin_force[k], bin.count += 1.0;
+            const double bin = std::clamp((angle / std::numbers::pi + 1.0) * 0.5 * bins, 0.0, bins - 1.0);
+            round[static_cast<std::size_t>(bin)].push_back(motion.pin_force[k]);
         }
         const std::string colour = palette(static_cast<std::size_t>(shaft - 1));
         Series mean{shaft == 1 ? "driving sheaves" : "driven sheaves", {}, Mark::none, Line::solid, colour, 2.4}, low = mean, high = mean;
         low.name.clear(), high.name.clear(), low.width = high.width = 0.8;
         for (int k = 0; k < bins; ++k) {
-            const RoundBin& bin = round[static_cast<std::size_t>(k)];
-            const double angle = -180.0 + 360.0 * (k + 0.5) / bins, nothing = NAN;
-            mean.points.push_back({angle, bin.count > 0.0 ? how.factor * bin.sum / bin.count : nothing});
-            low.points.push_back({angle, how.factor * bin.least}), high.points.push_back({angle, how.factor * bin.largest});
+            const FiniteFigures forces(round[static_cast<std::size_t>(k)]);
+            const double angle = -180.0 + 360.0 * (k + 0.5) / bins;
+            mean.points.push_back({angle, how.factor * forces.mean});
+            low.points.push_back({angle, how.factor * forces.least}), high.points.push_back({angle, how.factor * forces.largest});
         }
         for (Series* series : {&mean, &low, &high}) plot.series.push_back(std::move(*series));
     }
