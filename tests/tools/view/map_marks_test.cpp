@@ -1,5 +1,3 @@
-#include "tools/program/view/map_marks.hpp"
-
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -9,6 +7,7 @@
 #include <vector>
 
 #include "tests/tools/program_fixture.hpp"
+#include "tools/program/view/sweep_view.hpp"
 
 namespace cvtflow::tools {
 namespace {

@@ -22,7 +22,6 @@
 #include "tools/program/plot/field.hpp"
 #include "tools/program/text/scene_text.hpp"
 #include "tools/program/text/text.hpp"
-#include "tools/program/view/map_marks.hpp"
 
 namespace cvtflow::tools {
 

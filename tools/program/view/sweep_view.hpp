@@ -88,4 +88,10 @@ struct Measured {
 /// @throws UsageError as above, and where several cases fall on one point, with the axes in which they differ
 [[nodiscard]] Plot sweep_map(const SweepView& sweep, const std::string& x, const std::string& y, const std::string& colour);
 
+/// Series above a map, in units of display. "torque limit": where one axis is load.torque, the load of safety factor 1 over the other
+/// axis, by the scenes of the cases; absent where it is outside of their loads, where it depends on more than the other axis, and where the
+/// clamping force or the load follows from the run. "verified": cases that also ran at reference quality.
+/// @param sweep cases that ended well   @param x, y columns of numbers
+[[nodiscard]] std::vector<Series> map_marks(const SweepView& sweep, std::size_t x, std::size_t y);
+
 }  // namespace cvtflow::tools
