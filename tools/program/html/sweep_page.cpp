@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
+#include <sstream>
 
 #include "tasks/batch/sweep/scalar.hpp"
 #include "tools/program/guard.hpp"
@@ -24,12 +24,8 @@ std::string endings(const SweepView& sweep) {
     for (const auto& row : sweep.cells) {
         ++counts[row[status]];
         if (noted == sweep.columns.end()) continue;
-        const std::string& words = row[static_cast<std::size_t>(noted - sweep.columns.begin())];
-        for (std::size_t begin = 0; begin < words.size();) {
-            const std::size_t end = std::min(words.find(' ', begin), words.size());
-            ++notes[words.substr(begin, end - begin)];
-            begin = end + 1;
-        }
+        std::istringstream words(row[static_cast<std::size_t>(noted - sweep.columns.begin())]);
+        for (std::string note; words >> note;) ++notes[note];
     }
     std::string items;
     for (const auto& [name, count] : counts)
@@ -54,10 +50,9 @@ std::string cases_table(const SweepView& sweep) {
     for (std::size_t row = 0; row < sweep.cells.size(); ++row) {
         text += "<tr>";
         for (std::size_t c = 0; c < sweep.columns.size(); ++c) {
-            const std::string& cell = sweep.cells[row][c];
             const double number = how_to_show(sweep.columns[c]).factor * sweep.number(row, c);
             text += sweep.columns[c].number ? fmt::format("<td class=\"number\" data-value=\"{0:.17g}\">{0:.6g}</td>", number)
-                                            : fmt::format("<td>{}</td>", html(cell));
+                                            : fmt::format("<td>{}</td>", html(sweep.cells[row][c]));
         }
         text += "</tr>\n";
     }
@@ -77,13 +72,6 @@ nlohmann::json data_of(const SweepView& sweep) {
     const std::size_t status = sweep.column("status");
     for (const auto& row : sweep.cells) data["cases"].push_back(row[status]);
     return {{"sweep", std::move(data)}};
-}
-
-/// Values of a column that differ.
-std::set<std::string> values_of(const SweepView& sweep, std::size_t column) {
-    std::set<std::string> values;
-    for (const auto& row : sweep.cells) values.insert(row[column]);
-    return values;
 }
 
 /// Maps of results over two axes; empty where several cases are at one point of these.
@@ -110,9 +98,9 @@ std::string maps(const SweepView& sweep) {
     std::vector<std::string> axes, results;
     for (std::size_t c = 0; c < sweep.columns.size(); ++c) {
         const SweepColumn& column = sweep.columns[c];
-        const std::size_t values = column.number ? values_of(sweep, c).size() : 0;
-        if (column.axis && values > 1) axes.push_back(column.name);
-        if (is_result(column) && values > 1 && results.size() < most) results.push_back(column.name);
+        if (!column.number || !sweep.varies(c)) continue;
+        if (column.axis) axes.push_back(column.name);
+        if (is_result(column) && results.size() < most) results.push_back(column.name);
     }
     for (std::size_t other = 0; other + 1 < axes.size(); ++other) {
         if (std::string text = maps_over(sweep, axes.back(), axes[other], results); !text.empty()) return text;

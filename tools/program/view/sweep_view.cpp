@@ -53,6 +53,14 @@ std::vector<std::vector<std::string>> lines_of(const std::string& path) {
     return lines;
 }
 
+/// @throws engine::RecordError for a line with more or fewer cells than there are headings
+void require_full_lines(const std::vector<std::vector<std::string>>& lines, const std::string& path) {
+    for (std::size_t line = 1; line < lines.size(); ++line) {
+        if (lines[line].size() != lines[0].size())
+            throw engine::RecordError(fmt::format("{}:{}: {} cells, not {}", path, line + 1, lines[line].size(), lines[0].size()));
+    }
+}
+
 SweepView from_csv(const std::string& path) {
     auto lines = lines_of(path);
     if (lines.size() < 2 || std::find(lines[0].begin(), lines[0].end(), "status") == lines[0].end())
@@ -62,11 +70,9 @@ SweepView from_csv(const std::string& path) {
         const tasks::Heading heading = tasks::heading_of(cell);  // "slip_mean", or "slip_mean [1]" as --units prints it
         view.columns.push_back({heading.name, heading.unit, "", false, false});
     }
-    for (std::size_t line = 1; line < lines.size(); ++line) {
-        if (lines[line].size() != view.columns.size())
-            throw engine::RecordError(fmt::format("{}:{}: {} cells, not {}", path, line + 1, lines[line].size(), view.columns.size()));
-        view.cells.push_back(std::move(lines[line]));
-    }
+    require_full_lines(lines, path);
+    lines.erase(lines.begin());
+    view.cells = std::move(lines);
     return view;
 }
 
@@ -99,7 +105,6 @@ std::size_t numbers_of(const SweepView& sweep, const std::string& word) {
 }
 
 std::string heading_of(const SweepColumn& column) { return shown(column.name, column.unit).label; }
-double factor_of(const SweepColumn& column) { return shown(column.name, column.unit).factor; }
 
 /// "load torque" of a column.
 std::string title_of(const SweepColumn& column) {
@@ -126,10 +131,7 @@ std::string counts_text(const SweepView& sweep, std::size_t good) {
 std::vector<std::size_t> others(const SweepView& sweep, const std::set<std::size_t>& but) {
     std::vector<std::size_t> found;
     for (std::size_t c = 0; c < sweep.columns.size(); ++c) {
-        if (!sweep.columns[c].axis || but.contains(c)) continue;
-        std::set<std::string> values;
-        for (const auto& row : sweep.cells) values.insert(row[c]);
-        if (values.size() > 1) found.push_back(c);
+        if (sweep.columns[c].axis && !but.contains(c) && sweep.varies(c)) found.push_back(c);
     }
     return found;
 }
@@ -228,10 +230,26 @@ Scale map_scale(const SweepView& sweep, std::size_t column) {
     return ratio && std::ranges::all_of(sweep.cells, positive) ? Scale::logarithmic : Scale::linear;
 }
 
+/// Values of a column as they are entered, in the order of cases, the first few: "12 kN, 16 kN, 20 kN".
+std::string values_text(const std::vector<std::vector<std::string>>& cells, const SweepColumn& column, std::size_t number) {
+    constexpr std::size_t few = 6;
+    const Shown how = column.number ? shown(column.name, column.unit) : Shown{};
+    std::vector<std::string> values;
+    for (const auto& row : cells) {
+        const std::string text = column.number
+                                     ? fmt::format("{:.6g}{}{}", how.factor * as_number(row[number]), how.unit.empty() ? "" : " ", how.unit)
+                                     : row[number];
+        if (std::find(values.begin(), values.end(), text) != values.end()) continue;
+        values.push_back(values.size() < few ? text : "…");
+        if (values.size() > few) break;
+    }
+    return fmt::format("{}", fmt::join(values, ", "));
+}
+
 }  // namespace
 
 double value_of(const SweepView& sweep, std::size_t row, std::size_t column) {
-    return sweep.number(row, column) * factor_of(sweep.columns[column]);
+    return sweep.number(row, column) * shown(sweep.columns[column].name, sweep.columns[column].unit).factor;
 }
 
 Measured read_measured(const std::string& path) {
@@ -244,13 +262,10 @@ Measured read_measured(const std::string& path) {
         if (const auto* wrong = std::get_if<std::string>(&unit)) throw engine::RecordError(fmt::format("{}: {}: {}", path, cell, *wrong));
         measured.columns.push_back({heading.name, heading.unit, std::get<tasks::Quantity>(unit).value, {}});
     }
-    for (std::size_t line = 1; line < lines.size(); ++line) {
-        if (lines[line].size() != lines[0].size())
-            throw engine::RecordError(fmt::format("{}:{}: {} cells, not {}", path, line + 1, lines[line].size(), lines[0].size()));
-        for (std::size_t c = 0; c < lines[line].size(); ++c) {
-            MeasuredColumn& column = measured.columns[c];
-            column.values.push_back(column.factor * as_number(lines[line][c]));
-        }
+    require_full_lines(lines, path);
+    for (std::size_t c = 0; c < measured.columns.size(); ++c) {
+        MeasuredColumn& column = measured.columns[c];
+        for (std::size_t line = 1; line < lines.size(); ++line) column.values.push_back(column.factor * as_number(lines[line][c]));
     }
     return measured;
 }
@@ -298,6 +313,10 @@ std::size_t SweepView::column(const std::string& word) const {
 
 double SweepView::number(std::size_t row, std::size_t column) const { return as_number(cells[row][column]); }
 
+bool SweepView::varies(std::size_t column) const {
+    return std::ranges::any_of(cells, [&](const auto& row) { return row[column] != cells.front()[column]; });
+}
+
 std::optional<tasks::Scene> SweepView::scene_of_case(std::size_t row) const {
     std::optional<tasks::Scene> made = scene;
     for (std::size_t c = 0; c < columns.size() && made; ++c) {
@@ -312,26 +331,6 @@ std::optional<tasks::Scene> SweepView::scene_of_case(std::size_t row) const {
     }
     return made;
 }
-
-namespace {
-
-/// Values of a column as they are entered, in the order of cases, the first few: "12 kN, 16 kN, 20 kN".
-std::string values_text(const std::vector<std::vector<std::string>>& cells, const SweepColumn& column, std::size_t number) {
-    constexpr std::size_t few = 6;
-    const Shown how = column.number ? shown(column.name, column.unit) : Shown{};
-    std::vector<std::string> values;
-    for (const auto& row : cells) {
-        const std::string text = column.number
-                                     ? fmt::format("{:.6g}{}{}", how.factor * as_number(row[number]), how.unit.empty() ? "" : " ", how.unit)
-                                     : row[number];
-        if (std::find(values.begin(), values.end(), text) != values.end()) continue;
-        values.push_back(values.size() < few ? text : "…");
-        if (values.size() > few) break;
-    }
-    return fmt::format("{}", fmt::join(values, ", "));
-}
-
-}  // namespace
 
 void SweepView::keep(const std::string& condition) {
     const auto equals = condition.find('=');
@@ -357,8 +356,7 @@ void SweepView::keep_good() {
 
 bool is_sweep(const std::string& path) {
     const std::filesystem::path file(path);
-    if (std::filesystem::is_directory(file) || file.extension() == ".csv") return true;
-    if (file.filename() == "cases.h5") return true;
+    if (std::filesystem::is_directory(file) || file.extension() == ".csv" || file.filename() == "cases.h5") return true;
     try {
         static_cast<void>(engine::CaseReader(path));
         return true;
@@ -392,8 +390,7 @@ SweepView read_sweep(const std::string& path) {
         const tasks::Parameter* key = key_of(column.name);
         column.axis = key != nullptr;
         if (key != nullptr && column.unit.empty()) column.unit = key->unit;
-        column.number = false;
-        for (std::size_t row = 0; row < view.cells.size() && !column.number; ++row) column.number = std::isfinite(view.number(row, c));
+        column.number = std::ranges::any_of(view.cells, [&](const auto& row) { return std::isfinite(as_number(row[c])); });
     }
     return view;
 }
@@ -439,7 +436,7 @@ Plot sweep_map(const SweepView& sweep, const std::string& x, const std::string& 
         made.plot.series.insert(made.plot.series.end(), marks.begin(), marks.end());
         return made.plot;
     }
-    Series cases{"cases", {}, Mark::small_dot, Line::none, "#ffffff"};
+    Series cases{"", {}, Mark::small_dot, Line::none, "#ffffff"};
     for (const double row : field.y) {
         for (const double column : field.x) {
             const auto found = places.find({column, row});
@@ -447,7 +444,6 @@ Plot sweep_map(const SweepView& sweep, const std::string& x, const std::string& 
             if (found != places.end()) cases.points.push_back({column, row});
         }
     }
-    cases.name.clear();
     made.plot.series.push_back(std::move(cases));
     const auto most =
         std::ranges::max_element(places, {}, [](const auto& place) { return std::isfinite(place.second) ? place.second : -INFINITY; });

@@ -29,6 +29,8 @@ struct SweepView {
     [[nodiscard]] std::size_t column(const std::string& word) const;
     /// NaN for a cell that is no number.
     [[nodiscard]] double number(std::size_t row, std::size_t column) const;
+    /// Whether the cases differ in a column.
+    [[nodiscard]] bool varies(std::size_t column) const;
     /// The scene of a case, without a start state; none of a CSV, or if this program cannot read it.
     [[nodiscard]] std::optional<tasks::Scene> scene_of_case(std::size_t row) const;
     /// Keeps cases whose column has that value. @param condition "start.ratio=1"   @throws UsageError
