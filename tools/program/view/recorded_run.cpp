@@ -75,10 +75,8 @@ ChannelDifference of_channel(const Curve& curve, std::vector<double> a, const st
 
 std::string how_to_record(const std::string& name) {
     const auto all = tasks::channels();
-    const auto named = [&](const tasks::Channel& channel) { return channel.name == name; };
-    const auto of_group = [&](const tasks::Channel& channel) { return channel.name.starts_with(name + "/"); };
-    const bool group = std::any_of(all.begin(), all.end(), of_group);
-    const auto found = std::find_if(all.begin(), all.end(), named);
+    const bool group = std::ranges::any_of(all, [&](const tasks::Channel& channel) { return channel.name.starts_with(name + "/"); });
+    const auto found = std::ranges::find(all, name, &tasks::Channel::name);
     if (found == all.end() && !group) return {};
     if (found != all.end() && !found->is(tasks::Channel::on_demand)) return "the machine has no pulleys";
     return fmt::format("record it with --set record.channels={}{}", name, found == all.end() ? "/*" : "");
@@ -91,11 +89,7 @@ RecordedRun::RecordedRun(std::string path)
     if (!finite || !std::is_sorted(times_.begin(), times_.end())) throw engine::RecordError(path_ + ": damaged: times do not increase");
 }
 
-std::string RecordedRun::name() const {
-    const auto scene = reader_.attribute("scene");
-    const auto* text = scene ? std::get_if<std::string>(&scene->value) : nullptr;
-    return text != nullptr ? *text : "";
-}
+std::string RecordedRun::name() const { return text_of(reader_.attributes(), "scene", ""); }
 
 std::string RecordedRun::conditions() const {
     const auto& all = reader_.attributes();
@@ -120,8 +114,7 @@ double last_time(const std::vector<RecordedRun>& runs) {
 std::vector<tasks::KeyDifference> differing_keys(const tasks::Scene& a, const tasks::Scene& b) {
     const auto counts = [](const tasks::Parameter& key) { return key.section() != "scene"; };
     std::vector<tasks::KeyDifference> keys = tasks::differing_keys(a, b, counts, tasks::readable_value);
-    const bool levels = !tasks::level_of(a).empty() && !tasks::level_of(b).empty() && tasks::level_of(a) != tasks::level_of(b);
-    if (!levels) return keys;
+    if (tasks::level_of(a).empty() || tasks::level_of(b).empty() || tasks::level_of(a) == tasks::level_of(b)) return keys;
     std::erase_if(keys, [](const tasks::KeyDifference& each) {  // a level sets its dials; pulleys may be absent at any
         return each.key->key != "detail.pulleys" && std::ranges::count(tasks::dial_keys(), each.key->key) > 0;
     });
@@ -145,7 +138,7 @@ std::string only_difference(const std::vector<RecordedRun>& runs, const Recorded
 
 const engine::ChannelInfo* RecordedRun::channel(const std::string& name) const {
     const auto& channels = reader_.channels();
-    const auto found = std::find_if(channels.begin(), channels.end(), [&](const engine::ChannelInfo& c) { return c.name == name; });
+    const auto found = std::ranges::find(channels, name, &engine::ChannelInfo::name);
     return found == channels.end() ? nullptr : &*found;
 }
 
@@ -228,15 +221,14 @@ engine::RecordedState machine_state(const std::string& path, const engine::RunRe
     engine::RecordedState recorded = run.state(number);
     const bool fits = recorded.state.size() == static_cast<std::size_t>(at.size()) &&
                       recorded.phases.size() == static_cast<std::size_t>(model::tips_per_link * at.links);
-    const bool phases = std::all_of(recorded.phases.begin(), recorded.phases.end(),
-                                    [](std::uint8_t phase) { return phase <= static_cast<std::uint8_t>(model::Phase::slip); });
+    const bool phases =
+        std::ranges::all_of(recorded.phases, [](auto phase) { return phase <= static_cast<std::uint8_t>(model::Phase::slip); });
     if (!fits || !phases) throw engine::RecordError(fmt::format("{}: state {} does not match its machine", path, number));
     return recorded;
 }
 
 bool finite(const engine::RecordedState& recorded) {
-    return std::isfinite(recorded.time) &&
-           std::all_of(recorded.state.begin(), recorded.state.end(), [](double value) { return std::isfinite(value); });
+    return std::isfinite(recorded.time) && std::ranges::all_of(recorded.state, [](double value) { return std::isfinite(value); });
 }
 
 double MeanDifference::relative() const noexcept { return a != 0.0 ? (b - a) / std::abs(a) : std::numeric_limits<double>::quiet_NaN(); }
@@ -249,14 +241,11 @@ RunDifference difference(const RecordedRun& a, const RecordedRun& b) {
     const auto begin = first - ours.begin(), end = last - ours.begin();
     result.times.assign(first, last);
     const std::vector<Curve> of_a = a.overview(), of_b = b.overview();
-    const auto named = [](const std::vector<Curve>& curves, const std::string& name) {
-        return std::find_if(curves.begin(), curves.end(), [&](const Curve& curve) { return curve.name == name; });
-    };
     for (const Curve& curve : of_b) {
-        if (named(of_a, curve.name) == of_a.end()) result.only_b.push_back(curve.name);
+        if (std::ranges::count(of_a, curve.name, &Curve::name) == 0) result.only_b.push_back(curve.name);
     }
     for (const Curve& curve : of_a) {
-        const auto other = named(of_b, curve.name);
+        const auto other = std::ranges::find(of_b, curve.name, &Curve::name);
         if (other == of_b.end()) {
             result.only_a.push_back(curve.name);
         } else if (!result.times.empty()) {
