@@ -186,16 +186,15 @@ DrawnCurve period_means(const std::vector<double>& times, const std::vector<doub
 
 constexpr double long_run = 60.0;  ///< pin periods beyond which vibrations would be a solid band
 
-/// The pin period of a run that is longer than that [s]; 0: every output is drawn.
-double averaged_period(const RecordedRun& run) {
+/// The pin period of a run that is longer than that [s]; 0: every output is drawn, also of lengths, whose swings such means would hide.
+/// @param unit of the curve
+double averaged_period(const RecordedRun& run, const std::string& unit) {
+    if (unit == "m") return 0.0;
     const auto pins = run.pin_frequency();
     const double span = run.times().back() - run.times().front();
     if (!pins || span * *pins < long_run || static_cast<double>(run.times().size()) < 4.0 * span * *pins) return 0.0;
     return 1.0 / *pins;
 }
-
-/// Zero also for lengths, whose swings such means would hide. @param unit of the curve
-double averaged_period(const RecordedRun& run, const std::string& unit) { return unit == "m" ? 0.0 : averaged_period(run); }
 
 /// A curve as it is drawn. @param period as averaged_period()
 DrawnCurve drawn_of(const RecordedRun& run, const std::vector<double>& values, double period) {
@@ -231,8 +230,17 @@ std::pair<double, double> amplitude_range(const Plot& plot, double end) {
     return {std::max(1e-6 * largest, 0.5 * std::min(smallest, largest)), 2.0 * largest};
 }
 
-void require_resolved(const RecordedRun& run) {
-    if (const std::string why = run.unresolved(); !why.empty()) throw UsageError(run.path() + ": " + why);
+/// Points of the measured columns among the curves of the first run. @throws UsageError if there is none
+void add_measured(std::vector<Panel>& panels, const std::vector<Curve>& curves, const Measured& measured, const Curve& x, double factor) {
+    bool any = false;
+    for (const Curve& curve : curves) {
+        if (measured.find(curve.name, curve.unit) == nullptr) continue;
+        Series points = measured.points({x.name, x.unit}, {curve.name, curve.unit}, fmt::format("{}, {}", curve.name, measured.name));
+        for (Point& point : points.points) point.x *= factor / shown(x.name, x.unit).factor;
+        panel_of(panels, curve).series.push_back(std::move(points));
+        any = true;
+    }
+    if (!any) throw UsageError(fmt::format("--with {}: its columns are none of the channels that are drawn", measured.path));
 }
 
 }  // namespace
@@ -335,22 +343,6 @@ std::vector<Point> thinned(const std::vector<Point>& points, std::size_t columns
     return kept;
 }
 
-namespace {
-/// Points of the measured columns among the curves of the first run. @throws UsageError if there is none
-void add_measured(std::vector<Panel>& panels, const std::vector<Curve>& curves, const Measured& measured, const Curve& x, double factor) {
-    bool any = false;
-    for (const Curve& curve : curves) {
-        if (measured.find(curve.name, curve.unit) == nullptr) continue;
-        Series points = measured.points({x.name, x.unit}, {curve.name, curve.unit}, fmt::format("{}, {}", curve.name, measured.name));
-        for (Point& point : points.points) point.x *= factor / shown(x.name, x.unit).factor;
-        panel_of(panels, curve).series.push_back(std::move(points));
-        any = true;
-    }
-    if (!any) throw UsageError(fmt::format("--with {}: its columns are none of the channels that are drawn", measured.path));
-}
-
-}  // namespace
-
 std::vector<Plot> time_plots(const std::vector<RecordedRun>& runs, const std::vector<std::string>& words, bool every_output,
                              const Measured* measured, const std::string& x) {
     constexpr std::size_t stretches = 10000;  // of a curve that is drawn over another one
@@ -392,7 +384,7 @@ std::vector<Plot> order_plots(const std::vector<RecordedRun>& runs, const std::v
     const double unit = orders.empty() ? 1.0 : orders.front().frequency;
     for (const RecordedRun& run : runs) {
         for (const Curve& curve : chosen(run, words)) {
-            require_resolved(run);
+            if (const std::string why = run.unresolved(); !why.empty()) throw UsageError(run.path() + ": " + why);
             AmplitudeSpectrum spectrum = amplitude_spectrum(run.times(), curve.values);
             if (spectrum.frequency.empty()) throw UsageError(run.path() + ": orders need 8 rows at least");
             Plot& plot = panel_of(panels, curve);
@@ -433,9 +425,8 @@ Plot round_plot(const std::vector<RecordedRun>& runs) {
     plot.x.label = fmt::format("x [{}]", length.unit), plot.y.label = fmt::format("y [{}]", length.unit);
     for (const RecordedRun& run : runs) {
         const auto& channels = run.reader().channels();
-        const auto place = std::find_if(channels.begin(), channels.end(), [](const engine::ChannelInfo& channel) {
-            return channel.width == 3 && channel.unit == "m" && channel.axis == "axis";
-        });
+        const auto place = std::ranges::find_if(
+            channels, [](const auto& channel) { return channel.width == 3 && channel.unit == "m" && channel.axis == "axis"; });
         if (place == channels.end()) throw UsageError(run.path() + ": the record has no channel with a place in space");
         const std::vector<double> all = run.reader().channel(place->name);
         Series series{runs.size() == 1 ? "" : run.path(), {}, Mark::none, Line::solid, "", 1.4};
