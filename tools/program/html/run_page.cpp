@@ -305,8 +305,6 @@ nlohmann::json motion_data(const RecordedRun& run, const ChainMotion& motion) {
     return data;
 }
 
-constexpr std::size_t columns_drawn_of_difference = 450;
-
 std::string keys_that_differ(const RecordedRun& a, const RecordedRun& b) {
     if (!a.scene() || !b.scene()) return "<p>This program cannot read the scenes of both records.</p>\n";
     std::string rows;
@@ -347,14 +345,10 @@ std::string curves_of_differences(const RunDifference& d) {
         const Shown how = shown(each.curve.name, each.curve.unit);
         std::vector<Point> points;
         for (std::size_t k = 0; k < d.times.size(); ++k) points.push_back({time.factor * d.times[k], how.factor * each.curve.values[k]});
-        Plot plot;
-        plot.title = each.curve.name + ": B - A";
-        plot.x.label = time.label;
-        plot.y.label = how.unit.empty() ? "B - A" : fmt::format("B - A [{}]", how.unit);
-        plot.height = 300.0;
-        const bool dots = points.size() == 1;
-        plot.series.push_back({"", thinned(points, columns_drawn_of_difference), dots ? Mark::dot : Mark::none, Line::solid, "", 1.4});
-        text += "<figure>" + svg(plot) + "</figure>\n";
+        const std::string label = how.unit.empty() ? "B - A" : fmt::format("B - A [{}]", how.unit);
+        Plot plot{.title = each.curve.name + ": B - A", .subtitle = {}, .x = {time.label}, .y = {label}, .height = 300.0};
+        plot.series.push_back({"", points, points.size() == 1 ? Mark::dot : Mark::none, Line::solid, "", 1.4});
+        text += picture(std::move(plot));
     }
     if (!same.empty()) text += fmt::format("<p>The same in every common row: {}.</p>\n", html(same));
     return text;

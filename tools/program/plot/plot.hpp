@@ -18,8 +18,8 @@ enum class Scale {
 struct Axis {
     std::string label;  ///< with its unit: "step [s]"
     Scale scale = Scale::linear;
-    double linear_up_to = 1.0;       ///< symlog only: > 0
-    std::optional<double> from, to;  ///< ends; absent: those of the points, with a margin
+    double linear_up_to = 1.0;           ///< symlog only: > 0
+    std::optional<double> from{}, to{};  ///< ends; absent: those of the points, with a margin
 };
 
 enum class Mark { none, dot, small_dot, ring, square, diamond, triangle, cross };
@@ -64,8 +64,8 @@ struct Plot {
     std::string title;
     std::string subtitle;  ///< conditions, in smaller letters; may be empty
     Axis x, y;
-    std::vector<Series> series;
-    std::vector<Region> regions;               ///< below the series, in this order
+    std::vector<Series> series{};
+    std::vector<Region> regions{};             ///< below the series, in this order
     std::vector<Field> fields{};               ///< above the regions, below the series
     std::vector<Bar> bars{};                   ///< if there are any, they are the picture, from top to bottom
     double width = 860.0, height = 540.0;      ///< of the picture [px], without a legend below it

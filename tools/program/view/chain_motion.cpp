@@ -115,13 +115,12 @@ ChainMotion chain_motion(const RecordedRun& run, std::size_t max_states) {
 Plot pin_force_plot(const RecordedRun& run, const ChainMotion& motion) {
     constexpr int bins = 120;
     const double distance = run.scene()->parameters.pulley.centre_distance;
-    Plot plot;
-    plot.title = "Axial force of the pins round the pulleys";
-    plot.subtitle = run.conditions() + ", mean over all states; thin: minimum and maximum";
-    plot.x.label = "angle about the shaft in its sense of turning, 0: away from the other shaft [°]";
     const Shown how = shown("pin force", "N");
-    plot.y.label = fmt::format("force of both halves on each sheave [{}]", how.unit);
-    plot.x.from = -130.0, plot.x.to = 130.0;
+    Plot plot{
+        .title = "Axial force of the pins round the pulleys",
+        .subtitle = run.conditions() + ", mean over all states; thin: minimum and maximum",
+        .x = {.label = "angle about the shaft in its sense of turning, 0: away from the other shaft [°]", .from = -130.0, .to = 130.0},
+        .y = {fmt::format("force of both halves on each sheave [{}]", how.unit)}};
     for (const int shaft : {1, 2}) {
         std::vector<std::vector<double>> round(bins);  // forces per 3° of angle
         for (std::size_t k = 0; k < motion.pin_force.size(); ++k) {

@@ -393,7 +393,7 @@ std::vector<Plot> order_plots(const std::vector<RecordedRun>& runs, const std::v
             const Shown how = shown(curve.name, curve.unit);
             for (double& amplitude : spectrum.amplitude) amplitude *= how.factor;
             if (plot.series.empty())
-                plot.y = {"amplitude of " + how.label, Scale::logarithmic, 1.0, {}, {}};
+                plot.y = {"amplitude of " + how.label, Scale::logarithmic};
             else
                 plot.y.label = "amplitude, " + label_of_unit(how.unit.empty() ? curve.unit : how.unit);
             end = std::min(end, spectrum.frequency.back());
@@ -418,11 +418,9 @@ std::vector<Plot> order_plots(const std::vector<RecordedRun>& runs, const std::v
 }
 
 Plot round_plot(const std::vector<RecordedRun>& runs) {
-    Plot plot;
-    plot.title = "Round of the followed pin";
-    plot.subtitle = subtitle_of(runs);
     const Shown length = shown("position", "m");
-    plot.x.label = fmt::format("x [{}]", length.unit), plot.y.label = fmt::format("y [{}]", length.unit);
+    const std::string x = fmt::format("x [{}]", length.unit), y = fmt::format("y [{}]", length.unit);
+    Plot plot{.title = "Round of the followed pin", .subtitle = subtitle_of(runs), .x = {x}, .y = {y}};
     for (const RecordedRun& run : runs) {
         const auto& channels = run.reader().channels();
         const auto place = std::ranges::find_if(
@@ -444,10 +442,7 @@ Plot loss_plot(const RecordedRun& run) {
     std::sort(kinds.begin(), kinds.end(), [](const Curve& a, const Curve& b) { return mean_of(a.values) > mean_of(b.values); });
     double total = 0.0;
     for (const Curve& kind : kinds) total += mean_of(kind.values);
-    Plot plot;
-    plot.title = fmt::format("Losses by kind: {:.4g} W on average", total);
-    plot.width = 620.0;
-    plot.y.label = "mean power dissipated [W]";
+    std::vector<Bar> bars;
     std::string zeros;
     for (const Curve& kind : kinds) {
         const double mean = mean_of(kind.values);
@@ -455,11 +450,12 @@ Plot loss_plot(const RecordedRun& run) {
         std::replace(name.begin(), name.end(), '_', ' ');
         if (mean == 0.0) zeros += (zeros.empty() ? "; zero: " : ", ") + name;
         const std::string share = total > 0.0 ? fmt::format(" ({:.1f} %)", 100.0 * mean / total) : "";
-        if (mean != 0.0) plot.bars.push_back({name, mean, fmt::format("{:.4g} W{}", mean, share)});
+        if (mean != 0.0) bars.push_back({name, mean, fmt::format("{:.4g} W{}", mean, share)});
     }
-    if (plot.bars.empty()) plot.bars.push_back({"all kinds", 0.0, "0 W"});
-    plot.subtitle = run.conditions() + zeros;
-    return plot;
+    if (bars.empty()) bars.push_back({"all kinds", 0.0, "0 W"});
+    const std::string title = fmt::format("Losses by kind: {:.4g} W on average", total);
+    return {
+        .title = title, .subtitle = run.conditions() + zeros, .x = {}, .y = {"mean power dissipated [W]"}, .bars = bars, .width = 620.0};
 }
 
 std::string csv(const std::vector<Plot>& plots) {

@@ -44,8 +44,7 @@ std::vector<double> integrals(const RecordedRun& run, const ChannelRows& rows) {
 
 /// How well the outputs sample the wear: their sum beside the energy that the run has accounted for in every step.
 std::string sampled_text(const RecordedRun& run, double sampled) {
-    constexpr const char* counted = "dissipated/tip_friction";
-    const std::vector<double> so_far = run.values(counted);
+    const std::vector<double> so_far = run.values("dissipated/tip_friction");
     if (so_far.empty()) return "";
     return fmt::format("; {} outputs sum to {:.4g} J of the {:.4g} J that friction of tips dissipated", run.times().size(), sampled,
                        so_far.back() - so_far.front());
@@ -68,12 +67,7 @@ struct Rings {
 template <class Scale>
 Plot over_radius(const RecordedRun& run, const Rings& rings, const std::vector<double>& values, const std::string& title,
                  const std::string& label, const Scale& scale) {
-    Plot plot;
-    plot.title = title;
-    plot.subtitle = run.conditions();
-    plot.x.label = "radius [mm]";
-    plot.y.label = label;
-    plot.height = 300.0;
+    Plot plot{.title = title, .subtitle = run.conditions(), .x = {"radius [mm]"}, .y = {label}, .height = 300.0};
     for (std::size_t sheave = 0; sheave < 4; ++sheave) {
         Series series{fmt::format("sheave {}", sheave_names[sheave]), {}, Mark::small_dot, Line::solid, "", 1.6};
         for (std::size_t ring = 0; ring < rings.count; ++ring) {
@@ -114,12 +108,8 @@ Series histogram(const std::vector<double>& values) {
 Plot over_tips(const RecordedRun& run, const model::Parameters& p) {
     const std::vector<double> way = integrals(run, rows_of(run, "wear/tip_force_speed")),
                               pressure = largest(rows_of(run, "wear/tip_pressure"));
-    Plot plot;
-    plot.title = "Worn depth of the tips in 1,000 hours";
-    plot.subtitle = run.conditions();
-    plot.x.label = "depth [um]";
-    plot.y.label = "number of tips";
-    plot.height = 300.0;
+    const std::string title = "Worn depth of the tips in 1,000 hours";
+    Plot plot{.title = title, .subtitle = run.conditions(), .x = {"depth [um]"}, .y = {"number of tips"}, .height = 300.0};
     const double scale = 1e6 * per_thousand_hours(run) * p.wear.coefficient;
     std::vector<double> depths;
     for (std::size_t tip = 0; tip < way.size(); ++tip) {
