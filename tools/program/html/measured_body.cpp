@@ -15,7 +15,7 @@ namespace {
 
 /// How far the curve of a record is, as it is drawn, from the points measured within its time, a row of a table.
 std::string deviation_row(const RecordedRun& run, const engine::ChannelInfo& channel, const Measured& measured) {
-    const DrawnCurve simulated = drawn_curve(run, channel.name);
+    const DrawnCurve simulated = drawn_curve(run, channel);
     const MeasuredColumn &time = measured.at("time", "s"), &column = measured.at(channel.name, channel.unit);
     double sum = 0.0, squares = 0.0, largest = 0.0;
     long count = 0;

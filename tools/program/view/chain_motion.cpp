@@ -21,10 +21,6 @@ public:
         for (const engine::ChannelInfo& channel : run.reader().channels()) {
             if (channel.unit == "N" && channel.width == model::tips_per_link * at.links && tip_.empty()) tip_ = channel.name;
             if (channel.unit == "N" && channel.width == at.links && channel.axis == "link" && link_.empty()) link_ = channel.name;
-            for (const int shaft : {0, 1}) {
-                if (channel.name == fmt::format("shaft_{}/angle", shaft + 1)) angle_[shaft] = channel.name;
-                if (channel.name == fmt::format("shaft_{}/speed", shaft + 1)) speed_[shaft] = channel.name;
-            }
         }
     }
 
@@ -39,8 +35,8 @@ public:
         }
         std::array<double, 2> speed{}, sum{}, count{};
         for (const std::size_t shaft : {0U, 1U}) {
-            speed[shaft] = number(speed_[shaft], at_row);
-            motion.angle[shaft].push_back(static_cast<float>(number(angle_[shaft], at_row)));
+            speed[shaft] = number(fmt::format("shaft_{}/speed", shaft + 1), at_row);
+            motion.angle[shaft].push_back(static_cast<float>(number(fmt::format("shaft_{}/angle", shaft + 1), at_row)));
         }
         for (int pin = 0; pin < at_.links; ++pin) place(motion, now, pin, speed, sum, count);
         for (const std::size_t shaft : {0U, 1U})
@@ -52,7 +48,7 @@ private:
         return channel.empty() ? std::vector<double>{} : run_.reader().channel_rows(channel, row, 1);
     }
     [[nodiscard]] double number(const std::string& channel, std::size_t row) const {
-        return channel.empty() ? 0.0 : read(channel, row).front();
+        return run_.channel(channel) == nullptr ? 0.0 : read(channel, row).front();
     }
     /// Its rear half is on its own link, its front half on the link before.
     template <class Value>
@@ -92,7 +88,6 @@ private:
     const ChainLayout at_;
     const std::vector<double>& times_;
     std::string tip_, link_;
-    std::array<std::string, 2> angle_, speed_;
 };
 
 }  // namespace

@@ -22,15 +22,6 @@ namespace {
 constexpr double max_order = 20.0;  ///< up to which multiples are marked
 constexpr int max_pattern = 6;      ///< links of a pattern whose multiples can still be distinguished
 
-/// Mean turns of a shaft [Hz]; 0 if the record does not contain them.
-double turns(const RecordedRun& run, int shaft) {
-    const double mean = FiniteFigures(run.values(fmt::format("shaft_{}/speed", shaft))).mean;
-    return std::isfinite(mean) ? mean / (2.0 * std::numbers::pi) : 0.0;
-}
-
-/// Whether pins pass at this order.
-bool at_pins(double order) { return std::abs(order - std::round(order)) < 1e-6; }
-
 constexpr std::size_t columns_drawn = 1500;  ///< of pixels, or of half pixels
 
 std::vector<Curve> chosen(const RecordedRun& run, const std::vector<std::string>& words) {
@@ -245,9 +236,8 @@ void add_measured(std::vector<Panel>& panels, const std::vector<Curve>& curves, 
 
 }  // namespace
 
-DrawnCurve drawn_curve(const RecordedRun& run, const std::string& channel) {
-    const engine::ChannelInfo* info = run.channel(channel);
-    return drawn_of(run, run.values(channel), averaged_period(run, info == nullptr ? "" : info->unit));
+DrawnCurve drawn_curve(const RecordedRun& run, const engine::ChannelInfo& channel) {
+    return drawn_of(run, run.values(channel.name), averaged_period(run, channel.unit));
 }
 
 AmplitudeSpectrum amplitude_spectrum(const std::vector<double>& times, std::vector<double> values) {
@@ -295,8 +285,8 @@ std::vector<Repetition> repetitions(const RecordedRun& run) {
     if (pattern > 1) all.push_back({"pitch pattern", *pins / pattern, pattern <= max_pattern, "#b8860b"});
     all.push_back({"round of the chain", *pins / chain.pins, false, ""});
     for (const int shaft : {1, 2}) {
-        if (const double mean = turns(run, shaft); mean > 0.0)
-            all.push_back({fmt::format("shaft {}", shaft), mean, false, shaft == 1 ? "#333333" : "#aa3377"});
+        const double mean = FiniteFigures(run.values(fmt::format("shaft_{}/speed", shaft))).mean / (2.0 * std::numbers::pi);
+        if (mean > 0.0) all.push_back({fmt::format("shaft {}", shaft), mean, false, shaft == 1 ? "#333333" : "#aa3377"});
     }
     return all;
 }
@@ -306,16 +296,14 @@ std::vector<Series> order_lines(const std::vector<Repetition>& all, double end, 
     for (const Repetition& each : all) {
         if (each.colour.empty()) continue;
         const bool pins = &each == &all.front();
-        Series lines{fmt::format("{}: {:.4g} Hz{}", pins ? "pins pass" : each.name, each.frequency, each.multiples ? " and multiples" : ""),
-                     {},
-                     Mark::none,
-                     pins ? Line::dashed : Line::dotted,
-                     each.colour,
-                     pins ? 1.0 : 1.4};
+        const std::string multiples = each.multiples ? " and multiples" : "";
+        const std::string name = fmt::format("{}: {:.4g} Hz{}", pins ? "pins pass" : each.name, each.frequency, multiples);
+        Series lines{name, {}, Mark::none, pins ? Line::dashed : Line::dotted, each.colour, pins ? 1.0 : 1.4};
         const double first = each.frequency / all.front().frequency, last = std::min(end, each.multiples ? max_order : first);
         for (int multiple = 1; multiple * first <= last; ++multiple) {
-            if (!pins && at_pins(multiple * first)) continue;
-            for (const double y : {range.first, range.second, static_cast<double>(NAN)}) lines.points.push_back({multiple * first, y});
+            const double order = multiple * first;
+            if (!pins && std::abs(order - std::round(order)) < 1e-6) continue;  // pins pass there
+            for (const double y : {range.first, range.second, static_cast<double>(NAN)}) lines.points.push_back({order, y});
         }
         drawn.push_back(std::move(lines));
     }

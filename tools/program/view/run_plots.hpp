@@ -58,7 +58,7 @@ struct DrawnCurve {
     std::vector<double> times, values;
 };
 /// A channel as time_plots() draws it without `every_output`.
-[[nodiscard]] DrawnCurve drawn_curve(const RecordedRun& run, const std::string& channel);
+[[nodiscard]] DrawnCurve drawn_curve(const RecordedRun& run, const engine::ChannelInfo& channel);
 
 /// Their amplitudes over orders of the pins that pass in the first run; over frequency if the record does not contain them.
 [[nodiscard]] std::vector<Plot> order_plots(const std::vector<RecordedRun>& runs, const std::vector<std::string>& words);

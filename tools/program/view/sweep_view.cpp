@@ -184,14 +184,8 @@ void add_points(Plot& plot, const SweepView& sweep, std::size_t x, std::size_t y
         const double share = levels.size() > 1 ? static_cast<double>(k) / static_cast<double>(levels.size() - 1) : 0.5;
         const std::string from = tick_label(levels[k] - 0.5 * step, 0.1 * step), to = tick_label(levels[k] + 0.5 * step, 0.1 * step);
         const bool first = k == 0, last = k + 1 == levels.size();  // what lies beyond the levels belongs to the nearest
-        Series series{first && last ? "all"
-                      : first       ? "below " + to
-                      : last        ? "above " + from
-                                    : fmt::format("{} … {}", from, to),
-                      {},
-                      Mark::dot,
-                      Line::none,
-                      heat_colour(share)};
+        const std::string name = first && last ? "all" : first ? "below " + to : last ? "above " + from : from + " … " + to;
+        Series series{name, {}, Mark::dot, Line::none, heat_colour(share)};
         for (std::size_t row = 0; row < sweep.cells.size(); ++row) {
             const double value = value_of(sweep, row, colour);
             const auto nearest =

@@ -45,12 +45,19 @@ void put(std::vector<float>& points, const std::array<float, 3>& point) { points
 
 }  // namespace
 
-void VtkMesh::add(VtkCell type, std::span<const std::int64_t> corners, std::int32_t which, std::int32_t count) {
+void VtkMesh::add(VtkCell type, std::span<const std::int64_t> corners, Solid which, int count) {
     connectivity.insert(connectivity.end(), corners.begin(), corners.end());
     offsets.push_back(static_cast<std::int64_t>(connectivity.size()));
     types.push_back(static_cast<std::uint8_t>(type));
-    part.push_back(which);
+    part.push_back(static_cast<std::int32_t>(which));
     number.push_back(count);
+}
+
+void VtkMesh::add(VtkCell type, std::int64_t new_points, Solid which, int count) {
+    std::vector<std::int64_t> corners(place(new_points));
+    std::iota(corners.begin(), corners.end(), static_cast<std::int64_t>(points));
+    points += corners.size();
+    add(type, corners, which, count);
 }
 
 VtkSeries::VtkSeries(const engine::Permit& collection, const VtkMesh& mesh, std::vector<VtkArray> arrays, bool replace)
@@ -118,31 +125,14 @@ std::uintmax_t VtkSeries::finish() {
 
 ChainSolids::ChainSolids(const model::Variator& variator, const model::Parameters& parameters)
     : variator_(variator), parameters_(parameters), observer_(variator) {
-    mesh_halves();
-    mesh_plates();
+    const int links = variator.layout().links, plates = model::plates_per_link(variator.chain()) * links;
+    for (int half = 0; half < 2 * links; ++half) mesh_.add(VtkCell::poly_line, points_of_half, Solid::half, half);
+    for (int plate = 0; plate < plates; ++plate) mesh_.add(VtkCell::line, 2, Solid::plate, plate);
     if (variator.layout().pulley_size != 0) mesh_sheaves();
 }
 
 std::vector<VtkArray> ChainSolids::arrays() {
     return {{"axial_force"}, {"bending_moment"}, {"tension"}, {"joint_force"}, {"tip_force", 3, true}};
-}
-
-void ChainSolids::mesh_halves() {
-    for (int half = 0; half < 2 * variator_.layout().links; ++half) {
-        std::array<std::int64_t, points_of_half> corners{};
-        std::iota(corners.begin(), corners.end(), static_cast<std::int64_t>(mesh_.points));
-        mesh_.points += corners.size();
-        mesh_.add(VtkCell::poly_line, corners, static_cast<std::int32_t>(Solid::half), half);
-    }
-}
-
-void ChainSolids::mesh_plates() {
-    const int plates = model::plates_per_link(variator_.chain()) * variator_.layout().links;
-    for (int plate = 0; plate < plates; ++plate) {
-        const std::int64_t first = static_cast<std::int64_t>(mesh_.points);
-        mesh_.points += 2;
-        mesh_.add(VtkCell::line, std::array{first, first + 1}, static_cast<std::int32_t>(Solid::plate), plate);
-    }
 }
 
 /// Rings of quads between the innermost and the outermost radius.
@@ -152,7 +142,7 @@ void ChainSolids::mesh_sheaves() {
         mesh_.points += 2 * sectors;
         for (std::int64_t sector = 0; sector < sectors; ++sector) {
             const std::int64_t here = first + 2 * sector, next = first + 2 * ((sector + 1) % sectors);
-            mesh_.add(VtkCell::quad, std::array{here, here + 1, next + 1, next}, static_cast<std::int32_t>(Solid::sheave), sheave);
+            mesh_.add(VtkCell::quad, std::array{here, here + 1, next + 1, next}, Solid::sheave, sheave);
         }
     }
 }

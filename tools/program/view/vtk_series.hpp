@@ -19,6 +19,9 @@ namespace cvtflow::tools {
 
 enum class VtkCell : std::uint8_t { line = 3, poly_line = 4, quad = 9 };
 
+/// Kind of a cell (array "part"); "number": half = 2 link + (front), plate = (plates per link) link + number, sheave = 2 shaft + side.
+enum class Solid { half = 0, plate = 1, sheave = 2 };
+
 /// Points and cells; constant in time.
 struct VtkMesh {
     std::size_t points = 0;
@@ -28,7 +31,9 @@ struct VtkMesh {
     std::vector<std::int32_t> part, number;  ///< [cells] what a cell shows and which one of these
 
     [[nodiscard]] std::size_t cells() const noexcept { return types.size(); }
-    void add(VtkCell type, std::span<const std::int64_t> corners, std::int32_t which, std::int32_t count);
+    void add(VtkCell type, std::span<const std::int64_t> corners, Solid which, int count);
+    /// A cell of points of its own, in their order.
+    void add(VtkCell type, std::int64_t new_points, Solid which, int count);
 };
 
 /// A quantity at every time.
@@ -73,9 +78,6 @@ private:
     std::uintmax_t bytes_ = 0;
 };
 
-/// Kind of a cell (array "part"); "number": half = 2 link + (front), plate = (plates per link) link + number, sheave = 2 shaft + side.
-enum class Solid { half = 0, plate = 1, sheave = 2 };
-
 class ChainSolids {
 public:
     ChainSolids(const model::Variator& variator, const model::Parameters& parameters);
@@ -87,8 +89,6 @@ public:
     void show(double time, const double* state, const model::Phase* phases, VtkFrame& frame);
 
 private:
-    void mesh_halves();
-    void mesh_plates();
     void mesh_sheaves();
     [[nodiscard]] std::array<float, 3> point_of(const double* link, model::End end, double position) const;
     void show_links(const double* state, VtkFrame& frame);
