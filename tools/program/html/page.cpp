@@ -10,11 +10,12 @@
 #include "tasks/run/saved_start.hpp"
 #include "tools/program/text/markup.hpp"
 #include "tools/program/text/scene_text.hpp"
+#include "tools/program/text/text.hpp"
 
 namespace cvtflow::tools {
 
 std::string_view asset(std::string_view name) {
-    const auto found = std::find_if(assets().begin(), assets().end(), [&](const Asset& asset) { return asset.name == name; });
+    const auto found = std::ranges::find(assets(), name, &Asset::name);
     if (found != assets().end()) return found->text;
     throw std::runtime_error(fmt::format(
         "reports require {}, which was missing when this program was built: install Debian's libjs-dygraphs and libjs-three, or run npm ci "
@@ -62,16 +63,23 @@ std::string policy_of(const Page& page) {
 /// Style of the library that draws curves, if the page uses it.
 std::string_view style_of(const Page& page) {
     static constexpr std::string_view library = "dygraph.min.js";
-    const bool used = std::find(page.scripts.begin(), page.scripts.end(), library) != page.scripts.end();
-    return used ? asset("dygraph.min.css") : std::string_view{};
+    return std::ranges::count(page.scripts, library) > 0 ? asset("dygraph.min.css") : std::string_view{};
 }
 
 /// Licences of the scripts by others, as a comment: the part of licenses.txt before the first line of dashes.
 std::string notice_of(const Page& page) {
-    const bool foreign =
-        std::any_of(page.scripts.begin(), page.scripts.end(), [](const std::string& name) { return name.ends_with(".min.js"); });
+    const bool foreign = std::ranges::any_of(page.scripts, [](const std::string& name) { return name.ends_with(".min.js"); });
     const std::string_view text = asset("licenses.txt");
     return foreign ? fmt::format("<!--\n{}-->\n", text.substr(0, text.find("\n--") + 1)) : std::string{};
+}
+
+/// A value as text; of a long table its beginning, how many points it has, and its unit.
+std::string brief_value(const std::string& value) {
+    constexpr std::size_t longest = 160;
+    const auto end = value.rfind("], [", longest);
+    if (value.size() <= longest || end == std::string::npos) return value;
+    return fmt::format("{}], … ({} points){}", value.substr(0, end), std::count(value.begin(), value.end(), '[') - 1,
+                       value.substr(value.rfind(']') + 1));
 }
 
 }  // namespace
@@ -120,6 +128,20 @@ std::string attribute_table(const std::vector<engine::Attribute>& attributes) {
             texts += fmt::format("<details><summary>{}</summary><pre>{}</pre></details>\n", html(each.name), html(value));
     }
     return definition_table(rows) + texts;
+}
+
+std::string default_differences(const std::vector<tasks::KeyDifference>& keys, std::string_view shared_by) {
+    std::string rows;
+    for (const tasks::KeyDifference& each : keys)
+        rows += fmt::format("<tr><td><code>{}</code></td><td>{}</td><td>{}</td><td>{}</td></tr>\n", each.key->key,
+                            html(brief_value(each.a)), html(each.b), html(each.key->meaning));
+    if (rows.empty())
+        return fmt::format("<p>Every key {} has its default.</p>\n",
+                           shared_by.empty() ? "of the scene" : fmt::format("that the {} share", shared_by));
+    std::string shown = table("", "", {"key", "here", "default", "meaning"}, rows);
+    shown.insert(shown.size() - 1, "</details>");
+    return fmt::format("<details><summary>{} from defaults{}</summary>{}", plural(static_cast<long>(keys.size()), "difference"),
+                       shared_by.empty() ? "" : fmt::format(", common to all {}", shared_by), shown);
 }
 
 std::string definition_table(const std::vector<std::pair<std::string, std::string>>& rows) {

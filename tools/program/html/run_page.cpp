@@ -49,33 +49,6 @@ std::string status_list(const RecordedRun& run) {
     return fmt::format("<ul class=\"status\">\n{}</ul>\n", text);
 }
 
-/// A value as text; of a long table its beginning, how many points it has, and its unit.
-std::string brief_value(const std::string& value) {
-    constexpr std::size_t longest = 160;
-    const auto end = value.rfind("], [", longest);
-    if (value.size() <= longest || end == std::string::npos) return value;
-    return fmt::format("{}], … ({} points){}", value.substr(0, end), std::count(value.begin(), value.end(), '[') - 1,
-                       value.substr(value.rfind(']') + 1));
-}
-
-}  // namespace
-
-std::string default_differences(const std::vector<tasks::KeyDifference>& keys, std::string_view shared_by) {
-    std::string rows;
-    for (const tasks::KeyDifference& each : keys)
-        rows += fmt::format("<tr><td><code>{}</code></td><td>{}</td><td>{}</td><td>{}</td></tr>\n", each.key->key,
-                            html(brief_value(each.a)), html(each.b), html(each.key->meaning));
-    if (rows.empty())
-        return fmt::format("<p>Every key {} has its default.</p>\n",
-                           shared_by.empty() ? "of the scene" : fmt::format("that the {} share", shared_by));
-    std::string shown = table("", "", {"key", "here", "default", "meaning"}, rows);
-    shown.insert(shown.size() - 1, "</details>");
-    return fmt::format("<details><summary>{} from defaults{}</summary>{}", plural(static_cast<long>(keys.size()), "difference"),
-                       shared_by.empty() ? "" : fmt::format(", common to all {}", shared_by), shown);
-}
-
-namespace {
-
 /// Keys whose values are not the defaults, folded; of several records those that all share.
 std::string differences(const std::vector<RecordedRun>& runs) {
     const tasks::Scene& scene = *runs.front().scene();
@@ -109,7 +82,7 @@ using Rows = std::vector<std::pair<std::string, std::string>>;  ///< of a defini
 
 Rows simulated(const RecordedRun& run) {
     const auto& times = run.times();
-    Rows rows{{"record", html(run.path())}, {"scene", html(attribute(run, "scene"))}};
+    Rows rows{{"record", html(run.path())}, {"scene", html(run.name())}};
     if (run.scene()) rows.insert(rows.end(), {{"", html(run.scene()->description)}, {"detail", html(detail_text(*run.scene()))}});
     rows.push_back({"conditions", html(run.conditions())});
     if (const std::string drive = drive_text(run); !drive.empty()) rows.push_back({"power", html(drive)});
@@ -214,14 +187,14 @@ std::string spectra(const std::vector<RecordedRun>& runs) {
 
 /// Rows in groups; of each group the minimum and the maximum are kept, in their order.
 struct Stretches {
-    std::size_t rows, count;  ///< count: 0: every row is kept
+    std::ptrdiff_t rows, count;  ///< count: 0: every row is kept
 
-    [[nodiscard]] std::size_t begin(std::size_t number) const noexcept { return number * rows / count; }
+    [[nodiscard]] std::ptrdiff_t begin(std::ptrdiff_t number) const noexcept { return number * rows / count; }
     /// Times that values() belong to.
     [[nodiscard]] std::vector<double> times(const std::vector<double>& all) const {
         if (count == 0) return all;
         std::vector<double> kept;
-        for (std::size_t k = 0; k < count; ++k) {
+        for (std::ptrdiff_t k = 0; k < count; ++k) {
             kept.push_back(all[begin(k)]);
             kept.push_back(all[(begin(k) + begin(k + 1)) / 2]);
         }
@@ -230,9 +203,8 @@ struct Stretches {
     [[nodiscard]] std::vector<float> values(const std::vector<double>& all) const {
         if (count == 0) return {all.begin(), all.end()};
         std::vector<float> kept;
-        for (std::size_t k = 0; k < count; ++k) {
-            const auto from = all.begin() + static_cast<std::ptrdiff_t>(begin(k)),
-                       to = all.begin() + static_cast<std::ptrdiff_t>(begin(k + 1));
+        for (std::ptrdiff_t k = 0; k < count; ++k) {
+            const auto from = all.begin() + begin(k), to = all.begin() + begin(k + 1);
             auto [first, second] = finite_extremes(from, to, [](double value) { return value; });
             if (second < first) std::swap(first, second);
             kept.push_back(static_cast<float>(*first));
@@ -243,7 +215,7 @@ struct Stretches {
 };
 
 bool constant(const Curve& curve) {
-    return std::all_of(curve.values.begin(), curve.values.end(), [&](double value) { return value == curve.values.front(); });
+    return std::ranges::all_of(curve.values, [&](double value) { return value == curve.values.front(); });
 }
 
 /// In the units that people read.
@@ -265,9 +237,9 @@ std::vector<Curve> all_curves(const RecordedRun& run) {
 nlohmann::json curve_data(const RecordedRun& run, std::size_t max_bytes) {
     const std::vector<Curve> curves = all_curves(run);
     const auto moving = static_cast<std::size_t>(std::count_if(curves.begin(), curves.end(), [](const Curve& c) { return !constant(c); }));
-    const std::size_t points = max_bytes / (6 * (moving + 2));  // a float takes 5.3 bytes of base64
-    const std::size_t rows = run.times().size();
-    const Stretches stretches{rows, rows <= points ? 0 : std::max<std::size_t>(1, points / 2)};
+    const auto points = static_cast<std::ptrdiff_t>(max_bytes / (6 * (moving + 2)));  // a float takes 5.3 bytes of base64
+    const auto rows = static_cast<std::ptrdiff_t>(run.times().size());
+    const Stretches stretches{rows, rows <= points ? 0 : std::max<std::ptrdiff_t>(1, points / 2)};
     const std::vector<double> times = stretches.times(run.times());
     nlohmann::json list = nlohmann::json::array();
     for (const Curve& curve : curves) {
@@ -359,6 +331,7 @@ std::string channels_of_one(const char* which, const std::vector<std::string>& n
     return fmt::format("<p>Only {} has {}.</p>\n", which, html(fmt::format("{}", fmt::join(names, ", "))));
 }
 
+/// One record against another: keys of the scenes that differ, key figures side by side, curves of the differences. HTML.
 std::string against(const RecordedRun& a, const RecordedRun& b) {
     std::string text = fmt::format("<h3>A: {}, B: {}</h3>\n", html(a.path()), html(b.path())) + keys_that_differ(a, b);
     const RunDifference d = difference(a, b);
@@ -367,13 +340,6 @@ std::string against(const RecordedRun& a, const RecordedRun& b) {
         text += fmt::format("<p>Compared from {} to {}, at the {} times of A; B is interpolated to these times.</p>\n",
                             time_text(d.times.front()), time_text(d.times.back()), d.times.size());
     return text + side_by_side(d) + channels_of_one("A", d.only_a) + channels_of_one("B", d.only_b) + curves_of_differences(d);
-}
-
-/// Every further record against the first: keys of the scenes that differ, key figures side by side, curves of the differences. HTML.
-std::string difference_body(const std::vector<RecordedRun>& runs) {
-    std::string text;
-    for (std::size_t k = 1; k < runs.size(); ++k) text += against(runs.front(), runs[k]);
-    return text;
 }
 
 /// Curves are drawn by the script.
@@ -424,8 +390,8 @@ void add_chain(Page& page, const RecordedRun& run) {
 std::string title_of(const std::vector<RecordedRun>& runs) {
     std::string names, settings;
     for (const RecordedRun& run : runs) {
-        const std::string name = attribute(run, "scene"), setting = only_difference(runs, run);
-        if (&run == &runs.front() || name != attribute(runs.front(), "scene")) names += (names.empty() ? "" : ", ") + name;
+        const std::string name = run.name(), setting = only_difference(runs, run);
+        if (&run == &runs.front() || name != runs.front().name()) names += (names.empty() ? "" : ", ") + name;
         if (!setting.empty()) settings += (settings.empty() ? ": " : ", ") + setting;
     }
     return names + settings;
@@ -441,19 +407,19 @@ std::string run_page(const std::vector<RecordedRun>& runs, const Measured* measu
     for (const RecordedRun& run : runs) page.data["runs"].push_back(curve_data(run, bytes_of_curves / runs.size()));
     const Shown time = shown_time(last_time(runs));
     page.data["time"] = {{"u", time.unit}, {"f", time.factor}};
-    if (runs.size() > 1) page.sections.push_back({"differences", "Differences", difference_body(runs)});
+    std::string compared, origins;
+    for (std::size_t k = 1; k < runs.size(); ++k) compared += against(runs.front(), runs[k]);
+    if (runs.size() > 1) page.sections.push_back({"differences", "Differences", compared});
     page.sections.push_back({"figures", "Key figures", of_all(runs, figures)});
     if (measured != nullptr) page.sections.push_back({"measured", "Measured data", measured_body(runs, *measured)});
     page.sections.push_back({"simulated", "What was simulated", simulated(runs)});
     page.sections.push_back({"curves", "Curves", curves_body(page.data)});
     add_chain(page, runs.front());
-    const auto has_losses = [](const RecordedRun& run) { return !run.group("loss").empty(); };
-    if (std::all_of(runs.begin(), runs.end(), has_losses))
+    if (std::ranges::none_of(runs, [](const RecordedRun& run) { return run.group("loss").empty(); }))
         page.sections.push_back(
             {"losses", "Losses", of_all(runs, [](const RecordedRun& run) { return picture(loss_plot(run)) + energies(run); })});
-    if (std::all_of(runs.begin(), runs.end(), has_wear)) page.sections.push_back({"wear", "Wear", of_all(runs, wear)});
+    if (std::ranges::all_of(runs, has_wear)) page.sections.push_back({"wear", "Wear", of_all(runs, wear)});
     page.sections.push_back({"spectra", "Spectra", spectra(runs)});
-    std::string origins;
     for (const RecordedRun& run : runs)
         origins += fmt::format("<h3>{}</h3>\n", html(run.path())) + attribute_table(run.reader().attributes());
     page.sections.push_back({"provenance", "Provenance", origins});
