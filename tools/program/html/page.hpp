@@ -58,12 +58,6 @@ struct Page {
 /// Rows of two cells. @param rows heading and HTML
 [[nodiscard]] std::string definition_table(const std::vector<std::pair<std::string, std::string>>& rows);
 
-/// Curves of the channels that were measured, with the measured points, and how far the records are from these.
-/// @throws UsageError if no heading is a channel of the first record, or there is no column of times
-[[nodiscard]] std::string measured_body(const std::vector<RecordedRun>& runs, const Measured& measured);
-/// Measured outputs of a sweep over the measured key. @throws UsageError if no heading is a column of the sweep, or none is a key
-[[nodiscard]] std::string measured_body(const SweepView& sweep, const Measured& measured);
-
 /// One document; the chain runs in that of the first record. @param measured in a section of its own, if given
 /// @throws std::runtime_error see text_of(Page), UsageError
 [[nodiscard]] std::string run_page(const std::vector<RecordedRun>& runs, const Measured* measured = nullptr);

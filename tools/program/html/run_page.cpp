@@ -11,6 +11,7 @@
 
 #include "tasks/run/run_means.hpp"
 #include "tasks/scene/parameter_table.hpp"
+#include "tools/program/guard.hpp"
 #include "tools/program/text/markup.hpp"
 #include "tools/program/text/scene_text.hpp"
 #include "tools/program/text/text.hpp"
@@ -158,6 +159,45 @@ std::string of_all(const std::vector<RecordedRun>& runs, const Each& each) {
     std::string text;
     for (const RecordedRun& run : runs) text += (runs.size() > 1 ? fmt::format("<h3>{}</h3>\n", html(run.path())) : "") + each(run);
     return text;
+}
+
+/// How far the curve of a record is, as it is drawn, from the points measured within its time, a row of a table.
+std::string deviation_row(const RecordedRun& run, const engine::ChannelInfo& channel, const Measured& measured) {
+    const DrawnCurve simulated = drawn_curve(run, channel);
+    const MeasuredColumn &time = measured.at("time", "s"), &column = measured.at(channel.name, channel.unit);
+    double sum = 0.0, squares = 0.0, largest = 0.0;
+    long count = 0;
+    for (std::size_t k = 0; k < column.values.size(); ++k) {
+        if (!(time.values[k] >= simulated.times.front() && time.values[k] <= simulated.times.back())) continue;
+        const double deviation = on_line(simulated.times, simulated.values, time.values[k]) - column.values[k];
+        if (!std::isfinite(deviation)) continue;
+        sum += deviation, squares += deviation * deviation, ++count;
+        if (std::abs(deviation) > std::abs(largest)) largest = deviation;
+    }
+    const Shown how = shown(channel.name, channel.unit);
+    const double points = static_cast<double>(count);
+    return fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td class=\"number\" data-value=\"{}\">{}</td>", html(run.path()),
+                       html(channel.name), html(how.unit), count, count) +
+           number_cell(how.factor * sum / points, "{:+.4g}") + number_cell(how.factor * std::sqrt(squares / points), "{:.4g}") +
+           number_cell(how.factor * largest, "{:+.4g}") + "</tr>\n";
+}
+
+/// Curves of the channels that were measured, with the measured points, and how far the records are from these.
+/// @throws UsageError if no heading is a channel of the first record, or there is no column of times
+std::string measured_curves(const std::vector<RecordedRun>& runs, const Measured& measured) {
+    std::string pictures, rows;
+    for (const engine::ChannelInfo& channel : runs.front().reader().channels()) {
+        if (channel.width > 1 || measured.find(channel.name, channel.unit) == nullptr) continue;
+        for (const Plot& plot : time_plots(runs, {channel.name}, false, &measured)) pictures += "<figure>" + svg(plot) + "</figure>\n";
+        for (const RecordedRun& run : runs)
+            if (run.channel(channel.name) != nullptr) rows += deviation_row(run, channel, measured);
+    }
+    if (pictures.empty())
+        throw UsageError(fmt::format("--with {}: no heading is a channel of {}: {}", measured.path, runs.front().path(), measured.names()));
+    return pictures +
+           table("sortable",
+                 "Simulated - measured, at the measured times within the record, between the points of the curves that are drawn",
+                 {"record", "channel", "unit", "points", "mean", "root mean square", "largest"}, rows);
 }
 
 /// Why a record has no spectra; empty if it has.
@@ -411,7 +451,7 @@ std::string run_page(const std::vector<RecordedRun>& runs, const Measured* measu
     for (std::size_t k = 1; k < runs.size(); ++k) compared += against(runs.front(), runs[k]);
     if (runs.size() > 1) page.sections.push_back({"differences", "Differences", compared});
     page.sections.push_back({"figures", "Key figures", of_all(runs, figures)});
-    if (measured != nullptr) page.sections.push_back({"measured", "Measured data", measured_body(runs, *measured)});
+    if (measured != nullptr) page.sections.push_back({"measured", "Measured data", measured_curves(runs, *measured)});
     page.sections.push_back({"simulated", "What was simulated", simulated(runs)});
     page.sections.push_back({"curves", "Curves", curves_body(page.data)});
     add_chain(page, runs.front());

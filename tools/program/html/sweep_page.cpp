@@ -108,6 +108,26 @@ std::string maps(const SweepView& sweep) {
     return "";
 }
 
+/// Measured outputs over the measured key. @throws UsageError if no heading is a column of the sweep, or none is a key
+std::string measured_outputs(const SweepView& sweep, const Measured& measured) {
+    const SweepColumn* key = nullptr;
+    std::vector<const SweepColumn*> outputs;
+    for (const SweepColumn& column : sweep.columns) {
+        if (!column.number || measured.find(column.name, column.unit) == nullptr) continue;
+        if (!column.axis)
+            outputs.push_back(&column);
+        else if (key == nullptr)
+            key = &column;
+    }
+    if (key == nullptr || outputs.empty())
+        throw UsageError(fmt::format("--with {}: a key and an output of {} are needed among its headings: {}", measured.path, sweep.path,
+                                     measured.names()));
+    std::string pictures;
+    for (const SweepColumn* output : outputs)
+        pictures += "<figure>" + svg(sweep_curves(sweep, key->name, output->name, &measured)) + "</figure>\n";
+    return pictures;
+}
+
 /// Detail and keys that all cases share; empty where the table does not say.
 std::string simulated(const SweepView& sweep) {
     if (!sweep.scene) return "";
@@ -143,7 +163,7 @@ std::string sweep_page(const SweepView& sweep, const Measured* measured) {
         {"cases", "Cases", cases_table(sweep)},
         {"provenance", "Provenance", origin(sweep)}};
     if (measured != nullptr)
-        page.sections.insert(page.sections.begin() + 1, {"measured", "Measured data", measured_body(sweep, *measured)});
+        page.sections.insert(page.sections.begin() + 1, {"measured", "Measured data", measured_outputs(sweep, *measured)});
     if (!grid.empty()) page.sections.insert(page.sections.begin() + 1, {"maps", "Maps", grid});
     if (const std::string machine = simulated(sweep); !machine.empty())
         page.sections.insert(page.sections.begin() + 1, {"simulated", "What was simulated", machine});
