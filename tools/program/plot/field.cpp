@@ -35,9 +35,6 @@ struct Cell {
     double x[2], y[2];
     std::array<double, 4> corners;
 
-    [[nodiscard]] bool whole() const {
-        return std::all_of(corners.begin(), corners.end(), [](double value) { return std::isfinite(value); });
-    }
     [[nodiscard]] double at(double a, double b) const {
         return (1.0 - b) * ((1.0 - a) * corners[0] + a * corners[1]) + b * ((1.0 - a) * corners[3] + a * corners[2]);
     }
@@ -63,7 +60,7 @@ std::vector<Cell> cells_of(const Field& field) {
             const Cell cell{{field.x[i], field.x[i + 1]},
                             {field.y[j], field.y[j + 1]},
                             {value(j, i), value(j, i + 1), value(j + 1, i + 1), value(j + 1, i)}};
-            if (cell.whole()) cells.push_back(cell);
+            if (std::ranges::all_of(cell.corners, [](double corner) { return std::isfinite(corner); })) cells.push_back(cell);
         }
     }
     return cells;
@@ -96,10 +93,8 @@ std::string colours(const std::vector<Cell>& cells, const Range& range) {
 
 /// Segments that are joined end to end, as the lines that they make.
 std::vector<std::vector<Segment>> lines_of(const std::vector<Segment>& segments) {
-    const auto joined = [](const Segment& a, const Segment& b) {
-        const auto near = [](double p, double q) {
-            return std::abs(p - q) <= 1e-9 * (std::abs(p) + std::abs(q));
-        };  // two cells round alike
+    const auto near = [](double p, double q) { return std::abs(p - q) <= 1e-9 * (std::abs(p) + std::abs(q)); };  // two cells round alike
+    const auto joined = [&](const Segment& a, const Segment& b) {
         const auto same = [&](const Point& p, const Point& q) { return near(p.x, q.x) && near(p.y, q.y); };
         return same(a.from, b.from) || same(a.from, b.to) || same(a.to, b.from) || same(a.to, b.to);
     };

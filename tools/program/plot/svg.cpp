@@ -146,8 +146,17 @@ private:
 
 /// Size of a picture: its height with the legend, and the width beside its frame [px].
 struct PictureSize {
-    double height, left, right;
+    double height = 0.0, left = 0.0, right = 0.0;
 };
+
+/// Beginning of a document: its title, and white paper.
+std::string opening(double width, double height, const std::string& title) {
+    return fmt::format(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" role=\"img\" "
+        "font-family=\"Helvetica, Arial, sans-serif\" font-size=\"12\" fill=\"#222\">\n<title>{2}</title>\n"
+        "<rect width=\"{0}\" height=\"{1}\" fill=\"#ffffff\"/>\n",
+        px(width), px(height), escaped(title));
+}
 
 std::string text_at(double x, double y, const std::string& text, const std::string& more) {
     return fmt::format("<text x=\"{}\" y=\"{}\" {}>{}</text>\n", px(x), px(y), more, escaped(text));
@@ -198,12 +207,9 @@ public:
     [[nodiscard]] PictureSize size() const { return {plot_.height + legend_.height(), left_, plot_.width - right_}; }
 
     [[nodiscard]] std::string text() const {
-        std::string made = fmt::format(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" role=\"img\" "
-            "font-family=\"Helvetica, Arial, sans-serif\" font-size=\"12\" fill=\"#222\">\n<title>{2}</title>\n"
-            "<rect width=\"{0}\" height=\"{1}\" fill=\"#ffffff\"/>\n"
-            "<clipPath id=\"{7}\"><rect x=\"{3}\" y=\"{4}\" width=\"{5}\" height=\"{6}\"/></clipPath>\n",
-            px(plot_.width), px(size().height), escaped(plot_.title), px(left_), px(top_), px(right_ - left_), px(bottom_ - top_), name());
+        std::string made = opening(plot_.width, size().height, plot_.title);
+        made += fmt::format("<clipPath id=\"{}\"><rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/></clipPath>\n", name(), px(left_),
+                            px(top_), px(right_ - left_), px(bottom_ - top_));
         const std::string clipped = fmt::format("<g clip-path=\"url(#{})\">\n", name());
         const auto x_of = [this](double value) { return at_x(value); };
         const auto y_of = [this](double value) { return at_y(value); };
@@ -343,11 +349,7 @@ std::string bars_svg(const Plot& plot) {
         largest = std::max(largest, std::abs(bar.value));
     }
     const double left = 24.0 + letter * names, longest = std::max(40.0, plot.width - left - 24.0 - letter * texts);
-    std::string made = fmt::format(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" role=\"img\" "
-        "font-family=\"Helvetica, Arial, sans-serif\" font-size=\"12\" fill=\"#222\">\n<title>{2}</title>\n"
-        "<rect width=\"{0}\" height=\"{1}\" fill=\"#ffffff\"/>\n",
-        px(plot.width), px(height_of_bars(plot)), escaped(plot.title));
+    std::string made = opening(plot.width, height_of_bars(plot), plot.title);
     made += text_at(16.0, 24.0, plot.title, "font-size=\"16\" font-weight=\"bold\"") + text_at(16.0, 44.0, plot.subtitle, "fill=\"#555\"");
     double y = above_bars;
     for (const Bar& bar : plot.bars) {
@@ -362,11 +364,6 @@ std::string bars_svg(const Plot& plot) {
 }
 
 PictureSize size_of(const Plot& plot) { return plot.bars.empty() ? Drawing(plot).size() : PictureSize{height_of_bars(plot), 0.0, 0.0}; }
-
-/// Room beside the axes of plots that share a horizontal axis and a width.
-struct Room {
-    double left = 0.0, right = 0.0;  ///< [px]
-};
 
 }  // namespace
 
@@ -384,19 +381,18 @@ std::string svg(const Plot& plot) { return plot.bars.empty() ? Drawing(plot).tex
 
 std::string svg(const std::vector<Plot>& plots) {
     if (plots.size() == 1) return svg(plots.front());
-    std::map<std::pair<std::string, double>, Room> rooms;
+    std::map<std::pair<std::string, double>, PictureSize> rooms;  // largest of plots that share a horizontal axis and a width
     for (const Plot& plot : plots) {
         const PictureSize size = size_of(plot);
-        Room& room = rooms[{plot.x.label, plot.width}];
-        room = {std::max(room.left, size.left), std::max(room.right, size.right)};
+        PictureSize& room = rooms[{plot.x.label, plot.width}];
+        room = {0.0, std::max(room.left, size.left), std::max(room.right, size.right)};
     }
     double width = 0.0, height = 0.0;
     std::string parts;
     for (const Plot& plot : plots) {
         Plot aligned = plot;
-        const Room& room = rooms.at({plot.x.label, plot.width});
-        aligned.left_room = std::max(aligned.left_room, room.left);
-        aligned.right_room = std::max(aligned.right_room, room.right);
+        const PictureSize& room = rooms.at({plot.x.label, plot.width});
+        aligned.left_room = room.left, aligned.right_room = room.right;  // as large as its own at least
         std::string part = svg(aligned);
         part.insert(part.find("<svg") + 4, fmt::format(" y=\"{:g}\"", height));
         parts += part;
