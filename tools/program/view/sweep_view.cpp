@@ -162,14 +162,15 @@ std::string level_of(const SweepView& sweep) {
     return sweep.scene && !varies ? level_text(*sweep.scene) + ", " : "";
 }
 
+/// Cases that ended well, all if the table has no status, and a plot without series. @throws UsageError if there is none
 Chosen begin_plot(const SweepView& sweep, const SweepColumn& x, const SweepColumn& y, const std::string& title) {
-    Chosen made{sweep, {}};
-    made.good.keep_good();
-    if (made.good.cells.empty()) throw UsageError(sweep.path + ": no case ended well");
-    made.plot.title = title;
-    made.plot.subtitle = fmt::format("sweep {}, {}{}", sweep.name, level_of(sweep), counts_text(sweep, made.good.cells.size()));
-    made.plot.x.label = heading_of(x);
-    made.plot.y.label = heading_of(y);
+    Chosen made{sweep, {.title = title, .subtitle = {}, .x = {heading_of(x)}, .y = {heading_of(y)}}};
+    auto& cells = made.good.cells;
+    const auto status = std::ranges::find(sweep.columns, "status", &SweepColumn::name);
+    if (status != sweep.columns.end())
+        std::erase_if(cells, [c = status - sweep.columns.begin()](const auto& row) { return row[c] != "ok"; });
+    if (cells.empty()) throw UsageError(sweep.path + ": no case ended well");
+    made.plot.subtitle = fmt::format("sweep {}, {}{}", sweep.name, level_of(sweep), counts_text(sweep, cells.size()));
     return made;
 }
 
@@ -339,13 +340,6 @@ void SweepView::keep(const std::string& condition) {
         throw UsageError(fmt::format("--where {}: no case of {} is left; {} is {}", condition, path, columns[c].name,
                                      values_text(cells, columns[c], c)));
     std::erase_if(cells, [&](const auto& row) { return !meets(row); });
-}
-
-void SweepView::keep_good() {
-    const auto status = std::find_if(columns.begin(), columns.end(), [](const SweepColumn& column) { return column.name == "status"; });
-    if (status == columns.end()) return;
-    const auto c = static_cast<std::size_t>(status - columns.begin());
-    std::erase_if(cells, [&](const auto& row) { return row[c] != "ok"; });
 }
 
 bool is_sweep(const std::string& path) {

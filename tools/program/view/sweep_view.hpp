@@ -35,8 +35,6 @@ struct SweepView {
     [[nodiscard]] std::optional<tasks::Scene> scene_of_case(std::size_t row) const;
     /// Keeps cases whose column has that value. @param condition "start.ratio=1"   @throws UsageError
     void keep(const std::string& condition);
-    /// Keeps cases that ended well; all if the table has no status.
-    void keep_good();
 };
 
 /// In the unit in which pictures show the column.
