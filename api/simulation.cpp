@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cvtflow/simulation.hpp>
 #include <utility>
 
@@ -157,14 +156,32 @@ std::vector<std::string> Simulation::Impl::notices() const {
 
 namespace {
 
+using P = model::Parameters;
+using Held = model::HeldInputs;
+
+struct Condition {
+    bool (*holds)(const P&);
+    const char* text;
+};
+constexpr Condition by_force{[](const P& p) { return p.hydraulics.mode != model::HydraulicMode::pressure; },
+                             "clamping forces, not hydraulics.mode = \"pressure\""};
+constexpr Condition by_pressure{[](const P& p) { return !by_force.holds(p); }, "hydraulics.mode = \"pressure\""};
+constexpr Condition by_torque{[](const P& p) { return p.drive.mode == model::DriveMode::torque; }, "drive.mode = \"torque\""};
+constexpr Condition by_speed{[](const P& p) { return !by_torque.holds(p); }, "drive.mode = \"speed\" or \"coupling\""};
+constexpr Condition by_coupling{[](const P& p) { return p.drive.mode == model::DriveMode::coupling; }, "drive.mode = \"coupling\""};
+constexpr Condition loaded_by_torque{[](const P& p) { return p.load.mode == model::LoadMode::torque; }, "load.mode = \"torque\""};
+constexpr Condition loaded_by_speed{[](const P& p) { return !loaded_by_torque.holds(p); }, "load.mode = \"speed\" or \"coupling\""};
+constexpr Condition loaded_by_coupling{[](const P& p) { return p.load.mode == model::LoadMode::coupling; }, "load.mode = \"coupling\""};
+constexpr Condition controlled{[](const P& p) { return p.control.enabled && p.control.quantity == model::ControlledQuantity::ratio; },
+                               "control.enabled = true and control.quantity = \"ratio\""};
+
 /// An input: its name, its key in scenes, whose range holds for it, and what a scene must have for it. Angles of far ends have no key.
 struct InputRow {
     const char* name;
     const char* key;
-    std::optional<double> model::HeldInputs::*held;
-    const model::TimeTable& (*table)(const model::Parameters&);
-    bool (*present)(const model::Parameters&);
-    const char* needs;
+    std::optional<double> Held::*held;
+    const model::TimeTable* (*table)(const P&);
+    Condition needs;
     int turns = none;  ///< shaft whose reference it turns, by a speed, or by an angle where `held` is nullptr
 
     static constexpr int none = -1;
@@ -172,40 +189,20 @@ struct InputRow {
 };
 constexpr double largest_angle = 1e9;  // [rad]
 
-using P = model::Parameters;
-[[nodiscard]] bool by_pressure(const P& p) { return p.hydraulics.mode == model::HydraulicMode::pressure; }
-[[nodiscard]] bool by_force(const P& p) { return !by_pressure(p); }
-[[nodiscard]] bool by_torque(const P& p) { return p.drive.mode == model::DriveMode::torque; }
-[[nodiscard]] bool by_speed(const P& p) { return p.drive.mode != model::DriveMode::torque; }
-[[nodiscard]] bool by_coupling(const P& p) { return p.drive.mode == model::DriveMode::coupling; }
-[[nodiscard]] bool loaded_by_torque(const P& p) { return p.load.mode == model::LoadMode::torque; }
-[[nodiscard]] bool loaded_by_speed(const P& p) { return p.load.mode != model::LoadMode::torque; }
-[[nodiscard]] bool loaded_by_coupling(const P& p) { return p.load.mode == model::LoadMode::coupling; }
-[[nodiscard]] bool controlled(const P& p) { return p.control.enabled && p.control.quantity == model::ControlledQuantity::ratio; }
-
-constexpr const char* not_by_pressure = "clamping forces, not hydraulics.mode = \"pressure\"";
-
 constexpr InputRow input_rows[] = {
-    {"clamping_driving", "clamping.driving", &model::HeldInputs::driving,
-     [](const P& p) -> const model::TimeTable& { return p.clamping.driving; }, by_force, not_by_pressure},
-    {"clamping_driven", "clamping.driven", &model::HeldInputs::driven,
-     [](const P& p) -> const model::TimeTable& { return p.clamping.driven; }, by_force, not_by_pressure},
-    {"load_torque", "load.torque", &model::HeldInputs::load_torque, [](const P& p) -> const model::TimeTable& { return p.load.torque; },
-     loaded_by_torque, "load.mode = \"torque\""},
-    {"drive_torque", "drive.torque", &model::HeldInputs::drive_torque, [](const P& p) -> const model::TimeTable& { return p.drive.torque; },
-     by_torque, "drive.mode = \"torque\""},
-    {"drive_speed", "drive.speed", &model::HeldInputs::drive_speed, [](const P& p) -> const model::TimeTable& { return p.drive.speed; },
-     by_speed, "drive.mode = \"speed\" or \"coupling\"", 0},
-    {"ratio", "control.ratio", &model::HeldInputs::ratio, [](const P& p) -> const model::TimeTable& { return p.control.ratio; }, controlled,
-     "control.enabled = true and control.quantity = \"ratio\""},
-    {"load_speed", "load.speed", &model::HeldInputs::load_speed, [](const P& p) -> const model::TimeTable& { return p.load.speed; },
-     loaded_by_speed, "load.mode = \"speed\" or \"coupling\"", 1},
-    {"load_angle", "load_angle", nullptr, nullptr, loaded_by_coupling, "load.mode = \"coupling\"", 1},
-    {"drive_angle", "drive_angle", nullptr, nullptr, by_coupling, "drive.mode = \"coupling\"", 0},
-    {"pressure_driving", "hydraulics.driving_pressure", &model::HeldInputs::driving_pressure,
-     [](const P& p) -> const model::TimeTable& { return p.hydraulics.driving.pressure; }, by_pressure, "hydraulics.mode = \"pressure\""},
-    {"pressure_driven", "hydraulics.driven_pressure", &model::HeldInputs::driven_pressure,
-     [](const P& p) -> const model::TimeTable& { return p.hydraulics.driven.pressure; }, by_pressure, "hydraulics.mode = \"pressure\""},
+    {"clamping_driving", "clamping.driving", &Held::driving, [](const P& p) { return &p.clamping.driving; }, by_force},
+    {"clamping_driven", "clamping.driven", &Held::driven, [](const P& p) { return &p.clamping.driven; }, by_force},
+    {"load_torque", "load.torque", &Held::load_torque, [](const P& p) { return &p.load.torque; }, loaded_by_torque},
+    {"drive_torque", "drive.torque", &Held::drive_torque, [](const P& p) { return &p.drive.torque; }, by_torque},
+    {"drive_speed", "drive.speed", &Held::drive_speed, [](const P& p) { return &p.drive.speed; }, by_speed, 0},
+    {"ratio", "control.ratio", &Held::ratio, [](const P& p) { return &p.control.ratio; }, controlled},
+    {"load_speed", "load.speed", &Held::load_speed, [](const P& p) { return &p.load.speed; }, loaded_by_speed, 1},
+    {"load_angle", "load_angle", nullptr, nullptr, loaded_by_coupling, 1},
+    {"drive_angle", "drive_angle", nullptr, nullptr, by_coupling, 0},
+    {"pressure_driving", "hydraulics.driving_pressure", &Held::driving_pressure, [](const P& p) { return &p.hydraulics.driving.pressure; },
+     by_pressure},
+    {"pressure_driven", "hydraulics.driven_pressure", &Held::driven_pressure, [](const P& p) { return &p.hydraulics.driven.pressure; },
+     by_pressure},
 };
 
 [[nodiscard]] const InputRow& input_row(Input input) {
@@ -219,7 +216,7 @@ constexpr InputRow input_rows[] = {
     const InputRow& row = input_row(input);
     if (scene.parameters.detail.pulleys == model::PulleyDetail::absent)
         throw Error(ErrorCode::argument, std::string(row.key) + ": this scene has no pulleys");
-    if (!row.present(scene.parameters)) throw Error(ErrorCode::argument, std::string(row.key) + ": needs " + row.needs);
+    if (!row.needs.holds(scene.parameters)) throw Error(ErrorCode::argument, std::string(row.key) + ": needs " + row.needs.text);
     return row;
 }
 
@@ -252,7 +249,7 @@ void Simulation::Impl::set_input(Input input, double value) {
     const InputRow& row = input_row(input, data());
     require_in_range(row, value);
     const model::PulleyModel& pulleys = simulation_.workspace().variator.pulleys();
-    model::HeldInputs held = pulleys.held();
+    Held held = pulleys.held();
     if (row.turns != InputRow::none) {  // the reference turns on from where it is
         const double now = simulation_.time();
         model::ReferenceAngle& reference = held.reference[static_cast<std::size_t>(row.turns)];
@@ -275,7 +272,7 @@ double Simulation::Impl::input(Input input) const {
                     : 0.0;
     }
     const auto& held = pulleys.held().*row.held;
-    return held ? *held : row.table(data().parameters).at(std::max(simulation_.time(), 0.0));
+    return held ? *held : row.table(data().parameters)->at(std::max(simulation_.time(), 0.0));
 }
 
 }  // namespace v0
