@@ -5,6 +5,7 @@
 
 #include <cvtflow/record.hpp>
 #include <cvtflow/simulation.hpp>
+#include <type_traits>
 #include <vector>
 
 #include "api/host/entry.hpp"
@@ -47,11 +48,16 @@ cvtflow_code guarded(cvtflow_message* message, Action&& action) noexcept {
     }
 }
 
-/// Copies a text and its 0 to where a caller has *size bytes; *size becomes what is needed. @throws Error (argument) if it does not fit
-void give_text(const std::string& whole, char* text, size_t* size);
-
-/// Fills a versioned struct of the caller's, as far as its size goes. Both begin with their size.
-/// @throws Error (argument) for a size that no version has
-void fill_versioned(void* callers, const void* ours, std::size_t our_size, std::size_t first_size);
+/// Fills a versioned struct of the caller's, which begins with its size. @throws Error (argument) for NULL, or a size that no version has
+template <class Struct>
+void fill_versioned(Struct* callers, const char* name, std::type_identity_t<Struct> ours) {
+    Struct& theirs = given(callers, name);
+    if (theirs.size < sizeof ours) {
+        throw Error(ErrorCode::argument,
+                    "size: " + std::to_string(theirs.size) + " bytes, the first version has " + std::to_string(sizeof ours));
+    }
+    ours.size = theirs.size;
+    theirs = ours;
+}
 
 }  // namespace cvtflow::api

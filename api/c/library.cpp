@@ -1,7 +1,10 @@
-/// The library as a whole, and the C interface to it, to scenes and to records.
+/// The library as a whole, and the C interface to it, to scenes and to records; what becomes of exceptions there.
 
 #include <algorithm>
+#include <cstring>
 #include <cvtflow/version.hpp>
+#include <new>
+#include <utility>
 #include <vector>
 
 #include "api/c/boundary.hpp"
@@ -18,9 +21,52 @@ bool shutdown() noexcept {
 }
 
 }  // namespace v0
+
+namespace api {
+
+cvtflow_code say(cvtflow_message* message, ErrorCode code, const char* text) noexcept {
+    constexpr std::size_t head = offsetof(cvtflow_message, text);
+    if (message == nullptr || message->size < head) return static_cast<cvtflow_code>(code);
+    message->code = static_cast<std::int32_t>(code);
+    if (message->size == head) return static_cast<cvtflow_code>(code);
+    const std::size_t room = std::min<std::size_t>(message->size - head, sizeof message->text) - 1;
+    const std::size_t length = std::min(std::strlen(text), room);
+    std::memcpy(message->text, text, length);
+    message->text[length] = '\0';
+    return static_cast<cvtflow_code>(code);
+}
+
+cvtflow_code say_exception(cvtflow_message* message) noexcept {
+    try {
+        throw;
+    } catch (const Error& error) {
+        return say(message, error.code(), error.what());
+    } catch (const std::bad_alloc&) {
+        return say(message, ErrorCode::memory, "no memory");
+    } catch (const std::exception& error) {
+        return say(message, ErrorCode::internal, error.what());
+    } catch (...) {
+        return say(message, ErrorCode::internal, "an exception of unknown type");
+    }
+}
+
+}  // namespace api
 }  // namespace cvtflow
 
 using namespace cvtflow;
+
+namespace {
+
+/// Copies a text and its 0 to where a caller has *size bytes; *size becomes what is needed. @throws Error (argument) if it does not fit
+void give_text(const std::string& whole, char* text, size_t* size) {
+    const size_t needed = whole.size() + 1;
+    const size_t room = std::exchange(api::given(size, "size"), needed);
+    if (text == nullptr) return;
+    if (room < needed) throw Error(ErrorCode::argument, "size: " + std::to_string(room) + " bytes for a text of " + std::to_string(needed));
+    std::memcpy(text, whole.c_str(), needed);
+}
+
+}  // namespace
 
 extern "C" {
 
@@ -59,11 +105,11 @@ cvtflow_code cvtflow_scene_with_detail(const cvtflow_scene* scene, const char* p
 }
 
 cvtflow_code cvtflow_scene_text(const cvtflow_scene* scene, char* text, size_t* size, cvtflow_message* message) {
-    return api::guarded(message, [&] { api::give_text(api::given(scene, "scene").scene.text(), text, size); });
+    return api::guarded(message, [&] { give_text(api::given(scene, "scene").scene.text(), text, size); });
 }
 
 cvtflow_code cvtflow_scene_value(const cvtflow_scene* scene, const char* key, char* text, size_t* size, cvtflow_message* message) {
-    return api::guarded(message, [&] { api::give_text(api::given(scene, "scene").scene.value(&api::given(key, "key")), text, size); });
+    return api::guarded(message, [&] { give_text(api::given(scene, "scene").scene.value(&api::given(key, "key")), text, size); });
 }
 
 const char* cvtflow_scene_name(const cvtflow_scene* scene) { return scene != nullptr ? scene->scene.name().c_str() : ""; }
@@ -90,8 +136,7 @@ cvtflow_code cvtflow_record_describe(const cvtflow_record* record, size_t channe
         if (channel >= rows.size())
             throw Error(ErrorCode::argument, "channel: number " + std::to_string(channel) + " of " + std::to_string(rows.size()));
         const Column& row = rows[channel];
-        const cvtflow_channel_info ours{sizeof ours, 0, row.name.c_str(), row.unit.c_str(), row.description.c_str(), row.width};
-        api::fill_versioned(&api::given(info, "info"), &ours, sizeof ours, sizeof ours);
+        api::fill_versioned(info, "info", {sizeof *info, 0, row.name.c_str(), row.unit.c_str(), row.description.c_str(), row.width});
     });
 }
 

@@ -15,6 +15,12 @@ namespace {
     throw Error(ErrorCode::argument, "way: there is no number " + std::to_string(options->way));
 }
 
+/// Runs `action` on the simulation behind a handle; whatever it throws becomes a code and a message.
+template <class Handle, class Action>
+cvtflow_code act(Handle* simulation, cvtflow_message* message, Action&& action) noexcept {
+    return api::guarded(message, [&] { action(api::given(simulation, "simulation").simulation); });
+}
+
 /// Every function that only asks and cannot fail answers for NULL as for nothing.
 template <class T, class Question>
 T ask(const cvtflow_simulation* simulation, T nothing, Question&& question) noexcept {
@@ -124,12 +130,12 @@ void cvtflow_cancel(cvtflow_simulation* simulation) {
 }
 
 cvtflow_code cvtflow_largest_stable_step(cvtflow_simulation* simulation, double* step, cvtflow_message* message) {
-    return api::guarded(message, [&] { api::given(step, "step") = api::given(simulation, "simulation").simulation.largest_stable_step(); });
+    return act(simulation, message, [&](Simulation& s) { api::given(step, "step") = s.largest_stable_step(); });
 }
 
 cvtflow_code cvtflow_state_get(const cvtflow_simulation* simulation, void* bytes, size_t* size, cvtflow_message* message) {
-    return api::guarded(message, [&] {
-        const State state = api::given(simulation, "simulation").simulation.state();
+    return act(simulation, message, [&](const Simulation& s) {
+        const State state = s.state();
         const size_t room = std::exchange(api::given(size, "size"), state.bytes().size());
         if (bytes == nullptr) return;
         if (room < *size)
@@ -151,12 +157,11 @@ uint64_t cvtflow_hash(const cvtflow_simulation* simulation) {
 }
 
 cvtflow_code cvtflow_input_set(cvtflow_simulation* simulation, int32_t input, double value, cvtflow_message* message) {
-    return api::guarded(message, [&] { api::given(simulation, "simulation").simulation.set_input(static_cast<Input>(input), value); });
+    return act(simulation, message, [&](Simulation& s) { s.set_input(static_cast<Input>(input), value); });
 }
 
 cvtflow_code cvtflow_input_get(const cvtflow_simulation* simulation, int32_t input, double* value, cvtflow_message* message) {
-    return api::guarded(
-        message, [&] { api::given(value, "value") = api::given(simulation, "simulation").simulation.input(static_cast<Input>(input)); });
+    return act(simulation, message, [&](const Simulation& s) { api::given(value, "value") = s.input(static_cast<Input>(input)); });
 }
 
 size_t cvtflow_size(const cvtflow_simulation* simulation) {
@@ -181,33 +186,31 @@ size_t cvtflow_channel_count(const cvtflow_simulation* simulation) {
 
 cvtflow_code cvtflow_channel_describe(const cvtflow_simulation* simulation, size_t channel, cvtflow_channel_info* info,
                                       cvtflow_message* message) {
-    return api::guarded(message, [&] {
-        const ChannelInfo row = api::given(simulation, "simulation").simulation.channel_info(channel);
-        const cvtflow_channel_info ours{sizeof ours, 0, row.name.data(), row.unit.data(), row.description.data(), row.width};
-        api::fill_versioned(&api::given(info, "info"), &ours, sizeof ours, sizeof ours);
+    return act(simulation, message, [&](const Simulation& s) {
+        const ChannelInfo row = s.channel_info(channel);
+        api::fill_versioned(info, "info", {sizeof *info, 0, row.name.data(), row.unit.data(), row.description.data(), row.width});
     });
 }
 
 cvtflow_code cvtflow_channel_find(const cvtflow_simulation* simulation, const char* name, size_t* channel, cvtflow_message* message) {
-    return api::guarded(message, [&] {
-        api::given(channel, "channel") = api::given(simulation, "simulation").simulation.find_channel(&api::given(name, "name"));
-    });
+    return act(simulation, message,
+               [&](const Simulation& s) { api::given(channel, "channel") = s.find_channel(&api::given(name, "name")); });
 }
 
 cvtflow_code cvtflow_channel_values(cvtflow_simulation* simulation, size_t channel, const double** values, size_t* width,
                                     cvtflow_message* message) {
-    return api::guarded(message, [&] {
-        const std::span<const double> now = api::given(simulation, "simulation").simulation.channel(channel);
+    return act(simulation, message, [&](Simulation& s) {
+        const std::span<const double> now = s.channel(channel);
         api::given(values, "values") = now.data();
         if (width != nullptr) *width = now.size();
     });
 }
 
 cvtflow_code cvtflow_counters_get(const cvtflow_simulation* simulation, cvtflow_counters* counters) {
-    return api::guarded(nullptr, [&] {
-        const Counters now = api::given(simulation, "simulation").simulation.counters();
-        const cvtflow_counters ours{sizeof ours, 0, now.steps, now.evaluations, now.transitions, now.truncated, now.suppressed};
-        api::fill_versioned(&api::given(counters, "counters"), &ours, sizeof ours, sizeof ours);
+    return act(simulation, nullptr, [&](const Simulation& s) {
+        const Counters now = s.counters();
+        api::fill_versioned(counters, "counters",
+                            {sizeof *counters, 0, now.steps, now.evaluations, now.transitions, now.truncated, now.suppressed});
     });
 }
 
@@ -230,41 +233,33 @@ cvtflow_code cvtflow_on_log(cvtflow_simulation* simulation, cvtflow_log_function
 cvtflow_code cvtflow_input_describe(int32_t input, cvtflow_channel_info* info, cvtflow_message* message) {
     return api::guarded(message, [&] {
         const InputInfo row = input_info(static_cast<Input>(input));
-        const cvtflow_channel_info ours{sizeof ours, 0, row.name.data(), row.unit.data(), row.description.data(), 1};
-        api::fill_versioned(&api::given(info, "info"), &ours, sizeof ours, sizeof ours);
+        api::fill_versioned(info, "info", {sizeof *info, 0, row.name.data(), row.unit.data(), row.description.data(), 1});
     });
 }
 
 cvtflow_code cvtflow_energy_get(const cvtflow_simulation* simulation, cvtflow_energy* energy) {
-    return api::guarded(nullptr, [&] {
-        const Energy now = api::given(simulation, "simulation").simulation.energy();
-        const cvtflow_energy ours{sizeof ours, now.reliable ? 1 : 0, now.residual, now.dissipated, now.suspicion};
-        api::fill_versioned(&api::given(energy, "energy"), &ours, sizeof ours, sizeof ours);
+    return act(simulation, nullptr, [&](const Simulation& s) {
+        const Energy now = s.energy();
+        api::fill_versioned(energy, "energy", {sizeof *energy, now.reliable ? 1 : 0, now.residual, now.dissipated, now.suspicion});
     });
 }
 
 cvtflow_code cvtflow_on_output(cvtflow_simulation* simulation, double interval, cvtflow_output_function function, void* user,
                                cvtflow_message* message) {
-    return api::guarded(message, [&] {
-        std::function<void(Simulation&)> callback;
-        if (function != nullptr) {
-            callback = [=](Simulation&) { call_back(*simulation, "output", [&] { return function(simulation, user); }); };
-        }
-        api::given(simulation, "simulation").simulation.on_output(interval, std::move(callback));
+    return act(simulation, message, [&](Simulation& s) {
+        if (function == nullptr) return s.on_output(interval, {});
+        s.on_output(interval, [=](Simulation&) { call_back(*simulation, "output", [&] { return function(simulation, user); }); });
     });
 }
 
 cvtflow_code cvtflow_on_transition(cvtflow_simulation* simulation, cvtflow_transition_function function, void* user,
                                    cvtflow_message* message) {
-    return api::guarded(message, [&] {
-        std::function<void(Simulation&, const Transition&)> callback;
-        if (function != nullptr) {
-            callback = [=](Simulation&, const Transition& t) {
-                const cvtflow_transition now{sizeof now, t.pin, t.tip, t.from, t.to, 0, t.time};
-                call_back(*simulation, "a transition", [&] { return function(simulation, &now, user); });
-            };
-        }
-        api::given(simulation, "simulation").simulation.on_transition(std::move(callback));
+    return act(simulation, message, [&](Simulation& s) {
+        if (function == nullptr) return s.on_transition({});
+        s.on_transition([=](Simulation&, const Transition& t) {
+            const cvtflow_transition now{sizeof now, t.pin, t.tip, t.from, t.to, 0, t.time};
+            call_back(*simulation, "a transition", [&] { return function(simulation, &now, user); });
+        });
     });
 }
 
