@@ -101,8 +101,8 @@ struct Recording::Impl final : public tasks::RunObserver {
           options(writing(path, what)),
           recorder(what, of.simulation(), options),
           next(std::ceil(std::max(0.0, of.simulation().time()) / what.run.output_interval - 1e-9)) {
-        if (simulation.recorder() != nullptr) throw Error(ErrorCode::state, "the simulation is being recorded already");
-        simulation.recorder() = this;
+        if (simulation.callbacks().recorder != nullptr) throw Error(ErrorCode::state, "the simulation is being recorded already");
+        simulation.callbacks().recorder = this;
     }
     ~Impl() override { detach(); }
     Impl(const Impl&) = delete;
@@ -119,7 +119,7 @@ struct Recording::Impl final : public tasks::RunObserver {
     }
 
     void detach() noexcept {
-        if (simulation.recorder() == this) simulation.recorder() = nullptr;
+        if (simulation.callbacks().recorder == this) simulation.callbacks().recorder = nullptr;
     }
 
     void output(double time, const tasks::Workspace& workspace, const tasks::Counters& counters) override {

@@ -83,7 +83,8 @@ void HostCallbacks::restart(double now) {
     if (output_) outputs_ = next_output(now, interval_);
 }
 
-void HostCallbacks::note(const tasks::TransitionRecord& record) {
+void HostCallbacks::transition(const tasks::TransitionRecord& record) {
+    if (recorder != nullptr) recorder->transition(record);
     if (!transition_) return;
     transitions_.push_back({record.time, record.pin, record.tip, static_cast<int>(record.from), static_cast<int>(record.to)});
 }
@@ -222,8 +223,7 @@ void Simulation::Impl::advance(Simulation& self, double until, long steps) {
         const long steps_before = simulation_.part().counters().steps;
         channels_.changed();
         const tasks::Fault fault = api::translated(ErrorCode::internal, [&] {
-            api::HostObserver observer(recorder_, callbacks_);
-            return simulation_.advance({.until = callbacks_.next_stop(simulation_.time(), until), .steps = steps}, observer, cancel_);
+            return simulation_.advance({.until = callbacks_.next_stop(simulation_.time(), until), .steps = steps}, callbacks_, cancel_);
         });
         callbacks_.deliver(self, simulation_.time(), abandoned_, defaults);
         if (abandoned_) throw Error(ErrorCode::cancelled, "the simulation was destroyed or moved by its own callback");

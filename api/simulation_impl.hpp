@@ -43,8 +43,8 @@ private:
     std::vector<std::vector<double>> values_;  ///< [channel][width]
 };
 
-/// Functions of the host that a simulation calls at outputs and transitions.
-class HostCallbacks {
+/// Observer of a run: functions of the host that are called at outputs and transitions, and a recorder, if there is one.
+class HostCallbacks final : public tasks::RunObserver {
 public:
     /// @param interval between outputs of the scene [s]
     explicit HostCallbacks(double interval) : scene_interval_(interval) {}
@@ -54,11 +54,21 @@ public:
     void on_transition(std::function<void(Simulation&, const Transition&)> callback);
     /// The simulation has another state. now [s]
     void restart(double now);
-    void note(const tasks::TransitionRecord& record);
     /// Time at which something may be due, at most `until`. now, until [s]
     [[nodiscard]] double next_stop(double now, double until) const noexcept;
     /// Calls back what has come due, in the host's floating-point environment; no further once a callback has set `abandoned`. now [s]
     void deliver(Simulation& self, double now, const bool& abandoned, FloatingDefaults& defaults);
+
+    void output(double time, const tasks::Workspace& workspace, const tasks::Counters& counters) override {
+        if (recorder != nullptr) recorder->output(time, workspace, counters);
+    }
+    [[nodiscard]] bool samples(double time) const noexcept override { return recorder != nullptr && recorder->samples(time); }
+    void sample(double time, const tasks::Workspace& workspace, const tasks::Counters& counters) override {
+        recorder->sample(time, workspace, counters);
+    }
+    void transition(const tasks::TransitionRecord& record) override;
+
+    tasks::RunObserver* recorder = nullptr;
 
 private:
     const double scene_interval_;                                     ///< [s]
@@ -68,28 +78,6 @@ private:
     std::shared_ptr<const std::function<void(Simulation&, const Transition&)>> transition_;
     std::vector<Transition> transitions_;  ///< not delivered yet
     std::vector<Transition> happened_;     ///< being delivered
-};
-
-/// Hands what happens in a run to a recorder, if there is one, and transitions to the host's callbacks.
-class HostObserver final : public tasks::RunObserver {
-public:
-    HostObserver(tasks::RunObserver* recorder, HostCallbacks& callbacks) : recorder_(recorder), callbacks_(callbacks) {}
-
-    void output(double time, const tasks::Workspace& workspace, const tasks::Counters& counters) override {
-        if (recorder_ != nullptr) recorder_->output(time, workspace, counters);
-    }
-    [[nodiscard]] bool samples(double time) const noexcept override { return recorder_ != nullptr && recorder_->samples(time); }
-    void sample(double time, const tasks::Workspace& workspace, const tasks::Counters& counters) override {
-        recorder_->sample(time, workspace, counters);
-    }
-    void transition(const tasks::TransitionRecord& record) override {
-        if (recorder_ != nullptr) recorder_->transition(record);
-        callbacks_.note(record);
-    }
-
-private:
-    tasks::RunObserver* recorder_;
-    HostCallbacks& callbacks_;
 };
 
 /// Length of a step without transitions [s].
@@ -135,9 +123,6 @@ public:
     [[nodiscard]] api::ChannelReader& channels() noexcept { return channels_; }
     [[nodiscard]] api::HostCallbacks& callbacks() noexcept { return callbacks_; }
 
-    /// Observer of outputs and transitions; nullptr: none.
-    [[nodiscard]] tasks::RunObserver*& recorder() noexcept { return recorder_; }
-
     [[nodiscard]] const Scene& scene() const noexcept { return scene_; }
     [[nodiscard]] const tasks::Simulation& simulation() const noexcept { return simulation_; }
 
@@ -161,7 +146,6 @@ private:
     double last_stop_ =
         std::numeric_limits<double>::infinity();  ///< of the last advance(); infinity: it took one step, or there was none [s]
     long process_ = 0;                            ///< in which it first ran on threads; 0: it has not
-    tasks::RunObserver* recorder_ = nullptr;
 };
 
 }  // namespace v0
