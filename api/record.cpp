@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "api/host/entry.hpp"
 #include "api/simulation_impl.hpp"
 #include "engine/base/text.hpp"
 #include "engine/record/run/run_reader.hpp"

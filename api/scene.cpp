@@ -3,9 +3,7 @@
 #include <variant>
 #include <vector>
 
-#include "api/host/entry.hpp"
-#include "api/host/state_bytes.hpp"
-#include "api/scene_data.hpp"
+#include "api/simulation_impl.hpp"
 #include "engine/base/text.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/ready_scenes.hpp"

@@ -3,12 +3,9 @@
 #include <cvtflow/simulation.hpp>
 #include <utility>
 
-#include "api/host/entry.hpp"
 #include "api/simulation_impl.hpp"
 #include "engine/base/text.hpp"
 #include "engine/thread/worker_threads.hpp"
-#include "tasks/run/run_report.hpp"
-#include "tasks/run/simulation.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/units.hpp"
 

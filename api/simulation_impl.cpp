@@ -4,11 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "api/host/entry.hpp"
 #include "engine/base/text.hpp"
 #include "engine/thread/worker_threads.hpp"
-#include "tasks/run/simulation.hpp"
-#include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/units.hpp"
 #include "tasks/schedule/schedule.hpp"
 

@@ -1,18 +1,20 @@
 #pragma once
-/// Implementation of the public Simulation. Internal to api.
+/// Implementation of the public Scene and Simulation. Internal to api.
 
+#include <cstdint>
 #include <cvtflow/simulation.hpp>
 #include <limits>
 #include <optional>
 
 #include "api/host/entry.hpp"
 #include "api/host/state_bytes.hpp"
-#include "api/scene_data.hpp"
 #include "engine/executor/cancellation.hpp"
 #include "engine/thread/guards.hpp"
 #include "model/observe/observation.hpp"
+#include "model/start/start_state.hpp"
 #include "tasks/channel/channels.hpp"
 #include "tasks/run/simulation.hpp"
+#include "tasks/scene/scene.hpp"
 #include "tasks/step/integration_state.hpp"
 
 namespace cvtflow {
@@ -86,6 +88,22 @@ private:
 }  // namespace api
 
 inline namespace v0 {
+
+struct Scene::Data {
+    explicit Data(tasks::Scene from) : scene(std::move(from)) {}
+
+    const tasks::Scene scene;
+
+    /// Geometric start of its simulations, placed by the first one. @throws as model::start_state
+    [[nodiscard]] const model::StartState& placed_start() const;
+    /// api::fingerprint() of the scene, computed once.
+    [[nodiscard]] std::uint64_t fingerprint() const;
+
+private:
+    mutable engine::Mutex mutex_;
+    mutable std::optional<model::StartState> placed_start_;
+    mutable std::optional<std::uint64_t> fingerprint_;
+};
 
 class Simulation::Impl final {
 public:

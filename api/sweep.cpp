@@ -1,11 +1,9 @@
 #include <cvtflow/sweep.hpp>
 #include <cvtflow/tune.hpp>
 
-#include "api/host/entry.hpp"
-#include "api/scene_data.hpp"
+#include "api/simulation_impl.hpp"
 #include "engine/record/run/schema.hpp"
 #include "tasks/batch/batch.hpp"
-#include "tasks/run/simulation.hpp"
 #include "tasks/scene/ready_scenes.hpp"
 #include "tasks/scene/units.hpp"
 #include "tasks/tuning/tuned_scene.hpp"
@@ -69,24 +67,15 @@ bool Sweep::run(const std::string& folder, int threads, std::function<void(const
     });
 }
 
-namespace {
-
-tasks::TuneSettings settings_of(const TuneOptions& options) {
-    if (!(options.accuracy > 0.0 && options.accuracy <= 0.5))
-        throw Error(ErrorCode::argument, "accuracy: " + tasks::number_text(options.accuracy) + " is outside (0, 0.5]");
-    tasks::TuneSettings settings;
-    settings.accuracy = options.accuracy;
-    settings.outputs = options.outputs;
-    settings.budget = options.budget;
-    settings.progress = options.progress;
-    return settings;
-}
-
-}  // namespace
-
 Tuning tune(const Scene& scene, const TuneOptions& options) {
     return api::entered(ErrorCode::scene, [&]() -> Tuning {
-        const tasks::TuneSettings settings = settings_of(options);
+        if (!(options.accuracy > 0.0 && options.accuracy <= 0.5))
+            throw Error(ErrorCode::argument, "accuracy: " + tasks::number_text(options.accuracy) + " is outside (0, 0.5]");
+        tasks::TuneSettings settings;
+        settings.accuracy = options.accuracy;
+        settings.outputs = options.outputs;
+        settings.budget = options.budget;
+        settings.progress = options.progress;
         const engine::Cancellation cancel(options.stop);
         try {
             tasks::TunedScene tuned =
