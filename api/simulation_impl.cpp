@@ -226,7 +226,7 @@ void Simulation::Impl::advance(Simulation& self, double until, long steps) {
         if (abandoned_) throw Error(ErrorCode::cancelled, "the simulation was destroyed or moved by its own callback");
         if (fault.kind == tasks::FaultKind::cancelled) cancel_.withdraw();
         if (steps > 0 && (simulation_.part().counters().steps != steps_before || !fault)) return;
-        if (fault) throw Error(api::code_of(fault.kind), fault.message() + advice(simulation_, fault.kind));
+        if (fault) throw Error(api::code_of(fault), fault.message() + advice(simulation_, fault.kind));
     }
 }
 

@@ -8,16 +8,11 @@
 
 namespace cvtflow::api {
 
-ErrorCode code_of(tasks::FaultKind kind) noexcept {
-    using tasks::FaultKind;
-    if (kind == FaultKind::none) return ErrorCode::none;
-    if (kind == FaultKind::non_finite) return ErrorCode::non_finite;
-    if (kind == FaultKind::penetration) return ErrorCode::penetration;
-    if (kind == FaultKind::left_sheave) return ErrorCode::left_sheave;
-    if (kind == FaultKind::max_steps) return ErrorCode::max_steps;
-    if (kind == FaultKind::max_wall) return ErrorCode::max_wall;
-    if (kind == FaultKind::cancelled) return ErrorCode::cancelled;
-    if (kind == FaultKind::blow_up) return ErrorCode::blow_up;
+ErrorCode code_of(const tasks::Fault& fault) {
+    for (int number = 0; number < static_cast<int>(ErrorCode::other_fault); ++number) {
+        const auto code = static_cast<ErrorCode>(number);
+        if (fault.name() == error_name(code)) return code;
+    }
     return ErrorCode::other_fault;
 }
 

@@ -43,8 +43,8 @@ private:
     std::fenv_t found_;
 };
 
-/// The public code of a fault; kinds without one of their own are other_fault.
-[[nodiscard]] ErrorCode code_of(tasks::FaultKind kind) noexcept;
+/// The public code with the name of a fault; kinds without one of their own are other_fault.
+[[nodiscard]] ErrorCode code_of(const tasks::Fault& fault);
 
 /// Rethrows the exception in flight as an Error: one of ours stays, lack of memory is memory, anything else is `otherwise`.
 [[noreturn]] void rethrow(ErrorCode otherwise);
