@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <cvtflow/error.hpp>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <locale>
 #include <sstream>
 
+#include "api/host/state_bytes.hpp"
 #include "engine/base/hash.hpp"
 #include "engine/base/text.hpp"
 #include "tasks/scene/units.hpp"
@@ -209,27 +208,6 @@ namespace {
 
 constexpr std::string_view magic = "CVTFMU02";
 
-class Bytes {
-public:
-    explicit Bytes(std::span<const std::byte> rest) : rest_(rest) {}
-    [[nodiscard]] std::span<const std::byte> take(std::size_t size) {
-        if (rest_.size() < size) throw Error(ErrorCode::state, "saved state of an FMU: truncated");
-        const auto taken = rest_.first(size);
-        rest_ = rest_.subspan(size);
-        return taken;
-    }
-    template <class T>
-    [[nodiscard]] T value() {
-        T value;
-        std::memcpy(&value, take(sizeof value).data(), sizeof value);
-        return value;
-    }
-    [[nodiscard]] std::span<const std::byte> rest() const noexcept { return rest_; }
-
-private:
-    std::span<const std::byte> rest_;
-};
-
 template <class T>
 void add(std::vector<std::byte>& bytes, const T& value) {
     const auto* from = reinterpret_cast<const std::byte*>(&value);
@@ -256,7 +234,7 @@ std::vector<std::byte> Snapshot::bytes() const {
 }
 
 Snapshot Snapshot::from_bytes(std::span<const std::byte> bytes) {
-    Bytes rest(bytes);
+    api::UnreadBytes rest(bytes, "saved state of an FMU: truncated");
     if (std::memcmp(rest.take(magic.size()).data(), magic.data(), magic.size()) != 0)
         throw Error(ErrorCode::state, "saved state of an FMU: malformed");
     Snapshot made;

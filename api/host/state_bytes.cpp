@@ -1,7 +1,5 @@
 #include "api/host/state_bytes.hpp"
 
-#include <cstring>
-#include <cvtflow/error.hpp>
 #include <string_view>
 #include <type_traits>
 
@@ -58,50 +56,41 @@ private:
 
 class Reader {
 public:
-    explicit Reader(std::span<const std::byte> bytes) : rest_(bytes) {}
+    explicit Reader(std::span<const std::byte> bytes) : bytes_(bytes, "saved state: it ends too early") {}
 
     template <class T>
     void operator()(T& value) {
-        Stored<T> stored;
-        if (rest_.size() < sizeof stored) reject("it ends too early");
-        std::memcpy(&stored, rest_.data(), sizeof stored);
-        rest_ = rest_.subspan(sizeof stored);
-        value = static_cast<T>(stored);
+        value = static_cast<T>(bytes_.value<Stored<T>>());
     }
     void operator()(bool& value) {
-        std::uint8_t byte = 0;
-        (*this)(byte);
+        const auto byte = bytes_.value<std::uint8_t>();
         if (byte > 1) reject("it contains an invalid flag");
         value = byte != 0;
     }
     void operator()(std::optional<double>& value) {
-        std::uint8_t given = 0;
-        double number = 0.0;
-        (*this)(given);
-        (*this)(number);
-        value = given != 0 ? std::optional(number) : std::nullopt;
+        const bool given = bytes_.value<std::uint8_t>() != 0;
+        const auto number = bytes_.value<double>();
+        value = given ? std::optional(number) : std::nullopt;
     }
     template <class T>
     void operator()(std::vector<T>& values) {
-        std::uint64_t size = 0;
-        (*this)(size);
-        if (size > rest_.size() / sizeof(T)) reject("a length is too large");
         static_assert(is_stored_as_it_is<T>);
+        const auto size = bytes_.value<std::uint64_t>();
+        if (size > bytes_.rest().size() / sizeof(T)) reject("a length is too large");
         values.resize(size);
-        if (size > 0) std::memcpy(values.data(), rest_.data(), size * sizeof(T));
-        rest_ = rest_.subspan(size * sizeof(T));
+        const auto from = bytes_.take(size * sizeof(T));
+        if (size > 0) std::memcpy(values.data(), from.data(), from.size());
     }
-    [[nodiscard]] bool empty() const noexcept { return rest_.empty(); }
+    [[nodiscard]] bool empty() const noexcept { return bytes_.rest().empty(); }
 
 private:
-    std::span<const std::byte> rest_;
+    UnreadBytes bytes_;
 };
 
 /// Every field once, for writing and reading alike.
-template <class Stream, class Record>
-void visit(Stream& stream, Record& record) {
-    auto& held = record.held;
-    stream(record.fingerprint);
+template <class Stream, class Number, class Held, class Integration>
+void visit(Stream& stream, Number& fingerprint, Held& held, Integration& integration) {
+    stream(fingerprint);
     for (auto* value : {&held.driving, &held.driven, &held.load_torque, &held.drive_torque, &held.drive_speed, &held.load_speed,
                         &held.ratio, &held.driving_pressure, &held.driven_pressure})
         stream(*value);
@@ -110,7 +99,7 @@ void visit(Stream& stream, Record& record) {
     }
     stream(held.coupled);
     auto field = [&](const char* /*name*/, auto& value) { stream(value); };
-    tasks::visit_fields(record.integration, field);
+    tasks::visit_fields(integration, field);
 }
 
 [[nodiscard]] std::uint64_t checksum(std::span<const std::byte> bytes) { return engine::Checksum().add(bytes).value(); }
@@ -130,14 +119,9 @@ std::uint64_t fingerprint(const tasks::Scene& scene) {
 
 std::vector<std::byte> write_state_bytes(std::uint64_t fingerprint, const model::HeldInputs& held,
                                          const tasks::IntegrationState& integration) {
-    const struct {
-        std::uint64_t fingerprint;
-        const model::HeldInputs& held;
-        const tasks::IntegrationState& integration;
-    } record{fingerprint, held, integration};
     const auto write = [&](Writer writer) {
         for (const char letter : magic) writer(letter);
-        visit(writer, record);
+        visit(writer, fingerprint, held, integration);
         return writer.size();
     };
     const std::size_t size = write(Writer(nullptr));
@@ -159,7 +143,7 @@ StateRecord read_state_bytes(std::span<const std::byte> bytes) {
     check_state_bytes(bytes);
     Reader reader(bytes.subspan(magic.size(), bytes.size() - magic.size() - sizeof(std::uint64_t)));
     StateRecord record;
-    visit(reader, record);
+    visit(reader, record.fingerprint, record.held, record.integration);
     if (!reader.empty()) reject("it has trailing bytes");
     return record;
 }

@@ -7,6 +7,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <cvtflow/error.hpp>
 #include <span>
 #include <vector>
 
@@ -32,5 +34,31 @@ struct StateRecord {
 [[nodiscard]] StateRecord read_state_bytes(std::span<const std::byte> bytes);
 /// Checks frame and checksum only. @throws Error (state)
 void check_state_bytes(std::span<const std::byte> bytes);
+
+/// Bytes of a saved state that have not been read yet.
+class UnreadBytes {
+public:
+    /// @param truncated message of the error where they end too early
+    UnreadBytes(std::span<const std::byte> rest, const char* truncated) : rest_(rest), truncated_(truncated) {}
+
+    /// The next ones. @throws Error (state)
+    [[nodiscard]] std::span<const std::byte> take(std::size_t size) {
+        if (rest_.size() < size) throw Error(ErrorCode::state, truncated_);
+        const auto taken = rest_.first(size);
+        rest_ = rest_.subspan(size);
+        return taken;
+    }
+    template <class T>
+    [[nodiscard]] T value() {
+        T value;
+        std::memcpy(&value, take(sizeof value).data(), sizeof value);
+        return value;
+    }
+    [[nodiscard]] std::span<const std::byte> rest() const noexcept { return rest_; }
+
+private:
+    std::span<const std::byte> rest_;
+    const char* truncated_;
+};
 
 }  // namespace cvtflow::api
