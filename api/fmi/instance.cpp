@@ -128,7 +128,6 @@ void Instance::set(std::uint32_t reference, double value) {
 }
 
 void Instance::require_step(double begin, double length) const {
-    if (!ready_) throw Error(ErrorCode::argument, "a step before the initialisation has ended");
     const std::string step = "a step from " + number_text(begin) + " s of " + number_text(length) + " s";
     if (!(length >= 0.0) || !(std::abs(begin - now_) <= 1e-9 * std::max(1.0, std::abs(now_))))
         throw Error(ErrorCode::argument, step + " after " + number_text(now_) + " s");
@@ -182,11 +181,7 @@ std::string read_file(const std::string& path) {
 }
 
 Variables read_variables(const std::string& path) {
-    static const std::map<std::string, VariableKind> kinds{{"time", VariableKind::time},
-                                                           {"input", VariableKind::input},
-                                                           {"output", VariableKind::output},
-                                                           {"parameter", VariableKind::parameter},
-                                                           {"flag", VariableKind::flag}};
+    constexpr std::string_view kinds[] = {"time", "input", "output", "parameter", "flag"};  // in the order of VariableKind
     Variables variables;
     std::istringstream lines(read_file(path));
     for (std::string line; std::getline(lines, line);) {
@@ -195,10 +190,11 @@ Variables read_variables(const std::string& path) {
         std::uint32_t reference = 0;
         std::string kind;
         Variable variable;
-        if (!(words >> reference >> kind >> variable.width >> variable.name) || !kinds.contains(kind))
-            throw Error(ErrorCode::argument, path + ": not a variable: " + line);
+        words >> reference >> kind >> variable.width >> variable.name;
+        const auto found = std::ranges::find(kinds, kind);
+        if (!words || found == std::end(kinds)) throw Error(ErrorCode::argument, path + ": not a variable: " + line);
         words >> variable.element;
-        variable.kind = kinds.at(kind);
+        variable.kind = static_cast<VariableKind>(found - std::begin(kinds));
         variables[reference] = variable;
     }
     return variables;

@@ -68,7 +68,6 @@ public:
     [[nodiscard]] bool flag(std::uint32_t reference);
     /// value [unit of the variable]. @throws Error (argument) for outputs, and for parameters after the initialisation
     void set(std::uint32_t reference, double value);
-    [[nodiscard]] std::size_t width(std::uint32_t reference) const { return variable(reference).width; }
 
     /// One communication step [s]; now() is then its end, or where `intermediate` ended it. @throws Error (argument) if it does not
     /// begin where the last one ended; faults, after which now() is the end of the last step
