@@ -33,9 +33,17 @@ struct Stepper {
     double pace = 0.0;  ///< simulated over wall time; 0: not known yet
 };
 
-/// A Python callable that C++ may copy and drop on any thread, with or without the lock.
-using Callable = std::shared_ptr<py::function>;
-[[nodiscard]] Callable share(py::function function);
+/// A call of a Python function, which takes the lock; C++ may copy and drop it on any thread, with or without the lock.
+[[nodiscard]] inline auto locked(py::function function) {
+    const std::shared_ptr<py::function> held(new py::function(std::move(function)), [](py::function* owned) {
+        const py::gil_scoped_acquire lock;
+        delete owned;
+    });
+    return [held](const auto&... arguments) {
+        const py::gil_scoped_acquire lock;
+        (*held)(arguments...);
+    };
+}
 
 /// A number in SI, or a text with a unit: 1e-4 or "0.1 ms".
 using Quantity = std::variant<double, std::string>;
@@ -55,7 +63,6 @@ using SceneLike = std::variant<std::string, std::filesystem::path, Scene>;
 
 void bind_errors(py::module_& module);
 void bind_scene(py::module_& module);
-void bind_values(py::module_& module);
 void bind_simulation(py::module_& module);
 void bind_records(py::module_& module);
 

@@ -4,13 +4,6 @@
 
 namespace cvtflow::python {
 
-Callable share(py::function function) {
-    return {new py::function(std::move(function)), [](py::function* held) {
-                const py::gil_scoped_acquire lock;
-                delete held;
-            }};
-}
-
 double in_si(const Quantity& quantity, const std::string& name, const std::string& unit) {
     if (const auto* number = std::get_if<double>(&quantity)) return *number;
     try {
@@ -50,7 +43,6 @@ PYBIND11_MODULE(_cvtflow, module) {
     module.doc() = "The C++ interface of cvtflow. Import cvtflow instead, which adds a Python interface.";
     bind_errors(module);
     bind_scene(module);
-    bind_values(module);
     bind_simulation(module);
     bind_records(module);
     module.def(
@@ -66,12 +58,7 @@ PYBIND11_MODULE(_cvtflow, module) {
         "The unit in which pictures and tables show a channel, a column or a key, and the factor from its SI unit: "
         "display_unit(\"shaft_1/speed\", \"rad/s\") is (\"rpm\", 9.549…).");
     module.def("library_version", &cvtflow::library_version, "Version of the loaded library.");
-    module.def(
-        "shutdown",
-        [] {
-            const Released released;
-            return cvtflow::shutdown();
-        },
-        "Ends the worker threads of all simulations of this process. False if other users keep them alive.");
+    module.def("shutdown", &cvtflow::shutdown, pybind11::call_guard<Released>(),
+               "Ends the worker threads of all simulations of this process. False if other users keep them alive.");
     refuse_objects_without_init(module);
 }

@@ -4,9 +4,10 @@ namespace cvtflow::python {
 
 namespace {
 
-[[nodiscard]] py::dict attributes_of(const RecordAttributes& rows) {
+template <class File>
+[[nodiscard]] py::dict attributes_of(const File& self) {
     py::dict values;
-    for (const auto& [name, value] : rows) values[name.c_str()] = value;
+    for (const auto& [name, value] : self.attributes()) values[name.c_str()] = value;
     return values;
 }
 
@@ -45,12 +46,7 @@ namespace {
 
 [[nodiscard]] bool run(Sweep& self, const std::string& folder, int threads, const std::optional<py::function>& progress) {
     std::function<void(const SweepProgress&)> call;
-    if (progress) {
-        call = [held = share(*progress)](const SweepProgress& now) {
-            const py::gil_scoped_acquire lock;
-            (*held)(now);
-        };
-    }
+    if (progress) call = locked(*progress);
     const Released released;
     return self.run(folder, threads, std::move(call));
 }
@@ -109,8 +105,7 @@ void bind_records(py::module_& module) {
     py::class_<Record>(module, "RecordFile", "The record of a run, read on demand.")
         .def(py::init<const std::string&>(), py::arg("path"), "Raises RecordError.")
         .def_property_readonly("status", &Record::status, "finished, running, unreliable, or the cause of an early end.")
-        .def(
-            "attributes", [](const Record& self) { return attributes_of(self.attributes()); }, "Of the whole file, by name.")
+        .def("attributes", &attributes_of<Record>, "Of the whole file, by name.")
         .def("channels", &Record::channels, "The recorded channels.")
         .def("rows", &Record::rows, "Number of rows when the file was opened.")
         .def("read", &read, py::arg("channel"), py::arg("first") = 0, py::arg("count") = py::none(),
@@ -124,8 +119,7 @@ void bind_records(py::module_& module) {
         .def("transitions", &transitions, "All changes of a tip's phase, as an array with fields time, pin, tip, phase_from, phase_to.");
     py::class_<Table>(module, "Table", "Results of a sweep (cases.h5), in the order of cases.")
         .def(py::init<const std::string&>(), py::arg("path"), "Raises RecordError.")
-        .def(
-            "attributes", [](const Table& self) { return attributes_of(self.attributes()); }, "Of the whole table, by name.")
+        .def("attributes", &attributes_of<Table>, "Of the whole table, by name.")
         .def("columns", &Table::columns, "Names and units.")
         .def("rows", &Table::rows, "Number of cases.")
         .def("read", &column, py::arg("column"), "A column [rows]: an array of numbers, or a list of texts.");

@@ -105,34 +105,20 @@ void set_input(Stepper& self, const py::object& which, const Quantity& value) {
 
 void on_output(const py::object& object, const Quantity& interval, const std::optional<py::function>& callback) {
     std::function<void(Simulation&)> call;
-    if (callback) {
-        call = [self = py::handle(object), held = share(*callback)](Simulation&) {
-            const py::gil_scoped_acquire lock;
-            (*held)(self);
-        };
-    }
+    if (callback) call = [self = py::handle(object), report = locked(*callback)](Simulation&) { report(self); };
     object.cast<Stepper&>().simulation.on_output(in_si(interval, "interval", "s"), std::move(call));
 }
 
 void on_transition(const py::object& object, const std::optional<py::function>& callback) {
     std::function<void(Simulation&, const Transition&)> call;
-    if (callback) {
-        call = [self = py::handle(object), held = share(*callback)](Simulation&, const Transition& transition) {
-            const py::gil_scoped_acquire lock;
-            (*held)(self, transition);
-        };
-    }
+    if (callback) call = [self = py::handle(object), report = locked(*callback)](Simulation&, const Transition& now) { report(self, now); };
     object.cast<Stepper&>().simulation.on_transition(std::move(call));
 }
 
-[[nodiscard]] double largest_stable_step(Stepper& self) {
-    const Released released;
-    return self.simulation.largest_stable_step();
-}
-
-void step(Stepper& self) {
-    const Released released;
-    self.simulation.step();
+/// A question that the simulation answers, by value.
+template <class Answer>
+[[nodiscard]] auto ask(Answer (Simulation::*question)() const) {
+    return [question](const Stepper& self) { return (self.simulation.*question)(); };
 }
 
 using Class = py::class_<Stepper>;
@@ -141,45 +127,42 @@ void bind_time(Class& type) {
     type.def(py::init(&create), py::arg("scene"), py::arg_v("threads", Threads::caller(), "Threads.caller()"), py::arg("segments") = 0,
              "Prepares the start state of a scene: a Scene, the name of a ready one, or a file. Starts no thread.")
         .def("copy", &copy, "A second simulation in the same state, without the callbacks.")
-        .def_property_readonly(
-            "scene", [](const Stepper& self) { return self.simulation.scene(); }, "The scene.")
+        .def_property_readonly("scene", ask(&Simulation::scene), "The scene.")
         .def_property_readonly(
             "threads", [](const Stepper& self) { return self.threads; }, "As given.")
-        .def_property_readonly(
-            "segments", [](const Stepper& self) { return self.segments; }, "As given.")
-        .def_property_readonly(
-            "time", [](const Stepper& self) { return self.simulation.time(); }, "Time [s]; negative while a start settles.")
-        .def_property_readonly(
-            "method", [](const Stepper& self) { return self.simulation.method(); },
-            "The method of its steps, never \"auto\": what run.method = \"auto\" is with this scene.")
-        .def_property_readonly(
-            "step_length", [](const Stepper& self) { return self.simulation.step_length(); }, "Length of a step without transitions [s].")
-        .def("advance_to", &advance_to, py::arg("time"),
-             "Takes whole steps until self.time >= time (\"1 ms\"; numbers are in s), without the interpreter's lock. Ctrl-C ends it "
-             "between two steps, and the "
-             "simulation can be continued. Raises a Fault, CancelledError, BusyError; ArgumentError for a time more than a step back.")
-        .def("step", &step, "One step, which a transition may shorten.")
+        .def_readonly("segments", &Stepper::segments, "As given.")
+        .def_property_readonly("time", ask(&Simulation::time), "Time [s]; negative while a start settles.")
+        .def_property_readonly("method", ask(&Simulation::method),
+                               "The method of its steps, never \"auto\": what run.method = \"auto\" is with this scene.")
+        .def_property_readonly("step_length", ask(&Simulation::step_length), "Length of a step without transitions [s].")
+        .def(
+            "advance_to", &advance_to, py::arg("time"),
+            "Takes whole steps until self.time >= time (\"1 ms\"; numbers are in s), without the interpreter's lock. Ctrl-C ends it "
+            "between "
+            "two steps, and the simulation can be continued. Raises a Fault, CancelledError, BusyError; ArgumentError for a time more than "
+            "a step back.")
+        .def(
+            "step", [](Stepper& self) { self.simulation.step(); }, py::call_guard<Released>(), "One step, which a transition may shorten.")
         .def(
             "cancel", [](Stepper& self) { self.simulation.cancel(); }, "Ends advance_to() of another thread after at most one step.")
-        .def("largest_stable_step", &largest_stable_step, "Longest step with which the method is linearly stable here [s].");
+        .def(
+            "largest_stable_step", [](Stepper& self) { return self.simulation.largest_stable_step(); }, py::call_guard<Released>(),
+            "Longest step with which the method is linearly stable here [s].");
 }
 
 void bind_state(Class& type) {
-    type.def(
-            "state", [](const Stepper& self) { return self.simulation.state(); }, "The full integration state.")
+    type.def("state", ask(&Simulation::state), "The full integration state.")
         .def(
             "set_state", [](Stepper& self, const State& state) { self.simulation.set_state(state); }, py::arg("state"),
             "Raises StateError for the state of another scene.")
-        .def(
-            "hash", [](const Stepper& self) { return self.simulation.hash(); }, "Hash of unknowns and phases, to compare states bitwise.")
+        .def("hash", ask(&Simulation::hash), "Hash of unknowns and phases, to compare states bitwise.")
         .def("set_input", &set_input, py::arg("input"), py::arg("value"),
              "Sets an input, given as Input or by name, to a number in SI or a text with a unit.")
         .def(
             "input", [](const Stepper& self, const py::object& input) { return self.simulation.input(input_of(input)); }, py::arg("input"),
             "Present value, as set or from the scene's table, in its SI unit.")
         .def("inputs", &inputs, "All inputs that the scene has, by name.")
-        .def(
-            "size", [](const Stepper& self) { return self.simulation.size(); }, "Number of unknowns.")
+        .def("size", ask(&Simulation::size), "Number of unknowns.")
         .def("unknowns", &unknowns, "The unknowns now [size]; a copy, since steps move them in memory.")
         .def("rhs", &rhs, py::arg("time"), py::arg("x"), "dx/dt at (time, x) [size]; depends on these and on the inputs only.");
 }
@@ -188,27 +171,87 @@ void bind_sight(Class& type) {
     type.def_property_readonly(
             "channels", [](const py::object& self) { return by_python("_channels", "of_simulation")(self); },
             "Present values of the channels, by name: channels[\"slip\"] is a number, channels[\"links/tension\"] an array, channels.info "
-            "their "
-            "units.")
+            "their units.")
         .def("_channel_infos", &channel_infos, "Of all channels.")
         .def("channel", &channel, py::arg("name"),
              "Values of a channel now [width]: a view without a copy, which changes with the next read after a step.")
-        .def(
-            "counters", [](const Stepper& self) { return self.simulation.counters(); }, "Counters since the start.")
-        .def(
-            "energy", [](const Stepper& self) { return self.simulation.energy(); }, "Energy balance, and whether results are reliable.")
-        .def(
-            "notices", [](const Stepper& self) { return self.simulation.notices(); }, "Warnings, one line each.")
+        .def("counters", ask(&Simulation::counters), "Counters since the start.")
+        .def("energy", ask(&Simulation::energy), "Energy balance, and whether results are reliable.")
+        .def("notices", ask(&Simulation::notices), "Warnings, one line each.")
         .def("on_output", &on_output, py::arg("interval"), py::arg("callback"),
              "callback(simulation) after the first step at or after every multiple of interval (\"10 us\"; numbers are in s); None removes "
-             "it. A callback that refers "
-             "to its simulation keeps both alive until it is removed.")
+             "it. A callback that refers to its simulation keeps both alive until it is removed.")
         .def("on_transition", &on_transition, py::arg("callback"), "callback(simulation, transition); None removes it.");
+}
+
+void bind_threads(py::module_& module) {
+    py::class_<Threads>(module, "Threads", "Threads of a simulation; they do not affect results.")
+        .def_static("caller", &Threads::caller, "The calling thread only.")
+        .def_static("current_arena", &Threads::current_arena, py::arg("slots"), "The oneTBB arena in which the call is made.")
+        .def_static("private_arena", &Threads::private_arena, py::arg("threads") = 0,
+                    "Threads of this simulation, the caller included; 0: all.")
+        .def_property_readonly(
+            "way", [](const Threads& threads) { return static_cast<int>(threads.way()); }, "0 caller, 1 current_arena, 2 private_arena.")
+        .def_property_readonly("count", &Threads::count, "Number of threads.");
+}
+
+void bind_inputs(py::module_& module) {
+    py::enum_<Input> type(module, "Input",
+                          "Inputs that a host may set between steps; a set value replaces the scene's table from then on.");
+    for (int number = 0;; ++number) {
+        try {
+            const InputInfo info = input_info(static_cast<Input>(number));
+            type.value(info.name.data(), static_cast<Input>(number),
+                       (std::string(info.description) + " [" + info.unit.data() + "]").c_str());
+        } catch (const Error&) {  // the last one was before
+            break;
+        }
+    }
+}
+
+void bind_figures(py::module_& module) {
+    py::class_<Counters>(module, "Counters", "Counters since the start; after settling, since t = 0.")
+        .def_readonly("steps", &Counters::steps, "accepted steps, truncated ones included")
+        .def_readonly("evaluations", &Counters::evaluations, "evaluations of the right-hand side")
+        .def_readonly("transitions", &Counters::transitions, "changes of a tip's phase")
+        .def_readonly("truncated", &Counters::truncated, "steps cut at a transition")
+        .def_readonly("suppressed", &Counters::suppressed, "transitions postponed because the tip had just changed");
+    py::class_<Energy>(module, "Energy", "Energy balance, and whether results are reliable.")
+        .def_readonly("residual", &Energy::residual, "change of the stored energy - work of the inputs + losses [J]")
+        .def_readonly("dissipated", &Energy::dissipated, "energy dissipated [J]")
+        .def_readonly("suspicion", &Energy::suspicion, "|residual| over its tolerance [1]")
+        .def_readonly("reliable", &Energy::reliable, "`suspicion` <= 1");
+    py::class_<Transition>(module, "Transition", "A change of a tip's phase: 0 free, 1 touching, 2 sticking, 3 slipping.")
+        .def_readonly("time", &Transition::time, "time [s]")
+        .def_readonly("pin", &Transition::pin, "counted from 0")
+        .def_readonly("tip", &Transition::tip, "4 link + 2 (front half) + (side +z)")
+        .def_readonly("phase_from", &Transition::from, "phase before")
+        .def_readonly("phase_to", &Transition::to, "phase after");
+}
+
+[[nodiscard]] State state_from(const py::bytes& bytes) {
+    const std::string_view text = bytes;
+    return State::from_bytes(std::as_bytes(std::span(text.data(), text.size())));
+}
+
+[[nodiscard]] py::bytes bytes_of(const State& state) { return {reinterpret_cast<const char*>(state.bytes().data()), state.bytes().size()}; }
+
+void bind_states(py::module_& module) {
+    py::class_<State>(module, "State", "The full integration state, including inputs that were set; set_state(state()) continues bitwise.")
+        .def_static("from_bytes", &state_from, py::arg("bytes"), "Raises StateError for damaged bytes, or those of another version.")
+        .def("bytes", &bytes_of, "The state as bytes.")
+        .def("__eq__", [](const State& one, const State& other) { return one == other; })
+        .def(py::pickle([](const State& state) { return py::make_tuple(bytes_of(state)); },
+                        [](const py::tuple& kept) { return state_from(kept[0].cast<py::bytes>()); }));
 }
 
 }  // namespace
 
 void bind_simulation(py::module_& module) {
+    bind_threads(module);
+    bind_inputs(module);
+    bind_figures(module);
+    bind_states(module);
     Class type(module, "Simulation", "One simulation of one scene. Used by one thread at a time; a process may have any number of them.",
                py::dynamic_attr());
     bind_time(type);
