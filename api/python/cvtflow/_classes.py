@@ -65,17 +65,13 @@ def _fields(self):
     return f"<cvtflow.{type(self).__name__} {values}>"
 
 
-def _threads(way, count):
-    return (lambda _: Threads.caller(), Threads.current_arena, Threads.private_arena)[way](count)
-
-
 def _restore(text, state, way, count, segments):
     """The scene's state file may no longer exist; the saved state replaces it."""
+    threads = (lambda _: Threads.caller(), Threads.current_arena, Threads.private_arena)[way](count)
     try:
-        simulation = Simulation(Scene.parse(text), _threads(way, count), segments)
+        simulation = Simulation(Scene.parse(text), threads, segments)
     except (SceneError, StartStateError):
-        alone = re.sub(r"(?m)^state = .*$", "", text)
-        simulation = Simulation(Scene.parse(alone), _threads(way, count), segments)
+        simulation = Simulation(Scene.parse(re.sub(r"(?m)^state = .*$", "", text)), threads, segments)
     simulation.set_state(State.from_bytes(state))
     return simulation
 
@@ -173,10 +169,8 @@ def install():
             setattr(owner, name, staticmethod(function) if isinstance(bound, staticmethod) else function)
     Threads.__init__ = _no_threads
     Simulation.input, Simulation.set_input = _named(Simulation.input), _named(Simulation.set_input)
-    _cvtflow.Scene._repr_html_ = _scene_html
-    _cvtflow.Scene.__repr__ = _scene_repr
-    _cvtflow.Simulation._repr_html_ = _simulation_html
-    _cvtflow.Simulation.__repr__ = _simulation_repr
+    Scene._repr_html_, Scene.__repr__ = _scene_html, _scene_repr
+    Simulation._repr_html_, Simulation.__repr__ = _simulation_html, _simulation_repr
     _cvtflow.KeyInfo.__repr__ = key_repr
     _cvtflow.State.__repr__ = lambda self: f"<cvtflow.State: {len(self.bytes())} bytes>"
     for name in ("Column", "Counters", "Energy", "SweepProgress", "Threads", "Transition", "Tuning"):

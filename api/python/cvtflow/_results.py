@@ -7,11 +7,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from . import _rainflow, _wear
+from . import _wear
 from ._channels import Channels, Columns, shown, split, unknown
 from ._cvtflow import RecordFile, Scene, Simulation, Threads, quantity
 
 _MILLI = 1e3
+_CYCLE = [(name, float) for name in ("range", "mean", "count", "from_time", "to_time")]
 
 
 def _mean(values):
@@ -29,6 +30,40 @@ def _spectrum(times, values):
     window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(len(values)) / len(values))
     padded = 2 << (len(values) - 1).bit_length()
     return np.fft.rfftfreq(padded, distance), 2.0 * np.abs(np.fft.rfft(window * values, padded)) / window.sum()
+
+
+def _reversals(history):
+    """Indices of the first value, every peak and valley (of equal neighbours the first), the last value."""
+    kept = np.flatnonzero(np.append(True, history[1:] != history[:-1])[:len(history)])
+    if len(kept) < 2:
+        return kept
+    rises = np.diff(history[kept]) > 0.0
+    return kept[np.concatenate(([True], rises[1:] != rises[:-1], [True]))]
+
+
+def _cycles(time, history):
+    """Cycles of a load by rainflow counting, ASTM E1049-85 (2017), section 5.4.4, in the order in which they are counted; halves that
+    remain come last: an array as of Series.rainflow().
+
+    time, history  [rows], [s] and any unit, finite
+    """
+    load, counted, waiting = history.tolist(), [], []  # waiting: reversals that belong to no cycle yet
+
+    def count(a, b, number):
+        counted.append((abs(load[b] - load[a]), 0.5 * (load[a] + load[b]), number, time[a], time[b]))
+
+    for turn in _reversals(history):
+        waiting.append(turn)
+        while len(waiting) >= 3:
+            before, middle, last = waiting[-3:]
+            if abs(load[last] - load[middle]) < abs(load[middle] - load[before]):
+                break
+            has_start = len(waiting) == 3  # half a cycle, whose first point is the start of the history
+            count(before, middle, 0.5 if has_start else 1.0)
+            del waiting[-3:-2 if has_start else -1]
+    for a, b in zip(waiting, waiting[1:]):
+        count(a, b, 0.5)
+    return np.array(counted, dtype=_CYCLE)
 
 
 def _names(channels):
@@ -106,7 +141,7 @@ class Series:
         rows = np.isfinite(values) & (time >= (0.0 if begin is None else _seconds(begin)))
         if until is not None:
             rows &= time <= _seconds(until)
-        return _rainflow.cycles(time[rows], values[rows])
+        return _cycles(time[rows], values[rows])
 
     def _pin_period(self):
         """[s]; None where it is not known."""
@@ -323,10 +358,6 @@ class Rows(Series, dict):
         return f"<cvtflow.Rows: {len(self['time'])} rows of {', '.join(self)}>"
 
 
-def _channel(name):
-    return split(name)[0]
-
-
 def _seconds(value):
     return quantity(value, "s") if isinstance(value, str) else value
 
@@ -353,7 +384,7 @@ def run(scene, until=None, *, channels=("ratio", "slip", "efficiency"), interval
     now = simulation.channels
     for name in channels:
         now[name]  # raises what is wrong with a name before anything runs
-    info = {name: column for name, column in now.info.items() if name in map(_channel, channels)}
+    info = {name: column for name, column in now.info.items() if name in [split(each)[0] for each in channels]}
     if simulation.time < 0.0:
         simulation.advance_to(0.0)
     first = math.ceil(simulation.time / interval * (1.0 - 1e-9))

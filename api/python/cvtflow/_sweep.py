@@ -195,14 +195,10 @@ class Results(dict):
         """load torque = 6 N·m, of a legend."""
         label, factor = shown(name, self.info[name].unit, si)
         words, _, unit = label.partition(" [")
-        return f"{words} = {_short(value if isinstance(value, str) else factor * value)} {unit.rstrip(']')}".rstrip()
+        return f"{words} = {value if isinstance(value, str) else f'{factor * value:.6g}'} {unit.rstrip(']')}".rstrip()
 
     def __repr__(self):
         return f"<cvtflow.Results: {len(self['case'])} cases of {', '.join(self)}>"
-
-
-def _short(value):
-    return value if isinstance(value, str) else f"{value:.6g}"
 
 
 class Sweep:
