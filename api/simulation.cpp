@@ -59,8 +59,7 @@ void Simulation::step() { impl_->advance(*this, 1e300, 1); }
 void Simulation::cancel() noexcept { impl_->cancel(); }
 
 State Simulation::state() const {
-    return entered(ErrorCode::internal, [&] {
-        const Impl::Scope scope(*impl_, Impl::Scope::As::visitor);
+    return impl_->visited([&] {
         const tasks::Simulation& now = impl_->simulation();
         State state;
         state.bytes_ =
@@ -77,7 +76,7 @@ std::uint64_t Simulation::hash() const {
     return entered(ErrorCode::internal, [&] { return impl_->simulation().hash(); });
 }
 void Simulation::set_input(Input input, double value) {
-    entered(ErrorCode::internal, [&] { impl_->set_input(input, value); });
+    impl_->visited([&] { impl_->set_input(input, value); });
 }
 double Simulation::input(Input input) const {
     return entered(ErrorCode::internal, [&] { return impl_->input(input); });
@@ -101,10 +100,7 @@ std::size_t Simulation::find_channel(const std::string& name) const {
     return entered(ErrorCode::internal, [&] { return impl_->channels().find(name); });
 }
 std::span<const double> Simulation::channel(std::size_t index) {
-    return entered(ErrorCode::internal, [&] {
-        const Impl::Scope scope(*impl_, Impl::Scope::As::visitor);
-        return impl_->channels().read(index);
-    });
+    return impl_->visited([&] { return impl_->channels().read(index); });
 }
 std::span<const double> Simulation::channel(const std::string& name) { return channel(find_channel(name)); }
 
@@ -122,23 +118,14 @@ Energy Simulation::energy() const noexcept {
     return {balance.residual(), balance.loss, balance_error_ratio, balance_error_ratio <= 1.0};
 }
 double Simulation::largest_stable_step() {
-    return entered(ErrorCode::internal, [&] {
-        const Impl::Scope scope(*impl_, Impl::Scope::As::visitor);
-        return largest_step(impl_->simulation()).step;
-    });
+    return impl_->visited([&] { return largest_step(impl_->simulation()).step; });
 }
 
 void Simulation::on_output(double interval, std::function<void(Simulation&)> callback) {
-    entered(ErrorCode::internal, [&] {
-        const Impl::Scope scope(*impl_, Impl::Scope::As::visitor);
-        impl_->callbacks().on_output(time(), interval, std::move(callback));
-    });
+    impl_->visited([&] { impl_->callbacks().on_output(time(), interval, std::move(callback)); });
 }
 void Simulation::on_transition(std::function<void(Simulation&, const Transition&)> callback) {
-    entered(ErrorCode::internal, [&] {
-        const Impl::Scope scope(*impl_, Impl::Scope::As::visitor);
-        impl_->callbacks().on_transition(std::move(callback));
-    });
+    impl_->visited([&] { impl_->callbacks().on_transition(std::move(callback)); });
 }
 
 std::vector<std::string> Simulation::Impl::notices() const {
@@ -242,7 +229,6 @@ InputInfo input_info(Input input) {
 }
 
 void Simulation::Impl::set_input(Input input, double value) {
-    const Scope scope(*this, Scope::As::visitor);
     const InputRow& row = input_row(input, data());
     require_in_range(row, value);
     const model::PulleyModel& pulleys = simulation_.workspace().variator.pulleys();

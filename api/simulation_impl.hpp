@@ -125,6 +125,14 @@ public:
         Impl& impl_;
         bool entered_;
     };
+    /// Result of `action` as a visitor, translated as by entered().
+    template <class Action>
+    decltype(auto) visited(Action&& action) {
+        return api::entered(ErrorCode::internal, [&]() -> decltype(auto) {
+            const Scope scope(*this, Scope::As::visitor);
+            return action();
+        });
+    }
 
     /// Frees a simulation, or leaves that to the call under way if its callback does this.
     static void end(std::unique_ptr<Impl> impl) noexcept;
