@@ -180,14 +180,14 @@ std::set<std::string> shown(const std::string& pattern) {
 }
 
 TEST(SharedLibrary, ShowsTheFunctionsOfTheSymbolFileAndNoOther) {
-    std::ifstream file(CVTFLOW_SOURCE_DIR "/api/install/symbols.txt");
+    std::ifstream file(CVTFLOW_SOURCE_DIR "/tests/api/symbols.txt");
     std::set<std::string> promised;
     for (std::string line; std::getline(file, line);) {
         if (!line.empty() && line[0] != '#') promised.insert(line);
     }
     EXPECT_GT(promised.size(), 25u);
     EXPECT_EQ(shown("^cvtflow_"), promised)
-        << "a function that was added belongs into api/install/symbols.txt; one that is gone breaks programs";
+        << "a function that was added belongs into tests/api/symbols.txt; one that is gone breaks programs";
 }
 
 TEST(SharedLibrary, HidesItsInsideAndWhatItIsMadeOf) {
