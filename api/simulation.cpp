@@ -1,10 +1,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cvtflow/simulation.hpp>
+#include <cvtflow/snapshot.hpp>
 #include <utility>
 
 #include "api/simulation_impl.hpp"
 #include "engine/base/text.hpp"
+#include "engine/thread/published_numbers.hpp"
 #include "engine/thread/worker_threads.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/units.hpp"
@@ -256,6 +258,48 @@ double Simulation::Impl::input(Input input) const {
     }
     const auto& held = pulleys.held().*row.held;
     return held ? *held : row.table(data().parameters)->at(std::max(simulation_.time(), 0.0));
+}
+
+struct Snapshot::Impl {
+    std::vector<std::size_t> channels;
+    std::vector<double> taken;
+    engine::PublishedNumbers published;
+};
+
+Snapshot::Snapshot(Simulation& simulation, const std::vector<std::string>& channels) {
+    std::vector<std::size_t> numbers;
+    std::size_t size = 1;
+    for (const std::string& name : channels) {
+        numbers.push_back(simulation.find_channel(name));
+        size += simulation.channel_info(numbers.back()).width;
+    }
+    impl_.reset(new Impl{std::move(numbers), std::vector<double>(size), engine::PublishedNumbers(size)});
+    take(simulation);
+}
+
+Snapshot::~Snapshot() = default;
+
+void Snapshot::take(Simulation& simulation) {
+    std::vector<double>& taken = impl_->taken;
+    taken[0] = simulation.time();
+    std::size_t at = 1;
+    for (const std::size_t channel : impl_->channels)
+        for (const double value : simulation.channel(channel)) taken.at(at++) = value;
+    impl_->published.publish(taken);
+}
+
+std::size_t Snapshot::size() const noexcept { return impl_->taken.size(); }
+
+void Snapshot::read(std::span<double> out) const {
+    if (out.size() != size())
+        throw Error(ErrorCode::argument, "snapshot: " + std::to_string(out.size()) + " numbers for " + std::to_string(size()));
+    impl_->published.read(out);
+}
+
+std::vector<double> Snapshot::read() const {
+    std::vector<double> values(size());
+    read(values);
+    return values;
 }
 
 }  // namespace v0

@@ -40,9 +40,8 @@ const tasks::Channel& ChannelReader::row(std::size_t index) const {
 }
 
 std::size_t ChannelReader::find(std::string_view name) const {
-    for (std::size_t index = 0; index < rows_.size(); ++index) {
-        if (rows_[index]->name == name) return index;
-    }
+    const auto found = std::ranges::find(rows_, name, &tasks::Channel::name);
+    if (found != rows_.end()) return static_cast<std::size_t>(found - rows_.begin());
     std::vector<std::string> names;
     for (const tasks::Channel* row : rows_) names.emplace_back(row->name);
     throw Error(ErrorCode::argument,
@@ -240,7 +239,7 @@ std::unique_ptr<Simulation::Impl> Simulation::Impl::copy() {
     return other;
 }
 
-void Simulation::Impl::restore(StateRecord record) {
+void Simulation::Impl::restore(api::StateRecord record) {
     const Scope scope(*this, Scope::As::stepper);
     if (record.fingerprint != scene_.data_->fingerprint())
         throw Error(ErrorCode::state, "saved state: it belongs to another scene, method or step");

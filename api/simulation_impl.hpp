@@ -107,8 +107,6 @@ private:
 
 class Simulation::Impl final {
 public:
-    using StateRecord = api::StateRecord;
-
     /// @param start to begin in, instead of the scene's; nullptr: the scene's
     Impl(const Scene& scene, Threads threads, int segments, const model::StartState* start = nullptr);
 
@@ -141,7 +139,7 @@ public:
     [[nodiscard]] std::unique_ptr<Impl> copy();
     void advance(Simulation& self, double until, long steps);  ///< until [s]
     void cancel() noexcept { cancel_.request(); }
-    void restore(StateRecord record);
+    void restore(api::StateRecord record);
     void set_input(Input input, double value);  ///< value [unit of the input]
     [[nodiscard]] double input(Input input) const;
     void rhs(double t, std::span<const double> x, std::span<double> out);  ///< t [s], x [unknowns], out [unknowns, per second]
