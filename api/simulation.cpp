@@ -58,7 +58,7 @@ double Simulation::step_length() const noexcept {
 }
 void Simulation::advance_to(double t) { impl_->advance(*this, t, 0); }
 void Simulation::step() { impl_->advance(*this, 1e300, 1); }
-void Simulation::cancel() noexcept { impl_->cancel(); }
+void Simulation::cancel() noexcept { impl_->cancel_.request(); }
 
 State Simulation::state() const {
     return impl_->visited([&] {
@@ -77,17 +77,19 @@ void Simulation::set_state(const State& state) {
 std::uint64_t Simulation::hash() const {
     return entered(ErrorCode::internal, [&] { return impl_->simulation().hash(); });
 }
-void Simulation::set_input(Input input, double value) {
-    impl_->visited([&] { impl_->set_input(input, value); });
-}
-double Simulation::input(Input input) const {
-    return entered(ErrorCode::internal, [&] { return impl_->input(input); });
-}
 
 std::size_t Simulation::size() const noexcept { return static_cast<std::size_t>(impl_->simulation().workspace().layout().size()); }
 std::span<const double> Simulation::unknowns() const noexcept { return {impl_->simulation().workspace().state(), size()}; }
 void Simulation::rhs(double t, std::span<const double> x, std::span<double> out) {
-    entered(ErrorCode::internal, [&] { impl_->rhs(t, x, out); });
+    if (x.size() != size() || out.size() != size()) {
+        throw Error(ErrorCode::argument, "rhs: spans of " + std::to_string(x.size()) + " and " + std::to_string(out.size()) +
+                                             " numbers for " + std::to_string(size()) + " unknowns");
+    }
+    impl_->visited([&] {
+        const tasks::Workspace& workspace = impl_->simulation().workspace();
+        if (!impl_->slope_) impl_->slope_.emplace(workspace.variator, workspace.rule);
+        (*impl_->slope_)(t, x.data(), out.data());
+    });
 }
 
 std::size_t Simulation::channels() const noexcept { return impl_->channels().size(); }
@@ -111,7 +113,16 @@ Counters Simulation::counters() const noexcept {
     return {so_far.steps, so_far.evaluations, so_far.detected, so_far.truncated, so_far.suppressed};
 }
 std::vector<std::string> Simulation::notices() const {
-    return entered(ErrorCode::internal, [&] { return impl_->notices(); });
+    return entered(ErrorCode::internal, [&] {
+        std::vector<std::string> lines = impl_->start_differences_;
+        const tasks::Simulation& now = impl_->simulation();
+        const double ratio = now.balance_error_ratio();
+        if (!(ratio <= 1.0)) lines.push_back(tasks::unreliable_text(ratio, impl_->data().run.step, now.step()));
+        const engine::ThreadShortage threads = engine::thread_shortage();
+        if (threads.requested > 0)
+            lines.push_back("threads: available " + std::to_string(threads.had) + " of " + std::to_string(threads.requested));
+        return lines;
+    });
 }
 Energy Simulation::energy() const noexcept {
     const api::FloatingDefaults defaults;
@@ -128,16 +139,6 @@ void Simulation::on_output(double interval, std::function<void(Simulation&)> cal
 }
 void Simulation::on_transition(std::function<void(Simulation&, const Transition&)> callback) {
     impl_->visited([&] { impl_->callbacks().on_transition(std::move(callback)); });
-}
-
-std::vector<std::string> Simulation::Impl::notices() const {
-    std::vector<std::string> lines = start_differences_;
-    const double ratio = simulation_.balance_error_ratio();
-    if (!(ratio <= 1.0)) lines.push_back(tasks::unreliable_text(ratio, data().run.step, simulation_.step()));
-    const engine::ThreadShortage threads = engine::thread_shortage();
-    if (threads.requested > 0)
-        lines.push_back("threads: available " + std::to_string(threads.had) + " of " + std::to_string(threads.requested));
-    return lines;
 }
 
 namespace {
@@ -230,34 +231,37 @@ InputInfo input_info(Input input) {
     });
 }
 
-void Simulation::Impl::set_input(Input input, double value) {
-    const InputRow& row = input_row(input, data());
-    require_in_range(row, value);
-    const model::PulleyModel& pulleys = simulation_.workspace().variator.pulleys();
-    Held held = pulleys.held();
-    if (row.turns != InputRow::none) {  // the reference turns on from where it is
-        const double now = simulation_.time();
-        model::ReferenceAngle& reference = held.reference[static_cast<std::size_t>(row.turns)];
-        if (row.is_angle() && !held.coupled) throw Error(ErrorCode::argument, std::string(row.name) + ": the coupling acts from t = 0 on");
-        reference.angle = row.is_angle() ? reference.zero + value : pulleys.reference_angle(now, row.turns);
-        reference.since = now;
-    }
-    if (!row.is_angle()) held.*row.held = value;
-    simulation_.hold(held);
-    channels_.changed();
+void Simulation::set_input(Input input, double value) {
+    impl_->visited([&] {
+        const InputRow& row = input_row(input, impl_->data());
+        require_in_range(row, value);
+        const model::PulleyModel& pulleys = impl_->simulation().workspace().variator.pulleys();
+        Held held = pulleys.held();
+        if (row.turns != InputRow::none) {  // the reference turns on from where it is
+            model::ReferenceAngle& reference = held.reference[static_cast<std::size_t>(row.turns)];
+            if (row.is_angle() && !held.coupled)
+                throw Error(ErrorCode::argument, std::string(row.name) + ": the coupling acts from t = 0 on");
+            reference.angle = row.is_angle() ? reference.zero + value : pulleys.reference_angle(time(), row.turns);
+            reference.since = time();
+        }
+        if (!row.is_angle()) held.*row.held = value;
+        impl_->simulation_.hold(held);
+        impl_->channels().changed();
+    });
 }
 
-double Simulation::Impl::input(Input input) const {
-    const InputRow& row = input_row(input, data());
-    const model::PulleyModel& pulleys = simulation_.workspace().variator.pulleys();
-    if (row.is_angle()) {
-        const bool acts = pulleys.held().coupled;
-        return acts ? pulleys.reference_angle(simulation_.time(), row.turns) -
-                          pulleys.held().reference[static_cast<std::size_t>(row.turns)].zero
-                    : 0.0;
-    }
-    const auto& held = pulleys.held().*row.held;
-    return held ? *held : row.table(data().parameters)->at(std::max(simulation_.time(), 0.0));
+double Simulation::input(Input input) const {
+    return entered(ErrorCode::internal, [&] {
+        const InputRow& row = input_row(input, impl_->data());
+        const model::PulleyModel& pulleys = impl_->simulation().workspace().variator.pulleys();
+        if (row.is_angle()) {
+            const bool acts = pulleys.held().coupled;
+            return acts ? pulleys.reference_angle(time(), row.turns) - pulleys.held().reference[static_cast<std::size_t>(row.turns)].zero
+                        : 0.0;
+        }
+        const auto& held = pulleys.held().*row.held;
+        return held ? *held : row.table(impl_->data().parameters)->at(std::max(time(), 0.0));
+    });
 }
 
 struct Snapshot::Impl {

@@ -249,16 +249,5 @@ void Simulation::Impl::restore(api::StateRecord record) {
     callbacks_.restart(simulation_.time());
 }
 
-void Simulation::Impl::rhs(double t, std::span<const double> x, std::span<double> out) {
-    const std::size_t size = static_cast<std::size_t>(simulation_.workspace().layout().size());
-    if (x.size() != size || out.size() != size) {
-        throw Error(ErrorCode::argument, "rhs: spans of " + std::to_string(x.size()) + " and " + std::to_string(out.size()) +
-                                             " numbers for " + std::to_string(size) + " unknowns");
-    }
-    const Scope scope(*this, Scope::As::visitor);
-    if (!slope_) slope_.emplace(simulation_.workspace().variator, simulation_.workspace().rule);
-    (*slope_)(t, x.data(), out.data());
-}
-
 }  // namespace v0
 }  // namespace cvtflow

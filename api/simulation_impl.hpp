@@ -138,12 +138,7 @@ public:
     void moved() noexcept { abandoned_ |= entry_.mine(); }
     [[nodiscard]] std::unique_ptr<Impl> copy();
     void advance(Simulation& self, double until, long steps);  ///< until [s]
-    void cancel() noexcept { cancel_.request(); }
     void restore(api::StateRecord record);
-    void set_input(Input input, double value);  ///< value [unit of the input]
-    [[nodiscard]] double input(Input input) const;
-    void rhs(double t, std::span<const double> x, std::span<double> out);  ///< t [s], x [unknowns], out [unknowns, per second]
-    [[nodiscard]] std::vector<std::string> notices() const;
     [[nodiscard]] api::ChannelReader& channels() noexcept { return channels_; }
     [[nodiscard]] api::HostCallbacks& callbacks() noexcept { return callbacks_; }
 
@@ -151,6 +146,8 @@ public:
     [[nodiscard]] const tasks::Simulation& simulation() const noexcept { return simulation_; }
 
 private:
+    friend class Simulation;
+
     [[nodiscard]] const tasks::Scene& data() const noexcept { return scene_.data_->scene; }
     void require_own_process();
 
