@@ -1,5 +1,3 @@
-#include "api/fmi/instance.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -8,6 +6,7 @@
 #include <locale>
 #include <sstream>
 
+#include "api/fmi/fmi.hpp"
 #include "api/host/state_bytes.hpp"
 #include "engine/base/hash.hpp"
 #include "engine/base/text.hpp"
@@ -43,6 +42,35 @@ public:
 private:
     Simulation& simulation_;
 };
+
+/// All bytes of a file. @throws Error (argument)
+[[nodiscard]] std::string read_file(const std::string& path) {
+    const std::filesystem::path place(std::u8string(path.begin(), path.end()));  // FMI's paths are UTF-8, Windows' are not
+    std::ifstream file(place, std::ios::binary);
+    if (!file) throw Error(ErrorCode::argument, path + ": cannot be read");
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// @throws Error (argument) for malformed lines
+[[nodiscard]] Variables read_variables(const std::string& path) {
+    constexpr std::string_view kinds[] = {"time", "input", "output", "parameter", "flag"};  // in the order of VariableKind
+    Variables variables;
+    std::istringstream lines(read_file(path));
+    for (std::string line; std::getline(lines, line);) {
+        std::istringstream words(line);
+        words.imbue(std::locale::classic());
+        std::uint32_t reference = 0;
+        std::string kind;
+        Variable variable;
+        words >> reference >> kind >> variable.width >> variable.name;
+        const auto found = std::ranges::find(kinds, kind);
+        if (!words || found == std::end(kinds)) throw Error(ErrorCode::argument, path + ": not a variable: " + line);
+        words >> variable.element;
+        variable.kind = static_cast<VariableKind>(found - std::begin(kinds));
+        variables[reference] = variable;
+    }
+    return variables;
+}
 
 }  // namespace
 
@@ -171,33 +199,6 @@ void Instance::restore(const Snapshot& snapshot) {
     start_ = snapshot.start;
     now_ = snapshot.now;
     ready_ = snapshot.ready;
-}
-
-std::string read_file(const std::string& path) {
-    const std::filesystem::path place(std::u8string(path.begin(), path.end()));  // FMI's paths are UTF-8, Windows' are not
-    std::ifstream file(place, std::ios::binary);
-    if (!file) throw Error(ErrorCode::argument, path + ": cannot be read");
-    return {std::istreambuf_iterator<char>(file), {}};
-}
-
-Variables read_variables(const std::string& path) {
-    constexpr std::string_view kinds[] = {"time", "input", "output", "parameter", "flag"};  // in the order of VariableKind
-    Variables variables;
-    std::istringstream lines(read_file(path));
-    for (std::string line; std::getline(lines, line);) {
-        std::istringstream words(line);
-        words.imbue(std::locale::classic());
-        std::uint32_t reference = 0;
-        std::string kind;
-        Variable variable;
-        words >> reference >> kind >> variable.width >> variable.name;
-        const auto found = std::ranges::find(kinds, kind);
-        if (!words || found == std::end(kinds)) throw Error(ErrorCode::argument, path + ": not a variable: " + line);
-        words >> variable.element;
-        variable.kind = static_cast<VariableKind>(found - std::begin(kinds));
-        variables[reference] = variable;
-    }
-    return variables;
 }
 
 namespace {

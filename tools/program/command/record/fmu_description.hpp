@@ -36,7 +36,7 @@ struct FmuChoice {
 /// @param arrays whether variables may be arrays (FMI 3), else each element is a variable. @throws UsageError for unknown names
 [[nodiscard]] std::vector<FmuVariable> fmu_variables(Simulation& simulation, const FmuChoice& choice, bool arrays);
 
-/// The resource that an FMU reads them from (api/fmi/instance.hpp).
+/// The resource that an FMU reads them from (api/fmi/fmi.hpp).
 [[nodiscard]] std::string variables_text(const std::vector<FmuVariable>& variables);
 
 struct FmuFacts {
