@@ -110,6 +110,12 @@ void HostCallbacks::deliver(Simulation& self, double now, const bool& abandoned,
     (*callback)(self);
 }
 
+void require_threads(int count, int min) {
+    constexpr int max = 1024;
+    if (count < min || count > max)
+        throw Error(ErrorCode::argument, "threads: " + std::to_string(count) + " is outside [" + std::to_string(min) + ", 1024]");
+}
+
 double step_length(const tasks::Simulation& simulation, const tasks::Scene& scene) {
     const double interval = scene.run.output_interval;
     if (scene.run.step.automatic()) return simulation.step() > 0.0 ? simulation.step() : automatic_step(simulation);
@@ -122,16 +128,10 @@ inline namespace v0 {
 
 namespace {
 
-constexpr int max_threads = 1024;
-
 /// Who runs a simulation: one thread needs no executor but the plain loop.
 [[nodiscard]] tasks::Schedule schedule_of(const tasks::Scene& scene, Threads threads, int segments) {
     const int links = tasks::max_segments(scene.parameters);
-    const bool own = threads.way() == Threads::Way::private_arena;
-    if (threads.count() < (own ? 0 : 1) || threads.count() > max_threads) {
-        throw Error(ErrorCode::argument,
-                    "threads: " + std::to_string(threads.count()) + " is outside " + (own ? "[0, 1024]" : "[1, 1024]"));
-    }
+    api::require_threads(threads.count(), threads.way() == Threads::Way::private_arena ? 0 : 1);
     if (segments < 0 || segments > links) {
         throw Error(ErrorCode::argument, "segments: " + std::to_string(segments) + " is outside [0, " + std::to_string(links) +
                                              (links == 1 ? "]: rigid pins are evaluated at once" : "], the links of this chain"));

@@ -82,6 +82,9 @@ private:
     std::vector<Transition> happened_;     ///< being delivered
 };
 
+/// @throws Error (argument) for a number of threads below min or above 1024
+void require_threads(int count, int min);
+
 /// Length of a step without transitions [s].
 [[nodiscard]] double step_length(const tasks::Simulation& simulation, const tasks::Scene& scene);
 

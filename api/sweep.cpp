@@ -17,33 +17,6 @@ struct Sweep::Impl {
     engine::Cancellation cancel{};
 
     explicit Impl(tasks::Sweep read) : sweep(std::move(read)) {}
-
-    [[nodiscard]] tasks::BatchReport run(const std::string& folder, int threads, std::function<void(const SweepProgress&)> progress) {
-        constexpr int max_threads = 1024;
-        if (threads < 0 || threads > max_threads)
-            throw Error(ErrorCode::argument, "threads: " + std::to_string(threads) + " is outside [0, 1024]");
-        tasks::BatchOptions options;
-        options.folder = folder;
-        options.threads = threads > 0 ? threads : tasks::usable_threads();
-        options.grace = 0.0;
-        options.cancel = &cancel;
-        if (progress) {
-            options.progress = [call = std::move(progress)](const tasks::BatchProgress& now) {
-                call({now.cases, now.before, now.done, now.failed, now.wall});
-            };
-        }
-        try {
-            const tasks::TunedSweep tuned = tasks::tuned_sweep(sweep, folder, cancel, {});
-            const tasks::BatchReport report = tasks::run_batch(tuned.sweep, options);
-            if (!report.hopeless.empty()) throw tasks::SimulationError(report.hopeless);
-            if (report.finished && sweep.accuracy.target > 0.0)
-                static_cast<void>(tasks::verify_sweep(sweep, tuned, report.folder, cancel, {}));
-            return report;
-        } catch (const tasks::SimulationError& error) {
-            if (cancel.requested()) return {};  // while it was tuned or verified
-            throw Error(ErrorCode::state, error.what());
-        }
-    }
 };
 
 Sweep::Sweep(std::unique_ptr<Impl> impl) noexcept : impl_(std::move(impl)) {}
@@ -61,9 +34,29 @@ void Sweep::cancel() noexcept { impl_->cancel.request(); }
 
 bool Sweep::run(const std::string& folder, int threads, std::function<void(const SweepProgress&)> progress) {
     return api::entered(ErrorCode::record, [&] {
-        const tasks::BatchReport report = impl_->run(folder, threads, std::move(progress));
-        impl_->cancel.withdraw();
-        return report.finished;
+        api::require_threads(threads, 0);
+        tasks::BatchOptions options;
+        options.folder = folder;
+        options.threads = threads > 0 ? threads : tasks::usable_threads();
+        options.grace = 0.0;
+        options.cancel = &impl_->cancel;
+        if (progress) {
+            options.progress = [call = std::move(progress)](const tasks::BatchProgress& now) {
+                call({now.cases, now.before, now.done, now.failed, now.wall});
+            };
+        }
+        try {
+            const tasks::TunedSweep tuned = tasks::tuned_sweep(impl_->sweep, folder, impl_->cancel, {});
+            const tasks::BatchReport report = tasks::run_batch(tuned.sweep, options);
+            if (!report.hopeless.empty()) throw tasks::SimulationError(report.hopeless);
+            if (report.finished && impl_->sweep.accuracy.target > 0.0)
+                static_cast<void>(tasks::verify_sweep(impl_->sweep, tuned, report.folder, impl_->cancel, {}));
+            impl_->cancel.withdraw();
+            return report.finished;
+        } catch (const tasks::SimulationError& error) {
+            if (impl_->cancel.withdraw()) return false;  // while it was tuned or verified
+            throw Error(ErrorCode::state, error.what());
+        }
     });
 }
 
