@@ -6,36 +6,19 @@
 /// and is neither stable nor of order 3. Here the missing roots 3.928550119760627e-05 and 1.9737941311788493e-05 are put back in
 /// place of the repeated ones, and the finish is solved anew from the order conditions.
 
-#include <array>
-#include <span>
-
 #include "engine/method/stage_plan.hpp"
 
 namespace cvtflow::engine {
 
 inline constexpr int dumka3_polynomials = 14;
 
-/// The last three stages: g2 = y + h a21 f(y), g3 = y + h (a31 f(y) + a32 f(g2)), result g3 + h a43 f(g3).
-struct Dumka3Finish {
-    double a21;  ///< [1]
-    double a31;  ///< [1]
-    double a32;  ///< [1]
-    double a43;  ///< [1]
-};
-
-struct Dumka3Coefficients {
-    double real_length;                             ///< |R| ≤ 1 on [-real_length, 0]
-    std::span<const std::array<double, 3>> blocks;  ///< lengths of Euler steps, in fractions of h
-    Dumka3Finish finish;
-};
-
-/// @throws std::out_of_range unless 0 ≤ polynomial < dumka3_polynomials
-[[nodiscard]] Dumka3Coefficients dumka3_coefficients(int polynomial);
+/// |R| ≤ 1 on [-dumka3_reach, 0] [1]. @throws std::out_of_range unless 0 ≤ polynomial < dumka3_polynomials
+[[nodiscard]] double dumka3_reach(int polynomial);
 
 /// As a plan, "dumka3-p5": s - 3 chained Euler steps, then a finish of two stages that carries the complex pair of roots, then one Euler
 /// step. Two state slots and two slope slots take turns along the chain, whatever the degree; the finish needs two slopes more. The error
 /// estimate is that of his program: h (c3/2 (f1 - f3) + (c4 - c2)/2 (f2 - f0)) of the finish.
-/// @throws std::out_of_range as dumka3_coefficients()
+/// @throws std::out_of_range as dumka3_reach()
 [[nodiscard]] StagePlan dumka3(int polynomial);
 
 }  // namespace cvtflow::engine

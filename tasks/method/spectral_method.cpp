@@ -77,7 +77,7 @@ Ladder dumka3_ladder() {
     Ladder tables;
     for (int polynomial = 0; polynomial < engine::dumka3_polynomials; ++polynomial) {
         const engine::StagePlan plan = engine::dumka3(polynomial);
-        tables.push_back({engine::CompiledPlan(plan), engine::dumka3_coefficients(polynomial).real_length, plan.reach->lightly_damped});
+        tables.push_back({engine::CompiledPlan(plan), engine::dumka3_reach(polynomial), plan.reach->lightly_damped});
     }
     return tables;
 }
