@@ -1,7 +1,5 @@
 #include "engine/method/tableau.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <cstddef>
 
 #include "engine/method/compiled_plan.hpp"
@@ -50,24 +48,6 @@ Tableau unroll(const StagePlan& plan) {
     const Row difference = slots.combine(compiled.error(), stages);
     for (std::size_t j = 0; j < stages; ++j) tableau.embedded[j] -= difference[j];
     return tableau;
-}
-
-double time_defect(const Tableau& tableau) {
-    double worst = 0.0;
-    for (int i = 0; i < tableau.stages; ++i) {
-        double sum = 0.0;
-        for (int j = 0; j < tableau.stages; ++j) sum += tableau.entry(i, j);
-        worst = std::max(worst, std::abs(sum - tableau.times[static_cast<std::size_t>(i)]));
-    }
-    return worst;
-}
-
-bool last_stage_is_result(const Tableau& tableau, double tolerance) {
-    for (int j = 0; j < tableau.stages; ++j) {
-        const double difference = tableau.entry(tableau.stages - 1, j) - tableau.weights[static_cast<std::size_t>(j)];
-        if (!(std::abs(difference) <= tolerance)) return false;
-    }
-    return tableau.stages > 1;
 }
 
 }  // namespace cvtflow::engine

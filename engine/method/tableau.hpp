@@ -23,10 +23,4 @@ struct Tableau {
 /// @throws std::invalid_argument as validate()
 [[nodiscard]] Tableau unroll(const StagePlan& plan);
 
-/// max |c - A 1|: zero up to rounding, or an autonomous and a non-autonomous problem would be solved differently.
-[[nodiscard]] double time_defect(const Tableau& tableau);
-
-/// Whether the last stage is evaluated at the result, so that its slope is the next step's slope 0.
-[[nodiscard]] bool last_stage_is_result(const Tableau& tableau, double tolerance = 1e-12);
-
 }  // namespace cvtflow::engine

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
@@ -52,6 +53,24 @@ std::vector<RootedTree> rooted_trees(int nodes) {
         grow(trees, children, 0, n - 1, n);
     }
     return trees;
+}
+
+double time_defect(const Tableau& tableau) {
+    double worst = 0.0;
+    for (int i = 0; i < tableau.stages; ++i) {
+        double sum = 0.0;
+        for (int j = 0; j < tableau.stages; ++j) sum += tableau.entry(i, j);
+        worst = std::max(worst, std::abs(sum - tableau.times[static_cast<std::size_t>(i)]));
+    }
+    return worst;
+}
+
+bool last_stage_is_result(const Tableau& tableau, double tolerance) {
+    for (int j = 0; j < tableau.stages; ++j) {
+        const double difference = tableau.entry(tableau.stages - 1, j) - tableau.weights[static_cast<std::size_t>(j)];
+        if (!(std::abs(difference) <= tolerance)) return false;
+    }
+    return tableau.stages > 1;
 }
 
 int order_of(const Tableau& tableau, const std::vector<double>& weights, double tolerance) {

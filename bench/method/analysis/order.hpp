@@ -22,6 +22,12 @@ struct RootedTree {
 /// All rooted trees with up to `nodes` nodes, ascending by nodes: 1, 1, 2, 4, 9, 20, 48, 115 … of them.
 [[nodiscard]] std::vector<RootedTree> rooted_trees(int nodes);
 
+/// max |c - A 1|: zero up to rounding, or an autonomous and a non-autonomous problem would be solved differently.
+[[nodiscard]] double time_defect(const Tableau& tableau);
+
+/// Whether the last stage is evaluated at the result, so that its slope is the next step's slope 0.
+[[nodiscard]] bool last_stage_is_result(const Tableau& tableau, double tolerance = 1e-12);
+
 /// Highest p ≤ highest_order such that all conditions up to p hold within the tolerance; 0 for an inconsistent method.
 /// The stage times must be consistent too, or the order would hold for autonomous problems only: then 0. tolerance [1]
 [[nodiscard]] int order_of(const Tableau& tableau, const std::vector<double>& weights, double tolerance = 1e-10);

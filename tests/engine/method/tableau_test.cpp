@@ -28,17 +28,6 @@ TEST(Tableau, StageTimesOfDumkaAreTheSumsOfItsSubsteps) {
     EXPECT_THAT(unroll(test::dumka3_degree_6()).times, Pointwise(DoubleNear(1e-15), times));
 }
 
-TEST(Tableau, EveryMethodOfTheCatalogueHasConsistentTimes) {
-    for (const StagePlan& plan : methods()) EXPECT_LE(time_defect(unroll(plan)), 1e-12) << plan.name;
-}
-
-TEST(Tableau, ReusableLastSlopesAreRecognised) {
-    EXPECT_TRUE(last_stage_is_result(unroll(test::dumka3_degree_3())));
-    EXPECT_FALSE(last_stage_is_result(unroll(test::dumka3_degree_6())));
-    EXPECT_FALSE(last_stage_is_result(unroll(*find_method("rk4"))));
-    EXPECT_FALSE(last_stage_is_result(unroll(*find_method("euler"))));
-}
-
 TEST(Tableau, EmbeddedWeightsAreTheResultMinusTheErrorEstimate) {
     EXPECT_THAT(unroll(*find_method("heun")).embedded, ElementsAre(1.0, 0.0));
 }

@@ -50,6 +50,17 @@ TEST(Order, InconsistentTimesAreNotForgiven) {
     EXPECT_EQ(order_of(tableau, tableau.weights), 0);
 }
 
+TEST(Order, EveryMethodOfTheCatalogueHasConsistentTimes) {
+    for (const StagePlan& plan : methods()) EXPECT_LE(time_defect(unroll(plan)), 1e-12) << plan.name;
+}
+
+TEST(Order, ReusableLastSlopesAreRecognised) {
+    EXPECT_TRUE(last_stage_is_result(unroll(engine::test::dumka3_degree_3())));
+    EXPECT_FALSE(last_stage_is_result(unroll(engine::test::dumka3_degree_6())));
+    EXPECT_FALSE(last_stage_is_result(unroll(*find_method("rk4"))));
+    EXPECT_FALSE(last_stage_is_result(unroll(*find_method("euler"))));
+}
+
 /// Methods of order 5 and more leave the pre-asymptotic steps only three halvings before rounding: their measure is read as near rounding
 /// as each problem allows and may be off by 0.3. The derived order is what counts for them. Long chains amplify rounding and are read
 /// earlier, as does ROCK4's finish, by 1e4 with ten stages (down to 1e-10 it shows 4.26 on cut steps, down to 1e-9 3.98); so are sums of
