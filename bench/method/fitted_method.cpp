@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "bench/method/analysis/plan_check.hpp"
 #include "bench/method/analysis/stability.hpp"
 #include "bench/method/family/fitted.hpp"
 #include "engine/method/catalogue.hpp"
@@ -26,6 +27,7 @@ constexpr double far_below = 0.7;
 std::optional<engine::StagePlan> fitted_plan(double real, double imaginary) {
     auto fitted = fit({std::max(real, bench::min_fitted_real), imaginary, 3, 0.2, 0.01});
     if (!fitted || fitted->plan.stages.size() > FittedBySpectrum::max_stages + 1) return {};
+    validate(fitted->plan);
     return std::move(fitted->plan);
 }
 

@@ -1,6 +1,7 @@
 #include "engine/method/compiled_plan.hpp"
 
 #include <cstddef>
+#include <utility>
 
 namespace cvtflow::engine {
 
@@ -18,7 +19,6 @@ bool ends_at_result(const StagePlan& plan) {
 
 CompiledPlan::CompiledPlan(const StagePlan& plan)
     : state_slots_(plan.state_slots), slope_slots_(plan.slope_slots), has_error_(plan.error.has_value()) {
-    validate(plan);
     std::vector<double> state_times(static_cast<std::size_t>(plan.state_slots), 0.0);
     for (const Stage& stage : plan.stages) add(stage.states, stage.slopes, stage.keep, stage.slope, state_times);
     add(plan.result.states, plan.result.slopes, -1, -1, state_times);
@@ -43,6 +43,26 @@ double CompiledPlan::time_of(int begin, int middle, int end, const std::vector<d
     }
     for (int i = middle; i < end; ++i) time += terms_[static_cast<std::size_t>(i)].factor;
     return time;
+}
+
+std::vector<std::vector<double>> CompiledPlan::unrolled() const {
+    using Row = std::vector<double>;
+    const auto stages = static_cast<std::size_t>(this->stages());
+    std::vector<Row> rows, states(static_cast<std::size_t>(state_slots_), Row(stages, 0.0));  // states: [slot]
+    std::vector<std::size_t> writer(static_cast<std::size_t>(slope_slots_), 0);               // [slope slot] the last stage
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+        const PlanStep next = step(static_cast<int>(i));
+        Row row(stages, 0.0);
+        for (const Term& term : next.states) {
+            const Row& from = states[static_cast<std::size_t>(term.slot)];
+            for (std::size_t j = 0; j < stages; ++j) row[j] += term.factor * from[j];
+        }
+        for (const Term& term : next.slopes) row[writer[static_cast<std::size_t>(term.slot)]] += term.factor;
+        if (next.slope >= 0) writer[static_cast<std::size_t>(next.slope)] = i;
+        if (next.keep >= 0) states[static_cast<std::size_t>(next.keep)] = row;
+        rows.push_back(std::move(row));
+    }
+    return rows;
 }
 
 void CompiledPlan::add(const std::vector<Term>& states, const std::vector<Term>& slopes, int keep, int slope,

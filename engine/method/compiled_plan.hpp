@@ -18,7 +18,7 @@ struct PlanStep {
 
 class CompiledPlan {
 public:
-    /// @throws std::invalid_argument as validate()
+    /// @param plan a sound one: bench/method/analysis/plan_check.hpp states what that means
     explicit CompiledPlan(const StagePlan& plan);
 
     [[nodiscard]] int stages() const noexcept { return static_cast<int>(rows_.size()) - (has_error_ ? 2 : 1); }
@@ -33,6 +33,10 @@ public:
     [[nodiscard]] PlanStep result() const noexcept { return step(stages()); }
     /// Only if has_error().
     [[nodiscard]] PlanStep error() const noexcept { return step(stages() + 1); }
+
+    /// The plan with chained states unrolled, as of a Butcher tableau: each row less y, over h times the slopes of the stages. Stages,
+    /// result and, if there is one, the error estimate. For analysis and tables, not in the step loop.
+    [[nodiscard]] std::vector<std::vector<double>> unrolled() const;
 
 private:
     struct Row {

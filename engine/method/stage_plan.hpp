@@ -57,12 +57,6 @@ struct StagePlan {
     std::optional<StageReach> reach = {};  ///< nullopt: has yet to be derived
 };
 
-/// Rejects a plan that cannot be executed, or whose result would depend on how the state is cut into segments:
-/// slots out of range, sums of state factors other than 1 (error: 0) by more than 1e-12, slots read before they are written, slots written
-/// in the stage that reads them (a neighbour's halo is combined from the old contents at the same time), and writes to the two slots 0.
-/// @throws std::invalid_argument naming plan and stage
-void validate(const StagePlan& plan);
-
 /// Plan of an explicit Butcher tableau: every stage from y, one slope slot per stage; zero entries are left out.
 /// @param rows row i - 1 holds a_i0 … a_i,i-1 of stage i ≥ 1   @param weights b   @param embedded b̂ of the error estimate, empty: none
 /// @throws std::invalid_argument if lengths do not match

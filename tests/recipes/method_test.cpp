@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "bench/method/analysis/order.hpp"
+#include "bench/method/analysis/plan_check.hpp"
 #include "engine/method/stage_plan.hpp"
-#include "engine/method/tableau.hpp"
 
 namespace cvtflow::recipes {
 namespace {
@@ -20,7 +20,7 @@ engine::StagePlan ralston() {
 
 TEST(MethodRecipe, OrderIsDerivedFromTheTable) {
     const engine::StagePlan plan = ralston();
-    EXPECT_NO_THROW(engine::validate(plan));
+    EXPECT_NO_THROW(bench::validate(plan));
     EXPECT_EQ(bench::order_of(plan), 2);
     EXPECT_EQ(plan.stages.size(), 2u);
 }

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "bench/method/analysis/tableau.hpp"
 #include "bench/method/product_names.hpp"
-#include "engine/method/tableau.hpp"
 
 namespace cvtflow::bench {
 

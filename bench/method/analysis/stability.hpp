@@ -11,7 +11,7 @@
 namespace cvtflow::bench {
 
 /// R(z): what one step makes of y = 1 for h λ = z.
-/// @throws std::invalid_argument as validate()
+/// @param plan here and below one that validate() accepts
 [[nodiscard]] std::complex<double> stability_function(const StagePlan& plan, std::complex<double> z);
 
 /// R(z) as a function that is called often: the plan is compiled once. Not to be called by two threads at a time.

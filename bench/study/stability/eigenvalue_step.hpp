@@ -20,7 +20,7 @@ inline constexpr double growth_rate_tolerance = 100.0;  ///< [1/s]
 /// The largest h such that no mode grows with any h' ≤ h: log|R(h' λ)|/h' ≤ max(Re λ, 0) + growth_rate_tolerance. Steps are tried in
 /// ratios of 1.01 from 0.1/max|λ| on, then bisected to 1e-6. The conjugate of a pair is skipped.
 /// @param eigenvalues [1/s], not all zero; those at the edge of the spectrum suffice
-/// @throws std::invalid_argument as validate(), and if all eigenvalues are zero
+/// @throws std::invalid_argument if all eigenvalues are zero
 [[nodiscard]] StableStep largest_stable_step(const engine::StagePlan& plan, std::span<const std::complex<double>> eigenvalues);
 
 }  // namespace cvtflow::bench

@@ -1,9 +1,9 @@
 #include "tasks/method/friction/kick_tables.hpp"
 
-#include <stdexcept>
+#include <utility>
 
 #include "engine/method/chebyshev.hpp"
-#include "engine/method/tableau.hpp"
+#include "tasks/step/workspace.hpp"
 
 namespace cvtflow::tasks {
 
@@ -14,28 +14,21 @@ constexpr int most_stages = 400;
 constexpr double damping = 1.5;
 
 /// Whether rows after the second use the slope of stage 0.
-/// @throws std::logic_error if the plan is not chained
 bool keeps_first_slope(const engine::CompiledPlan& plan) {
     bool keeps = false;
     for (int row = 1; row <= plan.stages(); ++row) {
         const engine::PlanStep next = row < plan.stages() ? plan.stage(row) : plan.result();
-        if (row < plan.stages() && next.keep < 0) throw std::logic_error("a stage of a chained table keeps its velocities");
-        for (const engine::Term& term : next.slopes) {
-            if (term.slot == plan.stage(row - 1).slope) continue;
-            if (term.slot != 0) throw std::logic_error("a row of a chained table uses the slopes of the stage before it and of stage 0");
-            keeps = true;
-        }
+        for (const engine::Term& term : next.slopes) keeps = keeps || term.slot != plan.stage(row - 1).slope;
     }
     return keeps;
 }
 
 KickTable table_of(const Kick& kick, int stages) {
-    const engine::StagePlan plan = kick.plan(stages);
-    const engine::Tableau tableau = engine::unroll(plan);
+    const engine::CompiledPlan plan(kick.plan(stages));
+    std::vector<double> weights = std::move(plan.unrolled()[at(plan.stages())]);
     double centre = 0.0;
-    for (std::size_t k = 0; k < tableau.weights.size(); ++k) centre += tableau.weights[k] * tableau.times[k];
-    const engine::CompiledPlan compiled(plan);
-    return {compiled, tableau.weights, centre, kick.reach(stages), keeps_first_slope(compiled)};
+    for (int k = 0; k < plan.stages(); ++k) centre += weights[at(k)] * plan.stage(k).time;
+    return {plan, std::move(weights), centre, kick.reach(stages), keeps_first_slope(plan)};
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ struct StabilityResult {
     double growth = 0.0, gain = 0.0;     ///< of stages and of their errors over the scene's decays at the limit; only with a scene
 };
 
-/// Reaches, and over [-length, 0] nothing yet. @throws std::invalid_argument as engine::validate()
+/// Reaches, and over [-length, 0] nothing yet.
 [[nodiscard]] StabilityResult stability_of(const engine::StagePlan& plan);
 
 [[nodiscard]] std::string stability_table(const std::vector<StabilityResult>& results);

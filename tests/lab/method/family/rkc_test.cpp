@@ -9,6 +9,7 @@
 #include <string>
 
 #include "bench/method/analysis/order.hpp"
+#include "bench/method/analysis/plan_check.hpp"
 #include "bench/method/analysis/stability.hpp"
 #include "engine/method/catalogue.hpp"
 #include "tests/engine/method/plan_fixture.hpp"

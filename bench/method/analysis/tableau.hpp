@@ -6,7 +6,7 @@
 
 #include "engine/method/stage_plan.hpp"
 
-namespace cvtflow::engine {
+namespace cvtflow::bench {
 
 struct Tableau {
     int stages = 0;
@@ -21,6 +21,6 @@ struct Tableau {
 };
 
 /// @throws std::invalid_argument as validate()
-[[nodiscard]] Tableau unroll(const StagePlan& plan);
+[[nodiscard]] Tableau unroll(const engine::StagePlan& plan);
 
-}  // namespace cvtflow::engine
+}  // namespace cvtflow::bench
