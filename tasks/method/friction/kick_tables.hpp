@@ -13,7 +13,9 @@ struct Kick {
     double (*reach)(int stages);  ///< |h λ| on the real axis up to which it is stable [1]
 };
 
-/// Order 1, strongly damped: what friction holds is at rest after one step.
+/// Chebyshev methods of order 1, strongly damped: what friction holds is at rest after one step.
+/// Source: van der Houwen, Sommeijer, On the internal stability of explicit, m-stage Runge-Kutta methods for large m-values,
+/// Z. Angew. Math. Mech. 60 (1980) 479-485.
 extern const Kick chebyshev_kick;
 
 /// One stage with the row that follows it: a stage, or the result.
