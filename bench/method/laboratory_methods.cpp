@@ -13,9 +13,10 @@
 #include "bench/method/implicit/catalogue.hpp"
 #include "bench/method/implicit/linear_method.hpp"
 #include "bench/method/stability/friction_stability.hpp"
+#include "engine/thread/guards.hpp"
 #include "tasks/method/friction/friction_leapfrog.hpp"
-#include "tasks/method/friction/friction_methods.hpp"
 #include "tasks/method/friction/sweep_leapfrog.hpp"
+#include "tasks/method/method.hpp"
 
 namespace cvtflow::bench {
 
@@ -126,6 +127,16 @@ constexpr double max_damping = 1e-4;
     return stability_reach(plan, {-damping, std::sqrt(1.0 - damping * damping)}, 1e-6);
 }
 
+/// Derived once for each name, which takes a while.
+[[nodiscard]] StageReach known_reach(const StagePlan& plan) {
+    static engine::Mutex mutex;
+    static std::map<std::string, StageReach> known;
+    return mutex.guard([&] {
+        const auto found = known.find(plan.name);
+        return found != known.end() ? found->second : known.emplace(plan.name, derived_reach(plan)).first->second;
+    });
+}
+
 /// Largest h ω up to which a table damps oscillations by no more than that.
 [[nodiscard]] double accurate_oscillation(const StagePlan& plan, double stable) {
     constexpr double fine = 0.01;
@@ -142,8 +153,7 @@ const Kick rkc_kick{[](int stages) { return without_last_evaluation(rkc(stages, 
 
 void add_laboratory_methods() {
     static const bool once = [] {
-        tasks::add_methods(
-            {{further_tables, family_examples, families()}, all_programs, [](const StagePlan& plan) { return derived_reach(plan); }});
+        tasks::add_methods({{further_tables, family_examples, families()}, all_programs, known_reach});
         return true;
     }();
     (void)once;

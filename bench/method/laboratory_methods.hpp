@@ -8,7 +8,7 @@
 
 #include "bench/method/stability/program_stability.hpp"
 #include "bench/method/stability/step_map.hpp"
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 
 namespace cvtflow::bench {
 

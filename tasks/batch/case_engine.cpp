@@ -10,7 +10,7 @@
 #include "tasks/batch/batch.hpp"
 #include "tasks/batch/results/sweep_files.hpp"
 #include "tasks/method/auto_step.hpp"
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 #include "tasks/run/saved_start.hpp"
 #include "tasks/schedule/schedule.hpp"
 

@@ -5,11 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <numbers>
 #include <string>
 
-#include "engine/thread/guards.hpp"
 #include "model/parameters/chain_layout.hpp"
 #include "tasks/step/step_method.hpp"
 
@@ -18,23 +16,12 @@ namespace cvtflow::tasks {
 namespace {
 
 constexpr double forever = std::numeric_limits<double>::infinity();
-}  // namespace
-
-MethodReach reach_of(const Method& method) {
-    if (const MethodProgram* program = method.program()) return program->reach;
-    static engine::Mutex mutex;
-    static std::map<std::string, MethodReach, std::less<>> known;
-    return mutex.guard([&] {
-        const auto found = known.find(method.name());
-        if (found != known.end()) return found->second;
-        const engine::StageReach reach = reach_of_table(method.plan());
-        return known.emplace(method.name(), MethodReach{reach.oscillation, reach.decay, reach.accurate}).first->second;
-    });
-}
 
 /// Where friction falls with the sliding speed, slip and losses of a machine of the lottery were off by 1.3 % at 1.4 us, in proportion to
 /// the step [s].
 constexpr double longest_with_tip_law = 0.7e-6;
+
+}  // namespace
 
 double longest_automatic_step(const Method& method, const model::Parameters& parameters) {
     const MethodProgram* program = method.program();

@@ -38,9 +38,6 @@ private:
     model::Observer observer_;
 };
 
-/// Reach of any method of the catalogue; for tables that declare none it is computed once per name.
-[[nodiscard]] MethodReach reach_of(const Method& method);
-
 /// The longest step that is ever chosen for a method where steps are automatic: what the error of its friction allows (decisions 75, 96)
 /// [s].
 [[nodiscard]] double longest_automatic_step(const Method& method, const model::Parameters& parameters);

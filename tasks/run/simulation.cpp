@@ -12,7 +12,7 @@
 #include "model/force/pulley_inputs.hpp"
 #include "model/machine/belt.hpp"
 #include "model/start/start_state.hpp"
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 #include "tasks/run/saved_start.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/schedule/schedule.hpp"

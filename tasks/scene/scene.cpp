@@ -16,7 +16,7 @@
 #include "engine/base/text.hpp"
 #include "engine/thread/guards.hpp"
 #include "model/machine/belt.hpp"
-#include "tasks/method/automatic_method.hpp"
+#include "tasks/method/method.hpp"
 #include "tasks/scene/csv.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/toml_tree.hpp"

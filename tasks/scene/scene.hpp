@@ -165,7 +165,7 @@ struct DetailPreset {
 /// @throws SceneError  unknown preset
 void apply_detail(Scene& scene, std::string_view preset);
 
-/// The method that a simulation of the scene takes: a name of the catalogue (tasks/method/automatic_method.hpp).
+/// The method that a simulation of the scene takes: a name of the catalogue (tasks/method/method.hpp).
 [[nodiscard]] std::string method_of(const Scene& scene);
 
 /// When the run ends at the latest [s]; where it ends once it is steady, as its speed and ratio at t = 0 let expect.

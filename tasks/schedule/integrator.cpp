@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "tasks/method/automatic_method.hpp"
+#include "tasks/method/method.hpp"
 #include "tasks/schedule/schedule.hpp"
 
 namespace cvtflow::tasks {

@@ -6,8 +6,7 @@
 #include <cmath>
 #include <map>
 
-#include "tasks/method/automatic_method.hpp"
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/tuning/detail_state.hpp"
 

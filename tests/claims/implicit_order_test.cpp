@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 #include "tests/claims/method_trial_fixture.hpp"
 #include "tests/claims/smooth_fixture.hpp"
 

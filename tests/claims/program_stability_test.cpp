@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 
 namespace cvtflow::claims {
 namespace {

@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "tasks/method/automatic_method.hpp"
 #include "tasks/method/method.hpp"
 #include "tasks/scene/ready_scenes.hpp"
 #include "tasks/scene/scene.hpp"

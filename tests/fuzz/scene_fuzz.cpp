@@ -2,7 +2,7 @@
 
 #include <cstdlib>
 
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tests/fuzz/fuzz_fixture.hpp"
 

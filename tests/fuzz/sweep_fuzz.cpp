@@ -1,7 +1,7 @@
 /// Any text is a sweep or a SceneError.
 
 #include "tasks/batch/sweep/sweep.hpp"
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 #include "tests/fuzz/fuzz_fixture.hpp"
 
 /// The catalogue of methods takes seconds here, once: no input's fault.

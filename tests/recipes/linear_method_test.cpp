@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "bench/method/implicit/linear_plan.hpp"
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 
 namespace cvtflow::recipes {
 namespace {

@@ -12,7 +12,7 @@
 #include "bench/study/tradeoff/error_measure.hpp"
 #include "engine/executor/catalogue.hpp"
 #include "engine/method/catalogue.hpp"
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 #include "tasks/method/spectral_bound.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tests/engine/executor/executor_fixture.hpp"

@@ -9,7 +9,7 @@
 
 #include "engine/method/catalogue.hpp"
 #include "tasks/channel/channels.hpp"
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tests/tools/program_fixture.hpp"

@@ -15,7 +15,7 @@
 #include <stdexcept>
 
 #include "engine/executor/catalogue.hpp"
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 
 namespace cvtflow::tools {
 

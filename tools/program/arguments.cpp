@@ -8,7 +8,6 @@
 
 #include "engine/base/text.hpp"
 #include "tasks/batch/batch.hpp"
-#include "tasks/method/automatic_method.hpp"
 #include "tasks/method/method.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/parameter_table.hpp"

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "bench/lab/text/watch_text.hpp"
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 #include "tasks/scene/csv.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/plot/plot.hpp"

@@ -5,7 +5,7 @@
 
 #include "bench/method/implicit/newton.hpp"
 #include "bench/method/product_names.hpp"
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 
 namespace cvtflow::bench {
 

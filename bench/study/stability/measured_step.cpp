@@ -6,7 +6,7 @@
 #include "bench/method/stability/step_search.hpp"
 #include "bench/study/stability/real_step.hpp"
 #include "engine/method/catalogue.hpp"
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 
 namespace cvtflow::bench {
 

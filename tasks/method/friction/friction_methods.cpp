@@ -1,4 +1,4 @@
-#include "tasks/method/friction/friction_methods.hpp"
+#include "tasks/method/method.hpp"
 
 #include "tasks/method/friction/friction_leapfrog.hpp"
 #include "tasks/method/friction/rigid_leapfrog.hpp"
@@ -32,9 +32,7 @@ constexpr double longest_swept_step = 2.0e-6;
             .evaluations = 1,
             .state_slots = LeapfrogFrame::state_slots,
             .slope_slots = LeapfrogFrame::slope_slots,
-            .make = [](Workspace& workspace) -> std::unique_ptr<StepMethod> {
-                return std::make_unique<FrictionLeapfrog<float>>(workspace, chebyshev_kick);
-            },
+            .make = [](Workspace& workspace) { return std::make_unique<FrictionLeapfrog<float>>(workspace, chebyshev_kick); },
             .reach = {1.4144296926475168, 140884.96688539424, MethodReach::unlimited, frictionless_reach, damping_reach},
             .missing = missing_contact_fields};
 }
@@ -48,7 +46,7 @@ constexpr double longest_swept_step = 2.0e-6;
             .evaluations = 1,
             .state_slots = SweepLeapfrog<float>::state_slots,
             .slope_slots = SweepLeapfrog<float>::slope_slots,
-            .make = [](Workspace& workspace) -> std::unique_ptr<StepMethod> { return std::make_unique<SweepLeapfrog<float>>(workspace); },
+            .make = [](Workspace& workspace) { return std::make_unique<SweepLeapfrog<float>>(workspace); },
             .solves = "one per contact and sweep, for friction",
             .reach = {frictionless_reach, MethodReach::unlimited, MethodReach::unlimited, frictionless_reach, damping_reach},
             .longest_step = longest_swept_step,
@@ -76,7 +74,7 @@ constexpr double rigid_damping_reach = 2.0;
             .evaluations = 1,
             .state_slots = RigidLeapfrog::state_slots,
             .slope_slots = RigidLeapfrog::slope_slots,
-            .make = [](Workspace& workspace) -> std::unique_ptr<StepMethod> { return std::make_unique<RigidLeapfrog>(workspace); },
+            .make = [](Workspace& workspace) { return std::make_unique<RigidLeapfrog>(workspace); },
             .solves = "one per contact, and one around the chain, for friction",
             .reach = {frictionless_reach, MethodReach::unlimited, MethodReach::unlimited, frictionless_reach, rigid_damping_reach},
             .longest_step = longest_rigid_step,

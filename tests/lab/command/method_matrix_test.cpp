@@ -10,7 +10,7 @@
 #include <set>
 
 #include "bench/method/laboratory_methods.hpp"
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 #include "tests/sample_fixture.hpp"
 #include "tests/tools/program_fixture.hpp"
 

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "engine/method/catalogue.hpp"
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 #include "tests/tools/program_fixture.hpp"
 
 namespace cvtflow::bench {

@@ -3,8 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tasks/method/automatic_method.hpp"
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
 

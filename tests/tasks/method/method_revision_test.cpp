@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "engine/base/hash.hpp"
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tests/tasks/tiny_fixture.hpp"
 

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/schedule/schedule.hpp"
 #include "tests/engine/allocation_fixture.hpp"

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <limits>
 
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 #include "tasks/run/checkpoint.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tests/sample_fixture.hpp"

@@ -13,7 +13,7 @@
 #include "engine/method/catalogue.hpp"
 #include "model/observe/observation.hpp"
 #include "tasks/method/auto_step.hpp"
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output.hpp"

@@ -9,7 +9,7 @@
 #include "bench/method/stability/program_stability.hpp"
 #include "bench/method/stability/step_limit.hpp"
 #include "bench/study/stability/measured_step.hpp"
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 #include "tools/program/plot/plot.hpp"
 
 namespace cvtflow::bench {

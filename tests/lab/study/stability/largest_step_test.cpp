@@ -14,7 +14,7 @@
 #include <utility>
 
 #include "bench/method/implicit/catalogue.hpp"
-#include "tasks/method/method_choice.hpp"
+#include "tasks/method/method.hpp"
 #include "tasks/run/run.hpp"
 #include "tests/tasks/settled_tiny_fixture.hpp"
 #include "tests/temporary_file_fixture.hpp"

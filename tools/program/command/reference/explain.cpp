@@ -8,7 +8,7 @@
 
 #include "tasks/batch/sweep/sweep_keys.hpp"
 #include "tasks/channel/channels.hpp"
-#include "tasks/method/automatic_method.hpp"
+#include "tasks/method/method.hpp"
 #include "tasks/run/run_means.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/parameter_table.hpp"
