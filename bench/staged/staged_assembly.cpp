@@ -235,16 +235,9 @@ void barrier(engine::TaskGraph& graph, const std::vector<int>& before, const std
     barrier(graph, tasks.boundary, tasks.forward);
     for (std::size_t k = 0; k < tasks.forward.size(); ++k) graph.order(tasks.forward[k], tasks.reverse[k]);
     for (int s = 0; s < w.partition.size(); ++s) add_observe_task(graph, w, s);
-    if (options.parallel_transitions) {
-        for (int s = 0; s < w.partition.size(); ++s) add_transition_tasks(graph, w, s);
-    } else {
-        graph.add({"detect", detect_cycle, detect_all, 0, {}, transition_stage});
-        for (int s = 0; s < w.partition.size(); ++s) {
-            const std::string number = "[" + std::to_string(s) + "]";
-            graph.add({"locate" + number, locate_cycle, locate_segment, s, locate_accesses(w, s), transition_stage});
-            graph.add({"truncate" + number, truncate_cycle, truncate_segment, s, truncate_accesses(w, s), transition_stage});
-        }
-    }
+    const bool parallel = options.parallel_transitions;
+    if (!parallel) graph.add({"detect", detect_cycle, detect_all, 0, {}, transition_stage});
+    for (int s = 0; s < w.partition.size(); ++s) add_transition_tasks(graph, w, s, parallel);
     return graph;
 }
 

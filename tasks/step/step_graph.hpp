@@ -89,63 +89,12 @@ private:
     std::vector<engine::Access> list_;
 };
 
-[[nodiscard]] inline std::vector<engine::Access> detect_accesses(const Workspace& w, int s) {
-    return LinkAccesses(w, s)
-        .with_near(Field::states_read)
-        .with_near(Field::slopes_read)
-        .own(Field::secant, true)
-        .own(Field::phase, false)
-        .own(Field::before, false)
-        .own(Field::end_state, true)
-        .own(Field::after, true)
-        .own(Field::link_error, true)
-        .segment(Field::window, true)
-        .segment(Field::result, true)
-        .list();
-}
-[[nodiscard]] inline std::vector<engine::Access> locate_accesses(const Workspace& w, int s) {
-    return LinkAccesses(w, s)
-        .with_near(Field::states_read)
-        .with_near(Field::slopes_read)
-        .with_near(Field::end_state)
-        .own(Field::phase, false)
-        .own(Field::before, false)
-        .own(Field::after, false)
-        .segment(Field::window, true)
-        .segment(Field::result, true)
-        .list();
-}
-[[nodiscard]] inline std::vector<engine::Access> truncate_accesses(const Workspace& w, int s) {
-    return LinkAccesses(w, s)
-        .with_near(Field::states_read)
-        .with_near(Field::slopes_read)
-        .with_near(Field::end_state)
-        .own(Field::after, true)
-        .own(Field::cut_state, true)
-        .own(Field::phase, true)
-        .segment(Field::window, true)
-        .segment(Field::result, true)
-        .list();
-}
-
-[[nodiscard]] inline std::vector<engine::Access> observe_accesses(const Workspace& w, int s) {
-    return LinkAccesses(w, s)
-        .with_halo(Field::states_read)
-        .own(Field::phase, false)
-        .own(Field::load, true)
-        .own(Field::account, true)
-        .own(Field::cut_state, true)
-        .segment(Field::window, true)
-        .list();
-}
-
 /// Observation of one segment at the step's start: the same in every assembly.
 void add_observe_task(engine::TaskGraph& graph, const Workspace& workspace, int segment);
 /// Name of the three cycles about transitions in profiles.
 inline constexpr const char* transition_stage = "transition";
-
-/// Detection, location and truncation of one segment: the same in every assembly.
-void add_transition_tasks(engine::TaskGraph& graph, const Workspace& workspace, int segment);
+/// Detection, location and truncation of one segment: the same in every assembly. @param detect false: without the first
+void add_transition_tasks(engine::TaskGraph& graph, const Workspace& workspace, int segment, bool detect = true);
 
 /// An assembly that a program knows beyond the product's (bench/staged).
 struct FurtherAssembly {
@@ -163,9 +112,5 @@ void add_assembly(const FurtherAssembly& staged);
 /// Graph of a step, with the cycles of `method` if it has any. Frozen. The context of its run is the workspace; `method` must outlive it.
 /// @throws std::invalid_argument for an assembly that this program does not have
 [[nodiscard]] engine::TaskGraph step_graph(const Workspace& workspace, const AssemblyOptions& options, StepMethod* method = nullptr);
-
-/// Graph of the fused assembly: one task per segment and cycle, joints at segment borders computed by both neighbours,
-/// a single synchronisation per evaluation. Not frozen. The context of its tasks is the workspace.
-[[nodiscard]] engine::TaskGraph fused_graph(const Workspace& workspace);
 
 }  // namespace cvtflow::tasks

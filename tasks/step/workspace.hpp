@@ -92,7 +92,6 @@ struct StepInput {
     bool end_state_ready = false;  ///< the step method has left the links' result in end_state; a detect cycle combines nothing
     long evaluations = 0;          ///< of the right-hand side, so far
     double* slope_out = nullptr;   ///< [layout.size()] where an evaluate cycle writes slopes
-    double* state_out = nullptr;   ///< [layout.size()] where a detect or truncate cycle writes states
     bool evaluate_end = false;     ///< an evaluate cycle works at the end of the step instead of a stage
     AtTransition at_transition = AtTransition::interpolate;  ///< of the method
 

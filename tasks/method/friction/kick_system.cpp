@@ -77,8 +77,7 @@ void KickSystem<Number>::record(Workspace& w, const model::ContactDrift& drift, 
                                 model::TipSearch* search) noexcept {
     Fields& f = fields(segment);
     const Segment& own = w.partition[segment];
-    double* window = w.windows[at(segment)].data();
-    fill_window(w, own, window);
+    const double* window = fill_window(w, segment, w.layout().halo());
     const int shift = columns_.shift(segment), begin = w.layout().link_begin(own.first), size = w.layout().link_size();
     const model::ChainRange range{own.first, own.last, window, w.pulleys.sheaves, w.tips.phases.data(), shift, false};
     model::LinkLoad* loads = normal_loads_.data() + own.first;

@@ -123,6 +123,33 @@ void estimate_errors(Workspace& w, const Segment& own, double* errors) noexcept 
     }
 }
 
+/// Whether a link's block [q | v] is finite and its motion that of a chain.
+void check_motion(const Workspace& w, int link, const double* block, SegmentResult& result) noexcept {
+    const int size = w.layout().link_size();
+    if (within(block, size, std::numeric_limits<double>::max()) && within(block + size, size, fastest_pin)) return;
+    double largest = 0.0;
+    bool finite = true;
+    for (int k = 0; k < 2 * size; ++k) finite = finite && std::isfinite(block[k]);
+    for (int k = size; k < 2 * size; ++k) largest = std::max(largest, std::abs(block[k]));
+    if (!finite) return report(result, FaultKind::non_finite, w.step.time + w.step.h, link, 0.0, 0.0);
+    report(result, FaultKind::blow_up, w.step.time + w.step.h, link, largest, fastest_pin);
+}
+
+/// Whether a link's tips are where contact can be described.
+void check_contact(const Workspace& w, int link, const model::TipProbe& probe, SegmentResult& result) noexcept {
+    const auto& pulley = w.parameters.pulley;
+    const double now = w.step.time + w.step.h;
+    bool touching = false;
+    for (int tip = 0; tip < model::tips_per_link; ++tip) {
+        if (w.tips.phases[at(model::tips_per_link * link + tip)] == model::Phase::free) continue;
+        touching = true;
+        if (probe.depth[tip] > w.parameters.tip.deepest)
+            report(result, FaultKind::penetration, now, link, probe.depth[tip], w.parameters.tip.deepest);
+    }
+    if (probe.radius < pulley.innermost) report(result, FaultKind::left_sheave, now, link, probe.radius, pulley.innermost);
+    if (touching && probe.radius > pulley.outermost) report(result, FaultKind::left_sheave, now, link, probe.radius, pulley.outermost);
+}
+
 }  // namespace
 
 void make_secants(Workspace& w, const Segment& own) noexcept {
@@ -149,31 +176,6 @@ void close_tail(Workspace& w) noexcept {
 
 bool all_sound(const Workspace& w, const Segment& own) noexcept {
     return within(w.end_state + w.layout().link_begin(own.first), own.size() * w.layout().link_block(), fastest_pin);
-}
-
-void check_motion(const Workspace& w, int link, const double* block, SegmentResult& result) noexcept {
-    const int size = w.layout().link_size();
-    if (within(block, size, std::numeric_limits<double>::max()) && within(block + size, size, fastest_pin)) return;
-    double largest = 0.0;
-    bool finite = true;
-    for (int k = 0; k < 2 * size; ++k) finite = finite && std::isfinite(block[k]);
-    for (int k = size; k < 2 * size; ++k) largest = std::max(largest, std::abs(block[k]));
-    if (!finite) return report(result, FaultKind::non_finite, w.step.time + w.step.h, link, 0.0, 0.0);
-    report(result, FaultKind::blow_up, w.step.time + w.step.h, link, largest, fastest_pin);
-}
-
-void check_contact(const Workspace& w, int link, const model::TipProbe& probe, SegmentResult& result) noexcept {
-    const auto& pulley = w.parameters.pulley;
-    const double now = w.step.time + w.step.h;
-    bool touching = false;
-    for (int tip = 0; tip < model::tips_per_link; ++tip) {
-        if (w.tips.phases[at(model::tips_per_link * link + tip)] == model::Phase::free) continue;
-        touching = true;
-        if (probe.depth[tip] > w.parameters.tip.deepest)
-            report(result, FaultKind::penetration, now, link, probe.depth[tip], w.parameters.tip.deepest);
-    }
-    if (probe.radius < pulley.innermost) report(result, FaultKind::left_sheave, now, link, probe.radius, pulley.innermost);
-    if (touching && probe.radius > pulley.outermost) report(result, FaultKind::left_sheave, now, link, probe.radius, pulley.outermost);
 }
 
 Fault check_tail(const Workspace& w) noexcept {
@@ -212,7 +214,9 @@ void detect_segment(void* workspace, int segment) noexcept {
     }
     if (w.step.slopes_from_states()) make_secants(w, own);
     if (w.step.estimate_error) estimate_errors(w, own, w.windows[at(segment)].data());
-    const double* end = end_blocks(w, segment);
+    // States of the links beside it may not be written yet by other segments: they are combined once more.
+    const int halo = layout.probe_halo();
+    const double* end = halo == 0 ? w.end_state + layout.link_begin(own.first) : fill_window(w, segment, halo) + halo * layout.link_block();
     if (layout.pulley_size != 0) {
         w.variator.chain().probe_links(end, own.size(), w.pulleys.end_sheaves, w.parameters.detail.stick_slip,
                                        w.tips.probes.data() + own.first);

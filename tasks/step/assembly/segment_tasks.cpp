@@ -23,48 +23,59 @@ void for_each_run(const model::ChainLayout& layout, const Segment& own, int halo
     }
 }
 
-/// Combines the states and slopes of workspace.step.row for a segment's links and a halo.
-void combine_window(const Workspace& w, const Segment& own, int halo, double* window) noexcept {
+/// Likewise that of a state vector, such as the end of the step.
+const double* copy_window(Workspace& w, int segment, const double* state) noexcept {
     const model::ChainLayout& layout = w.layout();
     const int block = layout.link_block();
-    for_each_run(layout, own, halo, [&](int link, int links, int place) {
-        const int begin = layout.link_begin(link);
-        engine::combine(w.step.row, w.step.h, w.slots(), begin, begin + links * block, window + place * block);
+    double* window = w.windows[at(segment)].data();
+    for_each_run(layout, w.partition[segment], layout.halo(), [&](int link, int links, int place) {
+        std::memcpy(window + place * block, state + layout.link_begin(link), at(links * block) * sizeof(double));
     });
+    return window;
 }
 
-[[nodiscard]] model::SheaveMotion* sheaves_at(Workspace& w, double theta, double* tail, model::SheaveMotion* sheaves) noexcept {
+/// The accounts of a segment's links, all zero.
+[[nodiscard]] model::Account* cleared_accounts(Workspace& w, const Segment& own) noexcept {
+    model::Account* accounts = w.links.accounts.data() + model::account_parts * own.first;
+    std::fill(accounts, accounts + model::account_parts * own.size(), model::Account{});
+    return accounts;
+}
+
+/// The motion of the four sheaves at a share of the step.
+void sheaves_at(const Workspace& w, double theta, model::SheaveMotion* sheaves) noexcept {
     const model::ChainLayout& layout = w.layout();
+    double tail[2 * 36];
     w.interpolant().evaluate(theta, layout.pulley_begin(), layout.control_begin(), tail);
     w.variator.pulleys().motions(tail, sheaves);
-    return sheaves;
 }
 
-/// Tips of one link at a share of the step.
-class LinkAt {
-public:
-    LinkAt(Workspace& w, int link) noexcept : w_(w), link_(link) {}
-
-    [[nodiscard]] const TipIndicator* tips(double theta) noexcept {
-        const double* state = near_at(w_, link_, theta, blocks_);
-        model::SheaveMotion sheaves[4];
-        double tail[2 * 36];
-        model::TipProbe probe;
-        indicate(w_, state, sheaves_at(w_, theta, tail, sheaves), tips_, probe);
-        return tips_;
+/// A tip of a link at a share of the step.
+[[nodiscard]] TipIndicator tip_at(const Workspace& w, int link, int corner, double theta) noexcept {
+    const model::ChainLayout& layout = w.layout();
+    NearBlocks blocks;
+    for (int from = -layout.probe_halo(); from <= layout.probe_halo(); ++from) {
+        const int begin = layout.link_begin(layout.wrapped(link + from));
+        w.interpolant().evaluate(theta, begin, begin + layout.link_block(), blocks.place(layout, from));
     }
-
-private:
-    Workspace& w_;
-    int link_;
-    NearBlocks blocks_;
-    TipIndicator tips_[model::tips_per_link];
-};
+    model::SheaveMotion sheaves[4];
+    sheaves_at(w, theta, sheaves);
+    TipIndicator tips[model::tips_per_link];
+    model::TipProbe probe;
+    indicate(w, blocks.place(layout, 0), sheaves, tips, probe);
+    return tips[corner];
+}
 
 /// Tips of a segment's links at a share of the step, side by side: to workspace.tips.probes.
 void probe_segment(Workspace& w, int segment, double theta, const model::SheaveMotion* sheaves) noexcept {
+    const model::ChainLayout& layout = w.layout();
     const Segment& own = w.partition[segment];
-    w.variator.chain().probe_links(blocks_at(w, segment, theta), own.size(), sheaves, w.parameters.detail.stick_slip,
+    const int block = layout.link_block();
+    double* window = w.windows[at(segment)].data();
+    for_each_run(layout, own, layout.probe_halo(), [&](int link, int links, int place) {
+        const int begin = layout.link_begin(link);
+        w.interpolant().evaluate(theta, begin, begin + links * block, window + place * block);
+    });
+    w.variator.chain().probe_links(window + layout.probe_halo() * block, own.size(), sheaves, w.parameters.detail.stick_slip,
                                    w.tips.probes.data() + own.first);
 }
 
@@ -82,8 +93,7 @@ void probe_segment(Workspace& w, int segment, double theta, const model::SheaveM
     }
     const double from = w.rule.due(phase, to, w.tips.before[at(tip)]);
     if (from > 0.0) return {0.0, tip, to};  // was due already, but had been put off
-    LinkAt state(w, link);
-    const auto gap = [&](double theta) noexcept { return w.rule.due(phase, to, state.tips(theta)[corner]); };
+    const auto gap = [&](double theta) noexcept { return w.rule.due(phase, to, tip_at(w, link, corner, theta)); };
     return {engine::locate(gap, 0.0, end, from, gap(end), 1e-9).theta, tip, to};
 }
 
@@ -108,15 +118,10 @@ void evaluate_segment(void* workspace, int segment) noexcept {
     auto& w = *static_cast<Workspace*>(workspace);
     const model::ChainLayout& layout = w.layout();
     const Segment& own = w.partition[segment];
-    double* window = w.windows[at(segment)].data();
-    if (w.step.evaluate_end) {
-        copy_window(w, own, w.end_state, window);
-    } else {
-        fill_window(w, own, window);
-        if (w.step.row.keep >= 0) {
-            std::memcpy(w.states[at(w.step.row.keep)] + layout.link_begin(own.first), window + layout.halo() * layout.link_block(),
-                        at(own.size() * layout.link_block()) * sizeof(double));
-        }
+    const double* window = w.step.evaluate_end ? copy_window(w, segment, w.end_state) : fill_window(w, segment, layout.halo());
+    if (!w.step.evaluate_end && w.step.row.keep >= 0) {
+        std::memcpy(w.states[at(w.step.row.keep)] + layout.link_begin(own.first), window + layout.halo() * layout.link_block(),
+                    at(own.size() * layout.link_block()) * sizeof(double));
     }
     const model::ChainRange range{own.first, own.last, window, w.pulleys.sheaves, w.tips.phases.data()};
     double* slope = w.step.slope_out + layout.link_begin(own.first);
@@ -134,8 +139,8 @@ void locate_segment(void* workspace, int segment) noexcept {
     SegmentResult& result = w.segment_results[at(segment)];
     constexpr double middle = 0.5;
     model::SheaveMotion sheaves[4];
-    double tail[2 * 36];
-    probe_segment(w, segment, middle, sheaves_at(w, middle, tail, sheaves));
+    sheaves_at(w, middle, sheaves);
+    probe_segment(w, segment, middle, sheaves);
     for (int link = own.first; link < own.last; ++link) {
         for (int corner = 0; corner < model::tips_per_link; ++corner) {
             if (!may_change(w, model::tips_per_link * link + corner)) continue;
@@ -160,60 +165,22 @@ void truncate_segment(void* workspace, int segment) noexcept {
     }
 }
 
-void fill_window(Workspace& w, const Segment& own, double* window) noexcept { combine_window(w, own, w.layout().halo(), window); }
-
-void copy_window(const Workspace& w, const Segment& own, const double* state, double* window) noexcept {
+const double* fill_window(Workspace& w, int segment, int halo) noexcept {
     const model::ChainLayout& layout = w.layout();
     const int block = layout.link_block();
-    for_each_run(layout, own, layout.halo(), [&](int link, int links, int place) {
-        std::memcpy(window + place * block, state + layout.link_begin(link), static_cast<std::size_t>(links * block) * sizeof(double));
-    });
-}
-
-const double* window_of(Workspace& w, const double* state, int segment) noexcept {
-    double* window = w.windows[static_cast<std::size_t>(segment)].data();
-    copy_window(w, w.partition[segment], state, window);
-    return window;
-}
-
-const double* near_at(const Workspace& w, int link, double theta, NearBlocks& blocks) noexcept {
-    const model::ChainLayout& layout = w.layout();
-    for (int from = -layout.probe_halo(); from <= layout.probe_halo(); ++from) {
-        const int begin = layout.link_begin(layout.wrapped(link + from));
-        w.interpolant().evaluate(theta, begin, begin + layout.link_block(), blocks.place(layout, from));
-    }
-    return blocks.place(layout, 0);
-}
-
-const double* blocks_at(Workspace& w, int segment, double theta) noexcept {
-    const model::ChainLayout& layout = w.layout();
-    double* window = w.windows[static_cast<std::size_t>(segment)].data();
-    for_each_run(layout, w.partition[segment], layout.probe_halo(), [&](int link, int links, int place) {
+    double* window = w.windows[at(segment)].data();
+    for_each_run(layout, w.partition[segment], halo, [&](int link, int links, int place) {
         const int begin = layout.link_begin(link);
-        w.interpolant().evaluate(theta, begin, begin + links * layout.link_block(), window + place * layout.link_block());
+        engine::combine(w.step.row, w.step.h, w.slots(), begin, begin + links * block, window + place * block);
     });
-    return window + layout.probe_halo() * layout.link_block();
-}
-
-const double* end_blocks(Workspace& w, int segment) noexcept {
-    const Segment& own = w.partition[segment];
-    if (w.layout().probe_halo() == 0) return w.end_state + w.layout().link_begin(own.first);
-    double* window = w.windows[static_cast<std::size_t>(segment)].data();
-    combine_window(w, own, w.layout().probe_halo(), window);
-    return window + w.layout().probe_halo() * w.layout().link_block();
-}
-
-model::Account* cleared_accounts(Workspace& w, const Segment& own) noexcept {
-    model::Account* accounts = w.links.accounts.data() + model::account_parts * own.first;
-    std::fill(accounts, accounts + model::account_parts * own.size(), model::Account{});
-    return accounts;
+    return window;
 }
 
 void observe_segment(void* workspace, int segment) noexcept {
     auto& w = *static_cast<Workspace*>(workspace);
     const model::ChainLayout& layout = w.layout();
     const Segment& own = w.partition[segment];
-    const model::ChainRange range{own.first, own.last, window_of(w, w.states[0], segment), w.pulleys.observed_sheaves,
+    const model::ChainRange range{own.first, own.last, copy_window(w, segment, w.states[0]), w.pulleys.observed_sheaves,
                                   w.tips.phases.data()};
     model::Account* accounts = cleared_accounts(w, own);
     w.variator.chain().observed_slopes(range, w.cut_state + layout.link_begin(own.first), w.links.loads.data() + own.first, accounts);

@@ -6,18 +6,9 @@
 
 namespace cvtflow::tasks {
 
-/// Stage state of a segment's links and of the layout's halo on each side, as workspace.step.row combines it. @param window room for them
-/// [unknowns]
-void fill_window(Workspace& workspace, const Segment& own, double* window) noexcept;
-
-/// The window of a given state vector, such as the end of the step.
-void copy_window(const Workspace& workspace, const Segment& own, const double* state, double* window) noexcept;
-
-/// The window of a state vector in the segment's own memory, which is returned.
-[[nodiscard]] const double* window_of(Workspace& workspace, const double* state, int segment) noexcept;
-
-/// The accounts of a segment's links, all zero.
-[[nodiscard]] model::Account* cleared_accounts(Workspace& workspace, const Segment& own) noexcept;
+/// Stage state of a segment's links and of `halo` links on each side, as workspace.step.row combines it, in the segment's window, which is
+/// returned.
+const double* fill_window(Workspace& workspace, int segment, int halo) noexcept;
 
 /// A link and those of its neighbours that its tips depend on, at a time between those of states that are kept.
 struct NearBlocks {
@@ -28,16 +19,6 @@ struct NearBlocks {
         return numbers + (layout.probe_halo() + from_link) * layout.link_block();
     }
 };
-
-/// State of one link at a share of the step, its neighbours beside it.
-[[nodiscard]] const double* near_at(const Workspace& w, int link, double theta, NearBlocks& blocks) noexcept;
-
-/// States of a segment's links at a share of the step, with as many beside them: in the segment's window.
-[[nodiscard]] const double* blocks_at(Workspace& w, int segment, double theta) noexcept;
-
-/// States of a segment's links at the step's end, with as many beside them as contact depends on: those of other segments may not be
-/// written yet, so they are combined once more.
-[[nodiscard]] const double* end_blocks(Workspace& w, int segment) noexcept;
 
 inline void show(const model::TipProbe& probe, model::TipIndicator* tips) noexcept {
     for (int tip = 0; tip < model::tips_per_link; ++tip) tips[tip] = {probe.depth[tip], probe.slip[tip]};
@@ -57,15 +38,11 @@ inline void indicate(const Workspace& w, const double* state, const model::Sheav
 
 /// Faster than sound in steel (5.9 km/s): no chain does that, so the integration has become unstable, long before anything is infinite.
 inline constexpr double fastest_pin = 1e4;  // m/s
-/// Whether a link's block [q | v] is finite and its motion that of a chain.
-void check_motion(const Workspace& workspace, int link, const double* block, SegmentResult& result) noexcept;
-/// Whether no link of a segment can have a fault that check_motion() finds, at the step's end.
+/// Whether no link of a segment moves unlike a chain at the step's end: find_fault() finds none in its motion.
 [[nodiscard]] bool all_sound(const Workspace& workspace, const Segment& own) noexcept;
-/// Whether a link's tips are where contact can be described.
-void check_contact(const Workspace& workspace, int link, const model::TipProbe& probe, SegmentResult& result) noexcept;
 /// Whether the state behind the links is finite at the step's end.
 [[nodiscard]] Fault check_tail(const Workspace& workspace) noexcept;
-/// The first fault that these checks find in a state of the whole chain. state [unknowns]
+/// The first fault in a state of the whole chain: not finite, too fast, or tips where contact cannot be described. state [unknowns]
 [[nodiscard]] Fault find_fault(const Workspace& workspace, const double* state) noexcept;
 
 /// Slopes of a segment's links at the end of a step from its states at both ends: velocities, and the mean acceleration. (Those at the
