@@ -2,24 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <iterator>
+
 namespace cvtflow::tasks {
 
 std::string Fault::name() const {
-    switch (kind) {
-        case FaultKind::none: return "none";
-        case FaultKind::non_finite: return "non_finite";
-        case FaultKind::penetration: return "penetration";
-        case FaultKind::left_sheave: return "left_sheave";
-        case FaultKind::too_stiff: return "too_stiff";
-        case FaultKind::max_steps: return "max_steps";
-        case FaultKind::max_wall: return "max_wall";
-        case FaultKind::cancelled: return "cancelled";
-        case FaultKind::step_size: return "step_size";
-        case FaultKind::blow_up: return "blow_up";
-        case FaultKind::step_too_short: return "step_too_short";
-        case FaultKind::not_steady: return "not_steady";
-    }
-    return "unknown";
+    static constexpr const char* names[] = {"none",     "non_finite", "penetration", "left_sheave", "too_stiff",      "max_steps",
+                                            "max_wall", "cancelled",  "step_size",   "blow_up",     "step_too_short", "not_steady"};
+    static_assert(std::size(names) == static_cast<std::size_t>(FaultKind::not_steady) + 1);
+    return names[static_cast<std::size_t>(kind)];
 }
 
 namespace {
@@ -41,12 +32,8 @@ std::string Fault::message() const {
     switch (kind) {
         case FaultKind::none: return "finished";
         case FaultKind::non_finite:
-            return !pin ? fmt::format(
-                              "the state of the pulleys is not finite {}: the step is too long for this scene, or a parameter is too large",
-                              when)
-                        : fmt::format(
-                              "the state of pin {} is not finite {}: the step is too long for this scene, or a parameter is too large",
-                              *pin, when);
+            return fmt::format("the state of {} is not finite {}: the step is too long for this scene, or a parameter is too large",
+                               pin ? fmt::format("pin {}", *pin) : "the pulleys", when);
         case FaultKind::penetration:
             return fmt::format(
                 "a tip of pin {} is {:.3g} m deep in its sheave {} (limit tip.deepest = {:.3g} m): clamping force or step is too large, or "
