@@ -90,7 +90,6 @@ public:
     [[nodiscard]] double stable_step() const noexcept { return largest().step; }
     /// Right-hand-side evaluations used by the estimates.
     [[nodiscard]] long evaluations() const noexcept { return evaluations_; }
-    [[nodiscard]] const SpectralBound& bound() const noexcept { return bound_; }
 
     void save(std::vector<double>& memory) const override;
     void load(std::span<const double> memory) override;  ///< @param memory from save()

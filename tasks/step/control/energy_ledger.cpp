@@ -41,6 +41,12 @@ constexpr double closer = 8.0;  ///< by which samples lie closer in dense sampli
     return mean;
 }
 
+/// Residual that noise of samples may explain, over the losses. A start that settles begins with a shock, which does not count.
+[[nodiscard]] double noise_share(const EnergyBalance& balance, bool settling) noexcept {
+    if (settling || balance.energy_in <= 0.0) return noise_share_without;
+    return std::min(noise_share_with_inputs * std::sqrt(std::max(1.0, noise_span / balance.span)), noise_share_without);
+}
+
 }  // namespace
 
 double EnergyBalance::relative() const noexcept { return loss > 0.0 ? std::abs(residual()) / loss : 0.0; }
@@ -49,29 +55,12 @@ double EnergyBalance::expected_residual() const noexcept {
     return share_of_losses * loss + share_of_energy_in * energy_in + share_of_stored * stored;
 }
 
-namespace {
-
-/// Residual that noise of samples may explain, over the losses. A start that settles begins with a shock, which does not count.
-[[nodiscard]] double noise_share(const EnergyBalance& balance, bool settling) noexcept {
-    if (settling || balance.energy_in <= 0.0) return noise_share_without;
-    return std::min(noise_share_with_inputs * std::sqrt(std::max(1.0, noise_span / balance.span)), noise_share_without);
-}
-
-[[nodiscard]] double tolerance_of(const EnergyBalance& balance, bool settling) noexcept {
-    return balance.expected_residual() + std::min(deviations * balance.deviation, noise_share(balance, settling) * balance.loss);
-}
-
-[[nodiscard]] double window_error_ratio(const EnergyBalance& balance, bool settling) noexcept {
-    if (balance.samples < min_samples) return 0.0;
-    const double ratio = std::abs(balance.residual()) / tolerance_of(balance, settling);
+double EnergyBalance::balance_error_ratio(bool settling) const noexcept {
+    if (samples < min_samples) return 0.0;
+    const double tolerance = expected_residual() + std::min(deviations * deviation, noise_share(*this, settling) * loss);
+    const double ratio = std::abs(residual()) / tolerance;
     return std::isnan(ratio) ? std::numeric_limits<double>::infinity() : ratio;
 }
-
-}  // namespace
-
-double EnergyBalance::tolerance() const noexcept { return tolerance_of(*this, false); }
-
-double EnergyBalance::balance_error_ratio() const noexcept { return window_error_ratio(*this, false); }
 
 void EnergyLedger::restart(long stride) noexcept {
     m_ = {};
@@ -187,7 +176,7 @@ void EnergyLedger::Memory::close_sample(double time) noexcept {
 /// A residual that noise can explain is evaluated again; one that it cannot explain is kept.
 void EnergyLedger::Memory::close_window() noexcept {
     const EnergyBalance closed = balance_since(part);
-    if (part.begin >= judged_from) max_error_ratio = std::max(max_error_ratio, window_error_ratio(closed, part.begin < 0.0));
+    if (part.begin >= judged_from) max_error_ratio = std::max(max_error_ratio, closed.balance_error_ratio(part.begin < 0.0));
     dense_sampling = std::abs(closed.residual()) > closed.expected_residual() ? 1.0 : 0.0;
     part = here();
 }
@@ -211,7 +200,7 @@ EnergyBalance EnergyLedger::Memory::balance_since(const EnergyMark& span) const 
 double EnergyLedger::balance_error_ratio(const std::optional<EnergyMark>& from) const noexcept {
     double most = m_.max_error_ratio;
     for (const EnergyMark& span : {from.value_or(m_.all), m_.part})
-        most = std::max(most, window_error_ratio(balance(span), span.begin < 0.0));
+        most = std::max(most, balance(span).balance_error_ratio(span.begin < 0.0));
     return most;
 }
 

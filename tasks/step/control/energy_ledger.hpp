@@ -32,14 +32,13 @@ struct EnergyBalance {
     double samples = 0.0;    ///< of the losses [1]
 
     [[nodiscard]] double residual() const noexcept { return change - work + loss; }
-    /// |residual| over the losses; the threshold stands beside it as tolerance() over the losses.
+    /// |residual| over the losses.
     [[nodiscard]] double relative() const noexcept;
     /// Residual that accurate steps may leave [J].
     [[nodiscard]] double expected_residual() const noexcept;
-    /// expected_residual(), plus the error of sampling: a larger residual means wrong results [J].
-    [[nodiscard]] double tolerance() const noexcept;
-    /// |residual| over its tolerance; 0 for so few samples that their noise is not known. Not a number is infinite.
-    [[nodiscard]] double balance_error_ratio() const noexcept;
+    /// |residual| over its tolerance, which is expected_residual() plus the error of sampling: more than 1 means wrong results. 0 for so
+    /// few samples that their noise is not known; not a number is infinite. @param settling of a start, which begins with a shock
+    [[nodiscard]] double balance_error_ratio(bool settling = false) const noexcept;
 };
 
 /// Cumulative since the integration began.
