@@ -96,7 +96,7 @@ Fault RunPart::advance(const Goal& goal, RunObserver& observer, const engine::Ca
     if (continues && controller_) {
         controller_->resume(settings, observer, cancel);
     } else if (continues) {
-        controller_.emplace(workspace_, integrator_.method(), settings, saved_, observer, cancel);
+        controller_.emplace(workspace_, integrator_.method(), settings, observer, cancel, &saved_);
     } else {
         static_cast<void>(integration_state());
         controller_.emplace(workspace_, integrator_.method(), settings, observer, cancel);

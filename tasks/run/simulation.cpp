@@ -225,7 +225,8 @@ FrozenStart frozen_start(const Simulation& simulation) {
     probed.tips.phases = at.tips.phases;
     SilentObserver silent;
     const engine::Cancellation never;
-    StepController controller(probed, StepSettings{}, silent, never);  // probes the start
+    StageMethod method(probed);
+    StepController controller(probed, method, StepSettings{}, silent, never);  // probes the start
     return {simulation.time(), {probed.state_to_set(), probed.state_to_set() + size}, probed.tips.phases, simulation.balance_error_ratio()};
 }
 

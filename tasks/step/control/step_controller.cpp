@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "tasks/step/assembly/segment_tasks.hpp"
 #include "tasks/step/control/step_grid.hpp"
 #include "tasks/step/integration_state.hpp"
 #include "tasks/step/step_method.hpp"
@@ -70,50 +71,16 @@ void probe_start(Workspace& w) noexcept {
     for (int link = 0; link < at.links; ++link) {
         model::TipProbe probe;
         model::NeighbourWindow strip;
-        w.variator.chain().probe(strip.of(at, w.states[0], link), w.pulleys.sheaves, w.parameters.detail.stick_slip, probe);
-        for (int corner = 0; corner < model::tips_per_link; ++corner) {
-            const std::size_t tip = static_cast<std::size_t>(model::tips_per_link * link + corner);
-            w.tips.before[tip] = {probe.depth[corner], probe.slip[corner]};
-            w.tips.phases[tip] = w.rule.next(w.tips.phases[tip], w.tips.before[tip]);
-        }
+        indicate(w, strip.of(at, w.states[0], link), w.pulleys.sheaves, w.tips.before.data() + model::tips_per_link * link, probe);
     }
+    for (std::size_t tip = 0; tip < w.tips.phases.size(); ++tip) w.tips.phases[tip] = w.rule.next(w.tips.phases[tip], w.tips.before[tip]);
     w.phases_changed();
 }
 
 }  // namespace
 
-StepController::StepController(Workspace& workspace, const StepSettings& settings, RunObserver& observer,
-                               const engine::Cancellation& cancel)
-    : StepController(workspace, std::make_unique<StageMethod>(workspace), nullptr, settings, observer, cancel) {}
-
 StepController::StepController(Workspace& workspace, StepMethod& method, const StepSettings& settings, RunObserver& observer,
-                               const engine::Cancellation& cancel)
-    : StepController(workspace, nullptr, &method, settings, observer, cancel) {}
-
-StepController::StepController(Workspace& workspace, std::unique_ptr<StepMethod> own, StepMethod* method, const StepSettings& settings,
-                               RunObserver& observer, const engine::Cancellation& cancel)
-    : w_(workspace),
-      own_method_(std::move(own)),
-      method_(own_method_ ? *own_method_ : *method),
-      settings_(settings),
-      observer_(&observer),
-      cancel_(&cancel),
-      grid_(grid_of(settings)),
-      errors_(workspace, method_, settings),
-      transitions_(workspace, method_),
-      integration_(integrate()) {
-    w_.step.time = settings.begin;
-    w_.step.dwell = dwell_steps * grid_.step;
-    w_.step.evaluations = 0;
-    method_.restart();  // a run does not depend on what ran before it
-    method_.load({});
-    w_.energy.restart(method_.observation_stride());
-    if (settings.choice != nullptr) settings.choice->restart();
-    probe_start(w_);
-}
-
-StepController::StepController(Workspace& workspace, StepMethod& method, const StepSettings& settings, const IntegrationState& from,
-                               RunObserver& observer, const engine::Cancellation& cancel)
+                               const engine::Cancellation& cancel, const IntegrationState* from)
     : w_(workspace),
       method_(method),
       settings_(settings),
@@ -122,24 +89,29 @@ StepController::StepController(Workspace& workspace, StepMethod& method, const S
       grid_(grid_of(settings)),
       errors_(workspace, method_, settings),
       transitions_(workspace, method_),
-      outputs_(from.outputs),
-      counters_(from.counters),
       integration_(integrate()) {
-    w_.step.time = from.time;
-    if (from.grid_steps > 0) {
-        grid_.divide(grid_.leg_length() / static_cast<double>(from.grid_steps));
-        grid_.leg = from.grid_number / grid_.steps_per_leg;
-        grid_.point = from.grid_number % grid_.steps_per_leg;
+    if (from != nullptr) {
+        outputs_ = from->outputs;
+        counters_ = from->counters;
+        if (from->grid_steps > 0) grid_.continue_at(from->grid_number, from->grid_steps);
     }
+    w_.step.time = from != nullptr ? from->time : settings.begin;
     w_.step.dwell = dwell_steps * grid_.step;
-    w_.energy.load(from.energy, method_.observation_stride());
-    if (settings.choice != nullptr) settings.choice->load(from.step_choice);
-    w_.step.evaluations = from.counters.evaluations;
-    w_.phases_changed();
-    method_.restart();
-    std::span<const double> memory(from.method);
-    errors_.load(memory);
-    method_.load(memory);
+    w_.step.evaluations = counters_.evaluations;
+    method_.restart();  // a run does not depend on what ran before it
+    if (from != nullptr) {
+        w_.energy.load(from->energy, method_.observation_stride());
+        if (settings.choice != nullptr) settings.choice->load(from->step_choice);
+        w_.phases_changed();
+        std::span<const double> memory(from->method);
+        errors_.load(memory);
+        method_.load(memory);
+    } else {
+        method_.load({});
+        w_.energy.restart(method_.observation_stride());
+        if (settings.choice != nullptr) settings.choice->restart();
+        probe_start(w_);
+    }
 }
 
 void StepController::resume(const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel) {

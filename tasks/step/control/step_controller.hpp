@@ -4,7 +4,6 @@
 /// bottom. ErrorControl estimates the local errors of steps and, where they decide, the length of the next step.
 
 #include <chrono>
-#include <memory>
 #include <optional>
 #include <vector>
 
@@ -55,16 +54,11 @@ struct IntegrationState;
 class StepController final : public engine::Controller {
 public:
     /// The workspace's slot 0 and phases hold the start state. `cancel` may be set from anywhere, also from a signal handler.
+    /// @param from resumes that integration: the workspace holds its state (Simulation::restore), and settings.begin and the grid are its
+    /// own; nullptr: a new one begins
     /// @throws std::invalid_argument if errors are requested and the method has no estimate
     StepController(Workspace& workspace, StepMethod& method, const StepSettings& settings, RunObserver& observer,
-                   const engine::Cancellation& cancel);
-    /// A controller with the workspace's table of stages as method.
-    StepController(Workspace& workspace, const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel);
-
-    /// Resumes an integration. Workspace and `from` hold the same state (Simulation::restore); settings.begin and the grid
-    /// are those of `from`.
-    StepController(Workspace& workspace, StepMethod& method, const StepSettings& settings, const IntegrationState& from,
-                   RunObserver& observer, const engine::Cancellation& cancel);
+                   const engine::Cancellation& cancel, const IntegrationState* from = nullptr);
 
     /// Continues where the last run of this controller ended, without a fault or by one that a goal or a caller set; bitwise as a new one
     /// that resumes from save(). @param settings those of the beginning, but for end, budgets and pause
@@ -87,10 +81,6 @@ public:
     void rethrow() const { integration_->rethrow(); }
 
 private:
-    /// @param own the method, or nullptr where the caller owns `method`
-    StepController(Workspace& workspace, std::unique_ptr<StepMethod> own, StepMethod* method, const StepSettings& settings,
-                   RunObserver& observer, const engine::Cancellation& cancel);
-
     /// Minimum time between two changes of a tip's phase, in steps: one whole step, whatever rounding does.
     static constexpr double dwell_steps = 1.5;
 
@@ -105,7 +95,6 @@ private:
     void truncate();
 
     Workspace& w_;
-    std::unique_ptr<StepMethod> own_method_;
     StepMethod& method_;
     StepSettings settings_;
     RunObserver* observer_;

@@ -92,7 +92,8 @@ TEST(StepControllerTransitions, CutTheStepWhereTheTipReachesItsThreshold) {
         Rig rig(p);
         CutWatcher watcher(rig.workspace());
         const engine::Cancellation never;
-        StepController controller(rig.workspace(), {settling_begin, settling_begin + 2e-3, 5e-8, 1e-4}, watcher, never);
+        StageMethod method(rig.workspace());
+        StepController controller(rig.workspace(), method, {settling_begin, settling_begin + 2e-3, 5e-8, 1e-4}, watcher, never);
         engine::Serial().run(step_graph(rig.workspace(), {}), &rig.workspace(), controller);
         ASSERT_FALSE(controller.fault());
         ASSERT_EQ(static_cast<long>(watcher.depth_.size() + watcher.slip_.size()), controller.counters().detected);
@@ -167,7 +168,8 @@ TEST(StepControllerTransitions, EveryCutChangesATipAlsoWhereTheStepIsTakenAgain)
 /// Runs with settings that a Rig does not offer.
 Fault run_with(Rig& rig, const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel,
                Counters* counters = nullptr) {
-    StepController controller(rig.workspace(), settings, observer, cancel);
+    StageMethod method(rig.workspace());
+    StepController controller(rig.workspace(), method, settings, observer, cancel);
     engine::Serial().run(step_graph(rig.workspace(), {}), &rig.workspace(), controller);
     if (counters != nullptr) *counters = controller.counters();
     controller.rethrow();
