@@ -44,98 +44,14 @@ constexpr int first_iterations = 50, next_iterations = 4;
 }  // namespace
 
 template <class Number>
-FrictionSystem<Number>::FrictionSystem(const Workspace& w)
-    : Base(w, rows_of_fields(w.layout().link_size()), {base, mode, base + 1}, std::vector(kick_state_slots + 1, w.layout().link_size())) {
-    restart();
-}
-
-template <class Number>
-void FrictionSystem<Number>::restart() noexcept {
-    for (int row = 0; row < friction_.chain().layout().link_size(); ++row) {  // a mode without symmetry, to begin with
-        for_links(static_cast<Base&>(*this), [&](Fields& f, int link, int column) {
-            *f.of[mode].at(row, column) = static_cast<Number>(model::portable_sin(1.0 + 0.7 * row + 2.399 * link));
-        });
-    }
-}
-
-template <class Number>
-void FrictionSystem<Number>::record(Workspace& w, const model::ContactDrift& drift, int segment) noexcept {
-    Base::record(w, drift, base + now_, segment);
-    edges_[0].give(columns_, fields(segment).of[state], segment);
-}
-
-template <class Number>
-void FrictionSystem<Number>::stage(const Workspace& w, const KickRow& row, double h, double extrapolation, int segment) noexcept {
-    Fields& f = fields(segment);
-    const auto slot = [&](int number) { return &f.of[state + at(number)]; };
-    const model::FrictionBaseOf<Number> accelerations{&f.of[base + now_], &f.of[base + 1 - now_], extrapolation};
-    model::VelocityRowOf<Number> next;
-    for (const engine::Term& term : row.next.states) next.add(*slot(term.slot), term.factor);
-    for (const engine::Term& term : row.next.slopes) {
-        if (term.slot == row.here.slope) {
-            next.slope_weight = h * term.factor;
-        } else {
-            next.add(f.of[first_slope], h * term.factor);
-        }
-    }
-    next.to = row.next.keep >= 0 ? slot(row.next.keep) : &f.of[Base::result];
-    const bool first = row.here.keep < 0;
-    const int here = first ? 0 : row.here.keep;
-    edges_[at(here)].take(columns_, *slot(here), segment);
-    if (first) contact_edges_.take(columns_, f.contacts.columns, segment);
-    friction_.slopes(f.contacts, Base::range_of(w, row.here.time - 0.5, *slot(here), segment),
-                     {&accelerations, row.keeps_slope ? &f.of[first_slope] : nullptr, &next, row.weight,
-                      row.weight != 0.0 ? &f.of[Base::mean_tip_forces] : nullptr});
-    if (row.next.keep >= 0) edges_[at(row.next.keep)].give(columns_, *next.to, segment);
-}
-
-template <class Number>
-double FrictionSystem<Number>::spectral_radius(const Workspace& w, int iterations) noexcept {
-    const int rows = w.layout().link_size(), segments = columns_.segments();
-    for (int s = 0; s < segments; ++s) contact_edges_.take(columns_, fields(s).contacts.columns, s);
-    double radius = 0.0;
-    for (int k = 0; k < iterations; ++k) {
-        double before = 0.0, after = 0.0;
-        for (int s = 0; s < segments; ++s) edges_[mode_edges].give(columns_, fields(s).of[mode], s);
-        for (int s = 0; s < segments; ++s) {
-            Fields& f = fields(s);
-            edges_[mode_edges].take(columns_, f.of[mode], s);
-            friction_.all_sticking(f.contacts, Base::range_of(w, 0.0, f.of[mode], s), f.of[image]);
-        }
-        for (int row = 0; row < rows; ++row) {
-            for_links(static_cast<Base&>(*this), [&](const Fields& f, int, int column) {
-                before += square(*f.of[mode].at(row, column));
-                after += square(*f.of[image].at(row, column));
-            });
-        }
-        radius = std::sqrt(after / before);
-        if (radius == 0.0) return 0.0;
-        const double scale = 1.0 / std::sqrt(after);
-        for (int row = 0; row < rows; ++row) {
-            for_links(static_cast<Base&>(*this), [&](Fields& f, int, int column) {
-                *f.of[mode].at(row, column) = static_cast<Number>(scale * *f.of[image].at(row, column));
-            });
-        }
-    }
-    return radius;
-}
-
-template <class Number>
-void FrictionSystem<Number>::save(std::vector<double>& memory) const {
-    for (const std::size_t field : {base + now_, std::size_t(mode)}) Base::save(field, memory);
-}
-
-template <class Number>
-void FrictionSystem<Number>::load(std::span<const double> memory) {
-    for (const std::size_t field : {base + now_, std::size_t(mode)}) Base::load(field, memory);
-}
-
-template class FrictionSystem<double>;
-template class FrictionSystem<float>;
-
-template <class Number>
 FrictionLeapfrog<Number>::FrictionLeapfrog(Workspace& workspace, const Kick& kick)
-    : w_(workspace), frame_(workspace), system_(workspace), tables_(kick) {}
+    : Base(workspace, rows_of_fields(workspace.layout().link_size()), {base, mode, base + 1},
+           std::vector(kick_state_slots + 1, workspace.layout().link_size())),
+      w_(workspace),
+      frame_(workspace),
+      tables_(kick) {
+    FrictionLeapfrog::restart();
+}
 
 template <class Number>
 void FrictionLeapfrog<Number>::add_tasks(engine::TaskGraph& graph) {
@@ -165,7 +81,11 @@ template <class Number>
 void FrictionLeapfrog<Number>::restart() noexcept {
     frame_.restart();
     steps_ = 0;
-    system_.restart();
+    for (int row = 0; row < w_.layout().link_size(); ++row) {  // a mode without symmetry, to begin power iterations with
+        for_links(static_cast<Base&>(*this), [&](Fields& f, int link, int column) {
+            *f.of[mode].at(row, column) = static_cast<Number>(model::portable_sin(1.0 + 0.7 * row + 2.399 * link));
+        });
+    }
 }
 
 template <class Number>
@@ -184,7 +104,7 @@ template <class Number>
 void FrictionLeapfrog<Number>::begin() {
     if (frame_.is_new()) {
         frame_.begin_new_step();
-        system_.begin_new_step();
+        Base::begin_new_step();
     }
     frame_.begin();
     w_.step.end_state_ready = true;
@@ -194,7 +114,7 @@ void FrictionLeapfrog<Number>::begin() {
 /// By the spectral radius of friction, estimated now and then. @return why no table reaches so far
 template <class Number>
 Fault FrictionLeapfrog<Number>::choose_table() {
-    if (steps_ % steps_between_estimates == 0) radius_ = system_.spectral_radius(w_, steps_ == 0 ? first_iterations : next_iterations);
+    if (steps_ % steps_between_estimates == 0) radius_ = spectral_radius(steps_ == 0 ? first_iterations : next_iterations);
     ++steps_;
     table_ = tables_.reaching(margin * radius_ * w_.step.h);
     if (table_ != nullptr) return {};
@@ -217,7 +137,7 @@ template <class Number>
 void FrictionLeapfrog<Number>::save(std::vector<double>& memory) const {
     memory.assign({radius_, static_cast<double>(steps_)});
     frame_.save(memory);
-    system_.save(memory);
+    for (const std::size_t field : {base + now_, std::size_t(mode)}) Base::save(field, memory);
 }
 
 template <class Number>
@@ -225,24 +145,73 @@ void FrictionLeapfrog<Number>::load(std::span<const double> memory) {
     if (memory.empty()) return;
     radius_ = pop_front(memory, 1)[0];
     steps_ = pop_integer(memory, 0, std::numeric_limits<int>::max());
-    system_.load(frame_.load(memory));
+    memory = frame_.load(memory);
+    for (const std::size_t field : {base + now_, std::size_t(mode)}) Base::load(field, memory);
 }
 
 template <class Number>
 void FrictionLeapfrog<Number>::record(int segment) noexcept {
-    system_.record(w_, frame_.drift(), segment);
+    Base::record(w_, frame_.drift(), base + now_, segment);
+    edges_[0].give(columns_, fields(segment).of[state], segment);
 }
 
 template <class Number>
 void FrictionLeapfrog<Number>::stage(int item) noexcept {
-    const int segments = w_.partition.size();
-    const Stage& stage = together_[static_cast<std::size_t>(item / segments)];
-    system_.stage(w_, stage.row, w_.step.h, stage.extrapolation, item % segments);
+    const int segment = item % w_.partition.size();
+    const auto& [row, extrapolation] = together_[at(item / w_.partition.size())];
+    const double h = w_.step.h;
+    Fields& f = fields(segment);
+    const auto slot = [&](int number) { return &f.of[state + at(number)]; };
+    const model::FrictionBaseOf<Number> accelerations{&f.of[base + now_], &f.of[base + 1 - now_], extrapolation};
+    model::VelocityRowOf<Number> next;
+    for (const engine::Term& term : row.next.states) next.add(*slot(term.slot), term.factor);
+    for (const engine::Term& term : row.next.slopes) {
+        if (term.slot == row.here.slope) {
+            next.slope_weight = h * term.factor;
+        } else {
+            next.add(f.of[first_slope], h * term.factor);
+        }
+    }
+    next.to = row.next.keep >= 0 ? slot(row.next.keep) : &f.of[Base::result];
+    const bool first = row.here.keep < 0;
+    const int here = first ? 0 : row.here.keep;
+    edges_[at(here)].take(columns_, *slot(here), segment);
+    if (first) contact_edges_.take(columns_, f.contacts.columns, segment);
+    friction_.slopes(f.contacts, Base::range_of(w_, row.here.time - 0.5, *slot(here), segment),
+                     {&accelerations, row.keeps_slope ? &f.of[first_slope] : nullptr, &next, row.weight,
+                      row.weight != 0.0 ? &f.of[Base::mean_tip_forces] : nullptr});
+    if (row.next.keep >= 0) edges_[at(row.next.keep)].give(columns_, *next.to, segment);
 }
 
 template <class Number>
-void FrictionLeapfrog<Number>::finish(int segment) noexcept {
-    system_.finish(w_, segment);
+double FrictionLeapfrog<Number>::spectral_radius(int iterations) noexcept {
+    const int rows = w_.layout().link_size(), segments = columns_.segments();
+    for (int s = 0; s < segments; ++s) contact_edges_.take(columns_, fields(s).contacts.columns, s);
+    double radius = 0.0;
+    for (int k = 0; k < iterations; ++k) {
+        double before = 0.0, after = 0.0;
+        for (int s = 0; s < segments; ++s) edges_[mode_edges].give(columns_, fields(s).of[mode], s);
+        for (int s = 0; s < segments; ++s) {
+            Fields& f = fields(s);
+            edges_[mode_edges].take(columns_, f.of[mode], s);
+            friction_.all_sticking(f.contacts, Base::range_of(w_, 0.0, f.of[mode], s), f.of[image]);
+        }
+        for (int row = 0; row < rows; ++row) {
+            for_links(static_cast<Base&>(*this), [&](const Fields& f, int, int column) {
+                before += square(*f.of[mode].at(row, column));
+                after += square(*f.of[image].at(row, column));
+            });
+        }
+        radius = std::sqrt(after / before);
+        if (radius == 0.0) return 0.0;
+        const double scale = 1.0 / std::sqrt(after);
+        for (int row = 0; row < rows; ++row) {
+            for_links(static_cast<Base&>(*this), [&](Fields& f, int, int column) {
+                *f.of[mode].at(row, column) = static_cast<Number>(scale * *f.of[image].at(row, column));
+            });
+        }
+    }
+    return radius;
 }
 
 template class FrictionLeapfrog<double>;

@@ -22,45 +22,14 @@
 
 namespace cvtflow::tasks {
 
-/// The friction of a step: velocities of all links under friction and constant accelerations, everything else frozen, as a small system of
-/// ordinary differential equations that a table of stages integrates inside the step, by segments. Increments of a link's velocities in
-/// single precision are rounded to 6e-8 of themselves.
-template <class Number>
-class FrictionSystem : public KickSystem<Number> {
-public:
-    explicit FrictionSystem(const Workspace& workspace);
-
-    /// Power iterations begin anew.
-    void restart() noexcept;
-
-    // Bodies of tasks: each touches the columns of one segment only, and reads what its neighbours have handed over.
-
-    /// Contacts and all other forces of a segment's links; their velocities at the step's start in slot 0.
-    void record(Workspace& workspace, const model::ContactDrift& drift, int segment) noexcept;
-    /// One row of a chained table: evaluates at the velocities of its slot, with extrapolation times the difference between base and that
-    /// of the step before added to base; adds weight times the tips' forces to their means; combines the velocities of the row that
-    /// follows.
-    void stage(const Workspace& workspace, const KickRow& row, double h, double extrapolation, int segment) noexcept;
-
-    /// Largest eigenvalue of friction about rest, from a few power iterations on; everything must be at rest [1/s].
-    [[nodiscard]] double spectral_radius(const Workspace& workspace, int iterations) noexcept;
-
-    /// Memory between steps: forces of the last step, and the vectors of power iterations.
-    void save(std::vector<double>& memory) const;
-    void load(std::span<const double> memory);  ///< @param memory from save()
-
-private:
-    using Base = KickSystem<Number>;
-    using Base::columns_, Base::contact_edges_, Base::edges_, Base::fields, Base::for_links, Base::friction_, Base::now_;
-    using typename Base::Fields;
-    /// Fields: velocities by slot; accelerations by everything but friction, of this step and of the one before (see now_); ….
-    enum Own : std::size_t { state = Base::start, base = state + kick_state_slots, first_slope = base + 2, mode, image };
-    static constexpr std::size_t mode_edges = kick_state_slots;  ///< those before are of states
-};
-
+/// Friction inside a step: velocities of all links under friction and constant accelerations, everything else frozen, are a small system of
+/// ordinary differential equations that a table of stages integrates, by segments. Increments of a link's velocities in single precision
+/// are rounded to 6e-8 of themselves.
 /// @tparam Number in which velocities inside the step are computed: double or float
 template <class Number>
-class FrictionLeapfrog final : public StepMethod {
+class FrictionLeapfrog final : public StepMethod, private KickSystem<Number> {
+    using Base = KickSystem<Number>;
+
 public:
     /// Slots of the workspace that the method uses.
     static constexpr int state_slots = LeapfrogFrame::state_slots, slope_slots = LeapfrogFrame::slope_slots;
@@ -71,21 +40,33 @@ public:
 
     [[nodiscard]] CycleSequence step() override;
     void add_tasks(engine::TaskGraph& graph) override;
-    void repartitioned() override { system_.repartition(w_.partition); }
+    void repartitioned() override { Base::repartition(w_.partition); }
     [[nodiscard]] AtTransition at_transition() const noexcept override { return AtTransition::repeat; }
     void restart() noexcept override;
     void phases_changed() noexcept override {}  // history stays good: nothing jumps
+    /// Memory between steps: forces of the last step, and the vectors of power iterations.
     void save(std::vector<double>& memory) const override;
     void load(std::span<const double> memory) override;  ///< @param memory from save()
 
-    [[nodiscard]] std::optional<std::size_t> bytes() const noexcept override { return system_.bytes(); }
+    [[nodiscard]] std::optional<std::size_t> bytes() const noexcept override { return Base::bytes(); }
 
-    // Bodies of tasks.
+    // Bodies of tasks: each touches the columns of one segment only, and reads what its neighbours have handed over.
+
+    /// Contacts and all other forces of a segment's links; their velocities at the step's start in slot 0.
     void record(int segment) noexcept;
-    void stage(int item) noexcept;  ///< item = stage of the cycle × segments + segment
-    void finish(int segment) noexcept;
+    /// One row of a chained table: evaluates at the velocities of its slot, with extrapolation times the difference between base and that
+    /// of the step before added to base; adds weight times the tips' forces to their means; combines the velocities of the row that
+    /// follows. item = stage of the cycle × segments + segment
+    void stage(int item) noexcept;
+    void finish(int segment) noexcept { Base::finish(w_, segment); }
 
 private:
+    using Base::columns_, Base::contact_edges_, Base::edges_, Base::fields, Base::for_links, Base::friction_, Base::now_;
+    using typename Base::Fields;
+    /// Fields: velocities by slot; accelerations by everything but friction, of this step and of the one before (see now_); ….
+    enum Own : std::size_t { state = Base::start, base = state + kick_state_slots, first_slope = base + 2, mode, image };
+    static constexpr std::size_t mode_edges = kick_state_slots;  ///< those before are of states
+
     struct Stage {
         KickRow row{};
         double extrapolation = 0.0;  ///< of G, in units of the difference between the last two [1]
@@ -93,10 +74,11 @@ private:
     void begin();
     [[nodiscard]] Fault choose_table();
     [[nodiscard]] int next_stages() noexcept;
+    /// Largest eigenvalue of friction about rest, from a few power iterations on; everything must be at rest [1/s].
+    [[nodiscard]] double spectral_radius(int iterations) noexcept;
 
     Workspace& w_;
     LeapfrogFrame frame_;
-    FrictionSystem<Number> system_;
     const KickTables tables_;
     const KickTable* table_ = nullptr;                ///< of the present step
     int stage_ = 0;                                   ///< the first that is in no cycle yet
