@@ -23,7 +23,6 @@ struct FieldCheck {
         if (std::any_of(phases.begin(), phases.end(), [](model::Phase phase) { return phase > model::Phase::slip; }))
             reason = "it contains an invalid tip phase";
     }
-    void operator()(const char* /*name*/, bool /*flag*/) {}
     template <class Field>
     void operator()(const char* /*name*/, const Field& /*field*/) {}
 };

@@ -10,14 +10,15 @@ namespace cvtflow::tasks {
 
 namespace {
 
+/// Velocities of a sheave.
+template <class Motion>
+[[nodiscard]] auto velocities_of(Motion& s) noexcept {
+    return std::array{&s.vx, &s.vy, &s.vz, &s.spin_x, &s.spin_y, &s.spin_z};
+}
+
 [[nodiscard]] model::SheaveMotion change_of(const model::SheaveMotion& now, const model::SheaveMotion& before, double factor) noexcept {
     model::SheaveMotion change{};
-    change.vx = factor * (now.vx - before.vx);
-    change.vy = factor * (now.vy - before.vy);
-    change.vz = factor * (now.vz - before.vz);
-    change.spin_x = factor * (now.spin_x - before.spin_x);
-    change.spin_y = factor * (now.spin_y - before.spin_y);
-    change.spin_z = factor * (now.spin_z - before.spin_z);
+    for (std::size_t k = 0; k < 6; ++k) *velocities_of(change)[k] = factor * (*velocities_of(now)[k] - *velocities_of(before)[k]);
     return change;
 }
 
@@ -92,7 +93,8 @@ void LeapfrogFrame::end(const model::SheaveForces& chain) {
 
 void LeapfrogFrame::save(std::vector<double>& memory) const {
     memory.insert(memory.end(), {continues_ ? 1.0 : 0.0, length_});
-    for (const model::SheaveMotion& s : w_.pulleys.sheaves) memory.insert(memory.end(), {s.vx, s.vy, s.vz, s.spin_x, s.spin_y, s.spin_z});
+    for (const model::SheaveMotion& s : w_.pulleys.sheaves)
+        for (const double* velocity : velocities_of(s)) memory.push_back(*velocity);
     memory.insert(memory.end(), w_.end_slope, w_.end_slope + w_.layout().size());
 }
 
@@ -101,11 +103,8 @@ std::span<const double> LeapfrogFrame::load(std::span<const double> memory) {
     continues_ = own[0] != 0.0;
     length_ = own[1];
     begun_ = -1e300;
-    for (model::SheaveMotion& s : w_.pulleys.sheaves) {
-        const auto motion = pop_front(memory, 6);
-        s.vx = motion[0], s.vy = motion[1], s.vz = motion[2];
-        s.spin_x = motion[3], s.spin_y = motion[4], s.spin_z = motion[5];
-    }
+    for (model::SheaveMotion& s : w_.pulleys.sheaves)
+        for (double* velocity : velocities_of(s)) *velocity = pop_front(memory, 1)[0];
     std::ranges::copy(pop_front(memory, static_cast<std::size_t>(w_.layout().size())), w_.end_slope);
     return memory;
 }

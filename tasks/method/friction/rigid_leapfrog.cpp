@@ -73,27 +73,17 @@ void RigidLeapfrog::add_tasks(engine::TaskGraph& graph) {
     const int pins = w_.layout().links;
     const auto writes = [pins](int field) { return engine::Access{field, 0, pins, true}; };
     const auto reads = [pins](int field) { return engine::Access{field, 0, pins, false}; };
+    const auto add = [&](const char* name, engine::TaskCode code, const std::vector<engine::Access>& accesses) {
+        return graph.add({name, rigid_cycle, code, 0, accesses});
+    };
     const int tasks[] = {
-        graph.add({"links",
-                   rigid_cycle,
-                   engine::code_of<&RigidLeapfrog::links>(*this),
-                   0,
-                   {writes(motion), writes(link_force), writes(account)}}),
-        graph.add({"plates",
-                   rigid_cycle,
-                   engine::code_of<&RigidLeapfrog::plates>(*this),
-                   0,
-                   {reads(motion), reads(link_force), writes(plate_force), writes(account)}}),
-        graph.add({"tips",
-                   rigid_cycle,
-                   engine::code_of<&RigidLeapfrog::tips>(*this),
-                   0,
-                   {reads(motion), reads(link_force), reads(plate_force), writes(tip_force), writes(account)}}),
-        graph.add({"kick",
-                   rigid_cycle,
-                   engine::code_of<&RigidLeapfrog::kick>(*this),
-                   0,
-                   {reads(link_force), writes(plate_force), reads(tip_force), writes(motion), writes(account)}}),
+        add("links", engine::code_of<&RigidLeapfrog::links>(*this), {writes(motion), writes(link_force), writes(account)}),
+        add("plates", engine::code_of<&RigidLeapfrog::plates>(*this),
+            {reads(motion), reads(link_force), writes(plate_force), writes(account)}),
+        add("tips", engine::code_of<&RigidLeapfrog::tips>(*this),
+            {reads(motion), reads(link_force), reads(plate_force), writes(tip_force), writes(account)}),
+        add("kick", engine::code_of<&RigidLeapfrog::kick>(*this),
+            {reads(link_force), writes(plate_force), reads(tip_force), writes(motion), writes(account)}),
     };
     for (int k = 0; k < 3; ++k) graph.order(tasks[k], tasks[k + 1]);
 }
@@ -152,21 +142,21 @@ void RigidLeapfrog::finish() noexcept {
     ++w_.step.evaluations;
 }
 
+void RigidLeapfrog::add_energies(const EnergyAccount& from, double time, const model::WorkRates& power, EnergyAccount& to) const noexcept {
+    advance(to.lost, from.lost, time, pins_.forces.account.loss);
+    advance(to.work, from.work, time, power);
+    advance(to.impulse, from.impulse, time, pulleys_.torque());
+    advance(to.drag.impulse, from.drag.impulse, time, pulleys_.drag());
+    advance(to.drag.energy, from.drag.energy, time, pulleys_.drag_power());
+    advance(to.couplings.work, from.couplings.work, time, pulleys_.far_power());
+    advance(to.couplings.dissipated, from.couplings.dissipated, time, pulleys_.twist_power());
+}
+
 /// Half of the kick belongs to the step behind: account_ is of the coordinates, half_way_ of the velocities.
 void RigidLeapfrog::count_energy(const model::WorkRates& power) noexcept {
     kinetic_ += pulleys_.kinetic();
-    const EnergyAccount from = half_way_;
-    const auto add = [&](double share, EnergyAccount& to) {
-        advance(to.lost, from.lost, share, pins_.forces.account.loss);
-        advance(to.work, from.work, share, power);
-        advance(to.impulse, from.impulse, share, pulleys_.torque());
-        advance(to.drag.impulse, from.drag.impulse, share, pulleys_.drag());
-        advance(to.drag.energy, from.drag.energy, share, pulleys_.drag_power());
-        advance(to.couplings.work, from.couplings.work, share, pulleys_.far_power());
-        advance(to.couplings.dissipated, from.couplings.dissipated, share, pulleys_.twist_power());
-    };
-    add(0.5 * kick_.step, account_);
-    add(kick_.step, half_way_);
+    add_energies(half_way_, 0.5 * kick_.step, power, account_);
+    add_energies(half_way_, kick_.step, power, half_way_);
     pins_.lead = 0.5 * kick_.step;
     auto& energy = pins_.forces.account.energy;
     energy[static_cast<std::size_t>(model::Energy::kinetic)] = kinetic_;
@@ -183,16 +173,7 @@ void RigidLeapfrog::set_lead(double lead) noexcept {
     shift_ += (lead * lead - pins_.lead * pins_.lead) * pins_.acceleration_energy();  // ½ v·M v' at the coordinates, with no work done
     pins_.model.kernels().kick(pins_.model.coefficients(), more, pins_.columns);
     pulleys_.advance(more);
-    EnergyAccount& to = half_way_;
-    advance(to.couplings.work, to.couplings.work, more, pulleys_.far_power());
-    advance(to.couplings.dissipated, to.couplings.dissipated, more, pulleys_.twist_power());
-    advance(to.lost, to.lost, more, pins_.forces.account.loss);
-    if (!pulleys_.absent()) {
-        advance(to.work, to.work, more, pulleys_.works());
-        advance(to.impulse, to.impulse, more, pulleys_.torque());
-        advance(to.drag.impulse, to.drag.impulse, more, pulleys_.drag());
-        advance(to.drag.energy, to.drag.energy, more, pulleys_.drag_power());
-    }
+    add_energies(half_way_, more, pulleys_.works(), half_way_);
     pins_.lead = lead;
 }
 
@@ -286,7 +267,7 @@ model::WorkRates RigidPulleys::kick(double time, double step) noexcept {
     model::WorkRates power = works();
     const std::array<double, 2> turning = speeds();
     const double before = kinetic_;
-    kick_by_rates(step);
+    advance(step);
     mean_kinetic_ = 0.5 * (before + kinetic_);
     couple(time, rates);
     const model::WorkRates after = works();
@@ -296,9 +277,7 @@ model::WorkRates RigidPulleys::kick(double time, double step) noexcept {
     return power;
 }
 
-void RigidPulleys::advance(double time) noexcept { kick_by_rates(time); }
-
-void RigidPulleys::kick_by_rates(double time) noexcept {
+void RigidPulleys::advance(double time) noexcept {
     for (std::size_t k = static_cast<std::size_t>(variator_.layout().pulley_size), end = s_.kicked_end(); k < end; ++k)
         s_.tail[k] += time * s_.tail_slope[k];
     kinetic_ = kinetic_now();

@@ -35,7 +35,7 @@ public:
     /// Velocities at the end of the step by the reactions of the tips. @param time of the coordinates [s]   @param step [s]
     /// @return powers of the inputs, of the mean of the velocities before and after [W]
     [[nodiscard]] model::WorkRates kick(double time, double step) noexcept;
-    /// Velocities by a further time, by the rates of the last kick [s].
+    /// Velocities by a time, at the rates of the last kick [s].
     void advance(double time) noexcept;
 
     /// Kinetic energy around the last kick: mean of before and after [J].
@@ -65,7 +65,6 @@ public:
 
 private:
     void evaluate(double time) noexcept;                                    ///< rates at a time [s]
-    void kick_by_rates(double time) noexcept;                               ///< [s]
     void couple(double time, const std::array<double, 2>& rates) noexcept;  ///< powers of the couplings; rates before the kick [rad/s]
     [[nodiscard]] std::array<double, 2> coupling_rates(double time) const noexcept;  ///< [rad/s], zero where no coupling acts
     [[nodiscard]] double kinetic_now() const noexcept;                               ///< [J]
@@ -107,6 +106,8 @@ private:
     void kick_pins() noexcept;                                  ///< velocities by accelerations, over the step
     void finish() noexcept;                                     ///< pulleys, energies and phases of the tips
     void count_energy(const model::WorkRates& power) noexcept;  ///< [W]
+    /// Energies `to` as `from` and what a time [s] at the rates of the last kick adds. power of the inputs [W]
+    void add_energies(const EnergyAccount& from, double time, const model::WorkRates& power, EnergyAccount& to) const noexcept;
     [[nodiscard]] bool is_suspect() const noexcept;
     /// Calls visitor(numbers, count) for all that the next step depends on. @tparam Method this class, const or not
     template <class Method, class Visitor>
