@@ -1,7 +1,8 @@
 #pragma once
 /// The integration as a controller: between two cycles of the task graph it closes what the segments leave open (pulleys), accepts, rejects
 /// or cuts the step, and names the next cycle. The whole run happens inside one Executor::run(). integrate() shows a step from top to
-/// bottom. ErrorControl estimates the local errors of steps and, where they decide, the length of the next step.
+/// bottom. ErrorControl estimates the local errors of steps and, where they decide, the length of the next step; TransitionSearch cuts
+/// steps.
 
 #include <chrono>
 #include <optional>
@@ -13,7 +14,6 @@
 #include "tasks/step/control/run_observer.hpp"
 #include "tasks/step/control/step_control.hpp"
 #include "tasks/step/control/step_grid.hpp"
-#include "tasks/step/control/transition_search.hpp"
 #include "tasks/step/step_graph.hpp"
 #include "tasks/step/step_method.hpp"
 #include "tasks/step/workspace.hpp"
@@ -47,6 +47,36 @@ private:
     double tolerance_;  ///< in units of ErrorScale
     StepSizeControl size_;
     LocalErrorStatistics statistics_;
+};
+
+/// The serial part of finding and carrying out transitions: what is done between detect, locate and truncate cycles.
+class TransitionSearch {
+public:
+    TransitionSearch(Workspace& workspace, StepMethod& method);
+
+    /// Before a detect cycle: the pulleys' part of the step's result.
+    void prepare_detection();
+    /// After it: the first fault in the result, and whether a tip may change its phase (due()). Adds to counters.suppressed.
+    [[nodiscard]] Fault check(Counters& counters);
+    [[nodiscard]] bool due() const noexcept { return due_; }
+    /// Slopes of the links at the step's start, which locate and truncate cycles interpolate. Only few steps need them.
+    void complete_start_slopes();
+    /// Before and after an evaluate cycle at the step's end: the slope there. @return the cycle
+    [[nodiscard]] int prepare_end_slope();
+    void close_end_slope();
+    /// After a locate cycle: takes the earliest transition of all segments as the place of the cut; false if none lies within the step.
+    [[nodiscard]] bool locate();
+    /// Before a truncate cycle: the pulleys at the cut. @return the cycle
+    [[nodiscard]] int prepare_truncation();
+    /// After it: the state at the cut is the current one. Reports every tip that has changed to `observer`.
+    void truncate(RunObserver& observer, Counters& counters);
+    /// Reports every tip that differs from tips.phases_before to `observer`.
+    void report_changes(RunObserver& observer, Counters& counters);
+
+private:
+    Workspace& w_;
+    StepMethod& method_;
+    bool due_ = false;
 };
 
 struct IntegrationState;

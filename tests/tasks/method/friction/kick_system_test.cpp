@@ -1,4 +1,4 @@
-#include "tasks/method/friction/segment_columns.hpp"
+#include "tasks/method/friction/kick_system.hpp"
 
 #include <gtest/gtest.h>
 
