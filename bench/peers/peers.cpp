@@ -22,11 +22,11 @@
 #include "bench/study/profile/crowding.hpp"
 #include "bench/study/profile/report.hpp"
 #include "bench/study/profile/statistics.hpp"
+#include "bench/study/tradeoff/relative_error.hpp"
 #include "engine/base/provenance.hpp"
 #include "engine/executor/cancellation.hpp"
 #include "engine/executor/runtimes.hpp"
 #include "tasks/run/simulation.hpp"
-#include "tasks/tuning/output.hpp"
 #include "tools/program/plot/plot.hpp"
 
 namespace {
@@ -145,7 +145,7 @@ std::vector<Row> our_rows(const bench::ErrorMeasure& measure, const Settings& se
 }
 
 double error_of(const std::vector<std::vector<double>>& is, const std::vector<std::vector<double>>& should) {
-    tasks::RelativeError error;
+    bench::RelativeError error;
     for (std::size_t row = 0; row < should.size(); ++row) error.add(is[row], should[row]);
     return error.value();
 }

@@ -12,30 +12,12 @@
 
 namespace cvtflow::tasks {
 
-/// The one definition of a relative error: ‖is - expected‖/‖expected‖, Euclidean, over all numbers that are added. Whatever the documents
-/// print of a method's error is made by it.
-class RelativeError {
-public:
-    /// Adds numbers of one instant or quantity, in any unit. @param is, expected equally long
-    void add(std::span<const double> is, std::span<const double> expected) noexcept;
-    /// Adds the sums of another one.
-    void add(const RelativeError& other) noexcept;
-
-    /// 0 if both are zero; infinite where a number is not finite, or differs from a reference of zeros.
-    [[nodiscard]] double value() const noexcept;
-
-private:
-    double difference_ = 0.0, reference_ = 0.0;  ///< sums of squares
-};
-
 /// Errors of slip are relative to at least this value: creep below a ten-thousandth is treated as zero.
 inline constexpr double min_slip = 1e-4;
 
 /// |is - expected| over |expected|, or over `least` where that is less: the error of a single figure, such as a mean. is, expected, least
 /// [the same unit]
 [[nodiscard]] double relative_difference(double is, double expected, double least) noexcept;
-
-[[nodiscard]] double relative_error(std::span<const double> is, std::span<const double> expected) noexcept;
 
 /// Values that figures are read from: means over the outputs of the part of a run that counts.
 struct FigureMeans {

@@ -5,7 +5,7 @@
 
 #include "bench/method/implicit/catalogue.hpp"
 #include "bench/method/implicit/linear_plan.hpp"
-#include "tasks/tuning/output.hpp"
+#include "bench/study/tradeoff/relative_error.hpp"
 #include "tests/claims/method_trial_fixture.hpp"
 
 namespace cvtflow::claims {
@@ -22,7 +22,7 @@ protected:
     static bench::TrialEnd end(const std::string& method, double h = step) {
         return bench::try_method(scene().parameters, start(), method, h, duration);
     }
-    static double axial_error(const bench::TrialEnd& end) { return tasks::relative_error(end.axial_force, reference().axial_force); }
+    static double axial_error(const bench::TrialEnd& end) { return bench::relative_error(end.axial_force, reference().axial_force); }
 
 private:
     static const tasks::Scene& scene() {

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bench/study/tradeoff/relative_error.hpp"
 #include "engine/method/catalogue.hpp"
 #include "engine/method/combine.hpp"
 #include "model/observe/observation.hpp"
-#include "tasks/tuning/output.hpp"
 
 namespace cvtflow::bench {
 

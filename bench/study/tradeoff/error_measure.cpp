@@ -1,5 +1,4 @@
 #include "bench/study/tradeoff/error_measure.hpp"
-#include "tasks/tuning/output.hpp"
 
 #include <fmt/format.h>
 
@@ -12,6 +11,7 @@
 #include <utility>
 
 #include "bench/method/implicit/trapezoidal.hpp"
+#include "bench/study/tradeoff/relative_error.hpp"
 #include "model/observe/observation.hpp"
 
 namespace cvtflow::bench {

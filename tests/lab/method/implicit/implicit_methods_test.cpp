@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "bench/method/implicit/catalogue.hpp"
+#include "bench/study/tradeoff/relative_error.hpp"
 #include "settled_fixture.hpp"
-#include "tasks/tuning/output.hpp"
 #include "tests/claims/method_trial_fixture.hpp"
 #include "tests/engine/allocation_fixture.hpp"
 #include "tests/engine/graph/race_check_fixture.hpp"
