@@ -25,6 +25,7 @@
 
 #include "bench/count/instructions.hpp"
 #include "bench/parts/link_parts.hpp"
+#include "bench/study/state_file.hpp"
 #include "bench/summary/peak.hpp"
 #include "bench/summary/summary.hpp"
 #include "engine/base/hash.hpp"
@@ -84,7 +85,7 @@ std::unique_ptr<Case> lowest() {
     const engine::SavedState settled = engine::read_state(scene.state_file);
     const model::Parameters full = scene.parameters;
     for (const std::string_view setting : settings_of_lowest) tasks::set_value(scene, std::string(setting));
-    const tasks::StateFile start(tasks::convert_state(settled, full, scene.parameters));
+    const bench::StateFile start(tasks::convert_state(settled, full, scene.parameters));
     scene.state_file = start.path();
     return std::make_unique<Case>(scene);
 }

@@ -1,11 +1,6 @@
 #include "tasks/tuning/detail_state.hpp"
 
-#include <stdlib.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <filesystem>
 
 #include "model/machine/coefficients.hpp"
 #include "model/observe/chain_forces.hpp"
@@ -104,20 +99,6 @@ void turn_shaft(engine::SavedState& state, const model::Parameters& parameters, 
     if (at.pulley_size != 36) return;
     for (const int body : {shaft, model::sheave_body(shaft, 0), model::sheave_body(shaft, 1)})
         coordinates[model::body_freedom(body, turn)] += angle;
-}
-
-StateFile::StateFile(const engine::SavedState& state) {
-    std::string folder = (std::filesystem::temp_directory_path() / "cvtflow-XXXXXX").string();
-    if (mkdtemp(folder.data()) == nullptr) throw engine::RecordError(folder + ": cannot create: " + std::strerror(errno));
-    path_ = folder + "/state.h5";
-    engine::write_state(engine::Permit(path_), state);
-}
-
-StateFile::~StateFile() {
-    const std::filesystem::path file(path_);
-    std::error_code ignored;
-    std::filesystem::remove(file, ignored);
-    std::filesystem::remove(file.parent_path(), ignored);
 }
 
 }  // namespace cvtflow::tasks

@@ -1,8 +1,6 @@
 #pragma once
 /// A settled state brought over to another level of detail.
 
-#include <string>
-
 #include "engine/record/run/state_file.hpp"
 #include "model/parameters/parameters.hpp"
 
@@ -16,18 +14,5 @@ namespace cvtflow::tasks {
 
 /// Turns a shaft with its sheaves, which are the same all round: a governor counts angles from t = 0. shaft 0 or 1, angle [rad]
 void turn_shaft(engine::SavedState& state, const model::Parameters& parameters, int shaft, double angle);
-
-/// A state in a new private folder in the system's temporary folder; removed with this object.
-class StateFile {
-public:
-    explicit StateFile(const engine::SavedState& state);
-    ~StateFile();
-    StateFile(const StateFile&) = delete;
-    StateFile& operator=(const StateFile&) = delete;
-    [[nodiscard]] const std::string& path() const noexcept { return path_; }
-
-private:
-    std::string path_;
-};
 
 }  // namespace cvtflow::tasks

@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "bench/lab/text/watch_text.hpp"
+#include "bench/study/state_file.hpp"
 #include "model/observe/observation.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/units.hpp"
@@ -209,7 +210,7 @@ DetailOutcome DetailMeasure::measure(const DetailVariant& variant, double target
     outcome.variant = variant;
     tasks::Scene scene = scene_of(arguments_, scene_, variant, arguments_.settle);
     const double settle = scene.run.until, length = scene_of(arguments_, scene_, variant, arguments_.average).run.until;
-    const tasks::StateFile start(tasks::convert_state(settled_, reference_, scene.parameters));
+    const StateFile start(tasks::convert_state(settled_, reference_, scene.parameters));
     scene.state_file = start.path();
     auto simulation = begin(scene, variant.share);
     outcome.coordinates = simulation->workspace().layout().coordinates();
@@ -229,7 +230,7 @@ void DetailMeasure::find_thrust(const DetailVariant& variant, double target, Det
         {"control.enabled=true", fmt::format("control.ratio={:.6f}", target), "control.proportional=1 MN", "control.integral=5e7 N/s"});
     engine::SavedState settled = tasks::convert_state(settled_, reference_, scene.parameters);
     settled.state.resize(static_cast<std::size_t>(model::layout_of(scene.parameters).size()));  // the controller's integral begins at zero
-    const tasks::StateFile start(settled);
+    const StateFile start(settled);
     scene.state_file = start.path();
     const auto begun = begin(scene, variant.share);
     tasks::Simulation& simulation = *begun;
