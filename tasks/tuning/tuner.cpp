@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "tasks/method/method.hpp"
@@ -23,15 +24,6 @@ std::vector<bool> pareto_front(const std::vector<TradeoffPoint>& points) {
         front.push_back(!beaten);
     }
     return front;
-}
-
-std::optional<std::size_t> recommended(const std::vector<TradeoffPoint>& points, double error, double safety) {
-    std::optional<std::size_t> best;
-    for (std::size_t k = 0; k < points.size(); ++k) {
-        if (!(points[k].error * safety <= error)) continue;
-        if (!best || points[k].seconds < points[*best].seconds) best = k;
-    }
-    return best;
 }
 
 namespace {

@@ -26,12 +26,6 @@ struct TradeoffPoint {
 /// For each point whether it is on the front: no other has a smaller error at no more time, or less time at no larger an error.
 [[nodiscard]] std::vector<bool> pareto_front(const std::vector<TradeoffPoint>& points);
 
-/// Index of the fastest point whose error is at most `error` / safety; empty if there is none.
-[[nodiscard]] std::optional<std::size_t> recommended(const std::vector<TradeoffPoint>& points, double error, double safety);
-
-/// An error measured on one scene is trusted on another within this factor.
-inline constexpr double tradeoff_safety = 3.0;
-
 /// Safety factor: errors at an untried point may be larger than at the tried points by this factor.
 inline constexpr double tuning_margin = 2.0;
 /// By which share of what is allowed a reference may differ from one with twice its step [1].

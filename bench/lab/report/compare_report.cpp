@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "bench/lab/text/watch_text.hpp"
+#include "bench/study/tradeoff/recommendation.hpp"
 #include "tools/program/text/report_columns.hpp"
 
 namespace cvtflow::bench {
@@ -167,7 +168,7 @@ std::string compare_json(const std::vector<ComparedChoice>& choices, const Compa
                              {"confirm_reference", setting.confirm_reference},
                              {"confirm_watch", watch_json({}, setting.confirm_watch)}});
     for (const double error : recommended_errors) {
-        const auto best = tasks::recommended(points_of(choices), error, tasks::tradeoff_safety);
+        const auto best = recommended(points_of(choices), error, tradeoff_safety);
         json["recommended"].push_back({{"error", error}, {"method", best ? ordered_json(choices[*best].choice) : ordered_json()}});
     }
     return json_text(json);
@@ -177,14 +178,14 @@ std::string recommendations(const std::vector<ComparedChoice>& choices, const Co
     const std::vector<tasks::TradeoffPoint> points = points_of(choices);
     std::string text = "\nFor an error in axial forces and link tensions of at most\n";
     for (const double error : recommended_errors) {
-        const auto best = tasks::recommended(points, error, tasks::tradeoff_safety);
+        const auto best = recommended(points, error, tradeoff_safety);
         text += best ? fmt::format("  {:.0e}  use {} ({:.4g} s per simulated second, {:.1e} here)\n", error, points[*best].choice,
                                    points[*best].seconds, points[*best].error)
                      : fmt::format("  {:.0e}  no choice is accurate enough\n", error);
     }
     text += fmt::format(
         "A target counts as met with a margin of {:g}, because scenes differ. Recommendations were confirmed over {}\nagainst {}.\n",
-        tasks::tradeoff_safety, time_text(setting.confirm), setting.confirm_reference);
+        tradeoff_safety, time_text(setting.confirm), setting.confirm_reference);
     const std::string brief = too_short(setting.confirm_watch);
     return brief.empty() ? text : text + fmt::format("Confirmed over too short a time: {}.\n", brief);
 }

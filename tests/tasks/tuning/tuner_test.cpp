@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 #include <algorithm>
 #include <chrono>
-#include <limits>
 
 #include "tasks/tuning/tuner.hpp"
 #include "tests/tasks/settled_tiny_fixture.hpp"
@@ -141,21 +140,6 @@ TEST(Tuner, MeasuresAtPointsThatItHasNotTried) {
         ASSERT_EQ(errors.size(), 2u) << why;
         EXPECT_LE(largest(errors), reference_share * 0.2) << "the reference itself, or twice its step";
     }
-}
-
-const std::vector<TradeoffPoint> points{{"exact", 1e-6, 100.0},
-                                        {"good", 1e-4, 10.0},
-                                        {"beaten", 2e-4, 12.0},
-                                        {"fast", 1e-2, 1.0},
-                                        {"lost", std::numeric_limits<double>::infinity(), 0.1}};
-
-TEST(ParetoFront, HoldsWhatNothingElseBeatsInBoth) { EXPECT_EQ(pareto_front(points), (std::vector<bool>{true, true, false, true, false})); }
-
-TEST(Recommendation, IsTheFastestThatIsExactEnoughWithTheSafetyAsked) {
-    EXPECT_EQ(recommended(points, 1e-2, 1.0), 3U);
-    EXPECT_EQ(recommended(points, 1e-2, 3.0), 1U);
-    EXPECT_EQ(recommended(points, 1e-5, 3.0), 0U);
-    EXPECT_EQ(recommended(points, 1e-7, 1.0), std::nullopt);
 }
 
 }  // namespace

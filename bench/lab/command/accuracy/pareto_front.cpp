@@ -6,6 +6,7 @@
 
 #include "bench/lab/text/method_choice_text.hpp"
 #include "bench/lab/text/watch_text.hpp"
+#include "bench/study/tradeoff/recommendation.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::bench {
@@ -50,7 +51,7 @@ ComparedChoice* next_candidate(std::vector<ComparedChoice>& choices) {
     std::vector<bool> requested = tasks::pareto_front(points);
     for (std::size_t k = 0; k < choices.size(); ++k) choices[k].front_result.front = requested[k];
     for (const double error : recommended_errors) {
-        if (const auto best = tasks::recommended(points, error, tasks::tradeoff_safety)) requested[*best] = true;
+        if (const auto best = recommended(points, error, tradeoff_safety)) requested[*best] = true;
     }
     ComparedChoice* cheapest = nullptr;
     for (std::size_t k = 0; k < choices.size(); ++k) {
