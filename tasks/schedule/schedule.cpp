@@ -53,7 +53,7 @@ int usable_threads() {
 
 namespace {
 
-const std::pair<const char*, AssemblyOptions> assemblies[] = {
+const NamedAssembly named_assemblies[] = {
     {"fused", {Assembly::fused, true, true}},
     {"staged", {Assembly::staged, true, true}},
     {"staged-serial-cholesky", {Assembly::staged, false, true}},
@@ -63,18 +63,11 @@ const std::pair<const char*, AssemblyOptions> assemblies[] = {
 
 }  // namespace
 
-std::string assembly_name(const AssemblyOptions& assembly) {
-    const auto row = std::find_if(std::begin(assemblies), std::end(assemblies), [&](const auto& each) { return each.second == assembly; });
-    return row != std::end(assemblies) ? row->first : "fused";
-}
+std::span<const NamedAssembly> assemblies() noexcept { return named_assemblies; }
 
-AssemblyOptions assembly_named(const std::string& name) {
-    std::string names;
-    for (const auto& [known, options] : assemblies) {
-        if (name == known) return options;
-        names += (names.empty() ? "" : ", ") + std::string(known);
-    }
-    throw SceneError(fmt::format("unknown assembly '{}': {}", name, names));
+std::string assembly_name(const AssemblyOptions& assembly) {
+    const auto row = std::ranges::find(named_assemblies, assembly, &NamedAssembly::second);
+    return row != std::end(named_assemblies) ? row->first : "fused";
 }
 
 std::string Schedule::text() const {
@@ -156,12 +149,6 @@ void balance(const std::vector<model::Phase>& phases, std::span<int> cuts, const
         cuts[static_cast<std::size_t>(s)] = costs.grain * last;
     }
     cuts.back() = links;
-}
-
-Partition balanced_partition(const std::vector<model::Phase>& phases, int segments, const LinkCosts& costs) {
-    std::vector<int> cuts(static_cast<std::size_t>(segments) + 1);
-    balance(phases, cuts, costs);
-    return Partition::at(cuts);
 }
 
 }  // namespace cvtflow::tasks

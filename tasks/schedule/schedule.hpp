@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine/executor/executor.hpp"
@@ -39,9 +40,9 @@ struct Schedule {
 
 /// Assemblies by name: "fused", "staged", and staged with parts left in one task: "staged-serial-cholesky" (forward and reverse pass),
 /// "staged-serial-transition" (detection), "staged-serial-both".
+using NamedAssembly = std::pair<const char*, AssemblyOptions>;
+[[nodiscard]] std::span<const NamedAssembly> assemblies() noexcept;
 [[nodiscard]] std::string assembly_name(const AssemblyOptions& assembly);
-/// @throws SceneError for an unknown name
-[[nodiscard]] AssemblyOptions assembly_named(const std::string& name);
 
 /// Schedule of a scene's run settings. Serial with one segment if run.schedule is "auto" (see auto_schedule.hpp).
 /// Zero segments: as many as threads.
@@ -58,14 +59,11 @@ struct LinkCosts {
     int grain = 1;           ///< links that are evaluated side by side: segments begin at multiples of it, as long as there are enough
 };
 
-/// Contiguous segments of about equal cost, judged by which links touch now. @param phases [4 links]
-[[nodiscard]] Partition balanced_partition(const std::vector<model::Phase>& phases, int segments, const LinkCosts& costs = {});
-
-/// Balanced cuts without memory of their own: cuts[0] = 0 < cuts[1] < … < cuts[segments] = links. @param cuts [segments + 1, out]
-void balance(const std::vector<model::Phase>& phases, std::span<int> cuts, const LinkCosts& costs = {}) noexcept;
+/// Cuts of contiguous segments of about equal cost, judged by which links touch now: cuts[0] = 0 < cuts[1] < … < cuts[segments] = links.
+/// Allocates nothing. @param phases [4 links]   @param cuts [segments + 1, out]
+void balance(const std::vector<model::Phase>& phases, std::span<int> cuts, const LinkCosts& costs) noexcept;
 /// Cost of the most costly segment between such cuts.
-[[nodiscard]] double longest_segment(const std::vector<model::Phase>& phases, std::span<const int> cuts,
-                                     const LinkCosts& costs = {}) noexcept;
+[[nodiscard]] double longest_segment(const std::vector<model::Phase>& phases, std::span<const int> cuts, const LinkCosts& costs) noexcept;
 
 /// Candidate schedules of a scene: its own schedule, or, if run.schedule is "auto", what is worth trying: serial first, then `flow` in both
 /// assemblies, with one segment and two segments per thread, with equal and with balanced segments, and on a half, a quarter … of the

@@ -21,6 +21,15 @@ struct Kind {
     AssemblyOptions assembly;
 };
 
+AssemblyOptions assembly_named(const std::string& name) {
+    std::string names;
+    for (const auto& [known, options] : assemblies()) {
+        if (name == known) return options;
+        names += (names.empty() ? "" : ", ") + std::string(known);
+    }
+    throw SceneError(fmt::format("--schedules: unknown assembly '{}': {}", name, names));
+}
+
 Kind kind_of(const std::string& name, const AssemblyOptions& usual) {
     const std::size_t colon = name.find(':');
     const std::string executor = name.substr(0, colon), assembly = colon == std::string::npos ? "" : name.substr(colon + 1);
@@ -30,11 +39,7 @@ Kind kind_of(const std::string& name, const AssemblyOptions& usual) {
             fmt::format("--schedules: there is no executor '{}'{} (cvtflow-lab executors)", executor, engine::missing_executor(executor)));
     }
     if (colon == std::string::npos) return {row, usual};
-    try {
-        return {row, assembly_named(assembly)};
-    } catch (const SceneError& error) {
-        throw SceneError(fmt::format("--schedules: {}", error.what()));
-    }
+    return {row, assembly_named(assembly)};
 }
 
 std::vector<Kind> kinds(const Scene& scene, const std::vector<std::string>& names) {

@@ -159,7 +159,9 @@ TEST(Schedule, BalancedSegmentsCostAboutTheSame) {
     for (int link = 10; link < 31; ++link) phases[static_cast<std::size_t>(4 * link)] = model::Phase::touching;
     const LinkCosts costs{1.0, 3.0};
     for (const int segments : {1, 2, 3, 7, 28, 84}) {
-        const Partition partition = balanced_partition(phases, segments, costs);
+        std::vector<int> cuts(static_cast<std::size_t>(segments) + 1);
+        balance(phases, cuts, costs);
+        const Partition partition = Partition::at(cuts);
         ASSERT_EQ(partition.size(), segments);
         EXPECT_EQ(partition[segments - 1].last, links);
         double least = 1e9;
