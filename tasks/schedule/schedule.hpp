@@ -44,7 +44,7 @@ using NamedAssembly = std::pair<const char*, AssemblyOptions>;
 [[nodiscard]] std::span<const NamedAssembly> assemblies() noexcept;
 [[nodiscard]] std::string assembly_name(const AssemblyOptions& assembly);
 
-/// Schedule of a scene's run settings. Serial with one segment if run.schedule is "auto" (see auto_schedule.hpp).
+/// Schedule of a scene's run settings. Serial with one segment if run.schedule is "auto" (see schedules_for()).
 /// Zero segments: as many as threads.
 /// @throws SceneError for an unknown executor, with the one that was probably meant
 [[nodiscard]] Schedule schedule_of(const RunSettings& run, int links);
