@@ -3,13 +3,40 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {
 
-int PausingController::next() noexcept {
+/// Passes the step controller's decisions on. At the end of every fourth step it reads the clock, and at the end of a window it calls
+/// should_pause(). To pause, it holds back the next step's first cycle and returns stop; the next Executor::run() begins with that cycle.
+/// The step controller prepares that cycle in the workspace, independently of segments, so results are bitwise those of an unbroken run.
+class ScheduleRunner::PausingController final : public engine::Controller {
+public:
+    PausingController(StepController& whole, ScheduleRunner& runner) : whole_(whole), runner_(runner) {}
+
+    [[nodiscard]] int next() noexcept override;
+    /// Whether the step controller has returned stop: the run is complete.
+    [[nodiscard]] bool over() const noexcept { return over_; }
+
+private:
+    using Clock = std::chrono::steady_clock;
+    static constexpr int stride = 4;  ///< steps between readings of the clock; the first stride is not counted because threads start then
+
+    [[nodiscard]] bool pauses() noexcept;
+
+    StepController& whole_;
+    ScheduleRunner& runner_;
+    bool over_ = false;
+    int held_ = stop;                ///< cycle kept back
+    long steps_ = 0, readings_ = 0;  ///< steps seen; readings of the clock since the run was taken up
+    long cycles_ = 0;                ///< since `counted_`
+    Clock::time_point taken_up_ = Clock::now(), counted_ = taken_up_;
+};
+
+int ScheduleRunner::PausingController::next() noexcept {
     if (held_ != stop) {
         taken_up_ = Clock::now();
         readings_ = 0;
@@ -26,7 +53,7 @@ int PausingController::next() noexcept {
     return stop;
 }
 
-bool PausingController::pauses() noexcept {
+bool ScheduleRunner::PausingController::pauses() noexcept {
     const auto now = Clock::now();
     const auto since = [now](Clock::time_point then) { return std::chrono::duration<double>(now - then).count(); };
     if (readings_++ == 0) {
@@ -34,8 +61,8 @@ bool PausingController::pauses() noexcept {
         cycles_ = 0;
         return false;
     }
-    if (since(taken_up_) < condition_.window()) return false;
-    const bool pauses = condition_.should_pause(since(taken_up_), since(counted_) / static_cast<double>(cycles_));
+    if (since(taken_up_) < runner_.chooser_.window()) return false;
+    const bool pauses = runner_.should_pause(since(taken_up_), since(counted_) / static_cast<double>(cycles_));
     taken_up_ = counted_ = now;
     cycles_ = 0;
     return pauses;

@@ -2,7 +2,6 @@
 /// Runs steps under a schedule that may change on the way: another of several candidates when the machine's load or the chain's phases
 /// change, other borders of segments when links begin or cease to touch.
 
-#include <chrono>
 #include <memory>
 #include <string>
 #include <vector>
@@ -13,48 +12,7 @@
 
 namespace cvtflow::tasks {
 
-/// Decides whether a run pauses. Called between cycles: allocates nothing, throws nothing.
-class PauseCondition {
-public:
-    virtual ~PauseCondition() = default;
-    /// Time between two calls of should_pause() [s].
-    [[nodiscard]] virtual double window() const noexcept = 0;
-    /// @param seconds since the last call, or since the run was taken up   @param per_cycle without the first steps [s]
-    [[nodiscard]] virtual bool should_pause(double seconds, double per_cycle) noexcept = 0;
-
-protected:
-    PauseCondition() = default;
-    PauseCondition(const PauseCondition&) = default;
-    PauseCondition& operator=(const PauseCondition&) = default;
-};
-
-/// Passes the step controller's decisions on. At the end of every fourth step it reads the clock, and at the end of a window it calls
-/// should_pause(). To pause, it holds back the next step's first cycle and returns stop; the next Executor::run() begins with that cycle.
-/// The step controller prepares that cycle in the workspace, independently of segments, so results are bitwise those of an unbroken run.
-class PausingController final : public engine::Controller {
-public:
-    PausingController(StepController& whole, PauseCondition& condition) : whole_(whole), condition_(condition) {}
-
-    [[nodiscard]] int next() noexcept override;
-    /// Whether the step controller has returned stop: the run is complete.
-    [[nodiscard]] bool over() const noexcept { return over_; }
-
-private:
-    using Clock = std::chrono::steady_clock;
-    static constexpr int stride = 4;  ///< steps between readings of the clock; the first stride is not counted because threads start then
-
-    [[nodiscard]] bool pauses() noexcept;
-
-    StepController& whole_;
-    PauseCondition& condition_;
-    bool over_ = false;
-    int held_ = stop;                ///< cycle kept back
-    long steps_ = 0, readings_ = 0;  ///< steps seen; readings of the clock since the run was taken up
-    long cycles_ = 0;                ///< since `counted_`
-    Clock::time_point taken_up_ = Clock::now(), counted_ = taken_up_;
-};
-
-class ScheduleRunner final : private PauseCondition {
+class ScheduleRunner {
 public:
     /// One candidate: that is the schedule. Several: serial first; ScheduleChooser chooses among them. Workspace and
     /// method outlive this.
@@ -81,6 +39,7 @@ public:
     [[nodiscard]] std::string text() const;
 
 private:
+    class PausingController;
     struct Slot {
         Schedule schedule;
         std::vector<int> cuts;                         ///< borders of its segments
@@ -91,8 +50,9 @@ private:
     [[nodiscard]] std::size_t current() const noexcept { return static_cast<std::size_t>(chooser_.candidate()); }
     void take_up();
     void cut_at(const std::vector<int>& cuts);
-    [[nodiscard]] double window() const noexcept override { return chooser_.window(); }
-    [[nodiscard]] bool should_pause(double seconds, double per_cycle) noexcept override;  ///< seconds [s], per_cycle [s]
+    /// Decides whether the run pauses. Called between cycles, after chooser_.window(): allocates nothing, throws nothing.
+    /// @param seconds since the last call, or since the run was taken up   @param per_cycle without the first steps [s]
+    [[nodiscard]] bool should_pause(double seconds, double per_cycle) noexcept;
     [[nodiscard]] bool needs_repartition() noexcept;
 
     Workspace& w_;
