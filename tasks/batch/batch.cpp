@@ -150,7 +150,6 @@ public:
           options_(options),
           folder_(options.worker > 0 ? worker_folder(options.folder, options.worker) : shard_folder(options.folder, options.shard)),
           file_((fs::path(folder_) / "cases.h5").string()),
-          outer_(made(options.folder)),
           lock_(options.worker > 0 ? nullptr : std::make_unique<engine::FolderLock>(folder_)),
           cancel_(options.cancel != nullptr ? *options.cancel : never),
           threads_(options.threads > 0 ? options.threads : usable_threads()),
@@ -174,13 +173,6 @@ public:
     }
 
 private:
-    /// The folder of all shards must be there before that of one.
-    static int made(const std::string& folder) {
-        std::error_code reported_later;
-        fs::create_directory(folder, reported_later);
-        return 0;
-    }
-
     engine::CaseTable read_or_begin() {
         engine::CaseTable begin = empty_table(sweep_);
         begin.set({"shard", options_.worker > 0 ? fmt::format("worker {}", options_.worker)
@@ -382,7 +374,6 @@ private:
     const BatchOptions& options_;
     std::string folder_, file_;
     engine::Permit permit_;
-    int outer_;
     std::unique_ptr<engine::FolderLock> lock_;  ///< of a worker's place the caller has it
     const engine::Cancellation& cancel_;
     int threads_;
@@ -399,6 +390,10 @@ private:
 
 }  // namespace
 
-BatchReport run_batch(const Sweep& sweep, const BatchOptions& options) { return Session(sweep, options).run(); }
+BatchReport run_batch(const Sweep& sweep, const BatchOptions& options) {
+    std::error_code reported_later;
+    fs::create_directory(options.folder, reported_later);  // the folder of all shards must be there before that of one
+    return Session(sweep, options).run();
+}
 
 }  // namespace cvtflow::tasks
