@@ -24,18 +24,13 @@ constexpr std::size_t waiting_rows = 64;
 constexpr double sync_seconds = 5.0;
 const engine::Cancellation never;
 
-/// Cases to run once more: the last ones of `sweep.checked` strands, spread evenly over the strands of a shard, whose row is ok. Ascending.
-std::vector<long> cases_to_check(const Sweep& sweep, const std::vector<long>& cases, OrderedRows& rows) {
+/// Continued cases to run once more: the last ones of `sweep.checked` strands, spread evenly over the strands of a shard. Ascending.
+std::vector<long> cases_to_check(const Sweep& sweep, const std::vector<long>& cases) {
     const std::size_t strand = static_cast<std::size_t>(sweep.strand());
     const std::size_t strands = cases.size() / strand;
     const std::size_t requested = strand > 1 ? std::min(strands, static_cast<std::size_t>(sweep.checked)) : 0;
     std::vector<long> chosen;
-    for (std::size_t k = 0; k < requested; ++k) {
-        const long number = cases[((2 * k + 1) * strands / (2 * requested)) * strand + strand - 1];
-        const engine::RowLayout& layout = rows.head().layout;
-        const auto row = rows.of_case(number);
-        if (!row.empty() && layout.text(row, layout.column("status")) == status_name(CaseStatus::ok)) chosen.push_back(number);
-    }
+    for (std::size_t k = 0; k < requested; ++k) chosen.push_back(cases[((2 * k + 1) * strands / (2 * requested)) * strand + strand - 1]);
     return chosen;
 }
 
@@ -46,8 +41,8 @@ public:
     /// @param stated  beside the differences, their share of the stated errors, instead of the values
     RepeatedCases(const Sweep& sweep, bool stated) : sweep_(sweep), stated_(stated), largest_(sweep.scalars.size()), size_(largest_) {}
 
-    /// @param again the case once more, with all scalars
-    void add(OrderedRows& rows, const CaseResult& again);
+    /// @param row  of the case   @param again the case once more, with all scalars
+    void add(const engine::RowLayout& layout, std::span<const std::byte> row, const CaseResult& again);
     /// "2 cases, at most: slip mean 1.2e-04 (0.8 %), ratio final 3e-07 (3e-05 %)", percentages of the value then, or of the stated error;
     /// empty without cases
     [[nodiscard]] std::string text() const;
@@ -59,10 +54,7 @@ private:
     std::vector<double> largest_, size_;  ///< [scalars of the sweep]
 };
 
-void RepeatedCases::add(OrderedRows& rows, const CaseResult& again) {
-    const engine::RowLayout& layout = rows.head().layout;
-    const auto row = rows.of_case(again.number);
-    if (row.empty()) return;
+void RepeatedCases::add(const engine::RowLayout& layout, std::span<const std::byte> row, const CaseResult& again) {
     ++cases_;
     for (std::size_t i = 0; i < largest_.size(); ++i) {
         const std::string& column = sweep_.scalars[i].column;
@@ -310,33 +302,20 @@ private:
         return {folder / "checkpoints", folder / "records", folder / "continuation", options_.checkpoint_every, options_.mixed};
     }
 
-    /// Some continued cases from their own start, one after the other. Empty if it was stopped.
-    std::string check_continuation(OrderedRows& rows) {
-        RepeatedCases error(sweep_, false);
-        std::unique_ptr<CaseEngine> engine;
-        for (const long number : cases_to_check(sweep_, cases_, rows)) {
-            if (!engine) engine = std::make_unique<CaseEngine>(sweep_, starts_, control_, places());
-            const CaseResult& again = engine->run_from_own_start(number);
-            if (again.status == CaseStatus::stopped) return {};
-            if (again.status == CaseStatus::ok) error.add(rows, again);
-        }
-        return error.text();
-    }
-
-    /// Some steady cases for three times as long, one after the other. Empty if it was stopped.
-    std::string check_steady(OrderedRows& rows) {
-        RepeatedCases changes(sweep_, true);
+    /// Those of some cases that ended well once more from their own start, one after the other. Empty if it was stopped.
+    /// @param longer  whether for three times as long, beside their stated errors
+    std::string repeat(OrderedRows& rows, const std::vector<long>& cases, bool longer) {
+        RepeatedCases changes(sweep_, longer);
         std::unique_ptr<CaseEngine> engine;
         const engine::RowLayout& layout = rows.head().layout;
-        for (const long number :
-             sweep_.steady() ? draw_cases(sweep_.cases(), sweep_.confirmation.cases, sweep_.confirmation.seed) : std::vector<long>{}) {
+        for (const long number : cases) {
             const auto row = rows.of_case(number);
             if (row.empty() || layout.text(row, layout.column("status")) != status_name(CaseStatus::ok)) continue;
-            const double settled = layout.real(row, layout.column("settled_for")) - sweep_.from;
+            const double until = longer ? sweep_.from + 6.0 * (layout.real(row, layout.column("settled_for")) - sweep_.from) : 0.0;
             if (!engine) engine = std::make_unique<CaseEngine>(sweep_, starts_, control_, places());
-            const CaseResult& again = engine->run_from_own_start(number, sweep_.from + 6.0 * settled);
+            const CaseResult& again = engine->run_from_own_start(number, until);
             if (again.status == CaseStatus::stopped) return {};
-            if (again.status == CaseStatus::ok) changes.add(rows, again);
+            if (again.status == CaseStatus::ok) changes.add(layout, row, again);
         }
         return changes.text();
     }
@@ -357,8 +336,11 @@ private:
                            head.attribute("steady_check")};
         if (!result.finished && failing_alike_.hopeless()) result.hopeless = failing_alike_.text();
         const bool checks = result.finished && options_.worker == 0;  // of workers' cases, when they are merged
-        if (checks && (progress_.done > 0 || result.continuation_error.empty())) result.continuation_error = check_continuation(rows);
-        if (checks && (progress_.done > 0 || result.steady_check.empty())) result.steady_check = check_steady(rows);
+        if (checks && (progress_.done > 0 || result.continuation_error.empty()))
+            result.continuation_error = repeat(rows, cases_to_check(sweep_, cases_), false);
+        if (checks && (progress_.done > 0 || result.steady_check.empty()))
+            result.steady_check =
+                repeat(rows, draw_cases(sweep_.cases(), sweep_.steady() ? sweep_.confirmation.cases : 0, sweep_.confirmation.seed), true);
         head.set({"continuation_error", result.continuation_error});
         head.set({"steady_check", result.steady_check});
         head.set({"status", result.finished ? "finished" : "interrupted"});
