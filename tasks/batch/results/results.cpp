@@ -25,12 +25,8 @@ void CaseTally::add(const engine::RowLayout& layout, std::span<const std::byte> 
     ++rows_;
     ++statuses_[status];
     if (layout.has("notes")) {
-        const std::string names = layout.text(row, layout.column("notes"));
-        for (std::size_t begin = 0; begin < names.size();) {
-            const std::size_t end = std::min(names.find(' ', begin), names.size());
-            if (end > begin) ++notes_[names.substr(begin, end - begin)];
-            begin = end + 1;
-        }
+        std::istringstream names(layout.text(row, layout.column("notes")));
+        for (std::string name; names >> name;) ++notes_[name];
     }
     if (status == status_name(CaseStatus::ok) || !layout.has("error")) return;
     const std::string error = layout.text(row, layout.column("error"));
@@ -103,28 +99,27 @@ engine::RowLayout result_layout(const Sweep& sweep) {
         if (sweep.accuracy.target > 0.0 || sweep.steady()) columns.push_back(error_column(sweep, scalar));
     }
     if (sweep.steady()) columns.push_back({"settled_for", "s", "time until the begin of the means, which are over as long again"});
-    columns.push_back({"efficiency", "1", "1 - losses/input over whole pin periods, from outputs.from on; none without load"});
-    columns.push_back({"energy_residual", "1", "|change of stored energy - work + losses| over the losses of the run"});
-    columns.push_back({"energy_suspicion", "1",
-                       "residual of the energy balance over its tolerance, settling included; above 1 the status is unreliable"});
-    columns.push_back(
-        {"notes", "",
-         "remarks: gross_slip, control_limit, target_missed, slack_strand, efficiency, unsteady, standstill, no_load, unresolved",
-         Type::text, 96});
-    columns.push_back({"start", "", "start of the case: scene, geometric, settled, shared or continued", Type::text, 16});
-    columns.push_back({"start_state", "", "hash of the state that the case began with; none: it settled by itself", Type::text, 16});
-    for (const auto& [name, what] : {std::pair{"steps", "accepted steps"},
-                                     {"evaluations", "evaluations of the right-hand side"},
-                                     {"transitions", "changes of phase of tips"},
-                                     {"truncated", "steps cut at a transition"},
-                                     {"settling_evaluations", "evaluations while settling"}}) {
-        columns.push_back({name, "1", what, Type::integer});
-    }
-    columns.push_back({"wall", "s", "wall time of this case, all sessions"});
-    columns.push_back({"threads", "1", "largest number of threads at once", Type::integer});
-    columns.push_back({"program", "", "version and commit of the program that ran the case", Type::text, program_width});
-    columns.push_back({"hash", "", "of the final state and phases", Type::text, 16});
-    columns.push_back({"error", "", "message of the fault", Type::text, error_width});
+    columns.insert(
+        columns.end(),
+        {{"efficiency", "1", "1 - losses/input over whole pin periods, from outputs.from on; none without load"},
+         {"energy_residual", "1", "|change of stored energy - work + losses| over the losses of the run"},
+         {"energy_suspicion", "1",
+          "residual of the energy balance over its tolerance, settling included; above 1 the status is unreliable"},
+         {"notes", "",
+          "remarks: gross_slip, control_limit, target_missed, slack_strand, efficiency, unsteady, standstill, no_load, unresolved",
+          Type::text, 96},
+         {"start", "", "start of the case: scene, geometric, settled, shared or continued", Type::text, 16},
+         {"start_state", "", "hash of the state that the case began with; none: it settled by itself", Type::text, 16},
+         {"steps", "1", "accepted steps", Type::integer},
+         {"evaluations", "1", "evaluations of the right-hand side", Type::integer},
+         {"transitions", "1", "changes of phase of tips", Type::integer},
+         {"truncated", "1", "steps cut at a transition", Type::integer},
+         {"settling_evaluations", "1", "evaluations while settling", Type::integer},
+         {"wall", "s", "wall time of this case, all sessions"},
+         {"threads", "1", "largest number of threads at once", Type::integer},
+         {"program", "", "version and commit of the program that ran the case", Type::text, program_width},
+         {"hash", "", "of the final state and phases", Type::text, 16},
+         {"error", "", "message of the fault", Type::text, error_width}});
     return engine::RowLayout(std::move(columns));
 }
 
@@ -249,7 +244,18 @@ void require_same_sweep(const std::string& path, const engine::CaseTable& there,
     if (!lines.empty()) throw SimulationError(fmt::format("{}: results of another sweep:\n{}", path, fmt::join(lines, "\n")));
 }
 
+bool is_hashed(std::string_view column) noexcept { return std::ranges::find(unhashed, column) == std::end(unhashed); }
+
 namespace {
+
+/// Everything of a row but wall time, threads, and what it comes from (program, start state).
+void add_result(engine::Hash& hash, const engine::RowLayout& layout, std::span<const std::byte> row) {
+    for (std::size_t c = 0; c < layout.columns().size(); ++c) {
+        const CaseColumn& column = layout.columns()[c];
+        if (!is_hashed(column.name)) continue;
+        hash.add(row.subspan(layout.offset(c), static_cast<std::size_t>(column.width)));
+    }
+}
 
 /// Numbers of the rows in the order of their cases.
 std::vector<std::size_t> case_order(const engine::CaseTable& table) {
@@ -277,18 +283,6 @@ void sort_rows(engine::CaseTable& table) {
     }
 }
 
-bool is_hashed(std::string_view column) noexcept {
-    return std::find(std::begin(unhashed), std::end(unhashed), column) == std::end(unhashed);
-}
-
-void add_result(engine::Hash& hash, const engine::RowLayout& layout, std::span<const std::byte> row) {
-    for (std::size_t c = 0; c < layout.columns().size(); ++c) {
-        const CaseColumn& column = layout.columns()[c];
-        if (!is_hashed(column.name)) continue;
-        hash.add(row.subspan(layout.offset(c), static_cast<std::size_t>(column.width)));
-    }
-}
-
 std::string results_hash(const engine::CaseTable& table) {
     engine::Hash hash;
     for (const std::size_t row : case_order(table)) add_result(hash, table.layout, table.row(row));
@@ -296,15 +290,13 @@ std::string results_hash(const engine::CaseTable& table) {
 }
 
 std::string csv_text(const engine::CaseTable& table) {
-    engine::CaseTable sorted = table;
-    sort_rows(sorted);
     std::string text;
-    for (const CaseColumn& column : sorted.layout.columns()) text += (text.empty() ? "" : ",") + csv_cell(column.name, true);
+    for (const CaseColumn& column : table.layout.columns()) text += (text.empty() ? "" : ",") + csv_cell(column.name, true);
     text += "\n";
-    for (std::size_t row = 0; row < sorted.size(); ++row) {
-        for (std::size_t c = 0; c < sorted.layout.columns().size(); ++c) {
-            const bool is_text = sorted.layout.columns()[c].type == Type::text;
-            text += (c == 0 ? "" : ",") + csv_cell(sorted.layout.cell(sorted.row(row), c), is_text);
+    for (std::size_t row = 0; row < table.size(); ++row) {
+        for (std::size_t c = 0; c < table.layout.columns().size(); ++c) {
+            const bool is_text = table.layout.columns()[c].type == Type::text;
+            text += (c == 0 ? "" : ",") + csv_cell(table.layout.cell(table.row(row), c), is_text);
         }
         text += "\n";
     }

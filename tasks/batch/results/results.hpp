@@ -11,7 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include "engine/base/hash.hpp"
 #include "engine/record/case_table.hpp"
 #include "tasks/batch/case_engine.hpp"
 #include "tasks/batch/sweep/sweep.hpp"
@@ -75,14 +74,11 @@ void sort_rows(engine::CaseTable& table);
 /// Whether a column is part of the hash: not wall time and threads, nor what a row comes from (program, start state).
 [[nodiscard]] bool is_hashed(std::string_view column) noexcept;
 
-/// Everything of a row but wall time, threads, and what it comes from (program, start state).
-void add_result(engine::Hash& hash, const engine::RowLayout& layout, std::span<const std::byte> row);
-
 /// Hash over everything in the rows, in the order of cases, but what differs from run to run (wall time, threads) and what they come from
 /// (program, start state). Equal for every number of threads, shards, kills and resumptions.
 [[nodiscard]] std::string results_hash(const engine::CaseTable& table);
 
-/// Text for people and CSV of the rows in the order of their cases. @param units whether CSV headings carry them
+/// CSV of the rows in their order.
 [[nodiscard]] std::string csv_text(const engine::CaseTable& table);
 
 /// The rows of a table on disk in the order of their cases, a few at a time: memory grows by 16 bytes per case and no more.
