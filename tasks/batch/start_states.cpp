@@ -17,8 +17,11 @@ constexpr std::size_t max_kept = 32;
 constexpr std::string_view run_only[] = {"run.until",        "run.steady", "run.steady_limit", "run.state_interval",
                                          "run.followed_pin", "run.seed",   "run.max_steps",    "run.max_wall"};
 
-/// Sections that describe the machine; the others describe how it is operated.
-constexpr std::string_view machine[] = {"detail", "chain", "half", "plate", "joint", "tip", "pulley", "record"};
+/// Whether it belongs to the machine; the other sections describe how that is operated.
+[[nodiscard]] bool describes_machine(const Parameter& key) {
+    constexpr std::string_view machine[] = {"detail", "chain", "half", "plate", "joint", "tip", "pulley", "record"};
+    return std::ranges::find(machine, key.section()) != std::end(machine);
+}
 
 /// Sections that do not affect the geometric start: inputs and settings of the run.
 constexpr std::string_view operation[] = {"load", "clamping", "run"};
@@ -35,11 +38,11 @@ constexpr std::string_view operation[] = {"load", "clamping", "run"};
 }  // namespace
 
 bool matters_for_settling(std::string_view key) noexcept {
-    return !may_change(key) && std::find(std::begin(run_only), std::end(run_only), key) == std::end(run_only);
+    return !may_change(key) && std::ranges::find(run_only, key) == std::end(run_only);
 }
 
 bool matters_for_placing(const Parameter& parameter) noexcept {
-    return std::find(std::begin(operation), std::end(operation), parameter.section()) == std::end(operation);
+    return std::ranges::find(operation, parameter.section()) == std::end(operation);
 }
 
 StartStates::StartStates(const Sweep& sweep, std::filesystem::path folder, bool mixed)
@@ -53,7 +56,7 @@ StartStates::StartStates(const Sweep& sweep, std::filesystem::path folder, bool 
 bool StartStates::matters(const Axis& axis) const noexcept {
     const auto matters = [this](const Parameter* key) {
         if (sweep_.start != StartMode::shared) return matters_for_settling(key->key);
-        return key->key == "run.method" || std::find(std::begin(machine), std::end(machine), key->section()) != std::end(machine);
+        return key->key == "run.method" || describes_machine(*key);
     };
     return std::any_of(axis.keys.begin(), axis.keys.end(), matters);
 }
@@ -96,7 +99,7 @@ StartStates::State StartStates::of_case(long number, const Scene& scene, const e
     const long first = first_settling_alike(number);
     if (first < 0) return nullptr;
     if (State known = kept(of_settling_, first)) return known;
-    State made = settled(settling_scene(scene), cancel);
+    State made = settled(settling_scene(number, scene), cancel);
     keep(of_settling_, first, made);
     return made;
 }
@@ -106,28 +109,18 @@ long StartStates::first_settling_alike(long number) const noexcept {
 }
 
 /// Scene that is settled for a case: the case itself, or its machine operated as in the sweep's base scene.
-Scene StartStates::settling_scene(const Scene& scene) const {
-    Scene settling = scene;
-    settling.state_file.clear();
-    settling.run.schedule = "serial";
-    settling.run.max_steps = 0;
-    settling.run.max_wall = 0.0;
-    if (sweep_.start != StartMode::shared) return settling;
-    settling = sweep_.scene;
+Scene StartStates::settling_scene(long number, const Scene& scene) const {
+    const bool shared = sweep_.start == StartMode::shared;
+    Scene settling = shared ? sweep_.scene : scene;
     settling.state_file.clear();
     settling.run.schedule = "serial";
     settling.run.max_steps = 0;
     settling.run.max_wall = 0.0;
     settling.run.method = scene.run.method;
-    for (const Axis& axis : sweep_.axes) {
-        for (const Parameter* key : axis.keys) {
-            if (std::find(std::begin(machine), std::end(machine), key->section()) == std::end(machine)) continue;
-            Scene copy = scene;
-            std::vector<Problem> none;
-            for (const AxisValue& value : axis_value(
-                     *key, std::get<Node::Table>(std::get<Node>(parse_toml("value = " + value_text(*key, copy))).value).front().node, none))
-                apply(*key, value, settling);
-        }
+    for (std::size_t a = 0; shared && a < sweep_.axes.size(); ++a) {
+        const Axis& axis = sweep_.axes[a];
+        for (std::size_t k = 0; k < axis.keys.size(); ++k)
+            if (describes_machine(*axis.keys[k])) apply(*axis.keys[k], axis.at(sweep_.row(number, a), k), settling);
     }
     return settling;
 }

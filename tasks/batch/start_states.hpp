@@ -51,7 +51,7 @@ private:
     [[nodiscard]] typename Map::mapped_type kept(const Map& map, const typename Map::key_type& key);
     template <class Map>
     void keep(Map& map, const typename Map::key_type& key, typename Map::mapped_type made);
-    [[nodiscard]] Scene settling_scene(const Scene& scene) const;
+    [[nodiscard]] Scene settling_scene(long number, const Scene& scene) const;
     [[nodiscard]] bool matters(const Axis& axis) const noexcept;
     template <class Matters>
     [[nodiscard]] long first_alike(long number, const Matters& matters) const noexcept;
