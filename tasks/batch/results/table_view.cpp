@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "engine/base/text.hpp"
+#include "tasks/batch/sweep/sweep_keys.hpp"
 #include "tasks/scene/units.hpp"
 
 namespace cvtflow::tasks {
@@ -31,9 +32,9 @@ std::string likely_key(const std::string& word, const std::vector<std::string>& 
 
 }  // namespace
 
-TableView::TableView(std::string name, const Node::Table& table, Position position, const std::vector<std::string>& known,
-                     std::vector<Problem>& problems)
+TableView::TableView(std::string name, const Node::Table& table, Position position, std::vector<Problem>& problems)
     : name_(std::move(name)), table_(table), position_(position), problems_(problems) {
+    const std::vector<std::string> known = names_in_sweep(name_);
     for (const Entry& entry : table) {
         if (std::find(known.begin(), known.end(), entry.key) != known.end()) continue;
         problem(entry.position, fmt::format("{}: unknown key{}", entry.key,
@@ -56,49 +57,57 @@ bool TableView::require(std::string_view key) const {
     return false;
 }
 
-std::optional<std::string> TableView::text(std::string_view key) const {
+/// The value of a key that is there; nullptr, with a problem, if it has another type.
+template <class T>
+const T* TableView::typed(std::string_view key, const char* otherwise) const {
     const Node* node = find(key);
-    if (node == nullptr) return {};
-    if (const auto* value = std::get_if<std::string>(&node->value)) return *value;
-    problem(node->position, fmt::format("{}: not a text", key));
-    return {};
+    const T* value = node != nullptr ? std::get_if<T>(&node->value) : nullptr;
+    if (node != nullptr && value == nullptr) problem(node->position, fmt::format("{}: {}", key, otherwise));
+    return value;
+}
+
+std::optional<std::string> TableView::text(std::string_view key) const {
+    const auto* value = typed<std::string>(key, "not a text");
+    return value != nullptr ? std::optional(*value) : std::nullopt;
 }
 
 std::optional<std::int64_t> TableView::integer(std::string_view key, std::int64_t min, std::int64_t max) const {
-    const Node* node = find(key);
-    if (node == nullptr) return {};
-    const auto* value = std::get_if<std::int64_t>(&node->value);
-    if (value != nullptr && *value >= min && *value <= max) return *value;
-    problem(node->position,
-            value == nullptr ? fmt::format("{}: not an integer", key) : fmt::format("{}: {} is outside [{}, {}]", key, *value, min, max));
+    const auto* value = typed<std::int64_t>(key, "not an integer");
+    if (value == nullptr) return {};
+    if (*value >= min && *value <= max) return *value;
+    problem(find(key)->position, fmt::format("{}: {} is outside [{}, {}]", key, *value, min, max));
     return {};
 }
 
 std::optional<bool> TableView::boolean(std::string_view key) const {
-    const Node* node = find(key);
-    if (node == nullptr) return {};
-    if (const auto* value = std::get_if<bool>(&node->value)) return *value;
-    problem(node->position, fmt::format("{}: neither true nor false", key));
-    return {};
+    const auto* value = typed<bool>(key, "neither true nor false");
+    return value != nullptr ? std::optional(*value) : std::nullopt;
 }
 
 const Node::Array* TableView::list(std::string_view key) const {
-    const Node* node = find(key);
-    if (node == nullptr) return nullptr;
-    const auto* value = std::get_if<Node::Array>(&node->value);
-    if (value != nullptr && !value->empty()) return value;
-    problem(node->position, fmt::format("{}: {}", key, value == nullptr ? "not a list" : "the list is empty"));
+    const auto* value = typed<Node::Array>(key, "not a list");
+    if (value == nullptr || !value->empty()) return value;
+    problem(find(key)->position, fmt::format("{}: the list is empty", key));
     return nullptr;
 }
 
-std::optional<int> TableView::choice(std::string_view key, const std::vector<std::string>& choices) const {
-    const Node* node = find(key);
+void TableView::each_table(std::string_view key, const char* form, const std::function<void(const TableView&)>& read) const {
+    const Node::Array* parts = list(key);
+    for (const Node& part : parts != nullptr ? *parts : Node::Array{}) {
+        const auto* table = std::get_if<Node::Table>(&part.value);
+        if (table == nullptr) return problem(part.position, fmt::format("{}: not a table {{{}}}", key, form));
+        read(TableView(fmt::format("{}.{}", name_, key), *table, part.position, problems_));
+    }
+}
+
+std::optional<int> TableView::choice(std::string_view key) const {
     const auto value = text(key);
     if (!value) return {};
+    const std::vector<std::string> choices = sweep_choices(name_, key);
     const auto found = std::find(choices.begin(), choices.end(), *value);
     if (found != choices.end()) return static_cast<int>(found - choices.begin());
-    problem(node->position, fmt::format("{}: {} is not one of {}{}", key, toml_text(*value), fmt::join(choices, ", "),
-                                        engine::did_you_mean(engine::closest(*value, choices))));
+    problem(find(key)->position, fmt::format("{}: {} is not one of {}{}", key, toml_text(*value), fmt::join(choices, ", "),
+                                             engine::did_you_mean(engine::closest(*value, choices))));
     return {};
 }
 

@@ -13,7 +13,6 @@
 #include "engine/base/text.hpp"
 #include "model/basis/portable_math.hpp"
 #include "tasks/batch/results/table_view.hpp"
-#include "tasks/batch/sweep/sweep_keys.hpp"
 #include "tasks/scene/csv.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/toml_tree.hpp"
@@ -64,21 +63,21 @@ void set_number(T& member, double number) {
     }
 }
 
-/// Uniform in [0, 1): 53 bits of the generator, whose sequence the standard fixes (that of its distributions it does not).
-[[nodiscard]] double uniform(std::mt19937_64& generator) { return static_cast<double>(generator() >> 11U) * 0x1p-53; }
-
-}  // namespace
-
-std::vector<AxisValue> axis_value(const Parameter& parameter, const Node& node, std::vector<Problem>& problems) {
+/// The value that `node` gives a key; nothing, with a problem appended, if it is invalid.
+std::optional<AxisValue> axis_value(const Parameter& parameter, const Node& node, std::vector<Problem>& problems) {
     Scene scratch;
     const std::size_t before = problems.size();
     read_value(parameter, node, scratch, problems);
     if (problems.size() != before) return {};
     double number = 0.0;
     const bool one = std::visit([&](const auto* member) { return single(*member, number); }, parameter.member(scratch));
-    if (one) return {number};
-    return {value_text(parameter, scratch)};
+    return one ? AxisValue(number) : AxisValue(value_text(parameter, scratch));
 }
+
+/// Uniform in [0, 1): 53 bits of the generator, whose sequence the standard fixes (that of its distributions it does not).
+[[nodiscard]] double uniform(std::mt19937_64& generator) { return static_cast<double>(generator() >> 11U) * 0x1p-53; }
+
+}  // namespace
 
 void apply(const Parameter& parameter, const AxisValue& value, Scene& scene) {
     if (const auto* number = std::get_if<double>(&value)) {
@@ -146,7 +145,7 @@ public:
 
     Axis read(const Node::Table& table) {
         const std::size_t before = problems_.size();
-        const TableView view("axes", table, position_, names_in_sweep("axes"), problems_);
+        const TableView view("axes", table, position_, problems_);
         Axis axis;
         if (view.has("csv"))
             axis = csv(view);
@@ -169,15 +168,11 @@ private:
 
     std::vector<CsvColumn> csv_columns(const TableView& view) {
         std::vector<CsvColumn> columns;
-        const Node::Array* parts = view.list("columns");
-        for (const Node& part : parts != nullptr ? *parts : Node::Array{}) {
-            const auto* table = std::get_if<Node::Table>(&part.value);
-            if (table == nullptr) return view.problem(part.position, "columns: not a table {column = …, key = …}"), columns;
-            const TableView own("axes.columns", *table, part.position, names_in_sweep("axes.columns"), problems_);
+        view.each_table("columns", "column = …, key = …", [&](const TableView& own) {
             const auto name = own.require("column") ? own.text("column") : std::nullopt;
             const Parameter* parameter = key_of(own);
             if (name && parameter != nullptr) columns.push_back({parameter, *name});
-        }
+        });
         return columns;
     }
 
@@ -203,8 +198,8 @@ private:
     Axis list(const TableView& view, const Parameter& parameter) {
         Axis axis{"list", {&parameter}, {}};
         const Node::Array* values = view.list("values");
-        if (values == nullptr) return axis;
-        for (const Node& value : *values) append(axis_value(parameter, value, problems_), axis);
+        for (const Node& node : values != nullptr ? *values : Node::Array{})
+            if (auto value = axis_value(parameter, node, problems_)) axis.values.push_back(*std::move(value));
         return axis;
     }
 
@@ -219,12 +214,12 @@ private:
         Interval result{&parameter};
         if (!continuous(parameter))
             view.problem(view.position(), fmt::format("from: {} has no values in between; list them", parameter.key));
-        result.logarithmic = view.choice("scale", sweep_choices("axes", "scale")).value_or(0) == 1;
+        result.logarithmic = view.choice("scale").value_or(0) == 1;
         for (const auto& [name, end] : {std::pair{"from", &result.from}, std::pair{"to", &result.to}}) {
             if (!view.require(name)) continue;
             const auto value = axis_value(parameter, *view.find(name), problems_);
-            if (value.empty()) continue;
-            if (const auto* number = std::get_if<double>(&value.front()))
+            if (!value) continue;
+            if (const auto* number = std::get_if<double>(&*value))
                 *end = *number;
             else
                 view.problem(view.find(name)->position, fmt::format("{}: not a single number", name));
@@ -238,27 +233,22 @@ private:
         Axis axis{"range", {&parameter}, {}};
         const Interval ends = interval(view, parameter);
         const auto count = view.require("count") ? view.integer("count", 1, max_rows) : std::nullopt;
-        if (count && problems_.empty())
-            axis.values = numbers(spaced(ends.from, ends.to, static_cast<std::size_t>(*count), ends.logarithmic));
+        if (!count || !problems_.empty()) return axis;
+        for (const double value : spaced(ends.from, ends.to, static_cast<std::size_t>(*count), ends.logarithmic))
+            axis.values.emplace_back(value);
         return axis;
     }
 
-    static std::vector<AxisValue> numbers(const std::vector<double>& values) { return {values.begin(), values.end()}; }
-
     Axis zip(const TableView& view) {
         Axis axis{"zip", {}, {}};
-        const Node::Array* parts = view.list("zip");
         std::vector<Axis> columns;
-        for (const Node& part : parts != nullptr ? *parts : Node::Array{}) {
-            const auto* table = std::get_if<Node::Table>(&part.value);
-            if (table == nullptr) return view.problem(part.position, "zip: not a table {key = …, values = …}"), axis;
-            const TableView column("axes.zip", *table, part.position, names_in_sweep("axes.zip"), problems_);
+        view.each_table("zip", "key = …, values = …", [&](const TableView& column) {
             columns.push_back(one_key(column));
             if (columns.back().rows() != columns.front().rows()) {
-                view.problem(part.position, fmt::format("zip: {} values beside {} of {}", columns.back().rows(), columns.front().rows(),
-                                                        columns.front().keys.front()->key));
+                view.problem(column.position(), fmt::format("zip: {} values beside {} of {}", columns.back().rows(), columns.front().rows(),
+                                                            columns.front().keys.front()->key));
             }
-        }
+        });
         if (!problems_.empty()) return axis;
         for (const Axis& column : columns) axis.keys.push_back(column.keys.front());
         for (std::size_t row = 0; row < columns.front().rows(); ++row) {
@@ -268,7 +258,7 @@ private:
     }
 
     Axis sample(const TableView& view) {
-        const int kind = view.choice("sample", sweep_choices("axes", "sample")).value_or(0);
+        const int kind = view.choice("sample").value_or(0);
         Axis axis{kind == 1 ? "latin-hypercube" : "random", {}, {}};
         const auto count = view.require("count") ? view.integer("count", 1, max_rows) : std::nullopt;
         const auto seed = view.integer("seed", 0, std::int64_t{1} << 53).value_or(0);
@@ -287,18 +277,10 @@ private:
 
     std::vector<Interval> intervals(const TableView& view) {
         std::vector<Interval> box;
-        const Node::Array* parts = view.list("keys");
-        for (const Node& part : parts != nullptr ? *parts : Node::Array{}) {
-            const auto* table = std::get_if<Node::Table>(&part.value);
-            if (table == nullptr) return view.problem(part.position, "keys: not a table {key = …, from = …, to = …}"), box;
-            const TableView column("axes.keys", *table, part.position, names_in_sweep("axes.keys"), problems_);
+        view.each_table("keys", "key = …, from = …, to = …", [&](const TableView& column) {
             if (const Parameter* parameter = key_of(column)) box.push_back(interval(column, *parameter));
-        }
+        });
         return box;
-    }
-
-    static void append(std::vector<AxisValue> value, Axis& axis) {
-        for (AxisValue& each : value) axis.values.push_back(std::move(each));
     }
 
     Position position_;
@@ -377,7 +359,7 @@ private:
         if (const auto* document = std::get_if<Node>(&parsed); document != nullptr && units_[i].empty())
             node = std::get<Node::Table>(document->value).front().node;
         std::vector<Problem> own;
-        for (AxisValue& value : axis_value(parameter, node, own)) axis_.values.push_back(std::move(value));
+        if (auto value = axis_value(parameter, node, own)) axis_.values.push_back(*std::move(value));
         for (const Problem& each : own) problem(i + 1, each.message);
     }
 

@@ -25,10 +25,7 @@ struct Axis {
     [[nodiscard]] const AxisValue& at(std::size_t row, std::size_t key) const noexcept { return values[row * keys.size() + key]; }
 };
 
-/// The value that `node` gives a key; empty, with a problem appended, if it is invalid.
-[[nodiscard]] std::vector<AxisValue> axis_value(const Parameter& parameter, const Node& node, std::vector<Problem>& problems);
-
-/// Gives a key of the scene a value that axis_value() returned. Allocates nothing for numbers, once the scene has held such a value.
+/// Gives a key of the scene a value of an axis. Allocates nothing for numbers, once the scene has held such a value.
 void apply(const Parameter& parameter, const AxisValue& value, Scene& scene);
 
 /// As TOML: 150, "elastic", [1, 2].

@@ -55,8 +55,6 @@ std::string axis_line(const Axis& axis) {
     return fmt::format("axes.{} = {}\n", fmt::join(names, "+"), list);
 }
 
-constexpr const char* start_modes[] = {"scene", "settle", "shared"};
-
 }  // namespace
 
 std::string Sweep::definition() const {
@@ -69,7 +67,7 @@ std::string Sweep::definition() const {
     for (const Axis& axis : axes) lines += axis_line(axis);
     for (const Scalar& scalar : scalars) lines += fmt::format("outputs.scalars.{0} = {0}\n", scalar.text);
     lines += fmt::format("outputs.from = {}\n", number_text(from));
-    lines += fmt::format("start.mode = {}\n", start_modes[static_cast<int>(start)]);
+    lines += fmt::format("start.mode = {}\n", sweep_choices("start", "mode")[static_cast<std::size_t>(start)]);
     lines += fmt::format("start.continuation = {}\n", continuation);
     if (accuracy.target > 0.0)
         lines += fmt::format("accuracy.target = {}\naccuracy.verify = {}\naccuracy.seed = {}\n", number_text(accuracy.target),
@@ -141,18 +139,20 @@ private:
                  fmt::format("{}: unknown section{}", section.key,
                              problems_.size() < max_problems ? engine::did_you_mean(engine::closest(section.key, known)) : "")});
         }
-        head(sections);
+        if (const auto section = std::ranges::find(sections, "sweep", &Entry::key); section != sections.end())
+            read(*section, &SweepReader::head);
+        else
+            problems_.push_back({{}, "sweep: this section is missing; [sweep] names the scene"});
         for (const Entry& section : sections) {
             if (section.key == "set") settings("", section);
             if (section.key == "axes") axes(section);
-            if (section.key == "outputs") outputs(section);
-            if (section.key == "budget") budget(section);
-            if (section.key == "accuracy") accuracy(section);
-            if (section.key == "steady") confirmation(section);
+            if (section.key == "outputs") read(section, &SweepReader::outputs);
+            if (section.key == "budget") read(section, &SweepReader::budget);
+            if (section.key == "accuracy") read(section, &SweepReader::accuracy);
+            if (section.key == "steady") read(section, &SweepReader::confirmation);
         }
-        for (const Entry& section : sections) {
-            if (section.key == "start") start(section);
-        }
+        if (const auto section = std::ranges::find(sections, "start", &Entry::key); section != sections.end())
+            read(*section, &SweepReader::start);
         consistent();
     }
 
@@ -172,12 +172,11 @@ private:
         return found;
     }
 
-    void head(const Node::Table& sections) {
-        const auto section = std::find_if(sections.begin(), sections.end(), [](const Entry& each) { return each.key == "sweep"; });
-        if (section == sections.end()) return problems_.push_back({{}, "sweep: this section is missing; [sweep] names the scene"});
-        const Node::Table* rows = table(*section);
-        if (rows == nullptr) return;
-        const TableView view("sweep", *rows, section->position, names_in_sweep("sweep"), problems_);
+    void read(const Entry& section, void (SweepReader::*keys)(const TableView&)) {
+        if (const Node::Table* rows = table(section)) (this->*keys)(TableView(section.key, *rows, section.position, problems_));
+    }
+
+    void head(const TableView& view) {
         sweep_.name = view.text("name").value_or(sweep_.name);
         sweep_.description = view.text("description").value_or("");
         if (const std::string wrong = engine::name_problem(sweep_.name); !wrong.empty())
@@ -236,10 +235,7 @@ private:
         }
     }
 
-    void outputs(const Entry& section) {
-        const Node::Table* rows = table(section);
-        if (rows == nullptr) return;
-        const TableView view("outputs", *rows, section.position, names_in_sweep("outputs"), problems_);
+    void outputs(const TableView& view) {
         const Node::Array* list = view.list("scalars");
         for (const Node& node : list != nullptr ? *list : Node::Array{}) {
             const auto* text = std::get_if<std::string>(&node.value);
@@ -253,38 +249,26 @@ private:
         sweep_.records = view.boolean("records").value_or(false);
     }
 
-    void budget(const Entry& section) {
-        const Node::Table* rows = table(section);
-        if (rows == nullptr) return;
-        const TableView view("budget", *rows, section.position, names_in_sweep("budget"), problems_);
+    void budget(const TableView& view) {
         if (const auto steps = view.integer("steps", 1, std::int64_t{1} << 53)) sweep_.scene.run.max_steps = static_cast<long>(*steps);
         if (const auto wall = view.time("wall")) sweep_.scene.run.max_wall = *wall;
     }
 
-    void accuracy(const Entry& section) {
-        const Node::Table* rows = table(section);
-        if (rows == nullptr) return;
-        const TableView view("accuracy", *rows, section.position, names_in_sweep("accuracy"), problems_);
+    void accuracy(const TableView& view) {
         SweepAccuracy& accuracy = sweep_.accuracy;
         if (view.require("target")) accuracy.target = view.share("target").value_or(0.0);
         accuracy.verify = static_cast<int>(view.integer("verify", 0, 1'000'000).value_or(accuracy.verify));
         accuracy.seed = static_cast<std::uint64_t>(view.integer("seed", 0, std::int64_t{1} << 53).value_or(0));
     }
 
-    void confirmation(const Entry& section) {
-        const Node::Table* rows = table(section);
-        if (rows == nullptr) return;
-        const TableView view("steady", *rows, section.position, names_in_sweep("steady"), problems_);
+    void confirmation(const TableView& view) {
         sweep_.confirmation.cases = static_cast<int>(view.integer("confirm", 0, 1'000'000).value_or(sweep_.confirmation.cases));
         sweep_.confirmation.seed = static_cast<std::uint64_t>(view.integer("seed", 0, std::int64_t{1} << 53).value_or(0));
-        if (!sweep_.steady()) problems_.push_back({section.position, "steady: only with run.until = \"steady\" in [set]"});
+        if (!sweep_.steady()) problems_.push_back({view.position(), "steady: only with run.until = \"steady\" in [set]"});
     }
 
-    void start(const Entry& section) {
-        const Node::Table* rows = table(section);
-        if (rows == nullptr) return;
-        const TableView view("start", *rows, section.position, names_in_sweep("start"), problems_);
-        sweep_.start = static_cast<StartMode>(view.choice("mode", sweep_choices("start", "mode")).value_or(0));
+    void start(const TableView& view) {
+        sweep_.start = static_cast<StartMode>(view.choice("mode").value_or(0));
         if (const auto checked = view.integer("check", 0, 1'000'000)) sweep_.checked = static_cast<int>(*checked);
         if (const auto key = view.text("continuation")) continuation(*key, view);
     }
@@ -357,10 +341,9 @@ private:
         const std::string text = fmt::format("is beyond run.until = {} s", number_text(end));
         if (beyond(sweep_.from))
             problems_.push_back({{}, fmt::format("outputs.from: {} s {}: no output would count", number_text(sweep_.from), text)});
-        const auto over_time = [](const ScalarTerm& term) { return term.reduction == Reduction::mean || term.reduction == Reduction::rms; };
         const bool instant = std::isfinite(end) && sweep_.from >= end * (1.0 - 1e-9);
         for (const Scalar& scalar : sweep_.scalars) {
-            if (instant && !beyond(sweep_.from) && std::ranges::any_of(scalar.terms, over_time))
+            if (instant && !beyond(sweep_.from) && std::ranges::any_of(scalar.terms, &ScalarTerm::over_time))
                 problems_.push_back(
                     {{},
                      fmt::format("outputs.from: {} s is run.until: no time is left for \"{}\"", number_text(sweep_.from), scalar.text)});
