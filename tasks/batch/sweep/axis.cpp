@@ -244,7 +244,7 @@ private:
         std::vector<Axis> columns;
         view.each_table("zip", "key = …, values = …", [&](const TableView& column) {
             columns.push_back(one_key(column));
-            if (columns.back().rows() != columns.front().rows()) {
+            if (!columns.front().keys.empty() && columns.back().rows() != columns.front().rows()) {
                 view.problem(column.position(), fmt::format("zip: {} values beside {} of {}", columns.back().rows(), columns.front().rows(),
                                                             columns.front().keys.front()->key));
             }

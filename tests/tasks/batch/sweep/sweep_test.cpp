@@ -171,6 +171,8 @@ TEST_F(SweepFile, ReportsEveryMistakeWithItsPlace) {
               "s.toml:4:36: outputs.scalars: \"sheaves/axial_force mean\": sheaves/axial_force has several numbers; write "
               "sheaves/axial_force[0] … or sheaves/axial_force[*] for all of them\n"
               "s.toml:4:64: outputs.scalars: \"slip at 3\": \"3\" is not a time");
+    EXPECT_EQ(error(head + "[[axes]]\nzip = [{key = \"load.torqe\", values = [1]}, {key = \"start.ratio\", values = [1, 2]}]\n"),
+              "s.toml:6:15: axes.zip.key: unknown key \"load.torqe\" (did you mean \"load.torque\"?)");
     EXPECT_EQ(error(head), "s.toml:1:1: axes: none given; nothing varies");
     write("rows.csv", "load.torque\n1 kg\n");
     EXPECT_EQ(error(head + "[[axes]]\ncsv = \"rows.csv\"\n"),
