@@ -249,13 +249,10 @@ std::unique_ptr<Simulation> PointMeasure::begin(const TuneChoice& choice, Scene&
     return simulation;
 }
 
-PointRun PointMeasure::run(const TuneChoice& choice) { return measured(choice, !point_.settles, nullptr); }
-PointRun PointMeasure::run(const TuneChoice& choice, engine::SavedState& state) { return measured(choice, !point_.settles, &state); }
-
-PointRun PointMeasure::measured(const TuneChoice& choice, bool settled, engine::SavedState* state) {
+PointRun PointMeasure::run(const TuneChoice& choice, engine::SavedState* state) {
     PointRun run;
     Scene scene = chosen_scene(point_.scene, choice, 0.0);
-    const std::unique_ptr<Simulation> simulation = begin(choice, scene, settled, run);
+    const std::unique_ptr<Simulation> simulation = begin(choice, scene, !point_.settles, run);
     OutputReader reader(simulation->workspace().variator, outputs_, scene.run.followed_pin, point_.from);
     SilentObserver silent;
     Fault fault;

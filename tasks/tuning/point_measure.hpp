@@ -108,9 +108,8 @@ public:
     PointMeasure& operator=(const PointMeasure&) = delete;
 
     /// All measurements. @throws SimulationError, engine::RecordError: no run can begin here; BudgetUsedUp
-    [[nodiscard]] PointRun run(const TuneChoice& choice);
-    /// The same, and the state at the start of the averages. state: unchanged if the run ended before
-    [[nodiscard]] PointRun run(const TuneChoice& choice, engine::SavedState& state);
+    /// @param state  if given, that at the start of the averages; unchanged if the run ended before
+    [[nodiscard]] PointRun run(const TuneChoice& choice, engine::SavedState* state = nullptr);
     /// A short run from the start, to measure its cost. duration [s]
     [[nodiscard]] PointRun trial(const TuneChoice& choice, double duration);
 
@@ -132,7 +131,6 @@ private:
     [[nodiscard]] Fault advance(Simulation& simulation, Goal goal, RunObserver& observer);
     [[nodiscard]] engine::SavedState start(const Scene& scene);
     [[nodiscard]] std::unique_ptr<Simulation> begin(const TuneChoice& choice, Scene& scene, bool settled, PointRun& run);
-    [[nodiscard]] PointRun measured(const TuneChoice& choice, bool settled, engine::SavedState* state);
     void settle_finest();
 
     OperatingPoint point_;

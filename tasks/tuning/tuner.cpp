@@ -257,7 +257,7 @@ std::vector<double> Tuner::errors_at(const TuneChoice& choice, OperatingPoint po
 
 engine::SavedState Tuner::settled_state(const TuneChoice& choice) {
     engine::SavedState state;
-    const PointRun run = points_.front().run(choice, state);
+    const PointRun run = points_.front().run(choice, &state);
     throw_if_cancelled();
     if (!run.objection.empty()) throw SimulationError(run.objection);
     const OperatingPoint& point = points_.front().point();
