@@ -132,14 +132,7 @@ void keep_for_neighbour(const Sweep& sweep, const CasePlaces& places, long numbe
     if (sweep.strand() == 1) return;
     simulation.move_offset();
     engine::SavedState saved = simulation.saved_state();
-    const model::Variator& variator = simulation.workspace().variator;
-    const model::ChainLayout& at = variator.layout();
-    const double gone = scene.parameters.drive.speed.integral(saved.time);
-    if (at.pulley_size != 0) {
-        double* q = saved.state.data() + at.pulley_begin();
-        q[variator.pulleys().rotation(0)] -= gone;
-        for (int side = 0; side < 2 && at.pulley_size == 36; ++side) q[model::body_freedom(model::sheave_body(0, side), 5)] -= gone;
-    }
+    turn_shaft(saved, scene.parameters, 0, -scene.parameters.drive.speed.integral(saved.time));
     saved.time = 0.0;
     saved.more = {{"case", {static_cast<double>(number)}}};
     std::filesystem::create_directories(places.continuation);

@@ -6,6 +6,7 @@
 
 #include "engine/base/hash.hpp"
 #include "engine/base/provenance.hpp"
+#include "model/force/pulley_inputs.hpp"
 #include "tasks/run/checkpoint.hpp"
 #include "tasks/run/saved_start.hpp"
 
@@ -188,6 +189,15 @@ StartStates::State StartStates::settled(const Scene& scene, const engine::Cancel
     engine::write_state(file, *state);
     keep(of_file_, file, state);
     return state;
+}
+
+void turn_shaft(engine::SavedState& state, const model::Parameters& parameters, int shaft, double angle) {
+    const model::ChainLayout at = model::layout_of(parameters);
+    double* coordinates = state.state.data() + at.pulley_begin();
+    if (at.pulley_size == 4) coordinates[shaft] += angle;
+    if (at.pulley_size != 36) return;
+    for (const int body : {shaft, model::sheave_body(shaft, 0), model::sheave_body(shaft, 1)})
+        coordinates[model::body_freedom(body, model::PulleyCoordinates::turn)] += angle;
 }
 
 }  // namespace cvtflow::tasks

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "model/force/pulley_inputs.hpp"
 #include "model/machine/coefficients.hpp"
 #include "model/observe/chain_forces.hpp"
 
@@ -49,25 +50,22 @@ void refer_to_plates(const ChainLayout& at, double plate_bow, double* state) {
     }
 }
 
-constexpr int axial = 4, turn = 5;  // freedoms of a body
-/// Movable sheaves: 1+ and 2-.
-constexpr int movable(int shaft) { return model::sheave_body(shaft, shaft == 0 ? 1 : 0); }
-
 /// The pulleys' coordinates or velocities.
 void copy_pulleys(const ChainLayout& from, const double* source, const ChainLayout& to, double* target) {
+    using At = model::PulleyCoordinates;
     using model::body_freedom;
     if (from.pulley_size == to.pulley_size) {
         std::copy(source, source + from.pulley_size, target);
     } else if (from.pulley_size == 36 && to.pulley_size == 4) {
         for (int shaft = 0; shaft < 2; ++shaft) {
-            target[shaft] = source[body_freedom(shaft, turn)];
-            target[2 + shaft] = source[body_freedom(movable(shaft), axial)] - source[body_freedom(shaft, axial)];
+            target[shaft] = source[body_freedom(shaft, At::turn)];
+            target[2 + shaft] = source[body_freedom(At::movable_body(shaft), At::axial)] - source[body_freedom(shaft, At::axial)];
         }
     } else if (from.pulley_size == 4 && to.pulley_size == 36) {
         for (int shaft = 0; shaft < 2; ++shaft) {
             for (const int body : {shaft, model::sheave_body(shaft, 0), model::sheave_body(shaft, 1)})
-                target[body_freedom(body, turn)] = source[shaft];
-            target[body_freedom(movable(shaft), axial)] = source[2 + shaft];
+                target[body_freedom(body, At::turn)] = source[shaft];
+            target[body_freedom(At::movable_body(shaft), At::axial)] = source[2 + shaft];
         }
     }
 }
@@ -90,15 +88,6 @@ engine::SavedState convert_state(const engine::SavedState& saved, const model::P
                      result.state.data() + after.pulley_begin() + velocity * after.pulley_size);
     }
     return result;
-}
-
-void turn_shaft(engine::SavedState& state, const model::Parameters& parameters, int shaft, double angle) {
-    const ChainLayout at = model::layout_of(parameters);
-    double* coordinates = state.state.data() + at.pulley_begin();
-    if (at.pulley_size == 4) coordinates[shaft] += angle;
-    if (at.pulley_size != 36) return;
-    for (const int body : {shaft, model::sheave_body(shaft, 0), model::sheave_body(shaft, 1)})
-        coordinates[model::body_freedom(body, turn)] += angle;
 }
 
 }  // namespace cvtflow::tasks

@@ -12,7 +12,4 @@ namespace cvtflow::tasks {
 /// they begin at zero.
 [[nodiscard]] engine::SavedState convert_state(const engine::SavedState& saved, const model::Parameters& from, const model::Parameters& to);
 
-/// Turns a shaft with its sheaves, which are the same all round: a governor counts angles from t = 0. shaft 0 or 1, angle [rad]
-void turn_shaft(engine::SavedState& state, const model::Parameters& parameters, int shaft, double angle);
-
 }  // namespace cvtflow::tasks

@@ -7,9 +7,9 @@
 #include <limits>
 #include <map>
 
+#include "tasks/batch/start_states.hpp"
 #include "tasks/method/method.hpp"
 #include "tasks/scene/parameter_table.hpp"
-#include "tasks/tuning/detail_state.hpp"
 
 namespace cvtflow::tasks {
 
