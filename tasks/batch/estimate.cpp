@@ -131,33 +131,26 @@ double step_wall(const Scene& scene, double seconds, std::string& untried, Fault
 
 namespace {
 
-/// Adds up what the cases of a shard cost. Settling that several cases share counts once.
-class Costs {
-public:
-    explicit Costs(const Sweep& sweep) : sweep_(sweep), scene_(sweep.scene), starts_(sweep, {}), costs_(sweep) {
-        if (sweep.start != StartMode::scene) scene_.state_file.clear();
-    }
-
-    void add(long number, BatchEstimate& result) {
-        sweep_.apply_case(number, scene_);
-        if (!violations(scene_).empty()) {
-            ++result.bad;
-            return;
+/// Cost of some cases; counts those of contradicting parameters, which cost nothing. Settling that several cases share counts once.
+double cost_of(const Sweep& sweep, const std::vector<long>& cases, long& bad) {
+    StartStates starts(sweep, {});
+    CaseCosts costs(sweep);
+    Scene scene = sweep.scene;
+    if (sweep.start != StartMode::scene) scene.state_file.clear();
+    std::unordered_set<long> settled;
+    double total = 0.0;
+    for (const long number : cases) {
+        sweep.apply_case(number, scene);
+        if (!violations(scene).empty()) {
+            ++bad;
+            continue;
         }
-        total_ += costs_.of_run(scene_);
-        const long first = starts_.first_settling_alike(number);
-        if (first >= 0 ? settled_.insert(first).second : costs_.settles(scene_)) total_ += costs_.of_settling(scene_);
+        total += costs.of_run(scene);
+        const long first = starts.first_settling_alike(number);
+        if (first >= 0 ? settled.insert(first).second : costs.settles(scene)) total += costs.of_settling(scene);
     }
-    [[nodiscard]] double total() const noexcept { return total_; }
-
-private:
-    const Sweep& sweep_;
-    Scene scene_;
-    StartStates starts_;
-    CaseCosts costs_;
-    std::unordered_set<long> settled_;
-    double total_ = 0.0;
-};
+    return total;
+}
 
 }  // namespace
 
@@ -165,8 +158,7 @@ BatchEstimate estimate(const Sweep& sweep, const Shard& shard, double seconds) {
     BatchEstimate result;
     const std::vector<long> cases = shard_cases(sweep, shard);
     result.cases = static_cast<long>(cases.size());
-    Costs costs(sweep);
-    for (const long number : cases) costs.add(number, result);
+    const double cost = cost_of(sweep, cases, result.bad);
     std::vector<double> rates;
     for (const std::size_t at : {cases.size() / 2, std::size_t{0}, cases.size() - 1}) {
         if (cases.empty()) break;
@@ -177,7 +169,7 @@ BatchEstimate estimate(const Sweep& sweep, const Shard& shard, double seconds) {
     }
     result.measured = static_cast<int>(rates.size());
     if (!rates.empty()) result.seconds_per_cost = std::accumulate(rates.begin(), rates.end(), 0.0) / static_cast<double>(rates.size());
-    result.total = costs.total() * result.seconds_per_cost;
+    result.total = cost * result.seconds_per_cost;
     return result;
 }
 
