@@ -24,7 +24,7 @@ std::string CaseEngine::checkpoint_file() const { return case_file(places_.check
 void CaseEngine::save() {
     last_save_ = std::chrono::steady_clock::now();
     Checkpoint checkpoint;
-    checkpoint.integration = simulation_->integration_state();
+    checkpoint.integration = at_->simulation.integration_state();
     checkpoint.history.settling = result_.settling;
     checkpoint.history.wall = elapsed();
     scalars_.save(checkpoint.recorder);
@@ -33,7 +33,7 @@ void CaseEngine::save() {
         const std::vector<double> position = recorder_->position();
         checkpoint.recorder.insert(checkpoint.recorder.end(), position.begin(), position.end());
     }
-    sign(checkpoint, scene_, simulation_->workspace().variator);
+    sign(checkpoint, scene_, at_->simulation.workspace().variator);
     std::filesystem::create_directories(places_.checkpoints);
     write_checkpoint(permit_state(checkpoint_file(), sweep_), checkpoint);
     on_disk_ = true;
@@ -69,7 +69,7 @@ void CaseEngine::resume_from(const Checkpoint& checkpoint) {
     record_options_.from = &checkpoint;
     begin(nullptr);
     record_options_.from = nullptr;
-    simulation_->restore(checkpoint.integration);
+    at_->simulation.restore(checkpoint.integration);
     window_steps_ = checkpoint.integration.counters.steps;
     result_.settling = checkpoint.history.settling;
     wall_before_ = checkpoint.history.wall;

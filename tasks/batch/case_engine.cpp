@@ -28,6 +28,12 @@ constexpr double required_gain = 1.1;
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
 }
 
+/// The state comes by reset() or restore().
+[[nodiscard]] Scene without_state(Scene scene) {
+    scene.state_file.clear();
+    return scene;
+}
+
 void judge(const Fault& fault, CaseResult& result) {
     switch (fault.kind) {
         case FaultKind::none: result.status = CaseStatus::ok; return;
@@ -145,21 +151,14 @@ void CaseEngine::prepare() {
 double CaseEngine::elapsed() const { return wall_before_ + seconds_since(started_); }
 
 void CaseEngine::begin(const StartStates::State& saved) {
-    if (serial_ == nullptr || !fits(*serial_, scene_)) {
-        Scene geometric = scene_;  // the state comes by reset()
-        geometric.state_file.clear();
-        serial_observer_.reset();
-        serial_ = std::make_unique<Simulation>(geometric, Schedule{});
-        serial_observer_ = std::make_unique<model::Observer>(serial_->workspace().variator);
-    }
-    serial_->reset(scene_, saved.get(), saved ? nullptr : starts_.placed(result_.number, scene_).get());
-    simulation_ = serial_.get();
-    observer_ = serial_observer_.get();
+    if (serial_ == nullptr || !fits(serial_->simulation, scene_)) serial_ = std::make_unique<Site>(without_state(scene_), Schedule{});
+    serial_->simulation.reset(scene_, saved.get(), saved ? nullptr : starts_.placed(result_.number, scene_).get());
+    at_ = serial_.get();
     if (record_options_.from != nullptr)
-        require_same(checkpoint_file(), *record_options_.from, scene_, simulation_->workspace().variator, places_.mixed);
+        require_same(checkpoint_file(), *record_options_.from, scene_, at_->simulation.workspace().variator, places_.mixed);
     if (!sweep_.records || own_start_) return;
     record_options_.file = permit_record(case_file(places_.records, "case", result_.number), scene_);
-    recorder_ = std::make_unique<RunRecorder>(scene_, *simulation_, record_options_);
+    recorder_ = std::make_unique<RunRecorder>(scene_, at_->simulation, record_options_);
 }
 
 void CaseEngine::integrate() {
@@ -183,12 +182,12 @@ void CaseEngine::integrate() {
     if (!resumed) begin(from);
     Fault fault;
     do fault = part();
-    while (!fault && !means.ended() && simulation_->time() < end_ - 1e-9 * scene_.run.output_interval);
+    while (!fault && !means.ended() && at_->simulation.time() < end_ - 1e-9 * scene_.run.output_interval);
     if (longer_ > 0.0) means.conclude();
     judge(fault, result_);
-    judge_energy(*simulation_, means, result_);
-    result_.hash = simulation_->hash();
-    result_.counters = simulation_->counters();
+    judge_energy(at_->simulation, means, result_);
+    result_.hash = at_->simulation.hash();
+    result_.counters = at_->simulation.counters();
     scalars_.write(result_);
     if (result_.status == CaseStatus::stopped) return save();
     if (recorder_) {
@@ -196,17 +195,17 @@ void CaseEngine::integrate() {
         report.fault = fault;
         report.hash = result_.hash;
         report.wall = elapsed();
-        report.energy = simulation_->workspace().energy.balance(means.mark());
+        report.energy = at_->simulation.workspace().energy.balance(means.mark());
         report.balance_error_ratio = result_.balance_error_ratio;
         std::exchange(recorder_, nullptr)->finish(report);
     }
-    if (result_.status == CaseStatus::ok && !own_start_) keep_for_neighbour(sweep_, places_, result_.number, scene_, *simulation_);
+    if (result_.status == CaseStatus::ok && !own_start_) keep_for_neighbour(sweep_, places_, result_.number, scene_, at_->simulation);
 }
 
 /// Settles or runs from the present state until it is complete, pauses included.
 Fault CaseEngine::part() {
     for (;;) {
-        Simulation& s = *simulation_;
+        Simulation& s = at_->simulation;
         if (recorder_) recorder_->begin_part(s.needs_settling() ? -1.0 : s.time(), latest_);
         pause_ = false;
         const bool settling = s.needs_settling();
@@ -222,12 +221,13 @@ Fault CaseEngine::part() {
 }
 
 /// Scalars and means are of the time from sweep.from on.
-bool CaseEngine::counts(double time) const noexcept { return !simulation_->needs_settling() && time >= sweep_.from * (1.0 - 1e-12); }
+bool CaseEngine::counts(double time) const noexcept { return !at_->simulation.needs_settling() && time >= sweep_.from * (1.0 - 1e-12); }
 
 void CaseEngine::output(double time, const Workspace& workspace, const Counters& counters) {
     if (recorder_) recorder_->output(time, workspace, counters);
     if (counts(time))
-        scalars_.output({time, workspace, counters, *observer_, scene_.run.followed_pin}, time >= end_ - 1e-9 * scene_.run.output_interval);
+        scalars_.output({time, workspace, counters, at_->observer, scene_.run.followed_pin},
+                        time >= end_ - 1e-9 * scene_.run.output_interval);
     pause_reason_ = pause_for(time, counters);
     pause_ = pause_reason_ != Pause::none || scalars_.means().ended();
 }
@@ -239,7 +239,7 @@ bool CaseEngine::samples(double time) const noexcept {
 void CaseEngine::sample(double time, const Workspace& workspace, const Counters& counters) {
     if (recorder_ && recorder_->samples(time)) recorder_->sample(time, workspace, counters);
     if (!counts(time)) return;
-    scalars_.sample({time, workspace, counters, *observer_, scene_.run.followed_pin});
+    scalars_.sample({time, workspace, counters, at_->observer, scene_.run.followed_pin});
     pause_ = pause_ || scalars_.means().ended();
 }
 
@@ -249,14 +249,14 @@ void CaseEngine::transition(const TransitionRecord& record) {
 
 /// At an output: whether the case should pause, and for what.
 CaseEngine::Pause CaseEngine::pause_for(double time, const Counters& counters) {
-    const double begin = simulation_->needs_settling() ? -scene_.parameters.start.settling_time : 0.0;
+    const double begin = at_->simulation.needs_settling() ? -scene_.parameters.start.settling_time : 0.0;
     const double share = (time - begin) / std::max(1e-300, latest_ - begin);
     const double left = share > 0.0 ? seconds_since(started_) * (1.0 - share) / share : 1e300;
     if (control_.stop().requested() && left > control_.grace_left()) return Pause::stop;
     const double window = seconds_since(window_begin_);
     const double rate = window > 0.0 ? static_cast<double>(counters.steps - window_steps_) / window : 0.0;
     const int threads = std::min(control_.threads_per_case(), max_segments(scene_.parameters));
-    const int now = simulation_ == serial_.get() ? 1 : simulation_->integrator().runner().schedule().threads;
+    const int now = at_ == serial_.get() ? 1 : at_->simulation.integrator().runner().schedule().threads;
     if (now == 1 && window > trial_seconds) serial_rate_ = rate;
     if (now == 1 && threads > 1 && threads != refused_threads_ && serial_rate_ > 0.0 && left > worth_a_switch) return Pause::more_threads;
     const bool disappointing = now > 1 && window > trial_seconds && rate < required_gain * serial_rate_;
@@ -270,24 +270,18 @@ CaseEngine::Pause CaseEngine::pause_for(double time, const Counters& counters) {
 /// Moves the case to another number of threads: its full state goes to another simulation, which continues bitwise.
 void CaseEngine::change_threads() {
     const int threads = std::min(control_.threads_per_case(), max_segments(scene_.parameters));
-    const IntegrationState at = simulation_->integration_state();
+    const IntegrationState at = at_->simulation.integration_state();
     if (threads == refused_threads_ || threads <= 1) {
-        simulation_ = serial_.get();
-        observer_ = serial_observer_.get();
+        at_ = serial_.get();
     } else {
         Schedule schedule;
         schedule.executor = "flow";
         schedule.threads = schedule.segments = threads;
-        Scene geometric = scene_;
-        geometric.state_file.clear();
-        parallel_observer_.reset();
-        parallel_ = std::make_unique<Simulation>(geometric, schedule);
-        parallel_observer_ = std::make_unique<model::Observer>(parallel_->workspace().variator);
-        simulation_ = parallel_.get();
-        observer_ = parallel_observer_.get();
+        parallel_ = std::make_unique<Site>(without_state(scene_), schedule);
+        at_ = parallel_.get();
         result_.threads = std::max(result_.threads, threads);
     }
-    simulation_->restore(at);
+    at_->simulation.restore(at);
     window_begin_ = std::chrono::steady_clock::now();
     window_steps_ = at.counters.steps;
 }

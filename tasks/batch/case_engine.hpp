@@ -113,6 +113,12 @@ public:
 
 private:
     enum class Pause { none, stop, checkpoint, more_threads };
+    /// Where a case runs.
+    struct Site {
+        Site(const Scene& scene, const Schedule& schedule) : simulation(scene, schedule), observer(simulation.workspace().variator) {}
+        Simulation simulation;
+        model::Observer observer;
+    };
     void prepare();
     void begin(const StartStates::State& saved);
     [[nodiscard]] bool restore();
@@ -133,16 +139,14 @@ private:
     Scene scene_;
     CaseResult result_;
     CaseScalars scalars_;
-    std::unique_ptr<Simulation> serial_, parallel_;
-    std::unique_ptr<model::Observer> serial_observer_, parallel_observer_;
+    std::unique_ptr<Site> serial_, parallel_;
+    Site* at_ = nullptr;  ///< the one at work
     bool own_start_ = false;
-    double longer_ = 0.0;               ///< end of the run in place of the scene's; 0: none [s]
-    double end_ = 0.0;                  ///< of the run, infinite where it ends when it is steady [s]
-    double latest_ = 0.0;               ///< latest_end() of the case [s]
-    bool resumable_ = false;            ///< there were checkpoints when the sweep began
-    bool on_disk_ = false;              ///< the case has one
-    Simulation* simulation_ = nullptr;  ///< the one at work
-    model::Observer* observer_ = nullptr;
+    double longer_ = 0.0;     ///< end of the run in place of the scene's; 0: none [s]
+    double end_ = 0.0;        ///< of the run, infinite where it ends when it is steady [s]
+    double latest_ = 0.0;     ///< latest_end() of the case [s]
+    bool resumable_ = false;  ///< there were checkpoints when the sweep began
+    bool on_disk_ = false;    ///< the case has one
     std::unique_ptr<RunRecorder> recorder_;
     RunOptions record_options_;
     engine::Cancellation never_;
