@@ -147,4 +147,26 @@ struct MergeReport {
 /// @throws SimulationError nothing to join; shards of other sweeps, or cut in another number; engine::RecordError
 [[nodiscard]] MergeReport merge(const std::string& folder, bool partial, bool mixed = false);
 
+/// How far the sweep in a folder is: of one process, of shards or of workers, running or not.
+struct FolderProgress {
+    /// The folder itself, or that of a shard or worker.
+    struct Part {
+        std::string folder;
+        long done = 0;         ///< cases in its table
+        long claimed = 0;      ///< cases that a worker has claimed; otherwise as `done`
+        bool running = false;  ///< a process writes into it
+    };
+
+    engine::CaseTable head;   ///< attributes and columns of the sweep, no rows
+    long cases = 0;           ///< of the sweep
+    CaseTally tally;          ///< of cases that are done, each once
+    std::vector<Part> parts;  ///< empty: the folder contains no table of a sweep
+
+    [[nodiscard]] long running() const noexcept;  ///< number of parts
+};
+
+/// Reads all tables of the folder; writes and locks nothing.
+/// @throws engine::RecordError  a table that cannot be read; SimulationError  tables of different sweeps
+[[nodiscard]] FolderProgress folder_progress(const std::string& folder);
+
 }  // namespace cvtflow::tasks

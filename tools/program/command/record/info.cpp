@@ -13,7 +13,7 @@
 #include "engine/record/run/part_file.hpp"
 #include "engine/record/run/run_reader.hpp"
 #include "engine/record/run/state_file.hpp"
-#include "tasks/batch/folder_progress.hpp"
+#include "tasks/batch/batch.hpp"
 #include "tools/program/command/command.hpp"
 #include "tools/program/command/sweep/batch.hpp"
 #include "tools/program/guard.hpp"
