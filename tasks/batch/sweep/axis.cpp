@@ -12,7 +12,7 @@
 #include "engine/base/input_file.hpp"
 #include "engine/base/text.hpp"
 #include "model/basis/portable_math.hpp"
-#include "tasks/batch/results/table_view.hpp"
+#include "tasks/batch/sweep/sweep_keys.hpp"
 #include "tasks/scene/csv.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/toml_tree.hpp"
