@@ -9,7 +9,7 @@
 ///     DIR/workers/0001/            the same for the cases that a worker has claimed in DIR/workers/claims; merge() likewise
 ///
 /// Results do not depend on threads, shards, workers, kills or order. run_batch() itself dies with a case that takes its process down;
-/// supervise() starts it again (supervisor.hpp), as the program does.
+/// supervise() starts it again, as the program does.
 
 #include <functional>
 #include <memory>
@@ -19,8 +19,8 @@
 #include <vector>
 
 #include "engine/executor/cancellation.hpp"
+#include "engine/thread/child_process.hpp"
 #include "tasks/batch/results/results.hpp"
-#include "tasks/batch/supervisor.hpp"
 #include "tasks/batch/sweep/sweep.hpp"
 
 namespace cvtflow::tasks {
@@ -43,6 +43,13 @@ struct BatchProgress {
 
     /// Time left by the pace since then; NaN as long as there is none [s].
     [[nodiscard]] double left() const noexcept;
+};
+
+/// Work of a child process.
+struct SweepPart {
+    std::optional<long> only = {};  ///< this case alone; nothing: all that are not done
+    std::string crashed;            ///< not to be run but to be booked as crashed, for this reason
+    int attempt = 0;                ///< children before this one
 };
 
 struct BatchOptions {
@@ -79,6 +86,23 @@ struct BatchReport {
 /// @throws engine::RecordError (folder, table; nothing that is in the table is lost), SimulationError (results of another sweep),
 /// SceneError
 [[nodiscard]] BatchReport run_batch(const Sweep& sweep, const BatchOptions& options);
+
+/// Runs a sweep in children until one has done all of it, so that a case that takes its process down (SIGSEGV, SIGFPE, abort, out of
+/// memory) costs one row and not the sweep.
+///
+///     parent   fork ─► wait ──────────────► dead by a signal: which cases were running? ─► fork …
+///     child          └► cases side by side, each noted in the journal while it runs
+///
+/// After a crash every case that was running continues alone, in a child with one thread: one that also ends this child is recorded
+/// as crashed, the others give their results, bit for bit those of an undisturbed sweep. Each crash settles at least one case, so it ends.
+/// @param journal  in which the child notes the cases that are running; the slots are its workers
+/// @param work  runs in a child until that process ends; must not throw. @return its exit status; 0 of a part with a single case continues
+/// the sweep
+/// @param said  called in the parent with one line per crash
+/// @return exit status of the child that did the whole, or of one that ended by itself otherwise; 130 if a crash came after SIGINT or
+/// SIGTERM; 1 for a crash outside of any case
+[[nodiscard]] int supervise(engine::SharedSlots& journal, const std::function<int(const SweepPart&)>& work,
+                            const std::function<void(const std::string&)>& said);
 
 /// Cases of a shard: whole strands, the most expensive first, each to the shard with the least to do so far. Ascending.
 [[nodiscard]] std::vector<long> shard_cases(const Sweep& sweep, const Shard& shard);

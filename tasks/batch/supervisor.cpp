@@ -1,4 +1,4 @@
-#include "tasks/batch/supervisor.hpp"
+#include "tasks/batch/batch.hpp"
 
 #include <fmt/format.h>
 

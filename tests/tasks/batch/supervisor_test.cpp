@@ -1,4 +1,4 @@
-#include "tasks/batch/supervisor.hpp"
+#include "tasks/batch/batch.hpp"
 
 #include <gmock/gmock.h>
 #include <sys/mman.h>
