@@ -7,8 +7,8 @@
 #include <memory>
 
 #include "engine/executor/tbb/job_pool.hpp"
-#include "tasks/batch/case_scalars.hpp"
 #include "tasks/batch/start_states.hpp"
+#include "tasks/run/run_means.hpp"
 #include "tasks/run/run_recorder.hpp"
 
 namespace cvtflow::tasks {
@@ -89,6 +89,50 @@ void reopen_broken_strands(const Sweep& sweep, const CasePlaces& places, const s
 /// Keeps the end of a case as a start for the next one of its strand: shaft 1 is turned back by the angle that the governor's reference has
 /// gone.
 void keep_for_neighbour(const Sweep& sweep, const CasePlaces& places, long number, const Scene& scene, Simulation& simulation);
+
+/// Where scalars are read from at an instant of a case.
+struct CaseInstant {
+    double time;  ///< [s]
+    const Workspace& workspace;
+    const Counters& counters;
+    model::Observer& observer;
+    int followed_pin;
+};
+
+/// Scalars and means of a case while it runs.
+class CaseScalars {
+public:
+    explicit CaseScalars(const Sweep& sweep) : sweep_(sweep) {}
+
+    /// Ready for another case.
+    void clear();
+    /// Since sweep.from, of the samples of scalars.
+    [[nodiscard]] RunMeans& means() noexcept { return means_; }
+    /// Whether the case ends when it is steady. Scalars are then those of whole pin periods.
+    [[nodiscard]] bool by_periods() const noexcept { return means_.rule().limit > 0.0; }
+    /// Whether sample() takes an instant between outputs. time [s]
+    [[nodiscard]] bool due(double time) const noexcept { return means_.curve().empty() || means_.curve().due(time, samples_per_pitch); }
+    void sample(const CaseInstant& now);
+    /// @param last  the case ends here
+    void output(const CaseInstant& now, bool last);
+    /// Writes scalars, their errors and the begin of the means. A scalar of a case that ended well must be finite.
+    void write(CaseResult& result) const;
+
+    /// For checkpoints: load() returns the rest of the memory. @throws std::invalid_argument for a malformed memory
+    void save(std::vector<double>& memory) const;
+    [[nodiscard]] std::span<const double> load(std::span<const double> memory, double time);  ///< @param time of the last output [s]
+
+private:
+    void reduce(const CaseInstant& now, const Occasion& when);
+    [[nodiscard]] std::span<Reducer> present_reducers();
+    void write_steady(std::size_t scalar, CaseResult& result) const;
+
+    const Sweep& sweep_;
+    std::vector<Reducer> reducers_;  ///< [scalars], or of every pin period [periods x scalars]
+    RunMeans means_;
+    double output_before_ = 0.0;  ///< time of the last output [s]
+    std::vector<double> values_;  ///< of one channel [width of the channel]
+};
 
 class CaseEngine final : public RunObserver {
 public:

@@ -1,5 +1,3 @@
-#include "tasks/batch/case_scalars.hpp"
-
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
