@@ -32,11 +32,6 @@ fs::path text_file(const fs::path& folder, const std::string& key) { return fold
 
 fs::path state_file(const fs::path& folder, const std::string& key) { return fs::absolute(folder / (key + ".h5")).lexically_normal(); }
 
-/// Whether a scene has a start state that fits, with other unknowns than those of the chosen detail.
-bool needs_converted_state(const Scene& scene, const Scene& chosen) {
-    return model::layout_of(scene.parameters) != model::layout_of(chosen.parameters) && fitting_start(scene) != nullptr;
-}
-
 /// Whether a kept state is whole and has the unknowns of a scene.
 bool is_start_of(const fs::path& file, const Scene& scene) {
     try {
@@ -45,13 +40,6 @@ bool is_start_of(const fs::path& file, const Scene& scene) {
     } catch (const engine::RecordError&) {
         return false;
     }
-}
-
-/// The scene with what was chosen, without a state of other unknowns.
-Scene applied(const Scene& scene, const KeptTuning& kept) {
-    Scene chosen = chosen_scene(scene, kept.choice, kept.step);
-    if (model::layout_of(scene.parameters) != model::layout_of(chosen.parameters)) chosen.state_file.clear();
-    return chosen;
 }
 
 /// Keeps a state. @return whether its place can be written to
@@ -154,8 +142,10 @@ TunedScene tuned_scene(const Scene& scene, const TuneSettings& settings, const f
         tuned.kept = {chosen.choice, chosen.step, chosen.error()};
         keep_tuning(folder, key, tuned.kept);
     }
-    tuned.scene = applied(scene, tuned.kept);
-    if (!needs_converted_state(scene, tuned.scene)) return tuned;
+    tuned.scene = chosen_scene(scene, tuned.kept.choice, tuned.kept.step);
+    if (model::layout_of(scene.parameters) == model::layout_of(tuned.scene.parameters)) return tuned;
+    tuned.scene.state_file.clear();  // it has other unknowns
+    if (fitting_start(scene) == nullptr) return tuned;
     const fs::path state = state_file(folder, key);
     if (tuner || !is_start_of(state, tuned.scene)) {
         if (!tuner) tuner.emplace(scene, settings, cancel);

@@ -12,12 +12,8 @@ namespace cvtflow::tasks {
 /// No choice meets the target.
 class AccuracyError : public SimulationError {
 public:
-    explicit AccuracyError(const std::string& what, bool used_up_budget = false) : SimulationError(what), used_up_budget_(used_up_budget) {}
-    /// Whether the search ended early, so that choices remain untried.
-    [[nodiscard]] bool used_up_budget() const noexcept { return used_up_budget_; }
-
-private:
-    bool used_up_budget_;
+    explicit AccuracyError(const std::string& what, bool early = false) : SimulationError(what), used_up_budget(early) {}
+    bool used_up_budget;  ///< the search ended early, so that choices remain untried
 };
 
 /// A choice as it is kept.

@@ -95,8 +95,6 @@ public:
     /// @throws SimulationError
     [[nodiscard]] engine::SavedState settled_state(const TuneChoice& choice);
 
-    [[nodiscard]] const std::vector<TunedOutput>& outputs() const noexcept { return outputs_; }
-
 private:
     void prepare();
     void find_methods();

@@ -62,8 +62,6 @@ TunedSweep tuned_sweep(const Sweep& sweep, const std::string& folder, const engi
         tuned.result = Tuner(sweep, settings, cancel).tune(settings.accuracy);
         const TunedChoice& chosen = chosen_of(*tuned.result);
         tuned.kept = {chosen.choice, chosen.step, chosen.error()};
-        std::error_code reported_later;  // when the table is written
-        fs::create_directory(folder, reported_later);
         keep_tuning(folder, key, tuned.kept);
     }
     tuned.sweep.scene = chosen_scene(sweep.scene, tuned.kept.choice, tuned.kept.step);

@@ -126,7 +126,7 @@ ExitStatus run(const RunArguments& arguments) try {
     return run_loaded(arguments, load_scene(arguments.scene));
 } catch (const tasks::AccuracyError& error) {
     print_error(error.what());
-    return error.used_up_budget() ? ExitStatus::budget : ExitStatus::inaccurate;
+    return error.used_up_budget ? ExitStatus::budget : ExitStatus::inaccurate;
 } catch (const tasks::SimulationError&) {
     if (arguments.tuning.accuracy && catch_interrupts().requested()) return ExitStatus::cancelled;
     throw;
