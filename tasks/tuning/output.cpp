@@ -39,24 +39,16 @@ constexpr Figure figure_rows[] = {
 std::span<const Figure> figures() noexcept { return figure_rows; }
 
 double TunedOutput::error(double is, double expected) const noexcept {
-    const double error = relative_difference(is, expected, least);
+    const double error = relative_difference(is, expected, figure != nullptr ? figure->least : std::numeric_limits<double>::min());
     return std::isnan(error) ? std::numeric_limits<double>::infinity() : error;
 }
 
 namespace {
 
-const Figure* figure_named(const std::string& name) {
-    const auto rows = figures();
-    const auto found = std::find_if(rows.begin(), rows.end(), [&](const Figure& row) { return row.name == name; });
-    return found == rows.end() ? nullptr : &*found;
-}
-
-TunedOutput of_figure(const Figure& figure) { return {std::string(figure.name), figure.least, &figure}; }
-
 TunedOutput of_scalar(const std::string& text) {
     std::vector<Problem> problems;
     const Scalar scalar = parse_scalar(text, {}, problems);
-    if (problems.empty()) return {scalar.text, std::numeric_limits<double>::min(), nullptr, scalar};
+    if (problems.empty()) return {scalar.text, nullptr, scalar};
     std::vector<std::string> names;
     for (const Figure& figure : figures()) names.emplace_back(figure.name);
     throw SceneError(fmt::format("outputs: {} is not one of {}{}, nor a scalar such as \"slip median\"", text, fmt::join(names, ", "),
@@ -81,21 +73,22 @@ double largest_pin_end(const model::ChainLayout& at, const std::vector<double>& 
 std::vector<TunedOutput> tuned_outputs(const std::vector<std::string>& names, bool has_pulleys) {
     std::vector<TunedOutput> outputs;
     for (const std::string& name : names) {
-        const Figure* figure = figure_named(name);
-        if (figure != nullptr && figure->needs_pulleys && !has_pulleys)
+        const Figure* figure = std::ranges::find(figure_rows, name, &Figure::name);
+        const bool known = figure != std::end(figure_rows);
+        if (known && figure->needs_pulleys && !has_pulleys)
             throw SceneError(fmt::format("outputs: {} requires pulleys, but this scene has none", name));
-        outputs.push_back(figure != nullptr ? of_figure(*figure) : of_scalar(name));
+        outputs.push_back(known ? TunedOutput{name, figure} : of_scalar(name));
     }
     if (!outputs.empty()) return outputs;
     for (const Figure& figure : figures()) {
-        if (figure.usual && (has_pulleys || !figure.needs_pulleys)) outputs.push_back(of_figure(figure));
+        if (figure.usual && (has_pulleys || !figure.needs_pulleys)) outputs.push_back({std::string(figure.name), &figure});
     }
     return outputs;
 }
 
 std::vector<TunedOutput> tuned_outputs(std::span<const Scalar> scalars) {
     std::vector<TunedOutput> outputs;
-    for (const Scalar& scalar : scalars) outputs.push_back({scalar.text, std::numeric_limits<double>::min(), nullptr, scalar});
+    for (const Scalar& scalar : scalars) outputs.push_back({scalar.text, nullptr, scalar});
     return outputs;
 }
 

@@ -40,8 +40,7 @@ struct Figure {
 /// A figure, or a scalar as in a sweep ("slip median", "tips/axial_force[*] max").
 struct TunedOutput {
     std::string name;
-    double least = std::numeric_limits<double>::min();  ///< see Figure::least [unit of the output]
-    const Figure* figure = nullptr;                     ///< nullptr: the scalar
+    const Figure* figure = nullptr;  ///< nullptr: the scalar
     Scalar scalar{};
 
     [[nodiscard]] double error(double is, double expected) const noexcept;  ///< relative [1]. is, expected [unit of the output]

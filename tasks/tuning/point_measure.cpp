@@ -54,13 +54,6 @@ OperatingPoint at_start(const Scene& scene, const PointTimes& times, const std::
 
 std::string named(const Input& input, double value) { return fmt::format("{} = {:.4g} {}", input.key->key, value, input.key->unit); }
 
-/// A ring has no inputs, but a speed. share of the neighbourhood [1]
-void vary_ring(OperatingPoint& point, double share) {
-    double& speed = point.scene.parameters.start.ring_speed;
-    speed *= 1.0 + neighbourhood * (2.0 * share - 1.0);
-    point.name = fmt::format("start.ring_speed = {:.4g} rad/s", speed);
-}
-
 }  // namespace
 
 std::vector<OperatingPoint> points_of(const Scene& scene, const PointTimes& times) {
@@ -82,9 +75,11 @@ std::vector<OperatingPoint> unseen_points(const Scene& scene, const PointTimes& 
     const std::vector<double> where = random_samples(static_cast<std::size_t>(count), inputs.size(), seed);
     std::vector<OperatingPoint> points;
     for (std::size_t n = 0; n < static_cast<std::size_t>(count); ++n) {
-        points.push_back(at_start(scene, times, ""));
-        if (scene.parameters.detail.pulleys == model::PulleyDetail::absent) {
-            vary_ring(points.back(), where[n * inputs.size()]);
+        OperatingPoint& point = points.emplace_back(at_start(scene, times, ""));
+        if (scene.parameters.detail.pulleys == model::PulleyDetail::absent) {  // a ring has no inputs, but a speed
+            double& speed = point.scene.parameters.start.ring_speed;
+            speed *= 1.0 + neighbourhood * (2.0 * where[n * inputs.size()] - 1.0);
+            point.name = fmt::format("start.ring_speed = {:.4g} rad/s", speed);
             continue;
         }
         for (std::size_t i = 0; i < inputs.size(); ++i) {
@@ -94,8 +89,8 @@ std::vector<OperatingPoint> unseen_points(const Scene& scene, const PointTimes& 
             const double low = input.varies() ? input.low : input.at_start * (1.0 - neighbourhood);
             const double high = input.varies() ? input.high : input.at_start * (1.0 + neighbourhood);
             const double value = low + where[n * inputs.size() + i] * (high - low);
-            table_of(*input.key, points.back().scene) = model::TimeTable(value);
-            points.back().name += (points.back().name.empty() ? "" : ", ") + named(input, value);
+            table_of(*input.key, point.scene) = model::TimeTable(value);
+            point.name += (point.name.empty() ? "" : ", ") + named(input, value);
         }
     }
     return points;
@@ -127,12 +122,6 @@ std::set<std::size_t> extreme_rows(const Axis& axis) {
     return rows;
 }
 
-bool agrees(const Sweep& sweep, long number) {
-    Scene scene = sweep.scene;
-    sweep.apply_case(number, scene);
-    return violations(scene).empty();
-}
-
 }  // namespace
 
 std::vector<long> corner_cases(const Sweep& sweep, std::size_t most) {
@@ -145,7 +134,11 @@ std::vector<long> corner_cases(const Sweep& sweep, std::size_t most) {
         }
         corners = std::move(more);
     }
-    std::erase_if(corners, [&](long number) { return !agrees(sweep, number); });
+    Scene scene = sweep.scene;
+    std::erase_if(corners, [&](long number) {
+        sweep.apply_case(number, scene);
+        return !violations(scene).empty();
+    });
     if (corners.size() <= most) return corners;
     std::vector<long> picked;
     for (std::size_t i = 0; i < most; ++i) picked.push_back(corners[i * (corners.size() - 1) / (most - 1)]);
