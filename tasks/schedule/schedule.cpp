@@ -143,13 +143,11 @@ std::vector<Schedule> schedules_for(const Scene& scene) {
 std::unique_ptr<engine::Executor> make_executor(const Schedule& schedule, engine::StampRecorder* recorder) {
     const engine::ExecutorRow* row = engine::find_executor(schedule.executor);
     if (row == nullptr) throw SceneError(fmt::format("run.schedule: unknown executor '{}'", schedule.executor));
-    engine::ExecutorOptions options;
-    options.threads = schedule.threads;
-    options.wait = schedule.wait;
-    options.pin = schedule.pin;
-    options.present_arena = schedule.present_arena;
-    options.recorder = recorder;
-    return row->make(options);
+    return row->make({.threads = schedule.threads,
+                      .wait = schedule.wait,
+                      .pin = schedule.pin,
+                      .present_arena = schedule.present_arena,
+                      .recorder = recorder});
 }
 
 namespace {
