@@ -134,9 +134,7 @@ std::string Scalar::description() const {
     return fmt::format("{}: {} over {}", text, terms.front().channel->description, terms.back().channel->description);
 }
 
-bool Scalar::averages() const noexcept {
-    return std::ranges::all_of(terms, [](const ScalarTerm& term) { return term.over_time(); });
-}
+bool Scalar::averages() const noexcept { return std::ranges::all_of(terms, &ScalarTerm::over_time); }
 
 Scalar parse_scalar(const std::string& text, Position position, std::vector<Problem>& problems) {
     Scalar scalar;
@@ -313,11 +311,7 @@ std::span<const double> Reducer::load(std::span<const double> memory) {
     if (pop_front(memory, 1)[0] != layout_of_sums) throw std::invalid_argument("scalars of another version of the program");
     for (TermSum& sum : sums) {
         sum.count = pop_integer(memory, 0, most);
-        const auto numbers_of_time = pop_front(memory, 4);
-        sum.value = numbers_of_time[0];
-        sum.span = numbers_of_time[1];
-        sum.time = numbers_of_time[2];
-        sum.last = numbers_of_time[3];
+        for (double* number : {&sum.value, &sum.span, &sum.time, &sum.last}) *number = pop_front(memory, 1)[0];
         const auto numbers = pop_front(memory, static_cast<std::size_t>(pop_integer(memory, 0, most)));
         sum.all.assign(numbers.begin(), numbers.end());
     }
