@@ -5,12 +5,9 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
-#include <optional>
-#include <string>
 
 #include "engine/executor/tbb/job_pool.hpp"
 #include "tasks/batch/case_engine.hpp"
-#include "tasks/batch/results/results.hpp"
 #include "tasks/batch/results/sweep_files.hpp"
 #include "tasks/schedule/schedule.hpp"
 

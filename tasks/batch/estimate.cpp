@@ -5,7 +5,6 @@
 #include <numeric>
 #include <unordered_set>
 
-#include "engine/record/run/state_file.hpp"
 #include "model/parameters/chain_layout.hpp"
 #include "tasks/batch/batch.hpp"
 #include "tasks/batch/case_engine.hpp"

@@ -3,14 +3,11 @@
 #include <filesystem>
 #include <map>
 #include <numeric>
-#include <optional>
 #include <queue>
-#include <set>
 
 #include "engine/record/run/part_file.hpp"
 #include "tasks/batch/batch.hpp"
 #include "tasks/batch/case_engine.hpp"
-#include "tasks/batch/results/results.hpp"
 #include "tasks/batch/results/sweep_files.hpp"
 
 namespace cvtflow::tasks {

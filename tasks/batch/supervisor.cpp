@@ -4,7 +4,6 @@
 
 #include <csignal>
 #include <cstring>
-#include <utility>
 
 namespace cvtflow::tasks {
 

@@ -1,7 +1,6 @@
 #include "tasks/schedule/integrator.hpp"
 
 #include <algorithm>
-#include <utility>
 
 #include "tasks/method/method.hpp"
 #include "tasks/schedule/schedule.hpp"

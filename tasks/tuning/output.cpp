@@ -2,10 +2,8 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 
 #include "engine/base/text.hpp"
 #include "tasks/run/simulation.hpp"

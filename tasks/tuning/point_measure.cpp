@@ -1,13 +1,10 @@
 #include "tasks/tuning/point_measure.hpp"
 
 #include <fmt/format.h>
-#include <algorithm>
-#include <cmath>
 #include <ctime>
 #include <set>
 
 #include "tasks/run/saved_start.hpp"
-#include "tasks/scene/units.hpp"
 #include "tasks/tuning/detail_state.hpp"
 
 namespace cvtflow::tasks {

@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
-#include <map>
 
 #include "tasks/batch/start_states.hpp"
 #include "tasks/method/method.hpp"

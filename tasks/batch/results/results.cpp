@@ -4,17 +4,13 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <limits>
-#include <map>
 #include <numeric>
 #include <sstream>
 #include <tuple>
 
 #include "engine/base/hash.hpp"
 #include "engine/base/provenance.hpp"
-#include "engine/record/case_table.hpp"
 #include "model/start/start_state.hpp"
-#include "tasks/batch/case_engine.hpp"
 #include "tasks/batch/results/sweep_files.hpp"
 #include "tasks/scene/csv.hpp"
 

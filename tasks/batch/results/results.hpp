@@ -2,7 +2,6 @@
 /// The table of a sweep: its columns, rows made from results, what they amount to, and what may be joined. A table that can no longer be
 /// opened is recovered: intact rows are kept, the other cases run again.
 
-#include <functional>
 #include <map>
 #include <optional>
 #include <span>

@@ -7,7 +7,6 @@
 
 #include "engine/base/hash.hpp"
 #include "engine/base/provenance.hpp"
-#include "engine/record/run/schema.hpp"
 #include "tasks/run/saved_start.hpp"
 #include "tasks/run/simulation.hpp"
 

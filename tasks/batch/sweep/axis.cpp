@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <filesystem>
 #include <random>
 #include <sstream>
 #include <type_traits>
@@ -14,9 +13,6 @@
 #include "model/basis/portable_math.hpp"
 #include "tasks/batch/sweep/sweep_keys.hpp"
 #include "tasks/scene/csv.hpp"
-#include "tasks/scene/parameter_table.hpp"
-#include "tasks/scene/toml_tree.hpp"
-#include "tasks/scene/units.hpp"
 
 namespace cvtflow::tasks {
 

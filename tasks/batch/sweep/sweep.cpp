@@ -6,7 +6,6 @@
 
 #include "engine/base/hash.hpp"
 #include "engine/base/text.hpp"
-#include "tasks/batch/sweep/axis.hpp"
 #include "tasks/batch/sweep/sweep_keys.hpp"
 #include "tasks/method/method.hpp"
 #include "tasks/run/checkpoint.hpp"

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <string>
 
 #include "engine/base/text.hpp"
 #include "tasks/scene/parameter_table.hpp"
