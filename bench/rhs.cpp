@@ -35,7 +35,7 @@
 #include "plain/plain_rhs.hpp"
 #include "plain/system.hpp"
 #include "tasks/run/simulation.hpp"
-#include "tasks/tuning/detail_state.hpp"
+#include "tasks/tuning/point_measure.hpp"
 
 namespace {
 

@@ -5,7 +5,6 @@
 #include <set>
 
 #include "tasks/run/saved_start.hpp"
-#include "tasks/tuning/detail_state.hpp"
 
 namespace cvtflow::tasks {
 

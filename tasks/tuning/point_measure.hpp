@@ -62,6 +62,12 @@ struct TuneChoice {
 /// The scene with a choice applied. @param step fixed, 0: automatic [s]   @throws SceneError
 [[nodiscard]] Scene chosen_scene(const Scene& scene, const TuneChoice& choice, double step);
 
+/// A settled state brought over to another level of detail. Coordinates that both have are copied, new ones begin at zero: Legendre
+/// coordinates of higher order, elastic displacements of sheaves. Rigid pulleys take angles from the shafts and the movable sheaves'
+/// positions against their shafts, and give them back. Phases stay. A rigid pin is put in the middle between its two halves, and its halves
+/// where they roll on each other. Control and ledger are left out: they begin at zero.
+[[nodiscard]] engine::SavedState convert_state(const engine::SavedState& saved, const model::Parameters& from, const model::Parameters& to);
+
 /// Until when measurements may take.
 class Deadline {
 public:

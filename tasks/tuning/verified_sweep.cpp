@@ -12,7 +12,6 @@
 #include "tasks/batch/results/sweep_files.hpp"
 #include "tasks/run/saved_start.hpp"
 #include "tasks/scene/units.hpp"
-#include "tasks/tuning/detail_state.hpp"
 
 namespace cvtflow::tasks {
 

@@ -13,8 +13,7 @@
 #include "model/observe/observation.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/units.hpp"
-#include "tasks/tuning/detail_state.hpp"
-#include "tasks/tuning/output.hpp"
+#include "tasks/tuning/point_measure.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
 

@@ -1,4 +1,4 @@
-#include "tasks/tuning/detail_state.hpp"
+#include "tasks/tuning/point_measure.hpp"
 
 #include <gtest/gtest.h>
 
