@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <regex>
 #include <set>
+#include <utility>
 
 #include "engine/base/hash.hpp"
 #include "engine/base/provenance.hpp"
@@ -55,12 +56,9 @@ void remove_case_files(const fs::path& checkpoints, const fs::path& continuation
 
 namespace {
 
-/// An attribute of a table, and what it is called in messages.
-struct Source {
-    const char* attribute;
-    const char* name;
-};
-constexpr Source sources[] = {{"program", "program"}, {"start_states", "content of start.state"}, {"records", "outputs.records"}};
+/// Attributes of a table, and what they are called in messages.
+constexpr std::pair<const char*, const char*> sources[] = {
+    {"program", "program"}, {"start_states", "content of start.state"}, {"records", "outputs.records"}};
 constexpr std::string_view mixture = "; ";
 
 /// Hash of the start states that cases name: the one of the scene, or those of an axis.
