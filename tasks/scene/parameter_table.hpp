@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <variant>
 #include <vector>
 
@@ -40,14 +41,31 @@ struct Parameter {
     double min = 0.0;                       ///< smallest value allowed, in `unit` [unit]
     double max = 0.0;                       ///< largest value allowed [unit]
     std::vector<std::string_view> choices;  ///< of a choice, in the order of the enumerators; of an AutoNumber, its word
+    Slot (*member)(Scene&);                 ///< of<&Section::name>
     std::string_view meaning;
-    std::string_view source;  ///< where the default comes from
-    Slot (*member)(Scene&);
+    std::string_view source = "model choice";  ///< where the default comes from
 
     [[nodiscard]] std::string_view section() const noexcept { return key.substr(0, key.find('.')); }
     [[nodiscard]] std::string_view name() const noexcept { return key.substr(key.find('.') + 1); }
     [[nodiscard]] Kind kind() const;
 };
+
+/// Parameter::source of many rows.
+inline constexpr std::string_view typical_size = "typical size of a passenger-car variator";
+
+/// The section of a scene that has members of that type.
+template <class Section, class Value>
+[[nodiscard]] Section& section_with(Scene& s, Value Section::* /*member*/) {
+    model::Parameters& p = s.parameters;
+    return std::get<Section&>(std::tie(s, s.run, s.vehicle, s.cycle, p, p.detail, p.chain, p.half, p.plate, p.joint, p.tip, p.oil, p.heat,
+                                       p.wear, p.pulley, p.imperfection, p.drive, p.load, p.drag, p.guide, p.clamping, p.control,
+                                       p.hydraulics, p.start));
+}
+/// Parameter::member: that member of its section, or one inside of it.
+template <auto member, auto... inside>
+[[nodiscard]] Slot of(Scene& scene) {
+    return &((section_with(scene, member).*member).*....*inside);
+}
 
 /// All rows; the keys of a section are adjacent.
 [[nodiscard]] std::span<const Parameter> parameter_table();

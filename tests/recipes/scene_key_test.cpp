@@ -13,9 +13,7 @@ namespace {
 
 /// The member represents a new one of the parameters.
 const tasks::Parameter toy_length{
-    "half.toy_length", "m", 1e-3, 0.1, {}, "Length of nothing, for a recipe.", "recipe", [](tasks::Scene& s) -> tasks::Slot {
-        return &s.parameters.half.length;
-    }};
+    "half.toy_length", "m", 1e-3, 0.1, {}, tasks::of<&model::Half::length>, "Length of nothing, for a recipe.", "recipe"};
 
 std::vector<tasks::Problem> read_toy(const tasks::Node& node, tasks::Scene& scene) {
     std::vector<tasks::Problem> problems;
