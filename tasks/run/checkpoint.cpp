@@ -240,14 +240,10 @@ bool may_change(std::string_view key) noexcept {
 }
 
 void require_same(const std::string& path, const Checkpoint& checkpoint, const Scene& scene, const model::Variator& variator, bool mixed) {
-    const Scene then = scene_of(checkpoint);
+    const auto must_agree = [](const Parameter& key) { return !may_change(key.key); };
     std::vector<std::string> lines;
-    for (const Parameter& parameter : parameter_table()) {
-        if (may_change(parameter.key)) continue;
-        const std::string was = value_text(parameter, then);
-        const std::string is = value_text(parameter, scene);
-        if (was != is) lines.push_back(fmt::format("  {} = {}, the checkpoint has {}", parameter.key, is, was));
-    }
+    for (const auto& [key, is, was] : differing_keys(scene, scene_of(checkpoint), must_agree))
+        lines.push_back(fmt::format("  {} = {}, the checkpoint has {}", key->key, is, was));
     const auto written_by = [&] { return fmt::format("written by {}, this is {}", checkpoint.program, program_text()); };
     if (lines.empty() && checkpoint.method_hash != hash_of_method(scene)) {
         lines.push_back(fmt::format("  the method {} is another one, or has other coefficients; {}", method_of(scene), written_by()));

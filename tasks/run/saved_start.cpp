@@ -152,14 +152,10 @@ std::shared_ptr<const engine::SavedState> saved_start(const Scene& scene) {
 
 std::vector<std::string> start_differences(const engine::SavedState& saved, const Scene& scene) {
     std::vector<std::string> lines;
-    std::optional<Scene> then = settled_scene(saved, scene.state_file);
+    const std::optional<Scene> then = settled_scene(saved, scene.state_file);
     if (!then) return lines;
-    for (const Parameter& parameter : parameter_table()) {
-        if (!describes_machine(parameter)) continue;
-        const std::string was = value_text(parameter, *then);
-        const std::string is = value_text(parameter, scene);
-        if (was != is) lines.push_back(fmt::format("{} = {}, settled with {}", parameter.key, is, was));
-    }
+    for (const auto& [key, is, was] : differing_keys(scene, *then, describes_machine))
+        lines.push_back(fmt::format("{} = {}, settled with {}", key->key, is, was));
     return lines;
 }
 

@@ -1,7 +1,8 @@
-/// Searches in the table of parameters: rows by key, kinds by member, the keys that were probably meant, keys in which scenes differ.
+/// Searches in the table of parameters: rows by key, kinds by member, the keys that were probably meant, keys in which scenes differ,
+/// keys without effect.
 
+#include <fmt/format.h>
 #include <algorithm>
-#include <array>
 
 #include "engine/base/text.hpp"
 #include "tasks/scene/parameter_table.hpp"
@@ -13,74 +14,115 @@ namespace {
 
 constexpr std::size_t max_suggested = 3;
 
-/// Name that the field, or other programs, use for a quantity whose key has another name.
-struct Synonym {
-    std::string_view name, key;
+/// Names that the field, or other programs, use for a quantity whose key has another name.
+struct Synonyms {
+    std::string_view key, names;  ///< names: separated by spaces
 };
-constexpr Synonym synonyms[] = {
-    {"sheave_angle", "tip.angle"},
-    {"cone_angle", "tip.angle"},
-    {"flank_angle", "tip.angle"},
-    {"wedge_angle", "tip.angle"},
-    {"half_angle", "tip.angle"},
-    {"groove_angle", "tip.angle"},
-    {"pulley_angle", "tip.angle"},
-    {"mu", "tip.friction_coefficient"},
-    {"friction", "tip.friction_coefficient"},
-    {"center_distance", "pulley.centre_distance"},
-    {"axis_distance", "pulley.centre_distance"},
-    {"crowning", "pulley.arc_radius"},
-    {"min_radius", "pulley.innermost"},
-    {"max_radius", "pulley.outermost"},
-    {"links", "chain.pins"},
-    {"number_of_pins", "chain.pins"},
-    {"pin_length", "half.length"},
-    {"pin_width", "half.width"},
-    {"pin_mass", "half.mass"},
-    {"plates", "plate.count"},
-    {"rpm", "drive.speed"},
-    {"input_speed", "drive.speed"},
-    {"engine_speed", "drive.speed"},
-    {"input_torque", "drive.torque"},
-    {"engine_torque", "drive.torque"},
-    {"output_torque", "load.torque"},
-    {"load_torque", "load.torque"},
-    {"output_speed", "load.speed"},
-    {"clamping_force", "clamping.driven"},
-    {"axial_force", "clamping.driven"},
-    {"thrust", "clamping.driven"},
-    {"safety_factor", "clamping.safety"},
-    {"duration", "run.until"},
-    {"end", "run.until"},
-    {"end_time", "run.until"},
-    {"stop_time", "run.until"},
-    {"time_step", "run.step"},
-    {"timestep", "run.step"},
-    {"dt", "run.step"},
-    {"step_size", "run.step"},
-    {"solver", "run.method"},
-    {"integrator", "run.method"},
-    {"sample_time", "run.output_interval"},
-    {"output_step", "run.output_interval"},
+constexpr Synonyms synonyms[] = {
+    {"tip.angle", "sheave_angle cone_angle flank_angle wedge_angle half_angle groove_angle pulley_angle"},
+    {"tip.friction_coefficient", "mu friction"},
+    {"pulley.centre_distance", "center_distance axis_distance"},
+    {"pulley.arc_radius", "crowning"},
+    {"pulley.innermost", "min_radius"},
+    {"pulley.outermost", "max_radius"},
+    {"chain.pins", "links number_of_pins"},
+    {"half.length", "pin_length"},
+    {"half.width", "pin_width"},
+    {"half.mass", "pin_mass"},
+    {"plate.count", "plates"},
+    {"drive.speed", "rpm input_speed engine_speed"},
+    {"drive.torque", "input_torque engine_torque"},
+    {"load.torque", "output_torque load_torque"},
+    {"load.speed", "output_speed"},
+    {"clamping.driven", "clamping_force axial_force thrust"},
+    {"clamping.safety", "safety_factor"},
+    {"run.until", "duration end end_time stop_time"},
+    {"run.step", "time_step timestep dt step_size"},
+    {"run.method", "solver integrator"},
+    {"run.output_interval", "sample_time output_step"},
+};
+
+/// Whether a list of words contains the word, or its section: "heat.".
+bool lists(std::string_view list, std::string_view key) {
+    while (!list.empty()) {
+        const std::string_view word = list.substr(0, list.find(' '));
+        if (word == key || (word.ends_with('.') && key.starts_with(word))) return true;
+        list.remove_prefix(std::min(list.size(), word.size() + 1));
+    }
+    return false;
+}
+
+/// Keys that act under a condition only.
+struct Condition {
+    std::string_view keys;  ///< separated by spaces; "heat.": a section
+    bool (*acts)(const Scene&);
+    std::string_view otherwise;  ///< why they have no effect
+};
+
+bool is_lubricated(const Scene& s) { return s.parameters.tip.friction_law == model::TipFriction::lubricated; }
+
+bool has_affected_sheave(const Scene& s) {
+    const auto& of = s.parameters.imperfection;
+    return of.runout != 0.0 || of.attachment != 1.0 || of.unbalance != 0.0;
+}
+
+using model::DriveMode;
+using model::LoadMode;
+
+constexpr Condition conditions[] = {
+    {"oil.temperature", [](const Scene& s) { return is_lubricated(s) || s.parameters.heat.enabled; },
+     "tip.friction_law is not \"lubricated\" and heat.enabled is false"},
+    {"oil.viscosity_40 oil.viscosity_100 oil.pressure_viscosity tip.limiting_traction tip.roughness", is_lubricated,
+     "tip.friction_law is not \"lubricated\""},
+    {"tip.friction_table", [](const Scene& s) { return s.parameters.tip.friction_law == model::TipFriction::table; },
+     "tip.friction_law is not \"table\""},
+    {"tip.reference_pressure", [](const Scene& s) { return s.parameters.tip.pressure_sensitivity != 0.0; },
+     "tip.pressure_sensitivity is 0"},
+    {"detail.smoothing", [](const Scene& s) { return s.parameters.detail.friction == model::FrictionLaw::smoothed; },
+     "detail.friction is not \"smoothed\""},
+    {"heat.", [](const Scene& s) { return s.parameters.heat.enabled; }, "heat.enabled is false"},
+    {"hydraulics.", [](const Scene& s) { return s.parameters.hydraulics.mode != model::HydraulicMode::none; },
+     "hydraulics.mode is \"none\""},
+    {"guide.", [](const Scene& s) { return s.parameters.guide.present(); }, "guide.stiffness is 0"},
+    {"vehicle.", [](const Scene& s) { return s.vehicle.present(); }, "vehicle.mass is 0"},
+    {"cycle.", [](const Scene& s) { return s.cycle.present(); }, "cycle.speed is 0"},
+    {"drive.torque", [](const Scene& s) { return s.parameters.drive.mode == DriveMode::torque; }, "drive.mode is not \"torque\""},
+    {"drive.coupling_stiffness drive.coupling_damping", [](const Scene& s) { return s.parameters.drive.mode == DriveMode::coupling; },
+     "drive.mode is not \"coupling\""},
+    {"load.speed", [](const Scene& s) { return s.parameters.load.mode != LoadMode::torque; }, "load.mode is \"torque\""},
+    {"load.governor_frequency", [](const Scene& s) { return s.parameters.load.mode == LoadMode::speed; }, "load.mode is not \"speed\""},
+    {"load.coupling_stiffness load.coupling_damping", [](const Scene& s) { return s.parameters.load.mode == LoadMode::coupling; },
+     "load.mode is not \"coupling\""},
+    {"drag.bearing_diameter", [](const Scene& s) { return s.parameters.drag.bearing_friction != 0.0; }, "drag.bearing_friction is 0"},
+    {"imperfection.sheave", has_affected_sheave, "the sheave has no runout, unbalance or other attachment"},
+    {"imperfection.pin_length_seed", [](const Scene& s) { return s.parameters.imperfection.pin_length_spread != 0.0; },
+     "imperfection.pin_length_spread is 0"},
+    {"control.ratio control.slip control.safety control.proportional control.integral control.authority control.quantity",
+     [](const Scene& s) { return s.parameters.control.enabled; }, "control.enabled is false"},
+    {"control.driven_proportional control.driven_integral control.driven_authority",
+     [](const Scene& s) { return s.parameters.control.driven != model::DrivenControl::none; }, "control.driven is \"none\""},
+    {"start.ring_speed", [](const Scene& s) { return s.parameters.start.layout == model::StartLayout::ring; },
+     "start.layout is not \"ring\""},
+    {"run.state_interval", [](const Scene& s) { return s.run.state_interval >= s.run.output_interval; },
+     "run.output_interval is longer: states are recorded at outputs"},
+    {"run.steady run.steady_limit", [](const Scene& s) { return s.run.until.automatic(); }, "run.until is not \"steady\""},
+    {"run.tolerance", [](const Scene& s) { return s.run.step_control == StepControl::error; }, "run.step_control is not \"error\""},
 };
 
 }  // namespace
 
 Kind Parameter::kind() const {
-    static constexpr std::array kinds{Kind::number, Kind::integer,     Kind::integer,     Kind::integer,     Kind::boolean,
-                                      Kind::text,   Kind::number_list, Kind::time_table,  Kind::speed_table, Kind::choice,
-                                      Kind::choice, Kind::choice,      Kind::choice,      Kind::choice,      Kind::choice,
-                                      Kind::choice, Kind::choice,      Kind::choice,      Kind::choice,      Kind::choice,
-                                      Kind::choice, Kind::choice,      Kind::choice,      Kind::choice,      Kind::choice,
-                                      Kind::choice, Kind::choice,      Kind::auto_number, Kind::text_list};
-    static_assert(kinds.size() == std::variant_size_v<Slot>);
+    using enum Kind;
+    static constexpr Kind kinds[] = {number,      integer,    integer,     integer,     boolean,  text,
+                                     number_list, time_table, speed_table, auto_number, text_list};
     Scene scene;
-    return kinds[member(scene).index()];
+    const std::size_t index = member(scene).index();
+    return index < std::size(kinds) ? kinds[index] : choice;
 }
 
 const Parameter* find_parameter(std::string_view key) {
     const auto rows = parameter_table();
-    const auto row = std::ranges::find_if(rows, [&](const Parameter& parameter) { return parameter.key == key; });
+    const auto row = std::ranges::find(rows, key, &Parameter::key);
     return row == rows.end() ? nullptr : &*row;
 }
 
@@ -93,7 +135,7 @@ std::vector<std::string> nearest_keys(std::string_view key) {
     if (!near.empty() && engine::edit_distance(key, near) <= 2) return {near};
     for (const Parameter& parameter : rows)
         if (name.size() > 2 && parameter.key.starts_with(key)) return {std::string(parameter.key)};
-    const auto synonym = std::ranges::find_if(synonyms, [&](const Synonym& each) { return each.name == name; });
+    const auto synonym = std::ranges::find_if(synonyms, [&](const Synonyms& each) { return lists(each.names, name); });
     if (synonym != std::end(synonyms)) return {std::string(synonym->key)};
     std::vector<std::string> of_that_name;
     for (const Parameter& parameter : rows)
@@ -128,6 +170,18 @@ std::vector<KeyDifference> differing_keys(const Scene& a, const Scene& b, const 
         if (each.a != each.b) keys.push_back(std::move(each));
     }
     return keys;
+}
+
+std::vector<std::string> idle_keys(const Scene& scene) {
+    std::vector<std::string> lines;
+    for (const Condition& row : conditions) {
+        if (row.acts(scene)) continue;
+        std::vector<std::string_view> idle;
+        const auto listed = [&row](const Parameter& key) { return lists(row.keys, key.key); };
+        for (const KeyDifference& each : differing_keys(scene, Scene{}, listed)) idle.push_back(each.key->key);
+        if (!idle.empty()) lines.push_back(fmt::format("{}: no effect, since {}", fmt::join(idle, ", "), row.otherwise));
+    }
+    return lines;
 }
 
 }  // namespace cvtflow::tasks

@@ -18,12 +18,12 @@ struct Entry;
 struct Node;
 struct Problem;
 
-/// The member of a scene that a key sets. Its type decides how the key is written (Kind).
+/// The member of a scene that a key sets. Its type decides how the key is written (Kind); those from PinDetail on are choices.
 using Slot = std::variant<double*, int*, long*, std::uint64_t*, bool*, std::string*, std::vector<double>*, model::TimeTable*,
-                          model::SpeedTable*, model::PinDetail*, model::PlateDetail*, model::PulleyDetail*, model::FrictionLaw*,
-                          model::JointLaw*, model::TipFriction*, model::Sheave*, model::DriveMode*, model::LoadMode*,
-                          model::ControlledQuantity*, ControlGains*, DetailLevel*, model::DrivenControl*, model::HydraulicMode*,
-                          model::StartLayout*, Assembly*, PartitionKind*, StepControl*, AutoNumber*, std::vector<std::string>*>;
+                          model::SpeedTable*, AutoNumber*, std::vector<std::string>*, model::PinDetail*, model::PlateDetail*,
+                          model::PulleyDetail*, model::FrictionLaw*, model::JointLaw*, model::TipFriction*, model::Sheave*,
+                          model::DriveMode*, model::LoadMode*, model::ControlledQuantity*, ControlGains*, DetailLevel*,
+                          model::DrivenControl*, model::HydraulicMode*, model::StartLayout*, Assembly*, PartitionKind*, StepControl*>;
 
 enum class Kind { number, auto_number, integer, choice, boolean, text, number_list, time_table, speed_table, text_list };
 
