@@ -22,6 +22,7 @@
 #include "bench/study/profile/crowding.hpp"
 #include "bench/study/profile/report.hpp"
 #include "bench/study/profile/statistics.hpp"
+#include "bench/study/run_watch.hpp"
 #include "bench/study/tradeoff/relative_error.hpp"
 #include "engine/base/provenance.hpp"
 #include "engine/executor/cancellation.hpp"
@@ -236,7 +237,7 @@ int run(const Settings& settings) {
     double got = bench::processors_got(1, 0.1);
     const bench::ErrorMeasure measure = measure_over(duration, scene, saved, settings, {"rk4", 12.5e-9});
     std::vector<Row> rows = our_rows(measure, settings);
-    bench::Problem problem(scene, tasks::frozen_start(simulation), duration, settings.interval);
+    bench::Problem problem(scene, bench::frozen_start(simulation), duration, settings.interval);
     for (const bench::Peer& peer : bench::peers()) {
         for (const double tolerance : settings.tolerances)
             rows.push_back(peer_row(peer, problem, tolerance, measure.reference(), settings, duration));

@@ -8,7 +8,6 @@
 
 #include "tasks/scene/scene.hpp"
 #include "tasks/step/step_method.hpp"
-#include "tasks/step/workspace.hpp"
 
 namespace cvtflow::tasks {
 
@@ -303,20 +302,6 @@ void name_notes(const RunMeans& means, const EnergyBalance& balance, std::string
     for (std::size_t k = 0; k < found.size(); ++k) {
         if (found[k]) names.append(names.empty() ? "" : " ").append(kinds[k].name);
     }
-}
-
-void RunWatch::add(const model::Observation& now, const Workspace& workspace) {
-    if (!begun_) begin_ = now.time;
-    begun_ = true;
-    end_ = now.time;
-    pin_period_ = workspace.pin_period();
-    means_.add(now, workspace.energy.sums(now.time), pin_period_);
-}
-
-WatchResult RunWatch::result(const EnergyLedger& ledger, double before) const {
-    const EnergyBalance balance = ledger.balance();  // ends with the last sample, which lies elsewhere with other steps
-    return {balance.relative(), std::max(before, ledger.balance_error_ratio()), ledger.sums(end_).lost(), pin_period_, end_ - begin_,
-            means_.all()};
 }
 
 }  // namespace cvtflow::tasks

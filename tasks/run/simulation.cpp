@@ -6,8 +6,6 @@
 #include <utility>
 
 #include "engine/base/hash.hpp"
-#include "engine/executor/cancellation.hpp"
-#include "engine/method/catalogue.hpp"
 #include "engine/record/run/state_file.hpp"
 #include "model/force/pulley_inputs.hpp"
 #include "model/machine/belt.hpp"
@@ -215,19 +213,6 @@ LargestStep largest_step(const Simulation& simulation) {
     AutoStep step(w.variator, w.parameters, simulation.method());
     (void)step.longest(simulation.time(), w.state(), w.tips.phases.data());
     return step.largest();
-}
-
-FrozenStart frozen_start(const Simulation& simulation) {
-    const Workspace& at = simulation.workspace();
-    const std::size_t size = static_cast<std::size_t>(at.layout().size());
-    Workspace probed(at.parameters, *engine::find_method("rk4"), Partition::equal(at.layout().links, 1));
-    std::copy_n(at.state(), size, probed.state_to_set());
-    probed.tips.phases = at.tips.phases;
-    SilentObserver silent;
-    const engine::Cancellation never;
-    StageMethod method(probed);
-    StepController controller(probed, method, StepSettings{}, silent, never);  // probes the start
-    return {simulation.time(), {probed.state_to_set(), probed.state_to_set() + size}, probed.tips.phases, simulation.balance_error_ratio()};
 }
 
 PlainSlope::PlainSlope(const model::Variator& variator, const model::PhaseRule& rule)

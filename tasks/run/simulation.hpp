@@ -120,8 +120,6 @@ private:
 [[nodiscard]] double automatic_step(const Simulation& simulation);
 /// The largest step that is stable and accurate for the method at the present state. Takes a hundred evaluations.
 [[nodiscard]] LargestStep largest_step(const Simulation& simulation);
-/// The simulation's present state, with the phases that a run would begin with.
-[[nodiscard]] FrozenStart frozen_start(const Simulation& simulation);
 
 /// The right-hand side as a function of time and unknowns alone. Serial; owns the memory of one evaluation.
 class PlainSlope {

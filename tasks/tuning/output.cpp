@@ -107,7 +107,7 @@ void OutputReader::sample(double time, const Workspace& workspace, const Counter
 
 const model::Observation& OutputReader::reduce(double time, const Workspace& workspace, const Counters& counters, const Occasion& when) {
     const model::Observation& now = workspace.observed_by(observer_, time);
-    watch_.add(now, workspace);
+    means_.add(now, workspace.energy.sums(now.time), workspace.pin_period());
     const Instant instant{now, workspace, counters, followed_pin_, observer_};
     for (std::size_t i = 0; i < outputs_.size(); ++i) {
         if (outputs_[i].figure == nullptr) reducers_[i].read(outputs_[i].scalar, instant, when, numbers_);
@@ -117,7 +117,7 @@ const model::Observation& OutputReader::reduce(double time, const Workspace& wor
 
 std::vector<double> OutputReader::values() const {
     const double n = count_ > 0 ? static_cast<double>(count_) : std::numeric_limits<double>::quiet_NaN();
-    const FigureMeans means{watch_.means().all(), tip_ / n, thrust_ / n};
+    const FigureMeans means{means_.all(), tip_ / n, thrust_ / n};
     std::vector<double> values;
     for (std::size_t i = 0; i < outputs_.size(); ++i) {
         const TunedOutput& output = outputs_[i];

@@ -60,13 +60,13 @@ public:
 
     /// time [s]
     void output(double time, const Workspace& workspace, const Counters& counters) override;
-    [[nodiscard]] bool samples(double time) const noexcept override { return watch_.due(time); }
+    [[nodiscard]] bool samples(double time) const noexcept override { return means_.curve().due(time); }
     void sample(double time, const Workspace& workspace, const Counters& counters) override;
     void transition(const TransitionRecord&) override {}
 
     /// Value of every output, in its unit; not a number if no output counted.
     [[nodiscard]] std::vector<double> values() const;
-    [[nodiscard]] const RunWatch& watch() const noexcept { return watch_; }
+    [[nodiscard]] const RunMeans& means() const noexcept { return means_; }
 
 private:
     const model::Observation& reduce(double time, const Workspace& workspace, const Counters& counters, const Occasion& when);  ///< [s]
@@ -75,7 +75,7 @@ private:
     std::span<const TunedOutput> outputs_;
     int followed_pin_;
     double from_;  ///< [s]
-    RunWatch watch_;
+    RunMeans means_;
     double tip_ = 0.0, thrust_ = 0.0;  ///< sums [N], [1]
     long count_ = 0;
     std::vector<Reducer> reducers_;

@@ -254,7 +254,7 @@ PointRun PointMeasure::run(const TuneChoice& choice, engine::SavedState* state) 
     record_cost(*simulation, began, std::max(simulation->time() - begin, 1e-9), run);
     run.values = reader.values();
     std::string notes;
-    name_notes(reader.watch().means(), simulation->workspace().energy.balance(), notes);
+    name_notes(reader.means(), simulation->workspace().energy.balance(), notes);
     run.unsteady = notes.find("unsteady") != std::string::npos;
     if (fault)
         run.objection = fault.message();

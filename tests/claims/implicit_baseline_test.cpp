@@ -5,7 +5,9 @@
 
 #include "bench/method/implicit/catalogue.hpp"
 #include "bench/method/implicit/linear_plan.hpp"
+#include "bench/study/run_watch.hpp"
 #include "bench/study/tradeoff/relative_error.hpp"
+#include "tasks/tuning/output.hpp"
 #include "tests/claims/method_trial_fixture.hpp"
 
 namespace cvtflow::claims {
@@ -16,7 +18,7 @@ protected:
     static constexpr double step = 2e-6, duration = 100e-6;
 
     static const tasks::FrozenStart& start() {
-        static const tasks::FrozenStart settled = tasks::frozen_start(tasks::Simulation(scene()));
+        static const tasks::FrozenStart settled = bench::frozen_start(tasks::Simulation(scene()));
         return settled;
     }
     static bench::TrialEnd end(const std::string& method, double h = step) {

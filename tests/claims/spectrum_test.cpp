@@ -9,6 +9,7 @@
 
 #include "bench/method/linear/arnoldi.hpp"
 #include "bench/study/attribution.hpp"
+#include "bench/study/run_watch.hpp"
 #include "bench/study/stability/eigenvalue_step.hpp"
 #include "bench/study/stability/stable_step.hpp"
 #include "engine/method/catalogue.hpp"
@@ -85,7 +86,7 @@ TEST(Spectrum, ItsImaginaryPartIsElasticAndDoesNotKnowTheFriction) {
 
 /// The baseline at its saved state.
 const tasks::FrozenStart& baseline_start() {
-    static const tasks::FrozenStart start = tasks::frozen_start(tasks::Simulation(ready_scene("baseline")));
+    static const tasks::FrozenStart start = bench::frozen_start(tasks::Simulation(ready_scene("baseline")));
     return start;
 }
 

@@ -1,6 +1,7 @@
 #include "tests/tasks/brief_start_fixture.hpp"
 
 #include <gtest/gtest.h>
+#include "bench/study/run_watch.hpp"
 #include "tasks/run/simulation.hpp"
 
 namespace cvtflow::tasks {
@@ -18,7 +19,7 @@ const FrozenStart& brief_start() {
         SilentObserver silent;
         const engine::Cancellation never;
         EXPECT_FALSE(simulation.advance({.until = 0.0}, silent, never));
-        return frozen_start(simulation);
+        return bench::frozen_start(simulation);
     }();
     return settled;
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <tuple>
 
+#include "bench/study/run_watch.hpp"
 #include "bench/study/spectrum.hpp"
 #include "bench/study/stability/frozen_step.hpp"
 #include "bench/study/tradeoff/error_measure.hpp"
@@ -68,10 +69,10 @@ TEST(ReusedSlopes, SaveAnEvaluationInEveryStepThatIsNotCut) {
 TEST(ReusedSlopes, AreThoseThatWouldBeEvaluated) {
     Simulation simulation(settled_tiny(with("dumka3-p1", "50ns", {"run.output_interval=1us", "run.state_interval=1us"})));
     SilentObserver silent;
-    FrozenStart start = frozen_start(simulation);
+    FrozenStart start = bench::frozen_start(simulation);
     ASSERT_FALSE(simulation.advance({.until = simulation.time() + 1e-6, .new_part = true}, silent, not_cancelled));
     for (int window = 0; simulation.counters().truncated > 0 && window < 40; ++window) {  // until one has no transition
-        start = frozen_start(simulation);
+        start = bench::frozen_start(simulation);
         ASSERT_FALSE(simulation.advance({.until = simulation.time() + 1e-6, .new_part = true}, silent, not_cancelled));
     }
     ASSERT_EQ(simulation.counters().truncated, 0);
@@ -143,7 +144,7 @@ TEST(ErrorControl, EndsWhenNoStepIsShortEnough) {
 /// The dense spectrum of the same state. Power iteration comes from below.
 TEST(SpectralBound, IsTheExtentOfTheSpectrum) {
     const Simulation simulation(settled_tiny());
-    const FrozenStart start = frozen_start(simulation);
+    const FrozenStart start = bench::frozen_start(simulation);
     SpectralBound bound(simulation.workspace().variator);
     const int evaluations = bound.estimate(start.time, start.state.data(), start.phases.data());
     EXPECT_LE(evaluations, 301);

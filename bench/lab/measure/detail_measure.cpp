@@ -59,7 +59,7 @@ struct Averager final : tasks::RunObserver {
     model::Observer observer;
     double middle;
     tasks::OutputReader first, second;
-    tasks::RunWatch watch;
+    RunWatch watch;
     Ratio begin, end;
     bool begun = false;
 };

@@ -9,9 +9,9 @@
 #include <string_view>
 #include <vector>
 
+#include "bench/study/run_watch.hpp"
 #include "engine/record/run/state_file.hpp"
 #include "model/parameters/parameters.hpp"
-#include "tasks/run/run_means.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/scene.hpp"
 
@@ -54,7 +54,7 @@ struct DetailOutcome {
     double shift = 0.0;                             ///< relative rate of the ratio at the scene's clamping [1/s]
     double thrust = 0.0;                            ///< S_1/S_2 that holds the target ratio under load; 0: not determined
     double drift = 0.0;                             ///< difference of the tight strand's tension between both halves of the averaging
-    tasks::WatchResult watch;                       ///< over the averaging; balance error of the settling included
+    WatchResult watch;                              ///< over the averaging; balance error of the settling included
     std::string status = "finished";                ///< or "unreliable", or the fault's name
     std::string fault;                              ///< message for that; if not empty, the figures above are invalid
     std::shared_ptr<tasks::Simulation> simulation;  ///< where the averaging ended

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "bench/study/run_watch.hpp"
 #include "tasks/run/run.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tools/program/guard.hpp"
@@ -25,7 +26,7 @@ tasks::FrozenStart settled_start(const tasks::Scene& scene, bool settle, const s
         const tasks::Fault fault = simulation.advance({.until = 0.0}, silent, catch_interrupts());
         if (fault) throw tasks::SettlingFault(fault);
     }
-    return tasks::frozen_start(simulation);
+    return frozen_start(simulation);
 }
 
 long touching_tips(const tasks::FrozenStart& start) {

@@ -45,14 +45,14 @@ struct ComparedChoice {
 struct CompareSetting {
     std::string scene;
     std::string reference, duration, interval;  ///< as given
-    tasks::WatchResult reference_watch;
+    WatchResult reference_watch;
     int rounds = 0;
-    bool newton = false;               ///< columns of Newton's method
-    std::optional<PinEntry> pin;       ///< whose force is compared
-    bool front = false;                ///< columns and recommendations of the Pareto front, and what follows
-    double confirm = 0.0;              ///< length of the long runs [s]
-    std::string confirm_reference;     ///< Confirmation::reference_text()
-    tasks::WatchResult confirm_watch;  ///< of that run
+    bool newton = false;            ///< columns of Newton's method
+    std::optional<PinEntry> pin;    ///< whose force is compared
+    bool front = false;             ///< columns and recommendations of the Pareto front, and what follows
+    double confirm = 0.0;           ///< length of the long runs [s]
+    std::string confirm_reference;  ///< Confirmation::reference_text()
+    WatchResult confirm_watch;      ///< of that run
 };
 
 /// Target errors of the recommendations.

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "bench/method/stability/linear_chain.hpp"
+#include "bench/study/run_watch.hpp"
 #include "engine/executor/cancellation.hpp"
-#include "tasks/run/run_means.hpp"
 #include "tasks/scene/scene.hpp"
 
 namespace cvtflow::bench {
@@ -30,7 +30,7 @@ struct ConfirmSettings {
 /// A run that was long enough to be read, or what came instead.
 struct LongRun {
     tasks::Fault fault;
-    tasks::WatchResult watch;
+    WatchResult watch;
     double step = 0.0;  ///< last one in use [s]
     double wall = 0.0;  ///< per simulated second [s/s]
 };

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "bench/method/implicit/newton.hpp"
+#include "bench/study/run_watch.hpp"
 #include "engine/record/run/state_file.hpp"
-#include "tasks/run/run_means.hpp"
 #include "tasks/run/simulation.hpp"
 
 namespace cvtflow::bench {
@@ -31,7 +31,7 @@ struct Trajectory {
     double simulated = 0.0;    ///< [s]
     double wall = 0.0;         ///< without the time that observing took [s]
     double steady_wall = 0.0;  ///< per simulated second of a longer run, where a short one is no measure of that; 0: it is [s/s]
-    tasks::WatchResult watch;  ///< whether its figures can be right
+    WatchResult watch;         ///< whether its figures can be right
     std::uint64_t hash = 0;
     std::string schedule;
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bench/study/run_watch.hpp"
 #include "engine/method/catalogue.hpp"
 #include "tests/tasks/brief_start_fixture.hpp"
 

@@ -12,6 +12,7 @@
 
 #include "bench/method/stability/predicted_step.hpp"
 #include "bench/method/stability/step_search.hpp"
+#include "bench/study/run_watch.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/ready_scenes.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
@@ -44,7 +45,7 @@ TEST_P(AutoStepOn, IsStableAndNotNeedlesslyShort) {
         const Simulation simulation(scene);
         AutoStep automatic(simulation.workspace().variator, scene.parameters, method);
         const double step = automatic.longest(simulation.time(), simulation.workspace().state(), simulation.workspace().tips.phases.data());
-        const bench::LinearChain chain(simulation.workspace().variator, scene.parameters, frozen_start(simulation));
+        const bench::LinearChain chain(simulation.workspace().variator, scene.parameters, bench::frozen_start(simulation));
         // These machines do not rest in the state of the ready one: what grows by itself grows alike in shorter steps.
         const double by_itself = std::max(1.0, std::pow(bench::predicted_growth(chain, method, step / 4.0), 4.0));
         EXPECT_LE(bench::predicted_growth(chain, method, step), by_itself + noticeable_growth) << method << ", " << step << " s";

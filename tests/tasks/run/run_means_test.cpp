@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/study/run_watch.hpp"
 #include "tasks/run/run.hpp"
 #include "tasks/run/run_means.hpp"
 #include "tasks/run/simulation.hpp"
@@ -233,13 +234,13 @@ public:
         watch.add(workspace.observed_by(observer_, time), workspace);
     }
     void transition(const TransitionRecord&) override {}
-    RunWatch watch;
+    bench::RunWatch watch;
 
 private:
     model::Observer observer_;
 };
 
-WatchResult watched(const std::vector<std::string>& settings, double duration) {
+bench::WatchResult watched(const std::vector<std::string>& settings, double duration) {
     Simulation simulation(test::settled_tiny(settings));
     Watching observer(simulation);
     const engine::Cancellation never;
@@ -248,18 +249,18 @@ WatchResult watched(const std::vector<std::string>& settings, double duration) {
 }
 
 TEST(RunWatch, KnowsHowLongARunWasInPinPeriods) {
-    const WatchResult brief = watched({}, 100e-6);
+    const bench::WatchResult brief = watched({}, 100e-6);
     EXPECT_NEAR(brief.duration, 100e-6, 1e-12);
     ASSERT_GT(brief.pin_period, 0.0);
     EXPECT_DOUBLE_EQ(brief.pin_periods(), brief.duration / brief.pin_period);
     EXPECT_FALSE(brief.long_enough());
-    WatchResult longer = brief;
-    longer.duration = enough_pin_periods * brief.pin_period;
+    bench::WatchResult longer = brief;
+    longer.duration = bench::enough_pin_periods * brief.pin_period;
     EXPECT_TRUE(longer.long_enough());
 }
 
 TEST(RunWatch, NothingThatPassesAPulleyNeedsNoPinPeriods) {
-    const WatchResult none;
+    const bench::WatchResult none;
     EXPECT_EQ(none.pin_periods(), 0.0);
     EXPECT_TRUE(none.long_enough());
 }
@@ -267,7 +268,7 @@ TEST(RunWatch, NothingThatPassesAPulleyNeedsNoPinPeriods) {
 /// At this state the classical method is stable up to 0.7 us.
 TEST(RunWatch, CallsAStepBeyondStabilityUnreliable) {
     EXPECT_EQ(watched({"run.step=50ns"}, 600e-6).status({}), "finished");
-    const WatchResult wrong = watched({"run.method=rk4", "run.step=2us"}, 600e-6);
+    const bench::WatchResult wrong = watched({"run.method=rk4", "run.step=2us"}, 600e-6);
     EXPECT_FALSE(wrong.reliable());
     EXPECT_EQ(wrong.status({}), "unreliable");
     EXPECT_EQ(wrong.status({FaultKind::penetration, 0.0, 0, 0.0, 0.0}), "penetration") << "a fault is more specific";

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/study/run_watch.hpp"
 #include "tasks/channel/channels.hpp"
 #include "tasks/run/run_means.hpp"
 #include "tests/tasks/run/settled_run_fixture.hpp"
@@ -97,17 +98,17 @@ TEST(ShaftDragSummary, CountsDragAmongTheLosses) {
     const Scene scene = dragged_scene("rigid");
     Simulation simulation(scene);
     settle_and_go(simulation, 0.0);
-    RunWatch watch;
+    bench::RunWatch watch;
     class Outputs final : public RunObserver {
     public:
-        Outputs(RunWatch& watch, const Simulation& of) : watch_(watch), observer_(of.workspace().variator) {}
+        Outputs(bench::RunWatch& watch, const Simulation& of) : watch_(watch), observer_(of.workspace().variator) {}
         void output(double time, const Workspace& workspace, const Counters&) override {
             watch_.add(workspace.observed_by(observer_, time), workspace);
         }
         void transition(const TransitionRecord&) override {}
 
     private:
-        RunWatch& watch_;
+        bench::RunWatch& watch_;
         model::Observer observer_;
     } outputs(watch, simulation);
     ASSERT_FALSE(simulation.advance({.until = 3e-3, .new_part = true}, outputs, drag_uncancelled));

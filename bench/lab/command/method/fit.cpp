@@ -8,6 +8,7 @@
 #include "bench/lab/command/command.hpp"
 #include "bench/lab/text/method_text.hpp"
 #include "bench/method/family/fitted.hpp"
+#include "bench/study/run_watch.hpp"
 #include "bench/study/spectrum.hpp"
 #include "tasks/method/auto_step.hpp"
 #include "tasks/method/spectral_bound.hpp"
@@ -70,7 +71,7 @@ ExitStatus run_fit(const FitArguments& arguments) {
     if (simulation.needs_settling())
         throw tasks::SceneError(
             fmt::format("{}: the start is not settled, so its spectrum is meaningless (cvtflow settle)", loaded.scene.name));
-    const tasks::FrozenStart start = tasks::frozen_start(simulation);
+    const tasks::FrozenStart start = frozen_start(simulation);
     const double step = loaded.scene.run.step.value_or(tasks::longest_automatic_step(simulation.method().name(), loaded.scene.parameters));
     fmt::print("{}: polynomial for steps of {}\n", loaded.scene.name, time_text(step));
     const FitExtent extent = arguments.eigenvalues ? extent_by_eigenvalues(simulation.workspace().variator, start)

@@ -1,4 +1,5 @@
 #include "settled_fixture.hpp"
+#include "bench/study/run_watch.hpp"
 #include "tasks/run/simulation.hpp"
 
 #include <gtest/gtest.h>

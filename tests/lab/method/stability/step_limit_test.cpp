@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "bench/study/run_watch.hpp"
 #include "tasks/step/integration_state.hpp"
 #include "tests/tasks/settled_tiny_fixture.hpp"
 

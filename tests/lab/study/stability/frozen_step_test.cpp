@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "bench/method/analysis/order.hpp"
+#include "bench/study/run_watch.hpp"
 #include "engine/method/catalogue.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tests/tasks/brief_start_fixture.hpp"

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "bench/method/implicit/catalogue.hpp"
+#include "bench/study/run_watch.hpp"
 #include "tasks/method/method.hpp"
 #include "tasks/run/run.hpp"
 #include "tests/tasks/settled_tiny_fixture.hpp"
