@@ -10,45 +10,39 @@ namespace {
 
 using model::ChainLayout;
 using model::ChainModel;
+using model::Energy;
+using model::Loss;
 using model::Observation;
+using model::Work;
 
 int per_link(const ChainModel& chain) { return chain.layout().links; }
 int per_tip(const ChainModel& chain) { return model::tips_per_link * chain.layout().links; }
 
-/// A member of the observation that is a number.
-Channel::Read scalar(double Observation::*member) {
-    return [member](const Instant& now, double* out) { *out = now.observation.*member; };
+/// A member of the observation that is a number; the element of one that has two; all elements.
+double scalar(const Instant& now, double Observation::*member) { return now.observation.*member; }
+double element(const Instant& now, std::array<double, 2> Observation::*member, std::size_t index) {
+    return (now.observation.*member)[index];
 }
-/// A member that has an element for each shaft.
-Channel::Read element(std::array<double, 2> Observation::*member, std::size_t index) {
-    return [member, index](const Instant& now, double* out) { *out = (now.observation.*member)[index]; };
-}
-/// All elements of a member.
-template <class List>
-Channel::Read list(List Observation::*member) {
-    return [member](const Instant& now, double* out) {
-        const auto& values = now.observation.*member;
-        std::copy(values.begin(), values.end(), out);
-    };
+template <auto member>
+void list(const Instant& now, double* out) {
+    std::ranges::copy(now.observation.*member, out);
 }
 
 /// Efficiency since the last output, or of the instant if there is none before.
-void efficiency(const Instant& now, double* out) {
+double efficiency(const Instant& now) {
     const EnergyLedger& energy = now.workspace.energy;
     const std::optional<EnergySums> before = energy.sums_before(now.observation.time);
-    *out = before ? energy.sums(now.observation.time).efficiency_since(*before) : std::numeric_limits<double>::quiet_NaN();
-    if (std::isfinite(*out)) return;
+    const double since = before ? energy.sums(now.observation.time).efficiency_since(*before) : std::numeric_limits<double>::quiet_NaN();
+    if (std::isfinite(since)) return since;
     EnergySums powers;
     powers.loss = now.observation.account.loss;
     powers.work = now.observation.work;
-    *out = powers.efficiency_since({});
+    return powers.efficiency_since({});
 }
-Channel::Read chain_torque(std::size_t shaft) {
-    return [shaft](const Instant& now, double* out) { *out = now.chain_torque(shaft); };
-}
-void thrust_ratio(const Instant& now, double* out) {
+double chain_torque(const Instant& now, std::size_t shaft) { return now.chain_torque(shaft); }
+double thrust_ratio(const Instant& now) {
     const Observation& o = now.observation;
-    *out = o.clamping[1] != 0.0 ? o.clamping[0] / o.clamping[1] : std::numeric_limits<double>::quiet_NaN();
+    return o.clamping[1] != 0.0 ? o.clamping[0] / o.clamping[1] : std::numeric_limits<double>::quiet_NaN();
 }
 
 /// Tips of the pin that is followed: of its rear half on its own link and of its front half on the link before.
@@ -62,65 +56,149 @@ void followed_axial(const Instant& now, double* out) {
     for (int side = 0; side < 2; ++side) out[side] = force(now.followed_pin, 0, side) + force(before, 1, side);
 }
 void followed_position(const Instant& now, double* out) { std::ranges::copy(now.workspace.rear_half(now.followed_pin), out); }
-void followed_tension(const Instant& now, double* out) { *out = now.observation.tension[static_cast<std::size_t>(now.followed_pin)]; }
-void touching(const Instant& now, double* out) { *out = now.observation.touching; }
+double followed_tension(const Instant& now) { return now.observation.tension[static_cast<std::size_t>(now.followed_pin)]; }
+double touching(const Instant& now) { return now.observation.touching; }
+
+constexpr std::string_view losses[] = {"inner",       "plate_damping", "plate_friction", "joint_damping", "joint_friction",
+                                       "tip_damping", "tip_friction",  "supports",       "cylinder",      "guide"};
+constexpr std::string_view works[] = {"drive", "load", "clamping"};
+constexpr std::string_view energies[] = {"kinetic", "inner", "pack", "plates", "joints", "tips", "supports"};
+
+double loss(const Instant& now, Loss kind) { return now.observation.account[kind]; }
+double energy(const Instant& now, Energy kind) { return now.observation.account[kind]; }
+double work(const Instant& now, Work kind) { return now.observation.work[static_cast<std::size_t>(kind)]; }
+
+/// Sums of works and losses up to the instant.
+[[nodiscard]] EnergySums sums(const Instant& now) { return now.workspace.energy.sums(now.observation.time); }
+
+double dissipated(const Instant& now, Loss kind) { return sums(now).loss[static_cast<std::size_t>(kind)]; }
+double dissipated_total(const Instant& now) { return sums(now).lost(); }
+double done(const Instant& now, Work kind) { return sums(now).work[static_cast<std::size_t>(kind)]; }
+double residual(const Instant& now) { return now.workspace.energy.balance().relative(); }
+double balance_error_ratio(const Instant& now) { return now.workspace.energy.balance_error_ratio(); }
+double control_target(const Instant& now) { return now.observation.control.target; }
+double control_error(const Instant& now) { return now.observation.control.value - now.observation.control.target; }
+double control_limited(const Instant& now) { return now.observation.control_limited ? 1.0 : 0.0; }
+double count(const Instant& now, long Counters::*member) { return static_cast<double>(now.counters.*member); }
 
 using enum Channel::Trait;
+using Read = Channel::Read;
 using O = Observation;
 const Channel table[] = {
-    {"shaft_1/speed", "rad/s", "speed of the driving shaft", element(&O::speed, 0), without_chain},
-    {"shaft_2/speed", "rad/s", "speed of the driven shaft", element(&O::speed, 1), without_chain},
-    {"shaft_1/angle", "rad", "angle of the driving shaft", element(&O::angle, 0), without_chain | unaveraged},
-    {"shaft_2/angle", "rad", "angle of the driven shaft", element(&O::angle, 1), without_chain | unaveraged},
-    {"shaft_1/torque", "N*m", "torque of the drive on the driving shaft", element(&O::torque, 0), without_chain},
-    {"shaft_2/torque", "N*m", "torque of the load on the driven shaft (negative brakes)", element(&O::torque, 1), without_chain},
+    {"shaft_1/speed", "rad/s", "speed of the driving shaft", Read(element, &O::speed, 0), without_chain},
+    {"shaft_2/speed", "rad/s", "speed of the driven shaft", Read(element, &O::speed, 1), without_chain},
+    {"shaft_1/angle", "rad", "angle of the driving shaft", Read(element, &O::angle, 0), so_far},
+    {"shaft_2/angle", "rad", "angle of the driven shaft", Read(element, &O::angle, 1), so_far},
+    {"shaft_1/torque", "N*m", "torque of the drive on the driving shaft", Read(element, &O::torque, 0), without_chain},
+    {"shaft_2/torque", "N*m", "torque of the load on the driven shaft (negative brakes)", Read(element, &O::torque, 1), without_chain},
     {"shaft_1/chain_torque", "N*m", "torque of the chain on the driving sheaves, mean since the last output (their change of momentum)",
-     chain_torque(0), without_chain | unaveraged},
+     Read(chain_torque, 0), so_far},
     {"shaft_2/chain_torque", "N*m", "torque of the chain on the driven sheaves, mean since the last output (their change of momentum)",
-     chain_torque(1), without_chain | unaveraged},
-    {"shaft_1/clamping", "N", "clamping force S_1 of the driving sheaves", element(&O::clamping, 0), without_chain},
-    {"shaft_2/clamping", "N", "clamping force S_2 of the driven sheaves", element(&O::clamping, 1), without_chain},
-    {"shaft_1/radius", "m", "mean running radius of the pins between the driving sheaves", element(&O::radius, 0)},
-    {"shaft_2/radius", "m", "mean running radius of the pins between the driven sheaves", element(&O::radius, 1)},
-    {"shaft_1/pin_speed", "rad/s", "mean angular speed of the pins between the driving sheaves", element(&O::pin_speed, 0)},
-    {"shaft_2/pin_speed", "rad/s", "mean angular speed of the pins between the driven sheaves", element(&O::pin_speed, 1)},
-    {"shaft_1/sheave_position", "m", "axial position of the movable driving sheave on its shaft", element(&O::sheave_position, 0),
+     Read(chain_torque, 1), so_far},
+    {"shaft_1/clamping", "N", "clamping force S_1 of the driving sheaves", Read(element, &O::clamping, 0), without_chain},
+    {"shaft_2/clamping", "N", "clamping force S_2 of the driven sheaves", Read(element, &O::clamping, 1), without_chain},
+    {"shaft_1/radius", "m", "mean running radius of the pins between the driving sheaves", Read(element, &O::radius, 0)},
+    {"shaft_2/radius", "m", "mean running radius of the pins between the driven sheaves", Read(element, &O::radius, 1)},
+    {"shaft_1/pin_speed", "rad/s", "mean angular speed of the pins between the driving sheaves", Read(element, &O::pin_speed, 0)},
+    {"shaft_2/pin_speed", "rad/s", "mean angular speed of the pins between the driven sheaves", Read(element, &O::pin_speed, 1)},
+    {"shaft_1/sheave_position", "m", "axial position of the movable driving sheave on its shaft", Read(element, &O::sheave_position, 0),
      without_chain},
-    {"shaft_2/sheave_position", "m", "axial position of the movable driven sheave on its shaft", element(&O::sheave_position, 1),
+    {"shaft_2/sheave_position", "m", "axial position of the movable driven sheave on its shaft", Read(element, &O::sheave_position, 1),
      without_chain},
-    {"sheaves/axial_force", "N", "axial force of all tips on sheaves 1-, 1+, 2-, 2+", list(&O::axial_force), usual, "sheave",
+    {"sheaves/axial_force", "N", "axial force of all tips on sheaves 1-, 1+, 2-, 2+", list<&O::axial_force>, usual, "sheave",
      Channel::always(4)},
-    {"ratio", "1", "speed ratio: driving over driven", scalar(&O::ratio), without_chain},
+    {"ratio", "1", "speed ratio: driving over driven", Read(scalar, &O::ratio), without_chain},
     {"slip", "1",
      "creep of the contacts on both pulleys: 1 - (pins/shaft on the driving side) (shaft/pins on the driven side), angular speeds",
-     scalar(&O::slip)},
+     Read(scalar, &O::slip)},
     {"friction_slip", "1",
      "slip that friction makes: against the speeds of shafts on which it would put no torque; zero without torque, of its sign",
-     scalar(&O::friction_slip)},
+     Read(scalar, &O::friction_slip)},
     {"loss_slip", "1",
      "power lost by tips that slide along the circumference over the power of those shafts that bring any; never negative",
-     scalar(&O::loss_slip)},
+     Read(scalar, &O::loss_slip)},
     {"efficiency", "1",
      "1 - losses/input over the last whole pin period (input: works of those inputs that brought energy); NaN without input", efficiency,
      may_be_undefined | unaveraged},
     {"thrust_ratio", "1", "S_1/S_2; NaN without S_2", thrust_ratio, may_be_undefined | without_chain},
-    {"chain_speed", "m/s", "mean speed of the pins along the chain", scalar(&O::chain_speed), any_machine},
-    {"tight_tension", "N", "mean plate tension of the strand that the driving sheaves pull (ring: of all links)", scalar(&O::tight),
+    {"chain_speed", "m/s", "mean speed of the pins along the chain", Read(scalar, &O::chain_speed), any_machine},
+    {"tight_tension", "N", "mean plate tension of the strand that the driving sheaves pull (ring: of all links)", Read(scalar, &O::tight),
      any_machine},
-    {"slack_tension", "N", "mean plate tension of the other strand (ring: of all links)", scalar(&O::slack), any_machine},
-    {"links/tension", "N", "elastic tension of the plates of every link", list(&O::tension), any_machine, "link", per_link},
-    {"tips/axial_force", "N", "axial force of every tip on its sheave; tip = 4 link + 2 (front half) + (side +z)", list(&O::tip_axial),
+    {"slack_tension", "N", "mean plate tension of the other strand (ring: of all links)", Read(scalar, &O::slack), any_machine},
+    {"links/tension", "N", "elastic tension of the plates of every link", list<&O::tension>, any_machine, "link", per_link},
+    {"tips/axial_force", "N", "axial force of every tip on its sheave; tip = 4 link + 2 (front half) + (side +z)", list<&O::tip_axial>,
      usual, "tip", per_tip},
     {"tips/touching", "1", "number of tips that touch a sheave", touching},
-    {"tips/deepest", "m", "largest penetration of a tip", scalar(&O::deepest)},
+    {"tips/deepest", "m", "largest penetration of a tip", Read(scalar, &O::deepest)},
     {"followed_pin/axial_force", "N", "axial force of the followed pin on sheaves at -z and +z", followed_axial, usual, "side",
      Channel::always(2)},
-    {"followed_pin/position", "m", "x, y, z of the followed pin's rear half", followed_position, any_machine | without_chain | unaveraged,
-     "axis", Channel::always(3)},
+    {"followed_pin/position", "m", "x, y, z of the followed pin's rear half", followed_position, any_machine | so_far, "axis",
+     Channel::always(3)},
     {"followed_pin/tension", "N", "tension of the link behind the followed pin", followed_tension, any_machine},
 };
 
+/// Energies, losses and works, of an instant and so far; whether their balance closes; counts of the run.
+const Channel table_of_energies[] = {
+    {"energy/kinetic", "J", "kinetic energy of chain, shafts and sheaves", Read(energy, Energy::kinetic), any_machine},
+    {"energy/inner", "J", "elastic energy inside pin halves", Read(energy, Energy::inner), any_machine},
+    {"energy/pack", "J", "elastic energy of plate packs in bending, shear and torsion", Read(energy, Energy::pack), any_machine},
+    {"energy/plates", "J", "elastic energy of plates in tension", Read(energy, Energy::plates), any_machine},
+    {"energy/joints", "J", "elastic energy of joints", Read(energy, Energy::joints), any_machine},
+    {"energy/tips", "J", "elastic energy of tip contacts", Read(energy, Energy::tips)},
+    {"energy/supports", "J", "elastic energy of bearings, sheave attachments and guides", Read(energy, Energy::supports)},
+    {"loss/inner", "W", "power dissipated inside pin halves and plate packs", Read(loss, Loss::inner), any_machine},
+    {"loss/plate_damping", "W", "power dissipated by damping of plates", Read(loss, Loss::plate_damping), any_machine},
+    {"loss/plate_friction", "W", "power dissipated by friction of plates on pins", Read(loss, Loss::plate_friction), any_machine},
+    {"loss/joint_damping", "W", "power dissipated by damping of joints", Read(loss, Loss::joint_damping), any_machine},
+    {"loss/joint_friction", "W", "power dissipated by friction in joints", Read(loss, Loss::joint_friction), any_machine},
+    {"loss/tip_damping", "W", "power dissipated by damping of tip contacts", Read(loss, Loss::tip_damping)},
+    {"loss/tip_friction", "W", "power dissipated by friction of tips on sheaves", Read(loss, Loss::tip_friction)},
+    {"loss/supports", "W", "power dissipated in bearings and sheave attachments", Read(loss, Loss::supports)},
+    {"loss/cylinder", "W", "power dissipated in the hydraulic cylinders", Read(loss, Loss::cylinder)},
+    {"loss/guide", "W", "power dissipated by the guides of the strands", Read(loss, Loss::guide), of_guide},
+    {"power/drive", "W", "power of the drive on shaft 1, behind its drag", Read(work, Work::drive), without_chain},
+    {"power/load", "W", "power of the load on shaft 2, before its drag (negative: taken out)", Read(work, Work::load), without_chain},
+    {"power/clamping", "W", "power of the clamping forces", Read(work, Work::clamping), without_chain},
+    {"dissipated/inner", "J", "energy dissipated inside pin halves and plate packs so far", Read(dissipated, Loss::inner),
+     any_machine | so_far},
+    {"dissipated/plate_damping", "J", "energy dissipated by damping of plates so far", Read(dissipated, Loss::plate_damping),
+     any_machine | so_far},
+    {"dissipated/plate_friction", "J", "energy dissipated by friction of plates on pins so far", Read(dissipated, Loss::plate_friction),
+     any_machine | so_far},
+    {"dissipated/joint_damping", "J", "energy dissipated by damping of joints so far", Read(dissipated, Loss::joint_damping),
+     any_machine | so_far},
+    {"dissipated/joint_friction", "J", "energy dissipated by friction in joints so far", Read(dissipated, Loss::joint_friction),
+     any_machine | so_far},
+    {"dissipated/tip_damping", "J", "energy dissipated by damping of tip contacts so far", Read(dissipated, Loss::tip_damping), so_far},
+    {"dissipated/tip_friction", "J", "energy dissipated by friction of tips on sheaves so far", Read(dissipated, Loss::tip_friction),
+     so_far},
+    {"dissipated/supports", "J", "energy dissipated in bearings and sheave attachments so far", Read(dissipated, Loss::supports), so_far},
+    {"dissipated/cylinder", "J", "energy dissipated in the hydraulic cylinders so far", Read(dissipated, Loss::cylinder), so_far},
+    {"dissipated/guide", "J", "energy dissipated by the guides of the strands so far", Read(dissipated, Loss::guide), of_guide | so_far},
+    {"dissipated/total", "J", "energy dissipated so far", dissipated_total, any_machine | so_far},
+    {"work/drive", "J", "work of the drive so far", Read(done, Work::drive), so_far},
+    {"work/load", "J", "work of the load so far (negative: taken out)", Read(done, Work::load), so_far},
+    {"work/clamping", "J", "work of the clamping forces so far", Read(done, Work::clamping), so_far},
+    {"control/limited", "1", "1 while a controller is at the limit of its authority", control_limited, without_chain},
+    {"control/target", "1", "target of the first controller: ratio, slip by the sheaves' positions, or safety factor", control_target,
+     of_control},
+    {"control/error", "1", "deviation from that target", control_error, of_control},
+    {"balance/residual", "1", "|change of stored energy - work + losses| over the losses so far", residual, any_machine | so_far},
+    {"balance/suspicion", "1", "residual of the energy balance over its tolerance; above 1 the results are unreliable", balance_error_ratio,
+     any_machine | so_far},
+    {"run/steps", "1", "steps so far", Read(count, &Counters::steps), any_machine | so_far},
+    {"run/evaluations", "1", "evaluations of the right-hand side so far", Read(count, &Counters::evaluations), any_machine | so_far},
+    {"run/transitions", "1", "transitions of phase so far", Read(count, &Counters::detected), any_machine | so_far},
+    {"run/truncated", "1", "steps cut at a transition so far", Read(count, &Counters::truncated), any_machine | so_far},
+    {"run/suppressed", "1", "transitions postponed because the tip had just changed", Read(count, &Counters::suppressed),
+     any_machine | so_far},
+};
+
 }  // namespace
+
+std::string_view loss_name(int kind) noexcept { return losses[kind]; }
+std::string_view work_name(int kind) noexcept { return works[kind]; }
+std::string_view energy_name(int kind) noexcept { return energies[kind]; }
 
 double Instant::chain_torque(std::size_t shaft) const noexcept {
     const double mean = workspace.energy.chain_torque(observation.time, shaft_momentum(workspace))[shaft];
@@ -130,8 +208,7 @@ double Instant::chain_torque(std::size_t shaft) const noexcept {
 std::span<const Channel> channels() {
     static const std::vector<Channel> all = [] {
         std::vector<Channel> rows(std::begin(table), std::end(table));
-        for (const auto more :
-             {energy_channels(), force_channels(), coupling_channels(), vehicle_channels(), hydraulic_channels(), wear_channels()})
+        for (const auto more : {std::span<const Channel>(table_of_energies), force_channels(), drive_channels(), wear_channels()})
             rows.insert(rows.end(), more.begin(), more.end());
         return rows;
     }();

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "model/observe/observation.hpp"
@@ -26,7 +27,21 @@ struct Instant {
 
 struct Channel {
     using Width = std::function<int(const model::ChainModel&)>;
-    using Read = std::function<void(const Instant&, double* values)>;
+
+    /// Reads the values of an instant: a function that returns one, or writes all, and what else it takes, such as the number of a shaft.
+    class Read {
+    public:
+        template <class... Of>
+        Read(double (*value)(const Instant&, Of...), std::type_identity_t<Of>... of)
+            : read_([=](const Instant& now, double* values) { *values = value(now, of...); }) {}
+        template <class... Of>
+        Read(void (*write)(const Instant&, double*, Of...), std::type_identity_t<Of>... of)
+            : read_([=](const Instant& now, double* values) { write(now, values, of...); }) {}
+        void operator()(const Instant& now, double* values) const { read_(now, values); }
+
+    private:
+        std::function<void(const Instant&, double*)> read_;
+    };
 
     /// Differences to a usual channel, which every run of a machine with pulleys records; combined by |.
     enum Trait : unsigned {
@@ -40,12 +55,13 @@ struct Channel {
         of_drag = 32 | on_demand | without_chain,       ///< recorded in every run whose shafts have drag also
         of_guide = 128 | on_demand,                     ///< recorded in every run with guides also
         unaveraged = 256,  ///< record.means leaves it as it is: a sum so far, a mean since the last output, an angle or a place
+        so_far = without_chain | unaveraged,
     };
 
     std::string_view name;  ///< as in the record; '/' groups
     std::string_view unit;
     std::string_view description;
-    Read read = {};  ///< values [unit of the channel]
+    Read read;  ///< values [unit of the channel]
     unsigned traits = usual;
     std::string_view axis = {};  ///< label of the second dimension, empty for a plain channel
     Width width = always(1);     ///< numbers of an instant
@@ -64,7 +80,7 @@ struct Channel {
     }
 };
 
-/// All there are: those of channels.cpp, of energy_channels.cpp, and those on demand of force_channels.cpp and drive_channels.cpp.
+/// All there are: those of channels.cpp, and those on demand of force_channels.cpp and drive_channels.cpp.
 [[nodiscard]] std::span<const Channel> channels();
 
 /// Channels of a record: the usual ones and those in `names`, where the machine has them.
@@ -77,17 +93,9 @@ struct Channel {
 /// Unknown names of record.channels, in order.
 [[nodiscard]] std::vector<std::string> unknown_channels(std::span<const std::string> names);
 
-/// Energies, losses and works, their balance, counts of the run.
-[[nodiscard]] std::span<const Channel> energy_channels();
-
-/// Couplings of the shafts, on demand; their drag.
-[[nodiscard]] std::span<const Channel> coupling_channels();
-
-/// The vehicle of a cycle, on demand.
-[[nodiscard]] std::span<const Channel> vehicle_channels();
-
-/// Cylinders, valves and pump; those of a machine with hydraulics, on demand of all others, where they are zero.
-[[nodiscard]] std::span<const Channel> hydraulic_channels();
+/// What drives the variator from outside, on demand: couplings of the shafts, their drag; the vehicle of a cycle; hydraulics, of a machine
+/// without which they are zero.
+[[nodiscard]] std::span<const Channel> drive_channels();
 
 /// Forces and figures of merit that a record has on demand.
 [[nodiscard]] std::span<const Channel> force_channels();

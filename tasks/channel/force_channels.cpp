@@ -24,27 +24,14 @@ int of_a_link(const model::ChainModel& chain) { return model::plates_per_link(ch
 
 using Forces = std::vector<double> ChainForces::*;
 
-Channel::Read forces(Forces member) {
-    return [member](const Instant& now, double* out) {
-        const auto& values = now.observer.forces().chain.*member;
-        std::copy(values.begin(), values.end(), out);
-    };
+void forces(const Instant& now, double* out, Forces member) { std::ranges::copy(now.observer.forces().chain.*member, out); }
+void bearing_force(const Instant& now, double* out, std::size_t shaft) {
+    std::ranges::copy(now.observer.forces().bearing[shaft].force, out);
 }
-
-Channel::Read bearing_force(std::size_t shaft) {
-    return [shaft](const Instant& now, double* out) {
-        const auto& force = now.observer.forces().bearing[shaft].force;
-        std::copy(force.begin(), force.end(), out);
-    };
+void bearing_moment(const Instant& now, double* out, std::size_t shaft) {
+    std::ranges::copy(now.observer.forces().bearing[shaft].moment, out);
 }
-Channel::Read bearing_moment(std::size_t shaft) {
-    return [shaft](const Instant& now, double* out) {
-        const auto& moment = now.observer.forces().bearing[shaft].moment;
-        std::copy(moment.begin(), moment.end(), out);
-    };
-}
-
-void misalignment(const Instant& now, double* out) { *out = now.observer.forces().misalignment; }
+double misalignment(const Instant& now) { return now.observer.forces().misalignment; }
 
 constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
 
@@ -54,36 +41,34 @@ constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
     return 0.5 * (axial[2 * shaft + 1] - axial[2 * shaft]);
 }
 
-void contact_thrust_ratio(const Instant& now, double* out) {
+double contact_thrust_ratio(const Instant& now) {
     const double driven = spreading(now, 1);
-    *out = driven != 0.0 ? spreading(now, 0) / driven : undefined;
+    return driven != 0.0 ? spreading(now, 0) / driven : undefined;
 }
 
 constexpr double largest_safety = 1e3;  ///< without torque it is infinite; records hold numbers
 
-Channel::Read safety_factor(std::size_t shaft) {
-    return [shaft](const Instant& now, double* out) {
-        const model::TipCoefficients& tip = now.workspace.variator.chain().coefficients().tip;
-        const model::Observation& o = now.observation;
-        const double torque = std::abs(now.chain_torque(shaft));
-        const double bearable = 2.0 * tip.friction.coefficient * o.clamping[shaft] * o.radius[shaft] / tip.cosine;
-        *out = bearable < largest_safety * torque ? bearable / torque : largest_safety;
-    };
+double safety_factor(const Instant& now, std::size_t shaft) {
+    const model::TipCoefficients& tip = now.workspace.variator.chain().coefficients().tip;
+    const model::Observation& o = now.observation;
+    const double torque = std::abs(now.chain_torque(shaft));
+    const double bearable = 2.0 * tip.friction.coefficient * o.clamping[shaft] * o.radius[shaft] / tip.cosine;
+    return bearable < largest_safety * torque ? bearable / torque : largest_safety;
 }
 
 /// Slip of the slower part against the faster one on its pulley, in the flow of power from shaft 1 to shaft 2.
-void slip_of_driving(const Instant& now, double* out) {
+double slip_of_driving(const Instant& now) {
     const double shaft = now.observation.speed[0];
-    *out = shaft != 0.0 ? 1.0 - now.observation.pin_speed[0] / shaft : undefined;
+    return shaft != 0.0 ? 1.0 - now.observation.pin_speed[0] / shaft : undefined;
 }
-void slip_of_driven(const Instant& now, double* out) {
+double slip_of_driven(const Instant& now) {
     const double pins = now.observation.pin_speed[1];
-    *out = pins != 0.0 ? 1.0 - now.observation.speed[1] / pins : undefined;
+    return pins != 0.0 ? 1.0 - now.observation.speed[1] / pins : undefined;
 }
 
-void total_loss(const Instant& now, double* out) {
+double total_loss(const Instant& now) {
     const auto& loss = now.observation.account.loss;
-    *out = std::accumulate(loss.begin(), loss.end(), 0.0);
+    return std::accumulate(loss.begin(), loss.end(), 0.0);
 }
 
 void followed_plates(const Instant& now, double* out) {
@@ -92,60 +77,59 @@ void followed_plates(const Instant& now, double* out) {
 }
 
 /// A pin's halves: the rear one of its own link, the front one of the link before.
-Channel::Read followed_halves(Forces member) {
-    return [member](const Instant& now, double* out) {
-        const auto& all = now.observer.forces().chain.*member;
-        const int before = now.workspace.layout().previous(now.followed_pin);
-        out[0] = all[static_cast<std::size_t>(2 * now.followed_pin)];
-        out[1] = all[static_cast<std::size_t>(2 * before + 1)];
-    };
+void followed_halves(const Instant& now, double* out, Forces member) {
+    const auto& all = now.observer.forces().chain.*member;
+    const int before = now.workspace.layout().previous(now.followed_pin);
+    out[0] = all[static_cast<std::size_t>(2 * now.followed_pin)];
+    out[1] = all[static_cast<std::size_t>(2 * before + 1)];
 }
 
 using enum Channel::Trait;
+using Read = Channel::Read;
 const Channel table_of_forces[] = {
-    {"tips/normal_force", "N", "normal force of every tip's contact; tip = 4 link + 2 (front half) + (side +z)", forces(&F::tip_normal),
-     on_demand, "tip", of_tips},
+    {"tips/normal_force", "N", "normal force of every tip's contact; tip = 4 link + 2 (front half) + (side +z)",
+     Read(forces, &F::tip_normal), on_demand, "tip", of_tips},
     {"tips/tangential_force", "N", "circumferential force of every tip on its sheave, positive as the shaft's rotation is",
-     forces(&F::tip_tangential), on_demand, "tip", of_tips},
-    {"tips/radial_force", "N", "radial force of every tip on its sheave, positive outwards", forces(&F::tip_radial), on_demand, "tip",
+     Read(forces, &F::tip_tangential), on_demand, "tip", of_tips},
+    {"tips/radial_force", "N", "radial force of every tip on its sheave, positive outwards", Read(forces, &F::tip_radial), on_demand, "tip",
      of_tips},
     {"plates/tension", "N", "tension of every plate as it is resolved, damping included; plate = (plates per link) link + number",
-     forces(&F::plate_tension), any_machine | on_demand, "plate", of_plates},
+     Read(forces, &F::plate_tension), any_machine | on_demand, "plate", of_plates},
     {"joints/normal_force", "N", "force that presses the halves of every pin together; joint of the pin behind the link",
-     forces(&F::joint_normal), any_machine | on_demand, "pin", of_links},
+     Read(forces, &F::joint_normal), any_machine | on_demand, "pin", of_links},
     {"joints/friction_force", "N", "friction of the rocker joint along its profile, on the front half of the link before",
-     forces(&F::joint_friction), any_machine | on_demand, "pin", of_links},
+     Read(forces, &F::joint_friction), any_machine | on_demand, "pin", of_links},
     {"joints/axial_friction", "N", "friction of the rocker joint along the pin, on the front half of the link before",
-     forces(&F::joint_axial), any_machine | on_demand, "pin", of_links},
+     Read(forces, &F::joint_axial), any_machine | on_demand, "pin", of_links},
     {"halves/bending_moment_travel", "N*m",
-     "bending moment in the middle of every half, in the direction of travel; half = 2 link + (front)", forces(&F::bending_travel),
+     "bending moment in the middle of every half, in the direction of travel; half = 2 link + (front)", Read(forces, &F::bending_travel),
      any_machine | on_demand, "half", of_halves},
-    {"halves/bending_moment_height", "N*m", "bending moment in the middle of every half, along its height", forces(&F::bending_height),
-     any_machine | on_demand, "half", of_halves},
-    {"halves/axial_force", "N", "axial force of every half, tension positive", forces(&F::half_axial), any_machine | on_demand, "half",
-     of_halves},
+    {"halves/bending_moment_height", "N*m", "bending moment in the middle of every half, along its height",
+     Read(forces, &F::bending_height), any_machine | on_demand, "half", of_halves},
+    {"halves/axial_force", "N", "axial force of every half, tension positive", Read(forces, &F::half_axial), any_machine | on_demand,
+     "half", of_halves},
     {"followed_pin/plate_tension", "N", "tension of every plate of the link behind the followed pin, damping included", followed_plates,
      any_machine | on_demand, "plate", of_a_link},
     {"followed_pin/bending_moment_travel", "N*m", "bending moment of the followed pin's rear and front half in the direction of travel",
-     followed_halves(&F::bending_travel), any_machine | on_demand, "half", Channel::always(2)},
+     Read(followed_halves, &F::bending_travel), any_machine | on_demand, "half", Channel::always(2)},
     {"followed_pin/bending_moment_height", "N*m", "bending moment of the followed pin's rear and front half along their height",
-     followed_halves(&F::bending_height), any_machine | on_demand, "half", Channel::always(2)},
+     Read(followed_halves, &F::bending_height), any_machine | on_demand, "half", Channel::always(2)},
     {"followed_pin/half_axial_force", "N", "axial force of the followed pin's rear and front half, tension positive",
-     followed_halves(&F::half_axial), any_machine | on_demand, "half", Channel::always(2)},
-    {"shaft_1/bearing_force", "N", "force of the driving shaft on its bearings: x, y, axial", bearing_force(0), on_demand, "axis",
+     Read(followed_halves, &F::half_axial), any_machine | on_demand, "half", Channel::always(2)},
+    {"shaft_1/bearing_force", "N", "force of the driving shaft on its bearings: x, y, axial", Read(bearing_force, 0), on_demand, "axis",
      Channel::always(3)},
-    {"shaft_2/bearing_force", "N", "force of the driven shaft on its bearings: x, y, axial", bearing_force(1), on_demand, "axis",
+    {"shaft_2/bearing_force", "N", "force of the driven shaft on its bearings: x, y, axial", Read(bearing_force, 1), on_demand, "axis",
      Channel::always(3)},
-    {"shaft_1/bearing_moment", "N*m", "tilting moment of the driving shaft on its bearings about x, y", bearing_moment(0), on_demand,
+    {"shaft_1/bearing_moment", "N*m", "tilting moment of the driving shaft on its bearings about x, y", Read(bearing_moment, 0), on_demand,
      "axis", Channel::always(2)},
-    {"shaft_2/bearing_moment", "N*m", "tilting moment of the driven shaft on its bearings about x, y", bearing_moment(1), on_demand, "axis",
-     Channel::always(2)},
+    {"shaft_2/bearing_moment", "N*m", "tilting moment of the driven shaft on its bearings about x, y", Read(bearing_moment, 1), on_demand,
+     "axis", Channel::always(2)},
     {"shaft_1/slip", "1", "slip on the driving pulley: 1 - pins/shaft, angular speeds", slip_of_driving, on_demand | may_be_undefined},
     {"shaft_2/slip", "1", "slip on the driven pulley: 1 - shaft/pins, angular speeds", slip_of_driven, on_demand | may_be_undefined},
-    {"shaft_1/safety_factor", "1", "2 mu S_1 r_1/cos(beta) over the chain's torque on the driving sheaves, at most 1000", safety_factor(0),
-     on_demand},
-    {"shaft_2/safety_factor", "1", "2 mu S_2 r_2/cos(beta) over the chain's torque on the driven sheaves, at most 1000", safety_factor(1),
-     on_demand},
+    {"shaft_1/safety_factor", "1", "2 mu S_1 r_1/cos(beta) over the chain's torque on the driving sheaves, at most 1000",
+     Read(safety_factor, 0), on_demand},
+    {"shaft_2/safety_factor", "1", "2 mu S_2 r_2/cos(beta) over the chain's torque on the driven sheaves, at most 1000",
+     Read(safety_factor, 1), on_demand},
     {"contact_thrust_ratio", "1", "mean axial force of the tips on the driving sheaves over that on the driven ones", contact_thrust_ratio,
      on_demand | may_be_undefined},
     {"misalignment", "m", "axial distance of the middles of the two grooves: driving minus driven", misalignment, on_demand},
@@ -202,16 +186,12 @@ void tip_force_speed(const Instant& now, double* out) {
     std::transform(f.tip_normal.begin(), f.tip_normal.end(), f.tip_sliding.begin(), out, std::multiplies<>());
 }
 
-Channel::Read guide(double model::GuideLoad::*member, std::size_t strand) {
-    return [member, strand](const Instant& now, double* out) { *out = now.observation.guide[strand].*member; };
-}
+double guide(const Instant& now, double model::GuideLoad::*member, std::size_t strand) { return now.observation.guide[strand].*member; }
 
-void limit_use(const Instant& now, double* out) { *out = now.observation.limit_use; }
+double limit_use(const Instant& now) { return now.observation.limit_use; }
 
 using Temperature = double (model::HeatBalance::*)() const noexcept;
-Channel::Read heat(Temperature member) {
-    return [member](const Instant& now, double* out) { *out = (now.workspace.heat.*member)(); };
-}
+double heat(const Instant& now, Temperature member) { return (now.workspace.heat.*member)(); }
 
 const Channel table_of_wear[] = {
     {"wear/friction_power", "W",
@@ -222,23 +202,24 @@ const Channel table_of_wear[] = {
      on_demand, "ring", Channel::always(4 * wear_cells)},
     {"wear/pressure_speed", "Pa*m/s", "largest Hertz pressure times sliding speed of a tip by radius, rings as above", cell_pressure_speed,
      on_demand, "ring", Channel::always(4 * wear_cells)},
-    {"wear/tip_power", "W", "friction of every tip; tip = 4 link + 2 (front half) + (side +z)", forces(&F::tip_power), on_demand, "tip",
-     of_tips},
+    {"wear/tip_power", "W", "friction of every tip; tip = 4 link + 2 (front half) + (side +z)", Read(forces, &F::tip_power), on_demand,
+     "tip", of_tips},
     {"wear/tip_force_speed", "N*m/s", "normal force times sliding speed of every tip", tip_force_speed, on_demand, "tip", of_tips},
     {"wear/tip_pressure", "Pa", "largest Hertz pressure of every tip", tip_pressure, on_demand, "tip", of_tips},
-    {"wear/tip_sliding", "m/s", "sliding speed of every tip on its sheave", forces(&F::tip_sliding), on_demand, "tip", of_tips},
+    {"wear/tip_sliding", "m/s", "sliding speed of every tip on its sheave", Read(forces, &F::tip_sliding), on_demand, "tip", of_tips},
     {"clamping_limit_use", "1", "clamping force over wear.clamping_limit at the slip speed, of the pulley where it is larger; 0: no limit",
      limit_use, on_demand},
     {"guide/tight_force", "N", "sum of the normal forces of the rails at the strand that the driving sheaves pull",
-     guide(&model::GuideLoad::force, 0), of_guide},
-    {"guide/slack_force", "N", "sum of the normal forces of the rails at the other strand", guide(&model::GuideLoad::force, 1), of_guide},
+     Read(guide, &model::GuideLoad::force, 0), of_guide},
+    {"guide/slack_force", "N", "sum of the normal forces of the rails at the other strand", Read(guide, &model::GuideLoad::force, 1),
+     of_guide},
     {"guide/tight_deflection", "m",
      "distance of the strand that the driving sheaves pull from the middle between its rails, outwards, of the pin that is farthest",
-     guide(&model::GuideLoad::deflection, 0), of_guide},
-    {"guide/slack_deflection", "m", "likewise of the other strand", guide(&model::GuideLoad::deflection, 1), of_guide},
-    {"temperature/pulleys", "K", "of pulleys and chain (heat.enabled)", heat(&model::HeatBalance::pulleys),
+     Read(guide, &model::GuideLoad::deflection, 0), of_guide},
+    {"guide/slack_deflection", "m", "likewise of the other strand", Read(guide, &model::GuideLoad::deflection, 1), of_guide},
+    {"temperature/pulleys", "K", "of pulleys and chain (heat.enabled)", Read(heat, &model::HeatBalance::pulleys),
      any_machine | on_demand | without_chain},
-    {"temperature/oil", "K", "of the oil around pulleys and chain (heat.enabled)", heat(&model::HeatBalance::oil),
+    {"temperature/oil", "K", "of the oil around pulleys and chain (heat.enabled)", Read(heat, &model::HeatBalance::oil),
      any_machine | on_demand | without_chain},
 };
 

@@ -10,8 +10,8 @@ namespace cvtflow::recipes {
 namespace {
 
 /// Sum of the tensions of both strands.
-const tasks::Channel strand_sum{"strands/sum", "N", "tension of both strands together",
-                                [](const tasks::Instant& now, double* value) { *value = now.observation.tight + now.observation.slack; }};
+double sum_of_strands(const tasks::Instant& now) { return now.observation.tight + now.observation.slack; }
+const tasks::Channel strand_sum{"strands/sum", "N", "tension of both strands together", sum_of_strands};
 
 TEST(ChannelRecipe, ReadsWhatItSaysAndWritesItsWidth) {
     claims::Rig rig(tasks::tiny_parameters());
