@@ -408,82 +408,72 @@ Violation steady_has_pulleys(const Scene& scene) {
     return "run.until: \"steady\" is about means of whole pin periods on pulleys, but detail.pulleys is \"absent\"";
 }
 
-const std::vector<CrossCheck>& general_checks() {
-    static const std::vector<CrossCheck> checks{
-        {{"scene.name"}, name_is_plain},
-        {{"scene.description"}, description_is_text},
-        {{"chain.pins", "chain.pitch", "pulley.centre_distance", "start.ratio", "pulley.innermost", "pulley.outermost", "detail.pulleys",
-          "start.layout", "start.state"},
-         geometry_closes},
-        {{"chain.pitch", "half.width"}, pitch_clears_halves},
-        {{"chain.pitch", "chain.pins"}, pitches_fit},
-        {{"plate.span", "half.length"}, plates_on_pin},
-        {{"joint.radius", "half.width"}, profile_is_round},
-        {{"pulley.innermost", "pulley.outermost"}, radii_ordered},
-        {{"pulley.arc_position", "pulley.innermost", "pulley.outermost"}, arc_on_sheave},
-        {{"start.layout", "detail.pulleys"}, layout_has_pulleys},
-        {{"start.ramp_time", "start.settling_time", "start.layout"}, ramp_within_settling},
-        {{"control.enabled", "detail.pulleys"}, control_has_pulleys},
-        {{"control.enabled", "control.quantity", "drive.speed", "drive.mode"}, control_has_speed},
-        {{"load.mode", "load.speed"}, load_has_speed},
-        {{"drive.mode", "load.mode", "detail.pulleys"}, couplings_have_pulleys},
-        {{"control.driven", "control.quantity", "control.enabled"}, controllers_differ},
-        {{"run.until", "detail.pulleys"}, steady_has_pulleys},
-        {{"control.gains", "control.enabled", "control.quantity"}, gains_are_of_the_ratio},
-        {{"run.output_interval", "run.step"}, outputs_take_steps},
-        {{"run.followed_pin", "chain.pins"}, followed_pin_exists},
-        {{"run.segments", "chain.pins"}, segments_have_links},
-        {{"run.method"}, method_exists},
-        {{"run.method", "detail.pins", "detail.friction", "tip.friction_law", "imperfection.runout", "imperfection.unbalance"},
-         method_takes_machine},
-        {{"run.assembly", "detail.pins"}, assembly_takes_pins},
-        {{"detail.pins", "detail.order", "detail.plates", "detail.stick_slip", "joint.law"}, rigid_pins_are_simple},
-        {{"detail.pins", "run.schedule", "run.segments"}, rigid_pins_are_serial},
-        {{"run.step_control", "run.method"}, method_estimates_error},
-        {{"record.channels"}, channels_exist},
-        {{"run.schedule"}, executor_exists},
-    };
-    return checks;
-}
-
-/// Checks of tips' friction laws, imperfections and hydraulics.
-const std::vector<CrossCheck>& machine_checks() {
-    static const std::vector<CrossCheck> checks{
-        {{"tip.friction_table", "tip.limiting_traction", "tip.friction_law", "tip.friction_coefficient"}, tip_law_has_its_largest},
-        {{"tip.friction_memory", "tip.friction_law", "detail.pins", "detail.friction", "run.method"}, tip_law_suits_steps},
-        {{"imperfection.attachment", "imperfection.runout", "imperfection.misalignment", "imperfection.unbalance",
-          "imperfection.pin_length_spread", "detail.pulleys"},
-         imperfections_have_pulleys},
-        {{"imperfection.unbalance", "pulley.sheave_mass", "pulley.sheave_polar_inertia"}, unbalance_is_small},
-        {{"vehicle.mass", "vehicle.wheel_radius", "vehicle.final_drive", "vehicle.drag_area", "load.mode", "detail.pulleys"},
-         vehicle_loads_shaft},
-        {{"cycle.speed", "cycle.begin", "cycle.pedal_time", "cycle.min_ratio", "cycle.max_ratio", "vehicle.mass", "drive.mode",
-          "control.enabled", "control.quantity"},
-         cycle_is_driven},
-        {{"drag.driving_seals", "drag.driving_viscous", "drag.driving_churning", "drag.driven_seals", "drag.driven_viscous",
-          "drag.driven_churning", "drag.bearing_friction", "detail.pulleys"},
-         drag_has_shafts},
-        {{"guide.stiffness", "start.ratio", "detail.pulleys"}, guide_has_strands},
-        {{"guide.begin", "guide.end", "guide.stiffness"}, guide_begins_before_it_ends},
-        {{"hydraulics.mode", "detail.pulleys"}, hydraulics_have_pulleys},
-        {{"hydraulics.oil_volume", "hydraulics.oil_modulus", "hydraulics.valve_conductance", "hydraulics.driving_area",
-          "hydraulics.driven_area", "pulley.sheave_mass"},
-         oil_is_slow},
-        {{"hydraulics.feed_radius", "hydraulics.driving_area", "hydraulics.driven_area", "hydraulics.driving_inner",
-          "hydraulics.driven_inner"},
-         oil_is_behind_pistons},
-        {{"hydraulics.pump_ratio", "hydraulics.pump_speed", "hydraulics.pump_displacement"}, pump_turns},
-    };
-    return checks;
-}
+/// A CrossCheck: its keys, separated by spaces.
+struct Row {
+    std::string_view keys;
+    Violation (*violation)(const Scene&);
+};
+constexpr Row rows_of_checks[] = {
+    {"scene.name", name_is_plain},
+    {"scene.description", description_is_text},
+    {"chain.pins chain.pitch pulley.centre_distance start.ratio pulley.innermost pulley.outermost detail.pulleys start.layout start.state",
+     geometry_closes},
+    {"chain.pitch half.width", pitch_clears_halves},
+    {"chain.pitch chain.pins", pitches_fit},
+    {"plate.span half.length", plates_on_pin},
+    {"joint.radius half.width", profile_is_round},
+    {"pulley.innermost pulley.outermost", radii_ordered},
+    {"pulley.arc_position pulley.innermost pulley.outermost", arc_on_sheave},
+    {"start.layout detail.pulleys", layout_has_pulleys},
+    {"start.ramp_time start.settling_time start.layout", ramp_within_settling},
+    {"control.enabled detail.pulleys", control_has_pulleys},
+    {"control.enabled control.quantity drive.speed drive.mode", control_has_speed},
+    {"load.mode load.speed", load_has_speed},
+    {"drive.mode load.mode detail.pulleys", couplings_have_pulleys},
+    {"control.driven control.quantity control.enabled", controllers_differ},
+    {"run.until detail.pulleys", steady_has_pulleys},
+    {"control.gains control.enabled control.quantity", gains_are_of_the_ratio},
+    {"run.output_interval run.step", outputs_take_steps},
+    {"run.followed_pin chain.pins", followed_pin_exists},
+    {"run.segments chain.pins", segments_have_links},
+    {"run.method", method_exists},
+    {"run.method detail.pins detail.friction tip.friction_law imperfection.runout imperfection.unbalance", method_takes_machine},
+    {"run.assembly detail.pins", assembly_takes_pins},
+    {"detail.pins detail.order detail.plates detail.stick_slip joint.law", rigid_pins_are_simple},
+    {"detail.pins run.schedule run.segments", rigid_pins_are_serial},
+    {"run.step_control run.method", method_estimates_error},
+    {"record.channels", channels_exist},
+    {"run.schedule", executor_exists},
+    {"tip.friction_table tip.limiting_traction tip.friction_law tip.friction_coefficient", tip_law_has_its_largest},
+    {"tip.friction_memory tip.friction_law detail.pins detail.friction run.method", tip_law_suits_steps},
+    {"imperfection.attachment imperfection.runout imperfection.misalignment imperfection.unbalance imperfection.pin_length_spread "
+     "detail.pulleys",
+     imperfections_have_pulleys},
+    {"imperfection.unbalance pulley.sheave_mass pulley.sheave_polar_inertia", unbalance_is_small},
+    {"vehicle.mass vehicle.wheel_radius vehicle.final_drive vehicle.drag_area load.mode detail.pulleys", vehicle_loads_shaft},
+    {"cycle.speed cycle.begin cycle.pedal_time cycle.min_ratio cycle.max_ratio vehicle.mass drive.mode control.enabled control.quantity",
+     cycle_is_driven},
+    {"drag.driving_seals drag.driving_viscous drag.driving_churning drag.driven_seals drag.driven_viscous drag.driven_churning "
+     "drag.bearing_friction detail.pulleys",
+     drag_has_shafts},
+    {"guide.stiffness start.ratio detail.pulleys", guide_has_strands},
+    {"guide.begin guide.end guide.stiffness", guide_begins_before_it_ends},
+    {"hydraulics.mode detail.pulleys", hydraulics_have_pulleys},
+    {"hydraulics.oil_volume hydraulics.oil_modulus hydraulics.valve_conductance hydraulics.driving_area hydraulics.driven_area "
+     "pulley.sheave_mass",
+     oil_is_slow},
+    {"hydraulics.feed_radius hydraulics.driving_area hydraulics.driven_area hydraulics.driving_inner hydraulics.driven_inner",
+     oil_is_behind_pistons},
+    {"hydraulics.pump_ratio hydraulics.pump_speed hydraulics.pump_displacement", pump_turns},
+};
 
 }  // namespace
 
 std::span<const CrossCheck> cross_checks() {
     static const std::vector<CrossCheck> all = [] {
-        std::vector<CrossCheck> rows = general_checks();
-        rows.insert(rows.end(), machine_checks().begin(), machine_checks().end());
-        return rows;
+        std::vector<CrossCheck> checks;
+        for (const Row& row : rows_of_checks) checks.push_back({words_of(row.keys), row.violation});
+        return checks;
     }();
     return all;
 }

@@ -44,12 +44,8 @@ constexpr Synonyms synonyms[] = {
 
 /// Whether a list of words contains the word, or its section: "heat.".
 bool lists(std::string_view list, std::string_view key) {
-    while (!list.empty()) {
-        const std::string_view word = list.substr(0, list.find(' '));
-        if (word == key || (word.ends_with('.') && key.starts_with(word))) return true;
-        list.remove_prefix(std::min(list.size(), word.size() + 1));
-    }
-    return false;
+    return std::ranges::any_of(words_of(list),
+                               [key](std::string_view word) { return word == key || (word.ends_with('.') && key.starts_with(word)); });
 }
 
 /// Keys that act under a condition only.
@@ -110,6 +106,15 @@ constexpr Condition conditions[] = {
 };
 
 }  // namespace
+
+std::vector<std::string_view> words_of(std::string_view text) {
+    std::vector<std::string_view> words;
+    while (!text.empty()) {
+        words.push_back(text.substr(0, text.find(' ')));
+        text.remove_prefix(std::min(text.size(), words.back().size() + 1));
+    }
+    return words;
+}
 
 Kind Parameter::kind() const {
     using enum Kind;

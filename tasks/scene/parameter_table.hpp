@@ -85,6 +85,9 @@ inline constexpr std::string_view level_key = "detail.level";
 /// Rows of a section of a file, detail.level first: keys beside it take precedence.
 [[nodiscard]] std::vector<const Entry*> level_first(const std::vector<Entry>& rows);
 
+/// The words of a text that spaces separate.
+[[nodiscard]] std::vector<std::string_view> words_of(std::string_view text);
+
 /// A condition that the values of a scene must satisfy together.
 struct CrossCheck {
     std::vector<std::string_view> keys;  ///< keys whose values are compared; a problem is reported at the first that the scene gives
