@@ -154,56 +154,52 @@ std::string json_schema() {
 
 namespace {
 
-std::string list_text(const std::vector<double>& values) {
-    if (values.size() == 1) return number_text(values.front());
+/// A list of the texts of values.
+template <class Value, class Text>
+std::string list_text(const std::vector<Value>& values, const Text& text) {
     std::vector<std::string> texts;
-    for (const double value : values) texts.push_back(number_text(value));
-    return fmt::format("[{}]", fmt::join(texts, ", "));
-}
-
-std::string texts_text(const std::vector<std::string>& values) {
-    std::vector<std::string> texts;
-    for (const std::string& value : values) texts.push_back(toml_text(value));
+    for (const Value& value : values) texts.push_back(text(value));
     return fmt::format("[{}]", fmt::join(texts, ", "));
 }
 
 std::string table_text(const std::vector<double>& place, const std::vector<double>& value) {
     if (place == std::vector{0.0}) return number_text(value.front());
     std::vector<std::string> points;
-    for (std::size_t i = 0; i < place.size(); ++i) points.push_back(fmt::format("[{}, {}]", number_text(place[i]), number_text(value[i])));
+    for (std::size_t i = 0; i < place.size(); ++i) points.push_back(list_text(std::vector{place[i], value[i]}, number_text));
     return fmt::format("[{}]", fmt::join(points, ", "));
 }
+
+/// Values of members as TOML.
+struct MemberText {
+    const Parameter& parameter;
+
+    std::string operator()(const double* number) const { return number_text(*number); }
+    std::string operator()(const bool* flag) const { return *flag ? "true" : "false"; }
+    std::string operator()(const std::string* text) const { return toml_text(*text); }
+    std::string operator()(const std::vector<std::string>* texts) const { return list_text(*texts, toml_text); }
+    std::string operator()(const model::TimeTable* table) const { return table_text(table->time, table->value); }
+    std::string operator()(const model::SpeedTable* table) const { return table_text(table->speed, table->value); }
+    std::string operator()(const std::vector<double>* numbers) const {
+        return numbers->size() == 1 ? number_text(numbers->front()) : list_text(*numbers, number_text);
+    }
+    std::string operator()(const AutoNumber* number) const {
+        return number->automatic() ? toml_text(std::string(parameter.choices.front())) : number_text(*number);
+    }
+    template <class T>
+    std::string operator()(const T* member) const {
+        if constexpr (std::is_enum_v<T>)
+            return toml_text(std::string(parameter.choices[static_cast<std::size_t>(*member)]));
+        else
+            return std::to_string(*member);
+    }
+};
 
 }  // namespace
 
 std::string value_text(const Parameter& parameter, const Scene& scene) {
     if (parameter.key == level_key) return fmt::format("\"{}\"", level_of(scene).empty() ? "given" : level_of(scene));
     Scene copy = scene;
-    return std::visit(
-        [&](const auto* member) -> std::string {
-            using T = std::remove_cv_t<std::remove_pointer_t<decltype(member)>>;
-            if constexpr (std::is_same_v<T, double>)
-                return number_text(*member);
-            else if constexpr (std::is_same_v<T, AutoNumber>)
-                return member->automatic() ? toml_text(std::string(parameter.choices.front())) : number_text(*member);
-            else if constexpr (std::is_same_v<T, bool>)
-                return *member ? "true" : "false";
-            else if constexpr (std::is_same_v<T, std::string>)
-                return toml_text(*member);
-            else if constexpr (std::is_same_v<T, std::vector<double>>)
-                return list_text(*member);
-            else if constexpr (std::is_same_v<T, std::vector<std::string>>)
-                return texts_text(*member);
-            else if constexpr (std::is_same_v<T, model::TimeTable>)
-                return table_text(member->time, member->value);
-            else if constexpr (std::is_same_v<T, model::SpeedTable>)
-                return table_text(member->speed, member->value);
-            else if constexpr (std::is_enum_v<T>)
-                return toml_text(std::string(parameter.choices[static_cast<std::size_t>(*member)]));
-            else
-                return std::to_string(*member);
-        },
-        parameter.member(copy));
+    return std::visit(MemberText{parameter}, parameter.member(copy));
 }
 
 std::string write_scene(const Scene& scene) {

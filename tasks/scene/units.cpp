@@ -14,6 +14,7 @@
 
 #include "engine/base/text.hpp"
 #include "model/basis/portable_math.hpp"
+#include "tasks/scene/parameter_table.hpp"
 
 namespace cvtflow::tasks {
 
@@ -137,13 +138,10 @@ struct Product {
 };
 
 std::optional<Unit> find_simple_unit(std::string_view symbol) {
-    const auto known = [](std::string_view name) {
-        return std::find_if(units.begin(), units.end(), [&](const Unit& unit) { return unit.symbol == name; });
-    };
-    if (const auto unit = known(symbol); unit != units.end()) return *unit;
+    if (const auto unit = std::ranges::find(units, symbol, &Unit::symbol); unit != units.end()) return *unit;
     if (symbol.size() < 2) return std::nullopt;
-    const auto unit = known(symbol.substr(1));
-    const auto prefix = std::find_if(prefixes.begin(), prefixes.end(), [&](const auto& p) { return p.first == symbol.front(); });
+    const auto unit = std::ranges::find(units, symbol.substr(1), &Unit::symbol);
+    const auto prefix = std::ranges::find(prefixes, symbol.front(), &std::pair<char, int>::first);
     if (unit == units.end() || !unit->takes_prefix || prefix == prefixes.end()) return std::nullopt;
     Unit scaled = *unit;
     scaled.decimal += prefix->second;
@@ -163,11 +161,8 @@ std::optional<Unit> find_unit(std::string_view symbol) {
 
 /// Multiplies `product` by unit^(halves/2).
 void multiply(Product& product, const Unit& unit, int halves) {
-    product.dimension.length += unit.dimension.length * halves / 2;
-    product.dimension.mass += unit.dimension.mass * halves / 2;
-    product.dimension.time += unit.dimension.time * halves / 2;
-    product.dimension.angle += unit.dimension.angle * halves / 2;
-    product.dimension.temperature += unit.dimension.temperature * halves / 2;
+    for (int Dimension::*part : {&Dimension::length, &Dimension::mass, &Dimension::time, &Dimension::angle, &Dimension::temperature})
+        product.dimension.*part += unit.dimension.*part * halves / 2;
     product.decimal_halves += unit.decimal * halves;
     const double power = 0.5 * std::abs(halves);
     const double up = power == 1.0 ? unit.numerator : model::portable_pow(unit.numerator, power);
@@ -178,10 +173,8 @@ void multiply(Product& product, const Unit& unit, int halves) {
 
 /// Reads the exponent after ^ in halves. Empty if it is no multiple of a half within ±8.
 std::optional<int> exponent_halves(std::string_view text) {
-    double exponent = 0.0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), exponent);
-    const bool whole = error == std::errc{} && end == text.data() + text.size();
-    if (!whole || !(std::abs(exponent) <= 8.0) || exponent == 0.0 || 2.0 * exponent != std::floor(2.0 * exponent)) return std::nullopt;
+    const double exponent = engine::number_of(text).value_or(0.0);
+    if (!(std::abs(exponent) <= 8.0) || exponent == 0.0 || 2.0 * exponent != std::floor(2.0 * exponent)) return std::nullopt;
     return static_cast<int>(2.0 * exponent);
 }
 
@@ -241,10 +234,7 @@ double shifted(std::string_view digits, int shift) {
         const std::size_t first = e + 1 + (digits[e + 1] == '+' ? 1 : 0);
         std::from_chars(digits.data() + first, digits.data() + digits.size(), exponent);
     }
-    const std::string text = fmt::format("{}e{}", digits.substr(0, e), exponent + shift);
-    double value = 0.0;
-    const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
-    return result.ec == std::errc{} ? value : std::nan("");
+    return engine::number_of(fmt::format("{}e{}", digits.substr(0, e), exponent + shift)).value_or(std::nan(""));
 }
 
 }  // namespace
@@ -341,23 +331,11 @@ std::string number_text(double number) {  // by fmt: std::to_chars would bring 1
 
 namespace {
 
-/// Words and abbreviations that no rule below corrects.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 16> words{{{"C", "degC"},
-                                                                               {"celsius", "degC"},
-                                                                               {"Celsius", "degC"},
-                                                                               {"U", "rpm"},
-                                                                               {"r", "rpm"},
-                                                                               {"rev", "rpm"},
-                                                                               {"tr", "rpm"},
-                                                                               {"min-1", "rpm"},
-                                                                               {"s-1", "1/s"},
-                                                                               {"sec", "s"},
-                                                                               {"second", "s"},
-                                                                               {"seconds", "s"},
-                                                                               {"msec", "ms"},
-                                                                               {"usec", "us"},
-                                                                               {"degree", "deg"},
-                                                                               {"degrees", "deg"}}};
+/// Units, and words and abbreviations that no rule below corrects.
+constexpr std::pair<std::string_view, std::string_view> unit_words[] = {
+    {"degC", "C celsius Celsius"}, {"rpm", "U r rev tr min-1"}, {"1/s", "s-1"}, {"s", "sec second seconds"}, {"ms", "msec"}, {"us", "usec"},
+    {"deg", "degree degrees"},
+};
 
 /// Small letters, without signs and spaces: "kN*m" -> knm.
 std::string plain(std::string_view symbol) {
@@ -419,8 +397,8 @@ std::string short_text(double value) { return number_text(engine::number_of(fmt:
 
 std::vector<std::string> likely_symbols(std::string_view symbol) {
     if (symbol.empty() || symbol.size() > 20) return {};
-    const auto word = std::find_if(words.begin(), words.end(), [&](const auto& each) { return each.first == symbol; });
-    if (word != words.end()) return {std::string(word->second)};
+    for (const auto& [unit, words] : unit_words)
+        if (std::ranges::count(words_of(words), symbol) > 0) return {std::string(unit)};
     const std::vector<std::string> known = unit_symbols();
     for (const std::string& near : {split(symbol, known), with_power(symbol, known), other_case(symbol)})
         if (!near.empty()) return {near};

@@ -18,10 +18,8 @@ namespace {
 
 /// Allowed values of a number.
 struct Rule {
-    std::string_view key;
     std::string_view unit;
-    double min;
-    double max;
+    double min, max;
     double usual;  ///< guesses at a forgotten unit go for the value nearest to this one
 };
 
@@ -56,9 +54,9 @@ std::string real_text(double number) {
     return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;
 }
 
-/// The default of a number, list or table (its first value); 0 for other kinds.
 constexpr double usual_step = 1e-6;  ///< where a number may be automatic, that is of steps [s]
 
+/// The default of a number, list or table (its first value); 0 for other kinds.
 double default_number(const Parameter& parameter) {
     Scene scene;
     const Slot slot = parameter.member(scene);
@@ -148,23 +146,17 @@ public:
     }
 
     void read(const Node& node, model::TimeTable& member) {
-        if (auto points = read_points(node, max_points, {parameter_.key, "s", 0.0, latest_time, 0.0}))
+        if (auto points = read_points(node, max_points, {"s", 0.0, latest_time, 0.0}))
             member = model::TimeTable(std::move(points->first), std::move(points->second));
     }
 
     void read(const Node& node, model::SpeedTable& member) {
-        if (auto points = read_points(node, max_speed_points, {parameter_.key, "m/s", 0.0, highest_speed, 0.1}))
+        if (auto points = read_points(node, max_speed_points, {"m/s", 0.0, highest_speed, 0.1}))
             member = {std::move(points->first), std::move(points->second)};
     }
 
 private:
-    [[nodiscard]] Rule rule() const {
-        return {parameter_.key, parameter_.unit, parameter_.min, parameter_.max, default_number(parameter_)};
-    }
-
-    static std::string range(const Rule& rule) {
-        return fmt::format("[{}, {}]{}", number_text(rule.min), number_text(rule.max), suffix(rule.unit));
-    }
+    [[nodiscard]] Rule rule() const { return {parameter_.unit, parameter_.min, parameter_.max, default_number(parameter_)}; }
 
     template <class... Args>
     void refuse(const Node& node, fmt::format_string<Args...> text, Args&&... args) {
@@ -212,13 +204,10 @@ private:
     /// The number of `node` in SI, checked against `rule`.
     std::optional<double> number(const Node& node, const Rule& rule) {
         if (const auto* text = std::get_if<std::string>(&node.value)) return quantity(node, *text, rule);
-        double value = 0.0;
-        if (const auto* integer = std::get_if<std::int64_t>(&node.value))
-            value = static_cast<double>(*integer);
-        else if (const auto* real = std::get_if<double>(&node.value))
-            value = *real;
-        else
-            return refuse(node, "{} is not a number", written(node)), std::nullopt;
+        const auto* integer = std::get_if<std::int64_t>(&node.value);
+        const auto* real = std::get_if<double>(&node.value);
+        if (!integer && !real) return refuse(node, "{} is not a number", written(node)), std::nullopt;
+        const double value = real ? *real : static_cast<double>(*integer);
         if (!std::isfinite(value)) return refuse(node, "{} is not a finite number", written(node)), std::nullopt;
         return in_range(node, value, value, written(node) + suffix(rule.unit), rule);
     }
@@ -242,7 +231,8 @@ private:
 
     std::optional<double> in_range(const Node& node, double value, double as_written, const std::string& text, const Rule& rule) {
         if (value >= rule.min && value <= rule.max) return value;
-        refuse(node, "{} is outside {}{}", text, range(rule), engine::did_you_mean(likely_unit(as_written, text, rule)));
+        refuse(node, "{} is outside [{}, {}]{}{}", text, number_text(rule.min), number_text(rule.max), suffix(rule.unit),
+               engine::did_you_mean(likely_unit(as_written, text, rule)));
         return std::nullopt;
     }
 
