@@ -265,18 +265,10 @@ std::vector<const Channel*> chosen_channels(std::span<const std::string> names, 
     return chosen;
 }
 
-std::vector<std::string> channel_names() {
-    std::vector<std::string> names;
-    for (const Channel& channel : channels()) names.emplace_back(channel.name);
-    return names;
-}
-
 std::vector<std::string> unknown_channels(std::span<const std::string> names) {
     std::vector<std::string> unknown;
-    for (const std::string& name : names) {
-        const auto all = channels();
-        if (std::none_of(all.begin(), all.end(), [&](const Channel& channel) { return means(name, channel); })) unknown.push_back(name);
-    }
+    for (const std::string& name : names)
+        if (std::ranges::none_of(channels(), [&](const Channel& channel) { return means(name, channel); })) unknown.push_back(name);
     return unknown;
 }
 

@@ -87,9 +87,6 @@ struct Channel {
 /// @param names of channels, or of groups such as "tips/*"
 [[nodiscard]] std::vector<const Channel*> chosen_channels(std::span<const std::string> names, const model::Parameters& machine);
 
-/// Names of the catalogue, in its order.
-[[nodiscard]] std::vector<std::string> channel_names();
-
 /// Unknown names of record.channels, in order.
 [[nodiscard]] std::vector<std::string> unknown_channels(std::span<const std::string> names);
 

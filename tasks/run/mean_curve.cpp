@@ -151,10 +151,8 @@ std::span<const double> MeanCurve::load(std::span<const double> memory) {
 namespace {
 
 constexpr std::size_t max_blocks = 8, min_blocks = 4;
-/// Quantiles of Student's distribution, two-sided 95 %, by number n of blocks: n - 2 degrees of freedom.
-constexpr double student[max_blocks + 1] = {0, 0, 0, 0, 4.30, 3.18, 2.78, 2.57, 2.45};
-/// Quantiles by degrees of freedom.
-constexpr double quantile[max_blocks - 2] = {0, 12.71, 4.30, 3.18, 2.78, 2.57};
+/// Quantiles of Student's distribution, two-sided 95 %, by degrees of freedom.
+constexpr double quantile[max_blocks - 1] = {0, 12.71, 4.30, 3.18, 2.78, 2.57, 2.45};
 constexpr double sag_counts = 1.5;            ///< a swing that turns has no trend: by its bend, the mean is off by about that much
 constexpr double share_of_efficiency = 0.02;  ///< of the tolerance of other means
 constexpr double noticed_alternation = 5e-4;  ///< of the tension: machines that do not alternate stay below 3e-4
@@ -200,7 +198,7 @@ constexpr std::size_t losses = 6, efficiency = 7;
         const double rest = blocks[k].mean[quantity] - mean - slope * (static_cast<double>(k) - middle);
         scatter += rest * rest;
     }
-    const double scale = scale_of(quantity, mean, tight), error = student[count] * std::sqrt(scatter / (n - 2.0) / spread);
+    const double scale = scale_of(quantity, mean, tight), error = quantile[count - 2] * std::sqrt(scatter / (n - 2.0) / spread);
     if (!(scale > 0.0)) return {quantities[quantity]};
     return {quantities[quantity], window * slope / scale, window * error / scale};
 }

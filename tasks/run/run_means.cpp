@@ -71,18 +71,6 @@ constexpr NoteKind kinds[] = {
     return change;
 }
 
-/// By the mean powers of the hydraulics, which change little within a pin period.
-[[nodiscard]] double efficiency_with_pump(const SpanMeans& means, const EnergySums& before, const EnergySums& after) noexcept {
-    if (means.hydraulics.pump == 0.0) return means.efficiency;
-    const double lasted = after.time - before.time;
-    return after.efficiency_since(before, means.hydraulics.pump * lasted, means.hydraulics.lost() * lasted);
-}
-
-[[nodiscard]] double overall_efficiency(const SpanMeans& means, const EnergySums& before, const EnergySums& after) noexcept {
-    const double lasted = after.time - before.time;
-    return after.overall_since(before, means.hydraulics.pump * lasted, means.hydraulics.lost() * lasted);
-}
-
 /// Means of one number each, with their places.
 constexpr std::pair<Mean, double SpanMeans::*> scalar_means[] = {
     {Mean::ratio, &SpanMeans::ratio},    {Mean::slip, &SpanMeans::slip},   {Mean::friction_slip, &SpanMeans::friction_slip},
@@ -115,8 +103,9 @@ void fill_energies(const MeanPoint& before, const MeanPoint& after, SpanMeans& m
     means.no_load = in > 0.0 && taken < min_load * in;
     means.efficiency = means.no_load ? std::numeric_limits<double>::quiet_NaN() : to.efficiency_since(from);
     means.hydraulics = model::mean_powers(before.hydraulics, after.hydraulics, lasted);
-    means.with_pump = means.no_load ? means.efficiency : efficiency_with_pump(means, from, to);
-    means.overall = means.no_load ? means.efficiency : overall_efficiency(means, from, to);
+    const double time = to.time - from.time, pump = means.hydraulics.pump * time, oil = means.hydraulics.lost() * time;  // mean powers
+    means.with_pump = means.no_load || means.hydraulics.pump == 0.0 ? means.efficiency : to.efficiency_since(from, pump, oil);
+    means.overall = means.no_load ? means.efficiency : to.overall_since(from, pump, oil);
     means.carried = lost > 0.0 ? taken / lost : 0.0;
     means.stored = in > 0.0 ? change / in : 0.0;
     if (!(lasted > 0.0)) return;

@@ -10,10 +10,6 @@
 #include "model/parameters/chain_layout.hpp"
 #include "tasks/scene/scene.hpp"
 
-namespace cvtflow::engine {
-struct SavedState;
-}
-
 namespace cvtflow::tasks {
 
 /// Attribute of records and states with the step in use at their end [s]; "step" of a record is run.step, 0: automatic.

@@ -13,10 +13,6 @@
 #include "model/variator/variator.hpp"
 #include "tasks/run/run_part.hpp"
 
-namespace cvtflow::engine {
-struct SavedState;
-}
-
 namespace cvtflow::tasks {
 
 /// A simulation cannot begin: the start state does not fit, the method is unknown.

@@ -95,7 +95,7 @@ MarkEvidence evidence_of(std::string_view number) {
 
 }  // namespace
 
-std::optional<DoubtfulNumber> doubtful_number(std::string_view text) {
+std::optional<Problem> doubtful_number(std::string_view text) {
     MarkEvidence file;
     std::vector<std::pair<int, std::string>> doubtful;
     char separator = 0;
@@ -122,9 +122,9 @@ std::optional<DoubtfulNumber> doubtful_number(std::string_view text) {
         std::erase_if(whole, [](char c) { return c == ',' || c == '.' || c == '+'; });
         std::erase(decimal, '+');
         put_decimal_point(decimal);
-        return DoubtfulNumber{line,
-                              fmt::format("\"{}\" can be {} or {}: write it without the {}, or with a different number of decimals", word,
-                                          number_text(engine::number_of(decimal).value_or(0.0)), whole, comma ? "comma" : "point")};
+        return Problem{{line, 1},
+                       fmt::format("\"{}\" can be {} or {}: write it without the {}, or with a different number of decimals", word,
+                                   number_text(engine::number_of(decimal).value_or(0.0)), whole, comma ? "comma" : "point")};
     }
     return std::nullopt;
 }
@@ -170,6 +170,19 @@ public:
     PointReader(const Parameter& parameter, Position position, std::vector<Problem>& problems)
         : parameter_(parameter), position_(position), problems_(problems) {}
 
+    /// Sets the table of the scene to the points of the file. @param folder  that its path counts from
+    void read(const Node::Table& table, const std::filesystem::path& folder, Scene& scene) {
+        if (!keys(table)) return;
+        const Node all = points(folder);
+        if (!good_) return;
+        scene.named_files.push_back(folder / file_);
+        std::vector<Problem> inside;  // with positions in the file
+        read_value(parameter_, all, scene, inside);
+        for (const auto& [at, message] : inside)
+            problems_.push_back({position_, fmt::format("{} ({}:{}:{})", message, file_, at.line, at.column)});
+    }
+
+private:
     /// Which keys the table has. @return whether they make sense
     bool keys(const Node::Table& table) {
         const std::size_t before = problems_.size();
@@ -199,7 +212,8 @@ public:
         if (!std::filesystem::exists(path, unknown)) return problem(fmt::format("no file {}", toml_text(file_))), Node{points, {}};
         try {
             const std::string content = engine::read_text_input(path.string(), longest_csv);
-            if (const auto doubtful = doubtful_number(content)) problem(fmt::format("{}:{}: {}", file_, doubtful->line, doubtful->problem));
+            if (const auto doubtful = doubtful_number(content))
+                problem(fmt::format("{}:{}: {}", file_, doubtful->position.line, doubtful->message));
             std::istringstream text(content);
             for (std::string line; std::getline(text, line) && good_;) {
                 ++line_;
@@ -218,14 +232,6 @@ public:
         return {points, {line_, 1}};
     }
 
-    /// A problem of a value, with its position in the file.
-    void tell(const Problem& inside) {
-        problems_.push_back({position_, fmt::format("{} ({}:{}:{})", inside.message, file_, inside.position.line, inside.position.column)});
-    }
-    [[nodiscard]] bool good() const noexcept { return good_; }
-    [[nodiscard]] std::filesystem::path file(const std::filesystem::path& folder) const { return folder / file_; }
-
-private:
     void problem(const std::string& message) {
         good_ = false;
         problems_.push_back({position_, fmt::format("{}: {}", parameter_.key, message)});
@@ -267,14 +273,7 @@ private:
 
 void read_csv_points(const Parameter& parameter, const Node& node, const std::filesystem::path& folder, Scene& scene,
                      std::vector<Problem>& problems) {
-    PointReader reader(parameter, node.position, problems);
-    if (!reader.keys(std::get<Node::Table>(node.value))) return;
-    const Node points = reader.points(folder);
-    if (!reader.good()) return;
-    scene.named_files.push_back(reader.file(folder));
-    std::vector<Problem> inside;
-    read_value(parameter, points, scene, inside);
-    for (const Problem& problem : inside) reader.tell(problem);
+    PointReader(parameter, node.position, problems).read(std::get<Node::Table>(node.value), folder, scene);
 }
 
 }  // namespace cvtflow::tasks

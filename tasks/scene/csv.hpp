@@ -27,14 +27,9 @@ inline constexpr std::uint64_t longest_csv = std::uint64_t{64} << 20U;  ///< a m
 /// Carriage returns are left out. Where a comma does not separate, "12,5" is 12.5.
 [[nodiscard]] std::vector<std::vector<std::string>> csv_lines(std::string_view text, char separator = ',');
 
-/// A number of a file where commas do not separate that can be read in two ways: "12,000" is 12 or 12000.
-struct DoubtfulNumber {
-    int line;  ///< from 1
-    std::string problem;
-};
-/// The first such number: one to three digits, a comma (or point) and three digits, unless other numbers of the file show which of the two
-/// is its decimal mark.
-[[nodiscard]] std::optional<DoubtfulNumber> doubtful_number(std::string_view text);
+/// The first number of a file where commas do not separate that can be read in two ways: "12,000" is 12 or 12000. One to three digits, a
+/// comma (or point) and three digits, unless other numbers of the file show which of the two is its decimal mark. With its line.
+[[nodiscard]] std::optional<Problem> doubtful_number(std::string_view text);
 
 /// The one function that writes cells: quoted where separators of any country require it (or always), control characters spelt out. A text
 /// that a spreadsheet would take for a formula, since it begins with = + - or @, gets an apostrophe in front; numbers stay as they are.

@@ -62,7 +62,7 @@ public:
         forget_vehicle(scene_);
     }
 
-    void document(const Node::Table& sections);
+    void section(const Entry& entry);
     void value(const Parameter& parameter, const Node& node);
     void unknown_key(const std::string& key, Position position) {
         problem(position, fmt::format("{}: unknown key{}", shown(key),
@@ -76,7 +76,6 @@ public:
     Scene finish(const std::function<std::string(Position)>& place);
 
 private:
-    void section(const Entry& entry);
     void resolve_state(const Node& node);
     void check(const CrossCheck& cross_check);
     void follow();
@@ -89,10 +88,6 @@ private:
     std::set<std::string_view> wrong_;
     std::vector<Problem> problems_;
 };
-
-void Reading::document(const Node::Table& sections) {
-    for (const Entry& entry : sections) section(entry);
-}
 
 void Reading::section(const Entry& entry) {
     const auto names = section_names();
@@ -145,12 +140,11 @@ void Reading::resolve_state(const Node& node) {
 }
 
 void Reading::check(const CrossCheck& cross_check) {
-    const auto is_wrong = [&](std::string_view key) { return wrong_.contains(key); };
-    if (std::any_of(cross_check.keys.begin(), cross_check.keys.end(), is_wrong)) return;
+    const auto& keys = cross_check.keys;
+    if (std::ranges::any_of(keys, [&](std::string_view key) { return wrong_.contains(key); })) return;
     auto violation = cross_check.violation(scene_);
     if (!violation) return;
-    const auto& keys = cross_check.keys;
-    const auto first = std::find_if(keys.begin(), keys.end(), [&](std::string_view key) { return given_.contains(key); });
+    const auto first = std::ranges::find_if(keys, [&](std::string_view key) { return given_.contains(key); });
     const auto level = given_.find(level_key);  // sets some of the keys
     const Position otherwise = level == given_.end() ? nowhere_ : level->second;
     problem(first == keys.end() ? otherwise : given_[*first], std::move(*violation));
@@ -236,7 +230,7 @@ Scene parse_scene(std::string text, std::filesystem::path name, StartState start
         throw SceneError(
             fmt::format("{}: sweep: this is a sweep, not a scene; to run it: cvtflow batch {}", place(sweep->position), name.string()));
     Reading reading(Scene{}, name.parent_path(), start);
-    reading.document(sections);
+    for (const Entry& entry : sections) reading.section(entry);
     Scene scene = reading.finish(place);
     if (scene.name.empty()) scene.name = engine::name_of_file(name.stem().string());
     scene.text = std::move(text);
@@ -338,7 +332,7 @@ std::string_view level_of(const Scene& scene) noexcept {
 
 void apply_detail(Scene& scene, std::string_view preset) {
     const auto presets = detail_presets();
-    const auto chosen = std::find_if(presets.begin(), presets.end(), [&](const DetailPreset& row) { return row.name == preset; });
+    const auto chosen = std::ranges::find(presets, preset, &DetailPreset::name);
     if (chosen == presets.end()) {
         std::vector<std::string> names;
         for (const auto& row : presets) names.emplace_back(row.name);

@@ -384,7 +384,8 @@ Axis read_csv_axis(const std::filesystem::path& file, const std::vector<CsvColum
     try {
         const std::string content = engine::read_text_input(file.string(), longest_csv);
         if (const auto doubtful = doubtful_number(content)) {
-            problems.push_back({position, fmt::format("axes.csv: {}:{}: {}", file.filename().string(), doubtful->line, doubtful->problem)});
+            problems.push_back(
+                {position, fmt::format("axes.csv: {}:{}: {}", file.filename().string(), doubtful->position.line, doubtful->message)});
             return {};
         }
         std::istringstream text(content);

@@ -37,7 +37,7 @@ std::string doubt(const std::string& numbers) {
     std::string text = "# measured\nt;x";
     for (const char c : numbers) text += c == ' ' ? std::string("\n0;") : std::string(1, c);
     const auto found = doubtful_number(text);
-    return found ? std::to_string(found->line) + ": " + found->problem : "";
+    return found ? std::to_string(found->position.line) + ": " + found->message : "";
 }
 
 TEST(CsvText, ANumberWithThreeDigitsBehindACommaIsDoubtful) {
@@ -45,7 +45,7 @@ TEST(CsvText, ANumberWithThreeDigitsBehindACommaIsDoubtful) {
     EXPECT_NE(doubt(" 1 -1,250 7"), "");
     const auto by_tabs = doubtful_number("t\tx\n0\t12,000\n");
     ASSERT_TRUE(by_tabs);
-    EXPECT_EQ(by_tabs->line, 2);
+    EXPECT_EQ(by_tabs->position.line, 2);
     EXPECT_FALSE(doubtful_number("t,x\n0,\"12,000\"\n"));  // is no number there
 }
 

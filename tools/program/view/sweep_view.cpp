@@ -47,7 +47,7 @@ std::vector<std::vector<std::string>> lines_of(const std::string& path) {
         throw engine::RecordError(path + ": " + error.what());
     }
     if (const auto doubtful = tasks::doubtful_number(text))
-        throw engine::RecordError(fmt::format("{}:{}: {}", path, doubtful->line, doubtful->problem));
+        throw engine::RecordError(fmt::format("{}:{}: {}", path, doubtful->position.line, doubtful->message));
     auto lines = tasks::csv_lines(text, tasks::csv_separator(text.substr(0, text.find('\n'))));
     std::erase_if(lines, [](const auto& cells) { return cells.size() == 1 && cells[0].empty(); });
     return lines;
