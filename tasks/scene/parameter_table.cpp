@@ -9,14 +9,16 @@ std::vector<std::string_view> level_choices() {
     return names;
 }
 
+constexpr std::string_view published = "published chain variators", typical_size = "typical size of a passenger-car variator";
+
+}  // namespace
+
 // Ranges are wide on purpose: stiffnesses and masses may be a thousandth to a thousandfold of the default (so that limits of
 // stability can be studied); what makes no sense at all is refused. Defaults are those of the structs.
 // key, unit, min, max, choices, member / meaning, source
-constexpr std::string_view published = "published chain variators";
-
-std::vector<Parameter> parameters_of_machine() {
+std::span<const Parameter> parameter_table() {
     using namespace model;
-    return {
+    static const std::vector<Parameter> table{
         // clang-format off
     {"scene.name", "", 0, 0, {}, of<&Scene::name>, "Name of the scene; the file's stem if absent."},
     {"scene.description", "", 0, 0, {}, of<&Scene::description>, "Purpose of the scene, in one or two sentences."},
@@ -201,14 +203,198 @@ std::vector<Parameter> parameters_of_machine() {
      "Standard deviation of the lengths of pins from half.length: normal distribution, cut at three times as much.", "a perfect machine"},
     {"imperfection.pin_length_seed", "1", 0, 9007199254740992, {}, of<&Imperfection::pin_length_seed>,
      "Seed by which lengths of pins are drawn."},
-        // clang-format on
-    };
-}
 
-std::vector<Parameter> parameters_of_run() {
-    using namespace model;
-    return {
-        // clang-format off
+    {"drive.mode", "", 0, 0, {"speed", "torque", "coupling"}, of<&Drive::mode>,
+     "Shaft 1 is held at a speed by a governor, driven by a torque, or from t = 0 by a torsional spring and damper whose far end turns."},
+    {"drive.speed", "rad/s", -3000, 3000, {}, of<&Drive::speed>,
+     "Speed over time of shaft 1 in mode speed, of the far end in mode coupling.", "baseline operating point"},
+    {"drive.torque", "N*m", -1e5, 1e5, {}, of<&Drive::torque>, "Torque on shaft 1 over time, in mode torque."},
+    {"drive.governor_frequency", "Hz", 1e-1, 1e5, {}, of<&Drive::governor_frequency>,
+     "Corner frequency of the governor of mode speed, which also holds shaft 1 while mode coupling settles."},
+    {"drive.inertia", "kg*m^2", 0, 1e3, {}, of<&Drive::inertia>, "Moment of inertia added to shaft 1."},
+
+    {"drive.coupling_stiffness", "N*m/rad", 1e-1, 1e8, {}, of<&Drive::coupling, &Coupling::stiffness>,
+     "Stiffness of the coupling of mode coupling."},
+    {"drive.coupling_damping", "N*m*s/rad", 0, 1e6, {}, of<&Drive::coupling, &Coupling::damping>,
+     "Damping of the coupling of mode coupling."},
+
+    {"load.mode", "", 0, 0, {"torque", "speed", "coupling"}, of<&Load::mode>,
+     "What holds shaft 2 from t = 0: a torque, a governor of its speed, or a torsional spring and damper whose far end turns."},
+    {"load.torque", "N*m", -1e5, 1e5, {}, of<&Load::torque>,
+     "Torque against the travel of shaft 2 over time, in mode torque; the other modes take over at t = 0 with its first "
+     "value.", "baseline operating point"},
+    {"load.speed", "rad/s", -3000, 3000, {}, of<&Load::speed>,
+     "Speed over time of shaft 2 in mode speed, of the far end in mode coupling, such as that of a vehicle."},
+    {"load.governor_frequency", "Hz", 1e-1, 1e5, {}, of<&Load::governor_frequency>, "Corner frequency of the governor of mode speed."},
+    {"load.coupling_stiffness", "N*m/rad", 1e-1, 1e8, {}, of<&Load::coupling, &Coupling::stiffness>,
+     "Stiffness of the coupling of mode coupling."},
+    {"load.coupling_damping", "N*m*s/rad", 0, 1e6, {}, of<&Load::coupling, &Coupling::damping>,
+     "Damping of the coupling of mode coupling."},
+    {"load.linear", "N*m*s/rad", 0, 1e3, {}, of<&Load::linear>, "Torque against the travel of shaft 2 added per its speed."},
+    {"load.quadratic", "N*m*s^2/rad^2", 0, 1e2, {}, of<&Load::quadratic>,
+     "Torque against the travel of shaft 2 added per its speed squared, such as the drag of air."},
+    {"load.inertia", "kg*m^2", 0, 1e3, {}, of<&Load::inertia>, "Moment of inertia added to shaft 2."},
+
+    {"drag.driving_seals", "N*m", 0, 1e4, {}, of<&Drag::driving, &ShaftDrag::seals>,
+     "Torque that the seals of shaft 1 take from it, at any speed."},
+    {"drag.driving_viscous", "N*m*s/rad", 0, 1e3, {}, of<&Drag::driving, &ShaftDrag::viscous>,
+     "Torque of the bearings of shaft 1 without load, per speed."},
+    {"drag.driving_churning", "N*m*s^2/rad^2", 0, 10, {}, of<&Drag::driving, &ShaftDrag::churning>,
+     "Torque of the oil that shaft 1 moves, per speed squared."},
+    {"drag.driven_seals", "N*m", 0, 1e4, {}, of<&Drag::driven, &ShaftDrag::seals>,
+     "Torque that the seals of shaft 2 take from it, at any speed."},
+    {"drag.driven_viscous", "N*m*s/rad", 0, 1e3, {}, of<&Drag::driven, &ShaftDrag::viscous>,
+     "Torque of the bearings of shaft 2 without load, per speed."},
+    {"drag.driven_churning", "N*m*s^2/rad^2", 0, 10, {}, of<&Drag::driven, &ShaftDrag::churning>,
+     "Torque of the oil that shaft 2 moves, per speed squared."},
+    {"drag.bearing_friction", "1", 0, 1, {}, of<&Drag::bearing_friction>,
+     "Friction coefficient of both shafts' bearings under the pull of the chain; catalogues: 0.0011 cylindrical rollers, 0.0015 balls."},
+    {"drag.bearing_diameter", "m", 1e-3, 10, {}, of<&Drag::bearing_diameter>,
+     "Bore of the bearings, at which that coefficient acts.", typical_size},
+
+    {"guide.stiffness", "N/m", 0, 1e8, {}, of<&Guide::stiffness>,
+     "Stiffness of a guide's rail against a pin: rails on both sides of each strand, beside the common tangents at start.ratio. 0: no "
+     "guides."},
+    {"guide.damping", "s/m", 0, 1e3, {}, of<&Guide::damping>,
+     "Growth of the force of a rail with the speed of approach, relative to its elastic "
+     "part.", "restitution of plastic rails, 0.7 at 1 m/s"},
+    {"guide.clearance", "m", 0, 0.1, {}, of<&Guide::clearance>, "Play between a pin in the middle between both rails and either of them."},
+    {"guide.offset", "m", -0.1, 0.1, {}, of<&Guide::offset>,
+     "Distance of the middle between both rails from the tangent, outwards: a loaded strand runs a few tenths of a mm outside of it."},
+    {"guide.friction_coefficient", "1", 0, 2, {}, of<&Guide::friction>,
+     "Coefficient of friction of the strand on a rail.", "oiled polyamide on steel"},
+    {"guide.begin", "1", 0, 1, {}, of<&Guide::begin>, "Where the rails begin, as a part of the strand from shaft 1 to shaft 2."},
+    {"guide.end", "1", 0, 1, {}, of<&Guide::end>,
+     "Where they end, likewise. Over a fifth of their length at each end the stiffness grows from 0."},
+
+    {"vehicle.mass", "kg", 0, 1e5, {}, of<&Vehicle::mass>, "Mass of a vehicle that shaft 2 moves; [load] follows from it. 0: no vehicle."},
+    {"vehicle.wheel_radius", "m", 1e-2, 10, {}, of<&Vehicle::wheel_radius>, "Rolling radius of the wheels.", "typical passenger car"},
+    {"vehicle.wheel_inertia", "kg*m^2", 0, 1e4, {}, of<&Vehicle::wheel_inertia>,
+     "Moment of inertia of all wheels and of what turns with them."},
+    {"vehicle.final_drive", "1", 1e-2, 100, {}, of<&Vehicle::final_drive>,
+     "Turns of shaft 2 per turn of the wheels.", "typical passenger car"},
+    {"vehicle.efficiency", "1", 0.1, 1, {}, of<&Vehicle::efficiency>,
+     "Efficiency of the final drive in a cycle, both ways; without a cycle it has no losses."},
+    {"vehicle.drag_area", "m^2", 0, 100, {}, of<&Vehicle::drag_area>, "Drag coefficient times frontal area.", "typical passenger car"},
+    {"vehicle.air_density", "kg/m^3", 0, 10, {}, of<&Vehicle::air_density>, "Density of the air.", "air at 20 degrees Celsius"},
+    {"vehicle.rolling_resistance", "1", 0, 1, {}, of<&Vehicle::rolling_resistance>,
+     "Rolling resistance over the weight.", "typical passenger car"},
+    {"vehicle.grade", "1", -1, 1, {}, of<&Vehicle::grade>, "Rise of the road over its horizontal length, over time."},
+
+    {"cycle.speed", "m/s", 0, 200, {}, of<&Cycle::speed>,
+     "Speed of the vehicle over time; speed, ratio and load of the shafts follow. 0: no cycle."},
+    {"cycle.begin", "s", 0, latest_time, {}, of<&Cycle::begin>, "Time of the tables of cycle and grade at t = 0, where the run begins."},
+    {"cycle.engine_speed", "rad/s", 0, 3000, {}, of<&Cycle::engine_speed>,
+     "Target speed of shaft 1 over the speed of the vehicle, linear between points."},
+    {"cycle.idle_speed", "rad/s", 1, 3000, {}, of<&Cycle::idle_speed>,
+     "Smallest speed of shaft 1: below, at cycle.max_ratio, the starting clutch slips.", "typical engine"},
+    {"cycle.min_ratio", "1", 0.05, 20, {}, of<&Cycle::min_ratio>, "Smallest ratio (shaft 1 over shaft 2) that the cycle uses."},
+    {"cycle.max_ratio", "1", 0.05, 20, {}, of<&Cycle::max_ratio>, "Largest ratio that the cycle uses."},
+    {"cycle.engine_drag", "N*m", 0, 1e5, {}, of<&Cycle::engine_drag>,
+     "Largest torque by which shaft 1 brakes the vehicle; brakes take the rest.", "typical engine"},
+    {"cycle.pedal_time", "s", 1e-3, 100, {}, of<&Cycle::pedal_time>,
+     "Time over which pedals move: speeds, ratio and torque are means over it."},
+
+    {"clamping.driving", "N", 0, 1e7, {}, of<&Clamping::driving>,
+     "Clamping force of the movable sheave of shaft 1 over time.", "baseline operating point"},
+    {"clamping.driven", "N", 0, 1e7, {}, of<&Clamping::driven>,
+     "Clamping force of the movable sheave of shaft 2 over time.", "baseline operating point"},
+
+    {"clamping.safety", "1", 0, 100, {}, of<&Clamping::safety>,
+     "Lower limit of the clamping force of shaft 2: its friction carries this many times the load's torque, 2 mu S r/cos(beta). 0: no "
+     "limit."},
+
+    {"control.enabled", "", 0, 0, {}, of<&Control::enabled>,
+     "A PI controller corrects a clamping force (control.quantity); with control.driven a second one corrects that of shaft 2."},
+    {"control.quantity", "", 0, 0, {"ratio", "slip", "safety"}, of<&Control::quantity>,
+     "Controlled quantity: the speed ratio by the clamping force of shaft 1, or slip or the safety factor by that of shaft 2."},
+    {"control.slip", "1", 0, 0.5, {}, of<&Control::slip>,
+     "Target slip over time: loss of speed relative to the ratio of the radii, which follow from the sheaves' positions with their elastic "
+     "deformation."},
+    {"control.safety", "1", 0.1, 100, {}, of<&Control::safety>,
+     "Target safety factor of shaft 2 over time: 2 mu S r/cos(beta) over the load's torque; the radius follows from the sheaves' "
+     "position."},
+    {"control.ratio", "1", 0.05, 20, {}, of<&Control::ratio>, "Target speed ratio (shaft 1 over shaft 2) over time."},
+    {"control.gains", "", 0, 0, {"given", "found"}, of<&Scene::gains>,
+     "Gains of ratio control: control.proportional and control.integral, or found from clamping force and speed: a point then settles "
+     "without a swing, and the offset that the proportional part leaves moves into the integral part where settling ends."},
+    {"control.proportional", "N", 0, 1e9, {}, of<&Control::proportional>,
+     "Proportional gain: clamping force per relative error of speed or safety, or per error of slip."},
+    {"control.integral", "N/s", 0, 1e12, {}, of<&Control::integral>,
+     "Integral gain: rate of clamping force per relative error of speed or safety, or per error of slip."},
+    {"control.authority", "N", 0, 1e6, {}, of<&Control::authority>, "Largest correction of the clamping force, either way."},
+    {"control.reference_speed", "rad/s", 1e-3, 3000, {}, of<&Control::reference_speed>,
+     "Speed that scales the error in drive.mode torque."},
+
+    {"control.driven", "", 0, 0, {"none", "slip", "safety"}, of<&Control::driven>,
+     "Quantity that a second PI controller holds by the clamping force of shaft 2, while the first one holds the ratio by that of shaft "
+     "1."},
+    {"control.driven_proportional", "N", 0, 1e9, {}, of<&Control::driven_proportional>,
+     "Proportional gain of the second controller: clamping force per error of slip or relative error of the safety factor."},
+    {"control.driven_integral", "N/s", 0, 1e12, {}, of<&Control::driven_integral>,
+     "Integral gain of the second controller: rate of clamping force per error of slip or relative error of the safety factor."},
+    {"control.driven_authority", "N", 0, 1e6, {}, of<&Control::driven_authority>,
+     "Largest correction of the clamping force by the second controller, either way."},
+
+    {"hydraulics.mode", "", 0, 0, {"none", "force", "pressure"}, of<&Hydraulics::mode>,
+     "What makes the clamping forces from t = 0 on: none: they act as requested; force, pressure: cylinders, valves and a pump, from the "
+     "forces of clamping and control, or from driving_pressure and driven_pressure with control."},
+    {"hydraulics.driving_area", "m^2", 1e-4, 1, {}, of<&Hydraulics::driving, &Cylinder::area>,
+     "Area of the piston of shaft 1.", typical_size},
+    {"hydraulics.driving_inner", "m", 0, 1, {}, of<&Hydraulics::driving, &Cylinder::inner>,
+     "Inner radius of the piston of shaft 1; with its area it determines the force of the rotating oil.", typical_size},
+    {"hydraulics.driving_compensation", "m^2", 0, 1, {}, of<&Hydraulics::driving, &Cylinder::compensation>,
+     "Area of the chamber that compensates rotating oil on shaft 1: oil without pressure on the other side of the piston."},
+    {"hydraulics.driving_spring", "N", 0, 1e6, {}, of<&Hydraulics::driving, &Cylinder::spring>,
+     "Force of the spring behind the piston of shaft 1, where the running radius is pulley.arc_position."},
+    {"hydraulics.driving_spring_rate", "N/m", 0, 1e7, {}, of<&Hydraulics::driving, &Cylinder::spring_rate>,
+     "Rate of the spring behind the piston of shaft 1: its force falls as the sheave moves toward the chain."},
+    {"hydraulics.driving_pressure", "Pa", 0, 1e10, {}, of<&Hydraulics::driving, &Cylinder::pressure>,
+     "Target pressure of the cylinder of shaft 1 over time, in mode pressure.", "clamping force of the baseline"},
+    {"hydraulics.driven_area", "m^2", 1e-4, 1, {}, of<&Hydraulics::driven, &Cylinder::area>,
+     "Area of the piston of shaft 2.", typical_size},
+    {"hydraulics.driven_inner", "m", 0, 1, {}, of<&Hydraulics::driven, &Cylinder::inner>,
+     "Inner radius of the piston of shaft 2; with its area it determines the force of the rotating oil.", typical_size},
+    {"hydraulics.driven_compensation", "m^2", 0, 1, {}, of<&Hydraulics::driven, &Cylinder::compensation>,
+     "Area of the chamber that compensates rotating oil on shaft 2: oil without pressure on the other side of the piston."},
+    {"hydraulics.driven_spring", "N", 0, 1e6, {}, of<&Hydraulics::driven, &Cylinder::spring>,
+     "Force of the spring behind the piston of shaft 2, where the running radius is pulley.arc_position."},
+    {"hydraulics.driven_spring_rate", "N/m", 0, 1e7, {}, of<&Hydraulics::driven, &Cylinder::spring_rate>,
+     "Rate of the spring behind the piston of shaft 2: its force falls as the sheave moves toward the chain."},
+    {"hydraulics.driven_pressure", "Pa", 0, 1e10, {}, of<&Hydraulics::driven, &Cylinder::pressure>,
+     "Target pressure of the cylinder of shaft 2 over time, in mode pressure.", "clamping force of the baseline"},
+    {"hydraulics.feed_radius", "m", 0, 1, {}, of<&Hydraulics::feed_radius>,
+     "Radius at which rotating oil has the pressure of its valve: of the bore that feeds the cylinders.", typical_size},
+    {"hydraulics.oil_density", "kg/m^3", 100, 2000, {}, of<&Hydraulics::oil_density>,
+     "Density of the oil.", "transmission fluid at 80 degrees Celsius"},
+    {"hydraulics.oil_modulus", "Pa", 1e6, 1e12, {}, of<&Hydraulics::oil_modulus>,
+     "Bulk modulus of the oil with its air and lines.", "transmission fluid with 1 % of air"},
+    {"hydraulics.oil_volume", "m^3", 1e-6, 1, {}, of<&Hydraulics::oil_volume>,
+     "Volume of oil behind a piston, with its line; with the modulus it determines how far the oil yields.", typical_size},
+    {"hydraulics.leakage", "m^3/s/Pa", 0, 1e-8, {}, of<&Hydraulics::leakage>,
+     "Leakage of a cylinder per pressure, through rotating seals.", "0.5 l/min at 28 bar"},
+    {"hydraulics.valve_conductance", "m^3/s/Pa", 1e-13, 1e-5, {}, of<&Hydraulics::valve_conductance>,
+     "Flow of an open valve per drop of pressure.", "12 l/min at 2 bar"},
+    {"hydraulics.valve_lag", "s", 1e-4, 10, {}, of<&Hydraulics::valve_lag>, "Time constant of a valve's set pressure.", typical_size},
+    {"hydraulics.valve_rate", "Pa/s", 1e3, 1e12, {}, of<&Hydraulics::valve_rate>,
+     "Largest change of a valve's set pressure per time.", "40 bar in 40 ms"},
+    {"hydraulics.pump_displacement", "m^3", 0, 1e-2, {}, of<&Hydraulics::pump_displacement>,
+     "Displacement of the pump per turn.", typical_size},
+    {"hydraulics.pump_ratio", "1", 0, 20, {}, of<&Hydraulics::pump_ratio>,
+     "Turns of the pump per turn of shaft 1; the pump takes its torque before shaft 1. 0: the pump has a motor of its own."},
+    {"hydraulics.pump_speed", "rad/s", 0, 3000, {}, of<&Hydraulics::pump_speed>,
+     "Speed of the pump over time beside that which it takes from shaft 1: of its own motor."},
+    {"hydraulics.pump_volumetric", "1", 0.01, 1, {}, of<&Hydraulics::pump_volumetric>,
+     "Volumetric efficiency of the pump: flow over speed times displacement.", typical_size},
+    {"hydraulics.pump_mechanical", "1", 0.01, 1, {}, of<&Hydraulics::pump_mechanical>,
+     "Mechanical efficiency of the pump: displacement times pressure over torque.", typical_size},
+    {"hydraulics.line_margin", "Pa", 0, 1e10, {}, of<&Hydraulics::line_margin>,
+     "Line pressure above the higher of both set pressures.", typical_size},
+    {"hydraulics.line_minimum", "Pa", 0, 1e10, {}, of<&Hydraulics::line_minimum>,
+     "Lowest line pressure, for lubrication and control.", typical_size},
+    {"hydraulics.relief_pressure", "Pa", 1e3, 1e10, {}, of<&Hydraulics::relief_pressure>,
+     "Highest line pressure; set pressures end there.", typical_size},
+
     {"start.layout", "", 0, 0, {"belt", "ring"}, of<&Start::layout>, "Initial shape of the chain: around the pulleys, or a free ring."},
     {"start.ratio", "1", 0.05, 20, {}, of<&Start::ratio>,
      "Speed ratio of the geometric start: running radius on shaft 2 over that on shaft 1."},
@@ -265,16 +451,6 @@ std::vector<Parameter> parameters_of_run() {
      "instant. Sums so far, angles and places stay those of the instant."},
         // clang-format on
     };
-}
-
-}  // namespace
-
-std::span<const Parameter> parameter_table() {
-    static const std::vector<Parameter> table = [] {
-        std::vector<Parameter> rows = parameters_of_machine();
-        for (auto& more : {parameters_of_drive(), parameters_of_run()}) rows.insert(rows.end(), more.begin(), more.end());
-        return rows;
-    }();
     return table;
 }
 

@@ -50,9 +50,6 @@ struct Parameter {
     [[nodiscard]] Kind kind() const;
 };
 
-/// Parameter::source of many rows.
-inline constexpr std::string_view typical_size = "typical size of a passenger-car variator";
-
 /// The section of a scene that has members of that type.
 template <class Section, class Value>
 [[nodiscard]] Section& section_with(Scene& s, Value Section::* /*member*/) {
@@ -69,9 +66,6 @@ template <auto member, auto... inside>
 
 /// All rows; the keys of a section are adjacent.
 [[nodiscard]] std::span<const Parameter> parameter_table();
-
-/// Its rows of the sections [drive] to [hydraulics].
-[[nodiscard]] std::vector<Parameter> parameters_of_drive();
 
 /// The row of `key`, or nullptr.
 [[nodiscard]] const Parameter* find_parameter(std::string_view key);

@@ -20,7 +20,6 @@ constexpr std::ptrdiff_t most_columns = 140;
 
 /// The only files with longer functions, which are tables: path and what is tabulated.
 const std::map<std::string, std::string> tables{
-    {"tasks/scene/drive_parameters.cpp", "one row per parameter"},
     {"tasks/scene/parameter_table.cpp", "one row per parameter"},
 };
 
