@@ -135,10 +135,8 @@ const Channel table[] = {
     {"followed_pin/position", "m", "x, y, z of the followed pin's rear half", followed_position, any_machine | so_far, "axis",
      Channel::always(3)},
     {"followed_pin/tension", "N", "tension of the link behind the followed pin", followed_tension, any_machine},
-};
 
-/// Energies, losses and works, of an instant and so far; whether their balance closes; counts of the run.
-const Channel table_of_energies[] = {
+    // Energies, losses and works, of an instant and so far; whether their balance closes; counts of the run.
     {"energy/kinetic", "J", "kinetic energy of chain, shafts and sheaves", Read(energy, Energy::kinetic), any_machine},
     {"energy/inner", "J", "elastic energy inside pin halves", Read(energy, Energy::inner), any_machine},
     {"energy/pack", "J", "elastic energy of plate packs in bending, shear and torsion", Read(energy, Energy::pack), any_machine},
@@ -208,8 +206,7 @@ double Instant::chain_torque(std::size_t shaft) const noexcept {
 std::span<const Channel> channels() {
     static const std::vector<Channel> all = [] {
         std::vector<Channel> rows(std::begin(table), std::end(table));
-        for (const auto more : {std::span<const Channel>(table_of_energies), force_channels(), drive_channels(), wear_channels()})
-            rows.insert(rows.end(), more.begin(), more.end());
+        rows.insert(rows.end(), further_channels().begin(), further_channels().end());
         return rows;
     }();
     return all;

@@ -80,7 +80,7 @@ struct Channel {
     }
 };
 
-/// All there are: those of channels.cpp, and those on demand of force_channels.cpp and drive_channels.cpp.
+/// All there are.
 [[nodiscard]] std::span<const Channel> channels();
 
 /// Channels of a record: the usual ones and those in `names`, where the machine has them.
@@ -90,17 +90,8 @@ struct Channel {
 /// Unknown names of record.channels, in order.
 [[nodiscard]] std::vector<std::string> unknown_channels(std::span<const std::string> names);
 
-/// What drives the variator from outside, on demand: couplings of the shafts, their drag; the vehicle of a cycle; hydraulics, of a machine
-/// without which they are zero.
-[[nodiscard]] std::span<const Channel> drive_channels();
-
-/// Forces and figures of merit that a record has on demand.
-[[nodiscard]] std::span<const Channel> force_channels();
-
-/// Rings of a sheave, of equal width from pulley.innermost to pulley.outermost, over which wear is counted.
-inline constexpr int wear_cells = 32;
-/// Loads of tips that wear comes from, and temperatures, on demand.
-[[nodiscard]] std::span<const Channel> wear_channels();
+/// The part of the catalogue in further_channels.cpp.
+[[nodiscard]] std::span<const Channel> further_channels();
 
 /// Short names of loss, work and energy kinds, in the order of their enumerators.
 [[nodiscard]] std::string_view loss_name(int kind) noexcept;
