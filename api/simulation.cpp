@@ -8,6 +8,7 @@
 #include "engine/base/text.hpp"
 #include "engine/thread/published_numbers.hpp"
 #include "engine/thread/worker_threads.hpp"
+#include "tasks/run/simulation.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/units.hpp"
 

@@ -1,5 +1,5 @@
 #pragma once
-/// A whole run of a scene: settle if needed, integrate, record, sum up. The work of `cvtflow run`, as a function.
+/// A whole run of a scene: settle if needed, integrate, record, sum up. The work of `cvtflow run`, as a function; and its report.
 
 #include <functional>
 #include <optional>
@@ -8,9 +8,68 @@
 
 #include "engine/record/run/output_rule.hpp"
 #include "tasks/run/checkpoint.hpp"
-#include "tasks/run/run_report.hpp"
+#include "tasks/run/run_means.hpp"
+#include "tasks/run/simulation.hpp"
 
 namespace cvtflow::tasks {
+
+/// A coupling of a shaft at the end of a run.
+struct CouplingReport {
+    int shaft = 0;                            ///< 0, 1
+    double twist = 0.0;                       ///< far end less shaft [rad]
+    double stored = 0.0;                      ///< [J]
+    double far_work = 0.0, dissipated = 0.0;  ///< since t = 0: done at the far end (negative: taken out), lost [J]
+};
+
+/// Mean values from t = 0 on, and what the run took.
+struct RunReport : RunHistory {
+    Fault fault;
+    EnergyBalance energy;              ///< of the run, without settling
+    double balance_error_ratio = 0.0;  ///< of run and settling (EnergyLedger::balance_error_ratio); above 1 the results are unreliable [1]
+    double settling_residual = 0.0;    ///< relative residual of the energy balance of settling
+    SpanMeans whole, first_fifth, last_fifth;  ///< of the run; with run.until = "steady" of its last half
+    SteadyMeans steady;                        ///< with run.until = "steady": errors of those means
+    double revolutions = 0.0;                  ///< likewise, of the chain, until their begin [1]
+    std::vector<CouplingReport> couplings;     ///< of the shafts that have one
+    model::TripSums trip{};                    ///< of the cycle at the end; zero without one
+    model::HeatBalance heat;                   ///< as the run has left it
+    std::vector<Note> notes;                   ///< what is odd about results that are right
+    std::vector<std::string> start_differences;
+    double end = 0.0;         ///< simulated time [s]
+    double step = 0.0;        ///< last one in use [s]
+    AutoNumber step_setting;  ///< run.step
+    double stable_step =
+        0.0;  ///< largest that the method is stable for: where the run began, or where an automatic step was last chosen; 0: not asked [s]
+    std::string method;
+    std::string method_report;    ///< counters of the method, one line; may be empty
+    std::string schedule;         ///< what ran it, and why if it was chosen
+    std::string kernels;          ///< instruction set that the kernels used
+    std::size_t working_set = 0;  ///< memory that the step loop touches, of workspace and method [B]
+    bool counts_method = true;    ///< false: the method does not count its part of it
+    Counters counters;            ///< after settling
+    StepControl step_control = StepControl::fixed;
+    double tolerance = 0.0;             ///< [1]
+    LocalErrorStatistics local_errors;  ///< after settling
+    std::uint64_t hash = 0;
+    long outputs = 0;
+
+    bool has_pulleys = true;
+
+    [[nodiscard]] bool reliable() const noexcept { return balance_error_ratio <= 1.0; }
+    /// "finished", "unreliable", or the fault's name: unreliable results of a run that also ended early are called so by its summary.
+    [[nodiscard]] std::string status() const { return fault ? fault.name() : reliable() ? "finished" : "unreliable"; }
+    /// Whether run.step was given and is beyond what the method is stable for.
+    [[nodiscard]] bool beyond_stability() const noexcept { return !step_setting.automatic() && step > stable_step && stable_step > 0.0; }
+};
+
+/// Reports of the coupled shafts, as they are now.
+[[nodiscard]] std::vector<CouplingReport> couplings_of(const Simulation& simulation);
+
+/// One line about a balance that does not close.
+[[nodiscard]] std::string unreliable_text(const RunReport& report);
+
+/// The report as lines of text for a person.
+[[nodiscard]] std::string summary(const RunReport& report);
 
 /// How far a run has come; delivered at output times.
 struct Progress {

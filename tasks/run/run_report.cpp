@@ -1,4 +1,6 @@
-#include "tasks/run/run_report.hpp"
+/// Reports of runs as text.
+
+#include "tasks/run/run.hpp"
 
 #include <fmt/format.h>
 
