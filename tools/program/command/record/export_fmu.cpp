@@ -1,27 +1,32 @@
 #include <fmt/format.h>
+#include <zlib.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
+#include <cstdint>
 #include <cstring>
 #include <cvtflow/cvtflow.hpp>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <memory>
+#include <new>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "engine/base/hash.hpp"
+#include "engine/base/provenance.hpp"
 #include "engine/base/text.hpp"
 #include "engine/record/run/schema.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/command/command.hpp"
 #include "tools/program/command/record/fmu_description.hpp"
-#include "tools/program/command/record/fmu_documents.hpp"
-#include "tools/program/command/record/zip_file.hpp"
 #include "tools/program/guard.hpp"
+#include "tools/program/html/page.hpp"
 #include "tools/program/output.hpp"
 #include "tools/program/text/markup.hpp"
 #include "tools/program/text/text.hpp"
@@ -31,6 +36,99 @@ namespace cvtflow::tools {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// A part of a ZIP file.
+struct ZipPart {
+    std::string name;  ///< with '/' between folders
+    std::string bytes;
+};
+
+constexpr std::uint16_t zip_version = 20;              // of the format: folders
+constexpr std::uint16_t first_of_january_1980 = 0x21;  // a file is the same whenever it is made
+constexpr std::uint32_t plain_file = 0100644u << 16;
+constexpr std::uint16_t from_unix = 3 << 8 | zip_version;
+
+constexpr std::size_t longest_readable = 65535;
+
+/// Without zlib's own header, as ZIP wants it.
+std::string deflated(const std::string& bytes) {
+    z_stream stream{};
+    if (deflateInit2(&stream, Z_BEST_COMPRESSION, Z_DEFLATED, -MAX_WBITS, MAX_MEM_LEVEL, Z_DEFAULT_STRATEGY) != Z_OK)
+        throw std::bad_alloc();
+    std::string out(deflateBound(&stream, bytes.size()), '\0');
+    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+    stream.avail_in = static_cast<uInt>(bytes.size());
+    stream.next_out = reinterpret_cast<Bytef*>(out.data());
+    stream.avail_out = static_cast<uInt>(out.size());
+    const int status = deflate(&stream, Z_FINISH);
+    out.resize(stream.total_out);
+    deflateEnd(&stream);
+    if (status != Z_STREAM_END) throw std::runtime_error("zip: zlib cannot compress");
+    return out;
+}
+
+/// A part as it is in the file.
+struct Packed {
+    const ZipPart& part;
+    bool compressed;
+    std::string bytes = compressed ? deflated(part.bytes) : part.bytes;
+    std::uint32_t sum =
+        static_cast<std::uint32_t>(crc32(0, reinterpret_cast<const Bytef*>(part.bytes.data()), static_cast<uInt>(part.bytes.size())));
+};
+
+template <class T>
+void add(std::string& file, T number) {
+    for (std::size_t byte = 0; byte < sizeof number; ++byte) file += static_cast<char>(number >> 8 * byte & 0xFFu);
+}
+
+/// Facts that local header and directory have in common: flags, method, time, date, sum, sizes, lengths.
+void add_facts(std::string& file, const Packed& packed) {
+    add<std::uint16_t>(file, 0x0800);  // names are UTF-8
+    add<std::uint16_t>(file, packed.compressed ? Z_DEFLATED : 0);
+    add<std::uint16_t>(file, 0);
+    add(file, first_of_january_1980);
+    add(file, packed.sum);
+    add(file, static_cast<std::uint32_t>(packed.bytes.size()));
+    add(file, static_cast<std::uint32_t>(packed.part.bytes.size()));
+    add(file, static_cast<std::uint16_t>(packed.part.name.size()));
+    add<std::uint16_t>(file, 0);
+}
+
+/// The parts as a ZIP file, compressed; the first, up to 64 KiB, is not, so that its text can be found. Equal bytes for the same parts
+/// and version of zlib. @throws std::length_error beyond 2 GiB
+std::string zip_file(const std::vector<ZipPart>& parts) {
+    std::string file, directory;
+    for (const ZipPart& part : parts) {
+        if (part.bytes.size() > std::numeric_limits<std::uint32_t>::max() / 2) throw std::length_error("zip: a part of more than 2 GiB");
+        const Packed packed{part, !file.empty() || part.bytes.size() > longest_readable};
+        const auto begin = static_cast<std::uint32_t>(file.size());
+        add<std::uint32_t>(file, 0x04034B50);
+        add(file, zip_version);
+        add_facts(file, packed);
+        file += part.name + packed.bytes;
+        if (file.size() > std::numeric_limits<std::uint32_t>::max() / 2) throw std::length_error("zip: more than 2 GiB");
+        add<std::uint32_t>(directory, 0x02014B50);
+        add(directory, from_unix);
+        add(directory, zip_version);
+        add_facts(directory, packed);
+        add<std::uint16_t>(directory, 0);
+        add<std::uint16_t>(directory, 0);
+        add<std::uint16_t>(directory, 0);
+        add(directory, plain_file);
+        add(directory, begin);
+        directory += part.name;
+    }
+    const auto place = static_cast<std::uint32_t>(file.size());
+    file += directory;
+    add<std::uint32_t>(file, 0x06054B50);
+    add<std::uint32_t>(file, 0);
+    add(file, static_cast<std::uint16_t>(parts.size()));
+    add(file, static_cast<std::uint16_t>(parts.size()));
+    add(file, static_cast<std::uint32_t>(directory.size()));
+    add(file, place);
+    add<std::uint16_t>(file, 0);
+    return file;
+}
 
 struct FmuArguments {
     SceneArguments scene;
@@ -121,6 +219,49 @@ std::vector<std::string> compiled_sources(const std::vector<ZipPart>& parts) {
         if (part.name.starts_with("sources/groups/")) names.push_back(part.name.substr(folder.size()));
     }
     return names;
+}
+
+std::string rows_of(const std::vector<FmuVariable>& variables) {
+    std::string rows;
+    for (const FmuVariable& row : variables)
+        rows +=
+            fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n", html(row.name),
+                        row.kind == "flag" ? "output, Boolean" : row.kind, row.unit == "1" ? "" : html(row.unit), html(row.description));
+    return rows;
+}
+
+std::string page_of(const FmuFacts& facts, const std::vector<FmuVariable>& variables, int version) {
+    return fmt::format(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head><meta charset=\"utf-8\"><title>{0}</title></head>\n<body>\n<h1>{0}</h1>\n<p>{1}</p>\n"
+        "<p>A chain-driven continuously variable transmission for co-simulation by FMI {2}.0, exported by cvtflow {3}. It runs on the "
+        "thread "
+        "of its importer. Communication steps may have any length; inputs are constant within a step. The FMU starts from a settled state; "
+        "after a change of a parameter it settles again while its initialisation ends.</p>\n"
+        "<p>Where the balance of energy does not close, results are wrong: <code>unreliable</code> becomes true, the step in which it does "
+        "returns a warning, and the log states the reason.</p>\n{5}{4}<p><a "
+        "href=\"licenses/license.txt\">Licences</a></p>\n</body>\n</html>\n",
+        html(facts.name), html(facts.description), version, engine::current_provenance().version,
+        table("", "Variables", {"name", "causality", "unit", "meaning"}, rows_of(variables)),
+        facts.sources.empty() ? ""
+                              : fmt::format("<p>sources/ has the library's sources. In that folder, GCC or Clang build it by<br><code>c++ "
+                                            "@build.txt -o ../binaries/{}/{}.so</code><br>and with -march=native for this processor: "
+                                            "the bits are the same.</p>\n",
+                                            version == 2 ? "linux64" : "x86_64-linux", facts.identifier));
+}
+
+/// Documents beside the description: a page, licences, an icon. @param version  2 or 3
+std::vector<ZipPart> fmu_documents(const FmuFacts& facts, const std::vector<FmuVariable>& variables, int version) {
+    const auto file = [](const char* name, const char* of) { return ZipPart{name, std::string(asset(of))}; };
+    std::vector<ZipPart> parts{
+        {"documentation/index.html", page_of(facts, variables, version)},
+        {"documentation/licenses/license.txt", fmt::format("{}\n{}\n{}", asset("LICENSE"), std::string(80, '-'), asset("licenses.txt"))}};
+    if (version == 2) {
+        parts.push_back(file("model.png", "fmu_icon.png"));
+    } else {
+        parts.push_back(file("terminalsAndIcons/icon.png", "fmu_icon.png"));
+        parts.push_back(file("terminalsAndIcons/icon.svg", "fmu_icon.svg"));
+    }
+    return parts;
 }
 
 std::string fmu_bytes(const FmuArguments& arguments, const std::vector<FmuSystem>& systems, const tasks::Scene& scene,
