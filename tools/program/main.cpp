@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "tools/program/command/command.hpp"
+#include "tools/program/program.hpp"
 
 namespace cvtflow::tools {
 namespace {

@@ -1,5 +1,5 @@
 #pragma once
-/// Shared by cvtflow and cvtflow-lab: commands, arguments, help, exit status.
+/// Shared by cvtflow and cvtflow-lab: commands, arguments, help, exit status; and the commands of cvtflow.
 
 #include <functional>
 #include <span>
@@ -33,5 +33,24 @@ struct Program {
 
 /// main() of a program. @return its exit status
 [[nodiscard]] int run_program(const Program& program, int argc, char** argv) noexcept;
+
+/// The subcommands of cvtflow, each with a row in tools/program/main.cpp.
+Action declare_run(CLI::App& app);
+Action declare_resume(CLI::App& app);
+Action declare_batch(CLI::App& app);
+Action declare_table(CLI::App& app);
+Action declare_merge(CLI::App& app);
+Action declare_diff(CLI::App& app);
+Action declare_settle(CLI::App& app);
+Action declare_check(CLI::App& app);
+Action declare_info(CLI::App& app);
+Action declare_export(CLI::App& app);
+Action declare_list(CLI::App& app);
+Action declare_explain(CLI::App& app);
+Action declare_schema(CLI::App& app);
+Action declare_tune(CLI::App& app);
+Action declare_plot(CLI::App& app);
+Action declare_report(CLI::App& app);
+Action declare_export_fmu(CLI::App& app);
 
 }  // namespace cvtflow::tools

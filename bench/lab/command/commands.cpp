@@ -2,8 +2,6 @@
 
 #include <array>
 
-#include "tools/program/command/command.hpp"
-
 namespace cvtflow::bench {
 namespace {
 

@@ -23,11 +23,11 @@
 #include "engine/base/text.hpp"
 #include "engine/record/run/schema.hpp"
 #include "tools/program/arguments.hpp"
-#include "tools/program/command/command.hpp"
 #include "tools/program/command/record/fmu_description.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/html/page.hpp"
 #include "tools/program/output.hpp"
+#include "tools/program/program.hpp"
 #include "tools/program/text/markup.hpp"
 #include "tools/program/text/text.hpp"
 

@@ -15,9 +15,9 @@
 #include <string>
 
 #include "tools/program/arguments.hpp"
-#include "tools/program/command/command.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output.hpp"
+#include "tools/program/program.hpp"
 #include "tools/program/text/text.hpp"
 #include "tools/program/view/run_plots.hpp"
 #include "tools/program/view/sweep_view.hpp"

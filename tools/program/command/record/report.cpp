@@ -5,10 +5,10 @@
 #include <memory>
 #include <optional>
 
-#include "tools/program/command/command.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/html/page.hpp"
 #include "tools/program/output.hpp"
+#include "tools/program/program.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::tools {

@@ -13,8 +13,8 @@
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tools/program/arguments.hpp"
-#include "tools/program/command/command.hpp"
 #include "tools/program/command/reference/terms.hpp"
+#include "tools/program/program.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::tools {
@@ -124,6 +124,15 @@ Action declare_explain(CLI::App& app) {
         ->type_name("SCENE");
     declare_changes(app, arguments->scene);
     return [arguments] { return explain(*arguments); };
+}
+
+Action declare_schema(CLI::App& app) {
+    const auto sweep = std::make_shared<bool>(false);
+    app.add_flag("--sweep", *sweep, "The schema of sweeps instead of scenes");
+    return [sweep] {
+        fmt::print("{}", *sweep ? tasks::sweep_schema() : tasks::json_schema());
+        return ExitStatus::finished;
+    };
 }
 
 }  // namespace cvtflow::tools

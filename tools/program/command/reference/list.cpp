@@ -16,10 +16,10 @@
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/units.hpp"
 #include "tools/program/arguments.hpp"
-#include "tools/program/command/command.hpp"
 #include "tools/program/command/reference/terms.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/html/page.hpp"
+#include "tools/program/program.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::tools {

@@ -9,8 +9,8 @@
 #include "tasks/run/run_recorder.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tools/program/arguments.hpp"
-#include "tools/program/command/command.hpp"
 #include "tools/program/guard.hpp"
+#include "tools/program/program.hpp"
 #include "tools/program/text/scene_text.hpp"
 #include "tools/program/text/text.hpp"
 

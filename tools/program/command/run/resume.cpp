@@ -9,10 +9,10 @@
 #include "tasks/run/checkpoint.hpp"
 #include "tasks/run/run.hpp"
 #include "tools/program/arguments.hpp"
-#include "tools/program/command/command.hpp"
 #include "tools/program/command/sweep/batch.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output.hpp"
+#include "tools/program/program.hpp"
 #include "tools/program/progress.hpp"
 #include "tools/program/text/text.hpp"
 

@@ -9,9 +9,9 @@
 #include "tasks/run/run.hpp"
 #include "tasks/tuning/tuned_scene.hpp"
 #include "tools/program/arguments.hpp"
-#include "tools/program/command/command.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output.hpp"
+#include "tools/program/program.hpp"
 #include "tools/program/progress.hpp"
 #include "tools/program/text/text.hpp"
 

@@ -6,9 +6,9 @@
 
 #include "tasks/tuning/tuned_scene.hpp"
 #include "tools/program/arguments.hpp"
-#include "tools/program/command/command.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output.hpp"
+#include "tools/program/program.hpp"
 #include "tools/program/text/text.hpp"
 #include "tools/program/text/tune_report.hpp"
 

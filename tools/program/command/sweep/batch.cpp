@@ -19,8 +19,8 @@
 #include "tasks/schedule/schedule.hpp"
 #include "tasks/tuning/verified_sweep.hpp"
 #include "tools/program/arguments.hpp"
-#include "tools/program/command/command.hpp"
 #include "tools/program/guard.hpp"
+#include "tools/program/program.hpp"
 #include "tools/program/progress.hpp"
 #include "tools/program/text/text.hpp"
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "tasks/batch/results/results.hpp"
-#include "tools/program/command/command.hpp"
 #include "tools/program/guard.hpp"
+#include "tools/program/program.hpp"
 #include "tools/program/text/report_columns.hpp"
 #include "tools/program/view/sweep_view.hpp"
 
