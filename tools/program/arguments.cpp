@@ -11,6 +11,7 @@
 #include "tasks/method/method.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/parameter_table.hpp"
+#include "tasks/scene/ready_scenes.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tasks/scene/units.hpp"
 #include "tools/program/guard.hpp"
@@ -20,66 +21,64 @@ namespace cvtflow::tools {
 
 namespace {
 
-std::vector<std::string> state_values(const tasks::Scene& scene) {
-    std::vector<std::string> values;
-    for (const std::string_view key : tasks::state_keys()) values.push_back(tasks::value_text(*tasks::find_parameter(key), scene));
-    return values;
-}
-
-/// "detail.order = 0 (was 3), …"; empty if nothing changed.
-std::string changes(const std::vector<std::string>& before, const std::vector<std::string>& now) {
+/// "detail.order = 0 (was 3), …" of the keys that determine the state; empty if nothing changed.
+std::string changes(const tasks::Scene& before, const tasks::Scene& now) {
+    const auto of_state = [keys = tasks::state_keys()](const tasks::Parameter& row) {
+        return std::ranges::find(keys, row.key) != keys.end();
+    };
     std::vector<std::string> texts;
-    for (std::size_t i = 0; i < now.size(); ++i) {
-        if (before[i] != now[i]) texts.push_back(fmt::format("{} = {} (was {})", tasks::state_keys()[i], now[i], before[i]));
-    }
+    for (const tasks::KeyDifference& each : tasks::differing_keys(now, before, of_state))
+        texts.push_back(fmt::format("{} = {} (was {})", each.key->key, each.a, each.b));
     return fmt::format("{}", fmt::join(texts, ", "));
 }
 
-constexpr std::string_view tolerance_key = "run.tolerance";
-/// Setting that a tolerance on the command line implies.
-constexpr std::string_view by_tolerance = "run.step_control=error";
+/// A setting, and how the command line states it.
+struct Given {
+    std::string setting;   ///< key=value
+    std::string words;     ///< "--set key=value", "--until 1ms", "--settle"
+    std::string key = {};  ///< of a shortcut
+};
 
-/// Rewrites a message in terms of the command line: shortcuts were turned into settings.
-std::string in_words_given(const std::string& message, const SceneArguments& arguments) {
+/// All settings in the order in which they apply. A tolerance selects steps by local error, unless run.step_control is given too.
+std::vector<Given> given_settings(const SceneArguments& arguments) {
+    constexpr std::string_view by_tolerance = "run.step_control=error";
+    std::vector<Given> all;
+    for (const std::string& setting : arguments.settings) all.push_back({setting, "--set " + setting});
+    for (const Shortcut& shortcut : arguments.shortcuts) {
+        if (shortcut.value) all.push_back({shortcut.key + "=" + *shortcut.value, shortcut.option + " " + *shortcut.value, shortcut.key});
+    }
+    if (arguments.settle) all.push_back({"start.state=", "--settle"});
+    const auto tolerance = std::ranges::find(all, "run.tolerance", &Given::key);
+    const auto controls = [&](const Given& each) { return each.setting.starts_with("run.step_control=") && each.setting != by_tolerance; };
+    if (tolerance != all.end() && std::ranges::none_of(all, controls))
+        all.push_back({std::string(by_tolerance), tolerance->words, tolerance->key});
+    return all;
+}
+
+/// Rewrites a message about settings in terms of the command line.
+std::string in_words_given(const std::string& message, const std::vector<Given>& given) {
     std::istringstream lines(message);
     std::vector<std::string> rewritten;
     for (std::string line; std::getline(lines, line);) {
-        if (constexpr std::string_view settled = "--set start.state=: "; arguments.settle && line.starts_with(settled))
-            line = "--settle: " + line.substr(settled.size());
-        for (const Shortcut& shortcut : arguments.shortcuts) {
-            if (!shortcut.value) continue;
-            const bool beside = shortcut.key == tolerance_key && line.starts_with(fmt::format("--set {}: ", by_tolerance));
-            const std::string as_setting =
-                beside ? fmt::format("--set {}: ", by_tolerance) : fmt::format("--set {}={}: ", shortcut.key, *shortcut.value);
+        for (const Given& each : given) {
+            const std::string as_setting = fmt::format("--set {}: ", each.setting);
             if (!line.starts_with(as_setting)) continue;
             std::string problem = line.substr(as_setting.size());
-            if (problem.starts_with(shortcut.key + ": ")) problem.erase(0, shortcut.key.size() + 2);
-            line = fmt::format("{} {}: {}", shortcut.option, *shortcut.value, problem);
+            if (!each.key.empty() && problem.starts_with(each.key + ": ")) problem.erase(0, each.key.size() + 2);
+            line = fmt::format("{}: {}", each.words, problem);
         }
         rewritten.push_back(line);
     }
     return fmt::format("{}", fmt::join(rewritten, "\n"));
 }
 
-/// A tolerance on the command line selects steps by local error, unless run.step_control is given too.
-bool asks_for_tolerance_only(const SceneArguments& arguments) {
-    const auto given = [&](const Shortcut& shortcut) { return shortcut.key == tolerance_key && shortcut.value; };
-    const auto controls = [](const std::string& setting) { return setting.starts_with("run.step_control="); };
-    return std::any_of(arguments.shortcuts.begin(), arguments.shortcuts.end(), given) &&
-           std::none_of(arguments.settings.begin(), arguments.settings.end(), controls);
-}
-
-void apply_settings(tasks::Scene& scene, const SceneArguments& arguments) {
-    std::vector<std::string> settings = arguments.settings;
-    for (const Shortcut& shortcut : arguments.shortcuts) {
-        if (shortcut.value) settings.push_back(shortcut.key + "=" + *shortcut.value);
-    }
-    if (arguments.settle) settings.emplace_back("start.state=");
-    if (asks_for_tolerance_only(arguments)) settings.emplace_back(by_tolerance);
+void apply_settings(tasks::Scene& scene, const std::vector<Given>& given) {
+    std::vector<std::string> settings;
+    for (const Given& each : given) settings.push_back(each.setting);
     try {
         tasks::set_values(scene, settings);
     } catch (const tasks::SceneError& error) {
-        throw UsageError(in_words_given(error.what(), arguments));
+        throw UsageError(in_words_given(error.what(), given));
     }
 }
 
@@ -92,38 +91,23 @@ void apply_preset(tasks::Scene& scene, const std::string& preset) {
 }
 
 /// A family of methods reports an unknown member when the method is made.
-void require_member(const tasks::Scene& scene, const std::string& own_method, const SceneArguments& arguments) {
+void require_member(const tasks::Scene& scene, const std::string& own_method, const std::vector<Given>& given) {
     const std::string method = tasks::method_of(scene);
     if (tasks::Method::find(method)) return;
     const std::string problem = scene.method_place + "run.method: " + tasks::no_method(method);
     if (scene.run.method == own_method) throw tasks::SceneError(problem);
-    throw UsageError(in_words_given(problem, arguments));
-}
-
-/// The scene begins with a geometric start, since `changed` made its state useless. @throws UsageError if the chain does not close
-void without_state(tasks::Scene& scene, const std::string& changed) {
-    constexpr std::string_view ours = "start.state=";
-    try {
-        tasks::set_value(scene, ours);
-    } catch (const tasks::SceneError& error) {  // its lines begin with a setting that the user did not give
-        std::string text = error.what();
-        const std::string blamed = fmt::format("--set {}: ", ours);
-        for (std::size_t at = 0; (at = text.find(blamed, at)) != std::string::npos;) text.replace(at, blamed.size(), changed + ": ");
-        throw UsageError(text);
-    }
+    throw UsageError(in_words_given(problem, given));
 }
 
 /// A run length given as a bare number is in seconds: what that means, if it is long. Empty if it has a unit or is short.
-std::string bare_until(const tasks::Scene& scene, const SceneArguments& arguments) {
+std::string bare_until(const tasks::Scene& scene, const std::vector<Given>& given) {
     constexpr double usual = 1.0;  // longer runs are rare [s]
-    std::string given;
-    for (const std::string& setting : arguments.settings)
-        if (setting.starts_with("run.until=")) given = "--set " + setting;
-    for (const Shortcut& shortcut : arguments.shortcuts)
-        if (shortcut.key == "run.until" && shortcut.value) given = fmt::format("{} {}", shortcut.option, *shortcut.value);
-    const std::string value = given.substr(given.find_last_of(" =") + 1);
-    if (given.empty() || scene.run.until < usual || value.find_first_not_of("0123456789.") != std::string::npos) return "";
-    return fmt::format("{}: a number without a unit is in seconds; \"{} ms\" are milliseconds", given, value);
+    std::string words;
+    for (const Given& each : given)
+        if (each.setting.starts_with("run.until=")) words = each.words;
+    const std::string value = words.substr(words.find_last_of(" =") + 1);
+    if (words.empty() || scene.run.until < usual || value.find_first_not_of("0123456789.") != std::string::npos) return "";
+    return fmt::format("{}: a number without a unit is in seconds; \"{} ms\" are milliseconds", words, value);
 }
 
 /// "a, b" as {"a", "b"}.
@@ -182,20 +166,20 @@ double seconds_of(const std::string& option, const std::string& text) {
 
 LoadedScene load_scene(const SceneArguments& arguments) {
     const auto start = arguments.settle ? tasks::StartState::ignored : tasks::StartState::required;
-    LoadedScene loaded{tasks::read_scene(find_scene(arguments.scene), start), {}};
+    LoadedScene loaded{tasks::read_scene(tasks::find_scene(arguments.scene), start), {}};
     tasks::Scene& scene = loaded.scene;
-    const std::string own_state = scene.state_file, own_method = scene.run.method;
-    const std::vector<std::string> before = state_values(scene);
+    const tasks::Scene own = scene;
+    const std::vector<Given> given = given_settings(arguments);
     if (!arguments.detail.empty()) apply_preset(scene, arguments.detail);
-    apply_settings(scene, arguments);
-    const std::string changed = changes(before, state_values(scene));
-    if (!changed.empty() && !own_state.empty() && scene.state_file == own_state) {
-        without_state(scene, changed);
-        loaded.notice = fmt::format("{}: the state in {} no longer fits; the run settles again", changed, own_state);
+    apply_settings(scene, given);
+    const std::string changed = changes(own, scene);
+    if (!changed.empty() && !own.state_file.empty() && scene.state_file == own.state_file) {
+        apply_settings(scene, {{"start.state=", changed}});  // a geometric start, to which the chain may not close
+        loaded.notice = fmt::format("{}: the state in {} no longer fits; the run settles again", changed, own.state_file);
     }
-    require_member(scene, own_method, arguments);
+    require_member(scene, own.run.method, given);
     std::vector<std::string> notices = tasks::idle_keys(scene);
-    for (const std::string& notice : {bare_until(scene, arguments), loaded.notice})
+    for (const std::string& notice : {bare_until(scene, given), loaded.notice})
         if (!notice.empty()) notices.insert(notices.begin(), notice);
     loaded.notice = fmt::format("{}", fmt::join(notices, "\n"));
     return loaded;
@@ -243,15 +227,13 @@ tasks::TuneSettings tune_settings(const TuningArguments& arguments, bool quiet) 
 
 tasks::Sweep load_sweep(const std::string& path) {
     std::error_code unreadable;
-    std::string file = path;
-    for (const auto& folder : scene_folders()) {  // a ready sweep by its name
-        if (path.find('/') != std::string::npos || path.ends_with(".toml") || std::filesystem::exists(file, unreadable)) break;
-        file = (folder / "sweeps" / (path + ".toml")).string();
-    }
-    if (std::filesystem::exists(file, unreadable)) return tasks::read_sweep(file, find_scene);
-    if (path.find('/') != std::string::npos || path.ends_with(".toml")) return tasks::read_sweep(path, find_scene);
+    if (path.find('/') != std::string::npos || path.ends_with(".toml") || std::filesystem::exists(path, unreadable))
+        return tasks::read_sweep(path, tasks::find_scene);
     std::vector<std::string> names;
-    for (const ReadyScene& ready : ready_sweeps()) names.push_back(ready.name);
+    for (const tasks::ReadyScene& ready : tasks::ready_sweeps()) {
+        if (ready.name == path) return tasks::read_sweep(ready.path.string(), tasks::find_scene);
+        names.push_back(ready.name);
+    }
     const auto scenes = tasks::ready_scenes();
     const bool scene = std::ranges::find(scenes, path, &tasks::ReadyScene::name) != scenes.end();
     throw tasks::SceneError(fmt::format("no sweep '{}'; ready sweeps: {}{}", path, fmt::join(names, ", "),

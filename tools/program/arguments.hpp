@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "tasks/batch/sweep/sweep.hpp"
-#include "tasks/scene/ready_scenes.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tasks/tuning/tuner.hpp"
 
@@ -16,12 +15,6 @@ class App;
 }
 
 namespace cvtflow::tools {
-
-using tasks::find_scene;
-using tasks::ready_scenes;
-using tasks::ready_sweeps;
-using tasks::ReadyScene;
-using tasks::scene_folders;
 
 /// An option that abbreviates a setting: `--until "1 ms"` for `--set run.until="1 ms"`.
 struct Shortcut {

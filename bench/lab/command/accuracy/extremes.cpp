@@ -5,6 +5,7 @@
 
 #include "bench/lab/command/command.hpp"
 #include "bench/study/extremes/judge.hpp"
+#include "tasks/scene/ready_scenes.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
 
@@ -28,7 +29,7 @@ void print_cases(const ExtremeResult& result) {
 }
 
 ExitStatus run_extremes(const ExtremesArguments& arguments) {
-    ExtremeJudge judge(tasks::read_scene(find_scene("tiny")));
+    ExtremeJudge judge(tasks::read_scene(tasks::find_scene("tiny")));
     fmt::print("{:<10} {:<72} {:<6} {}\n", "group", "row", "", "outcome: number of cases (4 methods x 3 levels of detail)");
     int rows = 0, failed = 0;
     for (const Extreme& row : bench::extremes()) {

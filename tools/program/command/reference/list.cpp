@@ -14,6 +14,7 @@
 #include "tasks/method/method.hpp"
 #include "tasks/run/run_means.hpp"
 #include "tasks/scene/parameter_table.hpp"
+#include "tasks/scene/ready_scenes.hpp"
 #include "tasks/scene/units.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/command/reference/terms.hpp"
@@ -110,7 +111,7 @@ std::string channels() {
 std::string scenes() {
     Table table({{"scene"}, {"pins", Align::right}, {"description"}});
     std::set<std::string> folders;
-    for (const ReadyScene& ready : ready_scenes()) {
+    for (const tasks::ReadyScene& ready : tasks::ready_scenes()) {
         folders.insert(ready.path.parent_path().string());
         try {
             const tasks::Scene scene = tasks::read_scene(ready.path, tasks::StartState::ignored);
@@ -126,9 +127,9 @@ std::string scenes() {
 
 std::string sweeps() {
     Table table({{"sweep"}, {"cases", Align::right}, {"scene"}, {"description"}});
-    for (const ReadyScene& ready : ready_sweeps()) {
+    for (const tasks::ReadyScene& ready : tasks::ready_sweeps()) {
         try {
-            const tasks::Sweep sweep = tasks::read_sweep(ready.path.string(), find_scene);
+            const tasks::Sweep sweep = tasks::read_sweep(ready.path.string(), tasks::find_scene);
             table.add({ready.name, fmt::format("{}", sweep.cases()), sweep.scene.name, sweep.description});
         } catch (const std::exception&) {
             table.add({ready.name, "", "", "(has errors, see cvtflow batch --dry-run)"});

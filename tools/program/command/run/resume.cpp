@@ -8,6 +8,7 @@
 #include "engine/base/text.hpp"
 #include "tasks/run/checkpoint.hpp"
 #include "tasks/run/run.hpp"
+#include "tasks/scene/ready_scenes.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/command/sweep/batch.hpp"
 #include "tools/program/guard.hpp"
@@ -79,8 +80,8 @@ std::string replacing_another(const std::string& file, const tasks::Checkpoint& 
 }
 
 tasks::Scene scene_to_resume(const ResumeArguments& arguments, const tasks::Checkpoint& checkpoint) {
-    tasks::Scene scene =
-        arguments.scene.empty() ? tasks::scene_of(checkpoint) : tasks::read_scene(find_scene(arguments.scene), tasks::StartState::ignored);
+    tasks::Scene scene = arguments.scene.empty() ? tasks::scene_of(checkpoint)
+                                                 : tasks::read_scene(tasks::find_scene(arguments.scene), tasks::StartState::ignored);
     std::vector<std::string> settings = arguments.settings;
     if (!arguments.until.empty()) settings.push_back("run.until=" + arguments.until);
     tasks::set_values(scene, settings);
