@@ -27,13 +27,9 @@ bool is_state_of(const std::string& name, const std::string& file) {
         return file.ends_with(".part");
     }
     const std::string line = fmt::format("\nname = {}\n", tasks::toml_text(name));
-    const auto text = [&saved](std::string_view key) -> const std::string* {
-        for (const engine::Attribute& attribute : saved.attributes) {
-            if (attribute.name == key) return std::get_if<std::string>(&attribute.value);
-        }
-        return nullptr;
-    };
-    return text("scene_name") == nullptr && text("scene") != nullptr && text("scene")->find(line) != std::string::npos;
+    const auto* text = engine::attribute_value<std::string>(saved.attributes, "scene");
+    const bool checkpoint = engine::attribute_value<std::string>(saved.attributes, "scene_name") != nullptr;
+    return !checkpoint && text != nullptr && text->find(line) != std::string::npos;
 }
 
 }  // namespace

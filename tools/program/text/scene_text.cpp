@@ -23,15 +23,8 @@ std::string choice(const tasks::Scene& scene, std::string_view key) {
     return text.size() > 1 && text.front() == '"' ? text.substr(1, text.size() - 2) : text;
 }
 
-/// Its value, if there is an attribute of that name and type.
-template <class Value>
-const Value* setting_of(const std::vector<engine::Attribute>& attributes, std::string_view name) {
-    const auto found = std::ranges::find(attributes, name, &engine::Attribute::name);
-    return found == attributes.end() ? nullptr : std::get_if<Value>(&found->value);
-}
-
 double number_of(const std::vector<engine::Attribute>& attributes, std::string_view name) {
-    const auto* number = setting_of<double>(attributes, name);
+    const auto* number = engine::attribute_value<double>(attributes, name);
     return number == nullptr ? 0.0 : *number;
 }
 
@@ -92,7 +85,7 @@ std::string step_text(const std::vector<engine::Attribute>& attributes) { return
 
 std::optional<tasks::Scene> scene_in(const std::vector<engine::Attribute>& attributes, std::string_view name) {
     constexpr std::size_t longest = std::size_t{1} << 20U;  // a parser takes a multiple of it [byte]
-    const auto* text = setting_of<std::string>(attributes, name);
+    const auto* text = engine::attribute_value<std::string>(attributes, name);
     if (text == nullptr || text->empty() || text->size() > longest) return {};
     try {
         return tasks::parse_scene(*text, "scene", tasks::StartState::recorded);

@@ -28,8 +28,7 @@ struct ExportArguments {
 
 /// The scene that a record was made from. @throws engine::RecordError
 tasks::Scene recorded_scene(const std::string& path, const engine::RunReader& run) {
-    const auto parameters = run.attribute("parameters");
-    const auto* text = parameters ? std::get_if<std::string>(&parameters->value) : nullptr;
+    const auto* text = engine::attribute_value<std::string>(run.attributes(), "parameters");
     if (text == nullptr) throw engine::RecordError(path + ": contains no parameters of a machine");
     try {
         return tasks::parse_scene(*text, "scene", tasks::StartState::recorded);

@@ -23,9 +23,8 @@ struct ReportArguments {
 
 /// The page shows what was recorded; the chain needs the machine as well.
 void warn_without_machine(const RecordedRun& run, const std::string& file) {
-    const auto parameters = run.reader().attribute("parameters");
-    const auto* text = parameters && !run.scene() ? std::get_if<std::string>(&parameters->value) : nullptr;
-    if (text == nullptr) return;
+    const auto* text = engine::attribute_value<std::string>(run.reader().attributes(), "parameters");
+    if (text == nullptr || run.scene()) return;
     try {
         static_cast<void>(tasks::parse_scene(*text, "scene", tasks::StartState::recorded));
     } catch (const tasks::SceneError& error) {
