@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <utility>
 
 #include "engine/base/hash.hpp"
 #include "engine/record/run/schema.hpp"
@@ -69,8 +70,12 @@ std::string marked(std::string text, const std::string& mark) {
     return text;
 }
 
-engine::OutputRule marked_rule(std::string_view kind, const std::string& of) {
-    return {.what = fmt::format("{} that cvtflow made of '{}'", kind, of), .own = engine::text_with({mark_of(kind, of)}), .devices = true};
+engine::OutputRule marked_rule(std::string_view kind, const std::string& of, std::vector<std::filesystem::path> inputs, bool force) {
+    return {.what = fmt::format("{} that cvtflow made of '{}'", kind, of),
+            .own = engine::text_with({mark_of(kind, of)}),
+            .inputs = std::move(inputs),
+            .force = force,
+            .devices = true};
 }
 
 engine::OutputRule text_rule(std::string_view text) {
@@ -82,20 +87,17 @@ engine::OutputRule text_rule(std::string_view text) {
             .devices = true};
 }
 
-engine::OutputRule record_rule(const tasks::Scene& scene, bool named, bool force) {
-    return {.what = fmt::format("record of the scene '{}'", scene.name),
-            .own = engine::record_with("scene", scene.name),
+engine::OutputRule scene_rule(const char* what, engine::IsOwn own, const tasks::Scene& scene, bool named, bool force) {
+    return {.what = fmt::format("{} '{}'", what, scene.name),
+            .own = std::move(own),
             .inputs = input_files(scene),
             .force = force,
             .named = named};
 }
 
 engine::OutputRule state_rule(const tasks::Scene& scene, bool named, bool force) {
-    return {.what = fmt::format("state of the scene '{}'", scene.name),
-            .own = [name = scene.name](const std::string& file) { return is_state_of(name, file); },
-            .inputs = input_files(scene),
-            .force = force,
-            .named = named};
+    const auto own = [name = scene.name](const std::string& file) { return is_state_of(name, file); };
+    return scene_rule("state of the scene", own, scene, named, force);
 }
 
 bool is_checkpoint(const std::string& file) {

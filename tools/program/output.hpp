@@ -34,11 +34,12 @@ inline constexpr const char* force_meaning = "Replace existing output files";
 [[nodiscard]] std::string marked(std::string text, const std::string& mark);
 
 /// A page or picture that carries its mark. A name that the user chose is treated like a default one.
-[[nodiscard]] engine::OutputRule marked_rule(std::string_view kind, const std::string& of);
+[[nodiscard]] engine::OutputRule marked_rule(std::string_view kind, const std::string& of, std::vector<std::filesystem::path> inputs = {},
+                                             bool force = false);
 /// A table or list as text: of the same heading, which are its first lines.
 [[nodiscard]] engine::OutputRule text_rule(std::string_view text);
-/// The record, state or FMU of a scene. @param named the user chose the name
-[[nodiscard]] engine::OutputRule record_rule(const tasks::Scene& scene, bool named, bool force);
+/// What is made of a scene. @param what "record of the scene"   @param named the user chose the name
+[[nodiscard]] engine::OutputRule scene_rule(const char* what, engine::IsOwn own, const tasks::Scene& scene, bool named, bool force);
 [[nodiscard]] engine::OutputRule state_rule(const tasks::Scene& scene, bool named, bool force);
 
 /// Whether a file is a checkpoint that can be resumed.

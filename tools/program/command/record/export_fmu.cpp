@@ -305,12 +305,9 @@ std::string fmu_bytes(const FmuArguments& arguments, const std::vector<FmuSystem
 
 /// Its description is the first of its parts; one with very many variables is compressed, and known by nothing.
 engine::OutputRule fmu_rule(const FmuArguments& arguments, const tasks::Scene& scene) {
-    return {
-        .what = fmt::format("FMU of the scene '{}'", scene.name),
-        .own = engine::text_with({"modelDescription.xml", "generationTool=\"cvtflow ", fmt::format("modelName=\"{}\"", html(scene.name))}),
-        .inputs = input_files(scene),
-        .force = arguments.force,
-        .named = !arguments.output.empty()};
+    const std::vector<std::string> marks{"modelDescription.xml", "generationTool=\"cvtflow ",
+                                         fmt::format("modelName=\"{}\"", html(scene.name))};
+    return scene_rule("FMU of the scene", engine::text_with(marks), scene, !arguments.output.empty(), arguments.force);
 }
 
 ExitStatus export_fmu(const FmuArguments& arguments) {

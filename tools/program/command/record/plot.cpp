@@ -168,10 +168,9 @@ ExitStatus plot(const PlotArguments& arguments) {
         is_sweep(words.files.front()) ? plots_of_sweeps(arguments, words, of) : plots_of_runs(arguments, words, of);
     if (plots.empty()) throw UsageError("nothing to draw: name a channel (cvtflow info " + words.files.front() + ")");
     const std::string text = kind == ".csv" ? csv(plots) : marked(svg(plots), mark_of("picture", of));
-    engine::OutputRule rule = kind == ".csv" ? engine::OutputRule{.named = true, .devices = true} : marked_rule("picture", of);
-    rule.inputs = inputs;
-    rule.force = arguments.force;
-    const engine::Permit permit(path, rule);
+    const engine::Permit permit(path, kind == ".csv"
+                                          ? engine::OutputRule{.inputs = inputs, .force = arguments.force, .named = true, .devices = true}
+                                          : marked_rule("picture", of, inputs, arguments.force));
     engine::write_whole(permit, kind == ".png" ? png_of(path, text, mark_of("picture", of)) : text);
     fmt::print("{}\n", path);
     return ExitStatus::finished;

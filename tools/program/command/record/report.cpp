@@ -60,10 +60,7 @@ ExitStatus report(const ReportArguments& arguments) {
     engine::require_no_input(path, inputs);
     const std::optional<Measured> measured = arguments.with.empty() ? std::nullopt : std::optional(read_measured(arguments.with));
     const MadePage page = page_of(arguments.files, measured ? &*measured : nullptr);
-    engine::OutputRule rule = marked_rule("page", page.of);
-    rule.inputs = inputs;
-    rule.force = arguments.force;
-    engine::write_whole({path, rule}, marked(page.text, mark_of("page", page.of)));
+    engine::write_whole({path, marked_rule("page", page.of, inputs, arguments.force)}, marked(page.text, mark_of("page", page.of)));
     fmt::print("{} ({})\n", path, size_text(static_cast<double>(page.text.size())));
     return ExitStatus::finished;
 }

@@ -51,7 +51,8 @@ engine::Permit require_places(const RunArguments& arguments, const tasks::Scene&
     if (arguments.checkpoint_every) static_cast<void>(seconds_of("--checkpoint-every", *arguments.checkpoint_every));
     const bool kept = arguments.checkpoint_every || !file.empty();
     if (kept && !arguments.force) keep_checkpoint(checkpoint);
-    engine::Permit permit(file, record_rule(scene, !arguments.output.empty(), arguments.force));
+    engine::Permit permit(file, scene_rule("record of the scene", engine::record_with("scene", scene.name), scene,
+                                           !arguments.output.empty(), arguments.force));
     if (arguments.checkpoint_every) require_checkpoint_place(checkpoint, file, input_files(scene));
     if (kept && arguments.force) forget_checkpoint(checkpoint, input_files(scene));
     say(arguments.quiet, permit.notice());

@@ -58,16 +58,11 @@ TunedFiles permit_files(const TuneArguments& arguments, const tasks::Scene& scen
     const std::string &file = arguments.file, picture = beside(file, ".svg"), state = beside(file, ".h5");
     if (file == picture || file == state) throw UsageError(fmt::format("--write {}: expected FILE.toml", file));
     const bool force = arguments.force;
-    engine::OutputRule scene_rule{.what = fmt::format("scene that cvtflow tuned from '{}'", scene.name),
-                                  .own = engine::text_with({fmt::format("# {} for an accuracy of ", scene.name), "# Made by cvtflow"}),
-                                  .inputs = input_files(scene),
-                                  .force = force,
-                                  .named = named};
-    engine::OutputRule picture_rule = marked_rule("picture", scene.name);
-    picture_rule.inputs = scene_rule.inputs;
-    picture_rule.force = force;
+    const std::vector<std::string> marks{fmt::format("# {} for an accuracy of ", scene.name), "# Made by cvtflow"};
+    engine::OutputRule picture_rule = marked_rule("picture", scene.name, input_files(scene), force);
     picture_rule.devices = false;
-    TunedFiles files{{file, scene_rule}, {picture, picture_rule}, {}};
+    TunedFiles files{
+        {file, scene_rule("scene that cvtflow tuned from", engine::text_with(marks), scene, named, force)}, {picture, picture_rule}, {}};
     if (scene.parameters.start.layout == model::StartLayout::belt) files.state = {state, state_rule(scene, false, force)};
     say(arguments.quiet, files.scene.notice());
     return files;
