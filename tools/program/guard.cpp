@@ -51,19 +51,12 @@ ExitStatus exit_status(tasks::FaultKind kind) noexcept {
     using tasks::FaultKind;
     switch (kind) {
         case FaultKind::none: return ExitStatus::finished;
-        case FaultKind::non_finite:
-        case FaultKind::penetration:
-        case FaultKind::left_sheave:
-        case FaultKind::step_size:
-        case FaultKind::too_stiff:
-        case FaultKind::blow_up:
-        case FaultKind::step_too_short: return ExitStatus::fault;
         case FaultKind::max_steps:
         case FaultKind::max_wall: return ExitStatus::budget;
         case FaultKind::not_steady: return ExitStatus::inaccurate;
         case FaultKind::cancelled: return ExitStatus::cancelled;
+        default: return ExitStatus::fault;  // the simulation cannot continue
     }
-    return ExitStatus::error;
 }
 
 ExitStatus exit_status(const tasks::RunReport& report) noexcept {

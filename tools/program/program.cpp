@@ -88,16 +88,13 @@ int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
 }
 
 /// Runs the chosen command.
-int act(CLI::App& app, const Program& program, const std::vector<Action>& actions) {
-    for (std::size_t i = 0; i < actions.size(); ++i) {
-        const std::string name(program.commands[i].name);
-        if (!app.got_subcommand(name)) continue;
-        const ExitStatus status = actions[i]();
-        if (const CLI::Option* quiet = app.get_subcommand(name)->get_option_no_throw("--quiet"); quiet == nullptr || quiet->count() == 0)
-            print_notices();
-        return static_cast<int>(status);
-    }
-    return static_cast<int>(ExitStatus::usage);
+int act(const CLI::App& app, const Program& program, const std::vector<Action>& actions) {
+    const CLI::App& chosen = *app.get_subcommands().front();  // the only one
+    const auto command = std::ranges::find(program.commands, chosen.get_name(), &Command::name);
+    const ExitStatus status = actions[static_cast<std::size_t>(command - program.commands.begin())]();
+    const CLI::Option* quiet = chosen.get_option_no_throw("--quiet");
+    if (quiet == nullptr || quiet->count() == 0) print_notices();
+    return static_cast<int>(status);
 }
 
 int execute(const Program& program, int argc, char** argv) {

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <utility>
 
 #include "engine/base/text.hpp"
 #include "engine/executor/catalogue.hpp"
@@ -28,8 +28,7 @@ std::string with_dots(std::string unit) {
 
 /// "slip_mean" -> "mean slip", "tight_tension" -> "tight tension".
 std::string words_of(std::string name) {
-    static constexpr std::array reductions{"mean", "median", "max", "min", "final", "rms"};
-    for (const char* reduction : reductions) {
+    for (const char* reduction : {"mean", "median", "max", "min", "final", "rms"}) {
         const std::string end = std::string("_") + reduction;
         if (name.ends_with(end)) name = fmt::format("{} {}", reduction, name.substr(0, name.size() - end.size()));
     }
@@ -44,16 +43,10 @@ bool si_units = false;  ///< set once, by the command line
 void show_si() noexcept { si_units = true; }
 
 std::string time_text(double seconds) {
-    struct TimeUnit {
-        double size;
-        std::string_view unit;
-    };
-    constexpr std::array<TimeUnit, 3> scales{{{1e-3, "ms"}, {1e-6, "us"}, {1e-9, "ns"}}};
     const double magnitude = std::abs(seconds);
     if (magnitude == 0.0 || magnitude >= 0.99995) return fmt::format("{:.4g} s", seconds);
-    for (const TimeUnit& scale : scales) {
-        if (magnitude >= 0.99995 * scale.size) return fmt::format("{:.4g} {}", seconds / scale.size, scale.unit);
-    }
+    for (const auto& [size, unit] : {std::pair{1e-3, "ms"}, {1e-6, "us"}, {1e-9, "ns"}})
+        if (magnitude >= 0.99995 * size) return fmt::format("{:.4g} {}", seconds / size, unit);
     return fmt::format("{:.4g} s", seconds);
 }
 
