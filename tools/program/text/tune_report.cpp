@@ -38,30 +38,29 @@ using Choice = tasks::TunedChoice;
 /// Columns of the terminal's table and of the CSV.
 std::vector<ReportColumn<Choice>> choice_columns(const std::vector<std::string>& outputs) {
     constexpr int few = 6;
-    const auto text = [](const char* key, const char* heading, std::string (*of)(const Choice&), bool quoted) -> ReportColumn<Choice> {
-        return {key, heading, [of](const Choice& c) { return of(c); }, of, Align::left, usual_digits, quoted};
+    const auto text = [](const char* key, const char* heading, bool quoted, std::string (*of)(const Choice&)) -> ReportColumn<Choice> {
+        return {key, heading, of, of, Align::left, usual_digits, quoted};
     };
-    std::vector<ReportColumn<Choice>> columns{{"detail", "detail", [](const Choice& c) { return c.choice.detail; },
-                                               [](const Choice& c) { return detail_cell(c.choice); }, Align::left},
-                                              text(
-                                                  "method", "method", [](const Choice& c) { return c.choice.method; }, false),
-                                              {"share", "", [](const Choice& c) { return c.choice.share; }, {}, Align::right, few},
-                                              {"step_s", "step", [](const Choice& c) { return c.step; }, step_cell, Align::right, few},
-                                              {"seconds_per_second", "s/s", [](const Choice& c) { return c.seconds; },
-                                               [](const Choice& c) { return fmt::format("{:.3g}", c.seconds); }, Align::right, few},
-                                              {"spread", "spread %", [](const Choice& c) { return c.spread; },
-                                               [](const Choice& c) { return fmt::format("{:.0f}", 100.0 * c.spread); }, Align::right, 3},
-                                              {"work_per_second", "", [](const Choice& c) { return c.work; }, {}, Align::right, few}};
+    std::vector<ReportColumn<Choice>> columns{
+        {"detail", "detail", [](const Choice& c) { return c.choice.detail; }, [](const Choice& c) { return detail_cell(c.choice); },
+         Align::left},
+        text("method", "method", false, [](const Choice& c) { return c.choice.method; }),
+        {"share", "", [](const Choice& c) { return c.choice.share; }, {}, Align::right, few},
+        {"step_s", "step", [](const Choice& c) { return c.step; }, step_cell, Align::right, few},
+        {"seconds_per_second", "s/s", [](const Choice& c) { return c.seconds; },
+         [](const Choice& c) { return fmt::format("{:.3g}", c.seconds); }, Align::right, few},
+        {"spread", "spread %", [](const Choice& c) { return c.spread; },
+         [](const Choice& c) { return fmt::format("{:.0f}", 100.0 * c.spread); }, Align::right, 3},
+        {"work_per_second", "", [](const Choice& c) { return c.work; }, {}, Align::right, few},
+    };
     for (std::size_t i = 0; i < outputs.size(); ++i)
         columns.push_back({csv_cell("error " + outputs[i], 0, true), outputs[i] + " %",
                            [i](const Choice& c) { return c.tried ? nlohmann::ordered_json(c.errors[i]) : nlohmann::ordered_json(); },
                            [i](const Choice& c) { return c.tried ? percent_cell(c.errors[i]) : ""; }, Align::right, few});
-    columns.push_back(text(
-        "worst", "", [](const Choice& c) { return c.worst; }, true));
+    columns.push_back(text("worst", "", true, [](const Choice& c) { return c.worst; }));
     columns.push_back(
         {"front", "front", [](const Choice& c) { return c.front; }, [](const Choice& c) { return c.front ? "*" : ""; }, Align::left});
-    columns.push_back(text(
-        "standing", "standing", [](const Choice& c) { return c.outcome; }, true));
+    columns.push_back(text("standing", "standing", true, [](const Choice& c) { return c.outcome; }));
     return columns;
 }
 
