@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -106,6 +107,7 @@ bool has_notes(const engine::CaseTable& table) {
 }
 
 void keep_status(engine::CaseTable& table, const std::string& status) {
+    require_statuses("--status", {status});
     std::vector<std::byte> kept;
     for (std::size_t row = 0; row < table.size(); ++row) {
         if (table.layout.text(table.row(row), table.layout.column("status")) == status)
@@ -115,11 +117,12 @@ void keep_status(engine::CaseTable& table, const std::string& status) {
 }
 
 ExitStatus show(const TableArguments& arguments) {
+    if (arguments.json || !arguments.from.empty() || !arguments.until.empty())
+        throw UsageError("--json, --from and --until require --rainflow");
     const std::string file = table_path(arguments.folder);
     engine::CaseTable table = tasks::read_results(file);
     tasks::sort_rows(table);
     const std::string hash = tasks::results_hash(table);
-    if (!arguments.status.empty()) require_statuses("--status", {arguments.status});
     if (!arguments.status.empty()) keep_status(table, arguments.status);
     if (arguments.units && !arguments.csv) throw UsageError("--units requires --csv");
     if (arguments.csv) {
@@ -154,17 +157,15 @@ struct Load {
     std::vector<engine::RainflowCycle> cycles;
 };
 
-/// Length of the record in rounds of the chain, and duration of a round; zero if the record does not contain them.
-struct Rounds {
-    double time = 0.0;  ///< of one [s]
-    [[nodiscard]] double in(const Load& load) const {
-        return time > 0.0 && !load.time.empty() ? (load.time.back() - load.time.front()) / time : 0.0;
-    }
-};
-
-Rounds rounds_of(const RecordedRun& run) {
+/// Duration of a round of the chain; 0 if the record does not contain it [s].
+double round_time(const RecordedRun& run) {
     const auto pins = run.pin_frequency();
-    return {pins ? run.scene()->parameters.chain.pins / *pins : 0.0};
+    return pins ? run.scene()->parameters.chain.pins / *pins : 0.0;
+}
+
+/// Length of the load in rounds of the chain; 0 if their duration is unknown [1].
+double rounds_of(const Load& load, double round) {
+    return round > 0.0 && !load.time.empty() ? (load.time.back() - load.time.front()) / round : 0.0;
 }
 
 /// Damage-equivalent range: one cycle of it per round of the chain does the same damage by Miner's rule (one cycle per record, if shorter
@@ -239,8 +240,8 @@ std::string span_text(const Load& load) {
 }
 
 /// The equivalent load, and a note for a short record.
-std::string damage_text(const Load& load, double exponent, const Rounds& round) {
-    const double rounds = round.in(load);
+std::string damage_text(const Load& load, double exponent, double round) {
+    const double rounds = rounds_of(load, round);
     const std::string each =
         rounds >= 1.0 ? fmt::format("one cycle per round of the chain ({:.3g} rounds)", rounds) : "one cycle in the record";
     const Shown how = shown(load.name, load.unit);
@@ -248,7 +249,7 @@ std::string damage_text(const Load& load, double exponent, const Rounds& round) 
                                    how.factor * equivalent_range(load, exponent, rounds), how.unit, exponent, each);
     if (rounds > 0.0 && rounds < 1.0)
         text += fmt::format("  note: the record covers {:.2g} of a round of the chain ({}); no link has seen all of its loads\n", rounds,
-                            time_text(round.time));
+                            time_text(round));
     return text;
 }
 
@@ -268,26 +269,26 @@ std::vector<ReportColumn<engine::RainflowClass>> class_columns(const Load& load)
 
 /// A cycle, and the load that it was counted in.
 struct CycleOfLoad {
-    const Load* load;
-    const engine::RainflowCycle* cycle;
+    const Load& load;
+    const engine::RainflowCycle& cycle;
 };
 
 /// @param count name of the column of counts
 std::vector<ReportColumn<CycleOfLoad>> cycle_columns(const char* count) {
-    const auto column = [](const char* key, auto number) -> ReportColumn<CycleOfLoad> {
-        return {key, "", [number](const CycleOfLoad& each) { return number(*each.load, *each.cycle); }, {}, Align::right, all_digits};
+    const auto column = [](const char* key, double (*number)(const CycleOfLoad&)) -> ReportColumn<CycleOfLoad> {
+        return {key, "", number, {}, Align::right, all_digits};
     };
-    using Cycle = engine::RainflowCycle;
-    return {column("range", [](const Load&, const Cycle& cycle) { return cycle.range; }),
-            column("mean", [](const Load&, const Cycle& cycle) { return cycle.mean; }),
-            column(count, [](const Load&, const Cycle& cycle) { return cycle.count; }),
-            column("from_time", [](const Load& load, const Cycle& cycle) { return load.time[cycle.first]; }),
-            column("to_time", [](const Load& load, const Cycle& cycle) { return load.time[cycle.second]; })};
+    return {column("range", [](const CycleOfLoad& of) { return of.cycle.range; }),
+            column("mean", [](const CycleOfLoad& of) { return of.cycle.mean; }),
+            column(count, [](const CycleOfLoad& of) { return of.cycle.count; }),
+            column("from_time", [](const CycleOfLoad& of) { return of.load.time[of.cycle.first]; }),
+            column("to_time", [](const CycleOfLoad& of) { return of.load.time[of.cycle.second]; })};
 }
 
-std::vector<CycleOfLoad> cycles_of(const Load& load) {
+std::vector<CycleOfLoad> cycles_of(std::span<const Load> loads) {
     std::vector<CycleOfLoad> cycles;
-    for (const engine::RainflowCycle& cycle : load.cycles) cycles.push_back({&load, &cycle});
+    for (const Load& load : loads)
+        for (const engine::RainflowCycle& cycle : load.cycles) cycles.push_back({load, cycle});
     return cycles;
 }
 
@@ -300,17 +301,13 @@ std::string rainflow_text(const Load& load, int classes) {
 
 std::string rainflow_csv(const std::vector<Load>& loads) {
     std::vector<ReportColumn<CycleOfLoad>> columns = cycle_columns("cycles");
-    columns.insert(columns.begin(), {{"load", "", [](const CycleOfLoad& each) { return each.load->name; }},
-                                     {"unit", "", [](const CycleOfLoad& each) { return each.load->unit; }}});
-    std::vector<CycleOfLoad> rows;
-    for (const Load& load : loads) {
-        for (const CycleOfLoad& cycle : cycles_of(load)) rows.push_back(cycle);
-    }
-    return report_csv(columns, rows);
+    columns.insert(columns.begin(), {{"load", "", [](const CycleOfLoad& of) { return of.load.name; }},
+                                     {"unit", "", [](const CycleOfLoad& of) { return of.load.unit; }}});
+    return report_csv(columns, cycles_of(loads));
 }
 
-nlohmann::ordered_json rainflow_json(const Load& load, const TableArguments& arguments, const Rounds& round) {
-    const double rounds = round.in(load);
+nlohmann::ordered_json rainflow_json(const Load& load, const TableArguments& arguments, double round) {
+    const double rounds = rounds_of(load, round);
     const nlohmann::ordered_json damage{{"exponent", arguments.exponent},
                                         {"range", equivalent_range(load, arguments.exponent, rounds)},
                                         {"reference_cycles", std::max(1.0, rounds)},
@@ -320,14 +317,14 @@ nlohmann::ordered_json rainflow_json(const Load& load, const TableArguments& arg
             {"outputs", load.time.size()},
             {"damage_equivalent", damage},
             {"classes", report_json(class_columns(load), engine::rainflow_classes(load.cycles, arguments.classes))},
-            {"cycles", report_json(cycle_columns("count"), cycles_of(load))}};
+            {"cycles", report_json(cycle_columns("count"), cycles_of({&load, 1}))}};
 }
 
 /// Text: cycles by classes of range. CSV: every cycle. JSON: both, with provenance.
 std::string rainflow_report(const TableArguments& arguments) {
     const RecordedRun run(arguments.folder);
     const std::vector<Load> loads = loads_of(run, arguments);
-    const Rounds round = rounds_of(run);
+    const double round = round_time(run);
     if (arguments.csv) return rainflow_csv(loads);
     std::string text;
     auto all = nlohmann::ordered_json::array();
@@ -347,12 +344,6 @@ ExitStatus show_rainflow(const TableArguments& arguments) {
     if (arguments.csv && arguments.json) throw UsageError("--csv or --json, not both");
     fmt::print("{}", rainflow_report(arguments));
     return ExitStatus::finished;
-}
-
-/// Options that require --rainflow.
-void require_no_record(const TableArguments& arguments) {
-    if (arguments.json || !arguments.from.empty() || !arguments.until.empty())
-        throw UsageError("--json, --from and --until require --rainflow");
 }
 
 void declare_rainflow(CLI::App& app, TableArguments& arguments) {
@@ -390,8 +381,7 @@ Action declare_table(CLI::App& app) {
     declare_rainflow(app, *arguments);
     app.add_option("--status", arguments->status, "Show only cases with this status")->type_name("STATUS");
     app.footer("In Python: h5py.File(\"DIR/cases.h5\")[\"cases\"][:] is a NumPy table; pandas.DataFrame takes it.");
-    return
-        [arguments] { return arguments->rainflow.empty() ? (require_no_record(*arguments), show(*arguments)) : show_rainflow(*arguments); };
+    return [arguments] { return arguments->rainflow.empty() ? show(*arguments) : show_rainflow(*arguments); };
 }
 
 }  // namespace cvtflow::tools
