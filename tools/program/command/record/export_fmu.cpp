@@ -230,7 +230,7 @@ std::string rows_of(const std::vector<FmuVariable>& variables) {
     return rows;
 }
 
-std::string page_of(const FmuFacts& facts, const std::vector<FmuVariable>& variables, int version) {
+std::string documentation_of(const FmuFacts& facts, const std::vector<FmuVariable>& variables, int version) {
     return fmt::format(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head><meta charset=\"utf-8\"><title>{0}</title></head>\n<body>\n<h1>{0}</h1>\n<p>{1}</p>\n"
         "<p>A chain-driven continuously variable transmission for co-simulation by FMI {2}.0, exported by cvtflow {3}. It runs on the "
@@ -253,7 +253,7 @@ std::string page_of(const FmuFacts& facts, const std::vector<FmuVariable>& varia
 std::vector<ZipPart> fmu_documents(const FmuFacts& facts, const std::vector<FmuVariable>& variables, int version) {
     const auto file = [](const char* name, const char* of) { return ZipPart{name, std::string(asset(of))}; };
     std::vector<ZipPart> parts{
-        {"documentation/index.html", page_of(facts, variables, version)},
+        {"documentation/index.html", documentation_of(facts, variables, version)},
         {"documentation/licenses/license.txt", fmt::format("{}\n{}\n{}", asset("LICENSE"), std::string(80, '-'), asset("licenses.txt"))}};
     if (version == 2) {
         parts.push_back(file("model.png", "fmu_icon.png"));

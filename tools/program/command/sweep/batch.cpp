@@ -78,13 +78,13 @@ void print_end(const tasks::Sweep& sweep, const tasks::BatchReport& report, cons
                report.finished ? "finished"
                                : fmt::format("stopped after {}{} cases; to continue: cvtflow resume {}{}", p.before + p.done, of_all,
                                              options.folder, report.hopeless.empty() ? "" : " --keep-going"));
-    fmt::print("{}", field("cases", fmt::format("{} now in {:.2f} s on {}, {:.3g} a second{}", p.done, p.wall,
-                                                plural(report.threads, "thread"), static_cast<double>(p.done) / std::max(p.wall, 1e-9),
-                                                p.before > 0 ? fmt::format("; {} before", p.before) : "")));
-    fmt::print("{}{}{}", tally_text(report.tally), field("results hash", report.results_hash), field("table", report.folder + "/cases.h5"));
-    if (!report.continuation_error.empty()) fmt::print("{}", field("continuation error", report.continuation_error));
-    if (!report.steady_check.empty())
-        fmt::print("{}", field("three times as long", report.steady_check + "; percentages of the stated errors"));
+    std::string text = field("cases", fmt::format("{} now in {:.2f} s on {}, {:.3g} a second{}", p.done, p.wall,
+                                                  plural(report.threads, "thread"), static_cast<double>(p.done) / std::max(p.wall, 1e-9),
+                                                  p.before > 0 ? fmt::format("; {} before", p.before) : ""));
+    text += tally_text(report.tally) + field("results hash", report.results_hash) + field("table", report.folder + "/cases.h5");
+    if (!report.continuation_error.empty()) text += field("continuation error", report.continuation_error);
+    if (!report.steady_check.empty()) text += field("three times as long", report.steady_check + "; percentages of the stated errors");
+    fmt::print("{}", text);
 }
 
 /// Repeats some cases at reference accuracy, if the sweep has a target accuracy. @return whether it is met
@@ -194,12 +194,11 @@ ExitStatus run_worker(const tasks::Sweep& asked, const tasks::TunedSweep& tuned,
 constexpr long shown_cases = 20;
 
 struct BatchArguments {
-    std::string sweep, folder;
+    std::string sweep;
+    tasks::BatchOptions options;
     std::optional<std::string> shard, grace, every;  ///< empty text is an error
-    std::vector<std::string> retry;
-    int threads = 0;
     SweepOutput output;
-    bool dry = false, pin = false, keep_going = false, mixed = false, worker = false;
+    bool dry = false, worker = false;
 };
 
 tasks::Shard shard_of(const std::string& text) {
@@ -252,41 +251,37 @@ std::string disk_text(const tasks::Sweep& sweep, const std::vector<long>& cases)
 ExitStatus dry_run(const tasks::Sweep& sweep, const tasks::Shard& shard, int threads) {
     const std::vector<long> cases = tasks::shard_cases(sweep, shard);
     const tasks::BatchEstimate cost = tasks::estimate(sweep, shard, 0.6);
-    fmt::print("{}: {}{}\n{}", sweep.name, plural(static_cast<long>(cases.size()), "case"),
-               shard.of > 1 ? fmt::format(" of shard {}/{}", shard.number, shard.of) : "", cases_text(sweep, cases));
+    std::string text = fmt::format("{}: {}{}\n{}", sweep.name, plural(static_cast<long>(cases.size()), "case"),
+                                   shard.of > 1 ? fmt::format(" of shard {}/{}", shard.number, shard.of) : "", cases_text(sweep, cases));
     std::vector<std::string> scalars;
     for (const tasks::Scalar& scalar : sweep.scalars) scalars.push_back(scalar.text);
-    fmt::print("{}", field("scalars", fmt::format("{}", fmt::join(scalars, ", "))));
-    if (cost.bad > 0) fmt::print("{}", field("invalid cases", plural(cost.bad, "case")));
-    const std::string one = fmt::format("{} on one thread, {} on {}", duration_text(cost.total), duration_text(cost.total / threads),
-                                        plural(threads, "thread"));
+    text += field("scalars", fmt::format("{}", fmt::join(scalars, ", ")));
+    if (cost.bad > 0) text += field("invalid cases", plural(cost.bad, "case"));
     const std::string none =
         cost.bad == cost.cases ? "none: every case has inconsistent parameters" : "none: no case could be measured: " + cost.untried;
-    fmt::print(
-        "{}", field("estimate",
-                    cost.measured == 0 ? none : fmt::format("{} (measured on {}, settling included)", one, plural(cost.measured, "case"))));
-    fmt::print("{}", field("disk", disk_text(sweep, cases)));
+    text += field("estimate", cost.measured == 0 ? none
+                                                 : fmt::format("{} on one thread, {} on {} (measured on {}, settling included)",
+                                                               duration_text(cost.total), duration_text(cost.total / threads),
+                                                               plural(threads, "thread"), plural(cost.measured, "case")));
+    text += field("disk", disk_text(sweep, cases));
     if (cost.stable_step > 0.0 && std::isfinite(cost.stable_step))
-        fmt::print("{}", field("stable to", fmt::format("{} at the start of the cases tried{}", time_text(cost.stable_step),
-                                                        cost.beyond > 1.0 ? "; run.step exceeds this limit" : "")));
+        text += field("stable to", fmt::format("{} at the start of the cases tried{}", time_text(cost.stable_step),
+                                               cost.beyond > 1.0 ? "; run.step exceeds this limit" : ""));
+    fmt::print("{}", text);
     return cost.measured == 0 ? ExitStatus::incomplete : ExitStatus::finished;
 }
 
 ExitStatus batch(const BatchArguments& arguments) {
     const tasks::Sweep sweep = load_sweep(arguments.sweep);
-    tasks::BatchOptions options;
-    options.folder = arguments.folder.empty() ? "results/" + sweep.path.stem().string() : arguments.folder;
-    options.threads = arguments.threads > 0 ? arguments.threads : tasks::usable_threads();
-    options.pin = arguments.pin;
+    tasks::BatchOptions options = arguments.options;
+    if (options.folder.empty()) options.folder = "results/" + sweep.path.stem().string();
+    if (options.threads == 0) options.threads = tasks::usable_threads();
     if (arguments.shard) options.shard = shard_of(*arguments.shard);
-    options.retry = arguments.retry;
-    options.keep_going = arguments.keep_going;
-    options.mixed = arguments.mixed;
-    require_statuses("--retry", arguments.retry);
+    require_statuses("--retry", options.retry);
     if (arguments.grace) options.grace = seconds_of("--grace", *arguments.grace);
     if (arguments.every) options.checkpoint_every = seconds_of("--checkpoint-every", *arguments.every);
     if (arguments.dry) return dry_run(sweep, options.shard, options.threads);
-    if (arguments.folder.empty()) {
+    if (arguments.options.folder.empty()) {
         std::error_code reported_later;
         std::filesystem::create_directories("results", reported_later);
     }
@@ -295,25 +290,22 @@ ExitStatus batch(const BatchArguments& arguments) {
 
 constexpr std::size_t named_cases = 20, named_shards = 5;
 
-std::string missing_text(const tasks::MergeReport& report) {
-    std::string text;
-    const auto shards = report.missing_shards.size();
-    const std::vector<std::string> named(report.missing_shards.begin(),
-                                         report.missing_shards.begin() + static_cast<std::ptrdiff_t>(std::min(named_shards, shards)));
-    for (const std::string& shard : named) text += fmt::format("cvtflow: {}: this shard has no results\n", shard);
-    if (shards > named_shards) text += fmt::format("cvtflow: … and {} more; {} shards have no results\n", shards - named_shards, shards);
-    if (report.missing_cases.empty()) return text;
-    const std::vector<long> first(
-        report.missing_cases.begin(),
-        report.missing_cases.begin() + static_cast<std::ptrdiff_t>(std::min(named_cases, report.missing_cases.size())));
-    return text + fmt::format("cvtflow: {} of {} cases are missing: {}{}\n", report.missing_cases.size(), report.cases,
-                              fmt::join(first, ", "), report.missing_cases.size() > named_cases ? ", …" : "");
+void report_missing(const tasks::MergeReport& report) {
+    const std::vector<std::string>& shards = report.missing_shards;
+    for (std::size_t k = 0; k < std::min(named_shards, shards.size()); ++k) print_error(shards[k] + ": this shard has no results");
+    if (shards.size() > named_shards)
+        print_error(fmt::format("… and {} more; {} shards have no results", shards.size() - named_shards, shards.size()));
+    const std::vector<long>& cases = report.missing_cases;
+    if (cases.empty()) return;
+    const auto named = cases.begin() + static_cast<std::ptrdiff_t>(std::min(named_cases, cases.size()));
+    print_error(fmt::format("{} of {} cases are missing: {}{}", cases.size(), report.cases, fmt::join(cases.begin(), named, ", "),
+                            named != cases.end() ? ", …" : ""));
 }
 
 ExitStatus merge(const std::string& folder, bool partial, bool mixed) {
     const tasks::MergeReport report = tasks::merge(folder, partial, mixed);
     const bool whole = report.missing_cases.empty() && report.missing_shards.empty();
-    if (!whole) to_stderr(missing_text(report));
+    if (!whole) report_missing(report);
     if (!whole && !partial) {
         print_error("nothing was written; run the missing shards, or use --partial to join the available ones");
         return ExitStatus::incomplete;
@@ -408,27 +400,28 @@ Action declare_batch(CLI::App& app) {
     app.add_option("SWEEP", arguments->sweep, "Sweep file (SWEEP.toml), or name of a ready sweep in scenes/sweeps")
         ->required()
         ->type_name("");
-    app.add_option("-o,--output", arguments->folder,
+    app.add_option("-o,--output", arguments->options.folder,
                    "Folder for the results (default: results/SWEEP); an unfinished sweep there is continued")
         ->type_name("DIR");
     app.add_flag("--dry-run", arguments->dry, "Print the cases and the estimated time; run nothing");
-    app.add_option("--threads", arguments->threads, "Number of cases that run in parallel (default: all processors of this process)")
+    app.add_option("--threads", arguments->options.threads,
+                   "Number of cases that run in parallel (default: all processors of this process)")
         ->type_name("N")
         ->check(CLI::Range(1, 1024));
-    app.add_flag("--pin", arguments->pin, "Pin every worker to a processor");
+    app.add_flag("--pin", arguments->options.pin, "Pin every worker to a processor");
     app.add_option("--shard", arguments->shard, "Run part I of N only; cvtflow merge joins the parts")->type_name("I/N");
     app.add_option("--grace", arguments->grace,
                    "After SIGTERM, time for running cases to finish; the others write a checkpoint (default: 30 s)")
         ->type_name("TIME");
     app.add_option("--checkpoint-every", arguments->every, "Wall time between checkpoints of a running case (default: 60 s)")
         ->type_name("TIME");
-    declare_repeated(app, "--retry", arguments->retry, "Repeat cases that ended with this status, e.g. budget; may be given several times",
-                     "STATUS");
+    declare_repeated(app, "--retry", arguments->options.retry,
+                     "Repeat cases that ended with this status, e.g. budget; may be given several times", "STATUS");
     CLI::Option* worker = app.add_flag("--worker", arguments->worker,
                                        "Share the cases with other processes that run this command with the same DIR, on any machine");
     for (const char* other : {"--shard", "--retry", "--dry-run"}) worker->excludes(other);
-    app.add_flag("--keep-going", arguments->keep_going, keep_going_meaning);
-    app.add_flag("--mixed", arguments->mixed, mixed_meaning);
+    app.add_flag("--keep-going", arguments->options.keep_going, keep_going_meaning);
+    app.add_flag("--mixed", arguments->options.mixed, mixed_meaning);
     app.add_flag("-q,--quiet", arguments->output.quiet, "Print errors only");
     app.add_flag("--json", arguments->output.json,
                  "Print lines of JSON: at most every 10 s the progress (not with -q), at the end a summary with the exit status")
