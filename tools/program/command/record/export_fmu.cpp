@@ -46,6 +46,7 @@ struct ZipPart {
 constexpr std::uint16_t zip_version = 20;              // of the format: folders
 constexpr std::uint16_t first_of_january_1980 = 0x21;  // a file is the same whenever it is made
 constexpr std::uint32_t plain_file = 0100644u << 16;
+constexpr std::uint16_t zero = 0, utf_8_names = 0x0800;
 constexpr std::uint16_t from_unix = 3 << 8 | zip_version;
 
 constexpr std::size_t longest_readable = 65535;
@@ -76,22 +77,19 @@ struct Packed {
         static_cast<std::uint32_t>(crc32(0, reinterpret_cast<const Bytef*>(part.bytes.data()), static_cast<uInt>(part.bytes.size())));
 };
 
-template <class T>
-void add(std::string& file, T number) {
-    for (std::size_t byte = 0; byte < sizeof number; ++byte) file += static_cast<char>(number >> 8 * byte & 0xFFu);
+template <class... Number>
+void add(std::string& file, Number... numbers) {
+    const auto one = [&file](auto number) {
+        for (std::size_t byte = 0; byte < sizeof number; ++byte) file += static_cast<char>(number >> 8 * byte & 0xFFu);
+    };
+    (one(numbers), ...);
 }
 
 /// Facts that local header and directory have in common: flags, method, time, date, sum, sizes, lengths.
 void add_facts(std::string& file, const Packed& packed) {
-    add<std::uint16_t>(file, 0x0800);  // names are UTF-8
-    add<std::uint16_t>(file, packed.compressed ? Z_DEFLATED : 0);
-    add<std::uint16_t>(file, 0);
-    add(file, first_of_january_1980);
-    add(file, packed.sum);
-    add(file, static_cast<std::uint32_t>(packed.bytes.size()));
-    add(file, static_cast<std::uint32_t>(packed.part.bytes.size()));
-    add(file, static_cast<std::uint16_t>(packed.part.name.size()));
-    add<std::uint16_t>(file, 0);
+    add(file, utf_8_names, packed.compressed ? std::uint16_t{Z_DEFLATED} : zero, zero, first_of_january_1980, packed.sum);
+    add(file, static_cast<std::uint32_t>(packed.bytes.size()), static_cast<std::uint32_t>(packed.part.bytes.size()));
+    add(file, static_cast<std::uint16_t>(packed.part.name.size()), zero);
 }
 
 /// The parts as a ZIP file, compressed; the first, up to 64 KiB, is not, so that its text can be found. Equal bytes for the same parts
@@ -102,31 +100,19 @@ std::string zip_file(const std::vector<ZipPart>& parts) {
         if (part.bytes.size() > std::numeric_limits<std::uint32_t>::max() / 2) throw std::length_error("zip: a part of more than 2 GiB");
         const Packed packed{part, !file.empty() || part.bytes.size() > longest_readable};
         const auto begin = static_cast<std::uint32_t>(file.size());
-        add<std::uint32_t>(file, 0x04034B50);
-        add(file, zip_version);
+        add(file, std::uint32_t{0x04034B50}, zip_version);
         add_facts(file, packed);
         file += part.name + packed.bytes;
         if (file.size() > std::numeric_limits<std::uint32_t>::max() / 2) throw std::length_error("zip: more than 2 GiB");
-        add<std::uint32_t>(directory, 0x02014B50);
-        add(directory, from_unix);
-        add(directory, zip_version);
+        add(directory, std::uint32_t{0x02014B50}, from_unix, zip_version);
         add_facts(directory, packed);
-        add<std::uint16_t>(directory, 0);
-        add<std::uint16_t>(directory, 0);
-        add<std::uint16_t>(directory, 0);
-        add(directory, plain_file);
-        add(directory, begin);
+        add(directory, zero, zero, zero, plain_file, begin);
         directory += part.name;
     }
     const auto place = static_cast<std::uint32_t>(file.size());
     file += directory;
-    add<std::uint32_t>(file, 0x06054B50);
-    add<std::uint32_t>(file, 0);
-    add(file, static_cast<std::uint16_t>(parts.size()));
-    add(file, static_cast<std::uint16_t>(parts.size()));
-    add(file, static_cast<std::uint32_t>(directory.size()));
-    add(file, place);
-    add<std::uint16_t>(file, 0);
+    const auto count = static_cast<std::uint16_t>(parts.size());
+    add(file, std::uint32_t{0x06054B50}, zero, zero, count, count, static_cast<std::uint32_t>(directory.size()), place, zero);
     return file;
 }
 
