@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "engine/base/provenance.hpp"
+#include "engine/record/run/schema.hpp"
 #include "tasks/scene/csv.hpp"
 
 namespace cvtflow::tools {
@@ -20,16 +20,11 @@ std::string csv_cell(const nlohmann::ordered_json& value, int digits, bool quote
 }
 
 nlohmann::ordered_json provenance_json() {
-    const engine::Provenance here = engine::current_provenance();
-    return {{"version", here.version},
-            {"commit", here.commit},
-            {"compiler", here.compiler},
-            {"build_type", here.build_type},
-            {"instruction_set", here.instruction_set},
-            {"cpu", here.cpu},
-            {"cores", here.cores},
-            {"os", here.os},
-            {"date", here.date}};
+    nlohmann::ordered_json json;
+    for (const engine::Attribute& each : engine::attributes_of(engine::current_provenance()))
+        std::visit([&](const auto& value) { json[each.name == "program_version" ? "version" : each.name] = value; }, each.value);
+    json.erase("hdf5_version");
+    return json;
 }
 
 std::string json_text(const nlohmann::ordered_json& json) {
