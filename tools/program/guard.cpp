@@ -45,9 +45,7 @@ extern "C" void on_interrupt(int signal) {
     std::raise(signal);  // delivered when the handler returns
 }
 
-}  // namespace
-
-ExitStatus exit_status(tasks::FaultKind kind) noexcept {
+ExitStatus status_of(tasks::FaultKind kind) noexcept {
     using tasks::FaultKind;
     switch (kind) {
         case FaultKind::none: return ExitStatus::finished;
@@ -59,8 +57,10 @@ ExitStatus exit_status(tasks::FaultKind kind) noexcept {
     }
 }
 
+}  // namespace
+
 ExitStatus exit_status(const tasks::RunReport& report) noexcept {
-    return report.fault || report.reliable() ? exit_status(report.fault.kind) : ExitStatus::unreliable;
+    return report.fault || report.reliable() ? status_of(report.fault.kind) : ExitStatus::unreliable;
 }
 
 void name_program(std::string_view name) noexcept { name_in_messages = name; }
@@ -97,7 +97,7 @@ int guarded(const std::function<int()>& work) noexcept {
         return work();
     } catch (const tasks::SettlingFault& end) {
         print_error(end.what());
-        return static_cast<int>(exit_status(end.fault.kind));
+        return static_cast<int>(status_of(end.fault.kind));
     } catch (const UsageError& error) {
         print_error(error.what());
         return static_cast<int>(ExitStatus::usage);

@@ -22,8 +22,6 @@ enum class ExitStatus {
     cancelled = 130  ///< interrupted by SIGINT, SIGTERM, SIGHUP, SIGXCPU or SIGPIPE; as shells report the first
 };
 
-[[nodiscard]] ExitStatus exit_status(tasks::FaultKind kind) noexcept;
-
 [[nodiscard]] ExitStatus exit_status(const tasks::RunReport& report) noexcept;
 
 /// The last line of a command's --help.

@@ -33,6 +33,28 @@ bool is_state_of(const std::string& name, const std::string& file) {
     return !checkpoint && text != nullptr && text->find(line) != std::string::npos;
 }
 
+/// A table or list as text: of the same heading, which are its first lines.
+engine::OutputRule text_rule(std::string_view text) {
+    constexpr std::size_t longest = 1024;
+    std::size_t end = text.find('\n');
+    if (text.starts_with("{\n") || text.starts_with("[\n")) end = text.find('\n', 2);
+    return {.what = "file with the same heading",
+            .own = engine::text_with({std::string(text.substr(0, std::min(end, longest)))}),
+            .devices = true};
+}
+
+/// Whether a file is a checkpoint that can be resumed.
+bool is_checkpoint(const std::string& file) {
+    std::error_code absent;
+    if (!std::filesystem::is_regular_file(std::filesystem::symlink_status(file, absent))) return false;
+    try {
+        static_cast<void>(tasks::read_checkpoint(file));
+        return true;
+    } catch (const engine::RecordError&) {
+        return false;
+    }
+}
+
 }  // namespace
 
 std::string beside(const std::string& file, std::string_view ending) {
@@ -78,15 +100,6 @@ engine::OutputRule marked_rule(std::string_view kind, const std::string& of, std
             .devices = true};
 }
 
-engine::OutputRule text_rule(std::string_view text) {
-    constexpr std::size_t longest = 1024;
-    std::size_t end = text.find('\n');
-    if (text.starts_with("{\n") || text.starts_with("[\n")) end = text.find('\n', 2);
-    return {.what = "file with the same heading",
-            .own = engine::text_with({std::string(text.substr(0, std::min(end, longest)))}),
-            .devices = true};
-}
-
 engine::OutputRule scene_rule(const char* what, engine::IsOwn own, const tasks::Scene& scene, bool named, bool force) {
     return {.what = fmt::format("{} '{}'", what, scene.name),
             .own = std::move(own),
@@ -98,17 +111,6 @@ engine::OutputRule scene_rule(const char* what, engine::IsOwn own, const tasks::
 engine::OutputRule state_rule(const tasks::Scene& scene, bool named, bool force) {
     const auto own = [name = scene.name](const std::string& file) { return is_state_of(name, file); };
     return scene_rule("state of the scene", own, scene, named, force);
-}
-
-bool is_checkpoint(const std::string& file) {
-    std::error_code absent;
-    if (!std::filesystem::is_regular_file(std::filesystem::symlink_status(file, absent))) return false;
-    try {
-        static_cast<void>(tasks::read_checkpoint(file));
-        return true;
-    } catch (const engine::RecordError&) {
-        return false;
-    }
 }
 
 void require_checkpoint_place(const std::string& path, const std::string& record, const std::vector<std::filesystem::path>& inputs) {

@@ -36,14 +36,10 @@ inline constexpr const char* force_meaning = "Replace existing output files";
 /// A page or picture that carries its mark. A name that the user chose is treated like a default one.
 [[nodiscard]] engine::OutputRule marked_rule(std::string_view kind, const std::string& of, std::vector<std::filesystem::path> inputs = {},
                                              bool force = false);
-/// A table or list as text: of the same heading, which are its first lines.
-[[nodiscard]] engine::OutputRule text_rule(std::string_view text);
 /// What is made of a scene. @param what "record of the scene"   @param named the user chose the name
 [[nodiscard]] engine::OutputRule scene_rule(const char* what, engine::IsOwn own, const tasks::Scene& scene, bool named, bool force);
 [[nodiscard]] engine::OutputRule state_rule(const tasks::Scene& scene, bool named, bool force);
 
-/// Whether a file is a checkpoint that can be resumed.
-[[nodiscard]] bool is_checkpoint(const std::string& file);
 /// Checks the path of a checkpoint: it must differ from the record's, and an existing file must be a checkpoint, because it is removed at
 /// the end of the run. @throws engine::RecordError
 void require_checkpoint_place(const std::string& path, const std::string& record, const std::vector<std::filesystem::path>& inputs);

@@ -87,6 +87,19 @@ void print_end(const tasks::Sweep& sweep, const tasks::BatchReport& report, cons
     fmt::print("{}", text);
 }
 
+/// `finished` only if all cases are ok.
+ExitStatus status_of(const tasks::CaseTally& tally) { return tally.failed() == 0 ? ExitStatus::finished : ExitStatus::incomplete; }
+
+/// Prints the verified errors of a table to stderr, if its sweep has a target accuracy; quiet: only if it is missed.
+/// @return whether the target is met, or there is none   @throws engine::RecordError
+bool say_verification(const std::string& name, const std::string& file, bool quiet) {
+    const tasks::SweepVerification verification = tasks::sweep_verification(file);
+    if (!(verification.target > 0.0)) return true;
+    if (!quiet || !verification.held())
+        print_error(fmt::format("{}: {}{}", name, verification.held() ? "" : "misses its target: ", verification.text()));
+    return verification.held();
+}
+
 /// Repeats some cases at reference accuracy, if the sweep has a target accuracy. @return whether it is met
 bool verified(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, tasks::BatchReport& report, bool quiet) {
     if (!(asked.accuracy.target > 0.0) || catch_interrupts().requested()) return true;
@@ -131,7 +144,7 @@ ExitStatus run_part(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, t
     const bool accurate = !report.finished || verified(asked, tuned, report, quiet);
     const ExitStatus status = !report.hopeless.empty()                      ? ExitStatus::incomplete
                               : !report.finished || interrupted.requested() ? ExitStatus::cancelled
-                              : accurate                                    ? exit_status(report.tally)
+                              : accurate                                    ? status_of(report.tally)
                                                                             : ExitStatus::inaccurate;
     if (output.json) print_json(end_json(sweep, report, status));
     if (!quiet && !output.json) print_end(sweep, report, options);
@@ -313,7 +326,7 @@ ExitStatus merge(const std::string& folder, bool partial, bool mixed) {
     fmt::print("{}: {} of {} cases\n{}{}", report.file, report.rows, report.cases, tally_text(report.tally),
                field("results hash", report.results_hash));
     const bool accurate = say_verification(folder, report.file, false);
-    return !whole ? ExitStatus::incomplete : accurate ? exit_status(report.tally) : ExitStatus::inaccurate;
+    return !whole ? ExitStatus::incomplete : accurate ? status_of(report.tally) : ExitStatus::inaccurate;
 }
 
 }  // namespace
@@ -366,18 +379,6 @@ nlohmann::ordered_json tally_json(const tasks::CaseTally& tally) {
     for (const tasks::CaseTally::Failure& failure : tally.failures())
         failures.push_back({{"status", failure.status}, {"error", failure.error}, {"first_case", failure.first}, {"cases", failure.cases}});
     return {{"statuses", tally.statuses()}, {"failed", tally.failed()}, {"failures", failures}, {"notes", tally.notes()}};
-}
-
-ExitStatus exit_status(const tasks::CaseTally& tally) noexcept {
-    return tally.failed() == 0 ? ExitStatus::finished : ExitStatus::incomplete;
-}
-
-bool say_verification(const std::string& name, const std::string& file, bool quiet) {
-    const tasks::SweepVerification verification = tasks::sweep_verification(file);
-    if (!(verification.target > 0.0)) return true;
-    if (!quiet || !verification.held())
-        print_error(fmt::format("{}: {}{}", name, verification.held() ? "" : "misses its target: ", verification.text()));
-    return verification.held();
 }
 
 ExitStatus run_sweep(const tasks::Sweep& sweep, tasks::BatchOptions options, SweepOutput output, bool as_worker) try {

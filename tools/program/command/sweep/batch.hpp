@@ -29,10 +29,6 @@ struct SweepOutput {
 /// @param as_worker  together with other processes; also where workers have begun it and not all cases are done
 ExitStatus run_sweep(const tasks::Sweep& sweep, tasks::BatchOptions options, SweepOutput output, bool as_worker = false);
 
-/// Prints the verified errors of a table to stderr, if its sweep has a target accuracy; quiet: only if it is missed.
-/// @return whether the target is met, or there is none   @throws engine::RecordError
-bool say_verification(const std::string& name, const std::string& file, bool quiet);
-
 /// @throws UsageError for an unknown status
 void require_statuses(const std::string& option, const std::vector<std::string>& given);
 
@@ -40,7 +36,5 @@ void require_statuses(const std::string& option, const std::vector<std::string>&
 [[nodiscard]] std::string tally_text(const tasks::CaseTally& tally);
 /// Members of a JSON object for them: statuses, failed, failures, notes.
 [[nodiscard]] nlohmann::ordered_json tally_json(const tasks::CaseTally& tally);
-/// Exit status of a complete sweep: `finished` only if all cases are ok.
-[[nodiscard]] ExitStatus exit_status(const tasks::CaseTally& tally) noexcept;
 
 }  // namespace cvtflow::tools

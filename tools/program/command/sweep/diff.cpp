@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tasks/batch/results/results.hpp"
+#include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/program.hpp"
 #include "tools/program/text/report_columns.hpp"
@@ -54,12 +55,14 @@ std::map<std::string, std::size_t> rows_by_keys(const SweepView& sweep, const st
     return rows;
 }
 
+bool has_column(const SweepView& sweep, const std::string& name, bool axis) {
+    return std::ranges::any_of(sweep.columns, [&](const SweepColumn& column) { return (column.axis || !axis) && column.name == name; });
+}
+
 std::vector<std::string> common_keys(const SweepView& a, const SweepView& b) {
     std::vector<std::string> keys;
     for (const SweepColumn& column : a.columns)
-        if (column.axis && tasks::is_hashed(column.name) &&
-            std::ranges::any_of(b.columns, [&](const SweepColumn& other) { return other.axis && other.name == column.name; }))
-            keys.push_back(column.name);
+        if (column.axis && tasks::is_hashed(column.name) && has_column(b, column.name, true)) keys.push_back(column.name);
     return keys;
 }
 
@@ -118,12 +121,9 @@ ExitStatus diff(const DiffArguments& arguments) {
         if (const auto other = in_b.find(name); other != in_b.end()) pairs.push_back({name, row, other->second});
     if (pairs.empty()) throw UsageError(fmt::format("{} and {}: no case has the same {}", a.path, b.path, fmt::join(keys, ", ")));
     std::vector<std::string> names = arguments.columns, lacking;
-    const auto has = [](const SweepView& sweep, const std::string& name) {
-        return std::ranges::any_of(sweep.columns, [&](const SweepColumn& column) { return column.name == name; });
-    };
     for (const SweepColumn& column : a.columns) {
         if (!arguments.columns.empty() || !is_compared(column, arguments.tolerance)) continue;
-        (has(b, column.name) ? names : lacking).push_back(column.name);
+        (has_column(b, column.name, false) ? names : lacking).push_back(column.name);
     }
     std::vector<ColumnDifference> different;
     for (const std::string& name : names)
