@@ -5,6 +5,7 @@
 #include <array>
 #include <memory>
 #include <set>
+#include <utility>
 
 #include "engine/base/text.hpp"
 #include "engine/executor/runtimes.hpp"
@@ -28,27 +29,19 @@ namespace cvtflow::tools {
 namespace {
 
 /// The recommended methods, and what each is for.
-struct Recommendation {
-    const char* method;
-    const char* reason;
-};
-
-constexpr std::array choices{
-    Recommendation{"leapfrog-sweep",
-                   "one evaluation of all forces a step, friction solved for contact by contact; pin halves, piecewise friction law"},
-    Recommendation{"leapfrog-rigid",
-                   "one evaluation of all forces a step, friction solved for where it acts; rigid pins, every friction law"},
-    Recommendation{"leapfrog-chebyshev",
-                   "one evaluation of all forces a step, friction in stages of its own; pin halves, every friction law"},
-    Recommendation{"dumka3", "explicit, steps by local error (run.step_control = \"error\"); the spectrum determines the number of stages"},
-    Recommendation{"dumka3-p5", "explicit, fixed steps, 2 us at full detail: friction is not split off; a sixth of the cost of rk4"},
-    Recommendation{"rk4", "the reference: order 4, 45 ns or less at full detail"},
+constexpr std::pair<const char*, const char*> choices[] = {
+    {"leapfrog-sweep", "one evaluation of all forces a step, friction solved for contact by contact; pin halves, piecewise friction law"},
+    {"leapfrog-rigid", "one evaluation of all forces a step, friction solved for where it acts; rigid pins, every friction law"},
+    {"leapfrog-chebyshev", "one evaluation of all forces a step, friction in stages of its own; pin halves, every friction law"},
+    {"dumka3", "explicit, steps by local error (run.step_control = \"error\"); the spectrum determines the number of stages"},
+    {"dumka3-p5", "explicit, fixed steps, 2 us at full detail: friction is not split off; a sixth of the cost of rk4"},
+    {"rk4", "the reference: order 4, 45 ns or less at full detail"},
 };
 
 std::string methods() {
     Table table({{"method"}, {"used for"}});
     table.add({std::string(tasks::automatic_method), "the default: a method by detail and friction law, as listed below"});
-    for (const Recommendation& choice : choices) table.add({choice.method, choice.reason});
+    for (const auto& [method, reason] : choices) table.add({method, reason});
     std::string automatic;
     for (const tasks::AutomaticChoice& row : tasks::automatic_choices()) automatic += fmt::format("\n  {}: {}", row.method, row.machines);
     return table.text() + "\nauto is the first of these that suits:" + automatic + "\n" +
@@ -201,14 +194,10 @@ constexpr std::array listings{
     Listing{"licenses", "Licences of the libraries that this program and its pages contain", licenses},
 };
 
-const Listing* find_listing(const std::string& name) {
-    const auto found = std::find_if(listings.begin(), listings.end(), [&](const Listing& listing) { return listing.name == name; });
-    return found == listings.end() ? nullptr : &*found;
-}
-
 /// The list of that name. @throws UsageError with the closest name
 const Listing& listing_of(const std::string& name) {
-    if (const Listing* listing = find_listing(name)) return *listing;
+    const auto* const found = std::ranges::find(listings, name, &Listing::name);
+    if (found != listings.end()) return *found;
     std::vector<std::string> names;
     for (const Listing& listing : listings) names.emplace_back(listing.name);
     const std::string near = engine::closest(name, names);
