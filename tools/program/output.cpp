@@ -155,10 +155,9 @@ void declare_output(CLI::App& app, OutputArguments& arguments) {
 }
 
 bool OutputFolder::wants(const std::string& name) const {
-    if (!arguments_.any()) return false;
-    if (!arguments_.csv && !arguments_.json && !arguments_.svg) return true;
-    return (name.ends_with(".csv") && arguments_.csv) || (name.ends_with(".json") && arguments_.json) ||
-           (name.ends_with(".svg") && arguments_.svg);
+    const auto& [folder, csv, json, svg] = arguments_;
+    if (!csv && !json && !svg) return !folder.empty();
+    return (csv && name.ends_with(".csv")) || (json && name.ends_with(".json")) || (svg && name.ends_with(".svg"));
 }
 
 void OutputFolder::write(const std::string& name, const std::string& text) {

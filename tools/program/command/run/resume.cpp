@@ -52,21 +52,12 @@ std::string record_beside(const std::string& file, const tasks::Checkpoint& chec
                     file, checkpoint.record));
 }
 
-std::string record_place(const ResumeArguments& arguments, const tasks::Checkpoint& checkpoint) {
-    if (arguments.output.empty()) return record_beside(arguments.what, checkpoint);
-    return arguments.output == "none" ? "" : arguments.output;
-}
-
 /// Place of the resumed record. Existing files, those of the run and the record that it was to replace, are checked by engine::set_aside.
 engine::Permit record_permit(const ResumeArguments& arguments, const tasks::Checkpoint& checkpoint, const tasks::Scene& scene) {
     std::vector<std::filesystem::path> inputs = input_files(scene);
     inputs.emplace_back(arguments.what);
-    return {record_place(arguments, checkpoint), {.inputs = inputs, .force = true}};
-}
-
-/// Without its record, a run must not move its checkpoint on: the rows in between would be nowhere.
-bool keeps_record_waiting(const tasks::RunOptions& options, const tasks::Checkpoint& checkpoint) {
-    return options.file.empty() && !checkpoint.run.empty();
+    const std::string& named = arguments.output;
+    return {named.empty() ? record_beside(arguments.what, checkpoint) : named == "none" ? "" : named, {.inputs = inputs, .force = true}};
 }
 
 /// Notice that the record of another run is replaced.
@@ -114,7 +105,8 @@ ExitStatus resume_run(const ResumeArguments& arguments) {
     options.file = record_permit(arguments, checkpoint, scene);
     options.replace = arguments.force;
     options.replaces = checkpoint.replaces;
-    if (!keeps_record_waiting(options, checkpoint)) options.checkpoint = arguments.what;
+    // Without its record, a run must not move its checkpoint on: the rows in between would be nowhere.
+    if (!options.file.empty() || checkpoint.run.empty()) options.checkpoint = arguments.what;
     options.checkpoint_every = seconds_of("--checkpoint-every", arguments.every.value_or("60 s"));
     options.from = &checkpoint;
     options.mixed = arguments.mixed;
