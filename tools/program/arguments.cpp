@@ -6,16 +6,11 @@
 #include <algorithm>
 #include <sstream>
 
-#include "engine/base/text.hpp"
-#include "tasks/batch/batch.hpp"
 #include "tasks/method/method.hpp"
-#include "tasks/run/simulation.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/ready_scenes.hpp"
-#include "tasks/scene/scene.hpp"
 #include "tasks/scene/units.hpp"
 #include "tools/program/guard.hpp"
-#include "tools/program/text/text.hpp"
 
 namespace cvtflow::tools {
 

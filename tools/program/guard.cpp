@@ -11,7 +11,6 @@
 #include <cstring>
 #include <ctime>
 #include <exception>
-#include <system_error>
 #include <vector>
 
 #include "engine/base/text.hpp"

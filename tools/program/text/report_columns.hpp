@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "tasks/scene/csv.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::tools {

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "tasks/scene/csv.hpp"
 #include "tools/program/plot/plot.hpp"
 #include "tools/program/text/report_columns.hpp"
 #include "tools/program/text/text.hpp"

@@ -4,9 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <map>
 #include <memory>
-#include <utility>
 
 #include "engine/base/hash.hpp"
 #include "engine/base/text.hpp"

@@ -17,7 +17,6 @@
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/ready_scenes.hpp"
 #include "tasks/scene/units.hpp"
-#include "tools/program/arguments.hpp"
 #include "tools/program/command/reference/terms.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/html/page.hpp"

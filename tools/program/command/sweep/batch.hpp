@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "tasks/batch/batch.hpp"
-#include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
 
 namespace cvtflow::tools {

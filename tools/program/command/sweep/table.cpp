@@ -5,7 +5,6 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
@@ -94,7 +93,7 @@ std::string headings_with_units(const engine::RowLayout& layout) {
     std::string text;
     for (const engine::CaseColumn& column : layout.columns()) {
         const std::string unit = column.unit.empty() ? "" : fmt::format(" [{}]", column.unit);
-        text += (text.empty() ? "" : ",") + tasks::csv_cell(column.name + unit, true);
+        text += (text.empty() ? "" : ",") + csv_cell(column.name + unit);
     }
     return text;
 }
