@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <execution>
 
-#include "engine/executor/tbb/tbb_section.hpp"
+#include "bench/executor/tbb/pinned_section.hpp"
 
 namespace cvtflow::bench {
 
@@ -25,7 +25,7 @@ void run_level_by_algorithm(const Run& run, std::span<const int> tasks) {
 
 /// The algorithm's own context is bound to that of the task around it: here the section's, else the host's, which may be cancelled.
 void StdPar::execute(Run& run, int first) {
-    TbbSection section(options().threads, options().pin);
+    PinnedSection section(options());
     section.execute([&](oneapi::tbb::task_group_context& context) {
         oneapi::tbb::task_group(context).run_and_wait([&]() noexcept {
             for (int cycle = first; cycle != Controller::stop; cycle = run.decide(slot())) {

@@ -12,8 +12,8 @@
 
 #include "bench/executor/tbb/flow_messages.hpp"
 
+#include "bench/executor/tbb/pinned_section.hpp"
 #include "bench/executor/tbb/task_nodes.hpp"
-#include "engine/executor/tbb/tbb_section.hpp"
 
 namespace cvtflow::bench {
 
@@ -23,7 +23,7 @@ namespace flow = oneapi::tbb::flow;
 
 void FlowMessages::execute(Run& run, int first) {
     using Close = flow::continue_node<TaskNodes::Message, flow::lightweight>;
-    TbbSection section(options().threads, options().pin);
+    PinnedSection section(options());
     section.execute([&](oneapi::tbb::task_group_context& context) {
         flow::graph graph(context);
         TaskNodes nodes(graph, run);

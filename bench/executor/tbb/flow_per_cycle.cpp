@@ -1,14 +1,14 @@
 #include "bench/executor/tbb/flow_per_cycle.hpp"
 
+#include "bench/executor/tbb/pinned_section.hpp"
 #include "bench/executor/tbb/task_nodes.hpp"
-#include "engine/executor/tbb/tbb_section.hpp"
 
 namespace cvtflow::bench {
 
 using namespace engine;
 
 void FlowPerCycle::execute(Run& run, int first) {
-    TbbSection section(options().threads, options().pin);
+    PinnedSection section(options());
     section.execute([&](oneapi::tbb::task_group_context& context) {
         oneapi::tbb::flow::graph graph(context);
         TaskNodes nodes(graph, run);

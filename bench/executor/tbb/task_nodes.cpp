@@ -1,6 +1,6 @@
 #include "bench/executor/tbb/task_nodes.hpp"
 
-#include "engine/executor/tbb/tbb_section.hpp"
+#include "bench/executor/tbb/pinned_section.hpp"
 
 namespace cvtflow::bench {
 

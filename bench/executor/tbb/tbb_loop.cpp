@@ -3,7 +3,7 @@
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/partitioner.h>
 
-#include "engine/executor/tbb/tbb_section.hpp"
+#include "bench/executor/tbb/pinned_section.hpp"
 
 namespace cvtflow::bench {
 
@@ -24,7 +24,7 @@ void run_level(const Run& run, std::span<const int> tasks, oneapi::tbb::task_gro
 }  // namespace
 
 void TbbLoop::execute(Run& run, int first) {
-    TbbSection section(options().threads, options().pin);
+    PinnedSection section(options());
     section.execute([&](oneapi::tbb::task_group_context& context) {
         for (int cycle = first; cycle != Controller::stop; cycle = run.decide(0)) {
             for (int level = 0; level < run.graph().levels(cycle); ++level) run_level(run, run.graph().level(cycle, level), context);

@@ -6,6 +6,7 @@
 
 #include "engine/executor/tbb/resident_board.hpp"
 #include "engine/executor/tbb/tbb_section.hpp"
+#include "engine/thread/pinning.hpp"
 
 namespace cvtflow::engine {
 
@@ -15,7 +16,7 @@ void Flow::execute(Run& run, int first) {
     using Message = flow::continue_msg;
     ResidentBoard board(run, options(), first);
     const Processors processors;
-    TbbSection section(options());
+    TbbSection section(options().threads, options().present_arena);
     section.execute([&](oneapi::tbb::task_group_context& context) {
         flow::graph graph(context);
         flow::broadcast_node<Message> start(graph);

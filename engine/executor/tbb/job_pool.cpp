@@ -7,6 +7,7 @@
 
 #include "engine/executor/tbb/tbb_section.hpp"
 #include "engine/thread/floating_mode.hpp"
+#include "engine/thread/pinning.hpp"
 #include "engine/thread/worker_threads.hpp"
 
 namespace cvtflow::engine {
@@ -33,7 +34,7 @@ void JobPool::run(const std::function<std::optional<long>(int)>& next, const std
             }
         }
     };
-    TbbSection section(options_.threads, false);
+    TbbSection section(options_.threads);
     section.execute([&](oneapi::tbb::task_group_context& context) {
         // One piece per worker; a worker that never arrives finds nothing left to do when its piece is run by another.
         oneapi::tbb::parallel_for(

@@ -2,38 +2,17 @@
 /// The part of a process' oneTBB that belongs to one run. Private to this folder.
 
 #include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 #include <oneapi/tbb/task_group.h>
-#include <oneapi/tbb/task_scheduler_observer.h>
 
 #include <algorithm>
-#include <memory>
+#include <exception>
 #include <optional>
 
-#include "engine/thread/executor_options.hpp"
-#include "engine/thread/pinning.hpp"
 #include "engine/thread/worker_threads.hpp"
 
 namespace cvtflow::engine {
-
-/// Pins threads while they are in an arena: thread in slot i to the i-th processor.
-class ArenaPins final : public oneapi::tbb::task_scheduler_observer {
-public:
-    ArenaPins(oneapi::tbb::task_arena& arena, int slots);
-    /// Restores the masks of all threads, also of those that have not left yet and would now leave unobserved.
-    ~ArenaPins() override;
-    ArenaPins(const ArenaPins&) = delete;
-    ArenaPins& operator=(const ArenaPins&) = delete;
-
-    void on_scheduler_entry(bool worker) override;
-    void on_scheduler_exit(bool worker) override;
-
-private:
-    struct Guest;  // a thread in a slot
-    Processors processors_;
-    int slots_;
-    std::unique_ptr<Guest[]> guests_;
-};
 
 /// An own arena and an own context: neither do our threads run the host's tasks while they wait, nor the host's threads ours, nor does
 /// a host that cancels its tasks cancel the step. (A default flow::graph of oneTBB 2021.8 is bound to the host's context.)
@@ -45,9 +24,11 @@ private:
 /// If the system has fewer threads than requested, a separate arena with the available ones is used, down to the caller alone.
 class TbbSection {
 public:
-    /// @param pin whether threads are pinned by their slot
-    TbbSection(int threads, bool pin) : TbbSection(threads, pin, false) {}
-    explicit TbbSection(const ExecutorOptions& options) : TbbSection(options.threads, false, options.present_arena) {}
+    /// @param present whether it is the arena of the caller
+    explicit TbbSection(int threads, bool present = false) : grant_(std::min(threads, std::max(1, max_threads()))) {
+        if (!present || grant_.threads() < std::min(threads, max_threads())) arena_.emplace(grant_.threads(), 1);
+        if (grant_.fresh()) try_workers();
+    }
 
     /// Calls action(context) in the arena; the calling thread has the slot reserved for it.
     template <class Action>
@@ -59,11 +40,24 @@ public:
         }
     }
 
-private:
-    TbbSection(int threads, bool pin, bool present);
+protected:
+    /// Nothing: the caller's.
+    [[nodiscard]] std::optional<oneapi::tbb::task_arena>& own_arena() noexcept { return arena_; }
 
+private:
     /// Has oneTBB start its workers while a refusal is an exception and no more.
-    void try_workers();
+    void try_workers() {
+        try {
+            execute([&](oneapi::tbb::task_group_context& context) {
+                oneapi::tbb::parallel_for(
+                    0, grant_.threads(), [](int) {}, oneapi::tbb::simple_partitioner(), context);
+            });
+        } catch (const std::exception&) {
+            grant_.refused();
+            context_.reset();
+            arena_.emplace(1, 1);
+        }
+    }
 
     /// More never come, and oneTBB would complain on the host's standard error.
     [[nodiscard]] static int max_threads() {
@@ -74,10 +68,6 @@ private:
     std::optional<oneapi::tbb::task_arena> arena_;  // none: the caller's
     oneapi::tbb::task_group_context context_{oneapi::tbb::task_group_context::isolated, oneapi::tbb::task_group_context::default_traits |
                                                                                             oneapi::tbb::task_group_context::fp_settings};
-    std::unique_ptr<ArenaPins> pins_;
 };
-
-/// The calling thread's track: its slot in the arena, 0 … threads - 1.
-[[nodiscard]] inline int slot() noexcept { return oneapi::tbb::this_task_arena::current_thread_index(); }
 
 }  // namespace cvtflow::engine

@@ -1,12 +1,10 @@
-#include "engine/executor/tbb/tbb_section.hpp"
+#include "bench/executor/tbb/pinned_section.hpp"
 
-#include <oneapi/tbb/parallel_for.h>
 #include <unistd.h>
 
 #include <atomic>
-#include <exception>
 
-namespace cvtflow::engine {
+namespace cvtflow::bench {
 
 struct ArenaPins::Guest {
     std::atomic<pid_t> thread{0};  // 0: none
@@ -27,7 +25,7 @@ ArenaPins::~ArenaPins() {
 }
 
 void ArenaPins::on_scheduler_entry(bool /*worker*/) {
-    const int slot = oneapi::tbb::this_task_arena::current_thread_index();
+    const int slot = bench::slot();
     if (slot < 0 || slot >= slots_ || !processors_.known()) return;
     Guest& guest = guests_[static_cast<std::size_t>(slot)];
     const cpu_set_t only = processors_.only(slot);
@@ -36,29 +34,10 @@ void ArenaPins::on_scheduler_entry(bool /*worker*/) {
 }
 
 void ArenaPins::on_scheduler_exit(bool /*worker*/) {
-    const int slot = oneapi::tbb::this_task_arena::current_thread_index();
+    const int slot = bench::slot();
     if (slot < 0 || slot >= slots_) return;
     Guest& guest = guests_[static_cast<std::size_t>(slot)];
     if (guest.thread.exchange(0) == gettid()) sched_setaffinity(0, sizeof guest.before, &guest.before);
 }
 
-TbbSection::TbbSection(int threads, bool pin, bool present) : grant_(std::min(threads, std::max(1, max_threads()))) {
-    if (!present || grant_.threads() < std::min(threads, max_threads())) arena_.emplace(grant_.threads(), 1);
-    if (grant_.fresh()) try_workers();
-    if (pin) pins_ = std::make_unique<ArenaPins>(*arena_, threads);
-}
-
-void TbbSection::try_workers() {
-    try {
-        execute([&](oneapi::tbb::task_group_context& context) {
-            oneapi::tbb::parallel_for(
-                0, grant_.threads(), [](int) {}, oneapi::tbb::simple_partitioner(), context);
-        });
-    } catch (const std::exception&) {
-        grant_.refused();
-        context_.reset();
-        arena_.emplace(1, 1);
-    }
-}
-
-}  // namespace cvtflow::engine
+}  // namespace cvtflow::bench
