@@ -25,7 +25,7 @@
 
 #include "bench/study/profile/report.hpp"
 #include "engine/base/provenance.hpp"
-#include "engine/executor/runtimes.hpp"
+#include "engine/thread/worker_threads.hpp"
 
 namespace {
 

@@ -29,9 +29,9 @@
 #include "bench/executor/further_executors.hpp"
 #include "engine/base/provenance.hpp"
 #include "engine/executor/catalogue.hpp"
-#include "engine/executor/runtimes.hpp"
 #include "engine/executor/stamp_recorder.hpp"
 #include "engine/thread/pinning.hpp"
+#include "engine/thread/worker_threads.hpp"
 
 namespace {
 

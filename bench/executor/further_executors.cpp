@@ -1,5 +1,6 @@
 #include "bench/executor/further_executors.hpp"
 
+#include <algorithm>
 #include <array>
 #include <memory>
 
@@ -14,7 +15,7 @@
 #include "bench/executor/tbb/flow_per_cycle.hpp"
 #include "bench/executor/tbb/tbb_loop.hpp"
 #include "engine/executor/catalogue.hpp"
-#include "engine/executor/runtimes.hpp"
+#include "engine/thread/worker_threads.hpp"
 
 #if CVTFLOW_HAS_ASIO
 #include <boost/version.hpp>
@@ -151,8 +152,16 @@ std::string taskflow_version() {
 #endif
 }
 
+int team_grant(int threads) noexcept {
+    thread_local int known = 1;
+    if (threads > known) known += engine::startable_threads(threads - known);
+    const int granted = std::min(threads, known);
+    if (granted < threads) engine::note_shortage(threads, granted);
+    return granted;
+}
+
 std::string runtime_versions() {
-    std::string text = engine::runtime_versions();
+    std::string text = "oneTBB " + engine::tbb_version();
     if (openmp_version() != "none") text += "; OpenMP " + openmp_version();
     if (asio_version() != "none") text += "; Boost " + asio_version();
     if (taskflow_version() != "none") text += "; Taskflow " + taskflow_version();

@@ -14,7 +14,10 @@ void add_further_executors();
 [[nodiscard]] std::string asio_version();
 /// "4.1.0", or "none".
 [[nodiscard]] std::string taskflow_version();
-/// engine::runtime_versions() and these.
+/// For people: "oneTBB 2021.8, interface 12080" and these.
 [[nodiscard]] std::string runtime_versions();
+
+/// Number of members of an OpenMP team that may be requested: its runtime keeps a team for every thread that ever began one.
+[[nodiscard]] int team_grant(int threads) noexcept;
 
 }  // namespace cvtflow::bench

@@ -26,7 +26,6 @@
 #include "bench/study/tradeoff/relative_error.hpp"
 #include "engine/base/provenance.hpp"
 #include "engine/executor/cancellation.hpp"
-#include "engine/executor/runtimes.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tools/program/plot/plot.hpp"
 

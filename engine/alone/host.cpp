@@ -2,7 +2,7 @@
 /// that its sources call and that need oneTBB, OpenMP, HDF5 or POSIX elsewhere.
 
 #include "engine/base/input_file.hpp"
-#include "engine/executor/runtimes.hpp"
+#include "engine/base/provenance.hpp"
 #include "engine/executor/threaded_executors.hpp"
 #include "engine/record/run/state_file.hpp"
 #include "engine/thread/worker_threads.hpp"

@@ -36,13 +36,6 @@ std::string cpu_model() {
     return "unknown";
 }
 
-/// Processors of the affinity mask, which threads can use; std::thread::hardware_concurrency may be larger.
-int usable_cores() {
-    cpu_set_t mask;
-    CPU_ZERO(&mask);
-    return sched_getaffinity(0, sizeof mask, &mask) == 0 ? std::max(1, CPU_COUNT(&mask)) : 1;
-}
-
 std::string operating_system() {
     utsname system{};
     if (uname(&system) != 0) return "unknown";
@@ -66,9 +59,16 @@ Provenance current_provenance() {
             .build_type = CVTFLOW_BUILD_TYPE,
             .instruction_set = instruction_set(),
             .cpu = cpu_model(),
-            .cores = usable_cores(),
+            .cores = usable_processors(),
             .os = operating_system(),
             .date = utc_now()};
+}
+
+/// Processors of the affinity mask, which threads can use; std::thread::hardware_concurrency may be larger.
+int usable_processors() {
+    cpu_set_t mask;
+    CPU_ZERO(&mask);
+    return sched_getaffinity(0, sizeof mask, &mask) == 0 ? std::max(1, CPU_COUNT(&mask)) : 1;
 }
 
 std::string version_text() { return CVTFLOW_VERSION " (" CVTFLOW_COMMIT ")"; }

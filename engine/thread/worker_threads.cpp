@@ -1,6 +1,7 @@
 #include "engine/thread/worker_threads.hpp"
 
 #include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/version.h>
 #include <unistd.h>
 #include <algorithm>
 #include <exception>
@@ -13,17 +14,7 @@ namespace cvtflow::engine {
 
 long process_number() noexcept { return getpid(); }
 
-bool end_worker_threads() noexcept {
-    if (workers_were_refused()) return false;
-    try {
-        oneapi::tbb::task_scheduler_handle handle{oneapi::tbb::attach{}};
-        if (!oneapi::tbb::finalize(handle, std::nothrow)) return false;
-        forget_workers();
-        return true;
-    } catch (...) {
-        return false;
-    }
-}
+std::string tbb_version() { return std::string(TBB_runtime_version()) + ", interface " + std::to_string(TBB_runtime_interface_version()); }
 
 namespace {
 
@@ -82,22 +73,24 @@ void WorkerGrant::refused() noexcept {
     all.shortage.note(requested_, 1);
 }
 
-bool workers_were_refused() noexcept {
-    const std::lock_guard hold(workers().mutex);
-    return workers().refused;
-}
-
 void forget_workers() noexcept {
     const std::lock_guard hold(workers().mutex);
     workers().known = 0;
 }
 
-int team_grant(int threads) noexcept {
-    thread_local int known = 1;
-    if (threads > known) known += startable_threads(threads - known);
-    const int granted = std::min(threads, known);
-    if (granted < threads) note_shortage(threads, granted);
-    return granted;
+bool end_worker_threads() noexcept {
+    {
+        const std::lock_guard hold(workers().mutex);
+        if (workers().refused) return false;  // oneTBB then waits forever for workers that never began
+    }
+    try {
+        oneapi::tbb::task_scheduler_handle handle{oneapi::tbb::attach{}};
+        if (!oneapi::tbb::finalize(handle, std::nothrow)) return false;
+        forget_workers();
+        return true;
+    } catch (...) {
+        return false;
+    }
 }
 
 void note_shortage(int requested, int had) noexcept {

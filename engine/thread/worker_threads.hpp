@@ -1,7 +1,12 @@
 #pragma once
 /// Threads that outlive runs (oneTBB keeps its workers for the next arena), how many of them the system has for us, and shortages.
 
+#include <string>
+
 namespace cvtflow::engine {
+
+/// "2021.8, interface 12080" of the oneTBB in use, which may be newer than the one compiled against.
+[[nodiscard]] std::string tbb_version();
 
 /// Ends oneTBB's workers and waits until they are gone; the next run starts new ones. To be called while no run is under way.
 /// @return false if another user in this process keeps them: another thread that has used oneTBB and lives on, or a global_control
@@ -52,13 +57,8 @@ private:
     bool fresh_ = false;
 };
 
-/// Whether oneTBB was refused a thread: it then waits forever for workers that never began.
-[[nodiscard]] bool workers_were_refused() noexcept;
 /// Workers have ended; the next request is tried again.
 void forget_workers() noexcept;
-
-/// Number of members of an OpenMP team that may be requested: its runtime keeps a team for every thread that ever began one.
-[[nodiscard]] int team_grant(int threads) noexcept;
 
 /// Remembers the largest shortage for thread_shortage().
 void note_shortage(int requested, int had) noexcept;

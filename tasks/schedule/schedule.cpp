@@ -7,9 +7,9 @@
 #include <fstream>
 #include <limits>
 
+#include "engine/base/provenance.hpp"
 #include "engine/base/text.hpp"
 #include "engine/executor/catalogue.hpp"
-#include "engine/executor/runtimes.hpp"
 
 namespace cvtflow::tasks {
 

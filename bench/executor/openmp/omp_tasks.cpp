@@ -4,9 +4,9 @@
 
 #include <vector>
 
+#include "bench/executor/further_executors.hpp"
 #include "engine/thread/floating_mode.hpp"
 #include "engine/thread/pinning.hpp"
-#include "engine/thread/worker_threads.hpp"
 
 namespace cvtflow::bench {
 

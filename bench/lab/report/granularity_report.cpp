@@ -7,7 +7,6 @@
 #include "bench/executor/further_executors.hpp"
 #include "bench/study/profile/report.hpp"
 #include "engine/base/provenance.hpp"
-#include "engine/executor/runtimes.hpp"
 #include "tasks/scene/csv.hpp"
 #include "tools/program/text/report_columns.hpp"
 #include "tools/program/text/text.hpp"

@@ -9,7 +9,7 @@
 #include "bench/executor/further_executors.hpp"
 #include "engine/base/hash.hpp"
 #include "engine/base/provenance.hpp"
-#include "engine/executor/runtimes.hpp"
+#include "engine/thread/worker_threads.hpp"
 #include "tasks/scene/csv.hpp"
 
 namespace cvtflow::bench {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "bench/executor/further_executors.hpp"
+#include "engine/executor/catalogue.hpp"
 #include "tests/engine/executor/executor_fixture.hpp"
 
 namespace cvtflow::engine {
@@ -26,7 +28,7 @@ TEST(WorkerGrant, GivesTheRequestedThreadsWithoutShortageAndTriesOnlyNewOnes) {
     }
     EXPECT_FALSE(WorkerGrant(4).fresh());
     EXPECT_TRUE(WorkerGrant(5).fresh());
-    EXPECT_EQ(team_grant(4), 4);
+    EXPECT_EQ(bench::team_grant(4), 4);
     EXPECT_EQ(thread_shortage().requested, 0);
 }
 
@@ -38,6 +40,16 @@ TEST(ThreadShortage, KeepsTheLargerOne) {
     EXPECT_EQ(shortage.had, 2);
     shortage.note(8, 1);
     EXPECT_EQ(shortage.requested, 8);
+}
+
+TEST(Runtimes, AreNamed) {
+    EXPECT_EQ(tbb_version().substr(0, 2), "20") << "year and release";
+    EXPECT_NE(tbb_version().find("interface 12"), std::string::npos);
+    EXPECT_EQ(bench::openmp_version() == "none", find_executor("omp_region") == nullptr);
+    EXPECT_EQ(bench::asio_version() == "none", find_executor("asio_pool") == nullptr);
+    EXPECT_EQ(bench::taskflow_version() == "none", find_executor("taskflow") == nullptr);
+    for (const std::string& version : {tbb_version(), bench::openmp_version(), bench::asio_version(), bench::taskflow_version()})
+        EXPECT_EQ(bench::runtime_versions().find(version) != std::string::npos, version != "none") << version;
 }
 
 }  // namespace

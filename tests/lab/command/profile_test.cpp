@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/study/profile/busy_neighbours.hpp"
-#include "engine/executor/runtimes.hpp"
+#include "engine/base/provenance.hpp"
 #include "tests/tools/program_fixture.hpp"
 
 namespace cvtflow::bench {

@@ -9,7 +9,6 @@
 #include "bench/lab/command/command.hpp"
 #include "bench/lab/report/granularity_report.hpp"
 #include "engine/base/provenance.hpp"
-#include "engine/executor/runtimes.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output.hpp"
 #include "tools/program/text/text.hpp"

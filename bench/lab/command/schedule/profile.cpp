@@ -15,7 +15,6 @@
 #include "bench/lab/text/profile_text.hpp"
 #include "bench/study/profile/report.hpp"
 #include "engine/base/provenance.hpp"
-#include "engine/executor/runtimes.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output.hpp"

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "engine/base/text.hpp"
-#include "engine/executor/runtimes.hpp"
 #include "engine/method/catalogue.hpp"
+#include "engine/thread/worker_threads.hpp"
 #include "tasks/batch/sweep/sweep.hpp"
 #include "tasks/channel/channels.hpp"
 #include "tasks/method/method.hpp"
@@ -144,7 +144,9 @@ std::string words() {
     return table.text();
 }
 
-std::string executors() { return executor_table() + fmt::format("\nRuntimes: {}.\n", engine::runtime_versions()) + absent_executor_text(); }
+std::string executors() {
+    return executor_table() + fmt::format("\nRuntimes: oneTBB {}.\n", engine::tbb_version()) + absent_executor_text();
+}
 
 std::string keys() {
     const tasks::Scene defaults;
