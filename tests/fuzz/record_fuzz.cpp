@@ -21,7 +21,7 @@ void read_run(const std::string& path) {
     const RunReader run(path);
     for (const ChannelInfo& channel : run.channels()) static_cast<void>(run.channel(channel.name));
     for (const TableInfo& table : run.tables()) static_cast<void>(run.table(table.name));
-    if (!run.state_times().empty()) static_cast<void>(run.last_state());
+    if (const auto times = run.state_times(); !times.empty()) static_cast<void>(run.state(times.size() - 1));
 }
 
 void read_one_state(const std::string& path) { static_cast<void>(read_state(path)); }

@@ -22,8 +22,9 @@ protected:
 
     [[nodiscard]] std::string info(const std::string& file) const { return run({"info", file}).out; }
     [[nodiscard]] double taken(const std::string& file) const {
-        const auto attribute = engine::RunReader((folder_ / file).string()).attribute("step_taken");
-        return attribute ? std::get<double>(attribute->value) : 0.0;
+        const engine::RunReader reader((folder_ / file).string());
+        const auto* step = engine::attribute_value<double>(reader.attributes(), "step_taken");
+        return step != nullptr ? *step : 0.0;
     }
 };
 

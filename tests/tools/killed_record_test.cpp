@@ -57,7 +57,8 @@ std::size_t readable_rows(const std::string& path) {
     for (std::size_t i = 0; i < times.size(); ++i)
         if (times[i] != static_cast<double>(i) || many[links * (i + 1) - 1] != times[i])
             throw std::runtime_error("row " + std::to_string(i));
-    if (!state_times.empty() && reader.last_state().state.back() != state_times.back()) throw std::runtime_error("last state");
+    if (!state_times.empty() && reader.state(state_times.size() - 1).state.back() != state_times.back())
+        throw std::runtime_error("last state");
     return times.size();
 }
 

@@ -78,7 +78,8 @@ std::string contents_of(const std::filesystem::path& record) {
     const engine::RunReader reader(record.string());
     engine::Hash hash;
     for (const engine::ChannelInfo& channel : reader.channels()) hash.add(std::span<const double>(reader.channel(channel.name)));
-    hash.add(std::span<const double>(reader.times())).add(std::span<const double>(reader.last_state().state));
+    hash.add(std::span<const double>(reader.times()));
+    hash.add(std::span<const double>(reader.state(reader.state_times().size() - 1).state));
     return std::to_string(reader.rows()) + " " + hash.hex() + " " + reader.status();
 }
 

@@ -15,6 +15,7 @@
 #include <stdexcept>
 
 #include "engine/executor/catalogue.hpp"
+#include "engine/record/run/run_reader.hpp"
 #include "tasks/method/method.hpp"
 
 namespace cvtflow::tools {
@@ -181,5 +182,11 @@ std::string Program::read(const std::string& name) const { return contents(folde
 bool Program::exists(const std::string& name) const { return fs::exists(folder_ / name); }
 
 void Program::cut(const std::string& from, const std::string& to, std::size_t bytes) const { write(to, read(from).substr(0, bytes)); }
+
+std::string recorded_hash(const fs::path& record) {
+    const engine::RunReader reader(record.string());
+    const auto* hash = engine::attribute_value<std::string>(reader.attributes(), "state_hash");
+    return hash != nullptr ? *hash : throw std::runtime_error(record.string() + ": no state_hash");
+}
 
 }  // namespace cvtflow::tools

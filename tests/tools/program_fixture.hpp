@@ -80,6 +80,9 @@ protected:
     std::filesystem::path folder_;
 };
 
+/// The hash of its last state that a record states.
+[[nodiscard]] std::string recorded_hash(const std::filesystem::path& record);
+
 /// Waits until `condition` holds. @return whether it did within 20 s
 template <class Condition>
 bool eventually(const Condition& condition) {

@@ -17,9 +17,7 @@ class Streams : public Sweeps {
 protected:
     static constexpr const char* brief =
         "'" CVTFLOW_PROGRAM "' run tiny --until 20us --set start.settling_time=20us --set start.ramp_time=10us";
-    [[nodiscard]] std::string hash_of(const std::string& record) const {
-        return std::get<std::string>(engine::RunReader((folder_ / record).string()).attribute("state_hash")->value);
-    }
+    [[nodiscard]] std::string hash_of(const std::string& record) const { return recorded_hash(folder_ / record); }
 };
 
 TEST_F(Streams, ClosedOnesAreNotTheRecordsAndEndNoRun) {

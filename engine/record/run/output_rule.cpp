@@ -57,11 +57,6 @@ std::optional<std::string> format_of(const std::string& path) {
     }
 }
 
-bool has_text(const std::optional<Attribute>& attribute, const std::string& text) {
-    const auto* found = attribute ? std::get_if<std::string>(&attribute->value) : nullptr;
-    return found != nullptr && *found == text;
-}
-
 /// Whether a file has rows of a run: what a killed one left. Unreadable files of HDF5 count as such; none that small can have rows.
 bool holds_rows(const std::string& path) {
     constexpr std::uintmax_t most_without_rows = 8192;
@@ -170,7 +165,10 @@ std::string Permit::notice() const { return replaces_ ? path_ + ": the existing 
 
 IsOwn record_with(std::string attribute, std::string text) {
     return [attribute = std::move(attribute), text = std::move(text)](const std::string& file) {
-        return hdf5_version(file) == 3 && has_text(RunReader(file).attribute(attribute), text);
+        if (hdf5_version(file) != 3) return false;
+        const RunReader reader(file);
+        const auto* found = attribute_value<std::string>(reader.attributes(), attribute);
+        return found != nullptr && *found == text;
     };
 }
 

@@ -274,8 +274,4 @@ void RunFile::close() {
     impl_->part.publish();
 }
 
-std::size_t RunFile::saved_rows() const noexcept { return impl_->channels.written(); }
-
-const std::string& RunFile::part_path() const noexcept { return impl_->part.path(); }
-
 }  // namespace cvtflow::engine

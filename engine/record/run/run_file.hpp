@@ -73,10 +73,6 @@ public:
     /// Flushes, completes, and renames to the final name. No call but the destructor may follow.
     void close();
 
-    /// Rows of channels that a reader would find if this process were killed now.
-    [[nodiscard]] std::size_t saved_rows() const noexcept;
-    [[nodiscard]] const std::string& part_path() const noexcept;
-
 private:
     struct Impl;
     std::unique_ptr<Impl> impl_;

@@ -1,7 +1,6 @@
 #include "engine/record/run/run_reader.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "engine/record/hdf5/hdf5_handle.hpp"
 #include "engine/record/hdf5/hdf5_open.hpp"
@@ -100,24 +99,6 @@ struct RunReader::Impl {
             throw RecordError(path + ": no channel '" + std::string(name) + "'");
         return hdf5::guarded(path, [&] { return read_reals(file.id(), "/channels/" + std::string(name), first, count, 2); });
     }
-
-    RecordedState read_state(std::size_t number) const {
-        return hdf5::guarded(path, [&] {
-            RecordedState result;
-            result.time = read_reals(file.id(), "/states/time", number, 1).front();
-            result.state = read_reals(file.id(), "/states/y", number, 1, 2);
-            if (hdf5::has_object(file.id(), "/states/phases")) {
-                const hdf5::Series series(file.id(), "/states/phases", hdf5::Cells::bytes, 2);
-                result.phases.resize(series.width());
-                series.read(H5T_NATIVE_UINT8, number, 1, result.phases.data(), result.phases.size());
-            }
-            return result;
-        });
-    }
-
-    void require_states() const {
-        if (states == 0) throw RecordError(path + ": no states recorded");
-    }
 };
 
 RunReader::RunReader(const std::string& path) : impl_(std::make_unique<Impl>(path)) {}
@@ -132,12 +113,6 @@ const std::vector<ChannelInfo>& RunReader::channels() const noexcept { return im
 const std::vector<TableInfo>& RunReader::tables() const noexcept { return impl_->tables; }
 std::size_t RunReader::rows() const noexcept { return impl_->rows; }
 
-std::optional<Attribute> RunReader::attribute(std::string_view name) const {
-    const auto& all = impl_->attributes;
-    const auto found = std::find_if(all.begin(), all.end(), [&](const Attribute& each) { return each.name == name; });
-    return found == all.end() ? std::nullopt : std::optional(*found);
-}
-
 std::vector<double> RunReader::times() const {
     return hdf5::guarded(impl_->path, [&] { return read_reals(impl_->file.id(), "/channels/time", 0, impl_->rows); });
 }
@@ -149,8 +124,17 @@ std::vector<double> RunReader::channel_rows(std::string_view name, std::size_t f
 }
 
 RecordedState RunReader::state(std::size_t number) const {
-    impl_->require_states();
-    return impl_->read_state(number);
+    if (impl_->states == 0) throw RecordError(impl_->path + ": no states recorded");
+    return hdf5::guarded(impl_->path, [&] {
+        const hid_t file = impl_->file.id();
+        RecordedState result{read_reals(file, "/states/time", number, 1).front(), read_reals(file, "/states/y", number, 1, 2), {}};
+        if (hdf5::has_object(file, "/states/phases")) {
+            const hdf5::Series series(file, "/states/phases", hdf5::Cells::bytes, 2);
+            result.phases.resize(series.width());
+            series.read(H5T_NATIVE_UINT8, number, 1, result.phases.data(), result.phases.size());
+        }
+        return result;
+    });
 }
 
 std::vector<double> RunReader::last(std::string_view name) const {
@@ -160,19 +144,6 @@ std::vector<double> RunReader::last(std::string_view name) const {
 std::vector<double> RunReader::state_times() const {
     return impl_->states == 0 ? std::vector<double>{}
                               : hdf5::guarded(impl_->path, [&] { return read_reals(impl_->file.id(), "/states/time", 0, impl_->states); });
-}
-
-RecordedState RunReader::last_state() const {
-    impl_->require_states();
-    return impl_->read_state(impl_->states - 1);
-}
-
-RecordedState RunReader::state_nearest(double time) const {
-    impl_->require_states();
-    const std::vector<double> times = state_times();
-    const auto nearer = [time](double a, double b) { return std::abs(a - time) < std::abs(b - time); };
-    const auto nearest = std::min_element(times.begin(), times.end(), nearer);
-    return impl_->read_state(static_cast<std::size_t>(nearest - times.begin()));
 }
 
 std::vector<std::vector<double>> RunReader::table(std::string_view name) const {

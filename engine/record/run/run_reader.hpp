@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -36,7 +35,6 @@ public:
     [[nodiscard]] const std::string& status() const noexcept;
     /// Attributes of the whole file, by name; without format, format_version and status.
     [[nodiscard]] const std::vector<Attribute>& attributes() const noexcept;
-    [[nodiscard]] std::optional<Attribute> attribute(std::string_view name) const;
 
     /// In order of declaration.
     [[nodiscard]] const std::vector<ChannelInfo>& channels() const noexcept;
@@ -55,10 +53,6 @@ public:
     [[nodiscard]] std::vector<double> state_times() const;
     /// @param number 0 … state_times().size() - 1
     [[nodiscard]] RecordedState state(std::size_t number) const;
-    /// Error if there are none.
-    [[nodiscard]] RecordedState last_state() const;
-    /// The one nearest to a time [s]; the earlier of two equally near. Error if there are none.
-    [[nodiscard]] RecordedState state_nearest(double time) const;
 
     [[nodiscard]] const std::vector<TableInfo>& tables() const noexcept;
     /// Rows of a table, each as long as it has columns; integers as reals.

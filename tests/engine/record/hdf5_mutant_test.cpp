@@ -48,7 +48,7 @@ void read_run(const std::string& path) {
     for (const TableInfo& table : run.tables()) (void)run.table(table.name);
     if (const auto times = run.state_times(); !times.empty()) {
         (void)run.state(0);
-        (void)run.state_nearest(times.back());
+        (void)run.state(times.size() - 1);
     }
 }
 

@@ -36,8 +36,7 @@ std::string status_list(const RecordedRun& run) {
     const bool good = status == "finished", running = status == "running";
     std::string text = item(good ? "good" : "bad",
                             fmt::format("<b>{}</b>{}", html(status), running ? " (still being written, or left by a killed run)" : ""));
-    const auto balance_error_ratio = run.reader().attribute("energy_suspicion");
-    const double* doubt = balance_error_ratio ? std::get_if<double>(&balance_error_ratio->value) : nullptr;
+    const double* doubt = engine::attribute_value<double>(run.reader().attributes(), "energy_suspicion");
     if (doubt != nullptr)
         text += item(*doubt <= 1.0 ? "good" : "bad", fmt::format("energy balance {}: residual {} of the losses, {:.2g} of the tolerance",
                                                                  *doubt <= 1.0 ? "closes" : "does not close, the results are unreliable",

@@ -98,9 +98,8 @@ TEST_F(RunFileTest, FlushesByItselfAfterTheGivenTime) {
     append_example(file, 0);
     std::this_thread::sleep_for(std::chrono::milliseconds(30));
     append_example(file, 1);
-    EXPECT_EQ(file.saved_rows(), 1U);
-    EXPECT_EQ(RunReader(file.part_path()).status(), "running");
-    EXPECT_EQ(RunReader(file.part_path()).rows(), 1U);
+    EXPECT_EQ(RunReader(path("out.h5.part")).status(), "running");
+    EXPECT_EQ(RunReader(path("out.h5.part")).rows(), 1U);
 }
 
 TEST_F(RunFileTest, AllocatesNothingBetweenChunks) {
@@ -127,9 +126,9 @@ TEST_F(RunFileTest, ReplacesAttributesLate) {
     file.set_attribute({"note", std::string(100000, 'x')});
     file.close();
     const RunReader reader(path("out.h5"));
-    EXPECT_EQ(reader.attribute("pins"), (Attribute{"pins", std::int64_t{42}}));
-    EXPECT_EQ(reader.attribute("note"), (Attribute{"note", std::string(100000, 'x')}));
-    EXPECT_EQ(reader.attribute("scene"), (Attribute{"scene", std::string("baseline")}));
+    EXPECT_THAT(reader.attributes(), testing::Contains(Attribute{"pins", std::int64_t{42}}));
+    EXPECT_THAT(reader.attributes(), testing::Contains(Attribute{"note", std::string(100000, 'x')}));
+    EXPECT_THAT(reader.attributes(), testing::Contains(Attribute{"scene", std::string("baseline")}));
 }
 
 TEST_F(RunFileTest, ReportsWhyAFileCannotBeCreated) {
@@ -230,7 +229,7 @@ std::size_t check_example(const std::string& path) {
         EXPECT_EQ(links[3 * i + 1], 10.0 * number + 1);
     }
     if (const auto state_times = reader.state_times(); !state_times.empty()) {
-        EXPECT_EQ(reader.last_state().state.front(), static_cast<double>(state_times.size() - 1) + 0.25);
+        EXPECT_EQ(reader.state(state_times.size() - 1).state.front(), static_cast<double>(state_times.size() - 1) + 0.25);
     }
     return reader.rows();
 }
@@ -300,7 +299,7 @@ TEST_F(RunWriterTest, ALiveFileWhoseLastSpaceWasNotWrittenIsReadable) {
     RunFile file(path("out.h5"), example_contents());
     append_example(file, 0);
     file.flush();
-    std::filesystem::copy_file(file.part_path(), path("short.h5"));
+    std::filesystem::copy_file(path("out.h5.part"), path("short.h5"));
     std::filesystem::resize_file(path("short.h5"), std::filesystem::file_size(path("short.h5")) - 2048);
     EXPECT_EQ(check_example(path("short.h5")), 1U);
     file.close();
@@ -312,12 +311,12 @@ TEST_F(RunWriterTest, ALiveFileCanBeReadWhileItIsWrittenAndDoesNotDisturbTheWrit
     RunFile file(path("out.h5"), example_contents());
     append_example(file, 0);
     file.flush();
-    const RunReader early(file.part_path());
+    const RunReader early(path("out.h5.part"));
     append_example(file, 1);
     file.flush();
     EXPECT_EQ(early.rows(), 1U);
     const std::string program = "import h5py, sys\nf = h5py.File(sys.argv[1], \"r\", swmr=True); print(f[\"channels/ratio\"][:])";
-    EXPECT_EQ(python(program, file.part_path()), "[-0. -1.]\n");
+    EXPECT_EQ(python(program, path("out.h5.part")), "[-0. -1.]\n");
     file.close();
     EXPECT_EQ(check_example(path("out.h5")), 2U);
 }
@@ -389,7 +388,7 @@ void record_on_a_breaking_disk(const std::string& path, const std::string& messa
         append_example(file, i);
     }
     file.flush();
-    break_last_descriptor_of(file.part_path());
+    break_last_descriptor_of(path + ".part");
     const int failed = append_until_error(file, 1000, message_path);
     if (error_of([&] { append_example(file, failed); }) != read_text_file(message_path)) {
         throw std::runtime_error("the error is not repeated");

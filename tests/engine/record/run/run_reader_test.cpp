@@ -52,16 +52,15 @@ TEST_F(RunReaderTest, ListsTablesAndReadsTheirRows) {
 TEST_F(RunReaderTest, GivesAttributesWithTheirTypes) {
     const RunReader reader(example());
     EXPECT_THAT(reader.attributes(), testing::UnorderedElementsAreArray(example_contents().attributes));
-    EXPECT_EQ(reader.attribute("absent"), std::nullopt);
+    EXPECT_EQ(attribute_value<std::string>(reader.attributes(), "absent"), nullptr);
 }
 
-TEST_F(RunReaderTest, FindsTheLastAndTheNearestState) {
+TEST_F(RunReaderTest, FindsTheStates) {
     const RunReader reader(example());
     EXPECT_EQ(reader.state_times().size(), 5U);
-    EXPECT_EQ(reader.last_state(), (RecordedState{0.4, {4.25, 4.5, 4.75, 5.0}, {4, 1}}));
-    EXPECT_EQ(reader.state_nearest(0.16).time, 0.2);
-    EXPECT_EQ(reader.state_nearest(-7.0).phases, (std::vector<std::uint8_t>{0, 1}));
-    EXPECT_EQ(reader.state_nearest(99.0).state.back(), 5.0);
+    EXPECT_EQ(reader.state(4), (RecordedState{0.4, {4.25, 4.5, 4.75, 5.0}, {4, 1}}));
+    EXPECT_EQ(reader.state(2).time, 0.2);
+    EXPECT_EQ(reader.state(0).phases, (std::vector<std::uint8_t>{0, 1}));
 }
 
 TEST_F(RunReaderTest, ReadsARunWithoutAnything) {
@@ -74,7 +73,7 @@ TEST_F(RunReaderTest, ReadsARunWithoutAnything) {
     EXPECT_TRUE(reader.tables().empty());
     EXPECT_TRUE(reader.times().empty());
     EXPECT_TRUE(reader.state_times().empty());
-    EXPECT_EQ(error_of([&] { (void)reader.last_state(); }), path("empty.h5") + ": no states recorded");
+    EXPECT_EQ(error_of([&] { (void)reader.state(0); }), path("empty.h5") + ": no states recorded");
 }
 
 TEST_F(RunReaderTest, ReadsCompressedStates) {
@@ -83,7 +82,7 @@ TEST_F(RunReaderTest, ReadsCompressedStates) {
         append_example_state(file, i);
     }
     file.close();
-    EXPECT_EQ(RunReader(path("out.h5")).state_nearest(20.0).state.front(), 200.25);
+    EXPECT_EQ(RunReader(path("out.h5")).state(200).state.front(), 200.25);
 }
 
 TEST_F(RunReaderTest, NamesWhatIsNotThere) {
