@@ -27,9 +27,9 @@
 #include <vector>
 
 #include "bench/executor/further_executors.hpp"
+#include "bench/executor/span_recorder.hpp"
 #include "engine/base/provenance.hpp"
 #include "engine/executor/catalogue.hpp"
-#include "engine/executor/stamp_recorder.hpp"
 #include "engine/thread/pinning.hpp"
 #include "engine/thread/worker_threads.hpp"
 
@@ -69,7 +69,7 @@ void work(void* context, int item) noexcept {
 /// a busy machine longer, up to 300 ms, until there are enough to have a median that is not the neighbours'.
 class Cycles final : public Controller {
 public:
-    explicit Cycles(const TickScale& scale) : per_tick_(1e-3 * scale.nanoseconds_per_tick()) { times_.reserve(most); }
+    explicit Cycles(const cvtflow::bench::TickScale& scale) : per_tick_(1e-3 * scale.nanoseconds_per_tick()) { times_.reserve(most); }
 
     int next() noexcept override {
         const std::int64_t now = ticks(), last = std::exchange(last_, now);
@@ -114,7 +114,7 @@ struct alignas(128) Counter {
 };
 
 /// Threads with a contiguous share of the tasks each, one counter each: the first opens a cycle, the others answer.
-Turn bare_barrier(std::vector<Work>& data, const TickScale& scale, const Settings& settings) {
+Turn bare_barrier(std::vector<Work>& data, const cvtflow::bench::TickScale& scale, const Settings& settings) {
     const Processors processors;
     const Pin own(settings.pin, processors, 0);
     const int tasks = static_cast<int>(data.size()), members = std::min(settings.threads, tasks);
@@ -158,7 +158,7 @@ struct Contender {
 };
 
 Contender contender(const ExecutorRow& row, int tasks, double task_time, long length, const ExecutorOptions& options,
-                    const TickScale& scale) {
+                    const cvtflow::bench::TickScale& scale) {
     auto graph = std::make_shared<TaskGraph>();
     for (int task = 0; task < tasks; ++task) graph->add({"t", 0, work, task, {}});
     graph->freeze();
@@ -172,7 +172,7 @@ Contender contender(const ExecutorRow& row, int tasks, double task_time, long le
             }};
 }
 
-std::vector<Contender> contenders(const Settings& settings, StampRecorder& recorder, const TickScale& scale) {
+std::vector<Contender> contenders(const Settings& settings, StampRecorder& recorder, const cvtflow::bench::TickScale& scale) {
     constexpr double long_task = 2.6, recorded_task = 5.0;
     std::vector<Contender> result;
     for (const auto& [time, length] : {std::pair{0.0, 0L}, std::pair{long_task, length_of(long_task)}}) {
@@ -277,8 +277,8 @@ Settings parse(int count, char** words) {
 int main(int count, char** words) {
     cvtflow::bench::add_further_executors();
     const Settings settings = parse(count, words);
-    StampRecorder recorder(1, 100000);
-    std::vector<Contender> all = contenders(settings, recorder, TickScale());
+    cvtflow::bench::SpanRecorder recorder(1, 100000);
+    std::vector<Contender> all = contenders(settings, recorder, cvtflow::bench::TickScale());
     measure(all, settings.repetitions);
     print(all, settings);
     if (!settings.csv.empty()) write_csv(all, settings);

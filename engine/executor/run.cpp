@@ -10,10 +10,10 @@ namespace {
 class RunMarks {
 public:
     explicit RunMarks(StampRecorder* recorder) noexcept : recorder_(recorder) {
-        if (recorder_ != nullptr) recorder_->begin_run();
+        if (recorder_ != nullptr) recorder_->mark_all(span_enter);
     }
     ~RunMarks() {
-        if (recorder_ != nullptr) recorder_->end_run();
+        if (recorder_ != nullptr) recorder_->mark_all(span_exit);
     }
     RunMarks(const RunMarks&) = delete;
     RunMarks& operator=(const RunMarks&) = delete;

@@ -8,9 +8,9 @@
 #include <stdexcept>
 
 #include "bench/count/instructions.hpp"
+#include "bench/executor/span_recorder.hpp"
 #include "bench/study/profile/model.hpp"
 #include "bench/study/profile/trial.hpp"
-#include "engine/executor/stamp_recorder.hpp"
 
 namespace cvtflow::bench {
 
@@ -29,9 +29,9 @@ struct CountedStep {
 };
 
 /// How often each cycle runs in a step. Transitions, which come every so often, are left out.
-std::vector<double> runs_per_step(const engine::TaskGraph& graph, const std::vector<engine::Span>& spans) {
+std::vector<double> runs_per_step(const engine::TaskGraph& graph, const std::vector<Span>& spans) {
     std::vector<double> runs(static_cast<std::size_t>(graph.cycles()), 0.0);
-    for (const engine::Span& span : spans) {
+    for (const Span& span : spans) {
         if (span.what >= 0) runs[static_cast<std::size_t>(graph.task(span.what).cycle)] += 1.0;
     }
     for (int cycle = 0; cycle < graph.cycles(); ++cycle) {
@@ -101,7 +101,7 @@ std::vector<StageWork> counted_stages(const engine::TaskGraph& graph, const std:
 
 /// @param sequential [in, out] stages without parallel tasks, from the first graph of several segments
 CountedStep count_step(const Scene& scene, int segments, std::set<std::string>& sequential) {
-    engine::StampRecorder recorder(1, 1000000);
+    SpanRecorder recorder(1, 1000000);
     Schedule schedule;
     schedule.assembly.kind = scene.run.assembly;
     schedule.segments = segments;

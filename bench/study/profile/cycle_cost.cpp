@@ -4,8 +4,8 @@
 #include <chrono>
 #include <vector>
 
+#include "bench/executor/span_recorder.hpp"
 #include "bench/study/profile/statistics.hpp"
-#include "engine/executor/stamp_recorder.hpp"
 
 namespace cvtflow::bench {
 
@@ -52,7 +52,7 @@ private:
 };
 
 /// Time per cycle [s]. Stamps are taken with and without threads alike, so that their cost cancels.
-double per_cycle(const Schedule& schedule, double seconds, engine::StampRecorder& recorder) {
+double per_cycle(const Schedule& schedule, double seconds, SpanRecorder& recorder) {
     engine::TaskGraph graph;
     std::vector<Work> data(static_cast<std::size_t>(schedule.threads));
     for (int task = 0; task < schedule.threads; ++task) graph.add({"work", 0, work, task, {}});
@@ -64,12 +64,12 @@ double per_cycle(const Schedule& schedule, double seconds, engine::StampRecorder
     return controller.per_cycle();
 }
 
-int active_threads(const engine::StampRecorder& recorder) {
+int active_threads(const SpanRecorder& recorder) {
     std::vector<double> tasks;
     double all = 0.0;
     for (int thread = 0; thread < recorder.threads(); ++thread) {
         const auto spans = recorder.spans(thread);
-        const auto kept = std::count_if(spans.begin(), spans.end(), [](const engine::Span& span) { return span.what >= 0; });
+        const auto kept = std::count_if(spans.begin(), spans.end(), [](const Span& span) { return span.what >= 0; });
         tasks.push_back(static_cast<double>(kept == 0 ? 0 : kept + recorder.lost(thread)));
         all += tasks.back();
     }
@@ -81,7 +81,7 @@ int active_threads(const engine::StampRecorder& recorder) {
 
 CycleCost cycle_cost(const Schedule& schedule, double seconds) {
     constexpr int kept = 4096;
-    engine::StampRecorder alone(1, kept), all(schedule.threads, kept);
+    SpanRecorder alone(1, kept), all(schedule.threads, kept);
     const double task = per_cycle(Schedule{}, 0.5 * seconds, alone);
     const double cycle = per_cycle(schedule, 0.5 * seconds, all);
     return {cycle - task, active_threads(all)};

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
+#include "bench/executor/span_recorder.hpp"
 #include "bench/study/profile/busy_neighbours.hpp"
 #include "engine/base/hash.hpp"
-#include "engine/executor/stamp_recorder.hpp"
 
 namespace cvtflow::bench {
 
@@ -139,7 +139,7 @@ namespace {
 
 /// Twice what the first steps took, all threads together: one thread may do it all, and transitions and iterations repeat cycles.
 int stamps_of_a_step(const Scene& scene, const Schedule& schedule) {
-    engine::StampRecorder recorder(schedule.threads, 64);  // counts what it does not keep
+    SpanRecorder recorder(schedule.threads, 64);  // counts what it does not keep
     Trial probe(scene, schedule, &recorder);
     const long steps = probe.run(first_steps).steps;
     long stamps = 0;
@@ -164,7 +164,7 @@ void record_lane(const Scene& scene, ScheduleTrial& lane, const MeasureOptions& 
     const int stamps = stamps_of_a_step(scene, lane.result.schedule);
     recording.steps = std::clamp(options.steps > 0 ? options.steps : steps_within(options.round_seconds, per_step), 1L,
                                  std::max(1L, std::min(100L, max_stamps / stamps)));
-    engine::StampRecorder recorder(lane.result.schedule.threads, static_cast<int>(recording.steps) * stamps);
+    SpanRecorder recorder(lane.result.schedule.threads, static_cast<int>(recording.steps) * stamps);
     Trial recorded(scene, lane.result.schedule, &recorder);
     recorded.run(first_steps);
     struct Kept {

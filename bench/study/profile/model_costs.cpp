@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/executor/stamp_recorder.hpp"
+#include "bench/executor/span_recorder.hpp"
 
 namespace cvtflow::bench {
 
@@ -23,7 +23,7 @@ double deviation(const std::vector<double>& values) {
 std::vector<std::vector<double>> task_times(const Spans& spans, int tasks) {
     std::vector<std::vector<double>> times(static_cast<std::size_t>(tasks));
     for (const auto& thread : spans) {
-        for (const engine::Span& span : thread) {
+        for (const Span& span : thread) {
             if (span.what >= 0) times[static_cast<std::size_t>(span.what)].push_back(1e-9 * static_cast<double>(span.end - span.begin));
         }
     }
@@ -48,7 +48,7 @@ struct SegmentSamples {
 void sample_segments(const Scene& scene, int segments, const MeasureOptions& options, SegmentSamples& samples, ProfileModel& model) {
     Schedule schedule;
     schedule.segments = segments;
-    engine::StampRecorder recorder(1, 200000);
+    SpanRecorder recorder(1, 200000);
     Trial trial(scene, schedule, &recorder);
     const double per_step = trial.run(4).per_step();
     recorder.clear();
@@ -91,7 +91,7 @@ double evaluation_cycles(const Recording& recording) {
     double tasks = 0.0, runs = 0.0;
     for (const int cycle : recording.cycles) tasks += cycle == evaluate_cycle ? 1.0 : 0.0;
     for (const auto& thread : recording.spans) {
-        for (const engine::Span& span : thread)
+        for (const Span& span : thread)
             runs += span.what >= 0 && recording.cycles[static_cast<std::size_t>(span.what)] == evaluate_cycle ? 1.0 : 0.0;
     }
     return runs / tasks;
@@ -100,7 +100,7 @@ double evaluation_cycles(const Recording& recording) {
 double median_controller(const Spans& spans) {
     std::vector<double> times;
     for (const auto& thread : spans) {
-        for (const engine::Span& span : thread) {
+        for (const Span& span : thread) {
             if (span.what == engine::span_controller) times.push_back(1e-9 * static_cast<double>(span.end - span.begin));
         }
     }

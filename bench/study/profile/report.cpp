@@ -261,7 +261,7 @@ std::string profile_trace(const Profile& profile) {
         std::int64_t begin = INT64_MAX;
         for (const auto& thread : result.recording.spans) begin = thread.empty() ? begin : std::min(begin, thread.front().begin);
         for (std::size_t thread = 0; thread < result.recording.spans.size(); ++thread) {
-            for (const engine::Span& span : result.recording.spans[thread]) {
+            for (const Span& span : result.recording.spans[thread]) {
                 text += fmt::format("{}{{\"name\": \"{}\", \"ph\": \"X\", \"pid\": {}, \"tid\": {}, \"ts\": {:.3f}, \"dur\": {:.3f}}}",
                                     separator, span_name(result.recording, span.what), process, thread,
                                     1e-3 * static_cast<double>(span.begin - begin), 1e-3 * static_cast<double>(span.end - span.begin));

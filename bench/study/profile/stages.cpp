@@ -148,7 +148,7 @@ RecordedPass sum_up(const engine::TaskGraph& graph, const StageTable& stages, co
     std::int64_t begin = 0, end = 0;
     for (const auto& thread : spans) {
         ThreadTimes times{std::vector<double>(stages.size(), 0.0)};
-        for (const engine::Span& span : thread) {
+        for (const Span& span : thread) {
             const std::size_t row = span.what >= 0 ? rows[static_cast<std::size_t>(span.what)] : stages.row(span.what);
             times.seconds[row] += 1e-9 * static_cast<double>(span.end - span.begin);
             if (span.what >= 0) ran[static_cast<std::size_t>(span.what)] += 1.0;

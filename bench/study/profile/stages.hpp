@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/executor/stamp_recorder.hpp"
+#include "bench/executor/span_recorder.hpp"
 #include "engine/graph/task_graph.hpp"
 
 namespace cvtflow::bench {
@@ -49,7 +49,7 @@ private:
     }
 };
 
-using Spans = std::vector<std::vector<engine::Span>>;  // [thread]
+using Spans = std::vector<std::vector<Span>>;  // [thread]
 
 /// One recorded run of an executor.
 struct RecordedPass {
@@ -81,7 +81,7 @@ struct RecordedPass {
     [[nodiscard]] double serial_share() const noexcept;
 };
 
-/// Sums a run up. Spans of exactly one run, as StampRecorder::spans() gives them; the table knows the graph.
+/// Sums a run up. Spans of exactly one run, as SpanRecorder::spans() gives them; the table knows the graph.
 [[nodiscard]] RecordedPass sum_up(const engine::TaskGraph& graph, const StageTable& stages, const Spans& spans);
 
 }  // namespace cvtflow::bench

@@ -1,4 +1,4 @@
-#include "engine/executor/stamp_recorder.hpp"
+#include "bench/executor/span_recorder.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,41 +15,41 @@ namespace {
 
 using testing::ElementsAre;
 
-std::vector<int> kinds(const std::vector<Span>& spans) {
+std::vector<int> kinds(const std::vector<bench::Span>& spans) {
     std::vector<int> result;
-    for (const Span& span : spans) result.push_back(span.what);
+    for (const bench::Span& span : spans) result.push_back(span.what);
     return result;
 }
 
 TEST(StampRecorder, FillsWhatLiesBetween) {
-    StampRecorder recorder(2, 100);
-    recorder.begin_run();
+    bench::SpanRecorder recorder(2, 100);
+    recorder.mark_all(span_enter);
     const std::int64_t t = ticks();
     recorder.add(0, 3, t + 1000, t + 2000);
     recorder.add(0, span_controller, t + 2000, t + 3000);
     recorder.add(0, 4, t + 5000, t + 6000);
     while (ticks() < t + 100000) {}
-    recorder.end_run();
-    const std::vector<Span> spans = recorder.spans(0);
+    recorder.mark_all(span_exit);
+    const std::vector<bench::Span> spans = recorder.spans(0);
     EXPECT_THAT(kinds(spans), ElementsAre(span_enter, 3, span_controller, span_wait, 4, span_exit));
     for (std::size_t i = 1; i < spans.size(); ++i) EXPECT_EQ(spans[i].begin, spans[i - 1].end) << i;
     EXPECT_THAT(kinds(recorder.spans(1)), ElementsAre(span_enter, span_exit)) << "a thread that never came";
 }
 
 TEST(StampRecorder, CountsNanoseconds) {
-    StampRecorder recorder(1, 4);
+    bench::SpanRecorder recorder(1, 4);
     const auto begin = std::chrono::steady_clock::now();
     const std::int64_t first = ticks();
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     recorder.add(0, 0, first, ticks());
     const auto passed = std::chrono::steady_clock::now() - begin;
-    const Span span = recorder.spans(0).at(0);
+    const bench::Span span = recorder.spans(0).at(0);
     EXPECT_GE(span.end - span.begin, 19'990'000);
     EXPECT_LE(span.end - span.begin, std::chrono::nanoseconds(passed).count() + 20'000);
 }
 
 TEST(StampRecorder, KeepsTheLatest) {
-    StampRecorder recorder(1, 3);
+    bench::SpanRecorder recorder(1, 3);
     for (int task = 0; task < 5; ++task) recorder.add(0, task, 10 * task, 10 * task + 10);
     EXPECT_THAT(kinds(recorder.spans(0)), ElementsAre(2, 3, 4));
     EXPECT_EQ(recorder.lost(0), 2);
@@ -68,7 +68,7 @@ INSTANTIATE_TEST_SUITE_P(Catalogue, Recorded, testing::ValuesIn(test::pairs()), 
 
 TEST_P(Recorded, EveryTaskAndDecisionHasOneSpan) {
     constexpr long cycles = 300;
-    StampRecorder recorder(2, 10000);
+    bench::SpanRecorder recorder(2, 10000);
     const auto executor = GetParam().row->make({.threads = 2, .recorder = &recorder});
     test::World world({{5, 2}});
     world.run(*executor, cycles);
@@ -76,7 +76,7 @@ TEST_P(Recorded, EveryTaskAndDecisionHasOneSpan) {
     std::map<int, long> seen;
     for (int thread = 0; thread < recorder.threads(); ++thread) {
         EXPECT_EQ(recorder.lost(thread), 0);
-        const std::vector<Span> spans = recorder.spans(thread);
+        const std::vector<bench::Span> spans = recorder.spans(thread);
         for (std::size_t i = 0; i < spans.size(); ++i) {
             ++seen[spans[i].what];
             EXPECT_LE(spans[i].begin, spans[i].end);
@@ -93,7 +93,7 @@ TEST_P(Recorded, EveryTaskAndDecisionHasOneSpan) {
 
 TEST(StampRecorder, AllocatesNothingWhileRecording) {
     if (test::allocation_count() < 0) GTEST_SKIP() << "a sanitizer owns malloc";
-    StampRecorder recorder(1, 100);
+    bench::SpanRecorder recorder(1, 100);
     const auto executor = find_executor("serial")->make({.recorder = &recorder});
     test::World world({{5, 2}});
     world.run(*executor, 10);
