@@ -3,7 +3,7 @@
 
 #include "engine/base/input_file.hpp"
 #include "engine/base/provenance.hpp"
-#include "engine/executor/threaded_executors.hpp"
+#include "engine/executor/catalogue.hpp"
 #include "engine/record/run/state_file.hpp"
 #include "engine/thread/worker_threads.hpp"
 

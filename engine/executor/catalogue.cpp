@@ -7,7 +7,6 @@
 
 #include "engine/base/text.hpp"
 #include "engine/executor/serial.hpp"
-#include "engine/executor/threaded_executors.hpp"
 
 namespace cvtflow::engine {
 

@@ -35,6 +35,9 @@ struct ExecutorRow {
 /// Executors that are not, because a requirement was not found when the program was built.
 [[nodiscard]] std::span<const ExecutorRow> absent_executors() noexcept;
 
+/// Executors of the program that need threads, and with them a runtime; the core library has none (engine/alone). They follow `serial`.
+[[nodiscard]] std::span<const ExecutorRow> threaded_executors() noexcept;
+
 /// Adds rows to the catalogue, before anything else asks it: spans and rows that were handed out before are no longer valid.
 void add_executors(std::span<const ExecutorRow> further);
 

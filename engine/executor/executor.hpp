@@ -43,9 +43,4 @@ protected:
     Executor& operator=(const Executor&) = default;
 };
 
-/// For executors: throws std::logic_error for a graph that is not frozen.
-void require_frozen(const TaskGraph& graph);
-/// For executors: throws std::out_of_range that names the cycle.
-[[noreturn]] void reject_cycle(const TaskGraph& graph, int cycle);
-
 }  // namespace cvtflow::engine

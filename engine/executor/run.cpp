@@ -1,6 +1,7 @@
 #include "engine/executor/run.hpp"
 
 #include <stdexcept>
+#include <string>
 
 namespace cvtflow::engine {
 
@@ -39,7 +40,9 @@ int Run::decide(int thread) noexcept {
 }
 
 void Run::reject() const {
-    if (rejected_ != Controller::stop) reject_cycle(graph_, rejected_);
+    if (rejected_ == Controller::stop) return;
+    throw std::out_of_range("executor: the controller asked for cycle " + std::to_string(rejected_) + " of " +
+                            std::to_string(graph_.cycles()));
 }
 
 RunningExecutor::RunningExecutor(const ExecutorOptions& options) : options_(options) {
@@ -50,7 +53,7 @@ RunningExecutor::RunningExecutor(const ExecutorOptions& options) : options_(opti
 }
 
 void RunningExecutor::run(const TaskGraph& graph, void* context, Controller& controller) {
-    require_frozen(graph);
+    if (!graph.frozen()) throw std::logic_error("executor: the graph is not frozen");
     Run run(graph, context, controller, options_.recorder);
     {
         const RunMarks marks(options_.recorder);

@@ -12,7 +12,7 @@ public:
     [[nodiscard]] std::string_view name() const noexcept override { return "serial"; }
 
 private:
-    void execute(Run& run, int first) override;
+    void execute(Run& run, int first) override { run_serially(run, first); }
 };
 
 }  // namespace cvtflow::engine

@@ -1,8 +1,7 @@
-#include "engine/executor/threaded_executors.hpp"
-
 #include <array>
 #include <memory>
 
+#include "engine/executor/catalogue.hpp"
 #include "engine/executor/tbb/flow.hpp"
 
 namespace cvtflow::engine {
