@@ -20,32 +20,23 @@ constexpr long system_of_pipes = 0x50495045;  ///< where Linux keeps them (PIPEF
 
 [[noreturn]] void fail(int reason) { throw InputError(std::strerror(reason)); }
 
-/// A descriptor that is open for reading; never waits.
+/// A file that is open for reading; never waits.
 struct Opened {
-    explicit Opened(const std::string& path) : descriptor(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)) {
-        if (descriptor < 0) fail(errno);
-        if (fstat(descriptor, &about) != 0) {
-            close(descriptor);
-            fail(errno);
-        }
+    explicit Opened(const std::string& path) : file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)) {
+        if (file.number() < 0 || fstat(file.number(), &about) != 0) fail(errno);
     }
-    ~Opened() {
-        if (descriptor >= 0) close(descriptor);
-    }
-    Opened(const Opened&) = delete;
-    Opened& operator=(const Opened&) = delete;
 
     /// A pipe without a name has a writer, or had one: pipe(2) made both ends.
     [[nodiscard]] bool nameless_pipe() const {
         struct statfs system {};
-        return S_ISFIFO(about.st_mode) && fstatfs(descriptor, &system) == 0 && system.f_type == system_of_pipes;
+        return S_ISFIFO(about.st_mode) && fstatfs(file.number(), &system) == 0 && system.f_type == system_of_pipes;
     }
     void require_regular() const {
         if (S_ISDIR(about.st_mode)) throw InputError("a folder, not a file");
         if (!S_ISREG(about.st_mode)) throw InputError("not a regular file");
     }
 
-    int descriptor;
+    Descriptor file;
     struct stat about {};
 };
 
@@ -77,37 +68,40 @@ std::size_t read_pipe(int descriptor, std::byte* bytes, std::size_t count, doubl
 
 }  // namespace
 
-InputFile::InputFile(const std::string& path) {
-    Opened file(path);
-    file.require_regular();
-    size_ = static_cast<std::uint64_t>(file.about.st_size);
-    descriptor_ = std::exchange(file.descriptor, -1);
+Descriptor::~Descriptor() {
+    if (number_ >= 0) close(number_);
 }
 
-InputFile::~InputFile() { close(descriptor_); }
+InputFile::InputFile(const std::string& path) {
+    Opened opened(path);
+    opened.require_regular();
+    size_ = static_cast<std::uint64_t>(opened.about.st_size);
+    descriptor_ = std::move(opened.file);
+}
 
 bool InputFile::same_as(int descriptor) const noexcept {
     struct stat here {
     }, there{};
-    return fstat(descriptor_, &here) == 0 && fstat(descriptor, &there) == 0 && here.st_dev == there.st_dev && here.st_ino == there.st_ino;
+    return fstat(descriptor_.number(), &here) == 0 && fstat(descriptor, &there) == 0 && here.st_dev == there.st_dev &&
+           here.st_ino == there.st_ino;
 }
 
 std::size_t InputFile::read(std::uint64_t offset, std::byte* bytes, std::size_t count) const {
-    return read_at(descriptor_, offset, bytes, count);
+    return read_at(descriptor_.number(), offset, bytes, count);
 }
 
 std::string read_text_input(const std::string& path, std::uint64_t most, double timeout) {
-    const Opened file(path);
-    const bool pipe = file.nameless_pipe();
-    if (!pipe) file.require_regular();
-    const std::string limit = std::to_string(most), size = std::to_string(file.about.st_size);
-    if (static_cast<std::uint64_t>(file.about.st_size) > most)
+    const Opened opened(path);
+    const bool pipe = opened.nameless_pipe();
+    if (!pipe) opened.require_regular();
+    const std::string limit = std::to_string(most), size = std::to_string(opened.about.st_size);
+    if (static_cast<std::uint64_t>(opened.about.st_size) > most)
         throw InputError(size + " bytes, more than the " + limit + " that such a file may have");
     std::string text;
     std::vector<std::byte> block(65536);  // not on the stack: threads of a host may have little
     const auto next = [&] {
-        return pipe ? read_pipe(file.descriptor, block.data(), block.size(), timeout)
-                    : read_at(file.descriptor, text.size(), block.data(), block.size());
+        return pipe ? read_pipe(opened.file.number(), block.data(), block.size(), timeout)
+                    : read_at(opened.file.number(), text.size(), block.data(), block.size());
     };
     // Not by its size: files of /proc have none, and others may grow.
     for (std::size_t some = 0; (some = next()) > 0;) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace cvtflow::engine {
 
@@ -15,16 +16,31 @@ struct InputError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
+/// A file's descriptor, closed when the scope ends, unless it is given away.
+class Descriptor {
+public:
+    explicit Descriptor(int number = -1) noexcept : number_(number) {}
+    ~Descriptor();
+    Descriptor(Descriptor&& other) noexcept : number_(other.give_away()) {}
+    Descriptor& operator=(Descriptor&& other) noexcept {
+        std::swap(number_, other.number_);
+        return *this;
+    }
+    /// Negative: none.
+    [[nodiscard]] int number() const noexcept { return number_; }
+    [[nodiscard]] int give_away() noexcept { return std::exchange(number_, -1); }
+
+private:
+    int number_;
+};
+
 /// A regular file, open for reading.
 class InputFile {
 public:
     /// Never waits. @throws InputError
     explicit InputFile(const std::string& path);
-    ~InputFile();
-    InputFile(const InputFile&) = delete;
-    InputFile& operator=(const InputFile&) = delete;
 
-    [[nodiscard]] int descriptor() const noexcept { return descriptor_; }
+    [[nodiscard]] int descriptor() const noexcept { return descriptor_.number(); }
     /// When it was opened [byte].
     [[nodiscard]] std::uint64_t size() const noexcept { return size_; }
     /// Whether a descriptor is open on the same file.
@@ -33,7 +49,7 @@ public:
     [[nodiscard]] std::size_t read(std::uint64_t offset, std::byte* bytes, std::size_t count) const;
 
 private:
-    int descriptor_ = -1;
+    Descriptor descriptor_;
     std::uint64_t size_ = 0;
 };
 

@@ -225,10 +225,7 @@ namespace {
 
 /// The table in `<path>.part`, checked to have room; not yet under its name.
 void write_part(PartFile& part, const CaseTable& table, std::size_t rows, const FillRows& fill) {
-    if (const int reason = part.reserve(rows * table.layout.bytes() + spare_bytes); reason != 0) {
-        part.discard();
-        throw RecordError(part.final_path() + ": cannot write: " + std::strerror(reason));
-    }
+    part.require(part.reserve(rows * table.layout.bytes() + spare_bytes));
     hdf5::guarded(part.final_path(), [&] { create_table(part.path(), table, rows, fill); });
 }
 
@@ -241,10 +238,7 @@ FillRows rows_of(const CaseTable& table) {
 void write_cases(const Permit& permit, const CaseTable& head, std::size_t rows, const FillRows& fill) {
     PartFile part(permit);
     write_part(part, head, rows, fill);
-    if (const int reason = part.seal(); reason != 0) {
-        part.discard();
-        throw RecordError(permit.path() + ": cannot write: " + std::strerror(reason));
-    }
+    part.require(part.seal());
     part.publish();
 }
 
@@ -334,20 +328,16 @@ FolderLock::FolderLock(const std::string& folder, int attempts) {
         if (--attempts <= 0) return;
         usleep(10'000);
     }
-    descriptor_ = file.give_away();
+    file_ = std::move(file);
 }
 
 FolderLock::FolderLock(const std::string& folder) : FolderLock(folder, 100) {  // one that was killed is gone before that
-    if (descriptor_ < 0) throw RecordError(folder + ": another sweep is writing into it");
+    if (file_.number() < 0) throw RecordError(folder + ": another sweep is writing into it");
 }
 
 std::unique_ptr<FolderLock> FolderLock::if_free(const std::string& folder) {
     std::unique_ptr<FolderLock> lock(new FolderLock(folder, 1));
-    return lock->descriptor_ >= 0 ? std::move(lock) : nullptr;
-}
-
-FolderLock::~FolderLock() {
-    if (descriptor_ >= 0) close(descriptor_);
+    return lock->file_.number() >= 0 ? std::move(lock) : nullptr;
 }
 
 namespace {

@@ -19,6 +19,7 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/base/input_file.hpp"
 #include "engine/record/run/output_rule.hpp"
 #include "engine/record/run/schema.hpp"
 
@@ -145,13 +146,10 @@ public:
     explicit FolderLock(const std::string& folder);
     /// The lock, unless another process has it; then nullptr. It outlasts this object in processes that were forked meanwhile.
     [[nodiscard]] static std::unique_ptr<FolderLock> if_free(const std::string& folder);
-    ~FolderLock();
-    FolderLock(const FolderLock&) = delete;
-    FolderLock& operator=(const FolderLock&) = delete;
 
 private:
     FolderLock(const std::string& folder, int attempts);
-    int descriptor_ = -1;
+    Descriptor file_;
 };
 
 /// A range of cases that a worker has claimed.

@@ -6,17 +6,29 @@
 #include <bit>
 #include <cerrno>
 #include <cstring>
-#include <vector>
 
 namespace cvtflow::engine {
 
 namespace {
 
 constexpr std::array<char, 8> seal_mark{'C', 'V', 'T', 'F', 'S', 'E', 'A', 'L'};
-constexpr std::size_t bytes_at_once = std::size_t{1} << 16U;
 
 void put_word(std::array<std::byte, seal_size>& seal, std::size_t place, std::uint64_t word) noexcept {
     std::memcpy(seal.data() + 8 * place, &word, sizeof word);
+}
+
+/// Adds the first `length` bytes of a file to a checksum. @return 0, an errno, or -1 where the file ends before
+int add_beginning(int descriptor, std::uint64_t length, Checksum& contents) noexcept {
+    std::array<std::byte, 16384> block;
+    for (std::uint64_t at = 0; at < length;) {
+        const ssize_t some = pread(descriptor, block.data(), static_cast<std::size_t>(std::min<std::uint64_t>(block.size(), length - at)),
+                                   static_cast<off_t>(at));
+        if (some < 0 && errno == EINTR) continue;
+        if (some <= 0) return some < 0 ? errno : -1;
+        contents.add(std::span(block).first(static_cast<std::size_t>(some)));
+        at += static_cast<std::uint64_t>(some);
+    }
+    return 0;
 }
 
 }  // namespace
@@ -41,34 +53,26 @@ Seal inspect_seal(const InputFile& file) {
         return Seal::none;
     if (length != file.size() - seal_size) return Seal::broken;
     Checksum contents;
-    std::vector<std::byte> block(bytes_at_once);
-    for (std::uint64_t at = 0; at < length;) {
-        const std::size_t some = file.read(at, block.data(), static_cast<std::size_t>(std::min<std::uint64_t>(block.size(), length - at)));
-        if (some == 0) return Seal::broken;
-        contents.add(std::span(block).first(some));
-        at += some;
+    const int reason = add_beginning(file.descriptor(), length, contents);
+    if (reason > 0) throw InputError(std::strerror(reason));
+    return reason == 0 && seal_of(length, contents) == found ? Seal::whole : Seal::broken;
+}
+
+int write_at(int descriptor, std::uint64_t place, std::span<const std::byte> bytes) noexcept {
+    while (!bytes.empty()) {
+        const ssize_t some = pwrite(descriptor, bytes.data(), bytes.size(), static_cast<off_t>(place));
+        if (some < 0 && errno != EINTR) return errno;
+        const auto done = static_cast<std::size_t>(std::max<ssize_t>(some, 0));
+        bytes = bytes.subspan(done);
+        place += done;
     }
-    return seal_of(length, contents) == found ? Seal::whole : Seal::broken;
+    return 0;
 }
 
 int write_seal(int descriptor, std::uint64_t length) noexcept {
     Checksum contents;
-    std::array<std::byte, 16384> block;
-    for (std::uint64_t at = 0; at < length;) {
-        const ssize_t some = pread(descriptor, block.data(), static_cast<std::size_t>(std::min<std::uint64_t>(block.size(), length - at)),
-                                   static_cast<off_t>(at));
-        if (some < 0 && errno == EINTR) continue;
-        if (some <= 0) return some < 0 ? errno : EIO;
-        contents.add(std::span(block).first(static_cast<std::size_t>(some)));
-        at += static_cast<std::uint64_t>(some);
-    }
-    const auto seal = seal_of(length, contents);
-    for (std::size_t done = 0; done < seal.size();) {
-        const ssize_t some = pwrite(descriptor, seal.data() + done, seal.size() - done, static_cast<off_t>(length + done));
-        if (some < 0 && errno != EINTR) return errno;
-        done += static_cast<std::size_t>(std::max<ssize_t>(some, 0));
-    }
-    return 0;
+    if (const int reason = add_beginning(descriptor, length, contents); reason != 0) return reason > 0 ? reason : EIO;
+    return write_at(descriptor, length, seal_of(length, contents));
 }
 
 }  // namespace cvtflow::engine

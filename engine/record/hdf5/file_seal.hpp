@@ -31,6 +31,9 @@ enum class Seal {
 /// Reads all of a file that ends with a seal. @throws InputError
 [[nodiscard]] Seal inspect_seal(const InputFile& file);
 
+/// Writes all bytes at a place of a file. @return 0 or an errno
+[[nodiscard]] int write_at(int descriptor, std::uint64_t place, std::span<const std::byte> bytes) noexcept;
+
 /// Reads a file from its beginning and writes its seal behind it. @param length of what is sealed @return 0 or an errno
 [[nodiscard]] int write_seal(int descriptor, std::uint64_t length) noexcept;
 

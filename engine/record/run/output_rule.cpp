@@ -216,19 +216,18 @@ namespace {
 
 /// Opened without waiting for a reader; then as a shell's `>`.
 void write_device(const std::string& path, std::string_view bytes) {
-    const int device = open(path.c_str(), O_WRONLY | O_TRUNC | O_NONBLOCK | O_CLOEXEC | O_NOCTTY);
-    const auto fail = [&](int reason) {
-        if (device >= 0) ::close(device);
+    Descriptor device(open(path.c_str(), O_WRONLY | O_TRUNC | O_NONBLOCK | O_CLOEXEC | O_NOCTTY));
+    const auto fail = [&path](int reason) {
         throw RecordError(path + ": cannot write: " + (reason == ENXIO ? "no process reads from this pipe" : std::strerror(reason)));
     };
-    if (device < 0) fail(errno);
-    fcntl(device, F_SETFL, fcntl(device, F_GETFL) & ~O_NONBLOCK);
+    if (device.number() < 0) fail(errno);
+    fcntl(device.number(), F_SETFL, fcntl(device.number(), F_GETFL) & ~O_NONBLOCK);
     while (!bytes.empty()) {
-        const ssize_t count = ::write(device, bytes.data(), bytes.size());
+        const ssize_t count = ::write(device.number(), bytes.data(), bytes.size());
         if (count < 0 && errno != EINTR) fail(errno);
         bytes.remove_prefix(static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
     }
-    if (::close(device) != 0) throw RecordError(path + ": cannot write: " + std::strerror(errno));
+    if (::close(device.give_away()) != 0) fail(errno);
 }
 
 }  // namespace
@@ -236,10 +235,7 @@ void write_device(const std::string& path, std::string_view bytes) {
 void write_whole(const Permit& permit, std::string_view bytes) {
     if (permit.device()) return write_device(permit.path(), bytes);
     PartFile part(permit);
-    if (const int reason = part.write(bytes.data(), bytes.size()); reason != 0) {
-        part.discard();
-        throw RecordError(permit.path() + ": cannot write: " + std::strerror(reason));
-    }
+    part.require(part.write(bytes.data(), bytes.size()));
     part.publish();
 }
 

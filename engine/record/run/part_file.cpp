@@ -4,11 +4,9 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <utility>
 
 #include "engine/record/hdf5/file_seal.hpp"
 #include "engine/record/run/schema.hpp"
@@ -51,18 +49,18 @@ bool still_named(int descriptor, const std::string& path) {
            open_file.st_dev == named_file.st_dev;
 }
 
-/// A new file, or the plain one that a killed run left: never through a link, and none that has a second name elsewhere. @return -1 and
-/// errno
-int open_part(const std::string& path) {
+/// A new file, or the plain one that a killed run left: never through a link, and none that has a second name elsewhere. @return none,
+/// and errno
+Descriptor open_part(const std::string& path) {
     constexpr int flags = O_RDWR | O_NOFOLLOW | O_CLOEXEC;
-    const int fresh = open(path.c_str(), flags | O_CREAT | O_EXCL, 0666);
-    if (fresh >= 0 || errno != EEXIST) return fresh;
-    const int left = open(path.c_str(), flags);
+    Descriptor part(open(path.c_str(), flags | O_CREAT | O_EXCL, 0666));
+    if (part.number() >= 0 || errno != EEXIST) return part;
+    part = Descriptor(open(path.c_str(), flags));
     struct stat file {};
-    if (left < 0 || (fstat(left, &file) == 0 && S_ISREG(file.st_mode) && file.st_nlink <= 1)) return left;
-    ::close(left);
+    if (part.number() < 0 || (fstat(part.number(), &file) == 0 && S_ISREG(file.st_mode) && file.st_nlink <= 1)) return part;
+    part = Descriptor();
     errno = EEXIST;
-    return -1;
+    return part;
 }
 
 }  // namespace
@@ -77,16 +75,12 @@ PartFile::PartFile(const Permit& permit) : final_path_(permit.path()), part_path
     if (permit.empty()) throw RecordError("cannot create a temporary file");
     for (const std::string& path : {final_path_, part_path_})  // a link may have taken its place since it was permitted
         if (const std::string other = other_than_file(path); !other.empty()) throw RecordError(path + ": cannot create: " + other);
-    Descriptor part(open_part(part_path_));
-    if (part.number() < 0) throw RecordError(part_path_ + ": cannot create: " + std::strerror(errno));
-    if (!try_lock(part.number(), part_path_) || !still_named(part.number(), part_path_))
+    descriptor_ = open_part(part_path_);
+    const int part = descriptor_.number();
+    if (part < 0) throw RecordError(part_path_ + ": cannot create: " + std::strerror(errno));
+    if (!try_lock(part, part_path_) || !still_named(part, part_path_))
         throw RecordError(part_path_ + ": cannot create: another run is writing it");
-    if (ftruncate(part.number(), 0) != 0) throw RecordError(part_path_ + ": cannot empty: " + std::strerror(errno));
-    descriptor_ = part.give_away();
-}
-
-PartFile::~PartFile() {
-    if (descriptor_ >= 0) ::close(descriptor_);
+    if (ftruncate(part, 0) != 0) throw RecordError(part_path_ + ": cannot empty: " + std::strerror(errno));
 }
 
 int PartFile::reserve(std::size_t end) noexcept {
@@ -96,7 +90,7 @@ int PartFile::reserve(std::size_t end) noexcept {
     // Large steps keep the file in few pieces; if they do not fit any more, what is needed may still.
     constexpr std::size_t step = std::size_t{4} << 20U;
     for (const std::size_t target : {end + step, end}) {
-        if (fallocate(descriptor_, FALLOC_FL_KEEP_SIZE, 0, static_cast<off_t>(target)) == 0) {
+        if (fallocate(descriptor_.number(), FALLOC_FL_KEEP_SIZE, 0, static_cast<off_t>(target)) == 0) {
             reserved_ = target;
             return 0;
         }
@@ -106,25 +100,19 @@ int PartFile::reserve(std::size_t end) noexcept {
 }
 
 int PartFile::write(const void* bytes, std::size_t size) noexcept {
-    const char* next = static_cast<const char*>(bytes);
-    for (std::size_t done = 0; done < size;) {
-        const ssize_t count = pwrite(descriptor_, next + done, size - done, static_cast<off_t>(done));
-        if (count < 0 && errno != EINTR) return errno;
-        done += static_cast<std::size_t>(std::max<ssize_t>(count, 0));
-    }
-    return 0;
+    return write_at(descriptor_.number(), 0, {static_cast<const std::byte*>(bytes), size});
 }
 
 int PartFile::seal() noexcept {
     struct stat file {};
-    return fstat(descriptor_, &file) != 0 ? errno : write_seal(descriptor_, static_cast<std::uint64_t>(file.st_size));
+    return fstat(descriptor_.number(), &file) != 0 ? errno : write_seal(descriptor_.number(), static_cast<std::uint64_t>(file.st_size));
 }
 
-int PartFile::sync() noexcept { return fsync(descriptor_) == 0 ? 0 : errno; }
+int PartFile::sync() noexcept { return fsync(descriptor_.number()) == 0 ? 0 : errno; }
 
 void PartFile::trim() noexcept {
     struct stat file {};
-    if (reserved_ > 0 && fstat(descriptor_, &file) == 0 && ftruncate(descriptor_, file.st_size) == 0) reserved_ = 0;
+    if (reserved_ > 0 && fstat(descriptor_.number(), &file) == 0 && ftruncate(descriptor_.number(), file.st_size) == 0) reserved_ = 0;
 }
 
 void PartFile::publish() {
@@ -132,10 +120,8 @@ void PartFile::publish() {
     if (const int reason = sync(); reason != 0) throw RecordError(part_path_ + ": cannot write to disk: " + std::strerror(reason));
     if (std::rename(part_path_.c_str(), final_path_.c_str()) != 0)
         throw RecordError(part_path_ + ": cannot rename to '" + final_path_ + "': " + std::strerror(errno));
-    if (const int folder = open(folder_of(final_path_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); folder >= 0) {
-        fsync(folder);  // so that the new name survives a power cut; the data are safe already, so failure is no error
-        ::close(folder);
-    }
+    // So that the new name survives a power cut; the data are safe already, so failure is no error.
+    fsync(Descriptor(open(folder_of(final_path_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)).number());
 }
 
 namespace {
@@ -188,5 +174,11 @@ std::string set_aside(const std::string& path, const FormerFiles& files) {
 }
 
 void PartFile::discard() noexcept { unlink(part_path_.c_str()); }
+
+void PartFile::require(int reason) {
+    if (reason == 0) return;
+    discard();
+    throw RecordError(final_path_ + ": cannot write: " + std::strerror(reason));
+}
 
 }  // namespace cvtflow::engine

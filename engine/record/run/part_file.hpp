@@ -1,30 +1,13 @@
 #pragma once
 /// A file under construction: `<name>.part` beside its final name, which appears complete or not at all. A lock keeps a second writer out.
 
-#include <unistd.h>
 #include <cstddef>
 #include <string>
-#include <utility>
 
+#include "engine/base/input_file.hpp"
 #include "engine/record/run/output_rule.hpp"
 
 namespace cvtflow::engine {
-
-/// Closed when the scope ends, unless it is given away.
-class Descriptor {
-public:
-    explicit Descriptor(int number) noexcept : number_(number) {}
-    ~Descriptor() {
-        if (number_ >= 0) ::close(number_);
-    }
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
-    [[nodiscard]] int number() const noexcept { return number_; }
-    [[nodiscard]] int give_away() noexcept { return std::exchange(number_, -1); }
-
-private:
-    int number_;
-};
 
 /// Locks a whole file against other writers (not against readers) until `descriptor` is closed.
 /// @param path for messages   @return false if it is locked already, here or in another process
@@ -37,9 +20,6 @@ class PartFile {
 public:
     /// Creates or empties `<path>.part`. Errors: another process writing the same file; not allowed by the system.
     explicit PartFile(const Permit& permit);
-    ~PartFile();
-    PartFile(const PartFile&) = delete;
-    PartFile& operator=(const PartFile&) = delete;
 
     [[nodiscard]] const std::string& path() const noexcept { return part_path_; }
     [[nodiscard]] const std::string& final_path() const noexcept { return final_path_; }
@@ -59,11 +39,13 @@ public:
     void publish();
     /// Deletes the .part file.
     void discard() noexcept;
+    /// Deletes the .part file and throws RecordError("FILE: cannot write: …") for an errno of the functions above.
+    void require(int reason);
 
 private:
     std::string final_path_;
     std::string part_path_;
-    int descriptor_ = -1;
+    Descriptor descriptor_;
     std::size_t reserved_ = 0;
 };
 
