@@ -138,15 +138,9 @@ void create_table(const std::string& path, const CaseTable& table, std::size_t r
     hdf5::write_attribute(created.id(), {"format_version", cases_version});
     const hdf5::Handle type = row_type(table.layout);
     const hdf5::Handle dataset = hdf5::create_series(created.id(), {"/cases", type.id(), 1, true, 0, rows_per_chunk});
-    std::vector<std::string> names, units, descriptions;
-    for (const CaseColumn& column : table.layout.columns()) {
-        names.push_back(column.name);
-        units.push_back(column.unit);
-        descriptions.push_back(column.description);
-    }
-    hdf5::write_texts(dataset.id(), "columns", names);
-    hdf5::write_texts(dataset.id(), "units", units);
-    hdf5::write_texts(dataset.id(), "descriptions", descriptions);
+    hdf5::write_texts(dataset.id(), "columns", table.layout.columns(), &CaseColumn::name);
+    hdf5::write_texts(dataset.id(), "units", table.layout.columns(), &CaseColumn::unit);
+    hdf5::write_texts(dataset.id(), "descriptions", table.layout.columns(), &CaseColumn::description);
     std::vector<std::byte> some;
     for (std::size_t first = 0; first < rows; first += rows_per_write) {
         const std::size_t count = std::min(rows_per_write, rows - first);

@@ -107,6 +107,13 @@ void divert_writes(hid_t file) noexcept;
 void write_attribute(hid_t object, const Attribute& attribute);
 /// Same, for a list of texts. Throws Failure.
 void write_texts(hid_t object, const std::string& name, const std::vector<std::string>& texts);
+/// Same, for a text of each row.
+template <class Row>
+void write_texts(hid_t object, const std::string& name, const std::vector<Row>& rows, std::string Row::*text) {
+    std::vector<std::string> texts;
+    for (const Row& row : rows) texts.push_back(row.*text);
+    write_texts(object, name, texts);
+}
 
 [[nodiscard]] bool has_attribute(hid_t object, const std::string& name);
 /// All scalar attributes that are text of fixed length, integer or real, by name; others (such as those of dimension scales) are passed

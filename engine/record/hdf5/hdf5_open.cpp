@@ -201,28 +201,19 @@ void limit_child() {
 namespace hdf5 {
 namespace {
 
-void inspect_series(hid_t file, const std::string& path) {
-    for (const Cells cells : {Cells::reals, Cells::bytes}) {
+/// Its attributes, and its first and last row; those of a table as they lie in the file.
+void inspect_dataset(hid_t file, const std::string& path) {
+    for (const Cells cells : {Cells::reals, Cells::bytes, Cells::records}) {
         try {
-            const Series series(file, path, cells, 2);
+            const Series series(file, path, cells, cells == Cells::records ? 1 : 2);
             static_cast<void>(read_attributes(series.id()));
-            std::vector<double> row(series.width());
+            const Handle own(H5Dget_type(series.id()), H5Tclose, "");
+            const hid_t type = cells == Cells::records ? own.id() : H5T_NATIVE_DOUBLE;
+            std::vector<std::byte> row(series.width() * H5Tget_size(type));
             for (const std::size_t number : {std::size_t{0}, series.rows() - 1})
-                if (series.rows() > 0) series.read(H5T_NATIVE_DOUBLE, number, 1, row.data(), row.size() * sizeof(double));
+                if (series.rows() > 0) series.read(type, number, 1, row.data(), row.size());
         } catch (const Failure&) {}
     }
-}
-
-/// Rows of a table, as they lie in the file.
-void inspect_table(hid_t file, const std::string& path) {
-    try {
-        const Series series(file, path, Cells::records);
-        static_cast<void>(read_attributes(series.id()));
-        const Handle type(H5Dget_type(series.id()), H5Tclose, "");
-        std::vector<std::byte> row(H5Tget_size(type.id()));
-        for (const std::size_t number : {std::size_t{0}, series.rows() - 1})
-            if (series.rows() > 0) series.read(type.id(), number, 1, row.data(), row.size());
-    } catch (const Failure&) {}
 }
 
 }  // namespace
@@ -231,10 +222,7 @@ void inspect_everything(hid_t file) {
     try {
         static_cast<void>(read_attributes(file));
     } catch (const Failure&) {}
-    for (const std::string& name : dataset_names(file, "/")) {
-        inspect_series(file, "/" + name);
-        inspect_table(file, "/" + name);
-    }
+    for (const std::string& name : dataset_names(file, "/")) inspect_dataset(file, "/" + name);
 }
 
 void inspect_in_child(const std::function<void()>& inspect) {

@@ -33,6 +33,18 @@ std::size_t inflation(hid_t creation, const std::string& what) {
     return inflated;
 }
 
+/// Rows of a dataset, in the file and as a block in memory.
+struct RowSpaces {
+    Handle file, memory;
+
+    RowSpaces(hid_t dataset, int rank, std::size_t first, std::size_t rows, std::size_t width, std::string_view what)
+        : file(H5Dget_space(dataset), H5Sclose, what) {
+        const std::array<hsize_t, 2> begin{first, 0}, block{rows, width};
+        check(H5Sselect_hyperslab(file.id(), H5S_SELECT_SET, begin.data(), nullptr, block.data(), nullptr), what);
+        memory = {H5Screate_simple(rank, block.data(), nullptr), H5Sclose, what};
+    }
+};
+
 struct Listing {
     std::vector<std::string> datasets;
     std::size_t objects = 0;
@@ -98,12 +110,8 @@ void append_rows(hid_t dataset, hid_t type, std::size_t width, std::size_t befor
 }
 
 void write_rows(hid_t dataset, hid_t type, std::size_t width, std::size_t before, std::size_t rows, const void* data) {
-    constexpr std::string_view what = "cannot write";
-    const std::array<hsize_t, 2> first{before, 0}, count{rows, width};
-    const Handle file_rows(H5Dget_space(dataset), H5Sclose, what);
-    check(H5Sselect_hyperslab(file_rows.id(), H5S_SELECT_SET, first.data(), nullptr, count.data(), nullptr), what);
-    const Handle memory_rows(H5Screate_simple(width == 0 ? 1 : 2, count.data(), nullptr), H5Sclose, what);
-    check(H5Dwrite(dataset, type, memory_rows.id(), file_rows.id(), H5P_DEFAULT, data), what);
+    const RowSpaces spaces(dataset, width == 0 ? 1 : 2, before, rows, width, "cannot write");
+    check(H5Dwrite(dataset, type, spaces.memory.id(), spaces.file.id(), H5P_DEFAULT, data), "cannot write");
 }
 
 Series::Series(hid_t file, std::string path, Cells cells, int max_rank) : path_(std::move(path)) {
@@ -168,12 +176,8 @@ void Series::read(hid_t type, std::size_t first, std::size_t count, void* memory
     if (bytes != count * width_ * H5Tget_size(type)) fail("its rows have another size");
     if (count == 0) return;
     const std::string what = "cannot read '" + path_ + "'";
-    const std::array<hsize_t, 2> begin{first, 0};
-    const std::array<hsize_t, 2> block{count, width_};
-    const Handle file_rows(H5Dget_space(id()), H5Sclose, what);
-    check(H5Sselect_hyperslab(file_rows.id(), H5S_SELECT_SET, begin.data(), nullptr, block.data(), nullptr), what);
-    const Handle memory_rows(H5Screate_simple(rank_, block.data(), nullptr), H5Sclose, what);
-    check(H5Dread(id(), type, memory_rows.id(), file_rows.id(), H5P_DEFAULT, memory), what);
+    const RowSpaces spaces(id(), rank_, first, count, width_, what);
+    check(H5Dread(id(), type, spaces.memory.id(), spaces.file.id(), H5P_DEFAULT, memory), what);
 }
 
 std::vector<double> Series::reals(std::size_t first, std::size_t count) const {

@@ -81,15 +81,9 @@ Handle paged() {
 
 void create_table(hid_t file, const BlockShape& block, const TableInfo& table) {
     const Handle dataset = create_series(file, block.series.front());
-    std::vector<std::string> units;
-    std::vector<std::string> descriptions;
-    for (const TableColumn& column : table.columns) {
-        units.push_back(column.unit);
-        descriptions.push_back(column.description);
-    }
     write_attribute(dataset.id(), {"description", table.description});
-    write_texts(dataset.id(), "units", units);
-    write_texts(dataset.id(), "descriptions", descriptions);
+    write_texts(dataset.id(), "units", table.columns, &TableColumn::unit);
+    write_texts(dataset.id(), "descriptions", table.columns, &TableColumn::description);
 }
 
 }  // namespace

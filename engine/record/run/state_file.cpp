@@ -65,11 +65,12 @@ void write_more(hid_t file, const std::vector<NamedArray>& arrays) {
 /// The bytes of the file. Made in memory: HDF5 cannot give up half-way on a full disk without trouble, write(2) can.
 /// @param name of the file in memory: HDF5 takes two of one name for the same file, whichever thread made them
 std::vector<std::byte> image_of(const SavedState& saved, const std::string& name) {
+    constexpr std::string_view what = "cannot build the file in memory";
     // Format of HDF5 1.8: everything has a checksum, and texts may be long.
-    const hdf5::Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "cannot build the file in memory");
-    hdf5::check(H5Pset_libver_bounds(access.id(), H5F_LIBVER_V18, H5F_LIBVER_V18), "cannot build the file in memory");
-    hdf5::check(H5Pset_fapl_core(access.id(), std::size_t{1} << 16U, 0), "cannot build the file in memory");
-    const hdf5::Handle file(H5Fcreate(name.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), H5Fclose, "cannot build the file in memory");
+    const hdf5::Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, what);
+    hdf5::check(H5Pset_libver_bounds(access.id(), H5F_LIBVER_V18, H5F_LIBVER_V18), what);
+    hdf5::check(H5Pset_fapl_core(access.id(), std::size_t{1} << 16U, 0), what);
+    const hdf5::Handle file(H5Fcreate(name.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), H5Fclose, what);
     for (const Attribute& attribute : saved.attributes) {
         if (attribute.name.empty() || is_own(attribute)) throw hdf5::Failure("the name '" + attribute.name + "' is reserved (attribute)");
         hdf5::write_attribute(file.id(), attribute);
@@ -82,10 +83,10 @@ std::vector<std::byte> image_of(const SavedState& saved, const std::string& name
     write_array(file.id(), "y", H5T_NATIVE_DOUBLE, saved.state.size(), saved.state.data());
     write_array(file.id(), "phases", H5T_NATIVE_UINT8, saved.phases.size(), saved.phases.data());
     write_more(file.id(), saved.more);
-    hdf5::check(H5Fflush(file.id(), H5F_SCOPE_GLOBAL), "cannot build the file in memory");
-    const auto size = static_cast<std::size_t>(hdf5::check(H5Fget_file_image(file.id(), nullptr, 0), "cannot build the file in memory"));
+    hdf5::check(H5Fflush(file.id(), H5F_SCOPE_GLOBAL), what);
+    const auto size = static_cast<std::size_t>(hdf5::check(H5Fget_file_image(file.id(), nullptr, 0), what));
     std::vector<std::byte> image(size);
-    hdf5::check(H5Fget_file_image(file.id(), image.data(), size), "cannot build the file in memory");
+    hdf5::check(H5Fget_file_image(file.id(), image.data(), size), what);
     hdf5::renew_superblock(image);  // whose flags H5Fget_file_image (1.10.8) clears without renewing its checksum
     return image;
 }
