@@ -25,6 +25,8 @@ nanoseconds pauses(const ExecutorOptions& options) {
     return nanoseconds(0);
 }
 
+nanoseconds wall_now() noexcept { return std::chrono::steady_clock::now().time_since_epoch(); }
+
 }  // namespace
 
 Backoff::Backoff(const ExecutorOptions& options)
@@ -45,14 +47,6 @@ void Backoff::learn(nanoseconds waited) noexcept {
     const nanoseconds min_growth = std::chrono::microseconds(1);
     pauses_ = waited > pauses_ ? pauses_ / 2 : std::min(max_pauses_, 2 * pauses_ + min_growth);
 }
-
-namespace {
-
-using std::chrono::nanoseconds;
-
-nanoseconds wall_now() noexcept { return std::chrono::steady_clock::now().time_since_epoch(); }
-
-}  // namespace
 
 ProcessorUse ProcessorUse::now() noexcept {
     ProcessorUse use;

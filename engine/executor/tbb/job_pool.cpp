@@ -116,20 +116,16 @@ void WriterThread::finish() {
 
 bool OnceEach::claim(std::uint64_t key) {
     std::unique_lock hold(mutex_);
-    const auto entry_of = [&] {
-        return std::find_if(entries_.begin(), entries_.end(), [&](const Entry& each) { return each.key == key; });
-    };
-    if (entry_of() == entries_.end()) {
-        entries_.push_back({key, false});
-        return true;
-    }
-    changed_.wait(hold, [&] { return entry_of()->ready; });
+    const auto [entry, is_first] = ready_.try_emplace(key, false);
+    if (is_first) return true;
+    const bool& ready = entry->second;
+    changed_.wait(hold, [&ready] { return ready; });
     return false;
 }
 
 void OnceEach::made(std::uint64_t key) noexcept {
     const std::lock_guard hold(mutex_);
-    for (Entry& entry : entries_) entry.ready |= entry.key == key;
+    ready_.find(key)->second = true;
     changed_.notify_all();
 }
 

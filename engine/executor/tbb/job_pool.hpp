@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <exception>
 #include <functional>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -73,11 +74,7 @@ public:
     void made(std::uint64_t key) noexcept;
 
 private:
-    struct Entry {
-        std::uint64_t key;
-        bool ready;
-    };
-    std::vector<Entry> entries_;
+    std::map<std::uint64_t, bool> ready_;
     std::mutex mutex_;
     std::condition_variable changed_;
 };
