@@ -204,8 +204,8 @@ RecordAttributes Table::attributes() const {
 std::vector<Column> Table::columns() const {
     return entered(ErrorCode::record, [&] {
         std::vector<Column> columns;
-        for (const engine::CaseColumn& row : impl_->table.layout.columns())
-            columns.push_back({row.name, row.unit, row.description, 1, row.type == engine::CaseColumnType::text});
+        for (const engine::TableColumn& row : impl_->table.layout.columns())
+            columns.push_back({row.name, row.unit, row.description, 1, row.type == engine::ColumnType::text});
         return columns;
     });
 }
@@ -214,13 +214,13 @@ std::vector<double> Table::numbers(const std::string& column) const {
     return entered(ErrorCode::record, [&] {
         const std::size_t index = impl_->column(column);
         const engine::RowLayout& layout = impl_->table.layout;
-        const engine::CaseColumnType type = layout.columns()[index].type;
-        if (type == engine::CaseColumnType::text) throw Error(ErrorCode::argument, "column: '" + column + "' holds texts");
+        const engine::ColumnType type = layout.columns()[index].type;
+        if (type == engine::ColumnType::text) throw Error(ErrorCode::argument, "column: '" + column + "' holds texts");
         std::vector<double> values;
         for (std::size_t row = 0; row < rows(); ++row) {
             const auto bytes = impl_->table.row(row);
-            values.push_back(type == engine::CaseColumnType::real ? layout.real(bytes, index)
-                                                                  : static_cast<double>(layout.integer(bytes, index)));
+            values.push_back(type == engine::ColumnType::real ? layout.real(bytes, index)
+                                                              : static_cast<double>(layout.integer(bytes, index)));
         }
         return values;
     });

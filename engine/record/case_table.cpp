@@ -21,8 +21,8 @@
 
 namespace cvtflow::engine {
 
-RowLayout::RowLayout(std::vector<CaseColumn> columns) : columns_(std::move(columns)) {
-    for (const CaseColumn& column : columns_) {
+RowLayout::RowLayout(std::vector<TableColumn> columns) : columns_(std::move(columns)) {
+    for (const TableColumn& column : columns_) {
         offsets_.push_back(bytes_);
         bytes_ += static_cast<std::size_t>(column.width);
     }
@@ -30,11 +30,11 @@ RowLayout::RowLayout(std::vector<CaseColumn> columns) : columns_(std::move(colum
 }
 
 bool RowLayout::has(std::string_view name) const noexcept {
-    return std::any_of(columns_.begin(), columns_.end(), [&](const CaseColumn& each) { return each.name == name; });
+    return std::any_of(columns_.begin(), columns_.end(), [&](const TableColumn& each) { return each.name == name; });
 }
 
 std::size_t RowLayout::column(std::string_view name) const {
-    const auto found = std::find_if(columns_.begin(), columns_.end(), [&](const CaseColumn& each) { return each.name == name; });
+    const auto found = std::find_if(columns_.begin(), columns_.end(), [&](const TableColumn& each) { return each.name == name; });
     if (found == columns_.end()) throw std::out_of_range("no column " + std::string(name));
     return static_cast<std::size_t>(found - columns_.begin());
 }
@@ -72,9 +72,9 @@ std::string RowLayout::text(std::span<const std::byte> row, std::size_t column) 
 
 std::string RowLayout::cell(std::span<const std::byte> row, std::size_t column) const {
     switch (columns_[column].type) {
-        case CaseColumnType::real: return fmt::format("{}", real(row, column));
-        case CaseColumnType::integer: return std::to_string(integer(row, column));
-        case CaseColumnType::text: return text(row, column);
+        case ColumnType::real: return fmt::format("{}", real(row, column));
+        case ColumnType::integer: return std::to_string(integer(row, column));
+        case ColumnType::text: return text(row, column);
     }
     return {};
 }
@@ -94,12 +94,8 @@ bool RowLayout::sound(std::span<const std::byte> row) const noexcept {
 }
 
 std::string CaseTable::attribute(std::string_view name) const {
-    for (const Attribute& each : attributes) {
-        if (each.name != name) continue;
-        if (const auto* text = std::get_if<std::string>(&each.value)) return *text;
-        if (const auto* integer = std::get_if<std::int64_t>(&each.value)) return std::to_string(*integer);
-        return fmt::format("{}", std::get<double>(each.value));
-    }
+    for (const Attribute& each : attributes)
+        if (each.name == name) return std::visit([](const auto& value) { return fmt::format("{}", value); }, each.value);
     return {};
 }
 
@@ -119,10 +115,10 @@ constexpr std::size_t spare_bytes = 65536;  ///< kept free beyond every write, f
 hdf5::Handle row_type(const RowLayout& layout) {
     hdf5::Handle type(H5Tcreate(H5T_COMPOUND, layout.bytes()), H5Tclose, "cannot make a type");
     for (std::size_t i = 0; i < layout.columns().size(); ++i) {
-        const CaseColumn& column = layout.columns()[i];
+        const TableColumn& column = layout.columns()[i];
         std::optional<hdf5::Handle> text;
-        if (column.type == CaseColumnType::text) text.emplace(hdf5::text_type(static_cast<std::size_t>(column.width)));
-        const hid_t cell = text ? text->id() : column.type == CaseColumnType::real ? H5T_IEEE_F64LE : H5T_STD_I64LE;
+        if (column.type == ColumnType::text) text.emplace(hdf5::text_type(static_cast<std::size_t>(column.width)));
+        const hid_t cell = text ? text->id() : column.type == ColumnType::real ? H5T_IEEE_F64LE : H5T_STD_I64LE;
         hdf5::check(H5Tinsert(type.id(), column.name.c_str(), layout.offset(i), cell), "cannot make a type");
     }
     hdf5::check(H5Tinsert(type.id(), "check", layout.bytes() - sizeof(std::uint64_t), H5T_STD_U64LE), "cannot make a type");
@@ -138,9 +134,9 @@ void create_table(const std::string& path, const CaseTable& table, std::size_t r
     hdf5::write_attribute(created.id(), {"format_version", cases_version});
     const hdf5::Handle type = row_type(table.layout);
     const hdf5::Handle dataset = hdf5::create_series(created.id(), {"/cases", type.id(), 1, true, 0, rows_per_chunk});
-    hdf5::write_texts(dataset.id(), "columns", table.layout.columns(), &CaseColumn::name);
-    hdf5::write_texts(dataset.id(), "units", table.layout.columns(), &CaseColumn::unit);
-    hdf5::write_texts(dataset.id(), "descriptions", table.layout.columns(), &CaseColumn::description);
+    hdf5::write_texts(dataset.id(), "columns", table.layout.columns(), &TableColumn::name);
+    hdf5::write_texts(dataset.id(), "units", table.layout.columns(), &TableColumn::unit);
+    hdf5::write_texts(dataset.id(), "descriptions", table.layout.columns(), &TableColumn::description);
     std::vector<std::byte> some;
     for (std::size_t first = 0; first < rows; first += rows_per_write) {
         const std::size_t count = std::min(rows_per_write, rows - first);
@@ -160,13 +156,11 @@ RowLayout read_layout(hid_t dataset) {
     const int members = hdf5::require_record_type(type.id(), "cannot read the columns");
     if (static_cast<std::size_t>(members) != names.size() + 1 || units.size() != names.size() || descriptions.size() != names.size())
         throw hdf5::Failure("cannot read the columns: inconsistent layout");
-    std::vector<CaseColumn> columns;
+    std::vector<TableColumn> columns;
     for (std::size_t i = 0; i < names.size(); ++i) {
         const hdf5::Handle cell(H5Tget_member_type(type.id(), static_cast<unsigned>(i)), H5Tclose, "cannot read the columns");
         const H5T_class_t kind = H5Tget_class(cell.id());
-        const CaseColumnType what = kind == H5T_STRING  ? CaseColumnType::text
-                                    : kind == H5T_FLOAT ? CaseColumnType::real
-                                                        : CaseColumnType::integer;
+        const ColumnType what = kind == H5T_STRING ? ColumnType::text : kind == H5T_FLOAT ? ColumnType::real : ColumnType::integer;
         const auto text = [&](const auto& texts) { return hdf5::label(texts[i], "/cases"); };
         columns.push_back({text(names), text(units), text(descriptions), what, static_cast<int>(H5Tget_size(cell.id()))});
     }
@@ -262,20 +256,6 @@ struct CaseWriter::Impl {
         damage = reason;
         throw RecordError(path + ": cannot write: " + reason + "; " + std::to_string(rows) + " cases are saved");
     }
-
-    void append(std::span<const std::byte> row) {
-        if (!damage.empty()) fail(damage);
-        hsize_t size = 0;
-        hdf5::check(H5Fget_filesize(file.id(), &size), "cannot get the file's size");
-        if (const int reason = part.reserve(size + rows_per_chunk * row_bytes + spare_bytes); reason != 0) fail(std::strerror(reason));
-        try {
-            hdf5::append_rows(dataset.id(), type.id(), 0, rows, 1, row.data());
-            hdf5::check(H5Fflush(file.id(), H5F_SCOPE_GLOBAL), "cannot write");
-        } catch (const hdf5::Failure& failure) {
-            fail(failure.what());
-        }
-        ++rows;
-    }
 };
 
 CaseWriter::CaseWriter(const Permit& permit, const CaseTable& begin) : impl_(std::make_unique<Impl>(permit, begin)) {}
@@ -289,7 +269,21 @@ CaseWriter::~CaseWriter() {
 }
 
 void CaseWriter::append(std::span<const std::byte> row) {
-    hdf5::guarded(impl_->path, [&] { impl_->append(row); });
+    Impl& file = *impl_;
+    hdf5::guarded(file.path, [&] {
+        if (!file.damage.empty()) file.fail(file.damage);
+        hsize_t size = 0;
+        hdf5::check(H5Fget_filesize(file.file.id(), &size), "cannot get the file's size");
+        const std::size_t end = size + rows_per_chunk * file.row_bytes + spare_bytes;
+        if (const int reason = file.part.reserve(end); reason != 0) file.fail(std::strerror(reason));
+        try {
+            hdf5::append_rows(file.dataset.id(), file.type.id(), 0, file.rows, 1, row.data());
+            hdf5::check(H5Fflush(file.file.id(), H5F_SCOPE_GLOBAL), "cannot write");
+        } catch (const hdf5::Failure& failure) {
+            file.fail(failure.what());
+        }
+        ++file.rows;
+    });
 }
 
 void CaseWriter::sync() {

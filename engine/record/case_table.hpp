@@ -25,24 +25,13 @@
 
 namespace cvtflow::engine {
 
-enum class CaseColumnType { real, integer, text };
-
-struct CaseColumn {
-    std::string name{};
-    std::string unit{};
-    std::string description{};
-    CaseColumnType type = CaseColumnType::real;
-    int width = 8;  ///< bytes; of a text, its longest
-    bool operator==(const CaseColumn&) const = default;
-};
-
 /// Where columns lie in a row of bytes.
 class RowLayout {
 public:
     RowLayout() = default;
-    explicit RowLayout(std::vector<CaseColumn> columns);
+    explicit RowLayout(std::vector<TableColumn> columns);
 
-    [[nodiscard]] const std::vector<CaseColumn>& columns() const noexcept { return columns_; }
+    [[nodiscard]] const std::vector<TableColumn>& columns() const noexcept { return columns_; }
     /// Number of a column. @throws std::out_of_range
     [[nodiscard]] std::size_t column(std::string_view name) const;
     [[nodiscard]] bool has(std::string_view name) const noexcept;
@@ -66,7 +55,7 @@ public:
 
 private:
     [[nodiscard]] std::uint64_t check(std::span<const std::byte> row) const noexcept;
-    std::vector<CaseColumn> columns_;
+    std::vector<TableColumn> columns_;
     std::vector<std::size_t> offsets_;
     std::size_t bytes_ = 0;
 };

@@ -149,7 +149,7 @@ SweepVerification sweep_verification(const std::string& file) {
     SweepVerification verification;
     verification.target = engine::number_of(head.attribute(target_attribute)).value_or(0.0);
     std::vector<std::size_t> columns;
-    for (const engine::CaseColumn& column : head.layout.columns()) {
+    for (const engine::TableColumn& column : head.layout.columns()) {
         if (!column.name.starts_with(error_prefix)) continue;
         columns.push_back(head.layout.column(column.name));
         verification.scalars.push_back(column.name.substr(error_prefix.size()));

@@ -234,9 +234,7 @@ TEST_F(Batch, WithADamagedTableStopsAndTouchesNothing) {
 TEST_F(Batch, DistinguishesOtherTablesFromThoseOfSweeps) {
     engine::write_cases(
         (folder_ / "other.h5").string(),
-        {engine::RowLayout({{"case", "1", "", engine::CaseColumnType::integer}, {"status", "1", "", engine::CaseColumnType::real}}),
-         {},
-         {}});
+        {engine::RowLayout({{"case", "1", "", engine::ColumnType::integer}, {"status", "1", "", engine::ColumnType::real}}), {}, {}});
     EXPECT_EQ(run({"table", "other.h5"}).err, "cvtflow: other.h5: not the table of a sweep: it has no column 'status' of texts\n");
     EXPECT_EQ(run({"table", "other.h5"}).status, 1);
 }

@@ -177,9 +177,9 @@ std::string forge_table(const std::string& path, Dice& dice) {
         const std::span<std::byte> cells = std::span(table.rows).subspan(row * bytes, bytes);
         const std::size_t column = dice.below(columns);
         const auto type = table.layout.columns()[column].type;
-        if (type == engine::CaseColumnType::real) table.layout.put(cells, column, odd_number(dice));
-        if (type == engine::CaseColumnType::integer) table.layout.put(cells, column, static_cast<std::int64_t>(dice.extent()));
-        if (type == engine::CaseColumnType::text) table.layout.put(cells, column, std::string_view(hostile_text(dice.below(100))));
+        if (type == engine::ColumnType::real) table.layout.put(cells, column, odd_number(dice));
+        if (type == engine::ColumnType::integer) table.layout.put(cells, column, static_cast<std::int64_t>(dice.extent()));
+        if (type == engine::ColumnType::text) table.layout.put(cells, column, std::string_view(hostile_text(dice.below(100))));
         table.layout.seal(cells);
     }
     engine::write_cases({path, {.force = true}}, table);

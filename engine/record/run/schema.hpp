@@ -27,13 +27,14 @@ struct ChannelInfo {
     bool operator==(const ChannelInfo&) const = default;
 };
 
-enum class ColumnType { real, integer };
+enum class ColumnType { real, integer, text };
 
 struct TableColumn {
     std::string name{};
     std::string unit{};
     std::string description{};
-    ColumnType type = ColumnType::real;
+    ColumnType type = ColumnType::real;  ///< text: in tables of cases only
+    int width = 8;                       ///< bytes; of a text, its longest
     bool operator==(const TableColumn&) const = default;
 };
 

@@ -43,8 +43,8 @@ long CaseTally::failed() const noexcept {
 
 namespace {
 
-using engine::CaseColumn;
-using Type = engine::CaseColumnType;
+using engine::TableColumn;
+using Type = engine::ColumnType;
 
 constexpr int error_width = 240, program_width = 48;
 
@@ -61,7 +61,7 @@ constexpr int error_width = 240, program_width = 48;
     return true;
 }
 
-CaseColumn key_column(const Axis& axis, std::size_t key) {
+TableColumn key_column(const Axis& axis, std::size_t key) {
     const Parameter& parameter = *axis.keys[key];
     const Type type = only_numbers(axis, key) ? type_of(parameter) : Type::text;
     std::size_t width = 8;
@@ -72,7 +72,7 @@ CaseColumn key_column(const Axis& axis, std::size_t key) {
 }
 
 /// Column of a scalar's error: of verified cases, or stated by cases that end when they are steady.
-CaseColumn error_column(const Sweep& sweep, const Scalar& scalar) {
+TableColumn error_column(const Sweep& sweep, const Scalar& scalar) {
     const char* meaning =
         sweep.steady() ? "relative error of its mean, by trend and scatter" : "relative error against the reference run; NaN: not verified";
     return {std::string(error_prefix) + scalar.column, "1", fmt::format("{}: {}", scalar.text, meaning)};
@@ -84,7 +84,7 @@ constexpr std::string_view unhashed[] = {"wall", "threads", "program", "start_st
 }  // namespace
 
 engine::RowLayout result_layout(const Sweep& sweep) {
-    std::vector<CaseColumn> columns{
+    std::vector<TableColumn> columns{
         {"case", "1", "number of the case", Type::integer},
         {"status", "", "ok, unreliable, diverged, budget, bad_parameters, crashed, undefined or not_steady", Type::text, 16}};
     for (const Axis& axis : sweep.axes) {
@@ -247,7 +247,7 @@ namespace {
 /// Everything of a row but wall time, threads, and what it comes from (program, start state).
 void add_result(engine::Hash& hash, const engine::RowLayout& layout, std::span<const std::byte> row) {
     for (std::size_t c = 0; c < layout.columns().size(); ++c) {
-        const CaseColumn& column = layout.columns()[c];
+        const TableColumn& column = layout.columns()[c];
         if (!is_hashed(column.name)) continue;
         hash.add(row.subspan(layout.offset(c), static_cast<std::size_t>(column.width)));
     }
@@ -287,7 +287,7 @@ std::string results_hash(const engine::CaseTable& table) {
 
 std::string csv_text(const engine::CaseTable& table) {
     std::string text;
-    for (const CaseColumn& column : table.layout.columns()) text += (text.empty() ? "" : ",") + csv_cell(column.name, true);
+    for (const TableColumn& column : table.layout.columns()) text += (text.empty() ? "" : ",") + csv_cell(column.name, true);
     text += "\n";
     for (std::size_t row = 0; row < table.size(); ++row) {
         for (std::size_t c = 0; c < table.layout.columns().size(); ++c) {
@@ -349,7 +349,7 @@ void OrderedRows::fill(std::size_t first, std::span<std::byte> rows) {
 void set_mark(engine::CaseTable& table) {
     engine::Hash hash;
     for (const char* name : {"definition", "shard", "start_states"}) hash.add(table.attribute(name)).add(name);
-    for (const engine::CaseColumn& column : table.layout.columns())
+    for (const engine::TableColumn& column : table.layout.columns())
         hash.add(column.name + "\n" + column.unit + "\n" + column.description + "\n" + std::to_string(static_cast<int>(column.type)) + " " +
                  std::to_string(column.width));
     table.set({"mark", std::string(mark_of_a_sweep) + hash.hex()});

@@ -55,11 +55,11 @@ void append_example_state(RunFile& file, int i) {
 }
 
 CaseTable example_cases() {
-    CaseTable table{RowLayout({{"case", "1", "number", CaseColumnType::integer},
-                               {"slip", "1", "", CaseColumnType::real},
-                               {"status", "", "", CaseColumnType::text, 16}}),
-                    {{"sweep", std::string("s")}, {"cases", std::int64_t{9}}},
-                    {}};
+    CaseTable table{
+        RowLayout(
+            {{"case", "1", "number", ColumnType::integer}, {"slip", "1", "", ColumnType::real}, {"status", "", "", ColumnType::text, 16}}),
+        {{"sweep", std::string("s")}, {"cases", std::int64_t{9}}},
+        {}};
     table.rows.resize(9 * table.layout.bytes());
     for (std::size_t i = 0; i < 9; ++i) {
         const auto row = std::span(table.rows).subspan(i * table.layout.bytes(), table.layout.bytes());

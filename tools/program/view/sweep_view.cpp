@@ -90,7 +90,7 @@ SweepView from_table(const std::string& path) {
     tasks::sort_rows(table);
     SweepView view{path, table.attribute("sweep"), table.attributes, scene_of(table), {}, {}};
     const auto& columns = table.layout.columns();
-    for (const engine::CaseColumn& column : columns) view.columns.push_back({column.name, column.unit, column.description, false, false});
+    for (const engine::TableColumn& column : columns) view.columns.push_back({column.name, column.unit, column.description, false, false});
     for (std::size_t row = 0; row < table.size(); ++row) {
         auto& cells = view.cells.emplace_back();
         for (std::size_t c = 0; c < columns.size(); ++c) cells.push_back(table.layout.cell(table.row(row), c));

@@ -99,7 +99,7 @@ std::string state_text(const std::string& path) {
 
 std::string columns_text(const engine::RowLayout& layout) {
     Table columns({{"column"}, {"unit"}, {"meaning"}});
-    for (const engine::CaseColumn& column : layout.columns()) columns.add({column.name, column.unit, column.description});
+    for (const engine::TableColumn& column : layout.columns()) columns.add({column.name, column.unit, column.description});
     return "\n" + columns.text(2);
 }
 

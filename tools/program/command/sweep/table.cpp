@@ -39,17 +39,17 @@ struct TableArguments {
 };
 
 /// --csv prints SI units.
-Shown how_to_show(const engine::CaseColumn& column) {
-    return column.type == engine::CaseColumnType::real ? shown(column.name, column.unit) : Shown{};
+Shown how_to_show(const engine::TableColumn& column) {
+    return column.type == engine::ColumnType::real ? shown(column.name, column.unit) : Shown{};
 }
 
-std::string heading(const engine::CaseColumn& column) {
+std::string heading(const engine::TableColumn& column) {
     const std::string unit = how_to_show(column).unit;
     return unit.empty() ? column.name : fmt::format("{} [{}]", column.name, unit);
 }
 
 std::string short_cell(const engine::CaseTable& table, std::size_t row, std::size_t column) {
-    if (table.layout.columns()[column].type != engine::CaseColumnType::real) return table.layout.cell(table.row(row), column);
+    if (table.layout.columns()[column].type != engine::ColumnType::real) return table.layout.cell(table.row(row), column);
     const double value = how_to_show(table.layout.columns()[column]).factor * table.layout.real(table.row(row), column);
     return std::isnan(value) ? "-" : fmt::format("{:.6g}", value);
 }
@@ -60,7 +60,7 @@ std::vector<std::size_t> chosen_columns(const engine::RowLayout& layout, const s
                                           "truncated", "settling_evaluations", "threads", "hash"};
     std::vector<std::size_t> chosen;
     std::vector<std::string> known;
-    for (const engine::CaseColumn& column : layout.columns()) known.push_back(column.name);
+    for (const engine::TableColumn& column : layout.columns()) known.push_back(column.name);
     for (const std::string& name : names) {
         const std::string column = tasks::column_name(name);
         if (!layout.has(column))
@@ -77,8 +77,8 @@ std::vector<std::size_t> chosen_columns(const engine::RowLayout& layout, const s
 std::string table_text(const engine::CaseTable& table, const std::vector<std::size_t>& chosen) {
     std::vector<Table::Column> columns;
     for (const std::size_t c : chosen)
-        columns.push_back({heading(table.layout.columns()[c]),
-                           table.layout.columns()[c].type == engine::CaseColumnType::text ? Align::left : Align::right});
+        columns.push_back(
+            {heading(table.layout.columns()[c]), table.layout.columns()[c].type == engine::ColumnType::text ? Align::left : Align::right});
     Table text(columns);
     for (std::size_t row = 0; row < table.size(); ++row) {
         std::vector<std::string> cells;
@@ -91,7 +91,7 @@ std::string table_text(const engine::CaseTable& table, const std::vector<std::si
 /// "load_torque [N*m],slip_mean [1],…": the first line of a CSV.
 std::string headings_with_units(const engine::RowLayout& layout) {
     std::string text;
-    for (const engine::CaseColumn& column : layout.columns()) {
+    for (const engine::TableColumn& column : layout.columns()) {
         const std::string unit = column.unit.empty() ? "" : fmt::format(" [{}]", column.unit);
         text += (text.empty() ? "" : ",") + csv_cell(column.name + unit);
     }
