@@ -27,9 +27,6 @@ struct Catalogue {
     Catalogue() { add(threaded_executors()); }
     void add(std::span<const ExecutorRow> further) {
         all.insert(all.end(), further.begin(), further.end());
-        sort();
-    }
-    void sort() {
         const auto is_present = [](const ExecutorRow& row) { return row.make != nullptr; };
         present = static_cast<std::size_t>(std::stable_partition(all.begin(), all.end(), is_present) - all.begin());
     }

@@ -231,23 +231,23 @@ private:
         });
         std::vector<std::unique_ptr<CaseEngine>> engines(static_cast<std::size_t>(threads_));
         std::vector<std::vector<std::byte>> buffers(engines.size(), std::vector<std::byte>(layout.bytes()));
-        engine::JobPool pool({threads_, options_.pin});
         started_ = Clock::now();
-        pool.run([&](int) { return next(); },
-                 [&](int worker, long first) {
-                     auto& engine = engines[static_cast<std::size_t>(worker)];
-                     if (!engine) engine = std::make_unique<CaseEngine>(sweep_, starts_, control_, places());
-                     for (long number = first; number < first + sweep_.strand() && !stopping(); ++number) {
-                         if (!open(number)) continue;
-                         const CaseResult& result = run_noted(*engine, worker, number);
-                         if (result.status == CaseStatus::stopped) return;
-                         auto& row = buffers[static_cast<std::size_t>(worker)];
-                         fill_row(layout, sweep_, result, row);
-                         rows.post(row);
-                         engine->forget_checkpoint();
-                         ended(result);
-                     }
-                 });
+        engine::run_jobs(
+            threads_, options_.pin, [&](int) { return next(); },
+            [&](int worker, long first) {
+                auto& engine = engines[static_cast<std::size_t>(worker)];
+                if (!engine) engine = std::make_unique<CaseEngine>(sweep_, starts_, control_, places());
+                for (long number = first; number < first + sweep_.strand() && !stopping(); ++number) {
+                    if (!open(number)) continue;
+                    const CaseResult& result = run_noted(*engine, worker, number);
+                    if (result.status == CaseStatus::stopped) return;
+                    auto& row = buffers[static_cast<std::size_t>(worker)];
+                    fill_row(layout, sweep_, result, row);
+                    rows.post(row);
+                    engine->forget_checkpoint();
+                    ended(result);
+                }
+            });
         rows.finish();
         writer.sync();
     }

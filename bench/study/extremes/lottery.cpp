@@ -293,9 +293,9 @@ std::vector<LotteryTicket> play_all(std::uint64_t seed, long first, long count, 
     std::vector<LotteryTicket> tickets(static_cast<std::size_t>(count));
     for (const std::string_view scene : ready_scenes_drawn) (void)find_scene(std::string(scene));  // not installed: not a refused machine
     long next = 0;
-    engine::JobPool pool({threads});
-    pool.run([&](int) { return next < count ? std::optional(next++) : std::nullopt; },
-             [&](int, long k) { tickets[static_cast<std::size_t>(k)] = play(seed, first + k, rules); });
+    engine::run_jobs(
+        threads, false, [&](int) { return next < count ? std::optional(next++) : std::nullopt; },
+        [&](int, long k) { tickets[static_cast<std::size_t>(k)] = play(seed, first + k, rules); });
     return tickets;
 }
 

@@ -12,14 +12,14 @@
 
 namespace cvtflow::engine {
 
-void JobPool::run(const std::function<std::optional<long>(int)>& next, const std::function<void(int, long)>& work) {
+void run_jobs(int threads, bool pin, const std::function<std::optional<long>(int)>& next, const std::function<void(int, long)>& work) {
     std::mutex mutex;
     std::exception_ptr error;
     const FloatingMode mode;
     const Processors processors;
     const auto worker = [&](int number) {
         const FloatingScope floating(mode);
-        const Pin pin(options_.pin, processors, number);
+        const Pin pinned(pin, processors, number);
         for (;;) {
             const std::optional<long> job = [&] {
                 const std::lock_guard hold(mutex);
@@ -34,11 +34,11 @@ void JobPool::run(const std::function<std::optional<long>(int)>& next, const std
             }
         }
     };
-    TbbSection section(options_.threads);
+    TbbSection section(threads);
     section.execute([&](oneapi::tbb::task_group_context& context) {
         // One piece per worker; a worker that never arrives finds nothing left to do when its piece is run by another.
         oneapi::tbb::parallel_for(
-            oneapi::tbb::blocked_range<int>(0, options_.threads, 1),
+            oneapi::tbb::blocked_range<int>(0, threads, 1),
             [&](const auto& range) {
                 for (int number = range.begin(); number != range.end(); ++number) worker(number);
             },

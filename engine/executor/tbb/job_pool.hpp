@@ -18,22 +18,12 @@
 
 namespace cvtflow::engine {
 
-/// Runs jobs. Jobs may themselves run parallel executors: their arenas hire the threads that have left this one.
-class JobPool {
-public:
-    struct Options {
-        int threads = 1;
-        bool pin = false;  ///< each worker to a processor of its own
-    };
-    explicit JobPool(Options options) : options_(options) {}
-
-    /// @param next  called by one thread at a time; the number of a job, nothing when there is none any more for this worker
-    /// @param work  called by any worker 0 … threads - 1 for its job; what it throws ends the pool and is thrown here
-    void run(const std::function<std::optional<long>(int worker)>& next, const std::function<void(int worker, long job)>& work);
-
-private:
-    Options options_;
-};
+/// Runs jobs on that many threads. Jobs may themselves run parallel executors: their arenas hire the threads that have left this one.
+/// @param pin   each worker to a processor of its own
+/// @param next  called by one thread at a time; the number of a job, nothing when there is none any more for this worker
+/// @param work  called by any worker 0 … threads - 1 for its job; what it throws ends the jobs and is thrown here
+void run_jobs(int threads, bool pin, const std::function<std::optional<long>(int worker)>& next,
+              const std::function<void(int worker, long job)>& work);
 
 /// One thread that takes rows of bytes, in the order in which they come. At most `slots` wait; post() then blocks. Nothing is allocated
 /// after construction. Where the system has no thread for it, post() writes.

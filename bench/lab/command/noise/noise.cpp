@@ -64,12 +64,13 @@ void simulate(NoiseResult& result, const std::vector<std::size_t>& rows, const t
               const NoiseArguments& arguments) {
     std::size_t next = 0;
     const engine::Cancellation& cancel = catch_interrupts();
-    engine::JobPool pool({arguments.threads});
-    pool.run([&](int) { return next < rows.size() && !cancel.requested() ? std::optional(static_cast<long>(next++)) : std::nullopt; },
-             [&](int, long job) {
-                 NoiseRow& row = result.rows[rows[static_cast<std::size_t>(job)]];
-                 row.*level = measure_noise(with_sequence(scene, row, result), arguments.rounds, cancel);
-             });
+    engine::run_jobs(
+        arguments.threads, false,
+        [&](int) { return next < rows.size() && !cancel.requested() ? std::optional(static_cast<long>(next++)) : std::nullopt; },
+        [&](int, long job) {
+            NoiseRow& row = result.rows[rows[static_cast<std::size_t>(job)]];
+            row.*level = measure_noise(with_sequence(scene, row, result), arguments.rounds, cancel);
+        });
 }
 
 /// Appends sequences and simulates them at `rigid`. @param make a sequence, by chance

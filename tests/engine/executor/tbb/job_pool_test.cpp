@@ -13,30 +13,30 @@
 namespace cvtflow::engine {
 namespace {
 
-TEST(JobPool, RunsEveryJobOnceForAnyNumberOfThreads) {
+TEST(RunJobs, RunsEveryJobOnceForAnyNumberOfThreads) {
     for (const int threads : {1, 2, 5}) {
         std::vector<std::atomic<int>> runs(200);
         long next = 0;
-        JobPool({threads, false})
-            .run([&](int) { return next < 200 ? std::optional(next++) : std::nullopt; },
-                 [&](int worker, long job) {
-                     EXPECT_TRUE(worker >= 0 && worker < threads);
-                     ++runs[static_cast<std::size_t>(job)];
-                 });
+        run_jobs(
+            threads, false, [&](int) { return next < 200 ? std::optional(next++) : std::nullopt; },
+            [&](int worker, long job) {
+                EXPECT_TRUE(worker >= 0 && worker < threads);
+                ++runs[static_cast<std::size_t>(job)];
+            });
         for (const auto& count : runs) EXPECT_EQ(count.load(), 1);
     }
 }
 
-TEST(JobPool, EndsWithWhatAJobThrows) {
+TEST(RunJobs, EndsWithWhatAJobThrows) {
     long next = 0;
     const auto run = [&] {
-        JobPool({2, false})
-            .run([&](int) { return next < 1000 ? std::optional(next++) : std::nullopt; },
-                 [](int, long job) {
-                     if (job == 3) throw std::runtime_error("job 3");
-                     // All others together take a second, longer than throwing.
-                     if (job > 3) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-                 });
+        run_jobs(
+            2, false, [&](int) { return next < 1000 ? std::optional(next++) : std::nullopt; },
+            [](int, long job) {
+                if (job == 3) throw std::runtime_error("job 3");
+                // All others together take a second, longer than throwing.
+                if (job > 3) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+            });
     };
     EXPECT_THROW(run(), std::runtime_error);
     EXPECT_LT(next, 1000);
@@ -70,14 +70,14 @@ TEST(OnceEach, IsMadeByOneWhileOthersWait) {
     OnceEach once;
     std::atomic<int> makers{0};
     long next = 0;
-    JobPool({4, false})
-        .run([&](int) { return next < 40 ? std::optional(next++) : std::nullopt; },
-             [&](int, long job) {
-                 const auto key = static_cast<std::uint64_t>(job % 3);
-                 if (!once.claim(key)) return;
-                 ++makers;
-                 once.made(key);
-             });
+    run_jobs(
+        4, false, [&](int) { return next < 40 ? std::optional(next++) : std::nullopt; },
+        [&](int, long job) {
+            const auto key = static_cast<std::uint64_t>(job % 3);
+            if (!once.claim(key)) return;
+            ++makers;
+            once.made(key);
+        });
     EXPECT_EQ(makers.load(), 3);
 }
 
