@@ -1,5 +1,6 @@
 #include "engine/base/hash.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <bit>
 #include <cstring>
@@ -29,11 +30,7 @@ Hash& Hash::add(std::uint64_t word) noexcept {
 
 std::string Hash::hex() const { return engine::hex(value_); }
 
-std::string hex(std::uint64_t word) {
-    std::string text(16, '0');
-    for (int digit = 0; digit < 16; ++digit) text[static_cast<std::size_t>(digit)] = "0123456789abcdef"[(word >> (60 - 4 * digit)) & 15U];
-    return text;
-}
+std::string hex(std::uint64_t word) { return fmt::format("{:016x}", word); }
 
 std::uint64_t state_hash(std::span<const double> state) noexcept { return Hash{}.add(state).value(); }
 

@@ -33,11 +33,7 @@ std::string visible(std::string_view text) {
     shown.reserve(text.size());
     for (std::size_t at = 0; at < text.size();) {
         const std::size_t size = text[at] == '\n' || text[at] == '\t' ? 0 : control_size(text.substr(at));
-        for (std::size_t k = 0; k < size; ++k) {
-            constexpr std::string_view digits = "0123456789abcdef";
-            const auto byte = static_cast<unsigned char>(text[at + k]);
-            shown += {'\\', 'x', digits[byte >> 4U], digits[byte & 15U]};
-        }
+        for (std::size_t k = 0; k < size; ++k) shown += fmt::format("\\x{:02x}", static_cast<unsigned char>(text[at + k]));
         if (size == 0) shown += text[at];
         at += std::max<std::size_t>(size, 1);
     }
@@ -89,37 +85,33 @@ Character first_of(std::string_view text) {
 
 bool is_control(std::uint32_t code) { return code < 0x20 || (code >= 0x7f && code < 0xa0); }
 
-/// Why a character cannot be in a text that XML 1.0 holds; nullptr: it can.
-const char* objection(const Character& character, bool lines) {
+/// Why a character cannot be in a text that XML 1.0 holds; empty: it can.
+std::string objection(const Character& character, bool lines) {
     if (character.bytes == 0) return "contains bytes that are not UTF-8";
-    if (lines && (character.code == '\n' || character.code == '\t' || character.code == '\r')) return nullptr;
+    if (lines && (character.code == '\n' || character.code == '\t' || character.code == '\r')) return "";
     if (is_control(character.code)) return "contains a control character";
-    return character.code == 0xfffe || character.code == 0xffff ? "contains a noncharacter (U+FFFE, U+FFFF)" : nullptr;
+    return character.code == 0xfffe || character.code == 0xffff ? "contains a noncharacter (U+FFFE, U+FFFF)" : "";
 }
 
-const char* objection_in(std::string_view text, bool lines) {
+std::string objection_in(std::string_view text, bool lines) {
     for (std::size_t at = 0; at < text.size();) {
         const Character next = first_of(text.substr(at));
-        if (const char* wrong = objection(next, lines)) return wrong;
+        if (std::string wrong = objection(next, lines); !wrong.empty()) return wrong;
         at += next.bytes;
     }
-    return nullptr;
+    return "";
 }
 
 }  // namespace
 
-std::string text_problem(std::string_view text) {
-    const char* wrong = objection_in(text, true);
-    return wrong != nullptr ? wrong : "";
-}
+std::string text_problem(std::string_view text) { return objection_in(text, true); }
 
 std::string name_problem(std::string_view name) {
     if (name.size() > longest_name)
         return "has " + std::to_string(name.size()) + " bytes; a name has at most " + std::to_string(longest_name);
     if (name.find_first_of("/\\") != std::string_view::npos) return "contains '/' or '\\'; a name is no path";
     if (name.starts_with('.')) return "begins with a dot";
-    const char* wrong = objection_in(name, false);
-    return wrong != nullptr ? wrong : "";
+    return objection_in(name, false);
 }
 
 std::string name_of_file(std::string_view stem) {
@@ -127,7 +119,7 @@ std::string name_of_file(std::string_view stem) {
     for (std::size_t at = 0; at < stem.size() && name.size() + 4 <= longest_name;) {
         const Character next = first_of(stem.substr(at));
         const std::size_t bytes = next.bytes == 0 ? 1 : next.bytes;
-        const bool bad = objection(next, false) != nullptr || next.code == '/' || next.code == '\\' || (at == 0 && next.code == '.');
+        const bool bad = !objection(next, false).empty() || next.code == '/' || next.code == '\\' || (at == 0 && next.code == '.');
         name += bad ? "_" : stem.substr(at, bytes);
         at += bytes;
     }

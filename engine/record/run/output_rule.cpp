@@ -147,8 +147,6 @@ void require_no_input(const std::string& path, const std::vector<fs::path>& inpu
     }
 }
 
-Permit::Permit(const std::string& path) : Permit(path, OutputRule{}) {}
-
 Permit::Permit(const std::string& path, const OutputRule& rule) : path_(path) {
     if (path.empty()) return;
     require_no_input(path, rule.inputs);

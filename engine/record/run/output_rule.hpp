@@ -36,12 +36,10 @@ class Permit {
 public:
     /// Permits no file.
     Permit() = default;
-    /// Permits a new file.
-    Permit(const std::string& path);
-    /// Asked before the work whose result goes there.
+    /// Asked before the work whose result goes there. By default: for a new file.
     /// @throws RecordError: an input; another file without `force`; a folder, a symbolic link, a device, pipe or socket; a missing folder;
     /// no permission
-    Permit(const std::string& path, const OutputRule& rule);
+    Permit(const std::string& path, const OutputRule& rule = {});
 
     [[nodiscard]] const std::string& path() const noexcept { return path_; }
     [[nodiscard]] bool empty() const noexcept { return path_.empty(); }
