@@ -1,5 +1,6 @@
 #pragma once
-/// A plan laid out flat for the step loop: all terms in one array, stage times beside them. Nothing is allocated after compile().
+/// A plan laid out flat for the step loop: all terms in one array, stage times beside them. Nothing is allocated after compile(). And the
+/// one kernel of every method: a linear combination of slots over a range of the state vector.
 
 #include <span>
 
@@ -59,5 +60,17 @@ private:
     bool has_error_;
     bool last_is_result_;
 };
+
+/// Where the slots of a step lie: arrays of pointers to whole state vectors.
+struct SlotView {
+    const double* const* states;  ///< [state slot] → y [state]
+    const double* const* slopes;  ///< [slope slot] → y' [state/s]
+};
+
+/// out[i - begin] = Σ factor states[slot][i] + Σ (h factor) slopes[slot][i] for i in [begin, end).
+/// Terms are added per element from left to right, states first: results are bitwise the same however a range is split.
+/// @param out end - begin numbers; overlaps no slot that the step reads
+/// No terms at all: zeros. Never fails, allocates nothing.
+void combine(const PlanStep& step, double h, const SlotView& slots, int begin, int end, double* out) noexcept;
 
 }  // namespace cvtflow::engine

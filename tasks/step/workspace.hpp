@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "engine/event/interpolant.hpp"
-#include "engine/method/combine.hpp"
 #include "engine/method/compiled_plan.hpp"
 #include "model/law/phase_rule.hpp"
 #include "model/machine/heat_balance.hpp"

@@ -4,7 +4,7 @@
 
 #include "bench/method/product_names.hpp"
 #include "bench/method/stability/step_map.hpp"
-#include "engine/method/combine.hpp"
+#include "engine/method/compiled_plan.hpp"
 
 namespace cvtflow::bench {
 

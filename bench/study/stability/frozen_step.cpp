@@ -5,7 +5,7 @@
 
 #include "bench/study/tradeoff/relative_error.hpp"
 #include "engine/method/catalogue.hpp"
-#include "engine/method/combine.hpp"
+#include "engine/method/compiled_plan.hpp"
 #include "model/observe/observation.hpp"
 
 namespace cvtflow::bench {

@@ -1,4 +1,4 @@
-#include "engine/method/combine.hpp"
+#include "engine/method/compiled_plan.hpp"
 
 #include <gtest/gtest.h>
 

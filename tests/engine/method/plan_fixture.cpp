@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "engine/event/interpolant.hpp"
-#include "engine/method/combine.hpp"
+#include "engine/method/compiled_plan.hpp"
 
 namespace cvtflow::engine::test {
 
