@@ -65,68 +65,50 @@ std::vector<double> read_reals(hid_t file, const std::string& path, std::size_t 
 }  // namespace
 
 struct RunReader::Impl {
-    std::string path;
     hdf5::OpenFile opened;
-    const hdf5::Handle& file = opened.file;
-    std::string status;
-    std::vector<Attribute> attributes;
-    std::vector<ChannelInfo> channels;
-    std::vector<TableInfo> tables;
-    std::size_t rows = 0;
-    std::size_t states = 0;
-
-    explicit Impl(const std::string& name)
-        : path(name), opened(hdf5::open_for_reading(name, {hdf5::run_format, hdf5::run_format_version, false})) {
-        hdf5::guarded(path, [this] { read_structure(); });
-    }
-
-    void read_structure() {
-        status = hdf5::read_text(file.id(), "status");
-        attributes = hdf5::read_attributes(file.id());
-        std::erase_if(attributes, [](const Attribute& each) {
-            return each.name == "format" || each.name == "format_version" || each.name == "status";
-        });
-        hdf5::ReadBudget budget(file.id());
-        channels = read_channels(file.id(), budget);
-        tables = read_tables(file.id(), budget);
-        rows = rows_of(file.id(), "/channels/time", budget);
-        states = rows_of(file.id(), "/states/time", budget);
-    }
-
-    /// Rows of a killed run's channels beyond the last time are passed over.
-    std::vector<double> read_channel(std::string_view name, std::size_t first, std::size_t count) const {
-        if (name != "time" && std::none_of(channels.begin(), channels.end(), [&](const ChannelInfo& each) { return each.name == name; }))
-            throw RecordError(path + ": no channel '" + std::string(name) + "'");
-        return hdf5::guarded(path, [&] { return read_reals(file.id(), "/channels/" + std::string(name), first, count, 2); });
-    }
+    const hid_t file = opened.file.id();
 };
 
-RunReader::RunReader(const std::string& path) : impl_(std::make_unique<Impl>(path)) {}
+RunReader::RunReader(const std::string& path)
+    : path_(path),
+      impl_(new Impl{hdf5::open_for_reading(path, {hdf5::run_format, hdf5::run_format_version, false})}),
+      sealed_(impl_->opened.sealed) {
+    hdf5::guarded(path_, [this] {
+        const hid_t file = impl_->file;
+        status_ = hdf5::read_text(file, "status");
+        attributes_ = hdf5::read_attributes(file);
+        std::erase_if(attributes_, [](const Attribute& each) {
+            return each.name == "format" || each.name == "format_version" || each.name == "status";
+        });
+        hdf5::ReadBudget budget(file);
+        channels_ = read_channels(file, budget);
+        tables_ = read_tables(file, budget);
+        rows_ = rows_of(file, "/channels/time", budget);
+        states_ = rows_of(file, "/states/time", budget);
+    });
+}
+
 RunReader::~RunReader() = default;
 RunReader::RunReader(RunReader&&) noexcept = default;
 RunReader& RunReader::operator=(RunReader&&) noexcept = default;
 
-bool RunReader::sealed() const noexcept { return impl_->opened.sealed; }
-const std::string& RunReader::status() const noexcept { return impl_->status; }
-const std::vector<Attribute>& RunReader::attributes() const noexcept { return impl_->attributes; }
-const std::vector<ChannelInfo>& RunReader::channels() const noexcept { return impl_->channels; }
-const std::vector<TableInfo>& RunReader::tables() const noexcept { return impl_->tables; }
-std::size_t RunReader::rows() const noexcept { return impl_->rows; }
-
 std::vector<double> RunReader::times() const {
-    return hdf5::guarded(impl_->path, [&] { return read_reals(impl_->file.id(), "/channels/time", 0, impl_->rows); });
+    return hdf5::guarded(path_, [&] { return read_reals(impl_->file, "/channels/time", 0, rows_); });
 }
 
-std::vector<double> RunReader::channel(std::string_view name) const { return impl_->read_channel(name, 0, impl_->rows); }
+/// Rows of a killed run's channels beyond the last time are passed over.
+std::vector<double> RunReader::channel(std::string_view name) const { return channel_rows(name, 0, rows_); }
 
 std::vector<double> RunReader::channel_rows(std::string_view name, std::size_t first, std::size_t count) const {
-    return impl_->read_channel(name, first, count);
+    if (name != "time" && std::none_of(channels_.begin(), channels_.end(), [&](const ChannelInfo& each) { return each.name == name; }))
+        throw RecordError(path_ + ": no channel '" + std::string(name) + "'");
+    return hdf5::guarded(path_, [&] { return read_reals(impl_->file, "/channels/" + std::string(name), first, count, 2); });
 }
 
 RecordedState RunReader::state(std::size_t number) const {
-    if (impl_->states == 0) throw RecordError(impl_->path + ": no states recorded");
-    return hdf5::guarded(impl_->path, [&] {
-        const hid_t file = impl_->file.id();
+    if (states_ == 0) throw RecordError(path_ + ": no states recorded");
+    return hdf5::guarded(path_, [&] {
+        const hid_t file = impl_->file;
         RecordedState result{read_reals(file, "/states/time", number, 1).front(), read_reals(file, "/states/y", number, 1, 2), {}};
         if (hdf5::has_object(file, "/states/phases")) {
             const hdf5::Series series(file, "/states/phases", hdf5::Cells::bytes, 2);
@@ -138,20 +120,19 @@ RecordedState RunReader::state(std::size_t number) const {
 }
 
 std::vector<double> RunReader::last(std::string_view name) const {
-    return impl_->rows == 0 ? impl_->read_channel(name, 0, 0) : impl_->read_channel(name, impl_->rows - 1, 1);
+    return rows_ == 0 ? channel_rows(name, 0, 0) : channel_rows(name, rows_ - 1, 1);
 }
 
 std::vector<double> RunReader::state_times() const {
-    return impl_->states == 0 ? std::vector<double>{}
-                              : hdf5::guarded(impl_->path, [&] { return read_reals(impl_->file.id(), "/states/time", 0, impl_->states); });
+    if (states_ == 0) return {};
+    return hdf5::guarded(path_, [&] { return read_reals(impl_->file, "/states/time", 0, states_); });
 }
 
 std::vector<std::vector<double>> RunReader::table(std::string_view name) const {
-    const auto& all = impl_->tables;
-    const auto info = std::find_if(all.begin(), all.end(), [&](const TableInfo& each) { return each.name == name; });
-    if (info == all.end()) throw RecordError(impl_->path + ": no table '" + std::string(name) + "'");
-    return hdf5::guarded(impl_->path, [&] {
-        const hdf5::Series series(impl_->file.id(), "/tables/" + info->name, hdf5::Cells::records);
+    const auto info = std::find_if(tables_.begin(), tables_.end(), [&](const TableInfo& each) { return each.name == name; });
+    if (info == tables_.end()) throw RecordError(path_ + ": no table '" + std::string(name) + "'");
+    return hdf5::guarded(path_, [&] {
+        const hdf5::Series series(impl_->file, "/tables/" + info->name, hdf5::Cells::records);
         const std::size_t columns = info->columns.size();
         const hdf5::Handle type(H5Tcreate(H5T_COMPOUND, 8 * columns), H5Tclose, "cannot make a type");
         for (std::size_t i = 0; i < columns; ++i)

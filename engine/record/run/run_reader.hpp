@@ -1,6 +1,7 @@
 #pragma once
 /// Reads the record of a run (run_file.hpp draws it): finished, left by a killed run, or being written.
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -30,16 +31,16 @@ public:
     RunReader& operator=(RunReader&&) noexcept;
 
     /// Whether it is byte for byte what its writer finished; false while it is written, after a kill, and for what others have made of it.
-    [[nodiscard]] bool sealed() const noexcept;
+    [[nodiscard]] bool sealed() const noexcept { return sealed_; }
     /// "finished", "running" (also of a killed run), "interrupted", or what ended the run.
-    [[nodiscard]] const std::string& status() const noexcept;
+    [[nodiscard]] const std::string& status() const noexcept { return status_; }
     /// Attributes of the whole file, by name; without format, format_version and status.
-    [[nodiscard]] const std::vector<Attribute>& attributes() const noexcept;
+    [[nodiscard]] const std::vector<Attribute>& attributes() const noexcept { return attributes_; }
 
     /// In order of declaration.
-    [[nodiscard]] const std::vector<ChannelInfo>& channels() const noexcept;
+    [[nodiscard]] const std::vector<ChannelInfo>& channels() const noexcept { return channels_; }
     /// Rows of every channel.
-    [[nodiscard]] std::size_t rows() const noexcept;
+    [[nodiscard]] std::size_t rows() const noexcept { return rows_; }
     /// Times of the rows [s].
     [[nodiscard]] std::vector<double> times() const;
     /// All rows of a channel, [rows * width], row by row.
@@ -54,13 +55,20 @@ public:
     /// @param number 0 … state_times().size() - 1
     [[nodiscard]] RecordedState state(std::size_t number) const;
 
-    [[nodiscard]] const std::vector<TableInfo>& tables() const noexcept;
+    [[nodiscard]] const std::vector<TableInfo>& tables() const noexcept { return tables_; }
     /// Rows of a table, each as long as it has columns; integers as reals.
     [[nodiscard]] std::vector<std::vector<double>> table(std::string_view name) const;
 
 private:
     struct Impl;
+    std::string path_;
     std::unique_ptr<Impl> impl_;
+    bool sealed_ = false;
+    std::string status_;
+    std::vector<Attribute> attributes_;
+    std::vector<ChannelInfo> channels_;
+    std::vector<TableInfo> tables_;
+    std::size_t rows_ = 0, states_ = 0;
 };
 
 }  // namespace cvtflow::engine
