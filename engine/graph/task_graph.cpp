@@ -42,7 +42,7 @@ void TaskGraph::order(int before, int after) {
     if (task(before).cycle != task(after).cycle) {
         throw std::invalid_argument("task graph: edge from " + task(before).name + " to " + task(after).name + " leaves its cycle");
     }
-    edges_.push_back({before, after});
+    edges_.emplace_back(before, after);
 }
 
 void TaskGraph::freeze() {

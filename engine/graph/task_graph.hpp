@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace cvtflow::engine {
@@ -100,19 +101,13 @@ public:
     [[nodiscard]] TaskCall call(int task) const noexcept { return calls_[static_cast<std::size_t>(task)]; }
 
 private:
-    struct Edge {
-        int before;
-        int after;
-        auto operator<=>(const Edge&) const = default;
-    };
-
     void require_open() const;
     void index_edges();
     [[nodiscard]] std::vector<int> level_of_tasks() const;
     void index_levels(const std::vector<int>& level_of);
 
     std::vector<Task> tasks_;
-    std::vector<Edge> edges_;
+    std::vector<std::pair<int, int>> edges_;  ///< before, after
     bool frozen_ = false;
 
     std::vector<TaskCall> calls_;         ///< [task]

@@ -3,16 +3,30 @@
 
 #include <sched.h>
 
+#include <algorithm>
+
 namespace cvtflow::engine {
 
 /// Processors that the calling thread may use, when this was made.
 class Processors {
 public:
-    Processors() noexcept;
+    Processors() noexcept : set_{}, known_(sched_getaffinity(0, sizeof set_, &set_) == 0) {
+        if (known_) count_ = std::max(1, CPU_COUNT(&set_));
+    }
     /// At least 1.
     [[nodiscard]] int count() const noexcept { return count_; }
     /// The set that holds only the (number modulo count)-th of them.
-    [[nodiscard]] cpu_set_t only(int number) const noexcept;
+    [[nodiscard]] cpu_set_t only(int number) const noexcept {
+        cpu_set_t result;
+        CPU_ZERO(&result);
+        int left = number % count_;
+        for (int processor = 0; processor < CPU_SETSIZE; ++processor) {
+            if (!CPU_ISSET(processor, &set_) || left-- > 0) continue;
+            CPU_SET(processor, &result);
+            break;
+        }
+        return result;
+    }
     /// Whether the system reported it.
     [[nodiscard]] bool known() const noexcept { return known_; }
 
@@ -26,8 +40,14 @@ private:
 class Pin {
 public:
     /// @param requested false: no effect
-    Pin(bool requested, const Processors& processors, int number) noexcept;
-    ~Pin();
+    Pin(bool requested, const Processors& processors, int number) noexcept : before_{}, pinned_(false) {
+        if (!requested || !processors.known() || sched_getaffinity(0, sizeof before_, &before_) != 0) return;
+        const cpu_set_t only = processors.only(number);
+        pinned_ = sched_setaffinity(0, sizeof only, &only) == 0;
+    }
+    ~Pin() {
+        if (pinned_) sched_setaffinity(0, sizeof before_, &before_);
+    }
     Pin(const Pin&) = delete;
     Pin& operator=(const Pin&) = delete;
 
