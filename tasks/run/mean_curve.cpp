@@ -156,8 +156,9 @@ constexpr double quantile[max_blocks - 1] = {0, 12.71, 4.30, 3.18, 2.78, 2.57, 2
 constexpr double sag_counts = 1.5;            ///< a swing that turns has no trend: by its bend, the mean is off by about that much
 constexpr double share_of_efficiency = 0.02;  ///< of the tolerance of other means
 constexpr double noticed_alternation = 5e-4;  ///< of the tension: machines that do not alternate stay below 3e-4
-constexpr double min_trend_slip = 5e-4;       ///< slips below are compared with this [1]
-constexpr double min_share_of_tight = 0.1;    ///< likewise a slack strand, with a share of the tight one
+constexpr double most_slip = 0.1;           ///< a chain that holds creeps by a hundredth; by more than this, load or clamping decide alone
+constexpr double min_trend_slip = 5e-4;     ///< slips below are compared with this [1]
+constexpr double min_share_of_tight = 0.1;  ///< likewise a slack strand, with a share of the tight one
 
 struct Block {
     double mean[8];  ///< of the quantities below
@@ -294,6 +295,10 @@ SteadyMeans steady_means(const MeanCurve& curve, const SteadyRule& rule) noexcep
     const double after = alternation(points[last - quarter], points[last]), tight = means.error[2].mean;
     means.alternation = tight > 0.0 ? after / tight : 0.0;
     means.alternates = means.alternation > noticed_alternation && after > before;
+    const MeanPoint& middle = points[means.begin + batches / 2 * means.batch];
+    const double earlier = std::abs(middle.mean_since(points[means.begin], Mean::friction_slip));
+    const double later = std::abs(points[last].mean_since(middle, Mean::friction_slip));
+    means.sliding = later > most_slip && later > earlier ? later : 0.0;
     return means;
 }
 

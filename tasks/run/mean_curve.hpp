@@ -144,6 +144,7 @@ struct SteadyMeans {
     std::array<MeanError, count> error{};           ///< not a number: there is no such mean
     double alternation = 0.0;                       ///< amplitude of the tight tension at half the pin frequency over its mean [1]
     bool alternates = false;                        ///< it is noticeable and grows: what follows has other means
+    double sliding = 0.0;                           ///< slip by friction of a chain that slides, and ever faster; else 0 [1]
 
     [[nodiscard]] bool steady() const noexcept { return batches > 0 && share > 0.0 && share <= 1.0 && !alternates; }
 };

@@ -182,11 +182,12 @@ void RunMeans::check_steady() noexcept {
     if (!ended_ && periods < next_check_) return;
     next_check_ = periods + std::max(min_periods, later * periods);
     steady_ = steady_means(curve_, rule_);
-    ended_ = ended_ || steady_.steady();
+    ended_ = ended_ || steady_.steady() || steady_.sliding > 0.0;
 }
 
 Fault RunMeans::steady_fault() const noexcept {
     if (!ended_ || steady_.steady()) return {};
+    if (steady_.sliding > 0.0) return {FaultKind::not_steady, curve_.last().time, {}, steady_.sliding, 0.0};
     return {FaultKind::not_steady, curve_.last().time, {}, steady_.share, rule_.limit / std::max(1.0, rule_.pins)};
 }
 

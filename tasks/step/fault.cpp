@@ -15,8 +15,11 @@ std::string Fault::name() const {
 
 namespace {
 
-/// when: "at t = 0.1 s"; value: largest error over its limit [1], revolutions of the chain [1]
+/// when: "at t = 0.1 s"; value: largest error over its limit [1], revolutions of the chain [1]; 0: it slides, value is its slip
 std::string unsteady_text(const std::string& when, double value, double revolutions) {
+    if (revolutions == 0.0)
+        return fmt::format("the chain slides {}, and ever faster: it slips by {:.3g} %, and no mean of that is steady", when,
+                           100.0 * value);
     if (value == 0.0) return fmt::format("the chain moves too little {} for means of whole pin periods", when);
     if (value <= 1.0) return fmt::format("the means alternate with every other pin {}, and more and more", when);
     return fmt::format(

@@ -25,7 +25,7 @@ struct Fault {
     FaultKind kind = FaultKind::none;
     double time = 0.0;            ///< [s]
     std::optional<int> pin = {};  ///< pin whose link shows it; nothing: none in particular
-    double value = 0.0;           ///< depth or radius [m], limit of the budget, largest error of means over run.steady [1]
+    double value = 0.0;           ///< depth or radius [m], limit of the budget, largest error of means over run.steady, or slip [1]
     double limit = 0.0;           ///< what it exceeded [unit of what is limited]
 
     [[nodiscard]] explicit operator bool() const noexcept { return kind != FaultKind::none; }
