@@ -1,7 +1,7 @@
 #pragma once
 /// Forces of one link, one joint and the tips of one link, and the accelerations of a link, with lanes over what is alike inside of it:
-/// plates, points of a joint, tips, bending modes. The same formulas as LanePass, whose lanes are links (model/kernels/lane_pass.hpp), with
-/// sums in the same trees, so results are bitwise equal.
+/// plates, points of a joint, tips, bending modes. Formulas are those of LanePass, whose lanes are links (model/kernels/lane_pass.hpp),
+/// with sums in the same trees, so results are bitwise equal.
 
 #include <cmath>
 #include <cstring>

@@ -32,6 +32,8 @@ namespace cvtflow::engine {
 /// The stem of a file's name as a name: what cannot be in one becomes '_'.
 [[nodiscard]] std::string name_of_file(std::string_view stem);
 
+/// Parts between spaces.
+[[nodiscard]] std::vector<std::string> words_of(std::string_view text);
 /// Damerau-Levenshtein distance (optimal string alignment): insertions, deletions, replacements and swaps of neighbours. In bytes.
 [[nodiscard]] std::size_t edit_distance(std::string_view a, std::string_view b);
 

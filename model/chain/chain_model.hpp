@@ -94,9 +94,7 @@ public:
 
     /// Slopes [v | acceleration] of the links of a range, link_block() numbers each, to slope + (link - first) link_block();
     /// reactions on the sheaves to loads[link - first] where a tip touches.
-    void slopes(const ChainRange& range, double* slope, LinkLoad* loads) const noexcept {
-        kernels_.slopes(*this, range, slope, loads);
-    }
+    void slopes(const ChainRange& range, double* slope, LinkLoad* loads) const noexcept { kernels_.slopes(*this, range, slope, loads); }
     /// slopes(), with losses and stored energies of each link (joint of pin i booked on link i) to accounts[account_parts (link - first) +
     /// part]. Accounts must be cleared before.
     /// @param contacts what each link of the range carries, contacts[link - first]; nullptr: not needed

@@ -30,7 +30,7 @@ struct Account {
 
 namespace {
 
-/// Books of forces that nobody observes. Others have, with observed = true,
+/// Books of forces that are not observed. Others have, with observed = true,
 ///     void store(Energy kind, const Real& joules, double factor = 1.0);   what is stored, times a factor [J]
 ///     void lose(Loss kind, const Real& watts);                            what is lost [W]
 /// where Real is a number or lanes: of links side by side (model/kernels/observation_writer.hpp).

@@ -299,7 +299,7 @@ private:
         return {folder / "checkpoints", folder / "records", folder / "continuation", options_.checkpoint_every, options_.mixed};
     }
 
-    /// Those of some cases that ended well once more from their own start, one after the other. Empty if it was stopped.
+    /// Runs some cases again, those that ended well, from their own start, one after the other. Empty if it was stopped.
     /// @param longer  whether for three times as long, beside their stated errors
     std::string repeat(OrderedRows& rows, const std::vector<long>& cases, bool longer) {
         RepeatedCases changes(sweep_, longer);

@@ -73,7 +73,7 @@ void add_methods(const FurtherMethods& further);
 
 /// All programs, each under a name of its own.
 [[nodiscard]] const std::vector<MethodProgram>& method_programs();
-/// Those that take friction apart from all other forces (tasks/method/friction).
+/// Programs that take friction apart from all other forces (tasks/method/friction).
 [[nodiscard]] std::vector<MethodProgram> friction_methods();
 /// nullptr if the name is unknown.
 [[nodiscard]] const MethodProgram* find_program(std::string_view name);

@@ -30,7 +30,6 @@ const std::map<std::string, std::map<std::string, std::string>> exempt{
       {"engine/record/run/run_file.cpp", "HDF5 on the .part that a PartFile holds"},
       {"engine/record/run/state_file.cpp", "HDF5 in memory"},
       {"engine/record/case_table.cpp", "HDF5 on the .part that a PartFile holds; the empty lock of a folder"},
-      {"tasks/tuning/detail_state.cpp", "a new folder for a temporary state"},
       {"tools/program/guard.cpp", "/dev/null"},
       {"tools/program/command/record/plot.cpp", "temporary files without a name"}}},
     {"remove",
@@ -40,7 +39,6 @@ const std::map<std::string, std::map<std::string, std::string>> exempt{
       {"tasks/run/run_recorder.cpp", "the former record of a run that was resumed"},
       {"tasks/batch/batch.cpp", "an empty folder"},
       {"tasks/batch/case_checkpoint.cpp", "the former record of a case that begins anew"},
-      {"tasks/tuning/detail_state.cpp", "its temporary state and folder"},
       {"tools/program/view/vtk_series.cpp", "what it has just written"}}},
 };
 

@@ -36,7 +36,7 @@ inline constexpr const char* force_meaning = "Replace existing output files";
 /// A page or picture that carries its mark. A name that the user chose is treated like a default one.
 [[nodiscard]] engine::OutputRule marked_rule(std::string_view kind, const std::string& of, std::vector<std::filesystem::path> inputs = {},
                                              bool force = false);
-/// What is made of a scene. @param what "record of the scene"   @param named the user chose the name
+/// A file made of a scene. @param what "record of the scene"   @param named the user chose the name
 [[nodiscard]] engine::OutputRule scene_rule(const char* what, engine::IsOwn own, const tasks::Scene& scene, bool named, bool force);
 [[nodiscard]] engine::OutputRule state_rule(const tasks::Scene& scene, bool named, bool force);
 

@@ -10,6 +10,7 @@
 
 #include "engine/base/hash.hpp"
 #include "engine/base/provenance.hpp"
+#include "engine/base/text.hpp"
 #include "model/start/start_state.hpp"
 #include "tasks/batch/results/sweep_files.hpp"
 #include "tasks/scene/csv.hpp"
@@ -21,8 +22,7 @@ void CaseTally::add(const engine::RowLayout& layout, std::span<const std::byte> 
     ++rows_;
     ++statuses_[status];
     if (layout.has("notes")) {
-        std::istringstream names(layout.text(row, layout.column("notes")));
-        for (std::string name; names >> name;) ++notes_[name];
+        for (const std::string& name : engine::words_of(layout.text(row, layout.column("notes")))) ++notes_[name];
     }
     if (status == status_name(CaseStatus::ok) || !layout.has("error")) return;
     const std::string error = layout.text(row, layout.column("error"));

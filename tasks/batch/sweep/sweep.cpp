@@ -104,6 +104,16 @@ namespace {
 
 using FindScene = std::function<std::filesystem::path(const std::string&)>;
 
+/// The first section that only scenes have, in a file without [sweep]; nullptr if there is none.
+[[nodiscard]] const Entry* section_of_scene(const Node::Table& sections, const std::vector<std::string>& known) {
+    if (std::ranges::find(sections, "sweep", &Entry::key) != sections.end()) return nullptr;
+    const auto found = std::ranges::find_if(sections, [&](const Entry& section) {
+        return std::ranges::find(known, section.key) == known.end() &&
+               std::ranges::find(parameter_table(), section.key, &Parameter::section) != parameter_table().end();
+    });
+    return found == sections.end() ? nullptr : &*found;
+}
+
 class SweepReader {
 public:
     SweepReader(const std::filesystem::path& path, std::string text, const FindScene& find_scene) : find_scene_(find_scene) {
@@ -152,16 +162,6 @@ private:
         if (const auto section = std::ranges::find(sections, "start", &Entry::key); section != sections.end())
             read(*section, &SweepReader::start);
         consistent();
-    }
-
-    /// The first section that only scenes have, in a file without [sweep]; nullptr if there is none.
-    [[nodiscard]] static const Entry* section_of_scene(const Node::Table& sections, const std::vector<std::string>& known) {
-        if (std::ranges::find(sections, "sweep", &Entry::key) != sections.end()) return nullptr;
-        const auto found = std::ranges::find_if(sections, [&](const Entry& section) {
-            return std::ranges::find(known, section.key) == known.end() &&
-                   std::ranges::find(parameter_table(), section.key, &Parameter::section) != parameter_table().end();
-        });
-        return found == sections.end() ? nullptr : &*found;
     }
 
     [[nodiscard]] const Node::Table* table(const Entry& section) {

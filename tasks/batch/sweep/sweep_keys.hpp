@@ -67,7 +67,7 @@ public:
     [[nodiscard]] const Node::Array* list(std::string_view key) const;
     /// One of the key's choices, by number.
     [[nodiscard]] std::optional<int> choice(std::string_view key) const;
-    /// Reads the tables of a list, "zip" of "axes" as "axes.zip", up to an element that is none. @param form  "key = …, values = …"
+    /// Reads the tables of a list, "zip" of "axes" as "axes.zip", up to an element that is not a table. @param form  "key = …, values = …"
     void each_table(std::string_view key, const char* form, const std::function<void(const TableView&)>& read) const;
     /// A time with its unit [s].
     [[nodiscard]] std::optional<double> time(std::string_view key) const;

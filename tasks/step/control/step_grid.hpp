@@ -24,7 +24,7 @@ struct StepGrid {
     [[nodiscard]] double next() const noexcept { return point + 1 < steps_per_leg ? time(leg, point + 1) : time(leg + 1, 0); }
     [[nodiscard]] bool at_output(long outputs) const noexcept { return point == 0 && leg == outputs * legs_per_output; }
     void pass() noexcept;
-    /// Takes up a grid of `steps` per leg after so many of its points.
+    /// Takes up a grid of `steps` per leg after `points` of its points.
     void continue_at(long points, long steps) noexcept {
         divide(leg_length() / static_cast<double>(steps));
         leg = points / steps_per_leg;

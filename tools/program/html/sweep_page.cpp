@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <map>
-#include <sstream>
 
+#include "engine/base/text.hpp"
 #include "tasks/batch/sweep/scalar.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/text/markup.hpp"
@@ -24,8 +24,7 @@ std::string endings(const SweepView& sweep) {
     for (const auto& row : sweep.cells) {
         ++counts[row[status]];
         if (noted == sweep.columns.end()) continue;
-        std::istringstream words(row[static_cast<std::size_t>(noted - sweep.columns.begin())]);
-        for (std::string note; words >> note;) ++notes[note];
+        for (const std::string& note : engine::words_of(row[static_cast<std::size_t>(noted - sweep.columns.begin())])) ++notes[note];
     }
     std::string items;
     for (const auto& [name, count] : counts)
