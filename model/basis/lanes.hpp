@@ -1,7 +1,6 @@
 #pragma once
-/// Vector lanes: the plates of one link, the points of one of its joints, its tips; or links side by side
-/// (model/kernels/link_lanes.hpp). A lane count is a compile-time constant, padding lanes carry weight zero, and sums are taken in
-/// one fixed tree: results do not depend on the instruction set.
+/// Vector lanes: links side by side (model/kernels/link_lanes.hpp). A lane count is a compile-time constant, and sums are taken in one
+/// fixed tree: results do not depend on the instruction set.
 ///
 /// Everything here and in the headers of kernels lies in unnamed namespaces: each translation unit has a copy of its own, compiled for its
 /// own instruction set, and no linker can put the AVX-512 copy of a function where the baseline's is meant.

@@ -59,7 +59,7 @@ struct JointMotion {
     Lanes<W> lever_before, lever_after;  ///< of each link's turning along k×ν [m]
 };
 
-/// @param points AxisPoints of one joint, or one AxisPoint of several joints side by side
+/// @param points an AxisPoint of joints side by side, or all points of one joint (bench/staged/one_link.hpp)
 template <int P, int W, class Real, class Points>
 [[nodiscard]] inline JointMotion<W> joint_motion(const JointCoefficients& j, const JointFrames<Real>& frames, const Points& points,
                                                  const Difference<P, Real>& gap, const Difference<P, Real>& rate) noexcept {

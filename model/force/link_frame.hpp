@@ -97,12 +97,13 @@ struct AxisPoint {
     AxisPoint(const PointLanes<Most>& points, int point) noexcept : xi(points.position[static_cast<std::size_t>(point)]) {
         for (int m = 1; m <= P; ++m) basis[m] = points.basis[static_cast<std::size_t>(m)][static_cast<std::size_t>(point)];
     }
+    /// Σ c_m P_m(ξ). @param c [coefficients of the axis]
     [[nodiscard]] Lanes<W> along(const Lanes<W>* c) const noexcept {
         Lanes<W> value = c[0];
         for (int m = 1; m <= P; ++m) value += basis[m] * c[m];
         return value;
     }
-    /// @param terms [2P + 4]
+    /// Contributions of a force at the point to each coordinate, in the order of Difference. @param terms [2P + 4]
     void spread(const Lanes<W>& fx, const Lanes<W>& fy, const Lanes<W>& fz, Lanes<W>* terms) const noexcept {
         terms[0] = fx;
         terms[P + 1] = fy;

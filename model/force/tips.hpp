@@ -7,10 +7,8 @@
 ///     normal    tip_pressing()          rigid_tip.hpp: rigid_normal_force()   Energy::tips  Loss::tip_damping
 ///     friction  tip_forces()            rigid_tips.hpp: TipGroup::friction()                Loss::tip_friction
 ///
-/// The formulas of halves are written once, for two ways to arrange tips:
-///
-///     FourTips    the tips of one link in four lanes: rear-, rear+, front-, front+ (side -z, +z)
-///     OneTip<W>   the tip at the same corner of W links
+/// The formulas of halves are written once, for any way to arrange tips: OneTip<W>, the tip at the same corner of W links, and
+/// bench/staged/one_link.hpp: FourTips, those of one link.
 
 #include <cstdint>
 #include <cstring>

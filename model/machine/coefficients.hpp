@@ -31,7 +31,7 @@ struct LinkKind {
     Spring bending, shear, torsion;  ///< plate pack
 };
 
-/// Points along ξ that are evaluated side by side; lanes beyond the count are padding.
+/// Points along ξ. Sums over them have the tree of lanes side by side, of which those beyond the count are padding.
 template <int Most>
 struct PointLanes {
     int count = 0;                                    ///< real points

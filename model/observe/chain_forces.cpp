@@ -10,6 +10,7 @@
 #include "model/force/inner.hpp"
 #include "model/force/joint.hpp"
 #include "model/force/plates.hpp"
+#include "model/kernels/link_lanes.hpp"
 #include "model/machine/belt.hpp"
 
 namespace cvtflow::model {
@@ -78,14 +79,16 @@ void read_joint(const ForceReading& from, int pin) {
     const JointFrames<Lanes<1>> frames(frame(before), frame(after));
     const auto gap = between<P>(before, End::front, after, End::rear),
                rate = between<P>(before + size, End::front, after + size, End::rear);
-    ChainForces& to = from.forces;
-    for (int point = 0; point < c.joint_points.count; ++point) {
+    const auto at_point = [&](int point) -> std::array<Lanes<1>, 3> {
         const auto motion = joint_motion<P, 1>(c.joint, frames, AxisPoint<P, 1>(c.joint_points, point), gap, rate);
         const auto rolling = rolling_forces<1>(c.joint, Lanes<1>(c.joint_points.weight[place(point)]), motion);
-        to.joint_normal[place(pin)] += rolling.pressing.normal[0];
-        to.joint_friction[place(pin)] -= (rolling.friction_per_speed * motion.slip)[0];
-        to.joint_axial[place(pin)] -= (rolling.friction_per_speed * motion.axial)[0];
-    }
+        return {rolling.pressing.normal, rolling.friction_per_speed * motion.slip, rolling.friction_per_speed * motion.axial};
+    };
+    std::array<Lanes<1>, 3> total;
+    pairwise_sum<1>(c.joint_points.count, c.joint_points.width, at_point, total);
+    from.forces.joint_normal[place(pin)] = total[0][0];
+    from.forces.joint_friction[place(pin)] = -total[1][0];
+    from.forces.joint_axial[place(pin)] = -total[2][0];
 }
 
 /// Second derivative of the axis in the middle: P_2'' = 3, P_3''(0) = 0. With EI and the axial strain 2e/ℓ_p.

@@ -125,7 +125,7 @@ bool OnceEach::claim(std::uint64_t key) {
 
 void OnceEach::made(std::uint64_t key) noexcept {
     const std::lock_guard hold(mutex_);
-    ready_.find(key)->second = true;
+    if (const auto entry = ready_.find(key); entry != ready_.end()) entry->second = true;
     changed_.notify_all();
 }
 
