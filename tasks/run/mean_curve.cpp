@@ -157,6 +157,7 @@ constexpr double sag_counts = 1.5;            ///< a swing that turns has no tre
 constexpr double share_of_efficiency = 0.02;  ///< of the tolerance of other means
 constexpr double noticed_alternation = 5e-4;  ///< of the tension: machines that do not alternate stay below 3e-4
 constexpr double most_slip = 0.1;           ///< a chain that holds creeps by a hundredth; by more than this, load or clamping decide alone
+constexpr double growth_of_sliding = 1.1;   ///< from one half of the window to the other: a slip that is imposed does not grow
 constexpr double min_trend_slip = 5e-4;     ///< slips below are compared with this [1]
 constexpr double min_share_of_tight = 0.1;  ///< likewise a slack strand, with a share of the tight one
 
@@ -298,7 +299,7 @@ SteadyMeans steady_means(const MeanCurve& curve, const SteadyRule& rule) noexcep
     const MeanPoint& middle = points[means.begin + batches / 2 * means.batch];
     const double earlier = std::abs(middle.mean_since(points[means.begin], Mean::friction_slip));
     const double later = std::abs(points[last].mean_since(middle, Mean::friction_slip));
-    means.sliding = later > most_slip && later > earlier ? later : 0.0;
+    if (rule.tolerance > 0.0 && later > most_slip && later > growth_of_sliding * earlier) means.sliding = later;
     return means;
 }
 

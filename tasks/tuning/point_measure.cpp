@@ -130,8 +130,8 @@ std::vector<long> corner_cases(const Sweep& sweep, std::size_t most) {
         }
         corners = std::move(more);
     }
-    Scene scene = sweep.scene;
     std::erase_if(corners, [&](long number) {
+        Scene scene = sweep.scene;
         sweep.apply_case(number, scene);
         return !violations(scene).empty();
     });

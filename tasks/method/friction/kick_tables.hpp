@@ -7,7 +7,8 @@
 
 namespace cvtflow::tasks {
 
-/// A family of tables. Each row of a table combines velocities that are kept, the slope of the stage before it, and maybe that of stage 0.
+/// A family of tables. Each row of a table combines velocities that are kept, the slope of the stage before it, and maybe that of stage 0,
+/// which is not checked.
 struct Kick {
     engine::StagePlan (*plan)(int stages);
     double (*reach)(int stages);  ///< |h λ| on the real axis up to which it is stable [1]

@@ -21,7 +21,7 @@ constexpr SteadyRule one_percent{0.01, 20.0 * pins, pins, 1.0};
 /// A machine at 100 rad/s whose tight tension is a function of time [N]; everything else is constant.
 template <class Tension>
 RunMeans means_of(const Tension& tension, double until, const SteadyRule& rule = one_percent, double pin_period = period,
-                  double slip_rate = 0.0) {
+                  double slip_rate = 0.0, double slip = 0.003) {
     RunMeans means;
     means.seek_steady(rule);
     for (double time = 0.0; time <= until && !means.ended(); time += period / 10.3) {  // samples lie at no fixed place of a period
@@ -31,7 +31,7 @@ RunMeans means_of(const Tension& tension, double until, const SteadyRule& rule =
         now.speed = {100.0, 100.0};
         now.tight = tension(time);
         now.slack = 500.0;
-        now.slip = now.friction_slip = 0.003 + slip_rate * time;
+        now.slip = now.friction_slip = slip + slip_rate * time + 0.01 * slip * std::sin(3000.0 * time);
         now.clamping = {25e3, 20e3};
         EnergySums sums;
         sums.time = time;
@@ -128,6 +128,10 @@ TEST(SteadyMeans, OfAChainThatSlidesEndEarly) {
     EXPECT_GT(sliding.steady().sliding, 0.1);
     EXPECT_GT(backwards.steady().sliding, 0.1);
     EXPECT_EQ(creeping.steady().sliding, 0.0);
+    const RunMeans imposed = means_of([](double) { return 2000.0; }, 10.0, rule, period, 0.0, 0.15);
+    EXPECT_TRUE(imposed.steady().steady());
+    const RunMeans confirming = means_of([](double) { return 2000.0; }, 0.5, {0.0, 1e9, pins, 1.0}, period, 1.0);
+    EXPECT_FALSE(confirming.ended());                             // a run without a tolerance lasts as long as it is told
     EXPECT_NEAR(sliding.all().end, 0.097 / 0.875, 9.0 * period);  // the last quarter's mean slip is a tenth; a check each eight periods
     EXPECT_EQ(sliding.steady_fault().kind, FaultKind::not_steady);
     EXPECT_THAT(sliding.steady_fault().message(), testing::StartsWith("the chain slides at t = "));
