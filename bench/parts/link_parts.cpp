@@ -42,8 +42,8 @@ void joints(const Pass& pass, int own, int count, const Pass::Columns& before, c
 void others(int part, const Pass& pass, int own, int count, const Pass::Columns& columns, double* out, LinkLoad* loads) noexcept {
     Forces forces(out);
     V moment(0.0);
-    if (part == 1) moment = pass.inner(own, count, columns, forces.data());
     NoBooks none;
+    if (part == 1) moment = pass.inner(pass.kinds(own, count), own, count, columns, forces.data(), none);
     if (part == 2) pass.plates(pass.kinds(own, count), columns, forces.data(), none);
     if (part == 4) pass.tips(own, count, columns, forces.data(), moment, loads);
     add_moment<order>(columns.frame, moment, forces.data());

@@ -106,12 +106,9 @@ public:
     }
 
     /// Elasticity inside the links. Adds to f; returns moments about z.
-    [[nodiscard]] V inner(int group, int count, const Columns& columns, V* f) const noexcept {
-        Books books;
-        return inner(group, count, columns, f, books);
-    }
-    [[nodiscard]] V inner(int group, int count, const Columns& columns, V* f, Books& books) const noexcept {
-        const V moment = inner_elasticity<P>(c_, kinds(group, count), columns.frame, columns.q(), columns.v(), f, books);
+    [[nodiscard]] V inner(const KindLanes<W>& kind, int group, int count, const Columns& columns, V* f,
+                          [[maybe_unused]] Books& books) const noexcept {
+        const V moment = inner_elasticity<P>(c_, kind, columns.frame, columns.q(), columns.v(), f, books);
         if (!c_.longer.empty()) add_lengths<P>(c_, lengths(group, count), columns.q(), f, books);
         return moment;
     }
@@ -145,11 +142,12 @@ public:
         std::array<V, size> f;
         f.fill(V(0.0));
         Books books;
-        V moment = inner(group, count, columns, f.data(), books);
-        plates(kinds(group, count), columns, f.data(), books, group, count);
+        const KindLanes<W> kind = kinds(group, count);
+        V moment = inner(kind, group, count, columns, f.data(), books);
+        plates(kind, columns, f.data(), books, group, count);
         if constexpr (observed) {
             contacts_.book(AccountPart::link, group, count, books);
-            contacts_.tension(group, count, elastic_tension<P>(c_, kinds(group, count), columns.q()));
+            contacts_.tension(group, count, elastic_tension<P>(c_, kind, columns.q()));
         }
         if constexpr (Contacts::recorded) contacts_.frame(group, count, columns.frame);
         if constexpr (Contacts::relative) contacts_.velocities(group, count, columns.v());
