@@ -5,6 +5,22 @@
 
 namespace cvtflow::tasks {
 
+/// Against the pace of work, in which neighbours' interference is already.
+void TrialBudget::tried(const Pace& pace, double work) noexcept { lost += pace.seconds * std::max(0.0, 1.0 - work / pace.per_cycle); }
+
+bool PaceWatch::changed(const Pace& pace, const ChooserOptions& options) noexcept {
+    if (reference_ == 0.0) reference_ = pace.per_cycle;
+    if (!touching_) touching_ = pace.touching;
+    const double change = pace.per_cycle / reference_;
+    drifting_ = change > options.drift || change * options.drift < 1.0 ? drifting_ + 1 : 0;
+    return drifting_ >= 2 || std::abs(pace.touching - *touching_) > options.changed_links * std::max(1, *touching_);
+}
+
+void PaceWatch::restart() noexcept {
+    reference_ = 0.0;
+    drifting_ = 0;
+}
+
 ScheduleChooser::ScheduleChooser(std::span<const int> threads, const ChooserOptions& options)
     : options_(options), candidates_(threads.size()), period_(options.first_period) {
     for (std::size_t each = 0; each < threads.size(); ++each) {
@@ -18,37 +34,37 @@ ScheduleChooser::ScheduleChooser(std::span<const int> threads, const ChooserOpti
 
 bool ScheduleChooser::record(const Pace& pace) noexcept {
     const int before = now_;
-    elapsed_ += pace.seconds;
+    budget_.elapsed += pace.seconds;
     since_check_ += pace.seconds;
-    if (candidates_.size() == 1) return false;
-    if (trying_) {
+    asks_ = false;
+    if (trying_ && !checking_) {
+        tried_early(pace);
+    } else if (trying_) {
         tried(pace);
     } else {
         worked(pace);
+        asks_ = checks_ == 0 && !checking_ && candidates_.size() > 1;
     }
-    return now_ != before;
+    return now_ != before || asks_;
 }
 
-/// All that trials have cost and, at worst, one more turn.
-bool ScheduleChooser::affordable() const noexcept { return lost_ + options_.turn <= options_.max_trial_share * elapsed_; }
-
-bool ScheduleChooser::due(const Pace& pace) noexcept {
-    if (reference_ == 0.0) reference_ = pace.per_cycle;
-    if (!touching_) touching_ = pace.touching;
-    const double change = pace.per_cycle / reference_;
-    drifting_ = change > options_.drift || change * options_.drift < 1.0 ? drifting_ + 1 : 0;
-    const bool other_links = std::abs(pace.touching - *touching_) > options_.changed_links * std::max(1, *touching_);
-    return checks_ == 0 || drifting_ >= 2 || other_links || since_check_ >= period_;
+void ScheduleChooser::answer(bool threads_meet_fast) noexcept {
+    asks_ = false;
+    if (!threads_meet_fast) return;
+    now_ = by_threads_[1];
+    trying_ = true;
 }
 
 void ScheduleChooser::worked(const Pace& pace) noexcept {
     work_ = pace.per_cycle;
-    const bool requested = due(pace);
-    if (!checking_ && requested && affordable()) {
-        touching_ = pace.touching;
-        begin_check();
-    } else if (checking_ && affordable()) {
+    if (candidates_.size() == 1) return;
+    const bool changed = watch_.changed(pace, options_), due = changed || checks_ == 0 || since_check_ >= period_;
+    if (!budget_.affords(options_)) return;
+    if (checking_) {
         next_turn();
+    } else if (due) {
+        watch_.checks_at(pace.touching);
+        begin_check();
     }
 }
 
@@ -71,15 +87,22 @@ void ScheduleChooser::next_turn() noexcept {
         if (next_ < count) break;
     }
     if (round_ == options_.rounds) return end_check();
-    trying_ = affordable();
+    trying_ = budget_.affords(options_);
     now_ = trying_ ? next_ : chosen_;
+}
+
+/// One turn of one candidate: a first check, of both alone.
+void ScheduleChooser::tried_early(const Pace& pace) noexcept {
+    budget_.tried(pace, work_);
+    candidates_[static_cast<std::size_t>(chosen_)].median = work_;
+    candidates_[static_cast<std::size_t>(now_)].median = pace.per_cycle;
+    take(pace.per_cycle * lead(now_, chosen_) < work_ ? now_ : chosen_);
 }
 
 void ScheduleChooser::tried(const Pace& pace) noexcept {
     Candidate& own = candidates_[static_cast<std::size_t>(now_)];
     own.turns.push_back(pace.per_cycle);
-    // Against the pace of work, in which neighbours' interference is already; the chosen one's own turns are work.
-    if (now_ != chosen_) lost_ += pace.seconds * std::max(0.0, 1.0 - work_ / pace.per_cycle);
+    if (now_ != chosen_) budget_.tried(pace, work_);  // the chosen one's own turns are work
     own.out = now_ != 0 && pace.per_cycle > options_.abandon_factor * work_;
     ++next_;
     next_turn();
@@ -91,15 +114,19 @@ void ScheduleChooser::end_check() noexcept {
         std::nth_element(each.turns.begin(), middle, each.turns.end());
         each.median = *middle;  // each has had a turn: none is out before its first
     }
-    const int before = chosen_;
-    choose();
+    take(fastest());
+}
+
+/// Ends a check with its choice.
+void ScheduleChooser::take(int candidate) noexcept {
     ++checks_;
-    changes_ += chosen_ != before;
-    period_ = chosen_ != before ? options_.first_period : std::min(2.0 * period_, options_.longest_period);
+    changes_ += chosen_ != candidate;
+    period_ = chosen_ != candidate ? options_.first_period : std::min(2.0 * period_, options_.longest_period);
+    chosen_ = candidate;
     trying_ = checking_ = false;
     now_ = chosen_;
-    reference_ = since_check_ = 0.0;
-    drifting_ = 0;
+    since_check_ = 0.0;
+    watch_.restart();
 }
 
 /// Speed-up that a candidate must have over another one with as many threads or fewer to replace it [1].
@@ -110,12 +137,12 @@ double ScheduleChooser::lead(int candidate, int other) const noexcept {
 }
 
 /// From the fewest threads on, more are taken only where they pay.
-void ScheduleChooser::choose() noexcept {
+int ScheduleChooser::fastest() const noexcept {
     int best = 0;
     for (const int each : by_threads_) {
         if (per_cycle(each) * lead(each, best) < per_cycle(best)) best = each;
     }
-    chosen_ = best;
+    return best;
 }
 
 }  // namespace cvtflow::tasks

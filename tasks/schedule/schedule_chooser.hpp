@@ -4,9 +4,13 @@
 ///
 /// The run itself is the measurement: schedules take turns on its own steps (results do not depend on the schedule), so a trial costs only
 /// the time by which the schedule on trial is slower than the one in use. These losses are counted, and a turn is taken only while their
-/// sum, this turn being wasted entirely, stays below `max_trial_share` of the time so far. A run too short for a trial stays with the first
-/// candidate. Threads must pay: of candidates that are about equally fast the one with the fewest is chosen.
+/// sum, this turn being wasted entirely, stays below `max_trial_share` of the time so far. One turn is taken sooner: that of the fewest
+/// threads beyond the first candidate's, as soon as the owner answers that two threads meet fast. A run too short for a trial stays with
+/// the first candidate. Threads must pay: of candidates that are about equally fast the one with the fewest is chosen.
 ///
+///     a turn of work, then windows ── asks(): threads meet fast ──► one early turn ──► the faster of both ──► work
+///          │ they have not, until trials are affordable
+///          ▼
 ///     work (windows) ── due and affordable ──► check: rounds of turns of all candidates ──► medians ──► work
 ///          ▲ not affordable: back to work for a window, the check continues afterwards ─┘
 
@@ -37,6 +41,33 @@ struct Pace {
     int touching = 0;        ///< links that touch now
 };
 
+/// Time of a run, and the part of it that trials have cost.
+struct TrialBudget {
+    double elapsed = 0.0, lost = 0.0;  ///< [s]
+
+    /// Whether all that trials have cost and, at worst, one more turn is within the allowed share.
+    [[nodiscard]] bool affords(const ChooserOptions& options) const noexcept {
+        return lost + options.turn <= options.max_trial_share * elapsed;
+    }
+    /// A turn on trial. @param work time per cycle without it [s]
+    void tried(const Pace& pace, double work) noexcept;
+};
+
+/// Notices that the run has changed since the last check: its pace, or the number of links that touch.
+class PaceWatch {
+public:
+    [[nodiscard]] bool changed(const Pace& pace, const ChooserOptions& options) noexcept;
+    /// The pace is another one from here on.
+    void restart() noexcept;
+    /// A check begins, with as many links that touch.
+    void checks_at(int touching) noexcept { touching_ = touching; }
+
+private:
+    double reference_ = 0.0;       ///< time per cycle of the first window; 0: not known [s]
+    int drifting_ = 0;             ///< windows in a row whose pace differs
+    std::optional<int> touching_;  ///< links that touched at the last check
+};
+
 class ScheduleChooser {
 public:
     /// @param threads of each candidate, at least one; the first is the reference and has the fewest
@@ -45,17 +76,22 @@ public:
     /// Candidate to run now.
     [[nodiscard]] int candidate() const noexcept { return now_; }
     /// Time after which to call record() [s].
-    [[nodiscard]] double window() const noexcept { return trying_ ? options_.turn : options_.window; }
-    /// The candidate has run for about window(). Allocates nothing. @return whether another one runs now
+    [[nodiscard]] double window() const noexcept { return trying_ || work_ == 0.0 ? options_.turn : options_.window; }
+    /// The candidate has run for about window(). Allocates nothing. @return whether another one runs now, or it asks()
     bool record(const Pace& pace) noexcept;
+
+    /// Whether it is to be answered before the next step: do two threads meet fast, so that an early turn is likely to gain? After each
+    /// window of work before the first check.
+    [[nodiscard]] bool asks() const noexcept { return asks_; }
+    void answer(bool threads_meet_fast) noexcept;
 
     [[nodiscard]] int chosen() const noexcept { return chosen_; }
     [[nodiscard]] long checks() const noexcept { return checks_; }
     [[nodiscard]] long changes() const noexcept { return changes_; }
-    /// Median time per cycle in the last check in which it had a turn; 0: none [s].
+    /// Median time per cycle in the last check in which it had a turn, or of its early turn; 0: none [s].
     [[nodiscard]] double per_cycle(int candidate) const noexcept { return candidates_[static_cast<std::size_t>(candidate)].median; }
     /// Time that all trials have cost [s].
-    [[nodiscard]] double lost() const noexcept { return lost_; }
+    [[nodiscard]] double lost() const noexcept { return budget_.lost; }
 
 private:
     struct Candidate {
@@ -66,13 +102,13 @@ private:
     };
 
     void worked(const Pace& pace) noexcept;
+    void tried_early(const Pace& pace) noexcept;
     void tried(const Pace& pace) noexcept;
-    [[nodiscard]] bool due(const Pace& pace) noexcept;
-    [[nodiscard]] bool affordable() const noexcept;
     void begin_check() noexcept;
     void next_turn() noexcept;
     void end_check() noexcept;
-    void choose() noexcept;
+    void take(int candidate) noexcept;
+    [[nodiscard]] int fastest() const noexcept;
     [[nodiscard]] int threads(int candidate) const noexcept { return candidates_[static_cast<std::size_t>(candidate)].threads; }
     [[nodiscard]] double lead(int candidate, int other) const noexcept;
 
@@ -80,14 +116,14 @@ private:
     std::vector<Candidate> candidates_;
     std::vector<int> by_threads_;  ///< candidates, those with the fewest threads first
     int now_ = 0, chosen_ = 0;
-    bool trying_ = false;          ///< candidate() is on trial
-    bool checking_ = false;        ///< a check has begun and not ended
-    int next_ = 0, round_ = 0;     ///< whose turn in the check
-    double work_ = 0.0;            ///< time per cycle of the last window of work [s]
-    double reference_ = 0.0;       ///< time per cycle of the first window after the choice; 0: not known [s]
-    std::optional<int> touching_;  ///< links that touched at the last check
-    int drifting_ = 0;             ///< windows in a row whose pace differs
-    double elapsed_ = 0.0, since_check_ = 0.0, lost_ = 0.0, period_;  ///< [s]
+    bool trying_ = false;       ///< candidate() is on trial
+    bool checking_ = false;     ///< a check has begun and not ended
+    bool asks_ = false;         ///< is to be answered
+    int next_ = 0, round_ = 0;  ///< whose turn in the check
+    double work_ = 0.0;         ///< time per cycle of the last window of work; 0: there was none [s]
+    TrialBudget budget_;
+    PaceWatch watch_;
+    double since_check_ = 0.0, period_;  ///< [s]
     long checks_ = 0, changes_ = 0;
 };
 

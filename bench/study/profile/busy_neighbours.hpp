@@ -1,5 +1,5 @@
 #pragma once
-/// For measurements among others: threads that keep processors busy, and the least that threads need to meet.
+/// For measurements among others: threads that keep processors busy.
 
 #include <memory>
 
@@ -21,9 +21,5 @@ private:
     struct Threads;
     std::unique_ptr<Threads> threads_;
 };
-
-/// Time of one cycle of threads that meet, do nothing, and meet again, without yielding: median over batches of 64 cycles [s].
-/// A lower bound for every executor on a quiet machine. Ends after `seconds`, give or take a time slice if threads outnumber processors.
-[[nodiscard]] double bare_barrier_cycle(int threads, double seconds);
 
 }  // namespace cvtflow::bench

@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "bench/executor/span_recorder.hpp"
 #include "bench/study/profile/busy_neighbours.hpp"
 #include "engine/base/hash.hpp"
+#include "engine/thread/worker_threads.hpp"
 
 namespace cvtflow::bench {
 
@@ -60,7 +62,8 @@ LoadResult load_result(const Samples& samples, int neighbours) {
 /// Synchronisation alone, right beside the schedule's own turn.
 void cycle_turn(ScheduleTrial& lane) {
     lane.cycles.push_back(cycle_cost(lane.result.schedule, cycle_seconds));
-    lane.bare.push_back(bare_barrier_cycle(lane.result.schedule.threads, 0.5 * cycle_seconds));
+    const double bare = engine::bare_barrier_cycle(lane.result.schedule.threads, 0.5 * cycle_seconds, cycle_seconds);
+    if (std::isfinite(bare)) lane.bare.push_back(bare);
 }
 
 /// Medians over the rounds in which all threads came; if they mostly did not, the cost means nothing and `active` gives the reason.

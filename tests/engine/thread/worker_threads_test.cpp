@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "bench/executor/further_executors.hpp"
 #include "engine/executor/catalogue.hpp"
 #include "tests/engine/executor/executor_fixture.hpp"
@@ -30,6 +32,17 @@ TEST(WorkerGrant, GivesTheRequestedThreadsWithoutShortageAndTriesOnlyNewOnes) {
     EXPECT_TRUE(WorkerGrant(5).fresh());
     EXPECT_EQ(bench::team_grant(4), 4);
     EXPECT_EQ(thread_shortage().requested, 0);
+}
+
+TEST(BareBarrier, TakesTimeAndIsGivenUpWhereAThreadKeepsTheCallerWaiting) {
+    const int before = test::thread_count();
+    EXPECT_GT(bare_barrier_cycle(1, 1e-3, 1.0), 0.0);
+    const double two = bare_barrier_cycle(2, 1e-3, 10.0);
+    EXPECT_GT(two, 1e-9);
+    EXPECT_LT(two, 10.0);
+    const int crowd = 2 * usable_processors() + 2;  // one of them always waits for a processor
+    EXPECT_EQ(bare_barrier_cycle(crowd, 1e-3, 0.0), std::numeric_limits<double>::infinity());
+    EXPECT_EQ(test::thread_count(), before) << "all have left";
 }
 
 TEST(ThreadShortage, KeepsTheLargerOne) {

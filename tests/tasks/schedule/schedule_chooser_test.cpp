@@ -23,9 +23,10 @@ struct Invented {
     long decisions_late = 0;  ///< windows in which the chosen candidate was not the fastest
 };
 
+/// Threads meet fast where `near`.
 Invented run(
     ScheduleChooser& chooser, const Machine& machine, double seconds,
-    const std::function<int(double)>& touching = [](double) { return 30; }) {
+    const std::function<int(double)>& touching = [](double) { return 30; }, bool near = false) {
     Invented outcome;
     while (outcome.seconds < seconds) {
         const double cost = machine(chooser.candidate(), outcome.seconds), serial = machine(0, outcome.seconds);
@@ -33,6 +34,7 @@ Invented run(
         outcome.seconds += cycles * cost;
         outcome.serial += cycles * serial;
         chooser.record({cycles * cost, cost, touching(outcome.seconds)});
+        if (chooser.asks()) chooser.answer(near);
     }
     return outcome;
 }
@@ -79,6 +81,31 @@ TEST(ScheduleChooser, GivesBackThreadsThatNoLongerPay) {
     ASSERT_EQ(chooser.chosen(), 1);
     run(chooser, gains({1.0, 1.60, 1.66, 1.65, 1.50}), 10.0);
     EXPECT_EQ(many_threads[static_cast<std::size_t>(chooser.chosen())], 4) << "0.6 % slower than eight threads";
+}
+
+TEST(ScheduleChooser, TakesNearThreadsAfterTwoTurns) {
+    const auto still = [](double) { return 30; };
+    for (const double gain : {1.2, 1.5, 1.9}) {
+        ScheduleChooser chooser(many_threads, {});
+        const Invented outcome = run(chooser, gains({1.0, 3.0, 2.5, 2.2, gain}), 0.1, still, true);
+        EXPECT_EQ(many_threads[static_cast<std::size_t>(chooser.chosen())], 2) << "the fewest, within 0.1 s";
+        EXPECT_DOUBLE_EQ(chooser.per_cycle(4), serial_cost / gain);
+        EXPECT_DOUBLE_EQ(chooser.per_cycle(0), serial_cost);
+        EXPECT_GT(outcome.serial / outcome.seconds, 0.95 * gain) << "a turn of serial in 0.1 s";
+        run(chooser, gains({1.0, 3.0, 2.5, 2.2, gain}), 10.0, still, true);
+        EXPECT_EQ(many_threads[static_cast<std::size_t>(chooser.chosen())], 16) << "once trials of all are affordable";
+    }
+}
+
+TEST(ScheduleChooser, LosesOneTurnWhereNearThreadsDoNotGain) {
+    for (const double factor : {1.0, 1.04, 1.5, 100.0}) {
+        ScheduleChooser chooser(equal_threads<2>, {});
+        const Machine machine = [=](int candidate, double) { return candidate == 0 ? serial_cost : factor * serial_cost; };
+        const Invented outcome = run(
+            chooser, machine, 0.3, [](double) { return 30; }, true);
+        EXPECT_EQ(chooser.chosen(), 0);
+        EXPECT_LE(outcome.seconds - outcome.serial, ChooserOptions{}.turn + factor * serial_cost) << "one turn and its last cycle";
+    }
 }
 
 TEST(ScheduleChooser, NeverCostsTwoPercentOfSerialHoweverBadTheOthersAre) {

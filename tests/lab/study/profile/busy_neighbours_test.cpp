@@ -22,10 +22,5 @@ TEST(BusyNeighbours, BurnTimeAndLeave) {
     EXPECT_EQ(none.processor_seconds(), 0.0);
 }
 
-TEST(BusyNeighbours, BareBarrierTakesTime) {
-    EXPECT_GT(bare_barrier_cycle(1, 0.001), 0.0);
-    EXPECT_GT(bare_barrier_cycle(2, 0.001), 0.0);
-}
-
 }  // namespace
 }  // namespace cvtflow::bench
