@@ -41,7 +41,7 @@ template <class Number>
 struct FrictionSweepOf;  // model/contact/sweep_step.hpp
 struct FrictionPowers;   // likewise
 
-/// Functions of implicit sweeps of one order and one instruction set, in the precision of the velocities.
+/// Functions of implicit sweeps, and of a step's end, of one order and one instruction set, in the precision of the velocities.
 template <class Number>
 struct SweepKernels {
     void (*sweep)(const FrictionOperator&, const ContactFieldOf<Number>&, const FrictionRangeOf<Number>&,
@@ -49,6 +49,8 @@ struct SweepKernels {
     /// Powers of the kept forces at the range's velocities. powers [links of the range]
     void (*powers)(const FrictionOperator&, const ContactFieldOf<Number>&, const FrictionRangeOf<Number>&, const ColumnsOf<Number>& kept,
                    FrictionPowers* powers) noexcept = nullptr;
+    /// @return whether the state of all links at the end is sound
+    bool (*end)(const StepEndOf<Number>&, int links) noexcept = nullptr;
 };
 
 /// Functions of one order and one instruction set.

@@ -47,6 +47,20 @@ struct VelocityRowOf {
 };
 using VelocityRow = VelocityRowOf<double>;
 
+/// Links at the end of a leapfrog's step, by the velocities that friction has left. Everything begins at the first link, and blocks [q | v]
+/// of links follow one another.
+template <class Number>
+struct StepEndOf {
+    const Number* velocity;      ///< at the end: [link_size()][stride]
+    std::ptrdiff_t stride;       ///< of velocity
+    const double* counted_from;  ///< blocks; velocities in single precision count from theirs
+    const double* start;         ///< blocks at the step's start
+    double* end;                 ///< blocks at its end: coordinates by the mean of the velocities at both
+    double* secants;             ///< blocks of slopes: velocities at the end, mean accelerations; nullptr: none
+    double step;                 ///< [s]
+    double limit;                ///< of every number of a sound state [m, m/s]
+};
+
 /// Purpose of an evaluation of friction: its slopes alone, or a row of a table. Columns over links (column = link + 1), all of the same
 /// shape.
 template <class Number>

@@ -2,6 +2,7 @@
 #include "model/contact/sweep_lanes.hpp"
 #include "model/kernels/lane_pass.hpp"
 #include "model/kernels/native_kernels.hpp"
+#include "model/kernels/step_end.hpp"
 
 namespace cvtflow::model {
 
@@ -25,7 +26,7 @@ FrictionKernels friction_kernels<compiled_isa>(int order) noexcept {
         return {record<P>,
                 evaluate_links<double, P, false>,
                 evaluate_links<double, P, true>,
-                {sweep_links<double, P>, sweep_powers<double, P>}};
+                {sweep_links<double, P>, sweep_powers<double, P>, end_links<double, P>}};
     });
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <utility>
 
 #include "model/basis/lanes.hpp"
 #include "model/force/link_frame.hpp"
@@ -36,7 +37,12 @@ inline void store_rows(const Lanes<W>* rows, const std::array<double*, W>& to, i
     };
     for (int begin = 0; begin < whole; begin += W) {
         turn(begin, W);
-        for (std::size_t link = 0; link < static_cast<std::size_t>(links); ++link) block[link].copy_to(to[link] + begin);
+        if (links == W) {  // from registers
+            [&]<std::size_t... link>(std::index_sequence<link...>) { (block[link].copy_to(to[link] + begin), ...); }
+            (std::make_index_sequence<W>());
+            continue;
+        }
+        for (std::size_t link = 0; link + 1 < W && link < static_cast<std::size_t>(links); ++link) block[link].copy_to(to[link] + begin);
     }
     if constexpr (rest != 0) {
         turn(whole, rest);

@@ -5,6 +5,7 @@
 #include "model/contact/sweep_lanes.hpp"
 #include "model/kernels/lane_pass.hpp"
 #include "model/kernels/native_kernels.hpp"
+#include "model/kernels/step_end.hpp"
 
 namespace cvtflow::model {
 
@@ -28,7 +29,7 @@ SingleFrictionKernels single_kernels<compiled_isa>(int order) noexcept {
         return {record_single<P>,
                 evaluate_links<float, P, false>,
                 evaluate_links<float, P, true>,
-                {sweep_links<float, P>, sweep_powers<float, P>}};
+                {sweep_links<float, P>, sweep_powers<float, P>, end_links<float, P>}};
     });
 }
 

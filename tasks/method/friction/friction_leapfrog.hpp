@@ -58,7 +58,7 @@ public:
     /// of the step before added to base; adds weight times the tips' forces to their means; combines the velocities of the row that
     /// follows. item = stage of the cycle × segments + segment
     void stage(int item) noexcept;
-    void finish(int segment) noexcept { Base::finish(w_, segment); }
+    void finish(int segment) noexcept { Base::finish(w_, segment, false); }
 
 private:
     using Base::columns_, Base::contact_edges_, Base::edges_, Base::fields, Base::for_links, Base::friction_, Base::now_;

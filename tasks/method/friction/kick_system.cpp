@@ -156,27 +156,31 @@ model::FrictionRangeOf<Number> KickSystem<Number>::range_of(const Workspace& w, 
             columns_.shift(segment)};
 }
 
-namespace {
-
-/// The block of a link at the step's end: velocities from their column, coordinates by the mean of the velocities at both ends.
-/// @param counted_from velocities that those of a column in single precision count from   @param half of the step [s]
-template <int size, class Number>
-void end_block(const Number* column, int stride, const double* counted_from, double half, const double* __restrict from,
-               double* __restrict to) noexcept {
-    for (int row = 0; row < size; ++row) {
-        to[size + row] = column[row * stride];
-        if constexpr (std::is_same_v<Number, float>) to[size + row] += counted_from[row];
-    }
-    for (int k = 0; k < size; ++k) to[k] = from[k] + half * (from[size + k] + to[size + k]);
+template <class Number>
+bool KickSystem<Number>::finish(Workspace& w, int segment, bool with_secants) const noexcept {
+    add_loads(w, segment);
+    const model::ChainLayout& layout = w.layout();
+    const Segment& own = w.partition[segment];
+    const Columns& velocities = fields(segment).of[result];
+    const int begin = layout.link_begin(own.first);
+    return friction_.template sweeps<Number>().end({.velocity = velocities.at(0, own.first + columns_.shift(segment)),
+                                                    .stride = velocities.stride(),
+                                                    // still in the window that record() has filled
+                                                    .counted_from = w.windows[at(segment)].data() + layout.halo() * layout.link_block(),
+                                                    .start = w.states[0] + begin,
+                                                    .end = w.end_state + begin,
+                                                    .secants = with_secants ? w.end_slope + begin : nullptr,
+                                                    .step = w.step.h,
+                                                    .limit = fastest_pin},
+                                                   own.size());
 }
 
-}  // namespace
-
+/// Loads of a segment's links since record(): the normal forces, and the mean reaction of the tips' friction.
 template <class Number>
-void KickSystem<Number>::finish(Workspace& w, int segment) const noexcept {
+void KickSystem<Number>::add_loads(Workspace& w, int segment) const noexcept {
     const Fields& f = fields(segment);
     const Segment& own = w.partition[segment];
-    const Columns &velocities = f.of[result], &forces = f.of[mean_tip_forces];
+    const Columns& forces = f.of[mean_tip_forces];
     const int shift = columns_.shift(segment);
     for (int link = own.first; link < own.last; ++link) {
         const model::Phase* phases = w.tips.phases.data() + model::tips_per_link * link;
@@ -191,19 +195,6 @@ void KickSystem<Number>::finish(Workspace& w, int segment) const noexcept {
         }
     }
     if (w.layout().pulley_size != 0) add_up(w, own);
-
-    const model::ChainLayout& layout = w.layout();
-    // Velocities that others count from: still in the window that record() has filled.
-    const double* window = w.windows[at(segment)].data() + layout.halo() * layout.link_block() + layout.link_size();
-    model::of_order(layout.order, [&]<int order>() noexcept {
-        constexpr int size = model::ChainLayout{order}.link_size();
-        const double* counted_from = window;
-        for (int link = own.first; link < own.last; ++link, counted_from += 2 * size) {
-            const int begin = layout.link_begin(link);
-            end_block<size>(velocities.at(0, link + shift), velocities.stride(), counted_from, 0.5 * w.step.h, w.states[0] + begin,
-                            w.end_state + begin);
-        }
-    });
 }
 
 template <class Number>

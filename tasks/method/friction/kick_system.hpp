@@ -82,9 +82,9 @@ public:
     /// Memory that a step touches [B]: no room for what borders move through, nothing that is computed on demand.
     [[nodiscard]] std::size_t bytes() const noexcept;
 
-    /// Body of a task: loads of a segment's links since record(), of the normal forces and the mean reaction of the tips' friction; their
-    /// state at the step's end by the resulting velocities.
-    void finish(Workspace& workspace, int segment) const noexcept;
+    /// Body of a task: loads of a segment's links; their state at the step's end by the resulting velocities, and its secants if requested.
+    /// @return whether that state is sound
+    bool finish(Workspace& workspace, int segment, bool with_secants) const noexcept;
 
 protected:
     using Columns = model::ColumnsOf<Number>;
@@ -139,6 +139,7 @@ protected:
 private:
     [[nodiscard]] Fields make_fields(int width) const;
     void make_room();
+    void add_loads(Workspace& workspace, int segment) const noexcept;
     /// Calls visit(number) for all numbers of a field, rows of all links one after the other.
     template <class System, class Visit>
     static void for_numbers(System& system, std::size_t field, const Visit& visit) {

@@ -278,14 +278,6 @@ Fault SweepLeapfrog<Number>::finish() {
     return decides_phases() ? close() : Fault{};
 }
 
-/// Work of a detect cycle that remains where the record has found the transitions.
-template <class Number>
-void SweepLeapfrog<Number>::close_segment(int segment) noexcept {
-    const Segment& own = w_.partition[segment];
-    make_secants(w_, own);
-    if (!all_sound(w_, own)) w_.segment_results[at(segment)].pending = true;
-}
-
 template <class Number>
 Fault SweepLeapfrog<Number>::close() {
     close_tail(w_);
@@ -333,8 +325,9 @@ void SweepLeapfrog<Number>::sweep(int item) noexcept {
     const model::SweepPart part = pass == 0 ? model::SweepPart::opening : closing ? model::SweepPart::closing : model::SweepPart::middle;
     system_.sweep(w_, part, cold_ ? 0.0 : ahead, pass, segment);
     if (!closing) return;
-    system_.finish(w_, segment);
-    if (decides_phases()) close_segment(segment);
+    // Where the record has found the transitions, this is what remains of a detect cycle.
+    const bool sound = system_.finish(w_, segment, decides_phases());
+    if (decides_phases() && !sound) w_.segment_results[at(segment)].pending = true;
 }
 
 template <class Number>

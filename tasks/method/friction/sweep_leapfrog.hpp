@@ -121,7 +121,6 @@ private:
     [[nodiscard]] int next_passes() noexcept;
     [[nodiscard]] Fault finish();
     [[nodiscard]] bool decides_phases() const noexcept { return at_transition() == AtTransition::inside; }
-    void close_segment(int segment) noexcept;
     [[nodiscard]] Fault close();
     void add_booking(engine::TaskGraph& graph);
 

@@ -112,6 +112,17 @@ void secants_of_links(Workspace& w, const Segment& own) noexcept {
     }
 }
 
+/// Slopes of a segment's links at the end of a step from its states at both ends: velocities, and the mean acceleration. (Those at the
+/// start are needed only if a transition is due: TransitionSearch::complete_start_slopes.)
+void make_secants(Workspace& w, const Segment& own) noexcept {
+    switch (w.layout().link_size()) {
+        case 8: return secants_of_links<8>(w, own);
+        case 12: return secants_of_links<12>(w, own);
+        case 16: return secants_of_links<16>(w, own);
+        default: return secants_of_links<20>(w, own);
+    }
+}
+
 /// Local error of each link of a segment: the maximum does not depend on the segments.
 /// @param errors room for one link
 void estimate_errors(Workspace& w, const Segment& own, double* errors) noexcept {
@@ -152,15 +163,6 @@ void check_contact(const Workspace& w, int link, const model::TipProbe& probe, S
 
 }  // namespace
 
-void make_secants(Workspace& w, const Segment& own) noexcept {
-    switch (w.layout().link_size()) {
-        case 8: return secants_of_links<8>(w, own);
-        case 12: return secants_of_links<12>(w, own);
-        case 16: return secants_of_links<16>(w, own);
-        default: return secants_of_links<20>(w, own);
-    }
-}
-
 void close_tail(Workspace& w) noexcept {
     const model::ChainLayout& layout = w.layout();
     const int begin = layout.pulley_begin(), half = layout.pulley_size;
@@ -172,10 +174,6 @@ void close_tail(Workspace& w) noexcept {
         w.slopes[0][k] = position ? w.states[0][k + half] : mean;
         w.end_slope[k] = position ? w.end_state[k + half] : mean;
     }
-}
-
-bool all_sound(const Workspace& w, const Segment& own) noexcept {
-    return within(w.end_state + w.layout().link_begin(own.first), own.size() * w.layout().link_block(), fastest_pin);
 }
 
 Fault check_tail(const Workspace& w) noexcept {
@@ -221,7 +219,7 @@ void detect_segment(void* workspace, int segment) noexcept {
         w.variator.chain().probe_links(end, own.size(), w.pulleys.end_sheaves, w.parameters.detail.stick_slip,
                                        w.tips.probes.data() + own.first);
     }
-    const bool sound = all_sound(w, own);
+    const bool sound = within(w.end_state + layout.link_begin(own.first), own.size() * layout.link_block(), fastest_pin);
     for (int link = own.first; link < own.last; ++link) {
         if (!sound) check_motion(w, link, w.end_state + layout.link_begin(link), result);
         if (layout.pulley_size == 0 || result.fault) continue;

@@ -38,16 +38,11 @@ inline void indicate(const Workspace& w, const double* state, const model::Sheav
 
 /// Faster than sound in steel (5.9 km/s): no chain does that, so the integration has become unstable, long before anything is infinite.
 inline constexpr double fastest_pin = 1e4;  // m/s
-/// Whether no link of a segment moves unlike a chain at the step's end: find_fault() finds none in its motion.
-[[nodiscard]] bool all_sound(const Workspace& workspace, const Segment& own) noexcept;
 /// Whether the state behind the links is finite at the step's end.
 [[nodiscard]] Fault check_tail(const Workspace& workspace) noexcept;
 /// The first fault in a state of the whole chain: not finite, too fast, or tips where contact cannot be described. state [unknowns]
 [[nodiscard]] Fault find_fault(const Workspace& workspace, const double* state) noexcept;
 
-/// Slopes of a segment's links at the end of a step from its states at both ends: velocities, and the mean acceleration. (Those at the
-/// start are needed only if a transition is due: TransitionSearch::complete_start_slopes.)
-void make_secants(Workspace& workspace, const Segment& own) noexcept;
 /// State behind the links at the step's end, as workspace.step.row combines it; with slopes from states also those, at both ends.
 void close_tail(Workspace& workspace) noexcept;
 
