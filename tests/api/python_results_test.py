@@ -27,7 +27,8 @@ import numpy as np
 import cvtflow
 
 LOADS = {"load.torque": ["6 N*m", "12 N*m"], ("clamping.driving", "clamping.driven"): [("7 kN", "5 kN"), ("8 kN", "6 kN")]}
-SETTINGS = {"run.until": "0.05 ms"}
+SETTLED = {"start.settling_time": "20 us", "start.ramp_time": "10 us"}
+SETTINGS = {"run.until": "0.05 ms", **SETTLED}
 
 
 class Folder(unittest.TestCase):
@@ -185,8 +186,8 @@ class Sweeps(Folder):
 
 
 class Progress(Folder):
-    RUN = """import sys, cvtflow
-cvtflow.Sweep("tiny", {"load.torque": [6.0, 7.0, 8.0]}, ["slip mean"], settings={"run.until": "1 ms"}).run(sys.argv[1], 1)"""
+    RUN = f"""import sys, cvtflow
+cvtflow.Sweep("tiny", {{"load.torque": [6.0, 7.0, 8.0]}}, ["slip mean"], settings={{"run.until": "1 ms", **{SETTLED}}}).run(sys.argv[1], 1)"""
 
     def test_a_terminal_has_one_line_and_a_pipe_none(self):
         done = subprocess.run([sys.executable, "-c", self.RUN, self.folder + "/pipe"], capture_output=True, text=True, check=True)

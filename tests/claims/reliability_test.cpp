@@ -129,9 +129,9 @@ TEST(Reliability, OfLossesThatAreOffAfterAJumpIsNone) {
 /// RK4 at 50 ns was the published reference; its joints chatter. At its automatic step the balance closes to 1e-5.
 TEST(Reliability, OfThePublishedStepIsNone) {
     Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/baseline.toml");
-    set_values(scene, std::vector<std::string>{"run.method=rk4", "run.step=54 ns", "run.until=10 ms", "run.schedule=serial"});
+    set_values(scene, std::vector<std::string>{"run.method=rk4", "run.step=54 ns", "run.until=3 ms", "run.schedule=serial"});
     EXPECT_EQ(run_scene(scene, {}).status(), "unreliable");
-    set_values(scene, std::vector<std::string>{"run.step=auto", "run.until=2 ms"});
+    set_values(scene, std::vector<std::string>{"run.step=auto", "run.until=1 ms"});
     const RunReport report = run_scene(scene, {});
     EXPECT_EQ(report.status(), "finished");
     EXPECT_LT(report.energy.relative(), 1e-4);

@@ -43,7 +43,7 @@ class DamagedSweep : public Sweeps {
 protected:
     /// Two of four cases, side by side, are stopped with checkpoints and records in out; the whole sweep is in whole.
     void SetUp() override {
-        write_sweep("\"6 N*m\"", "4 ms");
+        write_sweep("\"6 N*m\"", "2.5 ms");
         std::string text = read("sweep.toml");
         write("sweep.toml", text.insert(text.find("[start]"), "records = true\n"));
         whole_ = run({"batch", "sweep.toml", "-o", "whole"});

@@ -67,7 +67,8 @@ TEST_F(VerifiedSweeps, CarryTheErrorsOfTheCasesThatWereRunAgain) {
 /// The detail of such a sweep is chosen, so that of its scene need not be that of the scene's state.
 TEST_F(VerifiedSweeps, BeginWithAStateOfAnotherDetail) {
     const std::string file = (folder_ / "sweep.toml").string();
-    std::ofstream(file) << "[sweep]\nscene = \"baseline\"\n[set]\ndetail.order = 1\nrun.until = \"0.4 ms\"\n[[axes]]\nkey = "
+    std::ofstream(file) << "[sweep]\nscene = \"baseline\"\n[set]\ndetail.order = 1\nrun.until = \"0.4 ms\"\nstart.settling_time = \"5 "
+                           "ms\"\nstart.ramp_time = \"2 ms\"\n[[axes]]\nkey = "
                            "\"load.torque\"\nvalues = [140, 150]\n[outputs]\nscalars = [\"tight_tension mean\"]\n"
                            "[accuracy]\ntarget = \"20 %\"\nverify = 1\n";
     const Sweep asked = read_sweep(file, find_scene);
