@@ -82,24 +82,27 @@ struct Leaving {
 
 /// @return whether it has reached the cycle within the longest wait
 [[nodiscard]] bool reaches(const std::atomic<long>& other, long cycle, std::chrono::duration<double> longest_wait) noexcept {
-    constexpr int polls = 4096;  // between two readings of the clock, which would disturb what is measured
-    const auto begin = Clock::now();
-    do {
+    const auto polled = [&]() noexcept {
+        constexpr int polls = 4096;  // without a reading of the clock, which would disturb what is measured
         for (int poll = 0; poll < polls; ++poll) {
             if (other.load(std::memory_order_acquire) >= cycle) return true;
         }
-    } while (Clock::now() - begin < longest_wait);
-    return false;
+        return false;
+    };
+    if (polled()) return true;
+    const auto begin = Clock::now();
+    while (!polled()) {
+        if (Clock::now() - begin >= longest_wait) return false;
+    }
+    return true;
 }
 
 }  // namespace
 
 double bare_barrier_cycle(int threads, double seconds, double longest_wait) noexcept try {
-    constexpr double never = std::numeric_limits<double>::infinity();
     Cycle opened;
     std::vector<Cycle> answered(static_cast<std::size_t>(std::max(0, threads - 1)));
     std::vector<double> times;
-    if (startable_threads(threads - 1) < threads - 1) return never;  // those that begin would wait for the others
     std::vector<std::jthread> others;
     const Leaving at_the_end{opened.number};
     for (Cycle& own : answered) others.emplace_back([&opened, &own] { answer_cycles(opened.number, own.number); });
@@ -116,12 +119,12 @@ double bare_barrier_cycle(int threads, double seconds, double longest_wait) noex
         for (const long last = cycle + batch; meeting && cycle < last;) meeting = meet(++cycle);
         times.push_back(std::chrono::duration<double>(Clock::now() - begin).count() / batch);
     }
-    if (!meeting) return never;
+    if (!meeting) return std::numeric_limits<double>::infinity();
     const auto middle = times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2);
     std::ranges::nth_element(times, middle);
     return *middle;
 } catch (const std::exception&) {
-    return std::numeric_limits<double>::infinity();  // no memory, or a thread less than a moment ago
+    return std::numeric_limits<double>::infinity();  // no memory, or too few threads; those that began have left
 }
 
 WorkerGrant::WorkerGrant(int threads) noexcept : requested_(threads) {

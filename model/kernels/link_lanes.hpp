@@ -26,7 +26,7 @@ inline void load_rows(const std::array<const double*, W>& from, Lanes<W>* rows) 
     }
 }
 
-/// The other way round, to the first `links` of `to`.
+/// The other way round, to the first `links` of `to`, at most W.
 template <int W, int count>
 inline void store_rows(const Lanes<W>* rows, const std::array<double*, W>& to, int links) noexcept {
     constexpr int rest = count % W, whole = count - rest;
@@ -42,7 +42,7 @@ inline void store_rows(const Lanes<W>* rows, const std::array<double*, W>& to, i
             (std::make_index_sequence<W>());
             continue;
         }
-        for (std::size_t link = 0; link + 1 < W && link < static_cast<std::size_t>(links); ++link) block[link].copy_to(to[link] + begin);
+        for (std::size_t link = 0; link < W - 1 && link < static_cast<std::size_t>(links); ++link) block[link].copy_to(to[link] + begin);
     }
     if constexpr (rest != 0) {
         turn(whole, rest);

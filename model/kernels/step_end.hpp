@@ -66,7 +66,7 @@ inline void turn_velocities(StepEndOf<float> end, int link, int count) noexcept 
 /// @return whether all numbers of the state are within the limit
 template <class Number, int P>
 [[nodiscard]] bool end_links(const StepEndOf<Number>& given, int links) noexcept {
-    const StepEndOf<Number> end = given;  // nothing that is written can be part of it
+    const StepEndOf<Number> end = given;  // a copy: the compiler then knows that stores through its pointers do not change them
     constexpr int W = std::is_same_v<Number, float> ? native_floats : native_lanes, size = link_layout<P>.link_size();
     constexpr int narrow = std::min(native_lanes, 4);  // a divisor of every link's size
     const Lanes<narrow> above(std::nextafter(end.limit, std::numeric_limits<double>::infinity()));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace cvtflow::tasks {
 
@@ -43,16 +44,22 @@ bool ScheduleChooser::record(const Pace& pace) noexcept {
         tried(pace);
     } else {
         worked(pace);
-        asks_ = checks_ == 0 && !checking_ && candidates_.size() > 1;
+        asks_ = candidates_.size() > 1 && checks_ == 0 && !checking_ && !tried_early_ && budget_.affords_question(options_);
     }
     return now_ != before || asks_;
 }
 
-void ScheduleChooser::answer(bool threads_meet_fast) noexcept {
-    asks_ = false;
-    if (!threads_meet_fast) return;
+void ScheduleChooser::answer(double meeting, double seconds) noexcept {
+    budget_.elapsed += seconds;
+    budget_.lost += seconds;
+    if (!std::exchange(asks_, false) || meeting > options_.meeting) return;
     now_ = by_threads_[1];
     trying_ = true;
+}
+
+void ScheduleChooser::interrupt() noexcept {
+    trying_ = asks_ = false;
+    now_ = chosen_;
 }
 
 void ScheduleChooser::worked(const Pace& pace) noexcept {
@@ -91,12 +98,19 @@ void ScheduleChooser::next_turn() noexcept {
     now_ = trying_ ? next_ : chosen_;
 }
 
-/// One turn of one candidate: a first check, of both alone.
+/// The early turn, then one of work, since the work before it was the run's first, when caches were cold.
 void ScheduleChooser::tried_early(const Pace& pace) noexcept {
-    budget_.tried(pace, work_);
+    const int early = by_threads_[1];
+    if (now_ == early) {
+        budget_.tried(pace, work_);
+        candidates_[static_cast<std::size_t>(early)].median = pace.per_cycle;
+        now_ = chosen_;
+        return;
+    }
+    work_ = std::min(work_, pace.per_cycle);
     candidates_[static_cast<std::size_t>(chosen_)].median = work_;
-    candidates_[static_cast<std::size_t>(now_)].median = pace.per_cycle;
-    take(pace.per_cycle * lead(now_, chosen_) < work_ ? now_ : chosen_);
+    tried_early_ = true;
+    choose(per_cycle(early) * lead(early, chosen_) < work_ ? early : chosen_);
 }
 
 void ScheduleChooser::tried(const Pace& pace) noexcept {
@@ -114,23 +128,24 @@ void ScheduleChooser::end_check() noexcept {
         std::nth_element(each.turns.begin(), middle, each.turns.end());
         each.median = *middle;  // each has had a turn: none is out before its first
     }
-    take(fastest());
+    ++checks_;
+    since_check_ = 0.0;
+    const int candidate = fastest();
+    period_ = chosen_ != candidate ? options_.first_period : std::min(2.0 * period_, options_.longest_period);
+    choose(candidate);
 }
 
-/// Ends a check with its choice.
-void ScheduleChooser::take(int candidate) noexcept {
-    ++checks_;
+/// Ends trials.
+void ScheduleChooser::choose(int candidate) noexcept {
     changes_ += chosen_ != candidate;
-    period_ = chosen_ != candidate ? options_.first_period : std::min(2.0 * period_, options_.longest_period);
-    chosen_ = candidate;
+    chosen_ = now_ = candidate;
     trying_ = checking_ = false;
-    now_ = chosen_;
-    since_check_ = 0.0;
     watch_.restart();
 }
 
 /// Speed-up that a candidate must have over another one with as many threads or fewer to replace it [1].
 double ScheduleChooser::lead(int candidate, int other) const noexcept {
+    const auto threads = [this](int each) { return candidates_[static_cast<std::size_t>(each)].threads; };
     if (threads(candidate) > threads(other)) return threads(candidate) > threads(chosen_) ? options_.gain : options_.min_lead;
     if (candidate == chosen_) return 1.0 / options_.min_lead;
     return other == chosen_ ? options_.min_lead : 1.0;

@@ -5,12 +5,12 @@
 /// The run itself is the measurement: schedules take turns on its own steps (results do not depend on the schedule), so a trial costs only
 /// the time by which the schedule on trial is slower than the one in use. These losses are counted, and a turn is taken only while their
 /// sum, this turn being wasted entirely, stays below `max_trial_share` of the time so far. One turn is taken sooner: that of the fewest
-/// threads beyond the first candidate's, as soon as the owner answers that two threads meet fast. A run too short for a trial stays with
-/// the first candidate. Threads must pay: of candidates that are about equally fast the one with the fewest is chosen.
+/// threads beyond the first candidate's, once the owner answers that as many threads meet fast. A run too short for a trial stays with the
+/// first candidate. Threads must pay: of candidates that are about equally fast the one with the fewest is chosen.
 ///
-///     a turn of work, then windows ── asks(): threads meet fast ──► one early turn ──► the faster of both ──► work
-///          │ they have not, until trials are affordable
-///          ▼
+///     a turn of work, then windows ── asks(): threads meet fast ──► an early turn, and one more of work ──► the faster of both
+///          │ they have not until trials are affordable                                                           │
+///          ▼                                                                                                      ▼
 ///     work (windows) ── due and affordable ──► check: rounds of turns of all candidates ──► medians ──► work
 ///          ▲ not affordable: back to work for a window, the check continues afterwards ─┘
 
@@ -25,6 +25,7 @@ struct ChooserOptions {
     double turn = 0.004;            ///< of a candidate on trial [s]
     int rounds = 5;                 ///< turns of each candidate in a check
     double max_trial_share = 0.01;  ///< of all time
+    double meeting = 0.25e-6;       ///< time in which threads meet that are tried early [s] (DECISIONS 19)
     double gain = 1.05;             ///< speed-up that threads which are not in use yet must bring [1]
     double min_lead = 1.02;         ///< speed-up with which one replaces another, and which that must keep over fewer threads [1]
     double abandon_factor = 1.5;    ///< a turn slower than work by this factor ends a candidate's part in a check [1]
@@ -48,6 +49,10 @@ struct TrialBudget {
     /// Whether all that trials have cost and, at worst, one more turn is within the allowed share.
     [[nodiscard]] bool affords(const ChooserOptions& options) const noexcept {
         return lost + options.turn <= options.max_trial_share * elapsed;
+    }
+    /// Whether a question may be asked: within half that share, so that a turn becomes affordable.
+    [[nodiscard]] bool affords_question(const ChooserOptions& options) const noexcept {
+        return lost <= 0.5 * options.max_trial_share * elapsed;
     }
     /// A turn on trial. @param work time per cycle without it [s]
     void tried(const Pace& pace, double work) noexcept;
@@ -80,15 +85,19 @@ public:
     /// The candidate has run for about window(). Allocates nothing. @return whether another one runs now, or it asks()
     bool record(const Pace& pace) noexcept;
 
-    /// Whether it is to be answered before the next step: do two threads meet fast, so that an early turn is likely to gain? After each
-    /// window of work before the first check.
-    [[nodiscard]] bool asks() const noexcept { return asks_; }
-    void answer(bool threads_meet_fast) noexcept;
+    /// Number of threads whose meeting is to be timed before the next step, so that an early turn is taken only where it is likely to gain;
+    /// 0: none. Before the first check, after a window of work, while the answers take no more than half of `max_trial_share` of the time.
+    [[nodiscard]] int asks() const noexcept { return asks_ ? candidates_[static_cast<std::size_t>(by_threads_[1])].threads : 0; }
+    /// @param meeting time in which they meet; infinite: they do not [s]   @param seconds that it took to find out
+    void answer(double meeting, double seconds) noexcept;
+    /// The run ends, perhaps within a turn: the next one begins with work.
+    void interrupt() noexcept;
 
     [[nodiscard]] int chosen() const noexcept { return chosen_; }
     [[nodiscard]] long checks() const noexcept { return checks_; }
     [[nodiscard]] long changes() const noexcept { return changes_; }
-    /// Median time per cycle in the last check in which it had a turn, or of its early turn; 0: none [s].
+    /// Median time per cycle in the last check in which it had a turn; before the first check that of the early turn, or of the work beside
+    /// it; 0: none [s].
     [[nodiscard]] double per_cycle(int candidate) const noexcept { return candidates_[static_cast<std::size_t>(candidate)].median; }
     /// Time that all trials have cost [s].
     [[nodiscard]] double lost() const noexcept { return budget_.lost; }
@@ -107,9 +116,8 @@ private:
     void begin_check() noexcept;
     void next_turn() noexcept;
     void end_check() noexcept;
-    void take(int candidate) noexcept;
+    void choose(int candidate) noexcept;
     [[nodiscard]] int fastest() const noexcept;
-    [[nodiscard]] int threads(int candidate) const noexcept { return candidates_[static_cast<std::size_t>(candidate)].threads; }
     [[nodiscard]] double lead(int candidate, int other) const noexcept;
 
     ChooserOptions options_;
@@ -119,6 +127,7 @@ private:
     bool trying_ = false;       ///< candidate() is on trial
     bool checking_ = false;     ///< a check has begun and not ended
     bool asks_ = false;         ///< is to be answered
+    bool tried_early_ = false;  ///< the early turn is over
     int next_ = 0, round_ = 0;  ///< whose turn in the check
     double work_ = 0.0;         ///< time per cycle of the last window of work; 0: there was none [s]
     TrialBudget budget_;

@@ -72,12 +72,13 @@ bool ScheduleRunner::PausingController::pauses() noexcept {
 
 namespace {
 
-/// Whether two threads meet within what makes an early turn of two threads likely to gain. Measured: on near processors, which gain 1.4 to
-/// 1.7 with the default method, 0.11 to 0.17 us, on far ones, which may lose, 0.48 and more. Takes a tenth of a millisecond, most of it to
-/// start a thread; one that keeps the caller waiting for a millisecond has no processor to itself.
-[[nodiscard]] bool threads_meet_fast() noexcept {
-    constexpr double near = 0.25e-6, measured_for = 20e-6, longest_wait = 1e-3;  // [s]
-    return engine::bare_barrier_cycle(2, measured_for, longest_wait) < near;
+/// Has threads meet, for the chooser. A tenth of a millisecond where another processor is idle, most of it to start a thread; otherwise a
+/// millisecond, and what the system keeps the threads waiting.
+void answer(ScheduleChooser& chooser) {
+    constexpr double measured_for = 20e-6, longest_wait = 1e-3;  // [s]
+    const auto begin = std::chrono::steady_clock::now();
+    const double meeting = engine::bare_barrier_cycle(chooser.asks(), measured_for, longest_wait);
+    chooser.answer(meeting, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
 }
 
 /// Segments are repartitioned if the longest one exceeds that of balanced borders by this factor: a repartition costs an end and a
@@ -152,9 +153,9 @@ void ScheduleRunner::run(StepController& controller) {
     PausingController resting(controller, *this);
     for (;;) {
         slots_[current()].executor->run(graph(), &w_, resting);
-        if (resting.over()) return;
+        if (resting.over()) return chooser_.interrupt();
         ++pauses_;
-        if (chooser_.asks()) chooser_.answer(threads_meet_fast());
+        if (chooser_.asks() > 0) answer(chooser_);
         take_up();
     }
 }
@@ -200,7 +201,7 @@ std::string ScheduleRunner::text() const {
     const std::string moved = repartitions_ > 0 ? fmt::format("borders moved {}", times(repartitions_, "time")) : "";
     const std::string name = slots_[chosen].schedule.text();
     if (slots_.size() == 1) return moved.empty() ? name : fmt::format("{} ({})", name, moved);
-    if (chooser_.checks() == 0) return name + " (auto; the run was too short to try others)";
+    if (chooser_.per_cycle(chooser_.chosen()) == 0.0) return name + " (auto; the run was too short to try others)";
     const auto pace = [this](std::size_t each) {
         const double per_cycle = chooser_.per_cycle(static_cast<int>(each));
         return per_cycle > 0.0 ? per_cycle : std::numeric_limits<double>::infinity();
@@ -210,8 +211,9 @@ std::string ScheduleRunner::text() const {
         if (pace(each) < pace(other)) other = each;
     }
     return fmt::format("{} (auto: {:.1f} us per cycle, {} {:.1f} us; {}, {}{})", name, 1e6 * chooser_.per_cycle(chooser_.chosen()),
-                       slots_[other].schedule.text(), 1e6 * pace(other), times(chooser_.checks(), "check"),
-                       times(chooser_.changes(), "change"), moved.empty() ? "" : ", " + moved);
+                       slots_[other].schedule.text(), 1e6 * pace(other),
+                       chooser_.checks() == 0 ? "one early turn" : times(chooser_.checks(), "check"), times(chooser_.changes(), "change"),
+                       moved.empty() ? "" : ", " + moved);
 }
 
 }  // namespace cvtflow::tasks

@@ -20,7 +20,8 @@ public:
     ScheduleRunner(Workspace& workspace, StepMethod& method, std::vector<Schedule> candidates, const ChooserOptions& options = {},
                    engine::StampRecorder* recorder = nullptr);
 
-    /// Runs until the controller returns stop. Allocates at the beginning and whenever the schedule changes, not in between.
+    /// Runs until the controller returns stop. Allocates at the beginning, whenever the schedule changes, and where
+    /// ScheduleChooser::asks().
     void run(StepController& controller);
     /// Between runs: releases threads that would wait for the next run on a processor.
     void release_threads() const noexcept;

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <stdexcept>
 
 #include "bench/executor/span_recorder.hpp"
 #include "bench/study/profile/busy_neighbours.hpp"
@@ -62,8 +64,11 @@ LoadResult load_result(const Samples& samples, int neighbours) {
 /// Synchronisation alone, right beside the schedule's own turn.
 void cycle_turn(ScheduleTrial& lane) {
     lane.cycles.push_back(cycle_cost(lane.result.schedule, cycle_seconds));
-    const double bare = engine::bare_barrier_cycle(lane.result.schedule.threads, 0.5 * cycle_seconds, cycle_seconds);
-    if (std::isfinite(bare)) lane.bare.push_back(bare);
+    constexpr double any_wait = std::numeric_limits<double>::infinity();
+    const int threads = lane.result.schedule.threads;
+    lane.bare.push_back(engine::bare_barrier_cycle(threads, 0.5 * cycle_seconds, any_wait));
+    if (std::isinf(lane.bare.back()))
+        throw std::runtime_error(fmt::format("a measurement requires {} threads, which are not available", threads));
 }
 
 /// Medians over the rounds in which all threads came; if they mostly did not, the cost means nothing and `active` gives the reason.

@@ -23,7 +23,7 @@ void report(SegmentResult& result, FaultKind kind, double time, int pin, double 
 }
 
 /// Whether all numbers are within ±limit; false for NaN. By their bits, which are in the order of magnitudes: that takes vectors on every
-/// instruction set, and every link is checked after every step. numbers [unit of the limit], limit [the same unit, not negative]
+/// instruction set, and every detect cycle checks every link. numbers [unit of the limit], limit [the same unit, not negative]
 [[nodiscard]] bool within(const double* numbers, int size, double limit) noexcept {
     constexpr std::uint64_t magnitude = std::numeric_limits<std::uint64_t>::max() >> 1;
     const auto largest = std::bit_cast<std::uint64_t>(limit);

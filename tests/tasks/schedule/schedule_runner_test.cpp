@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "tasks/method/method.hpp"
 #include "tasks/run/simulation.hpp"
@@ -181,6 +182,27 @@ TEST(ScheduleRunner, ReportsItsChoice) {
     EXPECT_THAT(
         longer.integrator().runner().text(),
         AllOf(StartsWith("serial (auto: "), HasSubstr(" us per cycle, barrier, fused, 2 segments, 2 threads "), HasSubstr("0 changes)")));
+}
+
+TEST(ScheduleRunner, TakesAnEarlyTurnAndKeepsTheBits) {
+    const Scene scene = settled();
+    const RunnerOutcome serial = runner_outcome(scene, {Schedule{}}, {});
+    for (const bool pays : {false, true}) {
+        SilentObserver quiet;
+        const engine::Cancellation never;
+        ChooserOptions options;
+        options.turn = 1e-9;
+        options.max_trial_share = 0.0;                              // no check, and one question
+        options.meeting = std::numeric_limits<double>::infinity();  // whatever the machine is doing
+        options.gain = pays ? 0.0 : 1e9;
+        Simulation simulation(scene, std::vector<Schedule>{Schedule{}, {"barrier", {Assembly::fused}, 2, 2}}, options);
+        EXPECT_FALSE(simulation.advance({.until = scene.run.until}, quiet, never));
+        EXPECT_EQ(simulation.hash(), serial.hash);
+        EXPECT_EQ(simulation.integrator().runner().pause_count(), pays ? 3 : 2) << "to ask, after the turn, to change";
+        EXPECT_THAT(simulation.integrator().runner().text(),
+                    AllOf(StartsWith(pays ? "barrier, fused, 2 segments, 2 threads (auto: " : "serial (auto: "),
+                          HasSubstr("one early turn"), HasSubstr(pays ? "1 change)" : "0 changes)")));
+    }
 }
 
 TEST(AutoSchedule, RespectsWhatTheSceneFixes) {
