@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "bench/executor/further_executors.hpp"
+#include "engine/base/provenance.hpp"
 #include "engine/executor/catalogue.hpp"
 #include "tests/engine/executor/executor_fixture.hpp"
 
