@@ -12,14 +12,16 @@
 
 namespace cvtflow::bench {
 
+void too_few_threads(int requested) {
+    throw std::runtime_error("a measurement requires " + std::to_string(requested) + " threads, which are not available");
+}
+
 struct BusyNeighbours::Threads {
     std::vector<std::jthread> all;
 };
 
 BusyNeighbours::BusyNeighbours(int count) : threads_(std::make_unique<Threads>()) {
-    if (engine::startable_threads(count) < count) {
-        throw std::runtime_error("a measurement requires " + std::to_string(count) + " threads, which are not available");
-    }
+    if (engine::startable_threads(count) < count) too_few_threads(count);
     for (int i = 0; i < count; ++i) {
         threads_->all.emplace_back([](const std::stop_token& stop) {
             while (!stop.stop_requested()) {}

@@ -5,6 +5,9 @@
 
 namespace cvtflow::bench {
 
+/// Reports that a measurement requires more threads than there are. @throws std::runtime_error
+[[noreturn]] void too_few_threads(int requested);
+
 /// Keeps `count` threads spinning, to emulate other load on a shared machine. They are not oneTBB's, so that no scheduler knows of them.
 class BusyNeighbours {
 public:

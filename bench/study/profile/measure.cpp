@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 
 #include "bench/executor/span_recorder.hpp"
 #include "bench/study/profile/busy_neighbours.hpp"
@@ -67,8 +66,7 @@ void cycle_turn(ScheduleTrial& lane) {
     constexpr double any_wait = std::numeric_limits<double>::infinity();
     const int threads = lane.result.schedule.threads;
     lane.bare.push_back(engine::bare_barrier_cycle(threads, 0.5 * cycle_seconds, any_wait));
-    if (std::isinf(lane.bare.back()))
-        throw std::runtime_error(fmt::format("a measurement requires {} threads, which are not available", threads));
+    if (std::isinf(lane.bare.back())) too_few_threads(threads);
 }
 
 /// Medians over the rounds in which all threads came; if they mostly did not, the cost means nothing and `active` gives the reason.
