@@ -26,7 +26,6 @@
 #include "bench/count/instructions.hpp"
 #include "bench/parts/link_parts.hpp"
 #include "bench/study/state_file.hpp"
-#include "bench/summary/peak.hpp"
 #include "bench/summary/summary.hpp"
 #include "engine/base/hash.hpp"
 #include "engine/record/run/state_file.hpp"

@@ -1,4 +1,4 @@
-#include "bench/executor/barrier.hpp"
+#include "bench/executor/compared_executors.hpp"
 
 #include <cstdint>
 #include <exception>

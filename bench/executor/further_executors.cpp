@@ -4,16 +4,7 @@
 #include <array>
 #include <memory>
 
-#include "bench/executor/asio/asio_pool.hpp"
-#include "bench/executor/barrier.hpp"
-#include "bench/executor/openmp/omp_fork.hpp"
-#include "bench/executor/openmp/omp_region.hpp"
-#include "bench/executor/openmp/omp_tasks.hpp"
-#include "bench/executor/std_par/std_par.hpp"
-#include "bench/executor/taskflow/taskflow_graph.hpp"
-#include "bench/executor/tbb/flow_messages.hpp"
-#include "bench/executor/tbb/flow_per_cycle.hpp"
-#include "bench/executor/tbb/tbb_loop.hpp"
+#include "bench/executor/compared_executors.hpp"
 #include "engine/executor/catalogue.hpp"
 #include "engine/thread/worker_threads.hpp"
 

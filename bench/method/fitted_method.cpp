@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "bench/method/analysis/plan_check.hpp"
+#include "bench/method/analysis/order.hpp"
 #include "bench/method/analysis/stability.hpp"
 #include "bench/method/family/fitted.hpp"
 #include "engine/method/catalogue.hpp"

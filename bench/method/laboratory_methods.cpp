@@ -12,7 +12,7 @@
 #include "bench/method/fitted_method.hpp"
 #include "bench/method/implicit/catalogue.hpp"
 #include "bench/method/implicit/linear_method.hpp"
-#include "bench/method/stability/friction_stability.hpp"
+#include "bench/method/stability/program_stability.hpp"
 #include "engine/thread/guards.hpp"
 #include "tasks/method/friction/friction_leapfrog.hpp"
 #include "tasks/method/friction/sweep_leapfrog.hpp"

@@ -1,12 +1,68 @@
 #pragma once
-/// SUNDIALS on a Problem. No type of its own leaves this folder.
+/// Solvers of others on one stretch of a scene: an initial value problem for any solver, y' = f(t, y) with phases held, and ∂f/∂y; and
+/// SUNDIALS on it. No type of its own leaves this folder.
 
 #include <string>
 #include <vector>
 
-#include "bench/peers/problem.hpp"
+#include "bench/method/jacobian/jacobian.hpp"
+#include "bench/study/tradeoff/error_measure.hpp"
+#include "model/observe/observation.hpp"
+#include "tasks/scene/scene.hpp"
+#include "tasks/step/integration_state.hpp"
 
 namespace cvtflow::bench {
+
+/// A square matrix by columns, with the places of a pattern that never changes.
+struct SparsePattern {
+    std::vector<int> begin, row;  ///< [unknowns + 1], [entries] ascending within a column
+};
+
+class Problem {
+public:
+    /// From `start` over `duration`, in which no tip changes its phase, with outputs so far apart. [s]
+    Problem(const tasks::Scene& scene, tasks::FrozenStart start, double duration, double interval);
+
+    [[nodiscard]] int size() const noexcept { return variator_.layout().size(); }
+    [[nodiscard]] const tasks::FrozenStart& start() const noexcept { return start_; }
+    [[nodiscard]] double interval() const noexcept { return interval_; }
+    [[nodiscard]] int outputs() const noexcept { return outputs_; }
+
+    /// t [s], state [unknowns], slope [unknowns]
+    void slope(double t, const double* state, double* slope) noexcept;
+    [[nodiscard]] const SparsePattern& pattern() const noexcept { return pattern_; }
+    /// ∂f/∂y in the order of the pattern. The ledger's own rows are left out: nothing depends on them.
+    void jacobian(double t, const double* state, double* values) noexcept;
+
+    /// Whether an unknown is the rate of a coordinate: its slope is an acceleration.
+    [[nodiscard]] bool is_rate(int unknown) const noexcept;
+    /// A typical size of each unknown, for absolute tolerances: coordinates 1e-6, their rates 1e-2, all else 1.
+    [[nodiscard]] std::vector<double> sizes() const;
+
+    /// Adds an output to a trajectory. t [s], state [unknowns]
+    void observe(double t, const double* state, Trajectory& trajectory);
+
+    [[nodiscard]] long evaluations() const noexcept { return evaluations_; }
+    void forget_evaluations() noexcept { evaluations_ = 0; }
+
+private:
+    /// Calls visit(row, column, value) for every entry, always in the same order.
+    template <class Visit>
+    void visit_entries(Visit&& visit) const;
+    void make_pattern();
+
+    model::Variator variator_;
+    tasks::FrozenStart start_;
+    double interval_;
+    int outputs_;
+    model::EvaluationScratch scratch_;
+    model::Observer observer_;
+    bench::ExactJacobian exact_;
+    bench::AccelerationJacobian blocks_;
+    SparsePattern pattern_;
+    std::vector<int> place_;  ///< [visited entry] → pattern
+    long evaluations_ = 0;
+};
 
 struct PeerRun {
     std::string fault;  ///< empty: it came to the end

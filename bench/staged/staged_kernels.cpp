@@ -1,5 +1,5 @@
 #include "bench/staged/one_link.hpp"
-#include "bench/staged/staged_chain.hpp"
+#include "bench/staged/staged_assembly.hpp"
 #include "model/basis/isa.hpp"
 
 namespace cvtflow::bench {

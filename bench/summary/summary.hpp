@@ -1,12 +1,21 @@
 #pragma once
-/// Results of all rows of bench_rhs: speed-ups against the plain code and the goals.
+/// Results of bench_rhs beside its rows: peak performance of this processor, and speed-ups against the plain code and the goals.
 
 #include <benchmark/benchmark.h>
 
 #include <map>
 #include <string>
 
+#include "model/basis/isa.hpp"
+
 namespace cvtflow::bench {
+
+// Peak performance of this processor.
+
+/// Additions and multiplications per second in vectors of an instruction set, measured; 0 if this program was compiled for narrower ones.
+[[nodiscard]] double peak_flops(model::Isa isa);
+
+// Results of all rows of bench_rhs: speed-ups against the plain code and the goals.
 
 /// Prints rows as they come and keeps their times.
 class SummaryReporter : public benchmark::ConsoleReporter {

@@ -19,7 +19,7 @@ struct PlanStep {
 
 class CompiledPlan {
 public:
-    /// @param plan a sound one: bench/method/analysis/plan_check.hpp states what that means
+    /// @param plan a sound one: bench/method/analysis/order.hpp states what that means
     explicit CompiledPlan(const StagePlan& plan);
 
     [[nodiscard]] int stages() const noexcept { return static_cast<int>(rows_.size()) - (has_error_ ? 2 : 1); }

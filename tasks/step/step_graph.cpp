@@ -19,7 +19,7 @@ engine::TaskGraph fused_graph(const Workspace& w) {
     engine::TaskGraph graph;
     for (int s = 0; s < w.partition.size(); ++s) {
         const std::string number = "[" + std::to_string(s) + "]";
-        // Slots that a stage reads are never the ones it writes: bench/method/analysis/plan_check.hpp checks that.
+        // Slots that a stage reads are never the ones it writes: bench/method/analysis/order.hpp checks that.
         graph.add({"force" + number, evaluate_cycle, evaluate_segment, s,
                    LinkAccesses(w, s)
                        .with_halo(Field::states_read)

@@ -7,6 +7,7 @@ import ctypes
 import locale
 import os
 import pathlib
+import shutil
 import signal
 import subprocess
 import sys
@@ -14,7 +15,25 @@ import tempfile
 import threading
 import unittest
 
-from locale_fixture import NAME, restart_with_decimal_comma
+# A locale with a decimal comma for tests, compiled into a temporary folder: no package of the system is needed.
+NAME = "de_DE.UTF-8"
+
+
+def restart_with_decimal_comma():
+    """Starts this test anew with LOCPATH set, since the C library reads it once. Exit status 77: there is no localedef."""
+    if "CVTFLOW_LOCALE" in os.environ:
+        return
+    if shutil.which("localedef") is None:
+        print("skipped: no localedef (Debian: libc-bin, locales)")
+        sys.exit(77)
+    with tempfile.TemporaryDirectory() as folder:
+        made = subprocess.run(["localedef", "-i", "de_DE", "-f", "UTF-8", f"{folder}/{NAME}"], capture_output=True, text=True)
+        if not os.path.exists(f"{folder}/{NAME}/LC_NUMERIC"):
+            print(f"skipped: localedef cannot compile {NAME} (Debian: locales): {made.stderr.strip()}")
+            sys.exit(77)
+        environment = {**os.environ, "LOCPATH": folder, "CVTFLOW_LOCALE": NAME, "PYTHONUTF8": "1"}
+        sys.exit(subprocess.run([sys.executable, *sys.argv], env=environment).returncode)
+
 
 restart_with_decimal_comma()
 PROGRAM, LIBRARY, SCENES, COMPILER = sys.argv[1:5]

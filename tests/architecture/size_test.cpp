@@ -1,5 +1,7 @@
-/// Gates on size: files of 500 lines, functions of 40, classes of 20 methods, lines of 140 characters.
+/// Gates on size: files of 500 lines, functions of 40, classes of 20 methods, lines of 140 characters; and the scanner that measures
+/// functions.
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,6 +14,9 @@
 
 namespace cvtflow::architecture {
 namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
 
 constexpr int max_file_lines = 500;
 constexpr int max_function_lines = 40;
@@ -115,6 +120,44 @@ TEST(Size, TheScannerSeesTheCode) {
     std::size_t functions = 0;
     for (const SourceFile& file : source_files()) functions += functions_of(file.text).size();
     EXPECT_GT(functions, 100u);
+}
+
+std::vector<int> lengths(const std::string& text) {
+    std::vector<int> result;
+    for (const FunctionBody& body : functions_of(text)) result.push_back(body.lines);
+    return result;
+}
+
+TEST(FunctionScanner, MeasuresFromTheHeadToTheClosingBrace) {
+    EXPECT_THAT(lengths("int f() { return 1; }\n"), ElementsAre(1));
+    EXPECT_THAT(lengths("int f(int a,\n      int b) {\n    if (a) {\n        b = 1;\n    }\n    return b;\n}\n"), ElementsAre(7));
+}
+
+TEST(FunctionScanner, SearchesNamespacesAndTypesButNotFunctions) {
+    EXPECT_THAT(
+        lengths("namespace a::b {\nnamespace {\nstruct S : T {\n int f() { return 1; }\n};\n}\nvoid g() {\n auto h = [] {\n };\n}\n}\n"),
+        ElementsAre(1, 4));
+    EXPECT_THAT(lengths("extern \"C\" {\nvoid f() {\n}\n}\n"), ElementsAre(2));
+    EXPECT_THAT(lengths("template <class T>\nclass C {\n    C() : a_(1) {\n    }\n};\n"), ElementsAre(2));
+    EXPECT_THAT(lengths("template <int W>\nrequires(W < 0) struct S<W> {\n    int f() { return 1; }\n};\n"), ElementsAre(1));
+}
+
+TEST(FunctionScanner, TablesAreNotFunctions) {
+    EXPECT_THAT(lengths("const int a[] = {\n1,\n2};\nconstexpr std::array b{\n1,\n2};\nenum class E {\nx,\ny };\n"), IsEmpty());
+}
+
+TEST(FunctionScanner, CommentsLiteralsAndDirectivesCountForNothing) {
+    EXPECT_THAT(lengths("// f() {\n/* g() { */\n#define H() {\nvoid k() { s = \"{\\\"\"; c = '{'; n = 1'000; }\n"), ElementsAre(1));
+    EXPECT_THAT(lengths("void k() { s = R\"x({ \" )x\"; }\nvoid l() {\n}\n"), ElementsAre(1, 2));
+}
+
+TEST(FunctionScanner, FindsIncludes) {
+    const std::vector<Include> includes = includes_of("#include <vector>\n  #  include \"model/x.hpp\"  // why\n// #include <no>\n");
+    ASSERT_EQ(includes.size(), 2u);
+    EXPECT_EQ(includes[0].name, "vector");
+    EXPECT_FALSE(includes[0].quoted);
+    EXPECT_EQ(includes[1].name, "model/x.hpp");
+    EXPECT_EQ(includes[1].line, 2);
 }
 
 }  // namespace

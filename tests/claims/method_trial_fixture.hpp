@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/method/implicit/newton.hpp"
+#include "bench/method/implicit/trapezoidal.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/step/integration_state.hpp"
 

@@ -2,7 +2,7 @@
  *
  *     CVTFLOW_POWER_LOG=FILE    every change is appended to FILE, by every process, in the order in which it happened
  *
- * A line of text each, and for writes the bytes behind it (tests/tools/power_log_fixture.hpp reads it):
+ * A line of text each, and for writes the bytes behind it (tests/tools/power_cut_test.cpp reads it):
  *
  *     create INODE PATH         a new empty file has a name           mkdir INODE PATH
  *     size INODE BYTES          cut or lengthened                     remove - PATH

@@ -10,12 +10,11 @@
 #include <string>
 #include <vector>
 
-#include "bench/method/jacobian/difference_jacobian.hpp"
-#include "bench/method/jacobian/exact_jacobian.hpp"
+#include "bench/method/jacobian/jacobian.hpp"
 #include "model/observe/observation.hpp"
 #include "model/variator/variator.hpp"
 #include "tests/oracle/oracle_cases.hpp"
-#include "tests/oracle/rigid_forces.hpp"
+#include "tests/oracle/rigid_pins.hpp"
 #include "tests/recipes/strut.hpp"
 
 namespace cvtflow::recipes {

@@ -18,7 +18,7 @@
 #include "tasks/run/simulation.hpp"
 #include "tests/engine/executor/executor_fixture.hpp"
 #include "tests/sample_fixture.hpp"
-#include "tests/tasks/settled_tiny_fixture.hpp"
+#include "tests/tasks/tiny_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {

@@ -1,19 +1,25 @@
+/// Cases of a sweep: what is tried before it, where they start, how they are cut, killed and continued, and how they fail.
+
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <fstream>
 #include <random>
 
 #include "engine/record/hdf5/file_seal.hpp"
-#include "tests/tools/batch_fixture.hpp"
+#include "tests/tools/program_fixture.hpp"
 
 namespace cvtflow::tools {
 namespace {
 
 using testing::AllOf;
+using testing::Each;
 using testing::HasSubstr;
+using testing::Not;
+using testing::Pair;
 using testing::StartsWith;
 
 class Batch : public Sweeps {
@@ -313,6 +319,150 @@ TEST_F(Batch, RecordsCasesIfAsked) {
     ASSERT_EQ(batch().status, 0);
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_ / "out/records"), {}), 4);
     EXPECT_THAT(run({"info", "out/records/case-000002.h5"}).out, HasSubstr("\n  status              finished\n"));
+}
+
+using BatchDryRun = Sweeps;
+
+/// 12 um are reached 1.6 us after the settling: a case of 0.2 us knows nothing of that.
+TEST_F(BatchDryRun, MeasuresNoStepBeyondACasesEnd) {
+    write_sweep("\"12 N*m\"", "0.2 us", "");
+    std::string sweep = read("sweep.toml");
+    sweep.replace(sweep.find("start.settling_time = \"20 us\"\nstart.ramp_time = \"10 us\""), 0,
+                  "tip.deepest = \"12 um\"\nrun.output_interval = \"50 ns\"\nrun.state_interval = \"100 ns\"\n");
+    sweep.replace(sweep.find("\"ratio at 20 us\""), 16, "\"ratio at 0.2 us\"");
+    write("sweep.toml", sweep);
+    const Outcome dry = batch({"--dry-run"});
+    EXPECT_THAT(dry.out, HasSubstr("(measured on 3 cases, ")) << dry.err;
+    EXPECT_EQ(batch().status, 0);
+}
+
+TEST_F(BatchDryRun, ReportsWhyNoCaseCouldBeTried) {
+    write_sweep("\"12 N*m\"", "40 us", "");
+    std::string sweep = read("sweep.toml");
+    sweep.replace(sweep.find("run.until"), 0, "run.method = \"leapfrog-chebyshev\"\ndetail.pins = \"rigid\"\n");
+    write("sweep.toml", sweep);
+    const Outcome dry = batch({"--dry-run"});
+    EXPECT_THAT(dry.out, HasSubstr("estimate            none: every case has inconsistent parameters"));
+    EXPECT_EQ(dry.status, 5) << "nothing can run";
+}
+
+TEST_F(BatchDryRun, PrintsCasesAndAnEstimate) {
+    write_sweep();
+    const Outcome outcome = batch({"--dry-run"});
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_THAT(outcome.out, AllOf(StartsWith("sweep: 12 cases\n"), HasSubstr("load.torque [N*m]"),
+                                   testing::ContainsRegex("  estimate            [a-z0-9. ]+ s on one thread, "),
+                                   testing::ContainsRegex("  disk                [0-9.]+ kB of results")));
+    EXPECT_FALSE(exists("out"));
+}
+
+// Start states of the cases of a sweep.
+
+class BatchStart : public Sweeps {
+protected:
+    /// Three cases of baseline, whose settled state is of level `fine`.
+    void write_of_baseline(const std::string& set, const std::string& more = "") const {
+        write("sweep.toml", "[sweep]\nscene = \"baseline\"\n" + more +
+                                "[set]\nrun.until = \"20 us\"\nrun.step = \"1 us\"\nstart.ramp_time = \"20 us\"\nstart.settling_time = \"" +
+                                set +
+                                "\n[[axes]]\nkey = \"load.torque\"\nvalues = [\"10 N*m\", \"20 N*m\", \"30 N*m\"]\n[outputs]\nscalars = "
+                                "[\"ratio mean\"]\n");
+    }
+};
+
+TEST_F(BatchStart, CasesOfAnotherLevelOfDetailThanTheScenesStateSettleAsRunsDo) {
+    write_of_baseline("20 us\"\n", "detail = \"rigid\"\n");
+    const Outcome outcome = batch();
+    EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
+    EXPECT_THAT(column("status"), Each(Pair(testing::_, "ok")));
+    EXPECT_THAT(column("start"), Each(Pair(testing::_, "geometric")));
+    const Outcome single = run({"run", "baseline", "-o", "none", "--detail", "rigid", "--until", "20 us", "--step", "1 us", "--set",
+                                "start.settling_time=20us", "--set", "start.ramp_time=20us", "--set", "load.torque=20 N*m"});
+    EXPECT_THAT(single.out, HasSubstr("state hash          " + column("hash").at(1)));
+}
+
+TEST_F(BatchStart, CasesOfOtherPulleysThanTheScenesStateSettle) {
+    write_of_baseline("20 us\"\ndetail.pulleys = \"rigid\"\n");
+    const Outcome outcome = batch();
+    EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
+    EXPECT_THAT(column("start"), Each(Pair(testing::_, "geometric")));
+}
+
+TEST_F(BatchStart, CasesThatMustSettleButHaveNoTimeForItSayWhy) {
+    write_of_baseline("0 s\"\n", "detail = \"rigid\"\n");
+    EXPECT_EQ(batch().status, 5);
+    EXPECT_THAT(column("error"), Each(Pair(testing::_, HasSubstr("start.settling_time = 0 leaves no time to settle"))));
+}
+
+TEST_F(BatchStart, NamesTheCommandOfAFileOfTheOtherKind) {
+    write("t.toml", "[scene]\nname = \"t\"\n\n[chain]\npins = 24\n\n[tips]\nx = 1\n");
+    write_sweep();
+    EXPECT_EQ(run({"batch", "t.toml"}).err, "cvtflow: t.toml:4:2: chain: this is a scene, not a sweep; to run it: cvtflow run t.toml\n");
+    EXPECT_EQ(run({"run", "sweep.toml"}).err,
+              "cvtflow: sweep.toml:1:2: sweep: this is a sweep, not a scene; to run it: cvtflow batch sweep.toml\n");
+    EXPECT_EQ(run({"batch", "tiny"}).err,
+              "cvtflow: no sweep 'tiny'; ready sweeps: operating_map, slip_efficiency, steady_map; to run the scene of that name: "
+              "cvtflow run tiny\n");
+    EXPECT_EQ(run({"run", "slip_efficiency"}).err,
+              "cvtflow: 'slip_efficiency' is a ready sweep, not a scene; to run it: cvtflow batch slip_efficiency\n");
+}
+
+// Reports of a sweep on cases that fail, and when it stops.
+
+class BatchFailures : public Sweeps {
+protected:
+    /// 24 cases, of which none can begin: the chain does not fit the sheaves at that ratio.
+    void write_hopeless() const {
+        write_sweep("\"1 N*m\", \"2 N*m\", \"3 N*m\", \"4 N*m\", \"5 N*m\", \"6 N*m\"", "40 us",
+                    "[[axes]]\nkey = \"start.ratio\"\nvalues = [0.3]\n");
+    }
+};
+
+TEST_F(BatchFailures, ThatAreAlikeInTheFirstDozenCasesStopTheSweepWithTheirMessage) {
+    write_hopeless();
+    const Outcome outcome = batch({"--threads", "1"});
+    EXPECT_EQ(outcome.status, 5);
+    EXPECT_THAT(outcome.err, AllOf(HasSubstr("sweep: the first 12 cases all failed alike: bad_parameters: chain.pins: "),
+                                   HasSubstr("; --keep-going runs the others\n")));
+    EXPECT_THAT(outcome.out, AllOf(HasSubstr("sweep: stopped after 12 of 24 cases; to continue: cvtflow resume out --keep-going\n"),
+                                   HasSubstr("failed              12 of 12 cases (100 %)\n"), HasSubstr("12 bad_parameters: chain.pins: "),
+                                   HasSubstr("(first: case 0)")));
+    EXPECT_EQ(column("status").size(), 12u);
+    const Outcome all = run({"resume", "out", "--keep-going"});
+    EXPECT_EQ(all.status, 5) << all.err;
+    EXPECT_THAT(all.out, AllOf(HasSubstr("sweep: finished\n"), HasSubstr("failed              24 of 24 cases (100 %)\n")));
+    EXPECT_EQ(run({"batch", "sweep.toml", "-o", "whole", "--keep-going"}).out.find("results hash") == std::string::npos, false);
+    EXPECT_EQ(column("status", "whole").size(), 24u);
+}
+
+TEST_F(BatchFailures, ThatAreAlikeDoNotStopASweepInWhichACaseHasEndedWell) {
+    write_sweep("\"1 N*m\", \"2 N*m\", \"3 N*m\", \"4 N*m\", \"5 N*m\", \"6 N*m\"", "40 us",
+                "[[axes]]\nkey = \"start.ratio\"\nvalues = [1.0, 0.3, 0.3, 0.3]\n");
+    const Outcome outcome = batch({"--threads", "1"});
+    EXPECT_EQ(outcome.status, 5);
+    EXPECT_THAT(outcome.out, AllOf(HasSubstr("sweep: finished\n"), HasSubstr("failed              72 of 96 cases (75 %)\n"),
+                                   HasSubstr("72 bad_parameters: chain.pins: "), HasSubstr("(first: case 1)")));
+}
+
+TEST_F(BatchFailures, FailWhatJoinsThem) {
+    write_hopeless();
+    for (const char* shard : {"1/2", "2/2"})
+        EXPECT_EQ(run({"batch", "sweep.toml", "-o", "cut", "--keep-going", "--shard", shard}).status, 5);
+    const Outcome merged = run({"merge", "cut"});
+    EXPECT_EQ(merged.status, 5);
+    EXPECT_THAT(merged.out, HasSubstr("failed              24 of 24 cases (100 %)\n"));
+    EXPECT_THAT(run({"info", "cut"}).out, HasSubstr("failed              24 of 24 cases (100 %)\n"));
+}
+
+TEST_F(BatchFailures, AreDistinguishedFromNotesWhichTheSummaryCounts) {
+    write_sweep();
+    const Outcome outcome = batch();
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    const auto notes = column("notes");
+    const auto unsteady =
+        std::count_if(notes.begin(), notes.end(), [](const auto& row) { return row.second.find("unsteady") != std::string::npos; });
+    ASSERT_GT(unsteady, 0) << "20 us of a settling machine";
+    EXPECT_THAT(outcome.out, AllOf(HasSubstr(fmt::format("unsteady {} of 12", unsteady)), Not(HasSubstr("  failed  "))));
 }
 
 }  // namespace

@@ -1,12 +1,15 @@
 #pragma once
-/// Files that an enemy made: sound for HDF5, with a right seal and right hashes, and false in what they say. A seed decides what is forged.
+/// Files that an enemy made: sound for HDF5, with a right seal and right hashes, and false in what they say. A seed decides what is forged,
+/// or every object and every attribute is forged in turn.
 
 #include <hdf5.h>
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace cvtflow::tools {
 
@@ -28,5 +31,21 @@ void fill_with_nan(hid_t file, const std::string& dataset);
 void replace_dataset(hid_t file, const std::string& dataset, hid_t type, std::array<hsize_t, 2> sizes, bool deflated);
 /// An attribute of a dataset.
 void put_text(hid_t file, const std::string& dataset, const std::string& name, const std::string& text);
+
+// Every object and every attribute of an HDF5 file, each with every change that can be made to it.
+
+/// One change of one object, or of one of its attributes.
+struct ObjectForgery {
+    std::string object;     ///< path, "/" for the whole file
+    std::string attribute;  ///< empty: the object itself
+    std::string change;     ///< a name in the list of changes
+
+    /// Makes it, and seals the file anew so that only its contents are false.
+    void make(const std::string& path) const;
+    [[nodiscard]] std::string text() const;
+};
+
+/// All forgeries of a file, in the order of its objects.
+[[nodiscard]] std::vector<ObjectForgery> forgeries_of(const std::string& path);
 
 }  // namespace cvtflow::tools

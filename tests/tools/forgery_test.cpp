@@ -11,8 +11,7 @@
 
 #include "engine/base/text.hpp"
 #include "tests/sample_fixture.hpp"
-#include "tests/tools/batch_fixture.hpp"
-#include "tests/tools/object_forgery_fixture.hpp"
+#include "tests/tools/program_fixture.hpp"
 
 namespace cvtflow::tools {
 namespace {

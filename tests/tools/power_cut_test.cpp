@@ -1,21 +1,216 @@
-/// Power cuts: unsynced data are lost, or part of them. A run or sweep resumes from the rest, and its results are bitwise those of an
-/// undisturbed one; or a run reports clearly that it cannot resume. Only complete files have a final name.
+/// Writes that end early: power cuts, which keep of the unsynced data nothing or a part, and kills between two pages of a file.
 
 #include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <stdlib.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <random>
+#include <sstream>
+#include <string>
+#include <vector>
 
 #include "engine/base/hash.hpp"
+#include "engine/record/run/run_file.hpp"
 #include "engine/record/run/run_reader.hpp"
 #include "tasks/batch/results/sweep_files.hpp"
-#include "tests/tools/batch_fixture.hpp"
-#include "tests/tools/power_cut_fixture.hpp"
+#include "tests/tools/program_fixture.hpp"
 
 #ifdef CVTFLOW_POWER
 
 namespace cvtflow::tools {
 namespace {
+
+namespace fs = std::filesystem;
+
+// Remains of the files that a program has written, after a power cut (tests/faults/power.c records the writes).
+
+/// One change to a file or a name, as in the log.
+struct Change {
+    std::string what;         ///< create, mkdir, remove, rename, write, size, sync
+    std::uint64_t inode = 0;  ///< of file or folder; 0 where only names change
+    std::size_t at = 0;       ///< of a write; the length that size sets
+    std::string bytes;
+    std::string path, to;  ///< of names
+};
+
+/// Guarantee of a system: dropped keeps nothing that was not synced, names only with their folder. journalled is the behaviour of file
+/// systems: a sync brings all names before it to disk as well, later ones follow in their order, and of unsynced bytes some pages.
+enum class Disk { dropped, journalled };
+
+/// Does a write or a new length to the bytes of a file.
+void carry_out(const Change& change, std::string& bytes) {
+    if (change.what == "size") return bytes.resize(change.at);
+    if (bytes.size() < change.at + change.bytes.size()) bytes.resize(change.at + change.bytes.size());
+    bytes.replace(change.at, change.bytes.size(), change.bytes);
+}
+
+constexpr std::size_t page_size = 4096;
+
+/// A file's bytes: now, and what of them is on disk.
+struct Content {
+    std::string now, durable;
+    std::vector<Change> since;  ///< changes since it was synced
+    bool folder = false;
+};
+
+/// "./out/" is "out".
+std::string plain(const std::string& path) {
+    const std::string normal = fs::path(path).lexically_normal().string();
+    return normal.size() > 1 && normal.back() == '/' ? normal.substr(0, normal.size() - 1) : normal;
+}
+
+/// The names of a line: one, or two with a tab between them.
+void read_names(const std::string& text, Change& change) {
+    const std::size_t tab = text.find('\t');
+    change.path = plain(text.substr(0, tab));
+    if (tab != std::string::npos) change.to = plain(text.substr(tab + 1));
+}
+
+/// Names and contents while changes are gone through.
+class Replay {
+public:
+    Replay(Disk disk, const fs::path& folder) : disk_(disk) {
+        struct stat of {};
+        if (stat(folder.c_str(), &of) == 0) folders_[of.st_ino] = folder.string();
+    }
+
+    void add(const Change& change) {
+        if (change.what == "create" || change.what == "mkdir") {
+            by_inode_[change.inode] = std::make_shared<Content>();
+            by_inode_[change.inode]->folder = change.what == "mkdir";
+            if (change.what == "mkdir") folders_[change.inode] = change.path;
+        }
+        if (change.what == "sync") return sync(change.inode);
+        const auto of = by_inode_.find(change.inode);
+        if (change.what == "write" || change.what == "size") {
+            if (of == by_inode_.end()) return;  // of a file outside
+            carry_out(change, of->second->now);
+            of->second->since.push_back(change);
+            return;
+        }
+        waiting_.push_back({change, of == by_inode_.end() ? nullptr : of->second});
+        rename(names_, waiting_.back());
+    }
+
+    /// Where nothing is that the log names.
+    void write(std::mt19937& chance) {
+        if (disk_ == Disk::journalled) {
+            const std::size_t more = waiting_.empty() ? 0 : chance() % (waiting_.size() + 1);
+            for (std::size_t i = 0; i < more; ++i) rename(durable_, waiting_[i]);
+        }
+        for (const auto& [path, content] : durable_) {  // folders come before what is in them
+            if (!fs::is_directory(fs::path(path).parent_path())) continue;
+            if (content->folder) {
+                fs::create_directory(path);
+                continue;
+            }
+            std::ofstream(path, std::ios::binary) << left_of(*content, chance);
+        }
+    }
+
+private:
+    struct Naming {
+        Change change;
+        std::shared_ptr<Content> content;
+    };
+    using Names = std::map<std::string, std::shared_ptr<Content>>;
+
+    void rename(Names& names, const Naming& naming) {
+        if (naming.change.what == "remove") {
+            names.erase(naming.change.path);
+        } else if (naming.change.what == "rename") {
+            if (const auto from = names.find(naming.change.path); from != names.end()) {
+                names[naming.change.to] = from->second;
+                names.erase(from);
+            }
+        } else {
+            names[naming.change.path] = naming.content;
+        }
+    }
+
+    void sync(std::uint64_t inode) {
+        if (const auto of = by_inode_.find(inode); of != by_inode_.end()) {
+            of->second->durable = of->second->now;
+            of->second->since.clear();
+        }
+        if (disk_ == Disk::journalled) {
+            for (const Naming& naming : waiting_) rename(durable_, naming);
+            waiting_.clear();
+            return;
+        }
+        const auto folder = folders_.find(inode);
+        if (folder == folders_.end()) return;
+        const auto beside = [&](const std::string& name) { return fs::path(name).parent_path() == folder->second; };
+        std::erase_if(durable_, [&](const auto& entry) { return beside(entry.first); });
+        for (const auto& entry : names_) {
+            if (beside(entry.first)) durable_.insert(entry);
+        }
+    }
+
+    [[nodiscard]] std::string left_of(const Content& content, std::mt19937& chance) const {
+        std::string bytes = content.durable;
+        if (disk_ == Disk::dropped) return bytes;
+        for (const Change& change : content.since) {
+            for (std::size_t at = 0; at < std::max<std::size_t>(1, change.bytes.size()); at += page_size) {
+                Change part = change;
+                part.at += at;
+                part.bytes = change.bytes.substr(std::min(at, change.bytes.size()), page_size);
+                if (chance() % 2 == 0) carry_out(part, bytes);
+            }
+        }
+        return bytes;
+    }
+
+    Disk disk_;
+    std::map<std::uint64_t, std::shared_ptr<Content>> by_inode_;
+    std::map<std::uint64_t, std::string> folders_;
+    Names names_, durable_;
+    std::vector<Naming> waiting_;
+};
+
+/// @param folder  changes outside of it are left out
+std::vector<Change> read_power_log(const fs::path& log, const fs::path& folder) {
+    std::ifstream file(log, std::ios::binary);
+    std::vector<Change> changes;
+    for (std::string line; std::getline(file, line);) {
+        std::istringstream words(line);
+        Change change;
+        words >> change.what >> change.inode;
+        if (change.what == "write" || change.what == "size" || change.what == "sync") {
+            std::size_t count = 0;
+            words >> change.at >> count;
+            change.bytes.resize(count);
+            file.read(change.bytes.data(), static_cast<std::streamsize>(count));
+        } else {
+            std::string names;
+            std::getline(words >> std::ws, names);
+            read_names(names, change);
+            if (!change.path.starts_with(folder.string() + "/")) continue;
+        }
+        changes.push_back(std::move(change));
+    }
+    return changes;
+}
+
+/// Puts into `folder` what the first `count` changes leave on disk.
+/// @param folder  as in the log; empty, but for what was there before   @param chance  for Disk::journalled
+void cut_power(const std::vector<Change>& changes, std::size_t count, Disk disk, const fs::path& folder, std::mt19937& chance) {
+    Replay replay(disk, folder);
+    for (std::size_t i = 0; i < std::min(count, changes.size()); ++i) replay.add(changes[i]);
+    replay.write(chance);
+}
+
+// Power cuts: unsynced data are lost, or part of them. A run or sweep resumes from the rest, and its results are bitwise those of an
+// undisturbed one; or a run reports clearly that it cannot resume. Only complete files have a final name.
 
 class PowerCut : public Sweeps {
 protected:
@@ -160,6 +355,99 @@ using NightlyPowerCut = PowerCut;
 
 TEST_F(NightlyPowerCut, TwoHundredOfARun) { single_run(200); }
 TEST_F(NightlyPowerCut, TwoHundredOfASweep) { sweep(200); }
+
+// A kill (SIGKILL) ends a write of the kernel between two pages of the file. Whatever write that is, the record that is left is readable.
+
+constexpr int rows = 3000, rows_per_flush = 20;
+constexpr std::size_t links = 65;  // chunks of 8 rows then have 4,160 bytes, more than a page
+
+/// The writer, which the test below starts with the path of the record and a log of all writes; no test of its own.
+TEST(KilledRecordWriter, DISABLED_Writes) {
+    engine::RunContents contents;
+    contents.channels = {{.name = "one", .unit = "1"}, {.name = "links/many", .unit = "N", .width = links, .axis = "link"}};
+    contents.state_size = 5;
+    contents.state_description = "five";
+    contents.tables = {{"events", "of a table", {{"time", "s"}}}};
+    const char* path = std::getenv("CVTFLOW_KILLED_RECORD");
+    ASSERT_NE(path, nullptr);
+    engine::RunFile file({path, {}}, contents, {.flush_seconds = 1e9, .channel_rows = 8});
+    for (int i = 0; i < rows; ++i) {
+        const double number = i;
+        file.append(number, std::vector<double>(1 + links, number));
+        file.append_state(number, std::vector<double>(5, number), {});
+        file.append_row("events", std::vector<double>{number});
+        if ((i + 1) % rows_per_flush == 0) file.flush();
+    }
+}
+
+/// The record as the kernel has it.
+struct Kept {
+    std::uint64_t inode = 0;
+    std::string bytes;
+    std::size_t flushed = 0;  ///< rows of completed flushes
+};
+
+/// Rows that a reader finds, each checked.
+std::size_t readable_rows(const std::string& path) {
+    const engine::RunReader reader(path);
+    const auto times = reader.times(), many = reader.channel("links/many"), state_times = reader.state_times();
+    for (std::size_t i = 0; i < times.size(); ++i)
+        if (times[i] != static_cast<double>(i) || many[links * (i + 1) - 1] != times[i])
+            throw std::runtime_error("row " + std::to_string(i));
+    if (!state_times.empty() && reader.state(state_times.size() - 1).state.back() != state_times.back())
+        throw std::runtime_error("last state");
+    return times.size();
+}
+
+class KilledRecord : public testing::Test {
+protected:
+    KilledRecord() { std::filesystem::create_directories(folder_); }
+    ~KilledRecord() override { std::filesystem::remove_all(folder_); }
+
+    [[nodiscard]] std::vector<Change> logged() const {
+        const std::string command = "LD_PRELOAD=" CVTFLOW_POWER " CVTFLOW_POWER_LOG=" + (folder_ / "log").string() +
+                                    " CVTFLOW_KILLED_RECORD=" + path_ + " " + std::filesystem::read_symlink("/proc/self/exe").string() +
+                                    " --gtest_also_run_disabled_tests --gtest_filter=KilledRecordWriter.* > /dev/null";
+        EXPECT_EQ(std::system(command.c_str()), 0);
+        return read_power_log(folder_ / "log", folder_);
+    }
+
+    /// The record after a kill within `change`.
+    /// @param border  of two pages, up to which the kernel came
+    void expect_readable(const Kept& kept, const Change& change, std::size_t border) {
+        std::string torn = kept.bytes;
+        Change part = change;
+        part.bytes.resize(border - change.at);
+        carry_out(part, torn);
+        std::ofstream(left_, std::ios::binary) << torn;
+        try {
+            EXPECT_GE(readable_rows(left_), kept.flushed);
+        } catch (const std::exception& error) {
+            ADD_FAILURE() << change.bytes.substr(0, 4) << ", " << change.bytes.size() << " bytes at " << change.at << ": " << error.what();
+        }
+    }
+
+    const std::filesystem::path folder_ = std::filesystem::temp_directory_path() / ("cvtflow_killed_" + std::to_string(getpid()));
+    const std::string path_ = (folder_ / "run.h5").string(), left_ = (folder_ / "left.h5").string();
+};
+
+TEST_F(KilledRecord, IsReadableWhereverAWriteEnded) {
+    const std::vector<Change> changes = logged();
+    Kept kept;
+    int cuts = 0, flushes = 0;
+    const auto end_of = [](const Change& change) { return change.what == "write" ? change.at + change.bytes.size() : 0; };
+    for (const Change& change : changes) {
+        if (change.what == "create" && change.path == path_ + ".part") kept.inode = change.inode;
+        if (change.inode != kept.inode || kept.inode == 0) continue;
+        if (change.what == "sync" && flushes < rows / rows_per_flush) kept.flushed = static_cast<std::size_t>(rows_per_flush * ++flushes);
+        for (std::size_t border = (change.at / page_size + 1) * page_size; flushes > 0 && border < end_of(change);
+             border += page_size, ++cuts)
+            expect_readable(kept, change, border);
+        if (change.what == "write" || change.what == "size") carry_out(change, kept.bytes);
+    }
+    EXPECT_EQ(flushes, rows / rows_per_flush);
+    EXPECT_GE(cuts, rows / 8 - rows_per_flush) << "chunks of rows after the first flush";
+}
 
 }  // namespace
 }  // namespace cvtflow::tools

@@ -1,3 +1,5 @@
+/// Runs: what `cvtflow run` records, reports and leaves; inputs from CSV files; bits that must not depend on the processor.
+
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -270,6 +272,97 @@ TEST_F(Run, FindsScenesByTheEnvironment) {
     const Outcome outcome = run({"check", "special"}, {"CVTFLOW_SCENES=nowhere:mine"});
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_THAT(outcome.out, HasSubstr("\n  file                mine/special.toml\n"));
+}
+
+// Inputs from CSV files and laws of their own, through the program.
+
+class CsvInput : public Program {
+protected:
+    CsvInput() { write("load.csv", "t [us],M [N*m]\n0,12\n30,12\n50,15\n"); }
+
+    [[nodiscard]] static std::string hash_in(const std::string& text) {
+        const auto at = text.find("state hash");
+        return at == std::string::npos ? "none" : text.substr(text.find_first_not_of(' ', at + 10), 16);
+    }
+    static inline const std::vector<std::string> all{"--until", "60 us",
+                                                     "--set",   "load.torque={csv = \"load.csv\"}",
+                                                     "--set",   "load.quadratic=1e-4",
+                                                     "--set",   "clamping.safety=1.1",
+                                                     "--set",   "control.enabled=true",
+                                                     "--set",   "control.quantity=slip",
+                                                     "--set",   "record.channels=tips/*",
+                                                     "--set",   "start.settling_time=20us",
+                                                     "--set",   "start.ramp_time=10us"};
+};
+
+TEST_F(CsvInput, ARunContinuesBitForBitWithoutTheFileAndWhateverTheThreads) {
+    const std::vector<std::string> run_tiny{"run", "tiny", "-q"};
+    ASSERT_EQ(run(run_tiny + all + std::vector<std::string>{"-o", "whole.h5", "--threads", "1"}).status, 0);
+    const std::string whole = hash_in(run({"info", "whole.h5"}).out);
+    ASSERT_NE(whole, "none");
+    ASSERT_EQ(run(run_tiny + all + std::vector<std::string>{"-o", "parallel.h5", "--threads", "2", "--set", "run.schedule=flow"}).status,
+              0);
+    EXPECT_EQ(hash_in(run({"info", "parallel.h5"}).out), whole);
+    const std::vector<std::string> cut{"-o", "cut.h5", "--checkpoint-every", "1 h", "--set", "run.max_steps=40"};
+    ASSERT_EQ(run(run_tiny + all + cut).status, 4);
+    std::filesystem::remove(folder_ / "load.csv");
+    const Outcome resumed = run({"resume", "cut.checkpoint.h5", "-q", "--set", "run.max_steps=0"});
+    ASSERT_EQ(resumed.status, 0) << resumed.err;
+    EXPECT_EQ(hash_in(run({"info", "cut.h5"}).out), whole);
+    EXPECT_THAT(run({"info", "cut.h5"}).out, HasSubstr("tips/radial_force"));
+}
+
+TEST_F(CsvInput, ErrorsAreReportedWithPlaceInSceneAndFile) {
+    write("load.csv", "t,M\n0,12\n1,1e9\n");
+    const Outcome outcome = run({"check", "tiny", "--set", "load.torque={csv = \"load.csv\"}"});
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("load.torque: 1e9 N*m is outside [-1e5, 1e5] N*m (load.csv:3:2)"));
+}
+
+TEST_F(CsvInput, ChannelsThatDoNotExistAreAnErrorOfTheScene) {
+    const Outcome outcome = run({"check", "tiny", "--set", "record.channels=[\"tips/*\", \"tips/normal_froce\"]"});
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("unknown channel 'tips/normal_froce' (did you mean \"tips/normal_force\"?)"));
+}
+
+// Bits that must not depend on the processor.
+
+class Hashes : public Program {
+protected:
+    [[nodiscard]] static std::string hash_in(const std::string& text) {
+        const auto at = text.find("state hash");
+        return at == std::string::npos ? "none" : text.substr(text.find_first_not_of(' ', at + 10), 16);
+    }
+};
+
+/// glibc chooses sin, pow and others by the processor; here one without fused operations is played.
+TEST_F(Hashes, AreTheSameForEveryVariantOfTheCLibrary) {
+    const std::vector<std::string> plain{"GLIBC_TUNABLES=glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2,-AVX2_Usable,-FMA_Usable"};
+    const std::vector<std::vector<std::string>> variants{
+        {"--method", "rk4"},
+        {"--method", "leapfrog-chebyshev"},
+        {"--method", "leapfrog-sweep"},
+        {"--method", "dumka3"},
+        {"--method", "rkc"},
+        {"--method", "rock2-s10"},
+        {"--method", "fitted-l100-w1"},
+        {"--method", "trapezoidal-analytic", "--set", "joint.law=palmgren"},
+        {"--method", "rk4", "--set", "joint.law=palmgren"},
+        {"--method", "dopri54", "--tolerance", "1"},
+        {"--set", "clamping.driven=5.7 N^0.5*kN^0.5"},
+    };
+    for (const std::vector<std::string>& more : variants) {
+        std::vector<std::string> arguments{"run",     "tiny",
+                                           "-o",      "none",
+                                           "--until", "20 us",
+                                           "--set",   "start.settling_time=20us",
+                                           "--set",   "start.ramp_time=10us",
+                                           "--set",   "run.schedule=serial"};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        const Outcome one = run(arguments), other = run(arguments, plain);
+        EXPECT_NE(hash_in(one.out), "none") << one.err;
+        EXPECT_EQ(hash_in(other.out), hash_in(one.out)) << testing::PrintToString(more);
+    }
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <csignal>
 
 #include "engine/record/run/run_reader.hpp"
-#include "tests/tools/batch_fixture.hpp"
+#include "tests/tools/program_fixture.hpp"
 
 namespace cvtflow::tools {
 namespace {

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tasks/tuning/tuned_scene.hpp"
-#include "tests/tools/batch_fixture.hpp"
+#include "tests/tools/program_fixture.hpp"
 
 namespace cvtflow::tools {
 namespace {

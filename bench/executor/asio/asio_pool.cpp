@@ -1,4 +1,4 @@
-#include "bench/executor/asio/asio_pool.hpp"
+#include "bench/executor/compared_executors.hpp"
 
 #include <atomic>
 #include <boost/asio/io_context.hpp>

@@ -1,4 +1,4 @@
-#include "bench/executor/std_par/std_par.hpp"
+#include "bench/executor/compared_executors.hpp"
 
 #include <oneapi/tbb/task_group.h>
 

@@ -1,4 +1,4 @@
-#include "bench/executor/taskflow/taskflow_graph.hpp"
+#include "bench/executor/compared_executors.hpp"
 
 #include <algorithm>
 #include <exception>

@@ -1,12 +1,9 @@
 #pragma once
-/// The subcommands of cvtflow-lab: a file in a folder of bench/lab/command and a row in commands.cpp each.
+/// The subcommands of cvtflow-lab: a file in a folder of bench/lab/command and a row in main.cpp each.
 
 #include "tools/program/program.hpp"
 
 namespace cvtflow::bench {
-
-/// In the order of the help text.
-[[nodiscard]] std::span<const tools::Command> commands() noexcept;
 
 tools::Action declare_local_error(CLI::App& app);
 tools::Action declare_method(CLI::App& app);

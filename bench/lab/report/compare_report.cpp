@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <cmath>
 
-#include "bench/lab/text/watch_text.hpp"
+#include "bench/lab/text/text.hpp"
 #include "bench/study/tradeoff/recommendation.hpp"
+#include "tasks/scene/csv.hpp"
 #include "tools/program/text/report_columns.hpp"
+#include "tools/program/text/text.hpp"
 
 namespace cvtflow::bench {
 
@@ -209,6 +212,155 @@ Plot front_plot(const std::vector<ComparedChoice>& choices, const CompareSetting
         if (std::isfinite(point.error)) plot.series.back().points.push_back({point.seconds, point.error});
     }
     return plot;
+}
+
+namespace {
+
+/// Colours repeat after eight.
+Line line_of(std::size_t series) { return series < 8 ? Line::solid : Line::dashed; }
+
+Plot empty_plot(const CompareSetting& setting, const std::string& quantity) {
+    Plot plot;
+    plot.title = fmt::format("{} of pin {}", quantity, setting.pin->pin);
+    plot.subtitle = setting.scene + ", on the sheave at -z";
+    if (setting.pin->time > 0.0) plot.subtitle += fmt::format("; the pin enters the driving sheaves at {}", time_text(setting.pin->time));
+    plot.x = {"time [ms]", Scale::linear, 1.0, {}, {}};
+    plot.y = {quantity + " [N]", Scale::linear, 1.0, {}, {}};
+    return plot;
+}
+
+}  // namespace
+
+std::string pin_csv(const std::vector<ComparedChoice>& choices, const Trajectory& reference, const CompareSetting& setting) {
+    std::string text = "time,reference";
+    std::vector<std::vector<double>> columns{reference.pin_axial(setting.pin->pin, 0)};
+    for (const ComparedChoice& choice : choices) {
+        if (choice.run.fault) continue;
+        text += "," + tasks::csv_cell(choice.choice, true);
+        columns.push_back(choice.run.pin_axial(setting.pin->pin, 0));
+    }
+    text += "\n";
+    for (std::size_t row = 0; row < reference.times.size(); ++row) {
+        text += fmt::format("{:.9g}", reference.times[row]);
+        for (const auto& column : columns) text += fmt::format(",{:.9g}", column[row]);
+        text += "\n";
+    }
+    return text;
+}
+
+Plot pin_plot(const std::vector<ComparedChoice>& choices, const Trajectory& reference, const CompareSetting& setting) {
+    Plot plot = empty_plot(setting, "Axial force");
+    const auto add = [&](const std::string& name, const Trajectory& run, const std::string& colour, Line line, double width) {
+        Series series{name, {}, Mark::none, line, colour, width};
+        const std::vector<double> force = run.pin_axial(setting.pin->pin, 0);
+        for (std::size_t k = 0; k < force.size(); ++k) series.points.push_back({1e3 * run.times[k], force[k]});
+        plot.series.push_back(std::move(series));
+    };
+    add("reference", reference, "#bbbbbb", Line::solid, 5.0);  // below the others, which mostly hide one another
+    for (const ComparedChoice& choice : choices) {
+        const std::size_t number = plot.series.size() - 1;
+        if (!choice.run.fault) add(choice.choice, choice.run, palette(number), line_of(number), 1.6);
+    }
+    return plot;
+}
+
+Plot pin_error_plot(const std::vector<ComparedChoice>& choices, const Trajectory& reference, const CompareSetting& setting) {
+    Plot plot = empty_plot(setting, "Error of the axial force");
+    plot.y.label = "|force - reference| [N]";
+    plot.y.scale = Scale::logarithmic;
+    const std::vector<double> should = reference.pin_axial(setting.pin->pin, 0);
+    for (const ComparedChoice& choice : choices) {
+        if (choice.run.fault) continue;
+        Series series{choice.choice, {}, Mark::none, line_of(plot.series.size()), ""};
+        const std::vector<double> force = choice.run.pin_axial(setting.pin->pin, 0);
+        for (std::size_t k = 0; k < should.size(); ++k)
+            series.points.push_back({1e3 * choice.run.times[k], std::abs(force[k] - should[k])});
+        plot.series.push_back(std::move(series));
+    }
+    return plot;
+}
+
+void declare_front(CLI::App& app, CLI::Option* front, FrontArguments& arguments) {
+    app.add_option("--confirm", arguments.confirm, "With --front: length of the run that confirms a recommendation")
+        ->type_name("TIME")
+        ->capture_default_str()
+        ->needs(front);
+    app.add_option("--confirm-against", arguments.reference,
+                   "Reference of that run (default: leapfrog-chebyshev at a quarter of its automatic step, refined)")
+        ->type_name("CHOICE")
+        ->needs(front);
+}
+
+ConfirmSettings confirm_settings(const FrontArguments& arguments, double interval) {
+    ConfirmSettings settings;
+    settings.duration = read_time("--confirm", arguments.confirm);
+    settings.interval = interval;
+    if (!arguments.reference.empty()) settings.reference = read_choice(arguments.reference);
+    return settings;
+}
+
+void require_reliable(const std::string& scene, const std::string& choice, const Trajectory& reference) {
+    if (!reference.watch.reliable())
+        throw tasks::SimulationError(fmt::format("{}: the reference {} is {}", scene, choice, unreliable_remark({}, reference.watch)));
+}
+
+namespace {
+
+const ConfirmSettings& announced(const ConfirmSettings& settings, const std::function<void(const std::string&)>& progress) {
+    progress(fmt::format("the reference of the confirmation, over {}", time_text(settings.duration)));
+    return settings;
+}
+
+/// The next choice to confirm: the cheapest that is on the front or would be recommended. nullptr: none
+ComparedChoice* next_candidate(std::vector<ComparedChoice>& choices) {
+    std::vector<tasks::TradeoffPoint> points;
+    for (const ComparedChoice& choice : choices) points.push_back(choice.point());
+    std::vector<bool> requested = tasks::pareto_front(points);
+    for (std::size_t k = 0; k < choices.size(); ++k) choices[k].front_result.front = requested[k];
+    for (const double error : recommended_errors) {
+        if (const auto best = recommended(points, error, tradeoff_safety)) requested[*best] = true;
+    }
+    ComparedChoice* cheapest = nullptr;
+    for (std::size_t k = 0; k < choices.size(); ++k) {
+        if (!requested[k] || choices[k].front_result.confirmed) continue;
+        if (cheapest == nullptr || choices[k].median() < cheapest->median()) cheapest = &choices[k];
+    }
+    return cheapest;
+}
+
+}  // namespace
+
+ParetoFront::ParetoFront(const tasks::Scene& scene, const ConfirmSettings& settings, const engine::Cancellation& cancel,
+                         std::function<void(const std::string&)> progress)
+    : cancel_(cancel),
+      progress_(std::move(progress)),
+      duration_(settings.duration),
+      confirmation_(scene, announced(settings, progress_), cancel) {}
+
+/// Rejects choices whose step is unstable, and those whose short run is unreliable.
+void ParetoFront::judge_steps(std::vector<ComparedChoice>& choices) {
+    progress_("largest stable steps");
+    for (ComparedChoice& choice : choices) {
+        choice.front_result.stable_step = confirmation_.stable_step(choice.settings);
+        if (confirmation_.beyond_stability(choice.settings))
+            choice.front_result.objection = "beyond stability";
+        else if (!choice.run.fault && !choice.run.watch.reliable())
+            choice.front_result.objection = "unreliable";
+    }
+}
+
+void ParetoFront::judge(std::vector<ComparedChoice>& choices, CompareSetting& setting) {
+    judge_steps(choices);
+    for (ComparedChoice* choice = next_candidate(choices); choice != nullptr && !cancel_.requested(); choice = next_candidate(choices)) {
+        progress_(fmt::format("{} over {}, about {} of wall time", choice->choice, time_text(duration_),
+                              time_text(duration_ * choice->median())));
+        choice->front_result.confirmed = confirmation_.check(choice->settings);
+        choice->front_result.objection = choice->front_result.confirmed->objection;
+    }
+    setting.front = true;
+    setting.confirm = duration_;
+    setting.confirm_reference = confirmation_.reference_text();
+    setting.confirm_watch = confirmation_.reference().watch;
 }
 
 }  // namespace cvtflow::bench

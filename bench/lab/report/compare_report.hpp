@@ -1,16 +1,23 @@
 #pragma once
-/// Methods with their steps on one scene: errors, cost, Newton's method, a pin's force, and which of them are recommended.
+/// Methods with their steps on one scene: errors, cost, Newton's method, the axial force of a pin that enters the driving pulley, and which
+/// of them are recommended: on the Pareto front of error and time, confirmed by longer runs.
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "bench/study/tradeoff/confirmation.hpp"
 #include "bench/study/tradeoff/error_measure.hpp"
+#include "bench/study/tradeoff/recommendation.hpp"
 #include "tasks/tuning/tuner.hpp"
 #include "tools/program/plot/plot.hpp"
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
 
 namespace cvtflow::bench {
 
@@ -64,5 +71,41 @@ inline constexpr double recommended_errors[] = {1e-2, 1e-3, 1e-4, 1e-5};
 [[nodiscard]] std::string recommendations(const std::vector<ComparedChoice>& choices, const CompareSetting& setting);
 /// Error against time, without choices that have an objection.
 [[nodiscard]] tools::Plot front_plot(const std::vector<ComparedChoice>& choices, const CompareSetting& setting);
+
+/// Time since the start and the force on the sheave at -z, a column for the reference and for each choice that came to the end.
+[[nodiscard]] std::string pin_csv(const std::vector<ComparedChoice>& choices, const Trajectory& reference, const CompareSetting& setting);
+[[nodiscard]] tools::Plot pin_plot(const std::vector<ComparedChoice>& choices, const Trajectory& reference, const CompareSetting& setting);
+/// Distance from the reference.
+[[nodiscard]] tools::Plot pin_error_plot(const std::vector<ComparedChoice>& choices, const Trajectory& reference,
+                                         const CompareSetting& setting);
+
+struct FrontArguments {
+    std::string confirm = "20 ms", reference;
+};
+
+/// --confirm, --confirm-against. @param front the option that they need
+void declare_front(CLI::App& app, CLI::Option* front, FrontArguments& arguments);
+/// interval [s]. @throws tasks::SceneError
+[[nodiscard]] ConfirmSettings confirm_settings(const FrontArguments& arguments, double interval);
+/// @throws tasks::SimulationError if the energy balance of the reference does not close
+void require_reliable(const std::string& scene, const std::string& choice, const Trajectory& reference);
+
+class ParetoFront {
+public:
+    /// Runs the reference of the confirmation. @throws as Confirmation
+    ParetoFront(const tasks::Scene& scene, const ConfirmSettings& settings, const engine::Cancellation& cancel,
+                std::function<void(const std::string&)> progress);
+
+    /// Fills in the results of the choices, and the confirmation in the setting.
+    void judge(std::vector<ComparedChoice>& choices, CompareSetting& setting);
+
+private:
+    void judge_steps(std::vector<ComparedChoice>& choices);
+
+    const engine::Cancellation& cancel_;
+    std::function<void(const std::string&)> progress_;
+    double duration_;  ///< [s]
+    Confirmation confirmation_;
+};
 
 }  // namespace cvtflow::bench

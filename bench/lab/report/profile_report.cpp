@@ -2,12 +2,246 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "bench/study/profile/other_load.hpp"
 #include "engine/base/provenance.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::bench {
 
 using namespace tools;
+
+namespace {
+
+std::string microseconds(double seconds) { return fmt::format("{:.2f}", 1e6 * seconds); }
+
+std::string factor(double value) { return value >= 0.1 ? fmt::format("{:.2f}", value) : fmt::format("{:.2g}", value); }
+
+Table::Column right(std::string heading) { return {std::move(heading), Align::right}; }
+
+std::vector<std::string> schedule_cells(const ScheduleResult& result) {
+    return {result.name, fmt::format("{}", result.schedule.threads), fmt::format("{}", result.schedule.segments)};
+}
+
+bool recorded(const ScheduleResult& result) { return result.recording.pass.active() > 0; }
+
+std::string bare_text(const Profile& profile) {
+    std::string text = "bare barrier, time per cycle:";
+    for (const ThreadCost& cost : profile.bare)
+        text += fmt::format(" {} us ({})", microseconds(cost.seconds), plural(cost.threads, "thread"));
+    return text + "\n";
+}
+
+}  // namespace
+
+std::string timing_text(const Profile& profile) {
+    Table table({{"schedule"},
+                 right("threads"),
+                 right("segments"),
+                 right("step [us]"),
+                 right("quartiles"),
+                 right("evaluation"),
+                 right("speed-up"),
+                 right("cpu/wall"),
+                 right("active"),
+                 right("sync"),
+                 right("alone"),
+                 right("bare"),
+                 right("min task"),
+                 right("imbalance"),
+                 right("recording"),
+                 {""}});
+    for (const ScheduleResult& result : profile.results) {
+        const LoadResult& load = result.loads.front();
+        const RecordedPass& pass = result.recording.pass;
+        std::vector<std::string> cells = schedule_cells(result);
+        cells.insert(cells.end(), {microseconds(load.step.median),
+                                   fmt::format("{} .. {}", microseconds(load.step.lower_quartile), microseconds(load.step.upper_quartile)),
+                                   microseconds(load.evaluation), factor(load.speed_up), fmt::format("{:.2f}", load.cpu_per_wall)});
+        const bool known = recorded(result);
+        const bool came = result.cycle.active == result.schedule.threads;
+        cells.insert(cells.end(), {known ? fmt::format("{}", pass.active()) : "", known ? microseconds(pass.synchronisation()) : "",
+                                   came ? microseconds(result.cycle.seconds) : "absent", microseconds(result.bare),
+                                   known ? microseconds(pass.min_task()) : "", known ? fmt::format("{:.2f}", pass.imbalance()) : "",
+                                   known ? fmt::format("{:+.0f} %", 100.0 * result.recording.cost) : "", load.dropped});
+        table.add(cells);
+    }
+    return table.text() + bare_text(profile);
+}
+
+std::string neighbours_text(const Profile& profile) {
+    const std::vector<LoadResult>& loads = profile.results.front().loads;
+    if (loads.size() < 2) return {};
+    std::vector<Table::Column> columns{{"schedule"}, right("threads"), right("segments")};
+    for (const LoadResult& load : loads) {
+        columns.push_back(right(fmt::format("{} busy [us]", load.neighbours)));
+        columns.push_back(right("factor"));
+        columns.push_back(right("burnt"));
+    }
+    Table table(columns);
+    for (const ScheduleResult& result : profile.results) {
+        std::vector<std::string> cells = schedule_cells(result);
+        for (const LoadResult& load : result.loads) {
+            const bool known = load.rounds > 0;
+            cells.push_back(known ? microseconds(load.step.median) : "dropped");
+            cells.push_back(known ? fmt::format("{}{}", factor(load.speed_up), load.dropped.empty() ? "" : "*") : "");
+            cells.push_back(known ? microseconds(load.burnt) : "");
+        }
+        table.add(cells);
+    }
+    return "Beside busy neighbours: time per step, speed-up against serial under the same load (*: dropped after that round), processor "
+           "time per step beyond serial's [us]\n" +
+           table.text();
+}
+
+std::string stage_bar(const ThreadTimes& times, const std::vector<StageRow>& rows, int width) {
+    std::vector<int> cells(rows.size());
+    std::vector<double> rest(rows.size());
+    const double total = times.total();
+    if (total <= 0.0) return std::string(static_cast<std::size_t>(width), ' ');
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+        const double exact = width * times.at(k) / total;
+        cells[k] = static_cast<int>(std::floor(exact));
+        rest[k] = exact - cells[k];
+    }
+    for (int left = width - std::accumulate(cells.begin(), cells.end(), 0); left > 0; --left) {
+        const auto most = std::max_element(rest.begin(), rest.end());
+        ++cells[static_cast<std::size_t>(most - rest.begin())];
+        *most = 0.0;
+    }
+    std::string bar;
+    for (std::size_t k = 0; k < rows.size(); ++k) bar += std::string(static_cast<std::size_t>(cells[k]), rows[k].letter);
+    return bar;
+}
+
+std::string stages_text(const Profile& profile) {
+    std::string text = "Stages by thread:";
+    for (const StageRow& row : profile.stages.rows()) text += fmt::format(" {} {},", row.letter, row.name);
+    text.back() = '\n';
+    for (const ScheduleResult& result : profile.results) {
+        const auto& threads = result.recording.pass.threads;
+        for (std::size_t thread = 0; recorded(result) && thread < threads.size(); ++thread) {
+            const std::string name = thread == 0 ? fmt::format("{} M={}", result.name, result.schedule.segments) : "";
+            text += fmt::format("  {:<26} {:>2} |{}|", name, thread, stage_bar(threads[thread], profile.stages.rows(), 60));
+            for (std::size_t row = 0; row < profile.stages.size(); ++row) {
+                const double share = threads[thread].at(row) / threads[thread].total();
+                if (share >= 0.005) text += fmt::format(" {} {:.0f}%", profile.stages.rows()[row].letter, 100.0 * share);
+            }
+            text += "\n";
+        }
+    }
+    return text;
+}
+
+std::string serial_text(const Profile& profile) {
+    const auto staged = std::find_if(profile.results.begin(), profile.results.end(),
+                                     [](const ScheduleResult& result) { return result.name == "serial:staged"; });
+    const ScheduleResult& serial = staged == profile.results.end() ? profile.results.front() : *staged;
+    const RecordedPass& pass = serial.recording.pass;
+    std::string text = fmt::format("Where sequential time goes ({}):\n", serial.name);
+    double total = 0.0;
+    for (const ThreadTimes& thread : pass.threads) total += thread.total();
+    for (std::size_t row = 0; row < profile.stages.size(); ++row) {
+        const double share = total > 0.0 ? pass.sum(row) / total : 0.0;
+        if (share == 0.0) continue;
+        const double per_step = serial.recording.steps > 0 ? pass.sum(row) / static_cast<double>(serial.recording.steps) : 0.0;
+        text += fmt::format("  {:<20} {:>5.1f} % {:>9} us per step  {}\n", profile.stages.rows()[row].name, 100.0 * share,
+                            microseconds(per_step), std::string(static_cast<std::size_t>(std::lround(50.0 * share)), '#'));
+    }
+    return text;
+}
+
+namespace {
+
+std::string measured_cell(const Profile& profile, int threads) {
+    const ScheduleResult* best = profile.best_fused(threads);
+    return best == nullptr ? "" : fmt::format("{:.2f} ({})", best->loads.front().speed_up, best->schedule.executor);
+}
+
+std::string synchronisation_text(const ProfileModel& model) {
+    const PathCosts& costs = model.costs;
+    std::string text =
+        fmt::format("per cycle {} us + {} us x M, or {} us + {} us x log2(M)", microseconds(costs.synchronisation),
+                    microseconds(costs.per_thread), microseconds(costs.synchronisation_tree), microseconds(costs.per_doubling));
+    if (model.assumed) return text + "; assumed: the machine is too busy to measure it";
+    text += "; measured";
+    for (const ThreadCost& cost : model.synchronisation) text += fmt::format(" {} us (M = {})", microseconds(cost.seconds), cost.threads);
+    return text;
+}
+
+std::string costs_text(const Profile& profile) {
+    const PathCosts& costs = profile.model.costs;
+    const auto touching = std::count(profile.model.touching.begin(), profile.model.touching.end(), true);
+    const double serial = profile.results.front().loads.front().step.median;
+    std::string text =
+        field("link", fmt::format("{} us free, {} us touching ({} of {}), detection {} us; the fit leaves {:.1f} %",
+                                  microseconds(costs.free), microseconds(costs.touching), touching, profile.model.touching.size(),
+                                  microseconds(costs.detect), 100.0 * profile.model.fit_error));
+    text += field("segment", fmt::format("{} us per evaluation for the neighbours' joints", microseconds(costs.border)));
+    text += field("controller", fmt::format("{} us per cycle, {:.2f} evaluation cycles and {:.2f} other cycles per step",
+                                            microseconds(costs.controller), costs.evaluations, 1.0 + costs.other_cycles));
+    text += field("stretch", profile.model.stretched ? fmt::format("tasks on several threads take {:.3f} times as long", costs.stretch)
+                                                     : "not measured: no fused schedule got all its threads");
+    text += field("jitter", fmt::format("{:.3f} us per evaluation and square root of links", 1e6 * costs.jitter));
+    text += field("synchronisation", synchronisation_text(profile.model));
+    text += field("serial step",
+                  fmt::format("{} us by this model, {} us measured", microseconds(profile.model.serial_step), microseconds(serial)));
+    return text + field("serial share", fmt::format("{:.2f} %", 100.0 * profile.model.serial_share));
+}
+
+}  // namespace
+
+std::string crowding_text(const Profile& profile) {
+    if (profile.calibrated < 0.0) return {};
+    return fmt::format("calibration got {:.2f} of {} processors, the schedules {:.2f}; {:.2f} are required", profile.calibrated,
+                       profile.processors_requested(), profile.processors_got(), crowded_below * profile.processors_requested());
+}
+
+std::string no_prediction_text(const Profile& profile) {
+    if (profile.own_cycles())
+        return "the model of the critical path has stages and their detection; the method runs other cycles, for which it was wrong by a "
+               "factor of up to two";
+    return crowding_text(profile) + ". Other processes are busy (--predict overrides)";
+}
+
+std::string model_text(const Profile& profile) {
+    if (!profile.predicts()) return fmt::format("No prediction: {}.\n", no_prediction_text(profile));
+    std::string text = "Critical path (fused, a thread per segment):\n" + costs_text(profile);
+    Table table(
+        {right("M"), right("ideal"), right("N/N_max"), right("Amdahl"), right("critical path"), right("bounds"), right("measured")});
+    for (const SpeedUpRow& row : profile.model.curves) {
+        const std::string measured = measured_cell(profile, row.threads);
+        const bool round = row.threads <= 4 || row.threads % 16 == 0 || (row.threads <= 16 && row.threads % 4 == 0) || row.threads == 6 ||
+                           row.threads == 24;
+        if (!round && measured.empty()) continue;
+        table.add({fmt::format("{}", row.threads), fmt::format("{:.2f}", row.ideal), fmt::format("{:.2f}", row.even),
+                   fmt::format("{:.2f}", row.amdahl), fmt::format("{:.2f}", row.predicted),
+                   fmt::format("{:.2f} .. {:.2f}", row.low, row.high), measured});
+    }
+    const int known = profile.model.assumed ? 0 : profile.model.synchronisation.back().threads;
+    return text + table.text(2) +
+           fmt::format(
+               "  Beyond M = {} synchronisation is extrapolated: by the linear law; bounds: threads beyond cost {:.0f} times as much, and "
+               "the logarithmic law without jitter.\n",
+               known, far);
+}
+
+std::string predictions_text(const Profile& profile) {
+    if (!profile.predicts()) return {};
+    Table table({{"schedule"}, right("threads"), right("segments"), right("predicted"), right("measured"), right("error")});
+    for (const ScheduleResult& result : profile.results) {
+        const LoadResult& load = result.loads.front();
+        if (result.predicted <= 0.0 || load.rounds == 0) continue;
+        std::vector<std::string> cells = schedule_cells(result);
+        cells.insert(cells.end(), {fmt::format("{:.2f}", result.predicted), factor(load.speed_up),
+                                   fmt::format("{:+.1f} %", 100.0 * (result.predicted / load.speed_up - 1.0))});
+        table.add(cells);
+    }
+    return "Predicted and measured speed-ups (each with the synchronisation of its executor, if all threads ran)\n" + table.text();
+}
 
 namespace {
 

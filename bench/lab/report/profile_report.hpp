@@ -1,5 +1,5 @@
 #pragma once
-/// Pictures of a profile.
+/// A profile as text, tables and bars, and as pictures.
 
 #include <string>
 #include <vector>
@@ -8,6 +8,27 @@
 #include "tools/program/plot/plot.hpp"
 
 namespace cvtflow::bench {
+
+/// Step and evaluation times, speed-ups, synchronisation: a row per schedule.
+[[nodiscard]] std::string timing_text(const Profile& profile);
+/// Medians beside busy neighbours and factors against serial under the same load; empty if there were none.
+[[nodiscard]] std::string neighbours_text(const Profile& profile);
+/// A bar per thread and schedule, divided by stages.
+[[nodiscard]] std::string stages_text(const Profile& profile);
+/// Sequential time by stage: of the serial staged run, or of the fused one if that was not measured.
+[[nodiscard]] std::string serial_text(const Profile& profile);
+/// Processors that the calibrations obtained, and the number that a prediction requires; empty without calibration.
+[[nodiscard]] std::string crowding_text(const Profile& profile);
+/// Why a profile has no prediction.
+[[nodiscard]] std::string no_prediction_text(const Profile& profile);
+/// Costs, three curves and the critical path beside measurements; on a busy machine the reason for their absence.
+[[nodiscard]] std::string model_text(const Profile& profile);
+
+/// Predicted speed-up of every schedule beside the measured one.
+[[nodiscard]] std::string predictions_text(const Profile& profile);
+
+/// "CCCCHHHH..": shares of a thread's time as letters, largest remainders filled up to exactly `width`.
+[[nodiscard]] std::string stage_bar(const ThreadTimes& times, const std::vector<StageRow>& rows, int width);
 
 /// Time per step of each stage, summed over threads, waiting included, for every recorded schedule (horizontal axis: its number in the
 /// tables). One series per stage, named as the graph's tasks.

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "bench/method/implicit/newton.hpp"
+#include "bench/method/implicit/trapezoidal.hpp"
 #include "bench/method/product_names.hpp"
 #include "tasks/method/method.hpp"
 

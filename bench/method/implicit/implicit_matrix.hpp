@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "bench/method/jacobian/acceleration_jacobian.hpp"
+#include "bench/method/jacobian/jacobian.hpp"
 #include "bench/method/linear/cyclic_border.hpp"
 #include "bench/method/product_names.hpp"
 #include "model/variator/variator.hpp"

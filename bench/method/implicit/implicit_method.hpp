@@ -13,9 +13,8 @@
 #include <span>
 #include <vector>
 
-#include "bench/method/implicit/coloured_jacobian.hpp"
 #include "bench/method/implicit/implicit_matrix.hpp"
-#include "bench/method/jacobian/exact_jacobian.hpp"
+#include "bench/method/jacobian/jacobian.hpp"
 #include "bench/method/product_names.hpp"
 #include "tasks/step/step_graph.hpp"
 #include "tasks/step/step_method.hpp"

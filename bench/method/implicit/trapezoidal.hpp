@@ -1,18 +1,112 @@
 #pragma once
+/// The trapezoidal rule, solved by Newton's method in velocities alone: options, equations of a step, and the step.
+
+#include <string>
+#include <vector>
+
+#include "bench/method/implicit/broyden.hpp"
+#include "bench/method/implicit/implicit_method.hpp"
+#include "bench/method/product_names.hpp"
+
+namespace cvtflow::bench {
+
+// How Newton's method finds its matrix, and what became of it.
+
+/// Where the matrix of an iteration comes from.
+enum class NewtonMatrix {
+    every_iteration,  ///< Jacobian anew in each iteration
+    once_per_step,    ///< at the start of each step
+    frozen,           ///< kept over steps until it no longer converges
+    broyden,          ///< kept over steps, with Broyden's rank-one updates of its inverse
+    schubert,         ///< kept over steps, with Broyden's updates within the sparsity (Schubert 1970) and a new factorisation each
+};
+
+[[nodiscard]] constexpr bool keeps_over_steps(NewtonMatrix matrix) noexcept { return matrix >= NewtonMatrix::frozen; }
+
+/// Where the iteration starts.
+enum class NewtonStart {
+    rest,   ///< velocities of the step's start
+    euler,  ///< explicit Euler: the friction of a contact that should stick may throw it across
+};
+
+struct NewtonOptions {
+    NewtonMatrix matrix = NewtonMatrix::every_iteration;
+    bool exact = true;  ///< derivatives by the model, not by differences
+    NewtonStart start = NewtonStart::rest;
+    bool backtracking = true;  ///< halve the step until the residual falls
+    int max_iterations = 25;
+    double tolerance = 1e-7;  ///< residual as the speed of one link that had all of its energy [m/s]
+};
+
+/// Counters of the solves so far. All monotone.
+struct NewtonStatistics {
+    long steps = 0;  ///< solved for, retaken ones included
+    long iterations = 0;
+    long most = 0;  ///< iterations of the worst step, converged or not
+    long jacobians = 0;
+    long factorisations = 0;
+    long solves = 0;
+    long backtracks = 0;   ///< halvings
+    long refreshed = 0;    ///< steps that needed a Jacobian beyond the variant's rule
+    long unconverged = 0;  ///< steps that used the best iterate
+    double worst = 0.0;    ///< largest accepted residual [m/s]
+};
+
+/// One line: "2.31 iterations per step (most 7), …".
+[[nodiscard]] std::string text(const NewtonStatistics& statistics);
+
+/// The equations of a step of the trapezoidal rule:  v⁺ = v + h/2 (a + a⁺), q⁺ = q + h/2 (v + v⁺).
+///
+/// Iterates keep q⁺ = q + h/2 (v + v⁺) exactly, so the residual  r = v⁺ - v - h/2 (a + a⁺)  has velocities only. The derived class solves.
+class TrapezoidalRule : public ImplicitMethod {
+public:
+    static constexpr int state_slots = 4;  ///< start, iterate, increment, trial
+    static constexpr int slope_slots = 3;  ///< of the controller, of the trial, of the start
+
+    void phases_changed() noexcept override { start_slope_ = end_slope_ = false; }  // a kept Jacobian may still serve
+
+    void prepare(int segment) noexcept override;         ///< start of the iteration after predict(), else the residual
+    void finish(int first, int last) noexcept override;  ///< increment of the state from that of the velocities
+
+protected:
+    static constexpr int trial_slope = 1, start_slope = 2;  ///< slots of slopes
+
+    TrapezoidalRule(Workspace& workspace, NewtonStart start);
+
+    [[nodiscard]] double theta() const noexcept { return 0.5 * w_.step.h; }
+    [[nodiscard]] bool knows_start_slope() noexcept;
+    [[nodiscard]] int evaluate_start() noexcept;
+    [[nodiscard]] int predict() noexcept;
+    void start_tail() noexcept;                                ///< after the cycle of predict()
+    [[nodiscard]] int evaluate_trial(double lambda) noexcept;  ///< lambda [1]; 0: the iterate again
+    [[nodiscard]] double residual_norm() noexcept;             ///< of the trial, after the prepare cycle [m/s]
+    void finish_tail() noexcept;                               ///< after the solve cycle
+    void take_iterate() noexcept;
+
+    int iterate_ = 1, trial_ = 3;   ///< state slots; slot 2 holds the increment
+    bool end_slope_ = false;        ///< slope slot 1 is that of the last step's end
+    std::vector<double> residual_;  ///< of the trial, [unknowns]
+
+private:
+    void start_link(int link) noexcept;
+    void residual_of_link(int link) noexcept;
+    [[nodiscard]] double residual_of_tail() noexcept;
+
+    const NewtonStart start_;
+    const double link_mass_;  ///< [kg]
+    engine::Term terms_[2]{};
+    double time_of_start_ = 0.0;    ///< [s]
+    bool start_slope_ = false;      ///< slope slot 2 is that of the last step's start
+    bool predicting_ = false;       ///< a prepare cycle makes the start of the iteration, not a residual
+    std::vector<double> energies_;  ///< [links] of the residual
+};
+
 /// Steps of the trapezoidal rule, solved by Newton's method in velocities alone.
 ///
 ///     predict ─► evaluate ─► residual ─► [jacobian ─► factor] ─► solve ─► evaluate ─► residual ─► …
 ///
 /// Friction laws have kinks: the iteration starts from the velocities of the step's start, and steps are halved until the residual falls
 /// in energy. A step that does not converge uses the best iterate and is counted.
-
-#include "bench/method/implicit/broyden.hpp"
-#include "bench/method/implicit/newton.hpp"
-#include "bench/method/implicit/trapezoidal_rule.hpp"
-#include "bench/method/product_names.hpp"
-
-namespace cvtflow::bench {
-
 class TrapezoidalMethod final : public TrapezoidalRule {
 public:
     TrapezoidalMethod(Workspace& workspace, const NewtonOptions& options);

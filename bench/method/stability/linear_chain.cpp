@@ -6,8 +6,7 @@
 #include <cmath>
 #include <optional>
 
-#include "bench/method/jacobian/difference_jacobian.hpp"
-#include "bench/method/jacobian/exact_jacobian.hpp"
+#include "bench/method/jacobian/jacobian.hpp"
 
 namespace cvtflow::bench {
 

@@ -1,10 +1,197 @@
 #include "bench/study/belt/belt_drive.hpp"
 
+#include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <span>
+#include <stdexcept>
 
 namespace cvtflow::bench {
+
+namespace {
+
+constexpr int max_iterations = 60;
+constexpr double kilo = 1e3, milli = 1e-3;
+/// Where friction falls with the speed, a belt without inertia has several insets on a finer mesh. With 24 to 96 nodes slip changes by 2 %.
+constexpr int nodes_under_law = 96;
+
+/// Quadrature of a mean over a normal distribution with deviation 1: Gauss and Hermite's seven nodes.
+struct Quadrature {
+    double deviation, weight;
+};
+constexpr std::array<Quadrature, 7> gauss{{{0.0, 16.0 / 35.0},
+                                           {1.1544053947399682, 0.24012317860501272},
+                                           {-1.1544053947399682, 0.24012317860501272},
+                                           {2.3667594107345416, 0.03075712396758650},
+                                           {-2.3667594107345416, 0.03075712396758650},
+                                           {3.7504397177257420, 0.00054826885597221781},
+                                           {-3.7504397177257420, 0.00054826885597221781}}};
+constexpr std::array<Quadrature, 1> still{{{0.0, 1.0}}};
+
+/// Zero of an increasing function between low and high, by false position with halved weights (Illinois).
+template <class Function>
+double zero_of(const Function& f, double low, double high, double tolerance) {
+    double below = f(low), above = f(high);
+    for (int k = 0; k < max_iterations && high - low > tolerance; ++k) {
+        const double x = (low * above - high * below) / (above - below), y = f(x);
+        if (std::abs(y) < tolerance) return x;
+        const bool under = y < 0.0;
+        (under ? low : high) = x;
+        (under ? above : below) *= 0.5;
+        (under ? below : above) = y;
+    }
+    return 0.5 * (low + high);
+}
+
+/// [N/m] of a link with its joint.
+[[nodiscard]] double link_stiffness(const model::Parameters& p) {
+    return 1.0 / (1.0 / (p.plate.count * p.plate.stiffness) + 1.0 / p.joint.stiffness);
+}
+
+}  // namespace
+
+BeltArcSolver::BeltArcSolver(const model::Parameters& p, const BeltPulley& pulley, const BeltParts& parts)
+    : pulley_(pulley),
+      friction_(p.tip.friction.coefficient),
+      saturation_(p.tip.friction.saturation_speed * (parts.saturation_speed ? 1.0 : 1e-3)),
+      sin_(std::sin(p.tip.angle)),
+      law_(model::tip_law(p, p.oil.temperature)),
+      vibration_(parts.vibration),
+      yielding_(parts.yielding_pins),
+      count_(law_ ? std::min(parts.nodes, nodes_under_law) : parts.nodes) {
+    if (parts.crowned_flank) sin_ += (pulley.radius - p.pulley.arc_position) / (p.pulley.arc_radius + p.tip.radius);
+    cos_ = std::sqrt(1.0 - sin_ * sin_);
+    const double pitch = model::chain_length(p.chain) / p.chain.pins, speed = pulley.speed * pulley.radius;
+    weight_ = (2.0 * p.half.mass + p.plate.count * p.plate.mass) / pitch * speed * speed;
+    stretch_ = parts.stretching_belt ? 1.0 / (link_stiffness(p) * pitch) : 0.0;
+    const bool tilting = parts.tilting_sheaves && p.detail.pulleys == model::PulleyDetail::elastic;
+    tilt_ = tilting ? pulley.radius * pulley.radius * cos_ / (p.pulley.attachment_tilt * sin_) : 0.0;
+    hertz_ = p.tip.hertz;
+    bar_ = p.half.length / (p.chain.young_modulus * p.half.area);
+    share_ = 0.5 * pitch / pulley.radius;
+}
+
+/// Inset by pins and tips that yield to an axial force per angle. s [N/rad]
+double BeltArcSolver::yielding_inset(double axial) const {
+    if (!yielding_) return 0.0;
+    const double force = axial * share_, root = std::cbrt(force / (cos_ * hertz_));
+    return 0.5 * (2.0 * root * root / cos_ + force * bar_) * cos_ / sin_;
+}
+
+/// Friction coefficient at a sliding speed [m/s].
+double BeltArcSolver::coefficient(double speed) const { return law_ ? friction_ * law_->by_speed.at(speed) : friction_; }
+
+/// Forces of a belt that slides like this, while pins vibrate across. reduced: tension without centrifugal part [N]; pace: of the speed
+/// across that the law of friction sees. At the entry the belt yields at once, a pin over one pitch.
+BeltArcSolver::Contact BeltArcSolver::contact(double reduced, double along, double across, double pace) const {
+    double per_speed = 0.0, outwards = 0.0;  // friction over sliding speed and outward friction, by normal force
+    for (const auto& [deviation, weight] : vibration_ > 0.0 ? std::span<const Quadrature>(gauss) : std::span<const Quadrature>(still)) {
+        const double now = across + deviation * vibration_, speed = std::hypot(along, now);
+        const double share = coefficient(std::hypot(along, pace * now)) / std::max(speed, saturation_);
+        per_speed += weight * share;
+        outwards += weight * share * now;
+    }
+    const double normal = reduced / (sin_ - outwards * cos_);
+    return {per_speed * along * normal, 0.5 * normal * (cos_ + outwards * sin_), per_speed * normal};
+}
+
+BeltArcSolver::Sums BeltArcSolver::sweep(const Unknowns& u, std::vector<BeltNode>* nodes) const {
+    const double step = pulley_.wrap / count_, speed = pulley_.speed * pulley_.radius;
+    const auto opening = [&](double angle) {
+        const double from_middle = angle - 0.5 * pulley_.wrap;
+        return -tilt_ * kilo * (u.middle * std::cos(from_middle) + u.side * std::sin(from_middle));
+    };
+    double tension = kilo * u.entry, inset = opening(0.0);
+    Sums sums{};
+    for (int k = 1; k <= count_; ++k) {
+        const double angle = (k - 0.5) * step, open = opening(angle), reduced = tension - weight_,
+                     pace = k == 1 ? 0.5 * step / share_ : 1.0;
+        if (reduced <= 0.0) throw std::domain_error("the belt is slack");
+        const double flow = speed * (1.0 + milli * u.creep + stretch_ * (tension - kilo * u.entry)) - pulley_.growth * angle;
+        const auto along = [&](double d) { return flow - pulley_.speed * (pulley_.radius + d); };
+        const auto across = [&](double d) { return (pulley_.growth + pulley_.speed * (d - inset) / step) / cos_; };
+        const auto excess = [&](double d) { return d - open + yielding_inset(contact(reduced, along(d), across(d), pace).axial); };
+        const double most = yielding_inset(0.5 * reduced * (cos_ + friction_) / (sin_ - friction_ * cos_));
+        const double found = most > 0.0 ? zero_of(excess, open - most, open, 1e-13) : open;
+        const Contact now = contact(reduced, along(found), across(found), pace);
+        if (nodes) nodes->push_back({angle, tension, now.axial, found, along(found), across(found), now.per_speed});
+        inset = found;
+        tension += step * now.along;
+        sums.clamping += step * now.axial;
+        sums.middle += step * now.axial * std::cos(angle - 0.5 * pulley_.wrap);
+        sums.side += step * now.axial * std::sin(angle - 0.5 * pulley_.wrap);
+    }
+    sums.difference = tension - kilo * u.entry;
+    return sums;
+}
+
+BeltArcSolver::Unknowns BeltArcSolver::converge(Unknowns u, const Ends& ends) const {
+    const auto residual = [&](const Eigen::Vector4d& x) {
+        const Sums sums = sweep({x[0], x[1], x[2], x[3]}, nullptr);
+        const double first = ends.entry_given ? kilo * x[0] - ends.first : sums.clamping - ends.first;
+        return Eigen::Vector4d(first, sums.difference - ends.difference, sums.middle - kilo * x[2], sums.side - kilo * x[3]);
+    };
+    Eigen::Vector4d x(u.entry, u.creep, u.middle, u.side), r = residual(x);
+    for (int k = 0; k < max_iterations; ++k) {
+        if (r.norm() < 1e-6 * kilo) return {x[0], x[1], x[2], x[3]};
+        Eigen::Matrix4d slopes;
+        for (int j = 0; j < 4; ++j) {
+            Eigen::Vector4d moved = x;
+            moved[j] += 1e-6;
+            slopes.col(j) = (residual(moved) - r) / 1e-6;
+        }
+        Eigen::Vector4d change = slopes.fullPivLu().solve(r);
+        change *= std::min(1.0, (0.3 + 0.3 * std::abs(x[1])) / std::abs(change[1]));  // beyond that friction saturates and slopes vanish
+        for (double part = 1.0;; part *= 0.5) {
+            if (part < 1e-4) throw std::domain_error("friction cannot carry this difference of tensions");
+            const Eigen::Vector4d tried = x - part * change;
+            if (kilo * tried[0] <= weight_) continue;
+            try {
+                const Eigen::Vector4d now = residual(tried);
+                if (!(now.norm() < r.norm())) continue;
+                x = tried;
+                r = now;
+                break;
+            } catch (const std::domain_error&) {}
+        }
+    }
+    throw std::domain_error("friction cannot carry this difference of tensions");
+}
+
+/// First guess: an arc without a difference of tensions, with an even axial force.
+BeltArcSolver::Unknowns BeltArcSolver::guess(const Ends& ends) const {
+    const double per_force = 2.0 * sin_ / (cos_ * pulley_.wrap);  // tension by clamping force
+    const double clamping = ends.entry_given ? (ends.first - weight_) / per_force : ends.first;
+    const double bulge = std::sin(0.5 * pulley_.wrap) / (0.5 * pulley_.wrap), middle = clamping * bulge;
+    const double inset = -yielding_inset(clamping / pulley_.wrap) - tilt_ * middle * bulge;
+    return {(clamping * per_force + weight_) / kilo, inset / pulley_.radius / milli, middle / kilo, 0.0};
+}
+
+/// In steps of the difference, each from the one before: near the limit the creep is far from that of small differences.
+BeltArc BeltArcSolver::arc(const Ends& ends) const {
+    Unknowns u = guess(ends);
+    constexpr int parts = 3;
+    for (int k = 0; k <= parts; ++k) u = converge(u, {ends.first, ends.difference * k / parts, ends.entry_given});
+    BeltArc arc;
+    const Sums sums = sweep(u, &arc.nodes);
+    arc.clamping = sums.clamping;
+    arc.torque = sums.difference * pulley_.radius;
+    double grip = 0.0, drag = 0.0;
+    for (const BeltNode& node : arc.nodes) {
+        const double step = pulley_.wrap / count_, radius = pulley_.radius + node.inset;
+        drag += step * node.friction_per_speed * radius * node.along;
+        grip += step * node.friction_per_speed * radius * radius;
+        arc.sliding_power += step * node.friction_per_speed * (node.along * node.along + node.across * node.across);
+    }
+    arc.friction_speed = pulley_.speed + drag / grip;
+    return arc;
+}
+
+BeltArc BeltArcSolver::between(double entry, double exit) const { return arc({entry, exit - entry, true}); }
+
+BeltArc BeltArcSolver::clamped(double clamping, double difference) const { return arc({clamping, difference, false}); }
 
 std::array<double, 2> belt_radii(const model::Parameters& p, double ratio) {
     const double centres = p.pulley.centre_distance, target = model::chain_length(p.chain);

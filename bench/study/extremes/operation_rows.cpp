@@ -7,7 +7,7 @@
 #include <cmath>
 #include <span>
 
-#include "bench/study/extremes/extreme.hpp"
+#include "bench/study/extremes/extremes.hpp"
 
 namespace cvtflow::bench {
 

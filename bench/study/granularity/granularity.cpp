@@ -8,7 +8,7 @@
 #include <memory>
 #include <stdexcept>
 
-#include "bench/study/profile/crowding.hpp"
+#include "bench/study/profile/other_load.hpp"
 #include "engine/executor/catalogue.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tasks/schedule/schedule.hpp"

@@ -9,8 +9,8 @@
 
 #include "bench/count/instructions.hpp"
 #include "bench/executor/span_recorder.hpp"
+#include "bench/study/profile/measure.hpp"
 #include "bench/study/profile/model.hpp"
-#include "bench/study/profile/trial.hpp"
 
 namespace cvtflow::bench {
 

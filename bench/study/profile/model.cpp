@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bench/executor/span_recorder.hpp"
+
 namespace cvtflow::bench {
 
 using namespace tasks;
@@ -144,6 +146,217 @@ std::vector<SpeedUpRow> speed_up_curves(const PathCosts& costs, double serial_sh
              predicted_speed_up(punctual, threads, touching, MeetingLaw::logarithmic)});
     }
     return rows;
+}
+
+namespace {
+
+constexpr double model_cycle_seconds = 0.02;
+constexpr int cycle_rounds = 3;
+
+/// Half the distance of quartiles of a normal distribution is 0.6745 standard deviations; quartiles do not see preemption.
+double deviation(const std::vector<double>& values) {
+    const Spread around = spread(values);
+    return (around.upper_quartile - around.lower_quartile) / (2.0 * 0.6745);
+}
+
+std::vector<std::vector<double>> task_times(const Spans& spans, int tasks) {
+    std::vector<std::vector<double>> times(static_cast<std::size_t>(tasks));
+    for (const auto& thread : spans) {
+        for (const Span& span : thread) {
+            if (span.what >= 0) times[static_cast<std::size_t>(span.what)].push_back(1e-9 * static_cast<double>(span.end - span.begin));
+        }
+    }
+    return times;
+}
+
+std::vector<bool> touching_links(const Workspace& workspace) {
+    std::vector<bool> touching(static_cast<std::size_t>(workspace.layout().links), false);
+    for (std::size_t tip = 0; tip < workspace.tips.phases.size(); ++tip) {
+        if (workspace.tips.phases[tip] != model::Phase::free) touching[tip / model::tips_per_link] = true;
+    }
+    return touching;
+}
+
+/// Evaluation tasks of recorded serial runs: median time of each, and the spread of a link's.
+struct SegmentSamples {
+    std::vector<SegmentCost> segments;
+    std::vector<double> jitter;  ///< [s per square root of links]
+};
+
+/// Adds the evaluation tasks of a recorded serial run with `segments` segments.
+void sample_segments(const Scene& scene, int segments, const MeasureOptions& options, SegmentSamples& samples, ProfileModel& model) {
+    Schedule schedule;
+    schedule.segments = segments;
+    SpanRecorder recorder(1, 200000);
+    Trial trial(scene, schedule, &recorder);
+    const double per_step = trial.run(4).per_step();
+    recorder.clear();
+    trial.run(std::min(500L, steps_within(options.round_seconds, per_step)));
+    const engine::TaskGraph& graph = trial.simulation().integrator().runner().graph();
+    const auto times = task_times({recorder.spans(0)}, graph.size());
+    const Workspace& workspace = trial.simulation().workspace();
+    model.touching = touching_links(workspace);
+    model.costs.lanes = model::lanes_of(workspace.variator.chain().isa());
+    double detection = 0.0;
+    for (int task = 0; task < graph.size(); ++task) {
+        const engine::Task& each = graph.task(task);
+        const double time = median(times[static_cast<std::size_t>(task)]);
+        if (each.cycle == detect_cycle) detection += time;
+        if (each.cycle != evaluate_cycle) continue;
+        const Segment& segment = workspace.partition[each.item];
+        SegmentCost sample = lanes_of(segment, model.touching, model.costs.lanes);
+        sample.seconds = time;
+        samples.segments.push_back(sample);
+        samples.jitter.push_back(deviation(times[static_cast<std::size_t>(task)]) / std::sqrt(static_cast<double>(segment.size())));
+    }
+    model.costs.detect = detection / workspace.layout().links;
+}
+
+double evaluation_time(const PathCosts& costs, const SegmentCost& segment) {
+    return costs.border + costs.free * segment.free + costs.touching * segment.touching;
+}
+
+double rms_error(const PathCosts& costs, const std::vector<SegmentCost>& samples) {
+    double squares = 0.0, sum = 0.0;
+    for (const SegmentCost& sample : samples) {
+        squares += std::pow(sample.seconds - evaluation_time(costs, sample), 2);
+        sum += sample.seconds;
+    }
+    return samples.empty() || sum == 0.0 ? 0.0 : std::sqrt(squares * static_cast<double>(samples.size())) / sum;
+}
+
+/// How often the evaluation cycle ran in a recording of one segment.
+double evaluation_cycles(const Recording& recording) {
+    double tasks = 0.0, runs = 0.0;
+    for (const int cycle : recording.cycles) tasks += cycle == evaluate_cycle ? 1.0 : 0.0;
+    for (const auto& thread : recording.spans) {
+        for (const Span& span : thread)
+            runs += span.what >= 0 && recording.cycles[static_cast<std::size_t>(span.what)] == evaluate_cycle ? 1.0 : 0.0;
+    }
+    return runs / tasks;
+}
+
+double median_controller(const Spans& spans) {
+    std::vector<double> times;
+    for (const auto& thread : spans) {
+        for (const Span& span : thread) {
+            if (span.what == engine::span_controller) times.push_back(1e-9 * static_cast<double>(span.end - span.begin));
+        }
+    }
+    return median(times);
+}
+
+void measure_synchronisation(ProfileModel& model) {
+    std::vector<int> numbers;
+    for (int threads = 1; threads <= usable_threads(); threads *= 2) numbers.push_back(threads);
+    std::vector<std::vector<double>> costs(numbers.size());
+    for (int round = 0; round < cycle_rounds; ++round) {
+        for (std::size_t k = 0; k < numbers.size(); ++k) {
+            Schedule flow;
+            flow.executor = "flow";
+            flow.threads = numbers[k];
+            const CycleCost cost = cycle_cost(flow, model_cycle_seconds);
+            if (cost.active == numbers[k]) costs[k].push_back(cost.seconds);
+        }
+    }
+    for (std::size_t k = 0; k < numbers.size(); ++k) {
+        if (!costs[k].empty()) model.synchronisation.push_back({numbers[k], std::max(0.0, median(costs[k]))});
+    }
+    model.assumed = model.synchronisation.empty() || model.synchronisation.back().threads == 1;
+    if (model.assumed) model.synchronisation = {{1, 0.0}, {2, assumed_synchronisation}};
+    fit_synchronisation(model.synchronisation, model.costs);
+}
+
+Partition partition_of(const ScheduleResult& result, const ProfileModel& model) {
+    return Partition::equal(static_cast<int>(model.touching.size()), result.schedule.segments, Partition::grain(model.costs.lanes));
+}
+
+/// Measured evaluation tasks over those of the model, all segments together; 0: not recorded on all its threads.
+double stretch_of(const ScheduleResult& result, const ProfileModel& model) {
+    const Recording& recording = result.recording;
+    const int threads = result.schedule.threads;
+    if (threads == 1 || result.schedule.assembly.kind != Assembly::fused || result.schedule.balanced || recording.pass.active() < threads)
+        return 0.0;
+    const std::vector<double> times = median_task_times(recording.spans, static_cast<int>(recording.tasks.size()));
+    double measured = 0.0;
+    for (std::size_t task = 0; task < times.size(); ++task) measured += recording.cycles[task] == evaluate_cycle ? times[task] : 0.0;
+    double expected = 0.0;
+    const Partition partition = partition_of(result, model);
+    for (const Segment& segment : partition.segments()) {
+        expected += evaluation_time(model.costs, lanes_of(segment, model.touching, model.costs.lanes));
+    }
+    return measured / expected;
+}
+
+void measure_stretch(const std::vector<ScheduleResult>& results, ProfileModel& model) {
+    std::vector<double> stretches;
+    for (const ScheduleResult& result : results) {
+        if (const double stretch = stretch_of(result, model); stretch > 0.0) stretches.push_back(stretch);
+    }
+    model.stretched = !stretches.empty();
+    if (model.stretched) model.costs.stretch = median(stretches);
+}
+
+double fused_prediction(const ScheduleResult& result, const ProfileModel& model, double own_meeting) {
+    return model.serial_step / step_time(model.costs, partition_of(result, model), result.schedule.threads, model.touching, own_meeting);
+}
+
+/// Tasks of serial:staged per step, as evenly as whole segments go, the controller's cycles, a meeting per level.
+double staged_prediction(const ScheduleResult& result, const ScheduleResult& staged, const ScheduleResult& serial,
+                         const ProfileModel& model, double own_meeting) {
+    const int threads = result.schedule.threads, segments = result.schedule.segments;
+    const double steps = static_cast<double>(result.recording.steps), serial_steps = static_cast<double>(staged.recording.steps);
+    if (steps == 0.0 || serial_steps == 0.0) return 0.0;
+    const double longest = static_cast<double>((segments + threads - 1) / threads) / segments;
+    const double tasks = staged.recording.pass.tasks() / serial_steps * longest * (threads > 1 ? model.costs.stretch : 1.0);
+    const double between = (model.costs.controller * result.recording.pass.cycles + own_meeting * result.recording.pass.levels) / steps;
+    return serial.loads.front().step.median / (tasks + between);
+}
+
+void predict(std::vector<ScheduleResult>& results, const ProfileModel& model) {
+    const auto staged =
+        std::find_if(results.begin(), results.end(), [](const ScheduleResult& result) { return result.name == "serial:staged"; });
+    for (ScheduleResult& result : results) {
+        const int threads = result.schedule.threads;
+        const double own = threads == 1                     ? 0.0
+                           : result.cycle.active == threads ? std::max(0.0, result.cycle.seconds)
+                                                            : meeting(model.costs, threads, MeetingLaw::linear);
+        if (result.name.ends_with(":fused")) result.predicted = fused_prediction(result, model, own);
+        if (result.name.ends_with(":staged") && staged != results.end())
+            result.predicted = staged_prediction(result, *staged, results.front(), model, own);
+    }
+}
+
+}  // namespace
+
+std::vector<double> median_task_times(const Spans& spans, int tasks) {
+    std::vector<double> medians;
+    for (const auto& each : task_times(spans, tasks)) medians.push_back(median(each));
+    return medians;
+}
+
+ProfileModel measure_model(const Scene& scene, std::vector<ScheduleResult>& results, const MeasureOptions& options) {
+    ProfileModel model;
+    const ScheduleResult& serial = results.front();
+    const int links = scene.parameters.chain.pins;
+    SegmentSamples samples;
+    for (const int segments : {24, 7}) sample_segments(scene, std::min(links, segments), options, samples, model);
+    fit_links(samples.segments, model.costs);
+    model.fit_error = rms_error(model.costs, samples.segments);
+    model.costs.jitter = median(samples.jitter);
+    model.costs.controller = median_controller(serial.recording.spans);
+    model.serial_share = serial.recording.pass.serial_share();
+    if (serial.recording.steps > 0) {
+        model.costs.evaluations = evaluation_cycles(serial.recording) / static_cast<double>(serial.recording.steps);
+        model.costs.other_cycles =
+            std::max(0.0, serial.recording.pass.cycles / static_cast<double>(serial.recording.steps) - model.costs.evaluations - 1.0);
+    }
+    measure_synchronisation(model);
+    measure_stretch(results, model);
+    model.serial_step = step_time(model.costs, Partition::equal(links, 1), 1, model.touching, 0.0);
+    model.curves = speed_up_curves(model.costs, model.serial_share, model.touching, model.synchronisation.back().threads);
+    predict(results, model);
+    return model;
 }
 
 }  // namespace cvtflow::bench

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <map>
 
-#include "bench/study/profile/crowding.hpp"
+#include "bench/study/profile/other_load.hpp"
 #include "engine/base/text.hpp"
 #include "engine/executor/catalogue.hpp"
 

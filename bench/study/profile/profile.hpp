@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "bench/study/profile/model_costs.hpp"
+#include "bench/study/profile/model.hpp"
 
 namespace cvtflow::bench {
 

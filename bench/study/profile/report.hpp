@@ -1,5 +1,5 @@
 #pragma once
-/// A profile as CSV, JSON and trace, with the origin of its numbers. Tables for people: bench/lab/text/profile_text.hpp.
+/// A profile as CSV, JSON and trace, with the origin of its numbers. Tables for people: bench/lab/report/profile_report.hpp.
 
 #include <string>
 

@@ -1,10 +1,24 @@
 #pragma once
-/// Which of the choices on the front of error and time is recommended for an accuracy.
+/// Which of the choices on the front of error and time is recommended for an accuracy, and whether a choice that is exact over a short time
+/// is also right over one that slip and efficiency are read of: bursts are rare.
+///
+/// Every choice to confirm runs from the scene's start over the same time. Its mean slip and its losses are compared with those of a
+/// reference, its energy balance with itself (EnergyLedger), its step with what its method is stable for at both ends of the reference
+/// (predicted_step_limit()).
 
 #include <cstddef>
+#include <deque>
+#include <map>
+#include <memory>
 #include <optional>
+#include <span>
+#include <string>
 #include <vector>
 
+#include "bench/method/stability/linear_chain.hpp"
+#include "bench/study/run_watch.hpp"
+#include "engine/executor/cancellation.hpp"
+#include "tasks/scene/scene.hpp"
 #include "tasks/tuning/tuner.hpp"
 
 namespace cvtflow::bench {
@@ -14,5 +28,65 @@ namespace cvtflow::bench {
 
 /// An error measured on one scene is trusted on another within this factor.
 inline constexpr double tradeoff_safety = 3.0;
+
+struct ConfirmSettings {
+    double duration = 20e-3;  ///< from the scene's start [s]
+    double interval = 12e-6;  ///< between outputs [s]
+    double tolerance = 0.01;  ///< of mean slip and losses [1]
+    std::vector<std::string>
+        reference;  ///< settings; empty: the default method at a quarter of its automatic step, refined until it agrees with itself
+};
+
+/// A run that was long enough to be read, or what came instead.
+struct LongRun {
+    tasks::Fault fault;
+    WatchResult watch;
+    double step = 0.0;  ///< last one in use [s]
+    double wall = 0.0;  ///< per simulated second [s/s]
+};
+
+struct Confirmed {
+    bool ran = false;  ///< a step beyond stability is not tried
+    LongRun run;
+    double slip_error = 0.0, loss_error = 0.0;  ///< relative, against the reference
+    std::string objection;                      ///< why it cannot be recommended, a few words; empty: nothing speaks against it
+};
+
+class Confirmation {
+public:
+    /// Runs the reference.
+    /// @throws SimulationError if the start is not settled, the reference did not get through, its energy balance does not close, or it
+    /// does not agree with itself
+    Confirmation(tasks::Scene scene, ConfirmSettings settings, const engine::Cancellation& cancel);
+
+    /// Up to which step the method is stable at both ends of the reference [s]; infinite: linear stability sets no limit. Settings as
+    /// ErrorMeasure takes them.
+    [[nodiscard]] double stable_step(std::span<const std::string> settings);
+    /// Whether the step is longer. Automatic steps and steps by error see to it by themselves.
+    [[nodiscard]] bool beyond_stability(std::span<const std::string> settings);
+    [[nodiscard]] Confirmed check(std::span<const std::string> settings);
+    /// The run alone, whatever its step.
+    [[nodiscard]] LongRun run(std::span<const std::string> settings) const;
+    /// Objections to it, without stability.
+    [[nodiscard]] Confirmed judged(const LongRun& run) const;
+
+    [[nodiscard]] const LongRun& reference() const noexcept { return reference_; }
+    /// Which run that is, and how far one with twice the step is from it.
+    [[nodiscard]] const std::string& reference_text() const noexcept { return reference_text_; }
+
+private:
+    [[nodiscard]] LongRun run(std::span<const std::string> settings, tasks::FrozenStart* begin, tasks::FrozenStart* end) const;
+    void take_reference();
+    void refine_reference();
+
+    tasks::Scene scene_;
+    ConfirmSettings settings_;
+    const engine::Cancellation& cancel_;
+    LongRun reference_;
+    std::string reference_text_;
+    std::unique_ptr<model::Variator> variator_;
+    std::deque<bench::LinearChain> ends_;   ///< linearised at both ends of the reference
+    std::map<std::string, double> stable_;  ///< by method [s]
+};
 
 }  // namespace cvtflow::bench

@@ -1,14 +1,26 @@
-/// Guarantees of every executor, for every number of threads. (No source file of its own: executor.hpp states them.)
+/// Guarantees of every executor, for every number of threads (executor.hpp states them), and of the serial one; their catalogue,
+/// cancellation and the shares of a run.
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
+#include <set>
 #include <stdexcept>
+#include <string_view>
+#include <utility>
+#include <vector>
 
+#include "engine/executor/cancellation.hpp"
+#include "engine/executor/catalogue.hpp"
+#include "engine/executor/run.hpp"
+#include "engine/executor/serial.hpp"
 #include "engine/executor/stamp_recorder.hpp"
 #include "executor_fixture.hpp"
 #include "tests/engine/allocation_fixture.hpp"
+#include "tests/engine/graph/graph_fixture.hpp"
 
 namespace cvtflow::engine {
 namespace {
@@ -16,6 +28,8 @@ namespace {
 using test::Case;
 using test::mixed_cycles;
 using test::World;
+using testing::ElementsAre;
+using testing::IsEmpty;
 
 class Executors : public testing::TestWithParam<Case> {};
 INSTANTIATE_TEST_SUITE_P(Catalogue, Executors, testing::ValuesIn(test::all_cases()), test::case_name);
@@ -175,6 +189,137 @@ TEST(World, SeesWhenAnExecutorDoesWrong) {
     world.run(backwards, 10);
     EXPECT_GT(world.faults(), 0);
     EXPECT_NE(world.hash(), test::serial_hash({{1, 2, 1}}, 10));
+}
+
+/// Names cycles from a list, then stops.
+class Script final : public Controller {
+public:
+    explicit Script(std::vector<int> cycles) : cycles_(std::move(cycles)) {}
+    int next() noexcept override { return next_ < cycles_.size() ? cycles_[next_++] : stop; }
+
+private:
+    std::vector<int> cycles_;
+    std::size_t next_ = 0;
+};
+
+TEST(Serial, RunsTasksInTopologicalOrder) {
+    std::vector<int> seen;
+    Script script({0});
+    Serial().run(test::diamond(), &seen, script);
+    EXPECT_THAT(seen, ElementsAre(10, 11, 12, 13));
+}
+
+TEST(Serial, FollowsTheController) {
+    TaskGraph graph;
+    graph.add({"a", 0, test::record, 1, {}});
+    graph.add({"b", 1, test::record, 2, {}});
+    graph.freeze();
+    std::vector<int> seen;
+    Script script({1, 0, 0, 1});
+    Serial().run(graph, &seen, script);
+    EXPECT_THAT(seen, ElementsAre(2, 1, 1, 2));
+}
+
+TEST(Serial, StopsAtOnceIfAsked) {
+    std::vector<int> seen;
+    Script script({});
+    Serial().run(test::diamond(), &seen, script);
+    EXPECT_THAT(seen, IsEmpty());
+}
+
+TEST(Serial, UnknownCyclesAndUnfrozenGraphsAreRejected) {
+    std::vector<int> seen;
+    Script beyond({0, 1});
+    EXPECT_THROW(Serial().run(test::diamond(), &seen, beyond), std::out_of_range);
+    Script below({-2});
+    EXPECT_THROW(Serial().run(test::diamond(), &seen, below), std::out_of_range);
+    Script any({0});
+    EXPECT_THROW(Serial().run(TaskGraph(), &seen, any), std::logic_error);
+}
+
+TEST(Serial, AllocatesNothingWhileRunning) {
+    const TaskGraph graph = test::diamond();
+    Script script(std::vector<int>(100, 0));
+    std::vector<int> seen;
+    seen.reserve(400);
+    Serial serial;
+    const long before = test::allocation_count();
+    serial.run(graph, &seen, script);
+    EXPECT_EQ(test::allocation_count(), before);
+    EXPECT_EQ(seen.size(), 400u);
+}
+
+TEST(AllocationCount, SeesAllocations) {
+    const long before = test::allocation_count();
+    const std::vector<int> something(1000);
+    [[maybe_unused]] const volatile int* volatile seen = something.data();  // or the compiler leaves it out
+    if (before < 0) GTEST_SKIP() << "a sanitizer owns malloc";
+    EXPECT_GT(test::allocation_count(), before);
+    EXPECT_EQ(something.back(), 0);
+}
+
+TEST(ExecutorCatalogue, EveryRowMakesAnExecutorOfItsName) {
+    for (const ExecutorRow& row : executors()) {
+        EXPECT_EQ(row.make({.threads = 2})->name(), row.name);
+        EXPECT_FALSE(row.description.empty()) << row.name;
+    }
+}
+
+TEST(ExecutorCatalogue, NamesAreUniqueAndFound) {
+    std::set<std::string_view> names;
+    for (const ExecutorRow& row : executors()) {
+        EXPECT_TRUE(names.insert(row.name).second) << row.name;
+        EXPECT_EQ(find_executor(row.name), &row);
+    }
+    EXPECT_EQ(find_executor("magic"), nullptr);
+}
+
+TEST(ExecutorCatalogue, AbsentOnesSayWhatTheyNeedAndAreNotFound) {
+    for (const ExecutorRow& row : absent_executors()) {
+        EXPECT_FALSE(row.needs.empty()) << row.name << " is absent for no reason";
+        EXPECT_EQ(row.make, nullptr) << row.name;
+        EXPECT_EQ(find_executor(row.name), nullptr) << row.name;
+        EXPECT_NE(missing_executor(row.name).find("requires " + std::string(row.needs)), std::string::npos) << row.name;
+    }
+    EXPECT_EQ(missing_executor("fow"), " (did you mean \"flow\"?)");
+    EXPECT_EQ(missing_executor("quite another thing"), "");
+}
+
+TEST(Cancellation, AsksUntilTheAnswerIsYes) {
+    int asked = 0;
+    const std::function<bool()> third = [&] { return ++asked == 3; };
+    Cancellation cancel(third);
+    EXPECT_FALSE(cancel.requested());
+    EXPECT_FALSE(cancel.requested());
+    EXPECT_TRUE(cancel.requested());
+    EXPECT_TRUE(cancel.requested()) << "although the answer would be no again";
+    EXPECT_EQ(asked, 3);
+    EXPECT_TRUE(cancel.withdraw());
+    EXPECT_FALSE(cancel.requested());
+}
+
+TEST(Cancellation, AsksNoFunctionWhereThereIsNone) {
+    const std::function<bool()> none;
+    Cancellation cancel(none);
+    EXPECT_FALSE(cancel.requested());
+    cancel.request();
+    EXPECT_TRUE(cancel.requested());
+}
+
+TEST(Share, SharesFollowEachOtherAndDifferByOneAtMost) {
+    for (int tasks = 0; tasks < 30; ++tasks) {
+        std::vector<int> numbers(static_cast<std::size_t>(tasks));
+        std::iota(numbers.begin(), numbers.end(), 0);
+        for (int parts = 1; parts < 10; ++parts) {
+            int next = 0;
+            for (int part = 0; part < parts; ++part) {
+                const auto own = share(numbers, part, parts);
+                EXPECT_EQ(static_cast<int>(own.size()), (tasks + parts - 1 - part) / parts) << tasks << " in " << parts;
+                for (const int task : own) EXPECT_EQ(task, next++);
+            }
+            EXPECT_EQ(next, tasks);
+        }
+    }
 }
 
 }  // namespace

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "engine/record/hdf5/file_seal.hpp"
-#include "tests/engine/record/mutant_dice_fixture.hpp"
 
 namespace cvtflow::engine {
 namespace {

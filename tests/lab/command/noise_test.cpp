@@ -5,8 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "bench/study/noise/measured_noise.hpp"
-#include "bench/study/noise/pitch_sequence.hpp"
+#include "bench/study/noise/noise.hpp"
 #include "tasks/scene/ready_scenes.hpp"
 #include "tests/tools/program_fixture.hpp"
 

@@ -1,8 +1,8 @@
-#include "bench/study/attribution.hpp"
+#include "bench/study/spectrum.hpp"
 
 #include <gmock/gmock.h>
 
-#include "tests/tasks/brief_start_fixture.hpp"
+#include "tests/tasks/tiny_fixture.hpp"
 
 namespace cvtflow::bench {
 

@@ -7,7 +7,7 @@
 
 #include "bench/study/run_watch.hpp"
 #include "engine/method/catalogue.hpp"
-#include "tests/tasks/brief_start_fixture.hpp"
+#include "tests/tasks/tiny_fixture.hpp"
 
 namespace cvtflow::bench {
 

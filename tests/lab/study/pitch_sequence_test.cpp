@@ -1,4 +1,4 @@
-#include "bench/study/noise/pitch_sequence.hpp"
+#include "bench/study/noise/noise.hpp"
 
 #include <gtest/gtest.h>
 

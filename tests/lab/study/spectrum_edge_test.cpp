@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/method/linear/arnoldi.hpp"
+#include "bench/method/linear/eigenvalues.hpp"
 #include "bench/study/spectrum.hpp"
 #include "tasks/scene/scene.hpp"
-#include "tests/tasks/brief_start_fixture.hpp"
+#include "tests/tasks/tiny_fixture.hpp"
 
 namespace cvtflow::bench {
 

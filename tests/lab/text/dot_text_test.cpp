@@ -1,4 +1,4 @@
-#include "bench/lab/text/dot_text.hpp"
+#include "bench/lab/text/text.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -8,12 +8,11 @@
 namespace cvtflow::model {
 namespace {
 
-constexpr double pi = std::numbers::pi;
 constexpr double distance = 0.17;
 
 TEST(Belt, AtRatioOneItsLengthIsTwoStrandsAndACircle) {
     // Sums of a few terms below 1 m: rounding is some 1e-16.
-    EXPECT_NEAR(belt_length({0.05, 0.05}, distance), 2.0 * distance + 2.0 * pi * 0.05, 1e-15);
+    EXPECT_NEAR(belt_length({0.05, 0.05}, distance), 2.0 * distance + 2.0 * std::numbers::pi * 0.05, 1e-15);
 }
 
 TEST(Belt, RadiiGiveBackTheLengthAndTheRatio) {
@@ -26,9 +25,9 @@ TEST(Belt, RadiiGiveBackTheLengthAndTheRatio) {
 }
 
 TEST(Belt, HasNoRadiiIfItIsTooShortOrTooLong) {
-    EXPECT_FALSE(belt_radii(2.0 * distance, 1.0, distance).has_value());                  // nothing left for the arcs
-    EXPECT_FALSE(belt_radii(2.0 * distance + pi * distance, 1.0, distance).has_value());  // the pulleys would meet
-    EXPECT_TRUE(belt_radii(2.0 * distance + 0.99 * pi * distance, 1.0, distance).has_value());
+    EXPECT_FALSE(belt_radii(2.0 * distance, 1.0, distance).has_value());                                // nothing left for the arcs
+    EXPECT_FALSE(belt_radii(2.0 * distance + std::numbers::pi * distance, 1.0, distance).has_value());  // the pulleys would meet
+    EXPECT_TRUE(belt_radii(2.0 * distance + 0.99 * std::numbers::pi * distance, 1.0, distance).has_value());
 }
 
 /// Every pitch path of these tests.

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <fstream>
 
+#include "tasks/batch/start_states.hpp"
+#include "tests/claims/operating_point_fixture.hpp"
 #include "tests/engine/allocation_fixture.hpp"
 
 namespace cvtflow::tasks {
@@ -129,6 +131,33 @@ TEST_F(CaseOfAWorker, EndsWhenItIsSteady) {
     EXPECT_TRUE(early.error.find("not steady at t =") != std::string::npos) << early.error;
     EXPECT_NEAR(early.scalars[0], is.scalars[0], 0.1 * is.scalars[0]) << "the means of what there was";
     EXPECT_LT(early.balance_error_ratio, 1.0);
+}
+
+model::StartState start_with(const std::string& setting) { return model::start_state(claims::ready_scene("tiny", {setting}).parameters); }
+
+TEST(StartStates, PlacingDoesNotDependOnWhatIsDoneToTheVariatorOnceItStands) {
+    const model::StartState plain = model::start_state(claims::ready_scene("tiny").parameters);
+    for (const std::string setting :
+         {"load.torque=3 N*m", "load.inertia=0.1 kg*m^2", "clamping.driving=7 kN", "clamping.driven=6 kN", "run.step=1 us", "run.until=1 s",
+          "run.method=leapfrog-rkc", "run.seed=7", "run.output_interval=3 us", "run.tolerance=2"}) {
+        ASSERT_FALSE(matters_for_placing(*find_parameter(setting.substr(0, setting.find('='))))) << setting;
+        const model::StartState start = start_with(setting);
+        EXPECT_EQ(start.state, plain.state) << setting;
+        EXPECT_EQ(start.phases, plain.phases) << setting;
+    }
+}
+
+TEST(StartStates, PlacingDependsOnMachineSpeedAndStart) {
+    const model::StartState plain = model::start_state(claims::ready_scene("tiny").parameters);
+    for (const char* section : {"detail", "chain", "half", "plate", "joint", "tip", "pulley", "drive", "control", "start", "record"}) {
+        for (const Parameter& parameter : parameter_table()) {
+            if (parameter.section() != section) continue;
+            EXPECT_TRUE(matters_for_placing(parameter)) << parameter.key;
+        }
+    }
+    for (const char* setting : {"start.ratio=1.2", "drive.speed=100 rad/s", "tip.radius=100 mm", "control.enabled=true"}) {
+        EXPECT_NE(start_with(setting).state, plain.state) << setting;
+    }
 }
 
 }  // namespace

@@ -2,14 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <set>
 #include <string>
 
 #include "tasks/run/simulation.hpp"
+#include "tests/claims/operating_point_fixture.hpp"
 #include "tests/claims/rig_fixture.hpp"
-#include "tests/tasks/settled_tiny_fixture.hpp"
 #include "tests/tasks/tiny_fixture.hpp"
 
 namespace cvtflow::tasks {
@@ -155,6 +157,114 @@ TEST(Channels, ThereIsOneForEveryLossEnergyAndWork) {
     for (int kind = 0; kind < model::loss_kinds; ++kind) EXPECT_TRUE(names.contains("loss/" + std::string(loss_name(kind))));
     for (int kind = 0; kind < model::energy_kinds; ++kind) EXPECT_TRUE(names.contains("energy/" + std::string(energy_name(kind))));
     for (int kind = 0; kind < model::work_kinds; ++kind) EXPECT_TRUE(names.contains("power/" + std::string(work_name(kind))));
+}
+
+const Channel& named(std::string_view name) {
+    const auto all = channels();
+    return *std::find_if(all.begin(), all.end(), [&](const Channel& channel) { return channel.name == name; });
+}
+
+TEST(ForceChannels, AreRecordedWhereTheyAreNamedAlone) {
+    const model::Parameters variator;
+    model::Parameters ring;
+    ring.detail.pulleys = model::PulleyDetail::absent;
+    const auto has = [](const std::vector<const Channel*>& chosen, std::string_view name) {
+        return std::any_of(chosen.begin(), chosen.end(), [&](const Channel* channel) { return channel->name == name; });
+    };
+    const std::vector<std::string> names{"tips/*", "joints/normal_force"};
+    const auto usual = chosen_channels({}, variator), some = chosen_channels(names, variator), of_ring = chosen_channels(names, ring);
+    EXPECT_TRUE(std::all_of(usual.begin(), usual.end(), [](const Channel* channel) { return !channel->is(Channel::on_demand); }));
+    EXPECT_EQ(some.size(), usual.size() + 4);
+    EXPECT_TRUE(has(some, "tips/radial_force") && has(some, "joints/normal_force") && !has(some, "joints/friction_force"));
+    EXPECT_TRUE(has(of_ring, "joints/normal_force") && !has(of_ring, "tips/radial_force"));
+}
+
+TEST(ForceChannels, NamesThatMeanNothingAreFound) {
+    const std::vector<std::string> names{"tips/*", "tip/*", "ratio", "rattio", "*"};
+    EXPECT_EQ(unknown_channels(names), (std::vector<std::string>{"tip/*", "rattio", "*"}));
+}
+
+/// Means of channels at the outputs of a run from a settled state.
+class Means final : public RunObserver {
+public:
+    explicit Means(const Scene& scene) : simulation_(scene), observer_(simulation_.workspace().variator), pin_(scene.run.followed_pin) {
+        fault = simulation_.advance({.until = scene.run.until}, *this, engine::Cancellation());
+    }
+    void output(double time, const Workspace& workspace, const Counters& counters) override {
+        const model::Observation& now = workspace.observed_by(observer_, time);
+        const Instant instant{now, workspace, counters, pin_, observer_};
+        ++outputs_;
+        for (const Channel* channel : chosen_channels(all_, workspace.parameters)) {
+            auto& sum = sums_[channel->name];
+            std::vector<double> values(static_cast<std::size_t>(channel->width(workspace.variator.chain())));
+            channel->read(instant, values.data());
+            sum.resize(values.size());
+            for (std::size_t i = 0; i < values.size(); ++i) sum[i] += values[i];
+        }
+        torque_from_tips(workspace, instant);
+    }
+    void transition(const TransitionRecord&) override {}
+
+    [[nodiscard]] double mean(std::string_view channel, std::size_t index = 0) const { return sums_.at(channel)[index] / outputs_; }
+    /// Moments of the tangential forces about their shaft's axis, at the pins' radii.
+    [[nodiscard]] double torque(std::size_t shaft) const { return torque_[shaft] / outputs_; }
+    [[nodiscard]] double sum(std::string_view channel) const {
+        const auto& all = sums_.at(channel);
+        return std::accumulate(all.begin(), all.end(), 0.0) / outputs_;
+    }
+    Fault fault;
+
+private:
+    void torque_from_tips(const Workspace& workspace, const Instant& instant) {
+        std::vector<double> tangential(static_cast<std::size_t>(named("tips/tangential_force").width(workspace.variator.chain())));
+        named("tips/tangential_force").read(instant, tangential.data());
+        for (std::size_t tip = 0; tip < tangential.size(); ++tip) {
+            const double* link = workspace.state() + workspace.layout().link_begin(static_cast<int>(tip / 4));
+            const std::size_t shaft = static_cast<std::size_t>(workspace.variator.chain().shaft_of(link));
+            torque_[shaft] += tangential[tip] * instant.observation.radius[shaft];
+        }
+    }
+
+    Simulation simulation_;
+    model::Observer observer_;
+    int pin_;
+    std::vector<std::string> all_{"tips/*", "shaft_1/*",    "shaft_2/*", "plates/*", "contact_thrust_ratio",
+                                  "loss/*", "misalignment", "wear/*"};
+    std::map<std::string_view, std::vector<double>> sums_;
+    std::array<double, 2> torque_{};
+    double outputs_ = 0.0;
+};
+
+/// Four pin periods of the settled baseline: means against what acts from outside, to 1 %.
+TEST(ForceChannels, OfTheBaselineAddUpToClampingTorqueAndTension) {
+    const Means run(claims::ready_scene("baseline", {"run.until=2.85 ms", "run.method=leapfrog-chebyshev"}));
+    ASSERT_FALSE(run.fault) << run.fault.message();
+    EXPECT_NEAR(run.torque(1), 150.0, 1.5);
+    EXPECT_NEAR(run.torque(0), run.mean("shaft_1/chain_torque"), 1.5);
+    EXPECT_NEAR(run.mean("contact_thrust_ratio"), 27.1 / 20.0, 0.01 * 1.355);
+    EXPECT_NEAR(run.mean("shaft_2/safety_factor"), 199.7 / 150.0, 0.02 * 1.33);  // 199.7 N·m: 2 mu S r/cos(beta), at r = 54.4 mm
+    EXPECT_NEAR(run.sum("plates/tension"), run.sum("links/tension"), 0.01 * run.sum("links/tension"));
+    // The strands pull the shafts together, less the chain's centrifugal force, which the arcs carry themselves.
+    const double strands = run.mean("tight_tension") + run.mean("slack_tension");
+    const double moving = 2.0 * 2.0 * (4.42e-3 + 7 * 0.65e-3) / 8.12e-3 * std::pow(run.mean("chain_speed"), 2);
+    EXPECT_NEAR(run.mean("shaft_1/bearing_force", 0), strands - moving, 0.03 * strands);
+    EXPECT_NEAR(run.mean("shaft_2/bearing_force", 0), -(strands - moving), 0.03 * strands);
+    EXPECT_NEAR((1.0 - run.mean("shaft_1/slip")) * (1.0 - run.mean("shaft_2/slip")), 1.0 - run.mean("slip"), 1e-5);
+    double losses = 0.0;
+    for (int kind = 0; kind < model::loss_kinds; ++kind) losses += run.mean("loss/" + std::string(loss_name(kind)));
+    EXPECT_NEAR(run.mean("loss/total"), losses, 1e-9 * losses);
+    // Rings and tips share out the same friction; friction is at most μ N, and is that where tips slide faster than they saturate.
+    const double rubbed = run.mean("loss/tip_friction");
+    EXPECT_NEAR(run.sum("wear/tip_power"), rubbed, 1e-9 * rubbed);
+    EXPECT_NEAR(run.sum("wear/friction_power"), rubbed, 1e-9 * rubbed);
+    EXPECT_NEAR(run.sum("wear/force_speed"), run.sum("wear/tip_force_speed"), 1e-9 * run.sum("wear/force_speed"));
+    EXPECT_LE(rubbed, 0.09 * run.sum("wear/force_speed"));
+    EXPECT_GT(rubbed, 0.05 * run.sum("wear/force_speed"));
+    // The chain runs on 54.4 mm: everything is in the rings around it, 32 from 25 to 80 mm.
+    double near = 0.0;
+    for (std::size_t sheave = 0; sheave < 4; ++sheave)
+        for (const std::size_t ring : {16u, 17u, 18u}) near += run.mean("wear/friction_power", 32 * sheave + ring);
+    EXPECT_NEAR(near, rubbed, 1e-9 * rubbed);
 }
 
 }  // namespace

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "bench/method/stability/predicted_step.hpp"
-#include "bench/method/stability/step_search.hpp"
 #include "bench/study/run_watch.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/ready_scenes.hpp"

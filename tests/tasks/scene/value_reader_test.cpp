@@ -1,11 +1,19 @@
-#include "tasks/scene/parameter_table.hpp"
-#include "tasks/scene/toml_tree.hpp"
-
-#include <string>
-
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <stdexcept>
+#include <string>
+
+#include "model/parameters/parameters.hpp"
+#include "tasks/scene/parameter_table.hpp"
+#include "tasks/scene/toml_tree.hpp"
 #include "tasks/scene/units.hpp"
 
 namespace cvtflow::tasks {
@@ -103,6 +111,214 @@ TEST(ValueReader, EveryNumberRefusesAWrongDimensionAndBadNumbers) {
     }
     EXPECT_EQ(scene.parameters, model::Parameters{});
     EXPECT_EQ(scene.run, RunSettings{});
+}
+
+double si(std::string_view text) { return std::get<Quantity>(parse_quantity(text)).value; }
+
+std::string quantity_complaint(std::string_view text) { return std::get<std::string>(parse_quantity(text)); }
+
+TEST(Units, PowersOfTenAreExact) {
+    EXPECT_EQ(si("8.12 mm"), 8.12e-3);
+    EXPECT_EQ(si("27.1 kN"), 27.1e3);
+    EXPECT_EQ(si("20 us"), 20e-6);
+    EXPECT_EQ(si("4.42 g"), 4.42e-3);
+    EXPECT_EQ(si("0.65 g"), 0.65e-3);
+    EXPECT_EQ(si("15.65 mm^2"), 15.65e-6);
+    EXPECT_EQ(si("210 GPa"), 2.1e11);
+    EXPECT_EQ(si("1.5e2 mm"), 0.15);
+    EXPECT_EQ(si("5 cm"), 0.05);
+    EXPECT_EQ(si("2 %"), 0.02);
+    EXPECT_EQ(si("3 bar"), 3e5);
+}
+
+TEST(Units, AnglesAndRotationAreWithinOneRounding) {
+    EXPECT_DOUBLE_EQ(si("11 deg"), 11.0 * std::numbers::pi / 180.0);
+    EXPECT_DOUBLE_EQ(si("2000 rpm"), 2000.0 * 2.0 * std::numbers::pi / 60.0);
+    EXPECT_DOUBLE_EQ(si("2 min"), 120.0);
+    EXPECT_DOUBLE_EQ(si("180 N*m/deg"), 180.0 * 180.0 / std::numbers::pi);
+}
+
+TEST(Units, TheBaselineInUsualUnitsIsTheDefaultToTheLastBit) {
+    EXPECT_EQ(si("11 deg"), model::Tip{}.angle);
+    EXPECT_EQ(si("2000 rpm"), model::Drive{}.speed.at(0.0));
+}
+
+TEST(Units, DegreesCelsiusStandAlone) {
+    EXPECT_EQ(si("80 degC"), 353.15);
+    EXPECT_EQ(si("-40 °C"), 233.15);
+    EXPECT_EQ(std::get<Quantity>(parse_quantity("80 degC")).dimension, dimension_of("K"));
+    EXPECT_THAT(quantity_complaint("1 J/degC"), testing::HasSubstr("unknown unit \"degC\""));
+    EXPECT_THAT(quantity_complaint("80 C"), testing::HasSubstr("did you mean \"degC\""));
+}
+
+TEST(Units, ProductsAndPowersMultiply) {
+    EXPECT_EQ(si("5.7e7 N/m"), 5.7e7);
+    EXPECT_EQ(si("150 N*m"), 150.0);
+    EXPECT_EQ(si("57 kN/mm"), 5.7e7);
+    EXPECT_EQ(si("2e5 N*s/m"), 2e5);
+    EXPECT_EQ(si("8e-3 kg*m^2"), 8e-3);
+    EXPECT_EQ(si("80 kg*cm^2"), 8e-3);
+    EXPECT_EQ(si("3 m*s^-1"), 3.0);
+    EXPECT_EQ(si("200 1/s"), 200.0);
+    EXPECT_DOUBLE_EQ(si("2.5e10 N/m^1.5"), 2.5e10);
+    EXPECT_DOUBLE_EQ(si("1 N/mm^1.5"), std::pow(1e3, 1.5));
+}
+
+TEST(Units, SlashDividesByTheNextSymbolOnly) { EXPECT_EQ(std::get<Quantity>(parse_quantity("1 N/m*s")).dimension, dimension_of("N*s/m")); }
+
+TEST(Units, SignsBeyondAsciiAreUnderstood) {
+    EXPECT_EQ(si("20 µs"), 20e-6);
+    EXPECT_EQ(si("150 N·m"), 150.0);
+    EXPECT_EQ(si("15.65 mm²"), 15.65e-6);
+    EXPECT_EQ(si("11°"), si("11 deg"));
+}
+
+TEST(Units, SpaceAndSignAreFree) {
+    EXPECT_EQ(si("8.12mm"), 8.12e-3);
+    EXPECT_EQ(si("  -8.12   mm "), -8.12e-3);
+    EXPECT_EQ(si("+8.12 mm"), 8.12e-3);
+    EXPECT_EQ(si("150 N * m"), 150.0);
+}
+
+TEST(Units, NumberAloneHasNoUnit) {
+    const auto quantity = std::get<Quantity>(parse_quantity("0.09"));
+    EXPECT_FALSE(quantity.has_unit);
+    EXPECT_EQ(quantity.value, 0.09);
+    EXPECT_EQ(quantity.dimension, Dimension{});
+}
+
+TEST(Units, WrongTextsAreNamed) {
+    EXPECT_EQ(quantity_complaint("mm"), "does not begin with a number");
+    EXPECT_EQ(quantity_complaint(""), "does not begin with a number");
+    EXPECT_EQ(quantity_complaint("nan m"), "is not a finite number");
+    EXPECT_EQ(quantity_complaint("1e999 m"), "is not a finite number");
+    EXPECT_EQ(quantity_complaint("1e308 Gm"), "is not a finite number");
+    EXPECT_EQ(quantity_complaint("8 mmm"), "has the unknown unit \"mmm\" (did you mean \"mm\"?)");
+    EXPECT_EQ(quantity_complaint("8 N*"), "has an incomplete unit");
+    EXPECT_EQ(quantity_complaint("8 m^0"), "has the unusable power \"^0\"");
+    EXPECT_EQ(quantity_complaint("8 m^0.3"), "has the unusable power \"^0.3\"");
+    EXPECT_EQ(quantity_complaint("8 mdeg").substr(0, 20), "has the unknown unit");
+}
+
+TEST(Units, ATorqueNeedsNoSignBetweenItsUnits) {
+    EXPECT_EQ(si("12 Nm"), si("12 N*m"));
+    EXPECT_EQ(si("8 kNm"), si("8 kN*m"));
+    EXPECT_EQ(si("8 Nmm"), si("8 N*mm"));
+    EXPECT_EQ(si("5 Ncm"), si("5 N*cm"));
+    EXPECT_EQ(si("200 Nm/rad"), si("200 N*m/rad"));
+    EXPECT_EQ(dimension_of("kNm"), dimension_of("N*m"));
+}
+
+TEST(Units, AMisspeltUnitIsCorrected) {
+    const auto corrected = [](const std::string& written, const std::string& meant) {
+        EXPECT_EQ(quantity_complaint("8 " + written), "has the unknown unit \"" + written + "\" (did you mean \"" + meant + "\"?)");
+    };
+    for (const auto& [written, meant] :
+         {std::pair{"RPM", "rpm"}, {"Rpm", "rpm"}, {"U", "rpm"},     {"min-1", "rpm"}, {"kn", "kN"},    {"KN", "kN"},   {"Bar", "bar"},
+          {"mpa", "MPa"},          {"MPA", "MPa"}, {"KG", "kg"},     {"Kg", "kg"},     {"MM", "mm"},    {"HZ", "Hz"},   {"NM", "N*m"},
+          {"knm", "kN*m"},         {"Ns", "N*s"},  {"Nms", "N*m*s"}, {"N m", "N*m"},   {"mm2", "mm^2"}, {"msec", "ms"}, {"degrees", "deg"}})
+        corrected(written, meant);
+    EXPECT_EQ(quantity_complaint("2 in"), "has the unknown unit \"in\"") << "inches are not minutes";
+    EXPECT_EQ(quantity_complaint("2 psi"), "has the unknown unit \"psi\"");
+    EXPECT_EQ(quantity_complaint("12,5 N*m"), "has a decimal comma (did you mean \"12.5 N*m\"?)");
+}
+
+TEST(Units, AQuantityOfAnotherKindIsCorrected) {
+    using testing::ElementsAre;
+    EXPECT_THAT(likely_quantities("2000 1/min", "rad/s"), ElementsAre("2000 rpm"));
+    EXPECT_THAT(likely_quantities("2000 min^-1", "rad/s"), ElementsAre("2000 rpm"));
+    EXPECT_THAT(likely_quantities("2000 min\u207b\u00b9", "rad/s"), ElementsAre("2000 rpm"));
+    EXPECT_THAT(likely_quantities("30 Hz", "rad/s"), ElementsAre("1800 rpm"));
+    EXPECT_THAT(likely_quantities("30 1/s", "rad/s"), ElementsAre("30 rad/s", "1800 rpm"));
+    EXPECT_THAT(likely_quantities("12 nm", "N*m"), ElementsAre("12 N*m"));
+    EXPECT_THAT(likely_quantities("12 mm", "N*m"), ElementsAre());
+}
+
+TEST(Units, DimensionsHaveNames) {
+    EXPECT_EQ(dimension_name(dimension_of("kN/mm")), "a stiffness");
+    EXPECT_EQ(dimension_name(dimension_of("rpm")), "a rotational speed");
+    EXPECT_EQ(dimension_name(dimension_of("1")), "a plain number");
+    EXPECT_EQ(dimension_name(dimension_of("m*s")), "");
+    EXPECT_THROW((void)dimension_of("furlong"), std::invalid_argument);
+}
+
+TEST(Units, AngleDistinguishesRotationFromFrequency) {
+    EXPECT_NE(dimension_of("rad/s"), dimension_of("Hz"));
+    EXPECT_NE(dimension_of("N*m/rad"), dimension_of("N*m"));
+}
+
+TEST(Units, UsualUnitsHaveTheDimensionOfTheirSiUnit) {
+    for (const char* unit : {"m", "m^2", "kg", "s", "rad", "m/s", "rad/s", "N", "Pa", "N/m", "N*m", "K"}) {
+        EXPECT_FALSE(usual_units(unit).empty()) << unit;
+        for (const auto usual : usual_units(unit)) EXPECT_EQ(dimension_of(usual), dimension_of(unit)) << usual;
+    }
+    EXPECT_TRUE(usual_units("N/s").empty());
+}
+
+/// Factors as the reader of quantities has them; l/min = 1e-3/60 m^3/s, which it does not read.
+TEST(Units, OfDisplayAreThoseOfEngineersWithTheirFactors) {
+    const auto expect = [](const char* name, const char* si, std::string_view shown) {
+        const DisplayUnit unit = display_unit(name, si);
+        EXPECT_EQ(unit.unit, shown) << name;
+        const auto one = parse_quantity(fmt::format("1 {}", shown));
+        ASSERT_TRUE(std::holds_alternative<Quantity>(one)) << name;
+        EXPECT_NEAR(unit.factor * std::get<Quantity>(one).value, 1.0, 1e-14) << name;
+        EXPECT_EQ(std::get<Quantity>(one).dimension, dimension_of(si)) << name;
+    };
+    expect("shaft_1/pressure", "Pa", "bar");
+    expect("pump_line_pressure_max", "Pa", "bar");
+    expect("wear/tip_pressure", "Pa", "MPa");
+    expect("shaft_1/speed", "rad/s", "rpm");
+    expect("drive.speed", "rad/s", "rpm");
+    expect("tight_tension", "N", "kN");
+    expect("clamping.driven", "N", "kN");
+    expect("tips/axial_force", "N", "kN");
+    expect("followed_pin/plate_tension", "N", "N");
+    expect("shaft_1/radius", "m", "mm");
+    expect("tip.angle", "rad", "deg");
+    expect("slip_mean", "1", "%");
+    expect("efficiency_with_pump", "1", "%");
+    EXPECT_EQ(display_unit("slip_mean", "").unit, "%") << "of a CSV";
+    EXPECT_EQ(display_unit("error_of_tight_tension_mean", "1").unit, "%");
+    EXPECT_EQ(display_unit("pin force", "N").unit, "kN");
+    EXPECT_EQ(display_unit("shaft_1/oil_flow", "m^3/s").unit, "l/min");
+    EXPECT_DOUBLE_EQ(display_unit("shaft_1/oil_flow", "m^3/s").factor, 60.0 / 1e-3);
+    EXPECT_EQ(display_unit("ratio", "1").factor, 1.0);
+    EXPECT_EQ(display_unit("shaft_1/torque", "N*m").unit, "N*m");
+}
+
+TEST(NumberText, IsShortAndReadsBackEqual) {
+    EXPECT_EQ(number_text(84), "84");
+    EXPECT_EQ(number_text(8.12e-3), "8.12e-3");
+    EXPECT_EQ(number_text(0.2), "0.2");
+    EXPECT_EQ(number_text(2e5), "2e5");
+    EXPECT_EQ(number_text(27100), "27100");
+    EXPECT_EQ(number_text(-2000), "-2000");
+    EXPECT_EQ(number_text(0), "0");
+    for (const double number : {1.0 / 3.0, 209.43951023931953, 1e-300, 5e-324, 1.7976931348623157e308, -0.19198621771937624})
+        EXPECT_EQ(std::strtod(number_text(number).c_str(), nullptr), number);
+}
+
+TEST(NumberText, HasTheDigitsOfTheStandardLibrary) {
+    const auto expected = [](double number) {
+        const auto written = [number](std::chars_format format) {
+            char text[400];
+            return std::string(text, std::to_chars(text, text + sizeof text, number, format).ptr);
+        };
+        std::string scientific = written(std::chars_format::scientific);
+        const std::size_t e = scientific.find('e');
+        scientific = scientific.substr(0, e + 1) + std::to_string(std::stoi(scientific.substr(e + 1)));
+        const double size = std::abs(number);
+        const std::string fixed = written(std::chars_format::fixed);
+        return (size >= 0.1 && size < 1e4) || (size >= 1e4 && fixed.size() <= scientific.size()) ? fixed : scientific;
+    };
+    std::mt19937_64 random(1);
+    for (int k = 0; k < 20000; ++k) {
+        const double number = (k % 2 == 0 ? 1.0 : -1.0) * std::pow(10.0, std::uniform_real_distribution(-8.0, 24.0)(random));
+        EXPECT_EQ(number_text(number), expected(number));
+        EXPECT_EQ(number_text(std::round(number)), std::round(number) == 0.0 ? "0" : expected(std::round(number)));
+    }
+    EXPECT_EQ(number_text(-std::numeric_limits<double>::infinity()), "-inf");
 }
 
 }  // namespace

@@ -12,7 +12,7 @@
 #include "engine/method/catalogue.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tests/engine/executor/executor_fixture.hpp"
-#include "tests/engine/graph/race_check_fixture.hpp"
+#include "tests/engine/graph/graph_fixture.hpp"
 #include "tests/sample_fixture.hpp"
 
 namespace cvtflow::tasks {

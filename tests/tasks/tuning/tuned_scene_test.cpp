@@ -6,7 +6,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "tests/tasks/settled_tiny_fixture.hpp"
+#include "tests/tasks/tiny_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {

@@ -3,11 +3,9 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
-#include "bench/lab/command/accuracy/pareto_front.hpp"
 #include "bench/lab/command/command.hpp"
-#include "bench/lab/report/pin_report.hpp"
-#include "bench/lab/text/method_choice_text.hpp"
-#include "bench/lab/text/watch_text.hpp"
+#include "bench/lab/report/compare_report.hpp"
+#include "bench/lab/text/text.hpp"
 #include "bench/method/implicit/catalogue.hpp"
 #include "bench/method/implicit/linear_plan.hpp"
 #include "tasks/run/run.hpp"

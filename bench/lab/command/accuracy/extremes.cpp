@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "bench/lab/command/command.hpp"
-#include "bench/study/extremes/judge.hpp"
+#include "bench/study/extremes/extremes.hpp"
 #include "tasks/scene/ready_scenes.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"

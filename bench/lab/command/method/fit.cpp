@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "bench/lab/command/command.hpp"
-#include "bench/lab/text/method_text.hpp"
+#include "bench/lab/text/text.hpp"
 #include "bench/method/family/fitted.hpp"
 #include "bench/study/run_watch.hpp"
 #include "bench/study/spectrum.hpp"

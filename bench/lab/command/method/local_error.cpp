@@ -1,19 +1,27 @@
+/// cvtflow-lab local-error: local errors as text, CSV, JSON and pictures.
+
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "bench/lab/command/command.hpp"
 #include "bench/lab/measure/settled_start.hpp"
-#include "bench/lab/report/method/local_error_report.hpp"
 #include "bench/method/analysis/order.hpp"
 #include "bench/study/method_run.hpp"
+#include "bench/study/stability/frozen_step.hpp"
 #include "tasks/method/method.hpp"
 #include "tasks/scene/units.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output.hpp"
+#include "tools/program/plot/plot.hpp"
+#include "tools/program/text/report_columns.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::bench {
@@ -21,6 +29,90 @@ namespace cvtflow::bench {
 using namespace tools;
 
 namespace {
+
+/// One method under one friction law.
+struct ErrorCurve {
+    std::string method;
+    std::string friction;            ///< "piecewise" or "smoothed"
+    std::vector<LocalError> errors;  ///< by descending step; NaN: a transition ended the step
+};
+
+constexpr std::array parts{&LocalError::positions, &LocalError::velocities, &LocalError::axial_force, &LocalError::tension};
+
+std::string error_text(double error) {
+    if (std::isnan(error)) return "cut";
+    return error > 0.0 ? fmt::format("{:.3e}", error) : "0";
+}
+
+/// log(e/e')/log(h/h') between a row and the one above it.
+std::string slope(double error, double above, double ratio) {
+    return error > 0.0 && above > 0.0 ? fmt::format("{:.2f}", std::log(above / error) / std::log(ratio)) : "";
+}
+
+/// A row per step, errors of the four parts with their slopes.
+std::string error_table(const std::vector<LocalError>& errors) {
+    const auto right = [](const char* heading) { return Table::Column{heading, Align::right}; };
+    Table table({right("step"), right("positions"), right("slope"), right("velocities"), right("slope"), right("axial force"),
+                 right("slope"), right("tension"), right("slope")});
+    for (std::size_t i = 0; i < errors.size(); ++i) {
+        std::vector<std::string> cells{time_text(errors[i].step)};
+        for (const auto part : parts) {
+            cells.push_back(error_text(errors[i].*part));
+            cells.push_back(i == 0 ? "" : slope(errors[i].*part, errors[i - 1].*part, errors[i - 1].step / errors[i].step));
+        }
+        table.add(cells);
+    }
+    return table.text(2);
+}
+
+/// A row per method and step.
+std::string error_csv(const std::vector<ErrorCurve>& curves) {
+    std::string text = "method,friction,step,positions,velocities,axial_force,tension\n";
+    for (const ErrorCurve& curve : curves) {
+        for (const LocalError& error : curve.errors) {
+            text += fmt::format("{},{},{:.17g}", curve.method, curve.friction, error.step);
+            for (const auto part : parts) text += std::isnan(error.*part) ? "," : fmt::format(",{:.9g}", error.*part);
+            text += "\n";
+        }
+    }
+    return text;
+}
+
+/// Everything, with provenance; null: a transition ended the step.
+std::string error_json(const std::vector<ErrorCurve>& curves, const std::string& scene) {
+    auto list = nlohmann::ordered_json::array();
+    for (const ErrorCurve& curve : curves) {
+        auto rows = nlohmann::ordered_json::array();
+        for (const LocalError& error : curve.errors) {
+            rows.push_back({{"step", error.step},
+                            {"positions", error.positions},
+                            {"velocities", error.velocities},
+                            {"axial_force", error.axial_force},
+                            {"tension", error.tension}});
+        }
+        list.push_back({{"method", curve.method}, {"friction", curve.friction}, {"errors", rows}});
+    }
+    return json_text({{"scene", scene}, {"provenance", provenance_json()}, {"curves", list}});
+}
+
+/// One part of all methods under one friction law, against the step, both logarithmic. @param name of the part, as in the title
+Plot error_plot(const std::vector<ErrorCurve>& curves, const std::string& friction, double LocalError::*part, const std::string& name,
+                const std::string& scene) {
+    static constexpr std::array marks{Mark::dot, Mark::ring, Mark::square, Mark::diamond, Mark::triangle, Mark::cross};
+    Plot plot;
+    plot.title = fmt::format("Error of one step: {}", name);
+    plot.subtitle = fmt::format("{}, {} friction, relative to tight rk4", scene, friction);
+    plot.x = {"step [s]", Scale::logarithmic, 1.0, {}, {}};
+    plot.y = {"relative error", Scale::logarithmic, 1.0, {}, {}};
+    for (const ErrorCurve& curve : curves) {
+        if (curve.friction != friction) continue;
+        Series series{curve.method, {}, marks[plot.series.size() % marks.size()], Line::solid, ""};
+        for (const LocalError& error : curve.errors)
+            series.points.push_back({error.step, std::isfinite(error.*part) && error.*part < 1e6 ? error.*part : NAN});
+        plot.series.push_back(std::move(series));
+    }
+    return plot;
+}
 
 struct LocalErrorArguments {
     SceneArguments scene;

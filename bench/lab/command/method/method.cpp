@@ -4,8 +4,8 @@
 #include <memory>
 
 #include "bench/lab/command/command.hpp"
-#include "bench/lab/report/method/program_stability_report.hpp"
-#include "bench/lab/text/method_text.hpp"
+#include "bench/lab/report/method/stability_report.hpp"
+#include "bench/lab/text/text.hpp"
 #include "bench/method/laboratory_methods.hpp"
 #include "engine/base/text.hpp"
 #include "engine/method/catalogue.hpp"

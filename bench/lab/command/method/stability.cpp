@@ -6,11 +6,10 @@
 
 #include "bench/lab/command/command.hpp"
 #include "bench/lab/measure/settled_start.hpp"
-#include "bench/lab/report/method/program_stability_report.hpp"
 #include "bench/lab/report/method/stability_report.hpp"
 #include "bench/method/analysis/stability.hpp"
 #include "bench/method/laboratory_methods.hpp"
-#include "bench/method/linear/arnoldi.hpp"
+#include "bench/method/linear/eigenvalues.hpp"
 #include "bench/method/stability/predicted_step.hpp"
 #include "bench/study/spectrum.hpp"
 #include "tasks/method/method.hpp"

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "bench/lab/command/command.hpp"
-#include "bench/lab/text/dot_text.hpp"
+#include "bench/lab/text/text.hpp"
 #include "tasks/method/method.hpp"
 #include "tasks/step/step_graph.hpp"
 #include "tools/program/arguments.hpp"

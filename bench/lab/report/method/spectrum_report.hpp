@@ -5,9 +5,8 @@
 #include <optional>
 #include <string>
 
-#include "bench/lab/report/method/program_stability_report.hpp"
-#include "bench/study/attribution.hpp"
-#include "bench/study/stability/eigenvalue_step.hpp"
+#include "bench/method/stability/step_limit.hpp"
+#include "bench/study/spectrum.hpp"
 #include "bench/study/stability/stable_step.hpp"
 #include "tools/program/plot/plot.hpp"
 

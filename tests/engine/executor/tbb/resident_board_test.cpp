@@ -1,12 +1,148 @@
+/// A board of resident workers as an executor, and of the model machine (interleaving_fixture.hpp) in every interleaving, with a check of
+/// everything that may go wrong.
+
 #include "engine/executor/tbb/resident_board.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cstdio>
+#include <memory>
+#include <string>
 #include <thread>
+#include <vector>
 
-#include "tests/engine/executor/board_scenario_fixture.hpp"
+#include "engine/executor/run.hpp"
 #include "tests/engine/executor/executor_fixture.hpp"
+#include "tests/engine/executor/interleaving_fixture.hpp"
+
+namespace cvtflow::engine::test {
+
+/// A graph, and its cycles to run one after the other.
+struct BoardCase {
+    std::string name;
+    std::vector<int> cycles;
+    TaskGraph graph{};
+    std::vector<std::vector<int>> before{};  ///< [task] its predecessors
+
+    /// Adds a task to the last cycle, or to a new one.
+    int add(int cycle, const std::vector<int>& predecessors);
+};
+/// Widths of the levels of one cycle, every task waiting for all of the level before; run `times` times.
+[[nodiscard]] BoardCase layers(const std::vector<int>& widths, std::size_t times);
+/// Two cycles in turns: of a task, and of two tasks and one behind them.
+[[nodiscard]] BoardCase turns();
+
+/// Tasks write a cell of their own and read those of their predecessors and the controller's; the controller reads all and writes its own:
+/// whatever runs too early, twice, or without seeing what it should is a race or is counted.
+class BoardScenario : public Scenario, public Controller {
+public:
+    [[nodiscard]] std::string fault() final;
+    int next() noexcept final;
+    /// Body of all tasks; the context of their run is the scenario.
+    static void body(void* scenario, int task) noexcept { static_cast<BoardScenario*>(scenario)->run_task(task); }
+
+protected:
+    explicit BoardScenario(const BoardCase& what);
+    Run run_;
+    const BoardCase& what_;
+
+private:
+    [[nodiscard]] int controller() const { return static_cast<int>(what_.before.size()); }
+    [[nodiscard]] int cycle() const { return what_.cycles[static_cast<std::size_t>(epoch_ - 1)]; }
+    void run_task(int task) noexcept;
+
+    std::size_t left_;
+    std::vector<long> epochs_;  ///< [task] in which it ran last
+    long epoch_ = 1;
+    bool over_ = false;
+    const char* wrong_ = "";
+};
+
+template <class Board>
+class ScenarioOf final : public BoardScenario {
+public:
+    ScenarioOf(const BoardCase& what, int workers) : BoardScenario(what), board_(run_, {.threads = workers}, what.cycles.front()) {}
+    void work(int worker) noexcept override { board_.work(worker); }
+
+private:
+    Board board_;
+};
+
+/// All interleavings of a case on a board. The last `missing` of the `options.workers` workers that the board expects never come.
+template <class Board>
+[[nodiscard]] Interleavings::Outcome explore(const BoardCase& what, Interleavings::Options options, int missing = 0) {
+    const int expected = options.workers;
+    options.workers -= missing;
+    return Interleavings::explore(options, [&] { return std::make_unique<ScenarioOf<Board>>(what, expected); });
+}
+
+int BoardCase::add(int cycle, const std::vector<int>& predecessors) {
+    const int task = graph.add({"t" + std::to_string(graph.size()), cycle, BoardScenario::body, graph.size(), {}});
+    for (const int each : predecessors) graph.order(each, task);
+    before.push_back(predecessors);
+    return task;
+}
+
+BoardCase layers(const std::vector<int>& widths, std::size_t times) {
+    BoardCase result{"layers", std::vector<int>(times, 0)};
+    std::vector<int> before;
+    for (const int width : widths) {
+        result.name += " " + std::to_string(width);
+        std::vector<int> level;
+        for (int i = 0; i < width; ++i) level.push_back(result.add(0, before));
+        before = level;
+    }
+    result.name += ", " + std::to_string(times) + " times";
+    result.graph.freeze();
+    return result;
+}
+
+BoardCase turns() {
+    BoardCase result{"turns", {1, 0}};
+    result.add(0, {});
+    const int one = result.add(1, {}), other = result.add(1, {});
+    result.add(1, {one, other});
+    result.graph.freeze();
+    return result;
+}
+
+BoardScenario::BoardScenario(const BoardCase& what)
+    : run_(what.graph, this, *this, nullptr), what_(what), left_(what.cycles.size() - 1), epochs_(what.before.size()) {
+    for (std::size_t cell = 0; cell <= what.before.size(); ++cell) static_cast<void>(Interleavings::memory().add_cell());
+}
+
+std::string BoardScenario::fault() {
+    const std::string wrong = wrong_;
+    return wrong.empty() && !over_ ? "cycles are missing:" : wrong;
+}
+
+int BoardScenario::next() noexcept {
+    for (const int task : what_.graph.topological(cycle())) {
+        Interleavings::memory().touch(task, false);
+        if (epochs_[static_cast<std::size_t>(task)] != epoch_) wrong_ = "the controller was asked before all tasks had run:";
+    }
+    Interleavings::memory().touch(controller(), true);
+    if (over_) wrong_ = "the controller was asked after it had said stop:";
+    over_ = left_ == 0;
+    if (over_) return stop;
+    --left_, ++epoch_;
+    return cycle();
+}
+
+void BoardScenario::run_task(int task) noexcept {
+    Interleavings::memory().touch(controller(), false);
+    if (what_.graph.task(task).cycle != cycle()) wrong_ = "a task of another cycle ran:";
+    for (const int before : what_.before[static_cast<std::size_t>(task)]) {
+        Interleavings::memory().touch(before, false);
+        if (epochs_[static_cast<std::size_t>(before)] != epoch_) wrong_ = "a task ran before its predecessor:";
+    }
+    Interleavings::memory().touch(task, true);
+    long& epoch = epochs_[static_cast<std::size_t>(task)];
+    if (epoch == epoch_) wrong_ = "a task ran twice:";
+    epoch = epoch_;
+}
+
+}  // namespace cvtflow::engine::test
 
 namespace cvtflow::engine {
 namespace {

@@ -4,6 +4,7 @@
 #include <hdf5.h>
 #include <sys/resource.h>
 #include <unistd.h>
+
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -15,11 +16,11 @@
 
 #include "engine/record/run/run_file.hpp"
 #include "engine/record/run/run_reader.hpp"
+#include "engine/record/run/schema.hpp"
 #include "tests/engine/allocation_fixture.hpp"
 #include "tests/engine/record/record_fixture.hpp"
 
 namespace cvtflow::engine {
-
 namespace {
 
 namespace fs = std::filesystem;
@@ -408,6 +409,16 @@ TEST_F(RunWriterTest, SurvivesAnErrorInsideHdf5AndKeepsWhatWasSaved) {
     EXPECT_EQ(check_example(path("out.h5.part")), 1000U);
 }
 
-}  // namespace
+TEST(Schema, MakesAttributesOfProvenance) {
+    const Provenance here = current_provenance();
+    const auto attributes = attributes_of(here);
+    EXPECT_THAT(attributes, testing::Contains(Attribute{"commit", here.commit}));
+    EXPECT_THAT(attributes, testing::Contains(Attribute{"cores", std::int64_t{here.cores}}));
+    const auto is_version = [](const Attribute& each) { return each.name == "hdf5_version"; };
+    const auto version = std::find_if(attributes.begin(), attributes.end(), is_version);
+    ASSERT_NE(version, attributes.end());
+    EXPECT_THAT(std::get<std::string>(version->value), testing::MatchesRegex("[0-9]+\\.[0-9]+\\.[0-9]+"));
+}
 
+}  // namespace
 }  // namespace cvtflow::engine

@@ -5,11 +5,11 @@
 #include <cmath>
 
 #include "bench/method/implicit/catalogue.hpp"
-#include "bench/study/tradeoff/relative_error.hpp"
-#include "settled_fixture.hpp"
+#include "bench/study/tradeoff/error_measure.hpp"
+#include "jacobian_fixture.hpp"
 #include "tests/claims/method_trial_fixture.hpp"
 #include "tests/engine/allocation_fixture.hpp"
-#include "tests/engine/graph/race_check_fixture.hpp"
+#include "tests/engine/graph/graph_fixture.hpp"
 
 namespace cvtflow::bench {
 namespace {
@@ -17,7 +17,7 @@ namespace {
 using testing::HasSubstr;
 
 /// The tiny scene from its geometric start, settled by the method itself for so short that tips come and go.
-Scene brief_scene(const std::string& method, const std::vector<std::string>& extra = {}) {
+Scene implicit_scene(const std::string& method, const std::vector<std::string>& extra = {}) {
     Scene scene = read_scene(CVTFLOW_SOURCE_DIR "/scenes/tiny.toml");
     std::vector<std::string> values{"start.settling_time=8us", "start.ramp_time=4us", "run.step=1us", "run.output_interval=4us",
                                     "run.method=" + method};
@@ -62,7 +62,7 @@ TEST(ImplicitMethods, AreStableWhereExplicitOnesAreNot) {
 class EveryImplicitMethod : public testing::TestWithParam<std::string> {
 protected:
     static std::uint64_t hash(const Schedule& schedule) {
-        Simulation simulation(brief_scene(GetParam()), schedule);
+        Simulation simulation(implicit_scene(GetParam()), schedule);
         SilentObserver silent;
         const engine::Cancellation never;
         EXPECT_FALSE(simulation.advance({.until = 0.0}, silent, never)) << schedule.text();
@@ -81,7 +81,7 @@ TEST_P(EveryImplicitMethod, HasOneResultForEverySchedule) {
 }
 
 TEST_P(EveryImplicitMethod, DeclaresAGraphWithoutRaces) {
-    const Scene scene = brief_scene(GetParam());
+    const Scene scene = implicit_scene(GetParam());
     for (const int segments : {1, 5, 24}) {
         for (const Assembly assembly : {Assembly::fused, Assembly::staged}) {
             const Simulation simulation(scene, {"serial", {assembly}, segments, 1});
@@ -106,7 +106,7 @@ private:
 
 TEST_P(EveryImplicitMethod, AllocatesNothingInTheStepLoop) {
     if (engine::test::allocation_count() < 0) GTEST_SKIP() << "a sanitizer owns malloc";
-    Simulation simulation(brief_scene(GetParam()), Schedule{});
+    Simulation simulation(implicit_scene(GetParam()), Schedule{});
     Allocations counter;
     const engine::Cancellation never;
     ASSERT_FALSE(simulation.advance({.until = 0.0}, counter, never));
@@ -129,7 +129,7 @@ TEST(ImplicitMethods, RunAFreeRingAndRigidPulleysToo) {
     for (const char* method : {"trapezoidal-analytic", "trapezoidal-schubert", "ros34pw2"}) {
         Scene ring = read_scene(CVTFLOW_SOURCE_DIR "/scenes/free_ring.toml");
         set_values(ring, std::vector<std::string>{std::string("run.method=") + method, "run.step=1us", "run.output_interval=4us"});
-        for (const Scene& scene : {ring, brief_scene(method, {"detail.pulleys=rigid", "detail.order=0"})}) {
+        for (const Scene& scene : {ring, implicit_scene(method, {"detail.pulleys=rigid", "detail.order=0"})}) {
             Simulation simulation(scene, Schedule{});
             SilentObserver silent;
             const engine::Cancellation never;

@@ -6,8 +6,6 @@
 #include <random>
 #include <vector>
 
-#include "bench/method/linear/dense.hpp"
-
 namespace cvtflow::bench {
 namespace {
 

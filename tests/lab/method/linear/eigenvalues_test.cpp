@@ -5,8 +5,6 @@
 #include <cmath>
 #include <random>
 
-#include "bench/method/linear/arnoldi.hpp"
-
 namespace cvtflow::bench {
 namespace {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <set>
 
-#include "bench/study/extremes/judge.hpp"
+#include "bench/study/extremes/extremes.hpp"
 #include "model/observe/observation.hpp"
 #include "tests/sample_fixture.hpp"
 

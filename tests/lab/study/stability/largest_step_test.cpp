@@ -1,23 +1,31 @@
-/// Predicted and measured largest stable steps. As a command: cvtflow-lab stability leapfrog-rkc … --scene baseline
+/// Predicted and measured largest stable steps, of eigenvalues and of a frozen state. As a command: cvtflow-lab stability leapfrog-rkc …
+/// --scene baseline
 
-#include "bench/method/laboratory_methods.hpp"
-#include "bench/method/stability/predicted_step.hpp"
-#include "bench/method/stability/step_search.hpp"
-#include "bench/study/stability/measured_step.hpp"
-#include "tasks/run/simulation.hpp"
-
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "bench/method/analysis/order.hpp"
+#include "bench/method/analysis/stability.hpp"
 #include "bench/method/implicit/catalogue.hpp"
+#include "bench/method/laboratory_methods.hpp"
+#include "bench/method/linear/eigenvalues.hpp"
+#include "bench/method/stability/predicted_step.hpp"
 #include "bench/study/run_watch.hpp"
+#include "bench/study/spectrum.hpp"
+#include "bench/study/stability/frozen_step.hpp"
+#include "bench/study/stability/stable_step.hpp"
+#include "engine/method/catalogue.hpp"
 #include "tasks/method/method.hpp"
 #include "tasks/run/run.hpp"
-#include "tests/tasks/settled_tiny_fixture.hpp"
+#include "tasks/run/simulation.hpp"
+#include "tests/tasks/tiny_fixture.hpp"
 #include "tests/temporary_file_fixture.hpp"
 
 namespace cvtflow::bench {
@@ -25,7 +33,11 @@ namespace cvtflow::bench {
 using namespace tasks;
 using tasks::test::settled_tiny;
 
+using namespace tasks;
+
 namespace {
+
+using Values = std::vector<std::complex<double>>;
 
 /// A scene and its state, linearised.
 struct Place {
@@ -149,6 +161,126 @@ TEST(NightlyLargestStep, IsMeasuredAsPredictedForAllMethodsOnTheSmallestScene) {
     settle_scene(tiny, file, {});
     set_values(tiny, std::vector<std::string>{"start.state=" + file});
     expect_all(Place(tiny));
+}
+
+TEST(StableStep, IsTheReachOfTheRegionOverASingleEigenvalue) {
+    for (const char* name : {"rk4", "heun", "dopri54", "dumka3-p3", "dumka3-p5", "rkc-s10"}) {
+        const engine::StagePlan& plan = *engine::find_method(name);
+        // The growth that is tolerated makes it a little longer; |R| rises by much more than 1e-4 per 0.1 %.
+        const StableStep real = largest_stable_step(plan, Values{-1e7});
+        EXPECT_NEAR(real.step * 1e7 / bench::real_stability(plan), 1.0, 1e-3) << name;
+        EXPECT_EQ(real.limiting, std::complex<double>(-1e7));
+    }
+    const StableStep spring = largest_stable_step(*engine::find_method("rk4"), Values{{0.0, -1e6}, {0.0, 1e6}});
+    EXPECT_NEAR(spring.step * 1e6, std::sqrt(8.0), 1e-3);
+    EXPECT_EQ(spring.limiting, std::complex<double>(0.0, 1e6));
+}
+
+TEST(StableStep, IsLimitedByTheEigenvalueThatLeavesFirst) {
+    // rk4 reaches 2.785 on the real axis and 2.828 on the imaginary one.
+    const StableStep decay = largest_stable_step(*engine::find_method("rk4"), Values{-1e6, {0.0, 0.9e6}, {0.0, -0.9e6}, -5e5, 0.0});
+    EXPECT_EQ(decay.limiting, std::complex<double>(-1e6));
+    const StableStep spring = largest_stable_step(*engine::find_method("rk4"), Values{-1e6, {0.0, 1.1e6}, {0.0, -1.1e6}});
+    EXPECT_EQ(spring.limiting, std::complex<double>(0.0, 1.1e6));
+}
+
+TEST(StableStep, OfEulersMethodOnADampedOscillationIsTwiceDampingOverSquare) {
+    // |1 + h λ| ≤ 1 for h ≤ -2 Re λ/|λ|²; frequencies so low that 100 1/s of growth would be tolerated at much longer steps are not tested.
+    const std::complex<double> value(-2e4, 1e6);
+    const double step = largest_stable_step(*engine::find_method("euler"), Values{value}).step;
+    EXPECT_NEAR(step / (2.0 * 2e4 / std::norm(value)), 1.0, 0.01);
+}
+
+TEST(StableStep, ForgivesWhatGrowsByItself) {
+    const engine::StagePlan& rk4 = *engine::find_method("rk4");
+    EXPECT_NEAR(largest_stable_step(rk4, Values{-1e6, 5e3}).step, largest_stable_step(rk4, Values{-1e6}).step, 1e-12);
+}
+
+TEST(StableStep, WithoutEigenvaluesIsNotDefined) {
+    EXPECT_THROW((void)largest_stable_step(*engine::find_method("rk4"), Values{}), std::invalid_argument);
+    EXPECT_THROW((void)largest_stable_step(*engine::find_method("rk4"), Values{0.0}), std::invalid_argument);
+}
+
+TEST(StableStep, StabilityFunctionReadyForManyCallsIsTheSame) {
+    const engine::StagePlan& plan = *engine::find_method("dumka3-p4");
+    const auto factor = stability_function(plan);
+    for (const std::complex<double> z : {std::complex<double>(-100.0), {-3.0, 2.0}, {0.0, 1.0}})
+        EXPECT_EQ(factor(z), stability_function(plan, z));
+}
+
+TEST(FrozenStep, ErrorsOfOneStepGrowWithOrderPlusOne) {
+    const model::Variator variator(brief_scene().parameters);
+    const std::vector<double> steps{160e-9, 80e-9};
+    for (const engine::StagePlan& plan : engine::methods()) {
+        // Beyond order 4 a step of 80 ns is exact to rounding; stabilised methods are for longer steps.
+        if (plan.stages.size() > 8 || bench::order_of(plan) > 4) continue;
+        const std::vector<LocalError> errors = local_errors(variator, plan, brief_start(), steps);
+        const double slope = std::log2(errors[0].velocities / errors[1].velocities);
+        EXPECT_NEAR(slope, bench::order_of(plan) + 1, 0.35) << plan.name;
+    }
+}
+
+TEST(FrozenStep, TheReferenceAgreesWithItself) {
+    const model::Variator variator(brief_scene().parameters);
+    const std::vector<double> steps{12.5e-9};  // the reference takes one step, too
+    const LocalError none = local_errors(variator, *engine::find_method("rk4"), brief_start(), steps, 1).front();
+    EXPECT_EQ(none.positions, 0.0);
+    EXPECT_EQ(none.velocities, 0.0);
+    EXPECT_EQ(none.axial_force, 0.0);
+    EXPECT_EQ(none.tension, 0.0);
+}
+
+TEST(FrozenStep, ManyStepsAreAsManySingleOnes) {
+    const model::Variator variator(brief_scene().parameters);
+    FrozenStepper stepper(variator, *engine::find_method("heun"), brief_start().phases);
+    std::vector<double> at_once = brief_start().state, one_by_one = brief_start().state;
+    stepper.advance(0.0, 20e-9, 3, at_once);
+    for (int number = 0; number < 3; ++number) stepper.advance(number * 20e-9, 20e-9, 1, one_by_one);
+    EXPECT_EQ(at_once, one_by_one);
+}
+
+TEST(FrozenStep, BeginsWithTheProbedPhases) {
+    Scene ring = read_scene(CVTFLOW_SOURCE_DIR "/scenes/free_ring.toml");
+    const Simulation simulation(ring);
+    const FrozenStart free = frozen_start(simulation);
+    EXPECT_THAT(free.phases, testing::Each(model::Phase::free));
+    EXPECT_THAT(brief_start().phases, testing::Contains(model::Phase::touching));
+}
+
+TEST(MeasuredStep, IsWhatTheSpectrumPredictsWithinFivePercent) {
+    const model::Variator variator(brief_scene().parameters);
+    const FrozenStart& start = brief_start();
+    const bench::Eigenvalues all = spectrum(variator, start.time, start.state, start.phases);
+    double growth = 0.0;  // barely settled, something still buckles
+    for (const auto& value : all) growth = std::max(growth, value.real());
+    for (const char* name : {"rk4", "heun", "dumka3-p2"}) {
+        const engine::StagePlan& plan = *engine::find_method(name);
+        const double predicted = largest_stable_step(plan, all).step;
+        const MeasuredStep measured = measured_stable_step(variator, plan, start, predicted, growth);
+        EXPECT_NEAR(measured.limit() / predicted, 1.0, 0.05) << name;
+        EXPECT_LT(measured.stable, measured.unstable);
+        EXPECT_GT(measured.evaluations, 0);
+    }
+}
+
+TEST(MeasuredStep, ReportsWhenTheLimitIsNotWhereItIsExpected) {
+    const model::Variator variator(brief_scene().parameters);
+    const engine::StagePlan& rk4 = *engine::find_method("rk4");
+    const MeasuredStep beyond = measured_stable_step(variator, rk4, brief_start(), 1e-9);
+    EXPECT_EQ(beyond.unstable, 0.0);
+    EXPECT_DOUBLE_EQ(beyond.limit(), 1.6e-9);
+    const MeasuredStep below = measured_stable_step(variator, rk4, brief_start(), 1e-5);
+    EXPECT_EQ(below.stable, 0.0);
+}
+
+TEST(MeasuredStep, AHeldStateStandsStillUntilItIsDisturbed) {
+    const model::Variator variator(brief_scene().parameters);
+    const FrozenStart& start = brief_start();
+    FrozenStepper stepper(variator, *engine::find_method("rk4"), start.phases);
+    stepper.hold(start.time, start.state);
+    std::vector<double> state = start.state;
+    stepper.advance(start.time, 1e-8, 10, state);
+    EXPECT_EQ(state, start.state);
 }
 
 }  // namespace

@@ -1,9 +1,11 @@
 #include "bench/study/tradeoff/error_measure.hpp"
 
 #include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "tasks/run/run.hpp"
 #include "tests/temporary_file_fixture.hpp"
@@ -11,7 +13,10 @@
 namespace cvtflow::bench {
 
 using namespace tasks;
+
 namespace {
+
+using Numbers = std::vector<double>;
 
 Trajectory two_outputs(double tension) {
     Trajectory trajectory;
@@ -138,6 +143,23 @@ TEST(Trajectory, APinEntersWhereATipOfTheDrivingSideComesToTouch) {
     ASSERT_TRUE(first_entry(run, parameters));
     EXPECT_EQ(first_entry(run, parameters)->pin, 2);
     EXPECT_EQ(first_entry(run, parameters)->time, 3e-6);
+}
+
+TEST(RelativeError, IsTheDistanceOverTheLengthOfTheReference) {
+    EXPECT_DOUBLE_EQ(relative_error(Numbers{3.0, 4.5}, Numbers{3.0, 4.0}), 0.1);
+    RelativeError error;
+    error.add(Numbers{3.0}, Numbers{3.0});
+    RelativeError rest;
+    rest.add(Numbers{4.5}, Numbers{4.0});
+    error.add(rest);
+    EXPECT_DOUBLE_EQ(error.value(), 0.1);
+}
+
+TEST(RelativeError, IsInfiniteForAZeroReferenceAndNumbersThatAreNotFinite) {
+    EXPECT_EQ(relative_error(Numbers{0.0, 0.0}, Numbers{0.0, 0.0}), 0.0);
+    EXPECT_EQ(relative_error(Numbers{1.0}, Numbers{0.0}), INFINITY);
+    EXPECT_EQ(relative_error(Numbers{NAN}, Numbers{1.0}), INFINITY);
+    EXPECT_EQ(relative_error(Numbers{1.0}, Numbers{NAN}), INFINITY);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -11,6 +12,10 @@
 
 #include "engine/executor/serial.hpp"
 #include "engine/method/catalogue.hpp"
+#include "tasks/scene/parameter_table.hpp"
+#include "tasks/step/control/energy_ledger.hpp"
+#include "tasks/step/control/step_control.hpp"
+#include "tasks/step/control/step_grid.hpp"
 #include "tests/claims/rig_fixture.hpp"
 #include "tests/tasks/tiny_fixture.hpp"
 
@@ -257,6 +262,179 @@ TEST(StepControllerObserver, WhatItThrowsEndsTheRunAndComesOut) {
         EXPECT_LT(rig.time(), settling_begin + 1e-3);
         expect_good_state(rig);
     }
+}
+
+TEST(ErrorScale, MeasuresCoordinatesInMicrometresAndVelocitiesInSaturationSpeeds) {
+    const ErrorScale scale{1e-6, 2e-3};
+    const std::array<double, 4> errors{3e-6, 0.0, 0.0, 8e-3};  // q, q, v, v
+    EXPECT_DOUBLE_EQ(scale.norm(errors.data(), 2), std::sqrt((9.0 + 16.0) / 4.0));
+}
+
+TEST(StepSizeControl, BeginsWithTheLongestStepAndNeverExceedsIt) {
+    StepSizeControl control(1e-6, 3);
+    EXPECT_EQ(control.proposal(), 1e-6);
+    EXPECT_TRUE(control.judge(1e-9, 1e-6));
+    EXPECT_EQ(control.proposal(), 1e-6);
+}
+
+TEST(StepSizeControl, RejectsTooLargeErrorsAndWhatIsNoNumber) {
+    for (const double error : {1.0001, 1e30, std::numeric_limits<double>::infinity(), std::nan("")}) {
+        StepSizeControl control(1e-6, 3);
+        EXPECT_FALSE(control.judge(error, 1e-6)) << error;
+        EXPECT_LT(control.proposal(), 0.91e-6) << error;
+        EXPECT_GE(control.proposal(), 0.99e-7) << error;
+    }
+}
+
+/// error = (step/h1)^power: the steps settle where the error is a little below 1, whatever they begin with.
+TEST(StepSizeControl, FindsTheStepThatTheToleranceAllows) {
+    for (const int power : {2, 3, 5, 8}) {
+        StepSizeControl control(1e-3, power);
+        double step = control.proposal();
+        for (int i = 0; i < 100; ++i) {
+            (void)control.judge(std::pow(step / 1e-6, power), step);
+            step = control.proposal();
+        }
+        EXPECT_LT(step, 1e-6) << power;
+        EXPECT_GT(step, 0.5e-6) << power;
+    }
+}
+
+TEST(StepSizeControl, AStepShortenedForAnOutputDoesNotShortenTheNext) {
+    StepSizeControl control(1e-6, 3);
+    EXPECT_TRUE(control.judge(1e-8, 1e-9));
+    EXPECT_EQ(control.proposal(), 1e-6);
+}
+
+TEST(StepSizeControl, DoesNotGrowRightAfterARejection) {
+    StepSizeControl control(1e-6, 3);
+    EXPECT_FALSE(control.judge(8.0, 1e-6));
+    const double shorter = control.proposal();
+    EXPECT_TRUE(control.judge(1e-3, shorter));
+    EXPECT_LE(control.proposal(), shorter);
+    EXPECT_TRUE(control.judge(1e-3, shorter));
+    EXPECT_GT(control.proposal(), shorter);
+}
+
+constexpr double point = 1e-3;  // [s]
+
+/// First point after 0 in any mode of drive, load, hydraulics and control. scene [with the table]
+[[nodiscard]] double first_point_in_some_mode(Scene scene) {
+    model::Parameters& p = scene.parameters;
+    double first = 1.0;
+    for (int mode = 0; mode < 36; ++mode) {
+        p.drive.mode = mode % 2 == 0 ? model::DriveMode::torque : model::DriveMode::speed;
+        p.load.mode = mode / 2 % 3 == 0 ? model::LoadMode::torque : mode / 2 % 3 == 1 ? model::LoadMode::speed : model::LoadMode::coupling;
+        p.hydraulics.mode = static_cast<model::HydraulicMode>(mode / 6 % 3);
+        p.control.enabled = mode / 18 == 1;
+        first = std::min(first, next_input_point(p, model::HeldInputs{}, 0.0));
+    }
+    return first;
+}
+
+TEST(InputPoints, OfEveryTableOverTimeAreSeen) {
+    int tables = 0;
+    for (const Parameter& parameter : parameter_table()) {
+        if (parameter.kind() != Kind::time_table) continue;
+        if (parameter.section() == "vehicle" || parameter.section() == "cycle") continue;  // other tables follow from them
+        ++tables;
+        Scene scene = ready_tiny();
+        ASSERT_EQ(first_point_in_some_mode(scene), 1.0) << "tiny has constant inputs";
+        model::TimeTable& table = *std::get<model::TimeTable*>(parameter.member(scene));
+        table.time = {0.0, point};
+        table.value = {1.0, 2.0};
+        EXPECT_EQ(first_point_in_some_mode(scene), point) << parameter.key;
+    }
+    EXPECT_GE(tables, 10);
+}
+
+/// Samples of a chain that dissipates `power` [W] and whose energy changes at `rate` [W], for 4 ms.
+EnergyLedger sampled(double power, double rate) {
+    EnergyLedger ledger;
+    ledger.restart(1);
+    for (int k = 0; k <= 400; ++k) {
+        model::Account links;
+        links.lose(model::Loss::tip_friction, power);
+        links.store(model::Energy::plates, 1.0 + rate * 1e-5 * k);
+        ledger.sample(1e-5 * k, links, {}, 7e-4);
+    }
+    return ledger;
+}
+
+TEST(EnergyLedger, ClosesWhereWhatIsLostWasStored) {
+    const EnergyLedger honest = sampled(300.0, -300.0);
+    EXPECT_NEAR(honest.balance().loss, 300.0 * 4e-3, 1e-12);
+    EXPECT_NEAR(honest.balance().residual(), 0.0, 1e-12);
+    EXPECT_LE(honest.balance_error_ratio(), 1.0);
+}
+
+/// A memory as long as ours, of a program whose fields were others.
+TEST(EnergyLedger, RefusesAMemoryOfAnotherLayout) {
+    std::vector<double> memory;
+    sampled(300.0, -300.0).save(memory);
+    EnergyLedger same, other;
+    same.load(memory, 1);
+    EXPECT_EQ(same.balance().loss, sampled(300.0, -300.0).balance().loss);
+    std::vector<double> again;
+    same.save(again);
+    EXPECT_EQ(again, memory);
+    ++memory.front();
+    EXPECT_THROW(other.load(memory, 1), std::invalid_argument);
+    memory.erase(memory.begin());
+    EXPECT_THROW(other.load(memory, 1), std::invalid_argument) << "of programs before layouts";
+}
+
+TEST(EnergyLedger, CallsEnergyFromNowhereUnreliable) {
+    const EnergyLedger wrong = sampled(300.0, -297.0);  // a hundredth of what is lost comes from nowhere: ten times the tolerance
+    EXPECT_NEAR(wrong.balance().relative(), 0.01, 1e-9);
+    EXPECT_GT(wrong.balance_error_ratio(), 5.0);
+}
+
+/// Powers that grow and turn over from sample to sample, as where a step is too long for damping: as much noise as power, and nothing
+/// was stored.
+TEST(EnergyLedger, NoiseThatARunMakesByItselfExcusesNothing) {
+    EnergyLedger ledger;
+    ledger.restart(1);
+    for (int k = 0; k <= 40; ++k) {
+        model::Account links;
+        links.lose(model::Loss::tip_friction, k % 2 == 0 ? std::ldexp(1e-6, k) : 0.0);
+        links.store(model::Energy::plates, 1.0);
+        ledger.sample(1e-5 * k, links, {}, 7e-4);
+    }
+    EXPECT_GT(6.0 * ledger.balance().deviation, ledger.balance().loss) << "noise alone would explain it";
+    EXPECT_NEAR(ledger.balance().relative(), 1.0, 1e-12);
+    EXPECT_GT(ledger.balance_error_ratio(), 1.0);
+}
+
+/// A start that does not fit: what it dissipates at once is as noisy as it is large.
+TEST(EnergyLedger, NoiseExcusesNoMoreThanAHundredthOfTheLossesWhereThereAreInputs) {
+    EnergyBalance balance{.span = 20e-3, .change = -100.0, .loss = 101.1, .stored = 100.0, .deviation = 50.0, .samples = 500.0};
+    EXPECT_LT(balance.balance_error_ratio(), 1.0) << "a ring: nothing comes in";
+    balance.energy_in = 600.0;
+    EXPECT_GT(balance.balance_error_ratio(), 1.0);
+    balance.loss = 100.6;  // no right run exceeded 0.0063
+    EXPECT_LT(balance.balance_error_ratio(), 1.0);
+}
+
+TEST(EnergyLedger, ContinuesFromItsMemoryBitByBit) {
+    const EnergyLedger before = sampled(300.0, -297.0);
+    std::vector<double> memory, again;
+    before.save(memory);
+    EnergyLedger after;
+    after.load(memory, 1);
+    after.save(again);
+    EXPECT_EQ(memory, again);
+    EXPECT_EQ(after.balance_error_ratio(), before.balance_error_ratio());
+    memory.pop_back();
+    EXPECT_THROW(after.load(memory, 1), std::invalid_argument);
+}
+
+TEST(EnergySums, EfficiencyIsOneLessLossesOverWhatTheInputsBrought) {
+    EnergySums before, after;
+    after.loss[0] = 2.0;
+    after.work = {100.0, -98.0, 0.0};  // drive brings, load takes
+    EXPECT_DOUBLE_EQ(after.efficiency_since(before), 0.98);
+    EXPECT_TRUE(std::isnan(before.efficiency_since(before))) << "without input there is none";
 }
 
 }  // namespace

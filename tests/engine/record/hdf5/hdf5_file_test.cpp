@@ -1,0 +1,138 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <new>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include "engine/record/hdf5/file_seal.hpp"
+#include "engine/record/hdf5/hdf5_open.hpp"
+#include "engine/record/run/run_reader.hpp"
+#include "tests/engine/record/record_fixture.hpp"
+
+namespace cvtflow::engine {
+namespace {
+
+using FileSealTest = RecordTest;
+
+TEST_F(FileSealTest, BreaksWithEveryBit) {
+    const std::string name = path("sealed");
+    const std::string text = "some bytes, some more, and a seal behind them";
+    std::ofstream(name) << text;
+    seal_anew(name);
+    ASSERT_EQ(inspect_seal(InputFile(name)), Seal::whole);
+    const std::string good = read_text_file(name);
+    ASSERT_EQ(good.size(), text.size() + seal_size);
+    for (std::size_t bit = 0; bit < 8 * good.size(); ++bit) {
+        std::string bad = good;
+        bad[bit / 8] = static_cast<char>(bad[bit / 8] ^ (1 << (bit % 8)));
+        std::ofstream(name) << bad;
+        EXPECT_EQ(inspect_seal(InputFile(name)), bit / 8 < text.size() ? Seal::broken : Seal::none) << bit;
+    }
+    for (std::size_t size = 0; size < good.size(); ++size) {
+        std::ofstream(name) << good.substr(0, size);
+        EXPECT_EQ(inspect_seal(InputFile(name)), Seal::none);
+    }
+    std::ofstream(name) << text.substr(1) << good.substr(text.size());
+    EXPECT_EQ(inspect_seal(InputFile(name)), Seal::broken);
+}
+
+TEST_F(FileSealTest, IsOnFinishedRecordsAndOnInterruptedOnes) {
+    {
+        RunFile file(path("out.h5"), example_contents());
+        append_example(file, 0);
+        file.flush();
+        EXPECT_FALSE(RunReader(path("out.h5.part")).sealed());  // being written
+        file.close();
+    }
+    EXPECT_TRUE(RunReader(path("out.h5")).sealed());
+    { RunFile file(path("cut.h5"), example_contents()); }
+    EXPECT_TRUE(RunReader(path("cut.h5.part")).sealed());
+    without_seal(path("out.h5"));
+    EXPECT_FALSE(RunReader(path("out.h5")).sealed());
+    EXPECT_EQ(RunReader(path("out.h5")).rows(), 1U);  // readable all the same: what h5py or h5repack made of a record has none
+}
+
+TEST_F(FileSealTest, KeepsABrokenRecordFromTheLibrary) {
+    {
+        RunFile file(path("out.h5"), example_contents());
+        file.close();
+    }
+    std::string bytes = read_text_file(path("out.h5"));
+    bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
+    std::ofstream(path("out.h5")) << bytes;
+    EXPECT_EQ(error_of([&] { RunReader reader(path("out.h5")); }),
+              path("out.h5") + ": damaged HDF5 file (changed after it was finished: its checksum differs)");
+}
+
+}  // namespace
+}  // namespace cvtflow::engine
+
+namespace cvtflow::engine::hdf5 {
+namespace {
+
+using Hdf5TrialTest = RecordTest;
+
+TEST(Hdf5Checksum, IsJenkinsLookup3) {
+    const auto sum = [](std::string_view text) { return metadata_checksum(std::as_bytes(std::span(text))); };
+    EXPECT_EQ(sum(""), 0xdeadbeefU);  // values of its author's own self-test
+    EXPECT_EQ(sum("Four score and seven years ago"), 0x17770551U);
+}
+
+std::string result(const std::function<void()>& inspection) {
+    try {
+        inspect_in_child(inspection);
+    } catch (const Failure& failure) {
+        return failure.what();
+    }
+    return "survived";
+}
+
+/// In a child, since trials cannot be disabled again. @return results of all inspections, in one line
+std::string results(const std::string& file, const std::vector<std::function<void()>>& inspections, bool second_thread = false) {
+    EXPECT_EQ(wait_for(start_child([&] {
+                  try_files_first();
+                  std::jthread other([&](const std::stop_token& stop) {
+                      while (second_thread && !stop.stop_requested()) usleep(1000);
+                  });
+                  if (!second_thread) other.join();
+                  std::ofstream out(file);
+                  for (const auto& inspection : inspections) out << result(inspection) << "; ";
+                  out.flush();
+              })),
+              0);
+    return read_text_file(file);
+}
+
+TEST_F(Hdf5TrialTest, ReportsTheEndOfTheChild) {
+    const auto begun = std::chrono::steady_clock::now();
+    EXPECT_EQ(
+        results(path("out"), {[] {}, [] { throw std::runtime_error("for the parent to say"); }, [] { std::raise(SIGSEGV); },
+                              [] {
+                                  while (getpid() != 0) {}
+                              },
+                              [] { throw std::bad_alloc(); }}),
+        "survived; survived; HDF5 crashes on it; HDF5 needs more than 1 s of processor time for it; HDF5 needs more than 1 GiB for it; ");
+    EXPECT_GE(std::chrono::steady_clock::now() - begun, std::chrono::milliseconds(990));  // of processor time
+}
+
+/// As on a network drive, or after a laptop was suspended.
+TEST_F(Hdf5TrialTest, WaitsForStorageThatStalls) {
+    EXPECT_EQ(results(path("out"), {[] { usleep(5'500'000); }}), "survived; ");
+}
+
+TEST_F(Hdf5TrialTest, IsNotHeldBesideOtherThreads) {
+    EXPECT_EQ(results(path("out"), {[] { std::raise(SIGSEGV); }}, true), "survived; ");
+}
+
+TEST_F(Hdf5TrialTest, IsNotHeldUnlessAProgramAskedForIt) {
+    EXPECT_EQ(result([] { std::raise(SIGSEGV); }), "survived");
+}
+
+}  // namespace
+}  // namespace cvtflow::engine::hdf5

@@ -1,0 +1,166 @@
+/// The commands about time: profile, granularity, sweep-cost and run-cost (what a sweep and a run cost beside the bare loop of their
+/// steps).
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "bench/study/profile/other_load.hpp"
+#include "engine/base/provenance.hpp"
+#include "tests/tools/program_fixture.hpp"
+
+namespace cvtflow::bench {
+
+using namespace tools;
+
+namespace {
+
+using testing::AllOf;
+using testing::ContainsRegex;
+using testing::HasSubstr;
+
+class ProfileCommand : public Program {};
+class NightlyProfileCommand : public Program {};  // nine children
+
+TEST_F(ProfileCommand, MeasuresAndWritesItsFiles) {
+    const Outcome outcome = run({"profile",   "tiny",    "--schedules",  "serial:staged,flow:fused,flow:staged",
+                                 "--threads", "2",       "--steps",      "4",
+                                 "--rounds",  "1",       "--neighbours", "0,1",
+                                 "--predict", "--csv",   "p.csv",        "--json",
+                                 "p.json",    "--trace", "t.json",       "-q"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(outcome.err, "");
+    EXPECT_THAT(outcome.out, AllOf(HasSubstr("tiny: 4 schedules"), HasSubstr("\nflow:staged "), HasSubstr("\nStages by thread:"),
+                                   HasSubstr("\nBeside busy neighbours"), HasSubstr("\nWhere sequential time goes (serial:staged)"),
+                                   HasSubstr("\nCritical path")));
+    EXPECT_THAT(read("p.csv"), testing::StartsWith("scene,schedule,"));
+    EXPECT_EQ(nlohmann::json::parse(read("p.json"))["schedules"].size(), 4u);
+    EXPECT_GT(nlohmann::json::parse(read("t.json"))["traceEvents"].size(), 20u);
+}
+
+TEST_F(ProfileCommand, WritesThePublishedChartsAndCurvesAsTables) {
+    const Outcome outcome = run({"profile",   "tiny",    "--schedules",  "serial:staged,barrier:fused",
+                                 "--threads", "2",       "--steps",      "4",
+                                 "--rounds",  "1",       "--neighbours", "0",
+                                 "--stages",  "s.csv",   "--curves",     "c.csv",
+                                 "--wait",    "passive", "--pin",        "--predict",
+                                 "-q"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("\nPredicted and measured speed-ups"));
+    EXPECT_THAT(read("s.csv"), AllOf(testing::StartsWith("scene,schedule,threads,"), HasSubstr("serial:staged,1,1,0,\"Cholesky\"")));
+    EXPECT_THAT(read("c.csv"), testing::StartsWith("scene,threads,ideal,even,amdahl,critical_path,low,high,measured,"));
+}
+
+TEST_F(ProfileCommand, NamesTheStagesOfAMethodWithCyclesOfItsOwn) {
+    const Outcome outcome = run({"profile",      "tiny",
+                                 "--method",     "leapfrog-chebyshev",
+                                 "--schedules",  "serial:staged,flow:fused",
+                                 "--threads",    "2",
+                                 "--steps",      "4",
+                                 "--rounds",     "1",
+                                 "--neighbours", "0",
+                                 "--predict",    "--stages",
+                                 "s.csv",        "--json",
+                                 "p.json",       "-q"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out,
+                AllOf(HasSubstr(" record, F friction, I finish,"), HasSubstr("\nNo prediction: the model of the critical path has stages"),
+                      testing::Not(HasSubstr("Critical path"))));
+    EXPECT_THAT(read("s.csv"), HasSubstr("flow:fused,2,2,0,\"friction\""));
+}
+
+TEST_F(NightlyProfileCommand, StartsItselfAgainForEveryWaitPolicy) {
+    const Outcome outcome = run({"profile", "tiny", "--policies", "--schedules", "omp_region,barrier", "--threads", "2", "--steps", "2",
+                                 "--rounds", "1", "--neighbours", "0", "--csv", "p.csv", "--json", "p.json", "-q"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const auto policies = nlohmann::json::parse(read("p.json"))["policies"];
+    ASSERT_EQ(policies.size(), 9u);  // two for both, five for OpenMP, two for our own
+    EXPECT_EQ(policies[2]["policy"], "OMP_WAIT_POLICY=active");
+    EXPECT_EQ(policies[2]["profile"]["environment"]["OMP_WAIT_POLICY"], "active");
+    EXPECT_EQ(policies[2]["profile"]["schedules"].size(), 2u);  // serial and what the policy concerns
+    EXPECT_THAT(outcome.out, AllOf(HasSubstr("\nWait policies: "), HasSubstr("OMP_WAIT_POLICY=passive"), HasSubstr("--wait passive")));
+    EXPECT_THAT(read("p.csv"), HasSubstr(",\"passive\","));
+}
+
+TEST_F(ProfileCommand, LeavesTablesNumbersAndPicturesInAFolder) {
+    const Outcome outcome = run({"profile", "tiny", "--method", "rk4", "--schedules", "flow:fused", "--threads", "2", "--steps", "4",
+                                 "--rounds", "1", "--neighbours", "0,1", "--predict", "-o", "out", "-q"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    for (const char* name : {"profile.csv", "stages.csv", "curves.csv", "profile.json", "stages.svg", "loads.svg", "curves.svg"})
+        EXPECT_THAT(outcome.out, HasSubstr(std::string("out/") + name));
+    EXPECT_THAT(read("out/stages.svg"), AllOf(HasSubstr("all forces"), HasSubstr("controller"), HasSubstr("2 flow:fused, 2 threads")));
+    EXPECT_TRUE(nlohmann::json::parse(read("out/profile.json"))["processors"].contains("calibrated"));
+}
+
+/// Beside four threads per processor that only spin (no neighbours of its own, which a profile knows of), a calibration gets a fifth.
+TEST_F(ProfileCommand, PredictsNothingOnACrowdedMachine) {
+    const BusyNeighbours neighbours(4 * engine::usable_processors());
+    const Outcome outcome = run({"profile", "tiny", "--method", "rk4", "--schedules", "flow:fused", "--threads", "2", "--steps", "4",
+                                 "--rounds", "1", "--neighbours", "0", "--curves", "c.csv", "-o", "out", "-q"});
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_THAT(outcome.out, AllOf(HasSubstr("No prediction: calibration got 0."), HasSubstr("Other processes are busy"),
+                                   testing::Not(HasSubstr("Critical path")), testing::Not(HasSubstr("curves.svg"))));
+    EXPECT_THAT(outcome.err, HasSubstr("cvtflow-lab: c.csv: not written: no prediction: calibration got 0."));
+}
+
+TEST_F(ProfileCommand, ReportsWhatItDoesNotKnow) {
+    const Outcome outcome = run({"profile", "tiny", "--schedules", "flaw"});
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_THAT(outcome.err, HasSubstr("there is no executor 'flaw' (did you mean \"flow\"?)"));
+}
+
+class GranularityCommand : public Program {};
+
+TEST_F(GranularityCommand, ComparesExecutorsAndLeavesFiles) {
+    const Outcome outcome = run({"granularity", "--executors", "serial,barrier", "--threads", "2", "--tasks", "1,4", "--lengths", "20,1",
+                                 "--rounds", "1", "-o", "out", "-q"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(outcome.err, "");
+    EXPECT_THAT(outcome.out, AllOf(HasSubstr("METG(50 %) [us]"), HasSubstr("M = 1"), HasSubstr("M = 4"), HasSubstr("\n  barrier "),
+                                   HasSubstr("calibration got"), HasSubstr("oneTBB 20")));
+    const std::string csv = read("out/granularity.csv");
+    EXPECT_THAT(csv, testing::StartsWith("executor,threads,tasks,length_us,efficiency,"));
+    EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 2 * 2 * 2);
+    EXPECT_LT(csv.find("serial,1,1,1,"), csv.find("serial,1,1,20,")) << "lengths ascend";
+    const auto json = nlohmann::json::parse(read("out/granularity.json"));
+    EXPECT_EQ(json["curves"].size(), 4u);
+    for (const char* key : {"compiler", "flags", "runtimes", "cores", "commit"}) EXPECT_TRUE(json["provenance"].contains(key)) << key;
+    EXPECT_THAT(read("out/efficiency.svg"), AllOf(HasSubstr("1 task per level"), HasSubstr("4 tasks per level"), HasSubstr(">barrier<")));
+    EXPECT_THAT(read("out/granularity.svg"), HasSubstr("METG(50 %) [us]"));
+}
+
+TEST_F(GranularityCommand, ReportsWhatItDoesNotKnow) {
+    const Outcome unknown = run({"granularity", "--executors", "flaw"});
+    EXPECT_EQ(unknown.status, 1);
+    EXPECT_THAT(unknown.err, HasSubstr("there is no executor 'flaw' (did you mean \"flow\"?)"));
+    EXPECT_EQ(run({"granularity", "--lengths", "-1"}).status, 2);
+    EXPECT_EQ(run({"granularity", "--tasks", "0"}).status, 2);
+}
+
+class SweepCostCommand : public Program {};
+
+TEST_F(SweepCostCommand, ComparesTheSweepWithItsBareSteps) {
+    write("sweep.toml",
+          "[sweep]\nscene = \"tiny\"\n[set]\nrun.until = \"20 us\"\nstart.settling_time = \"10 us\"\nstart.ramp_time = \"5 us\"\n"
+          "[[axes]]\nkey = \"load.torque\"\nvalues = [5, 10]\n[outputs]\nscalars = [\"slip mean\"]\n");
+    const Outcome outcome = run({"sweep-cost", "sweep.toml", "--rounds", "1", "--threads", "2"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, AllOf(HasSubstr("sweep: 2 cases, "), HasSubstr("\n  bare step loop "), HasSubstr("\n  2 threads ")));
+    EXPECT_THAT(outcome.out, ContainsRegex("results hash +[0-9a-f]{16}\n"));
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "results")) << "it keeps no results";
+}
+
+class RunCostCommand : public Program {};
+
+TEST_F(RunCostCommand, ComparesOutputsAndARecordWithBareSteps) {
+    const Outcome outcome = run({"run-cost", "tiny", "--until", "20 us", "--rounds", "3", "--set", "run.output_interval=2us", "--set",
+                                 "start.settling_time=10us", "--set", "start.ramp_time=5us"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out,
+                AllOf(HasSubstr("tiny: outputs every 2 us, medians of 3 rounds\n"), ContainsRegex("\n  bare steps +[0-9.]+ *\n"),
+                      ContainsRegex("\n  observed( +[-+0-9.]+)( +[-+0-9.]+ %){3}\n"),
+                      ContainsRegex("\n  recorded( +[-+0-9.]+)( +[-+0-9.]+ %){3}\n")));
+    EXPECT_TRUE(std::filesystem::is_empty(folder_)) << "it keeps no record";
+}
+
+}  // namespace
+}  // namespace cvtflow::bench

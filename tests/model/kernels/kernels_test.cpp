@@ -1,0 +1,387 @@
+/// Kernels of every instruction set. Links and their tips side by side against those one by one, observed or not: a lane gives the same
+/// bits whatever its neighbours are. Friction in single precision: the same friction as in double precision but for rounding, and the same
+/// bits however it is computed. Links at a step's end, against a plain loop.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "model/contact/friction_operator.hpp"
+#include "model/kernels/available_isas.hpp"
+#include "model/kernels/kernels.hpp"
+#include "model/kernels/step_end.hpp"
+#include "model/variator/variator.hpp"
+#include "tests/oracle/oracle_cases.hpp"
+#include "tests/oracle/random_state.hpp"
+
+namespace cvtflow::model {
+namespace {
+
+/// Link by link: slopes, then the reactions of those that touch, as far as the pulleys read them.
+std::vector<double> outcome(const Variator& variator, const oracle::RandomState& random, int first, int last, bool observe) {
+    const ChainLayout& at = variator.layout();
+    EvaluationScratch scratch(at);
+    fill_window(variator, random.state.data(), scratch);
+    if (at.pulley_size != 0) variator.pulleys().motions(random.state.data() + at.pulley_begin(), scratch.sheaves);
+    const ChainRange range{first, last, scratch.window.data() + at.link_begin(first), scratch.sheaves, random.phases.data()};
+    std::vector<double> slopes(static_cast<std::size_t>(at.link_begin(last - first))), all;
+    if (observe) {
+        variator.chain().observed_slopes(range, slopes.data(), scratch.loads.data(), scratch.accounts.data());
+    } else {
+        variator.chain().slopes(range, slopes.data(), scratch.loads.data());
+    }
+    for (int link = first; link < last; ++link) {
+        const double* slope = slopes.data() + at.link_begin(link - first);
+        all.insert(all.end(), slope, slope + at.link_block());
+        const Phase* tips = random.phases.data() + tips_per_link * link;
+        if (tips[0] == Phase::free && tips[1] == Phase::free && tips[2] == Phase::free && tips[3] == Phase::free) continue;
+        const LinkLoad& load = scratch.loads[static_cast<std::size_t>(link - first)];
+        for (const auto& pair : {load.load.fz, load.load.mz}) all.insert(all.end(), pair, pair + 2);
+        if (at.pulley_size == 36) {  // rigid sheaves only turn and move along z: the others are not written unless observed
+            for (const auto& pair : {load.load.fx, load.load.fy, load.load.mx, load.load.my}) all.insert(all.end(), pair, pair + 2);
+        }
+        all.push_back(load.shaft);
+    }
+    return all;
+}
+
+std::vector<double> one_by_one(const Variator& variator, const oracle::RandomState& random, int first, int last) {
+    std::vector<double> all;
+    for (int link = first; link < last; ++link) {
+        const std::vector<double> one = outcome(variator, random, link, link + 1, true);
+        all.insert(all.end(), one.begin(), one.end());
+    }
+    return all;
+}
+
+void expect_lanes_equal_links(const Parameters& p, const std::string& name, std::uint64_t seed) {
+    const auto random = oracle::random_state(p, seed);
+    for (const Isa isa : usable_isas()) {
+        const Variator variator(p, isa);
+        const int links = variator.layout().links;
+        for (const auto& [first, last] : {std::pair{0, links}, {0, 1}, {links - 1, links}, {1, links - 2}, {3, 8}, {5, 13}, {2, 11}}) {
+            const std::vector<double> singles = one_by_one(variator, random, first, last);
+            for (const bool observe : {false, true}) {
+                const std::vector<double> side_by_side = outcome(variator, random, first, last, observe);
+                ASSERT_EQ(side_by_side.size(), singles.size());
+                EXPECT_EQ(std::memcmp(side_by_side.data(), singles.data(), singles.size() * sizeof(double)), 0)
+                    << name_of(isa) << ", links " << first << " to " << last << ", " << name << (observe ? ", observed" : "");
+            }
+        }
+    }
+}
+
+TEST(LanePass, LinksSideBySideGiveTheBitsOfLinksOneByOneAtEveryDetail) {
+    std::uint64_t seed = 500;
+    for (const oracle::Case& one : oracle::all_details(oracle::small_scene())) expect_lanes_equal_links(one.parameters, one.name, ++seed);
+}
+
+TEST(LanePass, SoTheyDoWithEveryFrictionLawAndManyPlates) {
+    for (const FrictionLaw law : {FrictionLaw::piecewise, FrictionLaw::smoothed}) {
+        for (const int plates : {1, 3, 14, 37}) {
+            Parameters p = oracle::small_scene();
+            p.detail.friction = law;
+            p.detail.stick_slip = law == FrictionLaw::piecewise;
+            p.plate.count = plates;
+            p.detail.joint_points = plates == 37 ? 16 : 5;
+            expect_lanes_equal_links(p, "plates " + std::to_string(plates), 77);
+        }
+    }
+}
+
+TEST(LaneProbe, GivesTheBitsOfOneLinkAtATimeForRangesOfAnyLength) {
+    for (const oracle::Case& one : oracle::all_details(oracle::small_scene())) {
+        const auto random = oracle::random_state(one.parameters, 91);
+        for (const Isa isa : usable_isas()) {
+            const Variator variator(one.parameters, isa);
+            const ChainLayout& at = variator.layout();
+            if (at.pulley_size == 0) continue;
+            SheaveMotion sheaves[4];
+            variator.pulleys().motions(random.state.data() + at.pulley_begin(), sheaves);
+            for (const bool slip : {false, true}) {
+                std::vector<TipProbe> expected(static_cast<std::size_t>(at.links));
+                for (int link = 0; link < at.links; ++link)
+                    variator.chain().probe(random.state.data() + at.link_begin(link), sheaves, slip,
+                                           expected[static_cast<std::size_t>(link)]);
+                for (const auto& [first, last] : {std::pair{0, at.links}, {1, 2}, {3, 8}, {2, at.links - 1}}) {
+                    std::vector<TipProbe> probes(static_cast<std::size_t>(last - first));
+                    variator.chain().probe_links(random.state.data() + at.link_begin(first), last - first, sheaves, slip, probes.data());
+                    EXPECT_EQ(std::memcmp(probes.data(), expected.data() + first, probes.size() * sizeof(TipProbe)), 0)
+                        << one.name << ", " << name_of(isa) << ", links " << first << " to " << last << ", slip " << slip;
+                }
+            }
+        }
+    }
+}
+
+/// A random state, and velocities as far from its own as those of a step's stages are.
+class SingleRig {
+public:
+    SingleRig(const Parameters& p, std::uint64_t seed, Isa isa = chosen_isa())
+        : parameters_(p),
+          random_(oracle::random_state(p, seed)),
+          variator_(p, isa),
+          scratch_(variator_.layout()),
+          start_(random_.state),
+          friction_(make_friction(variator_.chain(), p.detail.stick_slip)),
+          field_(variator_.chain()),
+          single_field_(variator_.chain()) {
+        fill_window(variator_, random_.state.data(), scratch_);
+        if (at().pulley_size != 0) variator_.pulleys().motions(random_.state.data() + at().pulley_begin(), scratch_.sheaves);
+        const int columns_wanted = at().links + 2 * at().halo();
+        for (Columns* columns : {&frictionless_, &velocity_, &slope_}) *columns = Columns(size(), columns_wanted);
+        for (auto* columns : {&single_push_, &single_velocity_, &single_slope_}) *columns = ColumnsOf<float>(size(), columns_wanted);
+        for (int link = 0; link < at().links; ++link) {
+            for (int row = 0; row < size(); ++row) {
+                double& v = start_[static_cast<std::size_t>(at().link_begin(link) + size() + row)];
+                v += 1e-3 * std::sin(1.0 + row + 2.4 * link) * std::abs(v);
+            }
+        }
+    }
+
+    void in_double() {
+        friction_.record(range(0, at().links), {}, field_, frictionless_, scratch_.loads.data());
+        for (int link = -at().halo(); link < at().links + at().halo(); ++link) {
+            const double* v = start_.data() + at().link_begin(at().wrapped(link)) + size();
+            for (int row = 0; row < size(); ++row) *velocity_.at(row, link + 1) = v[row];
+        }
+        std::vector<double> memory(static_cast<std::size_t>(friction_.scratch_size(at().links)));
+        friction_.slopes(field_, {0, at().links, velocity_.at(0, 0), velocity_.stride(), memory.data(), random_.phases.data(), 0.25},
+                         {nullptr, &slope_});
+    }
+    /// @param length of ranges
+    void in_single(int length) {
+        for (int first = 0; first < at().links; first += length) {
+            const SinglePrecisionRecord start{start_.data() + at().link_begin(first), single_field_, single_push_, single_velocity_};
+            friction_.record(range(first, std::min(first + length, at().links)), {}, start, scratch_.loads.data() + first);
+        }
+        for (int row = 0; row < size(); ++row) {
+            for (int ghost = 0; ghost < at().halo(); ++ghost) {
+                *single_velocity_.at(row, -ghost) = *single_velocity_.at(row, at().links - ghost);
+                *single_velocity_.at(row, at().links + 1 + ghost) = *single_velocity_.at(row, 1 + ghost);
+            }
+        }
+        for (int first = 0; first < at().links; first += length) {
+            const int last = std::min(first + length, at().links);
+            std::vector<float> memory(static_cast<std::size_t>(friction_.scratch_size<float>(last - first)));
+            friction_.slopes(
+                single_field_,
+                {first, last, single_velocity_.at(0, first), single_velocity_.stride(), memory.data(), random_.phases.data(), 0.25},
+                {nullptr, &single_slope_});
+        }
+    }
+
+    [[nodiscard]] std::vector<double> slopes() const { return listed(slope_); }
+    [[nodiscard]] std::vector<double> single_slopes() const { return listed(single_slope_); }
+    [[nodiscard]] std::vector<double> forces() const { return listed(frictionless_); }
+    [[nodiscard]] std::vector<double> single_forces() const { return listed(single_push_); }
+    [[nodiscard]] const ColumnsOf<float>& single_slope() const { return single_slope_; }
+    [[nodiscard]] const ChainLayout& at() const { return variator_.layout(); }
+
+private:
+    [[nodiscard]] int size() const { return at().link_size(); }
+    [[nodiscard]] ChainRange range(int first, int last) const {
+        return {first, last, scratch_.window.data() + first * at().link_block(), scratch_.sheaves, random_.phases.data()};
+    }
+    template <class Number>
+    [[nodiscard]] std::vector<double> listed(const ColumnsOf<Number>& columns) const {
+        std::vector<double> all;
+        for (int link = 0; link < at().links; ++link) {
+            for (int row = 0; row < size(); ++row) all.push_back(*columns.at(row, link + 1));
+        }
+        return all;
+    }
+
+    Parameters parameters_;
+    oracle::RandomState random_;
+    Variator variator_;
+    EvaluationScratch scratch_;
+    std::vector<double> start_;
+    FrictionOperator friction_;
+    ContactField field_;
+    ContactFieldOf<float> single_field_;
+    Columns frictionless_, velocity_, slope_;
+    ColumnsOf<float> single_push_, single_velocity_, single_slope_;
+};
+
+double largest_of(const std::vector<double>& numbers) {
+    double largest = 0.0;
+    for (const double x : numbers) largest = std::max(largest, std::abs(x));
+    return largest;
+}
+
+double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
+    double largest = 0.0;
+    for (std::size_t k = 0; k < a.size(); ++k) largest = std::max(largest, std::abs(a[k] - b[k]));
+    return largest;
+}
+
+std::vector<oracle::Case> cases() {
+    std::vector<oracle::Case> cases;
+    for (int order = 0; order <= 3; ++order) {
+        for (const bool stick_slip : {false, true}) {
+            for (const FrictionLaw law : {FrictionLaw::piecewise, FrictionLaw::smoothed}) {
+                Parameters p = oracle::small_scene();
+                p.detail.order = order;
+                p.detail.stick_slip = stick_slip;
+                p.detail.friction = law;
+                p.detail.joint_points = order == 1 ? 8 : 3;
+                cases.push_back({"order " + std::to_string(order) + (stick_slip ? " stick and slip " : " ") +
+                                     (law == FrictionLaw::smoothed ? "smoothed" : ""),
+                                 p});
+            }
+        }
+    }
+    cases.push_back({"the baseline, longer than what is computed together", Parameters{}});
+    return cases;
+}
+
+/// A float has 6e-8 of itself; forces of the contacts of a link, some of which cancel, are added up: 2e-6 of the largest.
+TEST(SingleKernels, GiveFrictionAndAllOtherForcesButForRounding) {
+    std::uint64_t seed = 500;
+    for (const oracle::Case& one : cases()) {
+        SingleRig rig(one.parameters, ++seed);
+        rig.in_double();
+        rig.in_single(rig.at().links);
+        ASSERT_GT(largest_of(rig.slopes()), 0.0);
+        EXPECT_LT(largest_difference(rig.single_slopes(), rig.slopes()), 2e-6 * largest_of(rig.slopes())) << one.name;
+        EXPECT_LT(largest_difference(rig.single_forces(), rig.forces()), 1e-7 * largest_of(rig.forces())) << one.name;
+    }
+}
+
+TEST(SingleKernels, GiveTheSameBitsForRangesOfAnyLengthAndEveryInstructionSet) {
+    std::uint64_t seed = 600;
+    for (const oracle::Case& one : cases()) {
+        SingleRig whole(one.parameters, ++seed);
+        whole.in_single(whole.at().links);
+        for (const int length : {1, 2, 3, 5, 8, 11}) {
+            SingleRig cut(one.parameters, seed);
+            cut.in_single(length);
+            EXPECT_EQ(cut.single_slopes(), whole.single_slopes()) << one.name << ", ranges of " << length;
+            EXPECT_EQ(cut.single_forces(), whole.single_forces()) << one.name << ", ranges of " << length;
+        }
+        for (const Isa isa : usable_isas()) {
+            SingleRig other(one.parameters, seed, isa);
+            other.in_single(other.at().links);
+            EXPECT_EQ(other.single_slopes(), whole.single_slopes()) << one.name << ", " << name_of(isa);
+        }
+    }
+}
+
+constexpr double infinity = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double limit = 1e4, step = 2e-6;
+
+template <class Number>
+SweepKernels<Number> kernels(Isa isa, int order) {
+    const Kernels all = kernels_of(isa).of_order(order);
+    if constexpr (std::is_same_v<Number, float>) {
+        return all.single.sweeps;
+    } else {
+        return all.friction.sweeps;
+    }
+}
+
+/// Links with numbers that are drawn, one more block of canaries behind them.
+template <class Number>
+struct Links {
+    int links, size;
+    ColumnsOf<Number> velocity;
+    std::vector<double> counted_from, start, end, secants;
+
+    Links(int links_, int order) : links(links_), size(ChainLayout{order}.link_size()), velocity(size, links + 2) {
+        std::mt19937_64 chance(7);
+        std::uniform_real_distribution<double> drawn(-9.0, 9.0);
+        for (std::vector<double>* each : {&counted_from, &start, &end, &secants}) {
+            each->resize(static_cast<std::size_t>(2 * size * (links + 1)));
+            for (double& number : *each) number = drawn(chance);
+        }
+        for (int row = 0; row < size; ++row) {
+            for (int column = 0; column < velocity.stride() - 1; ++column) *velocity.at(row, column) = static_cast<Number>(nan);
+            for (int link = 0; link < links; ++link) *velocity.at(row, 1 + link) = static_cast<Number>(drawn(chance));
+        }
+    }
+
+    bool finish(Isa isa, int order, bool with_secants) {
+        return kernels<Number>(isa, order)
+            .end({velocity.at(0, 1), velocity.stride(), counted_from.data(), start.data(), end.data(),
+                  with_secants ? secants.data() : nullptr, step, limit},
+                 links);
+    }
+    /// finish() number by number.
+    void finish_plainly(bool with_secants) {
+        for (int link = 0; link < links; ++link) {
+            for (int row = 0; row < size; ++row) {
+                const auto q = static_cast<std::size_t>(2 * size * link + row), v = q + static_cast<std::size_t>(size);
+                end[v] = *velocity.at(row, 1 + link);
+                if (std::is_same_v<Number, float>) end[v] += counted_from[v];
+                end[q] = start[q] + 0.5 * step * (start[v] + end[v]);
+                if (!with_secants) continue;
+                secants[q] = end[v];
+                secants[v] = (end[v] - start[v]) / step;
+            }
+        }
+    }
+};
+
+template <class Number>
+void expect_plain_bits(int order, int links, bool with_secants) {
+    Links<Number> plain(links, order);
+    plain.finish_plainly(with_secants);
+    for (const Isa isa : usable_isas()) {
+        Links<Number> own(links, order);
+        EXPECT_TRUE(own.finish(isa, order, with_secants)) << "NaN beside the links has no effect";
+        for (const auto& [is, expected] : {std::pair{&own.end, &plain.end}, {&own.secants, &plain.secants}}) {
+            EXPECT_EQ(std::memcmp(is->data(), expected->data(), is->size() * sizeof(double)), 0)
+                << name_of(isa) << ", order " << order << ", " << links << " links";
+        }
+    }
+}
+
+TEST(StepEnd, HasTheBitsOfAPlainLoopForEveryNumberOfLinks) {
+    for (int order = 0; order <= 3; ++order) {
+        for (int links = 1; links <= 33; ++links) {
+            expect_plain_bits<double>(order, links, links % 2 == 0);
+            expect_plain_bits<float>(order, links, links % 2 == 0);
+        }
+    }
+}
+
+/// Whether links are sound of which one number is another one.
+bool sound_with(Isa isa, int link, bool coordinate, double number) {
+    constexpr int order = 3, links = 19;
+    Links<double> own(links, order);
+    if (coordinate) {
+        own.start[static_cast<std::size_t>(2 * own.size * link + 5)] = number;
+    } else {
+        *own.velocity.at(5, 1 + link) = number;
+    }
+    return own.finish(isa, order, true);
+}
+
+TEST(StepEnd, NoticesEveryNumberThatIsBeyondTheLimitOrNone) {
+    const double beyond = std::nextafter(limit, infinity);
+    for (const Isa isa : usable_isas()) {
+        for (const int link : {0, 7, 18}) {
+            for (const double sign : {-1.0, 1.0}) {
+                EXPECT_TRUE(sound_with(isa, link, false, sign * limit)) << "the limit itself";
+                EXPECT_FALSE(sound_with(isa, link, false, sign * beyond));
+                for (const bool coordinate : {false, true}) EXPECT_FALSE(sound_with(isa, link, coordinate, sign * infinity));
+                EXPECT_FALSE(sound_with(isa, link, true, sign * 1.1 * limit));
+            }
+            for (const bool coordinate : {false, true}) {
+                EXPECT_FALSE(sound_with(isa, link, coordinate, nan));
+                EXPECT_TRUE(sound_with(isa, link, coordinate, 1e-310)) << "denormal";
+            }
+        }
+    }
+}
+
+}  // namespace
+}  // namespace cvtflow::model

@@ -1,0 +1,179 @@
+/// The step loop takes all its memory before it begins, and a thousand simulations in one process leave neither threads nor memory behind.
+
+#include <gtest/gtest.h>
+#include <malloc.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "engine/executor/catalogue.hpp"
+#include "engine/record/run/state_file.hpp"
+#include "tasks/run/simulation.hpp"
+#include "tests/claims/operating_point_fixture.hpp"
+#include "tests/claims/rig_fixture.hpp"
+#include "tests/engine/allocation_fixture.hpp"
+#include "tests/tasks/tiny_fixture.hpp"
+
+namespace cvtflow::tasks {
+namespace {
+
+std::vector<std::string> scene_files() {
+    std::vector<std::string> files;
+    for (const auto& entry : std::filesystem::directory_iterator(std::string(CVTFLOW_SOURCE_DIR) + "/scenes")) {
+        if (entry.path().extension() == ".toml") files.push_back(entry.path().string());
+    }
+    std::sort(files.begin(), files.end());
+    return files;
+}
+
+/// Counts allocations from one output to the next; makes none itself. The first outputs can be passed over: threads arrive meanwhile.
+class AllocationCounter final : public RunObserver {
+public:
+    explicit AllocationCounter(long passed_over) : passed_over_(passed_over) {}
+
+    void output(double, const Workspace&, const Counters& counters) override {
+        const long now = engine::test::allocation_count();
+        if (outputs_ > passed_over_) between_ += now - before_;
+        if (outputs_ == 0) first_steps_ = counters.steps;
+        last_steps_ = counters.steps;
+        ++outputs_;
+        before_ = engine::test::allocation_count();
+    }
+    void transition(const TransitionRecord&) override { ++transitions_; }
+
+    long passed_over_, between_ = 0, before_ = 0, outputs_ = 0, transitions_ = 0, first_steps_ = 0, last_steps_ = 0;
+};
+
+/// Some steps of a scene from its start.
+void expect_no_allocation(Scene scene) {
+    scene.run.output_interval = 20.0 * scene.run.step.value_or(automatic_step(Simulation(scene)));
+    const bool one_segment = scene.parameters.detail.pins == model::PinDetail::rigid;
+    scene.run.segments = one_segment ? 1 : std::min(5, scene.parameters.chain.pins);
+    scene.run.max_steps = 150;  // ends a settling run early
+    scene.run.schedule = "serial";
+    Simulation simulation(scene);
+    AllocationCounter counter(0);
+    const engine::Cancellation never;
+    const Fault fault = simulation.advance({.until = 1.0}, counter, never);
+    EXPECT_EQ(fault.kind, FaultKind::max_steps) << fault.message();
+    EXPECT_GE(counter.last_steps_ - counter.first_steps_, 60);
+    if (simulation.needs_settling() && !one_segment) {  // rigid pins have no transitions
+        EXPECT_GT(counter.transitions_, 0) << "tips just touch at the start, so some come and go";
+    }
+    EXPECT_EQ(counter.between_, 0);
+}
+
+class EveryScene : public testing::TestWithParam<std::string> {};
+
+TEST_P(EveryScene, TheStepLoopAllocatesNothingBetweenOutputs) {
+    if (engine::test::allocation_count() < 0) GTEST_SKIP() << "a sanitizer owns malloc";
+    expect_no_allocation(read_scene(GetParam()));
+}
+
+/// With the default method, settling from the geometric start.
+TEST(NoAllocation, InTheStepLoopAtEveryLevelOfDetail) {
+    if (engine::test::allocation_count() < 0) GTEST_SKIP() << "a sanitizer owns malloc";
+    for (const std::string& level : claims::levels()) {
+        SCOPED_TRACE(level);
+        expect_no_allocation(claims::scene_at_level("tiny", level));
+    }
+}
+
+/// Its first step takes thirty sweeps, others two; observations book what its forces have done.
+TEST(NoAllocation, InTheStepLoopWithFrictionBySweeps) {
+    if (engine::test::allocation_count() < 0) GTEST_SKIP() << "a sanitizer owns malloc";
+    expect_no_allocation(claims::scene_at_level("tiny", "fine", {"run.method=leapfrog-sweep"}));
+}
+
+TEST(NoAllocation, InTheStepLoopOfParallelExecutorsWithEitherAssembly) {
+    if (engine::test::allocation_count() < 0) GTEST_SKIP() << "a sanitizer owns malloc";
+    Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/shift.toml");
+    set_values(scene, std::vector<std::string>{"run.method=rk4", "run.step=50 ns", "run.output_interval=1 us"});
+    scene.run.max_steps = 300;
+    const engine::Cancellation never;
+    for (const char* executor : {"barrier", "flow", "tbb_loop"}) {
+        for (const Assembly assembly : {Assembly::fused, Assembly::staged}) {
+            Simulation simulation(scene, {executor, {assembly}, 4, 2});
+            AllocationCounter counter(5);
+            EXPECT_EQ(simulation.advance({.until = 1.0}, counter, never).kind, FaultKind::max_steps);
+            EXPECT_EQ(counter.between_, 0) << executor;
+        }
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(NoAllocation, EveryScene, testing::ValuesIn(scene_files()),
+                         [](const auto& instance) { return std::filesystem::path(instance.param).stem().string(); });
+
+TEST(NoAllocation, TheCounterCounts) {
+    if (engine::test::allocation_count() < 0) GTEST_SKIP() << "a sanitizer owns malloc";
+    const long before = engine::test::allocation_count();
+    const std::vector<double> some(1000, 1.0);
+    EXPECT_GT(engine::test::allocation_count() + static_cast<long>(some[0]) - 1, before);
+}
+
+/// Steps by error, rejections, estimates of the spectrum and changes of the polynomial.
+TEST(NoAllocation, HoldsForMethodsThatFollowTheSpectrumAndForStepsByError) {
+    if (engine::test::allocation_count() < 0) GTEST_SKIP() << "a sanitizer owns malloc";
+    for (const char* method : {"dumka3", "rkc", "rock2", "dopri54"}) {
+        Scene scene = test::settled_tiny(
+            {std::string("run.method=") + method, "run.step=5us", "run.step_control=error", "run.tolerance=1e-2", "run.until=400us"});
+        Simulation simulation(scene);
+        AllocationCounter counter(0);
+        const engine::Cancellation never;
+        const Fault fault = simulation.advance({.until = simulation.time() + 400e-6}, counter, never);
+        EXPECT_FALSE(fault) << method << ": " << fault.message();
+        EXPECT_GT(counter.outputs_, 30) << method;
+        EXPECT_EQ(counter.between_, 0) << method;
+    }
+}
+
+/// Resident memory of this process [bytes].
+double resident() {
+    std::ifstream file("/proc/self/statm");
+    double total = 0.0;
+    double pages = 0.0;
+    file >> total >> pages;
+    return pages * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
+long threads() {
+    const std::filesystem::directory_iterator tasks("/proc/self/task");
+    return std::distance(begin(tasks), end(tasks));
+}
+
+TEST(ManySimulations, AThousandLeaveNeitherThreadsNorMemoryBehind) {
+    Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml");
+    const std::string state = testing::TempDir() + "many_simulations.h5";
+    engine::write_state(state, Simulation(scene, Schedule{}).saved_state());
+    scene.state_file = state;
+    SilentObserver silent;
+    const engine::Cancellation never;
+    const auto executors = engine::executors();
+    double memory = 0.0;
+    std::size_t in_use = 0;
+    long started = 0;
+    for (int number = 0; number < 1000; ++number) {
+        const engine::ExecutorRow& row = executors[static_cast<std::size_t>(number) % executors.size()];
+        const bool staged = static_cast<std::size_t>(number) / executors.size() % 2 == 1;
+        Simulation simulation(scene,
+                              Schedule{std::string(row.name), {staged ? Assembly::staged : Assembly::fused}, 4, row.parallel ? 2 : 1});
+        EXPECT_EQ(simulation.advance({.steps = 3}, silent, never).kind, FaultKind::max_steps);
+        if (number == 200) {
+            memory = resident();
+            in_use = mallinfo2().uordblks;
+            started = threads();
+        }
+    }
+    // oneTBB and OpenMP keep their workers; what they and the allocator keep is there after the first 200.
+    EXPECT_LE(threads(), started);
+    EXPECT_LT(mallinfo2().uordblks, in_use + 100'000);  // bytes handed out and not given back: 100 a simulation
+    EXPECT_LT(resident() - memory, 32e6);               // stacks of workers come and go; one simulation alone takes 0.2 MB
+    std::filesystem::remove(state);
+}
+
+}  // namespace
+}  // namespace cvtflow::tasks

@@ -1,0 +1,211 @@
+/// Places where files go: files of the user that -o must not change, folders with pipes and links in them, and systems that let nothing be
+/// written.
+
+#include <gmock/gmock.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "engine/base/text.hpp"
+#include "tasks/scene/csv.hpp"
+#include "tasks/tuning/tuned_scene.hpp"
+#include "tests/tools/program_fixture.hpp"
+#include "tools/program/text/report_columns.hpp"
+#include "tools/program/text/tune_report.hpp"
+
+namespace cvtflow::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+class OutputPlace : public Program {
+protected:
+    OutputPlace() {
+        write("scene.toml", scene);
+        write("notes.txt", "mine\n");
+        mkfifo((folder_ / "pipe").c_str(), 0600);
+        fs::create_symlink("notes.txt", folder_ / "link.h5");
+    }
+    [[nodiscard]] Outcome run_to(const std::vector<std::string>& more) const {
+        std::vector<std::string> all{"run", "scene.toml", "-q"};
+        all.insert(all.end(), more.begin(), more.end());
+        return run(all);
+    }
+    void expect_refused(const Outcome& outcome, const std::string& message) const {
+        EXPECT_EQ(outcome.status, 1);
+        EXPECT_EQ(outcome.err, "cvtflow: " + message + "\n");
+        EXPECT_EQ(read("scene.toml"), scene);
+        EXPECT_EQ(read("notes.txt"), "mine\n");
+        EXPECT_TRUE(fs::is_fifo(folder_ / "pipe"));
+        EXPECT_TRUE(fs::is_symlink(folder_ / "link.h5"));
+    }
+    const std::string scene =
+        "[chain]\npins = 24\npitch = \"16.6 mm\"\n[plate]\ncount = 4\n[pulley]\ncentre_distance = \"100 mm\"\n"
+        "[detail]\norder = 0\nplates = \"lumped\"\njoint_points = 1\npulleys = \"rigid\"\n"
+        "[start]\nsettling_time = \"20 us\"\nramp_time = \"10 us\"\n[run]\nuntil = \"20 us\"\n";
+};
+
+TEST_F(OutputPlace, OnlyPlainFilesAreReplaced) {
+    for (const char* command : {"run", "settle"}) {
+        expect_refused(run({command, "scene.toml", "-o", "pipe"}), "pipe: cannot create: a device, pipe or socket, not a file");
+        expect_refused(run({command, "scene.toml", "-o", "link.h5"}), "link.h5: cannot create: a symbolic link; name its target");
+    }
+    expect_refused(run_to({"-o", "r.h5", "--checkpoint-every", "1 h", "--checkpoint", "pipe"}),
+                   "pipe: cannot create: a device, pipe or socket, not a file");
+    EXPECT_FALSE(exists("r.h5"));
+}
+
+TEST_F(OutputPlace, NoLinkIsFollowedWhereATemporaryFileGoes) {
+    fs::create_symlink("notes.txt", folder_ / "a.h5.part");
+    expect_refused(run_to({"-o", "a.h5"}), "a.h5.part: cannot create: a symbolic link; name its target");
+    fs::create_hard_link(folder_ / "notes.txt", folder_ / "b.h5.part");
+    expect_refused(run_to({"-o", "b.h5"}), "b.h5.part: already exists and is not a record of the scene 'scene'; --force replaces it");
+    expect_refused(run_to({"-o", "b.h5", "--force"}), "b.h5.part: cannot create: File exists");
+    fs::create_symlink("nowhere", folder_ / "c.h5.part");
+    expect_refused(run({"settle", "scene.toml", "-o", "c.h5"}), "c.h5.part: cannot create: a symbolic link; name its target");
+    EXPECT_FALSE(exists("nowhere"));
+}
+
+TEST_F(OutputPlace, NoInputIsReplacedUnderWhateverName) {
+    fs::create_hard_link(folder_ / "scene.toml", folder_ / "same.toml");
+    expect_refused(run_to({"-o", "scene.toml"}), "scene.toml: cannot create: it would replace the input scene.toml");
+    expect_refused(run_to({"-o", "./same.toml"}), "./same.toml: cannot create: it would replace the input scene.toml");
+    expect_refused(run({"settle", "scene.toml", "-o", "scene.toml"}), "scene.toml: cannot create: it would replace the input scene.toml");
+    expect_refused(run_to({"-o", "none", "--checkpoint-every", "1 h", "--checkpoint", "scene.toml"}),
+                   "scene.toml: cannot create: it would replace the input scene.toml");
+    EXPECT_EQ(run({"profile", "scene.toml", "--csv", "scene.toml"}).err,
+              "cvtflow-lab: scene.toml: cannot create: it would replace the input scene.toml\n");
+    ASSERT_EQ(run({"settle", "scene.toml", "-q", "-o", "state.h5"}).status, 0);
+    const std::string state = read("state.h5"), path = (folder_ / "state.h5").string();
+    expect_refused(run_to({"--set", "start.state=state.h5", "-o", "state.h5"}),
+                   "state.h5: cannot create: it would replace the input " + path);
+    fs::create_hard_link(folder_ / "state.h5", folder_ / "d.h5.part");
+    expect_refused(run_to({"--set", "start.state=state.h5", "-o", "d.h5"}),
+                   "d.h5: cannot create: its .part would replace the input " + path);
+    EXPECT_EQ(read("state.h5"), state);
+}
+
+TEST_F(OutputPlace, ACheckpointTakesTheNameOfNothingElseAndIsAllThatIsRemoved) {
+    expect_refused(run_to({"-o", "r.h5", "--checkpoint-every", "1 h", "--checkpoint", "r.h5"}),
+                   "--checkpoint r.h5: the run needs that name for its record r.h5");
+    expect_refused(run_to({"-o", "r.h5", "--checkpoint-every", "1 h", "--checkpoint", "./r.h5.part"}),
+                   "--checkpoint ./r.h5.part: the run needs that name for its record r.h5");
+    const Outcome outcome = run_to({"-o", "r.h5", "--checkpoint-every", "1 h", "--checkpoint", "notes.txt"});
+    expect_refused(outcome, "--checkpoint: the file exists and is not a checkpoint: notes.txt: not an HDF5 file");
+}
+
+TEST_F(OutputPlace, ResumeDoesNotWriteOverItsCheckpoint) {
+    ASSERT_EQ(run_to({"-o", "r.h5", "--checkpoint-every", "1 h", "--set", "run.max_steps=5"}).status, 4);
+    ASSERT_TRUE(exists("r.checkpoint.h5"));
+    expect_refused(run({"resume", "r.checkpoint.h5", "-q", "-o", "r.checkpoint.h5"}),
+                   "r.checkpoint.h5: cannot create: it would replace the input r.checkpoint.h5");
+    EXPECT_EQ(run({"resume", "r.checkpoint.h5", "-q", "--set", "run.max_steps=0"}).status, 0);
+}
+
+/// Folders with pipes and links in them, and systems that let nothing be written.
+class HostilePlace : public Sweeps {
+protected:
+    void link(const std::string& to, const std::string& name) const { std::filesystem::create_symlink(folder_ / to, folder_ / name); }
+};
+
+TEST_F(HostilePlace, ReportsALimitOfFileSizesAsAnError) {
+    ASSERT_EQ(run_briefly({"-o", "good.h5"}).status, 0);
+    ASSERT_EQ(run({"report", "good.h5"}).status, 0);
+    const std::string before = read("good.html");
+    const Outcome report = shell("ulimit -f 8; \\$CVTFLOW report good.h5");
+    EXPECT_EQ(report.status, 1);
+    EXPECT_THAT(report.err, HasSubstr("cvtflow: good.html: cannot write: File too large"));
+    EXPECT_TRUE(read("good.html") == before);
+    EXPECT_FALSE(exists("good.html.part"));
+    const Outcome run =
+        shell("ulimit -f 8; \\$CVTFLOW run tiny -q -o big.h5 --until '40 us' --set start.settling_time=20us --set start.ramp_time=10us");
+    EXPECT_EQ(run.status, 1);
+    EXPECT_THAT(run.err, HasSubstr("File too large"));
+}
+
+TEST_F(HostilePlace, ReportsThatStandardOutputIsClosed) {
+    const Outcome outcome = shell("\\$CVTFLOW list scenes >&-");
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_EQ(outcome.err, "cvtflow: standard output: cannot write: it is closed\n");
+}
+
+TEST_F(HostilePlace, PassesOverAPipeInTheTuningCache) {
+    ASSERT_EQ(mkfifo((folder_ / "key.tuning").c_str(), 0600), 0);
+    alarm(20);  // a reader that waits would be ended
+    EXPECT_FALSE(tasks::read_tuning(folder_, "key").has_value());
+    alarm(0);
+}
+
+TEST_F(HostilePlace, KeepsASweepInItsFolder) {
+    write_sweep("\"6 N*m\"");
+    std::filesystem::create_directories(folder_ / "out");
+    std::filesystem::create_directories(folder_ / "elsewhere");
+    for (const char* inside : {"records", "checkpoints", "continuation", "states"}) {
+        link("elsewhere", std::string("out/") + inside);
+        const Outcome outcome = batch();
+        EXPECT_EQ(outcome.status, 1) << inside;
+        EXPECT_THAT(outcome.err, HasSubstr(std::string("out/") + inside + ": a symbolic link; a sweep writes into real folders only"));
+        std::filesystem::remove(folder_ / "out" / inside);
+    }
+    link("victim", "out/lock");  // dangling
+    EXPECT_EQ(batch().status, 1);
+    EXPECT_FALSE(exists("victim"));
+    EXPECT_TRUE(std::filesystem::is_empty(folder_ / "elsewhere"));
+    std::filesystem::remove(folder_ / "out/lock");
+    EXPECT_EQ(batch().status, 0);
+}
+
+TEST_F(HostilePlace, NamesLogsWithPercentSignsForSlurmAsTheyAre) {
+    std::filesystem::create_directory(folder_ / "bin");
+    write("bin/sbatch", "#!/bin/sh\necho \"$@\" >> calls\necho 7\n");
+    std::filesystem::permissions(folder_ / "bin/sbatch", std::filesystem::perms::owner_all);
+    write("sweep.toml", "");
+    const Outcome outcome = shell("PATH=bin:\\$PATH " CVTFLOW_SOURCE_DIR "/tools/slurm/submit sweep.toml 'a%j b'");
+    EXPECT_EQ(outcome.out, "7 7\n") << outcome.err;
+    EXPECT_THAT(read("calls"), HasSubstr("a%%j b/log/task-%a.txt"));
+    EXPECT_THAT(read("calls"), HasSubstr("a%%j b/log/merge.txt"));
+}
+
+TEST(CsvCell, IsNoFormulaAndReadsBack) {
+    EXPECT_EQ(tasks::csv_cell("=cmd|' /C calc'!A1", true), "'=cmd|' /C calc'!A1");
+    for (const char* text : {"+1+1", "-1-1", "@SUM(A1)", "\tx"}) EXPECT_EQ(tasks::csv_cell(text, true).front(), '\'') << text;
+    for (const char* number : {"-1.5", "3e-7", "-inf"}) EXPECT_EQ(tasks::csv_cell(number, true), number);
+    EXPECT_EQ(tasks::csv_cell("-x", false), "-x");
+    EXPECT_EQ(tasks::csv_cell("a,\"b\"", true), "\"a,\"\"b\"\"\"");
+    EXPECT_EQ(tasks::csv_cell("\x1b[31m", true), "\\x1b[31m");
+    EXPECT_EQ(tasks::csv_cell("a;=1+1 [m]", true), "\"a;=1+1 [m]\"");  // spreadsheets of other countries split there
+    EXPECT_EQ(tasks::csv_lines(tasks::csv_cell("a,\"b\"\nc", true)).front(), std::vector<std::string>{"a,\"b\"\nc"});
+}
+
+/// Reports of tune and of the laboratory, too.
+TEST(CsvCell, IsWrittenAlikeByReports) {
+    EXPECT_EQ(csv_cell(nlohmann::ordered_json("requires detail.pins = \"halves\"")), "\"requires detail.pins = \"\"halves\"\"\"");
+    EXPECT_EQ(csv_cell(nlohmann::ordered_json("=1+1")), "'=1+1");
+    EXPECT_EQ(csv_cell(nlohmann::ordered_json(-1.5)), "-1.5");
+    tasks::TuneResult result;
+    result.outputs = {"slip"};
+    result.choices.resize(1);
+    result.choices[0].outcome = "requires detail.pins = \"halves\"";
+    result.choices[0].worst = "=1+1";
+    EXPECT_THAT(tune_csv(result), HasSubstr(",\"'=1+1\",0,\"requires detail.pins = \"\"halves\"\"\"\n"));
+}
+
+TEST(Visible, SpellsOutWhatATerminalWouldObey) {
+    EXPECT_EQ(engine::visible("\x1b[2J"), "\\x1b[2J");
+    EXPECT_EQ(engine::visible("a\nb\tc"), "a\nb\tc");
+    EXPECT_EQ(engine::visible("\xc2\x9b"
+                              "2J"),
+              "\\xc2\\x9b2J");
+    EXPECT_EQ(engine::visible("µ °C –"), "µ °C –");
+    EXPECT_EQ(engine::visible(std::string_view("a\0b", 3)), "a\\x00b");
+}
+
+TEST_F(HostilePlace, CutsNoMessageAtANul) {
+    write("nul.toml", "chain.\"pi\\u0000ns\" = 3\n");
+    const Outcome outcome = run({"check", "nul.toml"});
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_THAT(outcome.err, HasSubstr("pi\\x00ns: unknown key"));
+}
+
+}  // namespace
+}  // namespace cvtflow::tools

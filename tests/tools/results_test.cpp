@@ -1,0 +1,212 @@
+/// Commands that read results: `info`, `table --rainflow` and `diff`.
+
+#include <gmock/gmock.h>
+#include <hdf5.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "engine/base/rainflow.hpp"
+#include "engine/record/run/run_reader.hpp"
+#include "engine/record/run/state_file.hpp"
+#include "tests/tools/forgery_fixture.hpp"
+#include "tests/tools/program_fixture.hpp"
+
+namespace cvtflow::tools {
+namespace {
+
+using testing::AllOf;
+using testing::ContainsRegex;
+using testing::HasSubstr;
+using testing::Not;
+
+// Statements of `info` and of the summary about a run: the step that was taken, uncounted quantities, and tables of sweeps.
+
+class Info : public Sweeps {
+protected:
+    const Words settled_{"--set", "start.settling_time=1ms", "--set", "start.ramp_time=0.5ms"};
+
+    [[nodiscard]] std::string info(const std::string& file) const { return run({"info", file}).out; }
+    [[nodiscard]] double taken(const std::string& file) const {
+        const engine::RunReader reader((folder_ / file).string());
+        const auto* step = engine::attribute_value<double>(reader.attributes(), "step_taken");
+        return step != nullptr ? *step : 0.0;
+    }
+};
+
+TEST_F(Info, StatesTheStepThatWasTaken) {
+    ASSERT_EQ(run(Words{"run", "tiny", "--method", "auto", "--until", "0.1 ms", "-q", "-o", "auto.h5"} + settled_).status, 0);
+    EXPECT_NEAR(taken("auto.h5"), 2e-6, 0.5e-6);
+    EXPECT_THAT(info("auto.h5"), ContainsRegex("\n  method              leapfrog-sweep, step auto \\([0-9.]+ us\\), seed 0\n"));
+    ASSERT_EQ(run_briefly({"-q", "-o", "given.h5"}).status, 0);
+    EXPECT_NEAR(taken("given.h5"), 50e-9, 1e-12);
+    EXPECT_THAT(info("given.h5"), HasSubstr("step 50 ns, seed 0\n"));
+    ASSERT_EQ(run(Words{"settle", "tiny", "-q", "-o", "state.h5"} + settled_).status, 0);
+    EXPECT_THAT(info("state.h5"), ContainsRegex("rk4 with step auto \\([0-9.]+ ns\\), 1 ms of settling\n"));
+}
+
+TEST_F(Info, OfFilesOfEarlierProgramsStatesTheSettingAlone) {
+    ASSERT_EQ(run(Words{"run", "tiny", "--until", "0.1 ms", "-q", "-o", "old.h5"} + settled_).status, 0);
+    change_record((folder_ / "old.h5").string(), [](hid_t file) { H5Adelete(file, "step_taken"); });
+    EXPECT_THAT(info("old.h5"), HasSubstr("rk4, step auto, seed 0\n"));
+}
+
+TEST_F(Info, CountsTransitionsOfRigidPins) {
+    const Outcome outcome =
+        run(Words{"run", "tiny", "--detail", "rigid", "--method", "auto", "--until", "1 ms", "-o", "rigid.h5"} + settled_);
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, ContainsRegex("  transitions         [1-9][0-9]* detected, 0 steps truncated, 0 suppressed"));
+}
+
+TEST_F(Info, DescribesTheTableOfASweep) {
+    write_sweep("\"6 N*m\"");
+    ASSERT_EQ(batch({"-q"}).status, 0);
+    for (const char* path : {"out", "out/cases.h5"}) {
+        const std::string text = info(path);
+        EXPECT_THAT(text,
+                    AllOf(HasSubstr("out/cases.h5: results of a sweep, "), HasSubstr(" ok\n"), HasSubstr("status              finished"),
+                          HasSubstr("cvtflow table " + std::string(path)), HasSubstr("energy_residual")));
+        EXPECT_THAT(text, HasSubstr(table().attribute("results_hash")));
+    }
+}
+
+// `cvtflow table RECORD --rainflow CHANNEL`.
+
+class RainflowOfARecord : public Program {
+protected:
+    RainflowOfARecord() {
+        made_ =
+            run_briefly({"-q", "-o", "run.h5", "--set", "record.channels=followed_pin/*", "--set", "run.output_interval=200 ns"}).status;
+    }
+    int made_ = -1;
+};
+
+TEST_F(RainflowOfARecord, IsThatOfItsChannel) {
+    ASSERT_EQ(made_, 0);
+    const engine::RunReader record((folder_ / "run.h5").string());
+    const auto values = record.channel("followed_pin/half_axial_force");
+    std::vector<double> history;
+    for (std::size_t row = 0; row < record.rows(); ++row) history.push_back(values[2 * row + 1]);
+    const auto cycles = engine::rainflow(history);
+    ASSERT_FALSE(cycles.empty());
+    const Outcome json = run({"table", "run.h5", "--rainflow", "followed_pin/half_axial_force[1]", "--json"});
+    ASSERT_EQ(json.status, 0) << json.err;
+    const auto load = nlohmann::json::parse(json.out).at("loads").at(0);
+    EXPECT_EQ(load.at("unit"), "N");
+    ASSERT_EQ(load.at("cycles").size(), cycles.size());
+    for (std::size_t k = 0; k < cycles.size(); ++k) EXPECT_EQ(load.at("cycles").at(k).at("range"), cycles[k].range);
+    double counted = 0.0;
+    for (const auto& each : load.at("classes")) counted += each.at("count").get<double>();
+    double all = 0.0;
+    for (const auto& cycle : cycles) all += cycle.count;
+    EXPECT_EQ(counted, all);
+}
+
+TEST_F(RainflowOfARecord, HasATextATableAndAWindow) {
+    ASSERT_EQ(made_, 0);
+    const Outcome text = run({"table", "run.h5", "--rainflow", "followed_pin/plate_tension[*]", "--classes", "4"});
+    EXPECT_EQ(text.status, 0) << text.err;
+    EXPECT_THAT(text.out, HasSubstr("followed_pin/plate_tension[0]: rainflow counts (ASTM E1049) of 101 outputs from 0 s to 20 us\n"));
+    const Outcome csv = run({"table", "run.h5", "--rainflow", "tight_tension", "--rainflow", "slip", "--csv"});
+    EXPECT_THAT(csv.out, testing::StartsWith("load,unit,range,mean,cycles,from_time,to_time\ntight_tension,N,"));
+    EXPECT_THAT(csv.out, HasSubstr("\nslip,1,"));
+    const Outcome window = run({"table", "run.h5", "--rainflow", "tight_tension", "--from", "4.9 us", "--until", "1.01e-5"});
+    EXPECT_THAT(window.out, HasSubstr("of 26 outputs from 5 us to 10 us"));
+    EXPECT_THAT(run({"table", "run.h5", "--rainflow", "tight_tension", "--from", "1 s"}).out, HasSubstr("no outputs\n  no cycles\n"));
+}
+
+TEST_F(RainflowOfARecord, HasADamageEquivalentRangeAndReportsThatTheRecordIsShort) {
+    ASSERT_EQ(made_, 0);
+    const Outcome json = run({"table", "run.h5", "--rainflow", "tight_tension", "--exponent", "3", "--json"});
+    ASSERT_EQ(json.status, 0) << json.err;
+    const auto load = nlohmann::json::parse(json.out).at("loads").at(0);
+    double sum = 0.0;
+    for (const auto& cycle : load.at("cycles")) sum += cycle.at("count").get<double>() * std::pow(cycle.at("range").get<double>(), 3.0);
+    EXPECT_NEAR(load.at("damage_equivalent").at("range").get<double>(), std::cbrt(sum), 1e-9 * std::cbrt(sum)) << "once in the record";
+    EXPECT_EQ(load.at("damage_equivalent").at("reference_cycles"), 1.0);
+    const Outcome text = run({"table", "run.h5", "--rainflow", "tight_tension"});
+    EXPECT_THAT(text.out, HasSubstr(" kN (exponent 5, one cycle in the record)\n"));
+    EXPECT_THAT(text.out, HasSubstr("of a round of the chain (")) << "20 us of 58 ms";
+    EXPECT_EQ(run({"table", "run.h5", "--rainflow", "tight_tension", "--exponent", "0"}).status, 2);
+}
+
+TEST_F(RainflowOfARecord, ReportsWhatItCannotCount) {
+    ASSERT_EQ(made_, 0);
+    const auto expect = [&](const std::vector<std::string>& more, int status, const std::string& why) {
+        const Outcome outcome = run(std::vector<std::string>{"table", "run.h5"} + more);
+        EXPECT_EQ(outcome.status, status) << outcome.err;
+        EXPECT_THAT(outcome.err, HasSubstr(why));
+        EXPECT_EQ(outcome.out, "");
+    };
+    expect({"--rainflow", "tight_tensoin"}, 2, "the record has no such channel (did you mean \"tight_tension\"?)");
+    expect({"--rainflow", "tips/normal_force[0]"}, 2, "without this channel (record it with --set record.channels=tips/normal_force)");
+    expect({"--rainflow", "followed_pin/position"}, 2, "it has 3 numbers; write followed_pin/position[0] ... followed_pin/position[2]");
+    expect({"--rainflow", "followed_pin/position[3]"}, 2, "elements are numbered 0 to 2");
+    expect({"--rainflow", "followed_pin/position[x]"}, 2, "elements are numbered 0 to 2");
+    expect({"--rainflow", "slip", "--json", "--csv"}, 2, "--csv or --json, not both");
+    expect({"--rainflow", "slip", "--status", "ok"}, 2, "--column and --status apply to sweeps");
+    expect({"--rainflow", "slip", "--from", "3 kg"}, 2, "--from 3 kg: not a time");
+    expect({"--json"}, 2, "require --rainflow");
+    EXPECT_EQ(run({"table", "none.h5", "--rainflow", "slip"}).status, 1);
+}
+
+// `cvtflow diff`: two sweeps case by case.
+
+class Diff : public Sweeps {
+protected:
+    void SetUp() override {
+        write_sweep("\"6 N*m\", \"12 N*m\"");
+        ASSERT_EQ(batch().status, 0);
+    }
+};
+
+TEST_F(Diff, OfTheSameSweepOnOtherThreadsIsNone) {
+    ASSERT_EQ(run({"batch", "sweep.toml", "-o", "again", "--threads", "1"}).status, 0);
+    const Outcome same = run({"diff", "out", "again"});
+    EXPECT_EQ(same.status, 0) << same.err;
+    EXPECT_THAT(same.out, HasSubstr("8 cases in out/cases.h5, 8 in again/cases.h5, 8 in both"));
+    EXPECT_THAT(same.out, HasSubstr(" 0 differ\n"));
+}
+
+TEST_F(Diff, NamesColumnsCasesAndTheLargestDifference) {
+    write_sweep("\"12 N*m\", \"18 N*m\"", "41 us");  // half of the cases in common, which run longer
+    ASSERT_EQ(run({"batch", "sweep.toml", "-o", "longer"}).status, 0);
+    const Outcome different = run({"diff", "out", "longer", "--json"});
+    EXPECT_EQ(different.status, 1) << different.err;
+    const auto all = nlohmann::json::parse(different.out);
+    EXPECT_EQ(all["in_both"], 4);
+    EXPECT_FALSE(all["equal"]);
+    std::map<std::string, nlohmann::json> columns;
+    for (const auto& column : all["columns"]) columns[column["column"]] = column;
+    ASSERT_TRUE(columns.contains("steps"));
+    EXPECT_EQ(columns["steps"]["cases"], 4);
+    EXPECT_GE(columns["steps"]["largest"], 20);  // 1 us of steps of 50 ns
+    EXPECT_FALSE(columns.contains("ratio_at_20_us")) << "the first 20 us are the same";
+    const Outcome tolerant = run({"diff", "out", "longer", "--column", "slip_mean", "--tolerance", "1"});
+    EXPECT_EQ(tolerant.status, 1) << "cases are missing";
+    EXPECT_THAT(tolerant.out, HasSubstr("1 columns compared, 0 differ by more than 1 of the value\n"));
+}
+
+TEST_F(Diff, ReadsTheCsvOfATable) {
+    write("out.csv", run({"table", "out", "--csv"}).out);
+    const Outcome same = run({"diff", "out", "out.csv"});
+    EXPECT_EQ(same.status, 0) << same.out << same.err;
+    std::string other = read("out.csv");
+    const auto cell = other.find(",ok,");
+    ASSERT_NE(cell, std::string::npos);
+    write("other.csv", other.replace(cell, 4, ",budget,"));
+    const Outcome different = run({"diff", "out", "other.csv"});
+    EXPECT_EQ(different.status, 1);
+    EXPECT_THAT(different.out, HasSubstr("ok -> budget"));
+}
+
+TEST_F(Diff, RefusesTablesWhoseCasesHaveNoKeys) {
+    write("keyless.csv", "case,status,slip_mean\n0,ok,0.1\n1,ok,0.2\n");
+    const Outcome refused = run({"diff", "out", "keyless.csv"});
+    EXPECT_EQ(refused.status, 2);
+    EXPECT_THAT(refused.err, HasSubstr("both tables need the keys in which they differ"));
+    EXPECT_EQ(run({"diff", "out", "out", "--column", "no_such"}).status, 2);
+}
+
+}  // namespace
+}  // namespace cvtflow::tools
