@@ -50,7 +50,7 @@ constexpr double longest_swept_step = 2.0e-6;
             .solves = "one per contact and sweep, for friction",
             .reach = {frictionless_reach, MethodReach::unlimited, MethodReach::unlimited, frictionless_reach, damping_reach},
             .longest_step = longest_swept_step,
-            .revision = 2,
+            .revision = 3,
             .missing = missing_for_sweeps};
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 enum SweepCycle : int { record_sweep_cycle = method_cycles, first_sweep_cycle };
 
-/// Numbers of passes of friction cycles; a step of n sweeps has n + 1 passes, so three sweeps are one cycle of four.
+/// Numbers of passes of friction cycles; a step of n sweeps has n + 1 passes, so two sweeps are one cycle of three.
 constexpr PassCycles sweep_cycles(first_sweep_cycle, {1, 3, 4, 8});
 
 /// The next step opens with each force plus this share of its last change. More diverges, with less tips lag.
@@ -23,9 +23,8 @@ constexpr double ahead = 0.5;
 constexpr double same_length = 1e-6;
 
 /// Sweeps of a step. A force is late by what a sweep has not followed, and that does not shrink with the speed at which it saturates: two
-/// sweeps at a tenth of the usual speeds have twice the error of tips, five the same. Two at the usual speeds would do but for small slips
-/// (`overdrive` at a reversed 25 N m: off by 1.4 % of 6e-4), so there are three (decision 96).
-constexpr double sweeps_at_usual_speeds = 2.0, min_sweeps = 3.0, max_sweeps = 12.0, power_of_slowness = 0.4;
+/// sweeps at a tenth of the usual speeds have twice the error of tips, five the same (decisions 96 and 104).
+constexpr double sweeps_at_usual_speeds = 2.0, min_sweeps = 2.0, max_sweeps = 12.0, power_of_slowness = 0.4;
 
 [[nodiscard]] double needed_sweeps(const model::Parameters& parameters) {
     const model::Parameters usual;
