@@ -44,6 +44,14 @@ template <class Range, class Test>
 constexpr bool any_of(Range&& range, Test test) {
     return find_if(range, test) != std::end(range);
 }
+template <class Range, class Test>
+constexpr bool none_of(Range&& range, Test test) {
+    return !any_of(range, test);
+}
+template <class Range, class Value>
+constexpr auto count(Range&& range, const Value& value) {
+    return std::count(std::begin(range), std::end(range), value);
+}
 template <class Range, class Output>
 constexpr auto copy(Range&& range, Output output) {
     return std::copy(std::begin(range), std::end(range), output);
