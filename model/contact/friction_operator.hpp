@@ -41,7 +41,7 @@ template <class Number>
 struct FrictionSweepOf;  // model/contact/sweep_step.hpp
 struct FrictionPowers;   // likewise
 
-/// Functions of implicit sweeps, and of a step's end, of one order and one instruction set, in the precision of the velocities.
+/// Functions of implicit sweeps, and of a step's middle and end, of one order and one instruction set, in the precision of the velocities.
 template <class Number>
 struct SweepKernels {
     void (*sweep)(const FrictionOperator&, const ContactFieldOf<Number>&, const FrictionRangeOf<Number>&,
@@ -51,6 +51,8 @@ struct SweepKernels {
                    FrictionPowers* powers) noexcept = nullptr;
     /// @return whether the state of all links at the end is sound
     bool (*end)(const StepEndOf<Number>&, int links) noexcept = nullptr;
+    /// to = from + by · along, of the state of `links` links
+    void (*advance)(const double* from, const double* along, double by, double* to, int links) noexcept = nullptr;
 };
 
 /// Functions of one order and one instruction set.

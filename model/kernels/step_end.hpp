@@ -1,5 +1,5 @@
 #pragma once
-/// Links at the end of a leapfrog's step in one pass over them: their state, slopes by differences, soundness.
+/// Links at the middle and at the end of a leapfrog's step. The end is one pass over them: their state, slopes by differences, soundness.
 
 #include <algorithm>
 #include <array>
@@ -12,6 +12,18 @@
 
 namespace cvtflow::model {
 namespace {
+
+/// to = from + by · along, of the state of `links` links.
+template <int P>
+void advance_links(const double* from, const double* along, double by, double* to, int links) noexcept {
+    constexpr int block = 2 * link_layout<P>.link_size();
+    static_assert(block % native_lanes == 0);
+    const Lanes<native_lanes> factor(by);
+    for (int link = 0; link < links; ++link, from += block, along += block, to += block) {
+        for (int k = 0; k < block; k += native_lanes)
+            (load<native_lanes>(from + k) + factor * load<native_lanes>(along + k)).copy_to(to + k);
+    }
+}
 
 /// The block of one link whose velocities at the end are there, but for those that they count from.
 /// @param sound becomes 0 where a number is not below `above`   @param above [m, m/s]

@@ -91,7 +91,9 @@ void SweepSystem<Number>::restart() noexcept {
 
 template <class Number>
 void SweepSystem<Number>::begin(double step, double nominal) noexcept {
-    responses_ = {friction_, step, nominal};
+    if (step != responses_step_ || nominal != responses_nominal_) responses_ = {friction_, step, nominal};
+    responses_step_ = step;
+    responses_nominal_ = nominal;
     losses_ = Losses::none;
 }
 

@@ -165,6 +165,17 @@ void truncate_segment(void* workspace, int segment) noexcept {
     }
 }
 
+const double* advance_window(Workspace& w, int segment, const StateAdvance& by) noexcept {
+    const model::ChainLayout& layout = w.layout();
+    const int block = layout.link_block();
+    double* window = w.windows[at(segment)].data();
+    for_each_run(layout, w.partition[segment], layout.halo(), [&](int link, int links, int place) {
+        const int begin = layout.link_begin(link);
+        by.kernel(by.from + begin, by.along + begin, by.time, window + place * block, links);
+    });
+    return window;
+}
+
 const double* fill_window(Workspace& w, int segment, int halo) noexcept {
     const model::ChainLayout& layout = w.layout();
     const int block = layout.link_block();

@@ -10,6 +10,15 @@ namespace cvtflow::tasks {
 /// returned.
 const double* fill_window(Workspace& workspace, int segment, int halo) noexcept;
 
+/// from + time · along, by a kernel for whole links. from, along [states]
+struct StateAdvance {
+    const double *from, *along;
+    double time;
+    void (*kernel)(const double* from, const double* along, double by, double* to, int links) noexcept;
+};
+/// That as fill_window() does, with the halo of the layout.
+const double* advance_window(Workspace& workspace, int segment, const StateAdvance& by) noexcept;
+
 /// A link and those of its neighbours that its tips depend on, at a time between those of states that are kept.
 struct NearBlocks {
     static constexpr int most = 2 * model::ChainLayout{.rigid = true}.probe_halo() + 1;
