@@ -11,7 +11,6 @@
 /// bench/staged/one_link.hpp: FourTips, those of one link.
 
 #include <cstdint>
-#include <cstring>
 #include <type_traits>
 
 #include "model/basis/lanes.hpp"
@@ -226,13 +225,6 @@ template <class Tips>
 [[nodiscard]] inline Vector3<Tips> tangential(const Vector3<Tips>& v, const Vector3<Tips>& normal) noexcept {
     const Tips along = dot(v, normal);
     return {v.x - along * normal.x, v.y - along * normal.y, v.z - along * normal.z};
-}
-
-/// The phases of a link's four tips, one byte each.
-[[nodiscard]] inline std::uint32_t phase_word(const Phase* phases) noexcept {
-    std::uint32_t word;
-    std::memcpy(&word, phases, sizeof word);
-    return word;
 }
 
 /// Phases of the tips in the lanes.

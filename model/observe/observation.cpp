@@ -114,23 +114,13 @@ void Observer::observe_links(const double* state, const Phase* phases) noexcept 
     o.chain_speed = speed / at.links;
 }
 
-namespace {
-
-/// Whether no tip of a link touches.
-[[nodiscard]] bool loose(const Phase* phases, int link) noexcept {
-    return std::all_of(phases + tips_per_link * link, phases + tips_per_link * (link + 1),
-                       [](Phase phase) { return phase == Phase::free; });
-}
-
-}  // namespace
-
 void Observer::observe_strands(const double* state, const Phase* phases) noexcept {
     const ChainLayout& at = variator_.layout();
     double sum[2] = {0.0, 0.0};
     int count[2] = {0, 0};
     for (int link = 0; link < at.links; ++link) {
         // A strand's inner links: their neighbours are loose as well.
-        if (!loose(phases, link) || !loose(phases, at.previous(link)) || !loose(phases, at.next(link))) continue;
+        if (touches(phases, link) || touches(phases, at.previous(link)) || touches(phases, at.next(link))) continue;
         const int strand = at.pulley_size != 0 && state[at.link_begin(link) + at.y(End::rear, 0)] < 0.0 ? 1 : 0;
         sum[strand] += observation_.tension[static_cast<std::size_t>(link)];
         ++count[strand];
@@ -149,7 +139,7 @@ void Observer::observe_radii(const double* state, const Phase* phases) noexcept 
     int count[2] = {0, 0};
     for (int pin = 0; pin < at.links; ++pin) {
         const int before = at.previous(pin);  // link of its front half's tips
-        if (loose(phases, pin) || loose(phases, before)) continue;
+        if (!touches(phases, pin) || !touches(phases, before)) continue;
         const double* rear = state + at.link_begin(pin);
         const double* front = state + at.link_begin(before);
         const int shaft = variator_.chain().shaft_of(rear);

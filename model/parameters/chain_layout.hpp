@@ -11,6 +11,9 @@
 ///
 /// A slope (time derivative of a state) has the same layout: [v | acceleration] per block.
 
+#include <cstdint>
+#include <cstring>
+
 #include "model/parameters/parameters.hpp"
 
 namespace cvtflow::model {
@@ -102,6 +105,15 @@ inline constexpr int max_link_block = 2 * ChainLayout{3}.link_size();
 /// Phase of a tip, one byte per tip; tip number = 4 link + 2 end + side (side 0 is -z).
 enum class Phase : unsigned char { free = 0, touching = 1, stick = 2, slip = 3 };
 inline constexpr int tips_per_link = 4;
+
+/// The phases of a link's four tips, one byte each.
+[[nodiscard]] inline std::uint32_t phase_word(const Phase* phases) noexcept {
+    std::uint32_t word;
+    std::memcpy(&word, phases, sizeof word);
+    return word;
+}
+/// Whether a tip of the link touches. @param phases  of all tips
+[[nodiscard]] inline bool touches(const Phase* phases, int link) noexcept { return phase_word(phases + tips_per_link * link) != 0; }
 
 /// Time in which a pin takes the place of the next one: mean pitch over the mean speed of the rear pins; 0 of a chain at rest [s].
 /// state [unknowns]

@@ -37,8 +37,6 @@ void add(const SheaveLoad& load, SheaveLoad& total) noexcept {
     return forces;
 }
 
-[[nodiscard]] bool touches(const Phase* phases) noexcept { return phase_word(phases) != 0; }
-
 }  // namespace
 
 bool Variator::same_machine(const Parameters& a, const Parameters& b) {
@@ -60,7 +58,7 @@ void Variator::add_up(int group, const Phase* phases, const LinkLoad* loads, She
     sum = {};
     const int last = std::min(layout().links, links_per_sum * (group + 1));
     for (int link = links_per_sum * group; link < last; ++link) {
-        if (layout().rigid || touches(phases + tips_per_link * link)) add(loads[link].load, sum.of_shaft[loads[link].shaft]);
+        if (layout().rigid || touches(phases, link)) add(loads[link].load, sum.of_shaft[loads[link].shaft]);
     }
 }
 

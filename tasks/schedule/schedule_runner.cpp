@@ -85,14 +85,9 @@ void answer(ScheduleChooser& chooser) {
 /// beginning of the threads' common run.
 constexpr double tolerable = 1.02;
 
-[[nodiscard]] bool touches(const Workspace& w, int link) noexcept {
-    const model::Phase* tips = w.tips.phases.data() + model::tips_per_link * link;
-    return std::any_of(tips, tips + model::tips_per_link, [](model::Phase phase) { return phase != model::Phase::free; });
-}
-
 [[nodiscard]] int touching_links(const Workspace& w) noexcept {
     int count = 0;
-    for (int link = 0; link < w.layout().links; ++link) count += touches(w, link);
+    for (int link = 0; link < w.layout().links; ++link) count += model::touches(w.tips.phases.data(), link);
     return count;
 }
 

@@ -185,8 +185,8 @@ void KickSystem<Number>::add_loads(Workspace& w, int segment) const noexcept {
     const Columns& forces = f.of[mean_tip_forces];
     const int shift = columns_.shift(segment);
     for (int link = own.first; link < own.last; ++link) {
+        if (!model::touches(w.tips.phases.data(), link)) continue;  // no sum has its load
         const model::Phase* phases = w.tips.phases.data() + model::tips_per_link * link;
-        if (std::count(phases, phases + model::tips_per_link, model::Phase::free) == model::tips_per_link) continue;  // no sum has its load
         w.links.loads[at(link)] = normal_loads_[at(link)];
         model::SheaveLoad& load = w.links.loads[at(link)].load;
         const model::TipArms& p = f.contacts.arms[at(link)];

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <string>
 
 #include "tasks/step/assembly/segment_tasks.hpp"
@@ -283,7 +284,8 @@ template <class Number>
 Fault SweepLeapfrog<Number>::close() {
     close_tail(w_);
     TipState& tips = w_.tips;
-    tips.have_changed = tips.phases != tips.phases_before;
+    static_assert(sizeof(model::Phase) == 1);  // memcmp: the library compares enumerations one by one
+    tips.have_changed = std::memcmp(tips.phases.data(), tips.phases_before.data(), tips.phases.size()) != 0;
     for (std::size_t tip = 0; tip < tips.phases.size() && tips.have_changed; ++tip) {
         if (tips.phases[tip] != tips.phases_before[tip]) tips.changed[tip] = w_.step.time + w_.step.h;
     }
