@@ -215,7 +215,8 @@ protected:
         EXPECT_THAT(where, HasSubstr(expected.output)) << row.name() << " with " << method << "\n" << outcome.err;
         EXPECT_THAT(outcome.out, testing::Not(ContainsRegex("[ -]nan|[ -]inf[ \n]"))) << row.name() << " with " << method;
         if (!ran && expected.status != incomplete) {
-            EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+            const std::ptrdiff_t warnings = outcome.err.find(" is beyond what ") != std::string::npos ? 1 : 0;  // 100 ns is, with euler
+            EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1 + warnings) << outcome.err;
             EXPECT_EQ(outcome.out, "") << row.name() << " with " << method;
         }
         const bool right = outcome.status == expected.status && where.find(expected.output) != std::string::npos;
@@ -238,11 +239,18 @@ protected:
 };
 class NightlyMatrixOfMethods : public MatrixOfMethods {};
 
+/// All but that of rigid pins, which no scene with pin halves takes (RigidPins.*, RigidLeapfrog.*).
+std::vector<std::string> methods_of_halves() {
+    std::vector<std::string> methods = tasks::method_names();
+    std::erase(methods, "leapfrog-rigid");
+    return methods;
+}
+
 /// One method of each family (the letters that its name begins with), tables or programs: these differ most in how they are made and run.
 std::vector<std::string> one_of_each_family(bool programs) {
     std::set<std::string> families;
     std::vector<std::string> methods;
-    for (const std::string& method : tasks::method_names()) {
+    for (const std::string& method : methods_of_halves()) {
         const auto end = std::find_if(method.begin(), method.end(), [](unsigned char c) { return std::isalpha(c) == 0; });
         if (is_program(method) == programs && families.insert(std::string(method.begin(), end)).second) methods.push_back(method);
     }
@@ -288,9 +296,9 @@ TEST_F(MatrixOfMethods, IsDoneOrRefusedWithAReasonForPrograms) {
 
 TEST_F(NightlyMatrixOfMethods, IsDoneOrRefusedWithAReasonForAll) {
     std::map<std::string, int> endings;
-    for (const std::string& method : tasks::method_names()) try_all(method, endings);
+    for (const std::string& method : methods_of_halves()) try_all(method, endings);
     for (const auto& [ending, count] : endings)
-        std::cout << count << " of " << tasks::method_names().size() << " methods: " << ending << "\n";
+        std::cout << count << " of " << methods_of_halves().size() << " methods: " << ending << "\n";
 }
 
 }  // namespace
