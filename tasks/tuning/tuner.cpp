@@ -42,6 +42,11 @@ std::string span_text(double seconds) {
 /// An operating point begins anew with its inputs held, which a far end that turns on by itself does not allow.
 void require_held_inputs(const Scene& scene) {
     const model::Parameters& p = scene.parameters;
+    if (scene.vehicle.present())
+        throw SceneError(fmt::format(
+            "{}: a [vehicle] cannot be tuned: the load follows from its speed; tune a scene without it at a speed and torque of "
+            "its own, and use the result here",
+            scene.name));
     if (p.hydraulics.mode != model::HydraulicMode::none)
         throw SceneError(fmt::format(
             "{}: hydraulics.mode \"{}\" cannot be tuned: oil carries on what it held; tune with \"none\", and use the result here",
