@@ -246,8 +246,6 @@ inline void with_lanes(int width, const Body& body) noexcept {
     return body.template operator()<16>();
 }
 
-[[nodiscard]] inline bool any_touching(const Phase* phases) noexcept { return phase_word(phases) != 0; }
-
 /// Elasticity and plates of a link. Clears and fills its generalized forces f; returns the moment about z on it. state [unknowns of the
 /// link], f [N, N·m]
 template <int P, class Books>

@@ -84,7 +84,7 @@ void forward_links(const ChainModel& model, const StagedChain& chain, int first,
     for (int link = first; link < last; ++link) {
         const auto rear = kept<JointForce<P>>(buffers.joints.data() + link * buffers.joint_stride);
         const auto front = kept<JointForce<P>>(buffers.joints.data() + model.layout().next(link) * buffers.joint_stride);
-        const bool touching = any_touching(chain.phases + tips_per_link * link);
+        const bool touching = touches(chain.phases, link);
         const auto share = kept<TipShare<P>>(buffers.tips.data() + link * buffers.tip_stride);
         double* f = force_of<P>(chain, link);
         assemble<P>(frame_of<P>(chain, link), buffers.moments[static_cast<std::size_t>(link)], rear, front, touching ? &share : nullptr, f);

@@ -41,6 +41,9 @@ template <class Number>
 struct FrictionSweepOf;  // model/contact/sweep_step.hpp
 struct FrictionPowers;   // likewise
 
+/// to = from + by · along, of the state of `links` links.
+using LinkAdvance = void(const double* from, const double* along, double by, double* to, int links) noexcept;
+
 /// Functions of implicit sweeps, and of a step's middle and end, of one order and one instruction set, in the precision of the velocities.
 template <class Number>
 struct SweepKernels {
@@ -51,8 +54,7 @@ struct SweepKernels {
                    FrictionPowers* powers) noexcept = nullptr;
     /// @return whether the state of all links at the end is sound
     bool (*end)(const StepEndOf<Number>&, int links) noexcept = nullptr;
-    /// to = from + by · along, of the state of `links` links
-    void (*advance)(const double* from, const double* along, double by, double* to, int links) noexcept = nullptr;
+    LinkAdvance* advance = nullptr;
 };
 
 /// Functions of one order and one instruction set.

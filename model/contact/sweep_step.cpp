@@ -51,7 +51,8 @@ struct Response {
 }  // namespace
 
 template <class Number>
-SweepResponses<Number>::SweepResponses(const FrictionOperator& friction, double h, double nominal) noexcept : step(static_cast<Number>(h)) {
+SweepResponses<Number>::SweepResponses(const FrictionOperator& friction, double h, double nominal) noexcept
+    : step(static_cast<Number>(h)), of_step(h), of_nominal(nominal) {
     const FrictionNumbers<double>& numbers = friction.numbers<double>();
     const Response lateral{numbers.lateral, friction.chain().layout().lateral()}, axial{numbers.axial, 2};
     const auto one = [](int k) { return [k](int m) { return m == k ? 1.0 : 0.0; }; };

@@ -48,6 +48,7 @@ struct SweepResponses {
     Number tip;                      ///< of a tip to forces at all tips of its link, each as large as its own
     Number plate_shift, plate_tilt;  ///< of the plates' z and e to their force and moment
     Number link_shift, link_tilt;    ///< of either end's z and e to the plates' force and moment, over the present step
+    double of_step, of_nominal;      ///< arguments that they were made from [s]
 };
 
 /// Which part of a step.

@@ -13,7 +13,7 @@
 namespace cvtflow::model {
 namespace {
 
-/// to = from + by · along, of the state of `links` links.
+/// A LinkAdvance.
 template <int P>
 void advance_links(const double* from, const double* along, double by, double* to, int links) noexcept {
     constexpr int block = 2 * link_layout<P>.link_size();

@@ -154,9 +154,10 @@ namespace {
 
 /// Links that are evaluated side by side cost what the most expensive of them does, however few they are.
 [[nodiscard]] double unit_cost(const std::vector<model::Phase>& phases, int first, int last, const LinkCosts& costs) noexcept {
-    const auto tips = [&](int link) { return phases.begin() + model::tips_per_link * link; };
-    const bool touches = std::any_of(tips(first), tips(last), [](model::Phase phase) { return phase != model::Phase::free; });
-    return costs.grain * (touches ? costs.touching : costs.free);
+    for (int link = first; link < last; ++link) {
+        if (model::touches(phases.data(), link)) return costs.grain * costs.touching;
+    }
+    return costs.grain * costs.free;
 }
 
 }  // namespace

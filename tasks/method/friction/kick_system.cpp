@@ -124,9 +124,7 @@ void KickSystem<Number>::record(Workspace& w, const model::ContactDrift& drift, 
                                 model::TipSearch* search) noexcept {
     Fields& f = fields(segment);
     const Segment& own = w.partition[segment];
-    // as w.step.row has it
-    const double* window =
-        advance_window(w, segment, {w.states[0], w.slopes[1], 0.5 * w.step.h, friction_.template sweeps<Number>().advance});
+    const double* window = advance_window(w, segment, friction_.template sweeps<Number>().advance);
     const int shift = columns_.shift(segment), begin = w.layout().link_begin(own.first), size = w.layout().link_size();
     const model::ChainRange range{own.first, own.last, window, w.pulleys.sheaves, w.tips.phases.data(), shift, false};
     model::LinkLoad* loads = normal_loads_.data() + own.first;

@@ -92,9 +92,7 @@ void SweepSystem<Number>::restart() noexcept {
 
 template <class Number>
 void SweepSystem<Number>::begin(double step, double nominal) noexcept {
-    if (step != responses_step_ || nominal != responses_nominal_) responses_ = {friction_, step, nominal};
-    responses_step_ = step;
-    responses_nominal_ = nominal;
+    if (step != responses_.of_step || nominal != responses_.of_nominal) responses_ = {friction_, step, nominal};
     losses_ = Losses::none;
 }
 

@@ -76,7 +76,6 @@ private:
     void find_losses() const noexcept;
 
     model::SweepResponses<Number> responses_;
-    double responses_step_ = 0.0, responses_nominal_ = 0.0;  ///< for which they are [s]
     // Computed on demand: for an observation, a checkpoint, or borders that move.
     mutable Losses losses_ = Losses::none;
     mutable std::vector<Columns> means_;  ///< [segment], or more: velocities of the step, when its losses are found

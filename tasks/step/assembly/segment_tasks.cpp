@@ -165,13 +165,16 @@ void truncate_segment(void* workspace, int segment) noexcept {
     }
 }
 
-const double* advance_window(Workspace& w, int segment, const StateAdvance& by) noexcept {
+const double* advance_window(Workspace& w, int segment, model::LinkAdvance* kernel) noexcept {
     const model::ChainLayout& layout = w.layout();
     const int block = layout.link_block();
+    const engine::Term& slope = w.step.row.slopes.front();
+    const double *from = w.states[at(w.step.row.states.front().slot)], *along = w.slopes[at(slope.slot)];
+    const double by = w.step.h * slope.factor;
     double* window = w.windows[at(segment)].data();
     for_each_run(layout, w.partition[segment], layout.halo(), [&](int link, int links, int place) {
         const int begin = layout.link_begin(link);
-        by.kernel(by.from + begin, by.along + begin, by.time, window + place * block, links);
+        kernel(from + begin, along + begin, by, window + place * block, links);
     });
     return window;
 }

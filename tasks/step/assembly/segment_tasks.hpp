@@ -2,6 +2,7 @@
 /// Work of a segment in each cycle: bodies of tasks (context is the workspace, item the segment), and the data of links, their neighbours
 /// and their tips that they read.
 
+#include "model/contact/friction_operator.hpp"
 #include "tasks/step/workspace.hpp"
 
 namespace cvtflow::tasks {
@@ -10,14 +11,8 @@ namespace cvtflow::tasks {
 /// returned.
 const double* fill_window(Workspace& workspace, int segment, int halo) noexcept;
 
-/// from + time · along, by a kernel for whole links. from, along [states]
-struct StateAdvance {
-    const double *from, *along;
-    double time;
-    void (*kernel)(const double* from, const double* along, double by, double* to, int links) noexcept;
-};
-/// That as fill_window() does, with the halo of the layout.
-const double* advance_window(Workspace& workspace, int segment, const StateAdvance& by) noexcept;
+/// Likewise with the halo of the layout, by a kernel. workspace.step.row is a state, as it is, and a slope.
+const double* advance_window(Workspace& workspace, int segment, model::LinkAdvance* kernel) noexcept;
 
 /// A link and those of its neighbours that its tips depend on, at a time between those of states that are kept.
 struct NearBlocks {
