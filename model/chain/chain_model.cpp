@@ -12,4 +12,9 @@ const double* NeighbourWindow::of(const ChainLayout& layout, const double* state
     return numbers_ + before * block;
 }
 
+void ChainModel::book_kinetic(const double* states, int links, Account* accounts) const noexcept {
+    for (int link = 0; link < links; ++link, states += layout().link_block(), accounts += account_parts)
+        accounts->store(Energy::kinetic, kinetic_energy(inertia_, states + layout().link_size()));
+}
+
 }  // namespace cvtflow::model

@@ -102,6 +102,8 @@ public:
                          LinkContact* contacts = nullptr) const noexcept {
         kernels_.observed_slopes(*this, range, slope, loads, accounts, contacts);
     }
+    /// Kinetic energy of each of `links` neighbouring links to its account, account_parts apart. @param states their blocks
+    void book_kinetic(const double* states, int links, Account* accounts) const noexcept;
     /// Depth of the four tips of one link, whatever their phase. `state` is the link's block; with rigid pins one more lies before it and
     /// two behind (NeighbourWindow).
     /// @param slip whether slip is computed: only the phases stick and slip need it

@@ -44,24 +44,31 @@ struct ContactComponents {
     [[nodiscard]] constexpr int count() const noexcept { return relative ? plate_gap() + 2 : tip(tips_per_link); }
 };
 
-/// Arms from a sheave's origin to the contact points of a link's tips, for reactions on the sheaves [m].
-struct TipArms {
-    double x[tips_per_link], y[tips_per_link], z[tips_per_link];
-};
-
 template <class Number>
 struct ContactFieldOf {
     explicit ContactFieldOf(const ChainModel& chain);
     /// As many columns, of contacts that have never touched.
     void make_columns(int count);
 
-    [[nodiscard]] std::size_t bytes() const noexcept { return columns.bytes() + arms.size() * sizeof(TipArms); }
+    [[nodiscard]] std::size_t bytes() const noexcept { return columns.bytes() + arms.bytes(); }
 
     ContactComponents components;
     ColumnsOf<Number> columns;
-    std::vector<TipArms> arms;  ///< [links], where a tip touches
+    Columns arms;  ///< [3 tips_per_link] rows: from a sheave's origin to the contact point of each tip, x, y, z, of links that touch [m]
 };
 using ContactField = ContactFieldOf<double>;
+
+/// Mean friction of the tips over a step, as the sheaves feel it. Everything begins at the first link.
+template <class Number>
+struct TipReactionsOf {
+    const Number* forces;  ///< on the tips: [3 tips_per_link][stride] x, y, z of each [N]
+    std::ptrdiff_t stride;
+    const double* arms;  ///< ContactFieldOf::arms, [3 tips_per_link][arms_stride] [m]
+    std::ptrdiff_t arms_stride;
+    const Phase* phases;     ///< [4 links]
+    const LinkLoad* normal;  ///< [links] by the normal forces
+    LinkLoad* loads;         ///< [links] out, by both, where a tip touches
+};
 
 /// The step in whose middle a field is recorded.
 struct ContactDrift {

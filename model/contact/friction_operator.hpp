@@ -55,6 +55,8 @@ struct SweepKernels {
     /// @return whether the state of all links at the end is sound
     bool (*end)(const StepEndOf<Number>&, int links) noexcept = nullptr;
     LinkAdvance* advance = nullptr;
+    /// @param links neighbouring ones that are to have the mean friction of the tips in their loads
+    void (*react)(const TipReactionsOf<Number>&, int links) noexcept = nullptr;
 };
 
 /// Functions of one order and one instruction set.

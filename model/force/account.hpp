@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 
 #include "model/parameters/chain_layout.hpp"
 
@@ -27,6 +28,16 @@ struct Account {
     [[nodiscard]] double operator[](Loss kind) const noexcept { return loss[static_cast<std::size_t>(kind)]; }
     [[nodiscard]] double operator[](Energy kind) const noexcept { return energy[static_cast<std::size_t>(kind)]; }
 };
+
+/// In their order.
+[[nodiscard]] inline Account total_of(std::span<const Account> accounts) noexcept {
+    Account total;
+    for (const Account& account : accounts) {
+        for (std::size_t kind = 0; kind < loss_kinds; ++kind) total.loss[kind] += account.loss[kind];
+        for (std::size_t kind = 0; kind < energy_kinds; ++kind) total.energy[kind] += account.energy[kind];
+    }
+    return total;
+}
 
 namespace {
 

@@ -122,7 +122,10 @@ public:
         const V limit = c_.tip.friction.coefficient * normal;
         to.put(row + Tip::friction_limit, c_.tip.law == nullptr ? limit : limit * pressure_factor<W>(*c_.tip.law, root_of(g.depth)));
         surface(to, corner, m, sheave, shaft);
-        keep_arms(group, count, corner, m.sheave_arm);
+        const GroupRows<W, double> arms = rows_of(field_.arms, group, count);
+        arms.put(3 * corner, m.sheave_arm.x);
+        arms.put(3 * corner + 1, m.sheave_arm.y);
+        arms.put(3 * corner + 2, m.sheave_arm.z);
         if (by_phase_) branches(group, count, corner);
     }
 
@@ -148,7 +151,8 @@ protected:
     [[nodiscard]] static int first_lane(int group) noexcept { return std::max(0, -group); }
     [[nodiscard]] int last_lane(int group, int count) const noexcept { return std::min({count, W, range_.last - range_.first - group}); }
 
-    [[nodiscard]] Rows rows_of(ColumnsOf<Number>& columns, int group, int count) const noexcept {
+    template <class Any>
+    [[nodiscard]] GroupRows<W, Any> rows_of(ColumnsOf<Any>& columns, int group, int count) const noexcept {
         return {columns.at(0, range_.first + group + range_.shift), columns.stride(), first_lane(group), last_lane(group, count)};
     }
 
@@ -170,19 +174,6 @@ protected:
         to.put(row + Tip::drift, change(&SheaveMotion::vx) + cy * p.z - cz * p.y + h * (s.spin_y * z - s.spin_z * y));
         to.put(row + Tip::drift + 1, change(&SheaveMotion::vy) + cz * p.x - cx * p.z + h * (s.spin_z * x - s.spin_x * z));
         to.put(row + Tip::drift + 2, change(&SheaveMotion::vz) + cx * p.y - cy * p.x + h * (s.spin_x * y - s.spin_y * x));
-    }
-
-    void keep_arms(int group, int count, int corner, const Vector3<V>& p) const noexcept {
-        alignas(64) double x[W], y[W], z[W];
-        p.x.copy_to(x);
-        p.y.copy_to(y);
-        p.z.copy_to(z);
-        for (int lane = first_lane(group); lane < last_lane(group, count); ++lane) {
-            TipArms& arms = field_.arms[static_cast<std::size_t>(range_.first + group + lane)];
-            arms.x[corner] = x[lane];
-            arms.y[corner] = y[lane];
-            arms.z[corner] = z[lane];
-        }
     }
 
     /// Speeds between which the branch of the law of a tip's phase has its kink.

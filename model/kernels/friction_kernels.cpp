@@ -26,7 +26,7 @@ FrictionKernels friction_kernels<compiled_isa>(int order) noexcept {
         return {record<P>,
                 evaluate_links<double, P, false>,
                 evaluate_links<double, P, true>,
-                {sweep_links<double, P>, sweep_powers<double, P>, end_links<double, P>, advance_links<P>}};
+                {sweep_links<double, P>, sweep_powers<double, P>, end_links<double, P>, advance_links<P>, react<double>}};
     });
 }
 

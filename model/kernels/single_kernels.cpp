@@ -29,7 +29,7 @@ SingleFrictionKernels single_kernels<compiled_isa>(int order) noexcept {
         return {record_single<P>,
                 evaluate_links<float, P, false>,
                 evaluate_links<float, P, true>,
-                {sweep_links<float, P>, sweep_powers<float, P>, end_links<float, P>, advance_links<P>}};
+                {sweep_links<float, P>, sweep_powers<float, P>, end_links<float, P>, advance_links<P>, react<float>}};
     });
 }
 

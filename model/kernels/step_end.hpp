@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <type_traits>
 
@@ -89,6 +90,72 @@ template <class Number, int P>
         for (int lane = 0; lane < count; ++lane) end_block<Number, size>(end, group + lane, above, sound);
     }
     return sum(sound) == narrow;
+}
+
+/// What forces on the tips of W links do to their sheaves: contributions of a side's first tip, then of its second one, each in the order
+/// of the numbers of a SheaveLoad. @param force rows [3 tips_per_link]   @param arms their arms
+template <int W>
+inline void turn_reactions(const Lanes<W>* force, const double* arms, std::ptrdiff_t stride,
+                           std::array<std::array<Lanes<W>, 12>, 2>& reactions) noexcept {
+    for (int corner = 0; corner < tips_per_link; ++corner) {
+        const Lanes<W>*f = force + 3 * corner, x = load<W>(arms + 3 * corner * stride);
+        const Lanes<W> y = load<W>(arms + (3 * corner + 1) * stride), z = load<W>(arms + (3 * corner + 2) * stride);
+        Lanes<W>* to = reactions[static_cast<std::size_t>(corner / 2)].data() + corner % 2;
+        to[0] = -f[0];
+        to[2] = -f[1];
+        to[4] = -f[2];
+        to[6] = z * f[1] - y * f[2];
+        to[8] = x * f[2] - z * f[0];
+        to[10] = y * f[0] - x * f[1];
+    }
+}
+
+/// @param force rows [3 tips_per_link] of the links from `link` on, `count` of them at most W
+template <int W, class Number>
+inline void add_reactions(const TipReactionsOf<Number>& r, const Lanes<W>* force, int link, int count) noexcept {
+    static_assert(sizeof(SheaveLoad) == 12 * sizeof(double));
+    std::array<std::array<Lanes<W>, 12>, 2> reactions;
+    turn_reactions<W>(force, r.arms + link, r.arms_stride, reactions);
+    alignas(64) double turned[2][W][12];
+    for (std::size_t tip = 0; tip < 2; ++tip) {
+        std::array<double*, W> to{};
+        for (int lane = 0; lane < W; ++lane) to[static_cast<std::size_t>(lane)] = turned[tip][lane];
+        store_rows<W, 12>(reactions[tip].data(), to, std::min(count, W));
+    }
+    for (int lane = 0; lane < std::min(count, W); ++lane) {
+        if (!touches(r.phases, link + lane)) continue;  // no sum has its load
+        double numbers[12];
+        std::memcpy(numbers, &r.normal[link + lane].load, sizeof numbers);
+        for (int k = 0; k < 12; ++k) numbers[k] = (numbers[k] + turned[0][lane][k]) + turned[1][lane][k];
+        std::memcpy(&r.loads[link + lane].load, numbers, sizeof numbers);
+        r.loads[link + lane].shaft = r.normal[link + lane].shaft;
+    }
+}
+
+/// SweepKernels::react. A free tip has no friction.
+template <class Number>
+void react(const TipReactionsOf<Number>& r, int links) noexcept {
+    constexpr int W = std::is_same_v<Number, float> ? native_floats : native_lanes;
+    for (int group = 0; group < links; group += W) {
+        const int count = std::min(W, links - group);
+        const Phase* phases = r.phases + tips_per_link * group;
+        if (std::all_of(phases, phases + tips_per_link * count, [](Phase phase) { return phase == Phase::free; })) continue;
+        if constexpr (std::is_same_v<Number, float>) {
+            std::array<Lanes<W / 2>, 3 * tips_per_link> low, high;
+            for (std::size_t row = 0; row < low.size(); ++row) {
+                const Lanes<W> both = widen<W>(load<singles<W>>(r.forces + static_cast<std::ptrdiff_t>(row) * r.stride + group));
+                low[row] = both.low;
+                high[row] = both.high;
+            }
+            add_reactions<W / 2>(r, low.data(), group, count);
+            if (count > W / 2) add_reactions<W / 2>(r, high.data(), group + W / 2, count - W / 2);
+        } else {
+            std::array<Lanes<W>, 3 * tips_per_link> force;
+            for (std::size_t row = 0; row < force.size(); ++row)
+                force[row] = load<W>(r.forces + static_cast<std::ptrdiff_t>(row) * r.stride + group);
+            add_reactions<W>(r, force.data(), group, count);
+        }
+    }
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ void Observer::begin(double t) noexcept {
     rigid_.reset();
 }
 
-const Observation& Observer::observe(double t, const double* state, const Phase* phases) noexcept {
+const Observation& Observer::observe(double t, const double* state, const Phase* phases, const EvaluatedLinks* evaluated) noexcept {
     const ChainLayout& at = variator_.layout();
     Account& total = observation_.account;
     begin(t);
@@ -45,7 +45,7 @@ const Observation& Observer::observe(double t, const double* state, const Phase*
         total.store(Energy::kinetic, rigid_->kinetic());
         observe_rigid(*rigid_);
     } else {
-        observe_halves(state, phases);
+        observe_halves(state, phases, evaluated != nullptr ? *evaluated : evaluate_halves(state, phases));
     }
     if (at.pulley_size != 0) variator_.pulleys().account(pulleys_, total);
     return observation_;
@@ -61,19 +61,21 @@ const Observation& Observer::observe(double t, const RigidState& pins) noexcept 
     return observation_;
 }
 
-void Observer::observe_halves(const double* state, const Phase* phases) noexcept {
-    const ChainLayout& at = variator_.layout();
-    Account& total = observation_.account;
-    total = {};
+EvaluatedLinks Observer::evaluate_halves(const double* state, const Phase* phases) noexcept {
+    const int links = variator_.layout().links;
     std::fill(scratch_.accounts.begin(), scratch_.accounts.end(), Account{});
     fill_window(variator_, state, scratch_);
-    variator_.chain().observed_slopes({0, at.links, scratch_.window.data(), scratch_.sheaves, phases}, slope_.data(), scratch_.loads.data(),
+    variator_.chain().observed_slopes({0, links, scratch_.window.data(), scratch_.sheaves, phases}, slope_.data(), scratch_.loads.data(),
                                       scratch_.accounts.data(), contacts_.data());
-    for (const Account& account : scratch_.accounts) {
-        for (std::size_t kind = 0; kind < loss_kinds; ++kind) total.loss[kind] += account.loss[kind];
-        for (std::size_t kind = 0; kind < energy_kinds; ++kind) total.energy[kind] += account.energy[kind];
-    }
-    sheave_forces_ = variator_.sheave_forces(phases, scratch_.loads.data());
+    variator_.chain().book_kinetic(state, links, scratch_.accounts.data());
+    return {scratch_.loads.data(), scratch_.accounts.data(), contacts_.data()};
+}
+
+void Observer::observe_halves(const double* state, const Phase* phases, const EvaluatedLinks& evaluated) noexcept {
+    const ChainLayout& at = variator_.layout();
+    observation_.account = total_of({evaluated.accounts, index_of(account_parts * at.links)});
+    seen_ = evaluated.contacts;
+    sheave_forces_ = variator_.sheave_forces(phases, evaluated.loads);
     observe_links(state, phases);
     observe_strands(state, phases);
     if (at.pulley_size == 0) return;
@@ -87,13 +89,12 @@ void Observer::observe_links(const double* state, const Phase* phases) noexcept 
     o.touching = 0;
     o.deepest = 0.0;
     o.creep = {};
-    double energy = 0.0, speed = 0.0;
+    double speed = 0.0;
     const bool guided = variator_.chain().coefficients().guide.present;
     for (int link = 0; link < at.links; ++link) {
-        const LinkContact& contact = contacts_[index_of(link)];
+        const LinkContact& contact = seen_[link];
         o.tension[index_of(link)] = contact.tension;
         const double* v = state + at.link_begin(link) + at.link_size();
-        energy += kinetic_energy(variator_.chain().inertia(), v);
         speed += portable_hypot(v[at.x(End::rear, 0)], v[at.y(End::rear, 0)]);
         if (guided) {
             const double* q = v - at.link_size();
@@ -110,7 +111,6 @@ void Observer::observe_links(const double* state, const Phase* phases) noexcept 
             o.creep.power += contact.creep_power[tip];
         }
     }
-    o.account.store(Energy::kinetic, energy);
     o.chain_speed = speed / at.links;
 }
 
@@ -196,7 +196,7 @@ const ForceObservation& Observer::forces() {
     if (rigid_)
         observe_forces(variator_.chain(), *rigid_, forces_.chain);
     else
-        observe_forces(variator_.chain(), state_, contacts_.data(), forces_.chain);
+        observe_forces(variator_.chain(), state_, seen_, forces_.chain);
     if (variator_.layout().pulley_size != 0) {
         const PulleyModel& pulleys = variator_.pulleys();
         pulleys.motions(pulleys_, scratch_.sheaves);

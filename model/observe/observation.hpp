@@ -66,13 +66,22 @@ struct Observation {
     std::array<GuideLoad, 2> guide{};
 };
 
+/// Links of pin halves as an evaluation of the whole chain leaves them (ChainModel::observed_slopes and book_kinetic).
+struct EvaluatedLinks {
+    const LinkLoad* loads;        ///< [links]
+    const Account* accounts;      ///< [links * account_parts]
+    const LinkContact* contacts;  ///< [links]
+};
+
 /// Evaluates observations; owns their memory. Not for the step loop: serial. An observation of rigid pins whose forces are known reads
 /// them, any other evaluates the chain: some tens of microseconds.
 class Observer {
 public:
     explicit Observer(const Variator& variator);
     /// Reads the whole state; the returned object is reused by the next call. @param t [s]   @param state [unknowns]
-    const Observation& observe(double t, const double* state, const Phase* phases) noexcept;
+    /// @param evaluated what an evaluation of that state has left of pin halves; nullptr: the observer evaluates them itself, with equal
+    /// bits
+    const Observation& observe(double t, const double* state, const Phase* phases, const EvaluatedLinks* evaluated = nullptr) noexcept;
     /// Reads rigid pins with the forces of their last step, losses and energies of which are those that the step counts.
     const Observation& observe(double t, const RigidState& pins) noexcept;
     /// Reads what lies behind the links and evaluates no chain: time, speed, angle, torque, clamping, sheave_position, control_limited,
@@ -82,8 +91,10 @@ public:
     const ForceObservation& forces();
 
 private:
-    void begin(double t) noexcept;                                            ///< t [s]
-    void observe_halves(const double* state, const Phase* phases) noexcept;   ///< state [unknowns]
+    void begin(double t) noexcept;                                                                    ///< t [s]
+    [[nodiscard]] EvaluatedLinks evaluate_halves(const double* state, const Phase* phases) noexcept;  ///< state [unknowns]
+    /// @param state [unknowns]
+    void observe_halves(const double* state, const Phase* phases, const EvaluatedLinks& evaluated) noexcept;
     void observe_links(const double* state, const Phase* phases) noexcept;    ///< of halves. state [unknowns]
     void observe_strands(const double* state, const Phase* phases) noexcept;  ///< of halves. state [unknowns]
     void observe_radii(const double* state, const Phase* phases) noexcept;    ///< of halves. state [unknowns]
@@ -97,7 +108,8 @@ private:
     const Variator& variator_;
     EvaluationScratch scratch_;
     std::vector<double> slope_;          ///< [unknowns of the links, per second]
-    std::vector<LinkContact> contacts_;  ///< [links]
+    std::vector<LinkContact> contacts_;  ///< [links] of evaluations of its own
+    const LinkContact* seen_ = nullptr;  ///< [links] of the halves observed last
     std::vector<double> tail_;           ///< [unknowns behind the pins] where they are not in a state
     SheaveForces sheave_forces_{};       ///< of the chain
     Observation observation_;

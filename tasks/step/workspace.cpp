@@ -45,6 +45,7 @@ Workspace::Workspace(const model::Parameters& p, const engine::StagePlan& stage_
     links.errors.resize(count);
     step.error_scale.velocity = p.tip.friction.saturation_speed;
     links.accounts.resize(model::account_parts * count);
+    links.contacts.resize(count);
     tips.phases.assign(model::tips_per_link * count, model::Phase::free);
     tips.phases_before = tips.phases;
     tips.before.assign(tips.phases.size(), {});
@@ -146,8 +147,8 @@ std::size_t Workspace::bytes() const noexcept {
     std::size_t bytes = sizeof(*this);
     for (const auto& window : windows) bytes += of(window);
     if (columns_) bytes += columns_->bytes();
-    return bytes + of(memory_, pulleys.tail, links.loads, links.sums, links.accounts, links.errors, tips.phases, tips.phases_before,
-                      tips.before, tips.after, tips.probes, tips.changed, segment_results);
+    return bytes + of(memory_, pulleys.tail, links.loads, links.sums, links.accounts, links.contacts, links.errors, tips.phases,
+                      tips.phases_before, tips.before, tips.after, tips.probes, tips.changed, segment_results);
 }
 
 Partition Partition::equal(int links, int segments, int grain) {

@@ -105,7 +105,9 @@ struct LinkFields {
         sums;                     ///< [variator.sums()] of loads; by the segment that has all links of a sum, in a fused evaluate cycle
     std::vector<int> split_sums;  ///< those whose links several segments share
     std::vector<model::Account> accounts;  ///< [links * account_parts], by an observe cycle; with a ledger in the state by every evaluation
-    std::vector<double> errors;            ///< [links] local error of the step, root mean square in units of error_scale
+    std::vector<model::LinkContact> contacts;  ///< [links] by an observe cycle, where `observed` is set
+    bool observed = false;                     ///< set before an observe cycle: what it leaves is for observers, too, until the next step
+    std::vector<double> errors;                ///< [links] local error of the step, root mean square in units of error_scale
 };
 
 /// Whether tips touch: changed in truncate cycles or by the method (Field::phase), probed in detect cycles (Field::before, after).
@@ -181,7 +183,9 @@ public:
     void columns_advanced() noexcept { columns_ahead_ = columns_hold_forces_ = true; }
     /// Observation of y at the step's start, with the forces of the step behind it where the columns hold them. time [s]
     [[nodiscard]] const model::Observation& observed_by(model::Observer& observer, double time) const noexcept {
-        return columns_hold_forces_ ? observer.observe(time, *columns_) : observer.observe(time, state(), tips.phases.data());
+        if (columns_hold_forces_) return observer.observe(time, *columns_);
+        const model::EvaluatedLinks evaluated{links.loads.data(), links.accounts.data(), links.contacts.data()};
+        return observer.observe(time, state(), tips.phases.data(), links.observed ? &evaluated : nullptr);
     }
     /// Observation without the chain (Observer::observe_shafts). time [s]
     [[nodiscard]] const model::Observation& shafts_observed_by(model::Observer& observer, double time) const noexcept {
@@ -190,7 +194,7 @@ public:
     /// y to set from outside, between two runs; then call StepMethod::restart.
     [[nodiscard]] double* state_to_set() noexcept {
         static_cast<void>(state());
-        columns_hold_forces_ = false;
+        columns_hold_forces_ = links.observed = false;
         return states[0];
     }
     /// Another variator of the same layout, at rest before its start; between runs only.

@@ -180,20 +180,15 @@ template <class Number>
 void KickSystem<Number>::add_loads(Workspace& w, int segment) const noexcept {
     const Fields& f = fields(segment);
     const Segment& own = w.partition[segment];
-    const Columns& forces = f.of[mean_tip_forces];
-    const int shift = columns_.shift(segment);
-    for (int link = own.first; link < own.last; ++link) {
-        if (!model::touches(w.tips.phases.data(), link)) continue;  // no sum has its load
-        const model::Phase* phases = w.tips.phases.data() + model::tips_per_link * link;
-        w.links.loads[at(link)] = normal_loads_[at(link)];
-        model::SheaveLoad& load = w.links.loads[at(link)].load;
-        const model::TipArms& p = f.contacts.arms[at(link)];
-        for (int corner = 0; corner < model::tips_per_link; ++corner) {
-            if (phases[corner] == model::Phase::free) continue;
-            const auto force = [&](int axis) -> double { return *forces.at(3 * corner + axis, link + shift); };
-            load.add(corner % 2, -force(0), -force(1), -force(2), p.x[corner], p.y[corner], p.z[corner]);
-        }
-    }
+    const int column = own.first + columns_.shift(segment);
+    friction_.template sweeps<Number>().react({.forces = f.of[mean_tip_forces].at(0, column),
+                                               .stride = f.of[mean_tip_forces].stride(),
+                                               .arms = f.contacts.arms.at(0, column),
+                                               .arms_stride = f.contacts.arms.stride(),
+                                               .phases = w.tips.phases.data() + model::tips_per_link * own.first,
+                                               .normal = normal_loads_.data() + own.first,
+                                               .loads = w.links.loads.data() + own.first},
+                                              own.size());
     if (w.layout().pulley_size != 0) add_up(w, own);
 }
 

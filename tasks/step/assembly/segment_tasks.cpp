@@ -197,12 +197,10 @@ void observe_segment(void* workspace, int segment) noexcept {
     const model::ChainRange range{own.first, own.last, copy_window(w, segment, w.states[0]), w.pulleys.observed_sheaves,
                                   w.tips.phases.data()};
     model::Account* accounts = cleared_accounts(w, own);
-    w.variator.chain().observed_slopes(range, w.cut_state + layout.link_begin(own.first), w.links.loads.data() + own.first, accounts);
-    for (int link = own.first; link < own.last; ++link) {
-        const double* velocities = w.states[0] + layout.link_begin(link) + layout.link_size();
-        accounts[model::account_parts * (link - own.first)].store(model::Energy::kinetic,
-                                                                  model::kinetic_energy(w.variator.chain().inertia(), velocities));
-    }
+    const int begin = layout.link_begin(own.first);
+    w.variator.chain().observed_slopes(range, w.cut_state + begin, w.links.loads.data() + own.first, accounts,
+                                       w.links.observed ? w.links.contacts.data() + own.first : nullptr);
+    w.variator.chain().book_kinetic(w.states[0] + begin, own.size(), accounts);
 }
 
 }  // namespace cvtflow::tasks

@@ -28,7 +28,6 @@ constexpr double deviations = 6.0;
 constexpr double noise_share_with_inputs = 0.009, noise_share_without = 0.5, noise_span = 10e-3;  // [1], [1], [s]
 constexpr double dense_share = 0.05, dense_time = 5e-4;                                           // [1], [s]
 constexpr double min_samples = 10.0;
-constexpr double closer = 8.0;  ///< by which samples lie closer in dense sampling
 
 [[nodiscard]] double total(const auto& values) noexcept { return std::accumulate(values.begin(), values.end(), 0.0); }
 
@@ -110,13 +109,14 @@ void EnergyLedger::inputs_changed(double time, bool densely) noexcept {
     if (densely && m_.samples > 0.0 && time - m_.jumped > window) m_.jumped = time;
 }
 
-bool EnergyLedger::due(double time) const noexcept {
+bool EnergyLedger::due(double time, double to_output) const noexcept {
     if (!on_) return false;
     if (m_.samples == 0.0) return true;
     if (!(time > m_.sampled)) return false;  // a step may be cut at its start
     const double since = time - m_.jumped;   // what follows a jump dies out fast at first: samples lie as close as it is young
     if (since < dense_time && m_.steps >= 1.0 && time - m_.sampled >= dense_share * since) return true;
-    return m_.steps >= (m_.dense_sampling != 0.0 ? std::max(1.0, stride_ / closer) : stride_);
+    if (counted_ || 2.0 * to_output >= stride()) return m_.steps >= stride();
+    return to_output == 0.0 && 2.0 * m_.steps >= stride();
 }
 
 void EnergyLedger::sample(double time, const model::Account& links, const model::Account& pulleys, double pin_period) noexcept {

@@ -6,6 +6,7 @@
 /// of the works. A method that creates or destroys energy therefore shows a residual. After a window of time whose residual could be noise
 /// of sampling alone, samples are closer in the next one. (DECISIONS 74)
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <span>
@@ -127,6 +128,7 @@ class EnergyLedger {
 public:
     /// Time after which a balance is judged by itself [s]: what went wrong once is not forgotten in what follows.
     static constexpr double window = 2e-3;
+    static constexpr double closer = 8.0;  ///< by which samples lie closer in dense sampling
 
     /// A new integration begins. @param stride steps between samples of the losses (StepMethod::observation_stride)
     void restart(long stride) noexcept;
@@ -144,8 +146,11 @@ public:
     [[nodiscard]] bool counted() const noexcept { return counted_; }
     /// Adds a step. @param begin, end of the step [s]   @param from, to states behind the links there, which begin at pulley_begin()
     void step(const model::Variator& variator, double begin, const double* from, double end, const double* to) noexcept;
-    /// Whether losses should be sampled before the next step. time [s]
-    [[nodiscard]] bool due(double time) const noexcept;
+    /// Whether losses should be sampled before the next step. Samples and outputs that are near each other are at one instant, since one
+    /// evaluation of the chain then serves both. time [s]   @param to_output steps to the next output, 0 at one [1]
+    [[nodiscard]] bool due(double time, double to_output) const noexcept;
+    /// Steps between two samples [1].
+    [[nodiscard]] double stride() const noexcept { return m_.dense_sampling != 0.0 ? std::max(1.0, stride_ / closer) : stride_; }
     /// Adds the sample of an observe cycle. @param links, pulleys their losses and energies, kinetic energy included
     /// @param pin_period time that a pin takes to the place of the next one; 0: none [s]
     void sample(double time, const model::Account& links, const model::Account& pulleys, double pin_period) noexcept;

@@ -41,7 +41,8 @@ public:
     virtual ~RunObserver() = default;
     /// At every output time, the first one included. The state is that of the workspace's slot 0.
     virtual void output(double time, const Workspace& workspace, const Counters& counters) = 0;
-    /// Whether sample() should be called at this time, at which a step has ended and no output is due. Changes no result. time [s]
+    /// Whether sample() should be called now if the next occasion is at `time`. Asked where a step has ended and no output is due. Changes
+    /// no result. time [s]
     [[nodiscard]] virtual bool samples(double time) const noexcept {
         (void)time;
         return false;

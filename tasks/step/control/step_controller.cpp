@@ -25,19 +25,10 @@ constexpr double min_gain = 1.05;
     return settings.automatic() ? settings.output_interval : std::min(settings.step, settings.output_interval);
 }
 
-/// Losses and energies after an observe cycle, of all links in their order.
-[[nodiscard]] model::Account observed_links(const Workspace& w) noexcept {
-    model::Account total;
-    for (const model::Account& account : w.links.accounts) {
-        for (std::size_t kind = 0; kind < model::loss_kinds; ++kind) total.loss[kind] += account.loss[kind];
-        for (std::size_t kind = 0; kind < model::energy_kinds; ++kind) total.energy[kind] += account.energy[kind];
-    }
-    return total;
-}
-
-/// Temperatures follow the losses so far, and the tips' law the temperatures.
+/// Temperatures follow the losses so far, and the tips' law the temperatures: forces are no longer those that were observed.
 void warm(Workspace& w) noexcept {
     if (!w.heat.enabled()) return;
+    w.links.observed = false;
     w.heat.advance(w.step.time, w.energy.sums(w.step.time).loss);
     w.warm();
 }
@@ -49,18 +40,11 @@ void warm(Workspace& w) noexcept {
     return {FaultKind::step_too_short, time, {}, step, shortest};
 }
 
-/// The sheaves for an observe cycle. @return false: losses and energies are known without one
-[[nodiscard]] bool prepare_observation(Workspace& w) noexcept {
-    if (w.energy.counted()) return false;
-    if (w.layout().pulley_size != 0) w.variator.pulleys().motions(w.states[0] + w.layout().pulley_begin(), w.pulleys.observed_sheaves);
-    return true;
-}
-
 void sample_energy(Workspace& w) noexcept {
     if (w.energy.counted()) return w.energy.sample_counted(w.step.time, w.pin_period());
     model::Account pulleys;
     if (w.layout().pulley_size != 0) w.variator.pulleys().account(w.tail(), pulleys);
-    w.energy.sample(w.step.time, observed_links(w), pulleys, w.pin_period());
+    w.energy.sample(w.step.time, model::total_of(w.links.accounts), pulleys, w.pin_period());
 }
 
 /// Phases of the start state, without dwell: a geometric start comes with all tips free.
@@ -150,11 +134,13 @@ CycleSequence StepController::integrate() {
     const AtTransition at_transition = w_.step.at_transition;
     for (;;) {
         if (const Fault fault = check_precision(w_.step.time, grid_.step)) co_return fault;
-        if (w_.energy.due(w_.step.time)) {
-            if (prepare_observation(w_)) co_yield observe_cycle;
+        if (w_.energy.due(w_.step.time, steps_to_output())) {
+            if (prepare_observation()) co_yield observe_cycle;
             sample_energy(w_);
         }
-        if (deliver_output()) co_return {};
+        const bool over = deliver_output();
+        w_.links.observed = false;
+        if (over) co_return {};
         if (const Fault fault = check_budget()) co_return fault;
         plan_step();
         bool cut = false;  // the step ends at a transition
@@ -187,6 +173,22 @@ CycleSequence StepController::integrate() {
     }
 }
 
+/// From the present point of the grid; infinite where the length of steps follows their error, and between points.
+double StepController::steps_to_output() const noexcept {
+    const auto steps = static_cast<double>(grid_.steps_to_output(outputs_));
+    return steps > 0.0 && errors_.decides() ? std::numeric_limits<double>::infinity() : steps;
+}
+
+/// The sheaves for an observe cycle, and whether an observer will look at what it leaves. @return false: losses and energies are known
+/// without one
+bool StepController::prepare_observation() noexcept {
+    if (w_.energy.counted()) return false;
+    if (w_.layout().pulley_size != 0) w_.variator.pulleys().motions(w_.states[0] + w_.layout().pulley_begin(), w_.pulleys.observed_sheaves);
+    const double next = w_.step.time + w_.energy.stride() * grid_.step;  // the next evaluation that an observer may share
+    w_.links.observed = steps_to_output() == 0.0 || observer_->samples(next);
+    return true;
+}
+
 Fault StepController::check_budget() const {
     if (cancel_->requested() || (settings_.pause != nullptr && *settings_.pause)) return {FaultKind::cancelled, w_.step.time, {}, 0.0, 0.0};
     if (settings_.max_steps > 0 && counters_.steps >= settings_.max_steps) {
@@ -210,7 +212,7 @@ bool StepController::deliver_output() {
     }
     if (due || over) observer_->output(w_.step.time, w_, counters_);
     if (due) ++outputs_;
-    if (!due && !over && observer_->samples(w_.step.time)) observer_->sample(w_.step.time, w_, counters_);
+    if (!due && !over && (w_.links.observed || observer_->samples(w_.step.time))) observer_->sample(w_.step.time, w_, counters_);
     return over;
 }
 

@@ -23,6 +23,8 @@ struct StepGrid {
     [[nodiscard]] double here() const noexcept { return time(leg, point); }
     [[nodiscard]] double next() const noexcept { return point + 1 < steps_per_leg ? time(leg, point + 1) : time(leg + 1, 0); }
     [[nodiscard]] bool at_output(long outputs) const noexcept { return point == 0 && leg == outputs * legs_per_output; }
+    /// Steps from the present point to the output after `outputs` ones.
+    [[nodiscard]] long steps_to_output(long outputs) const noexcept { return (outputs * legs_per_output - leg) * steps_per_leg - point; }
     void pass() noexcept;
     /// Takes up a grid of `steps` per leg after `points` of its points.
     void continue_at(long points, long steps) noexcept {

@@ -52,6 +52,34 @@ TEST(StepControllerOutputs, ComeFirstAndLastAlsoIfTheEndIsNoMultiple) {
     EXPECT_EQ(rig.counters().steps, 0);
 }
 
+/// Shortly after a start samples lie closer than outputs and miss some of them.
+TEST(StepControllerOutputs, ReadTheEvaluationOfALossSampleWithTheBitsOfTheirOwn) {
+    Rig rig(tiny_parameters());
+    int shared = 0, outputs = 0;
+    const auto compare = [&](double t, const Workspace& w) {
+        ++outputs;
+        if (!w.links.observed) return;
+        ++shared;
+        model::Observer reading(w.variator), evaluating(w.variator);
+        const model::Observation& read = w.observed_by(reading, t);
+        const model::Observation& own = evaluating.observe(t, w.state(), w.tips.phases.data());
+        EXPECT_GT(own.touching, 0);
+        EXPECT_GT(own.account[model::Energy::kinetic], 0.0);
+        EXPECT_EQ(read.account.loss, own.account.loss);
+        EXPECT_EQ(read.account.energy, own.account.energy);
+        EXPECT_EQ(read.tension, own.tension);
+        EXPECT_EQ(read.tip_axial, own.tip_axial);
+        EXPECT_EQ(read.axial_force, own.axial_force);
+        EXPECT_EQ(read.chain_torque, own.chain_torque);
+        EXPECT_EQ(read.deepest, own.deepest);
+        EXPECT_EQ(read.friction_slip, own.friction_slip);
+        EXPECT_EQ(reading.forces().chain.tip_radial, evaluating.forces().chain.tip_radial);
+    };
+    ASSERT_FALSE(rig.run({0.0, 2e-5, 5e-8, 1e-6}, compare));
+    EXPECT_EQ(outputs, 21);
+    EXPECT_GE(shared, 3);
+}
+
 TEST(StepControllerOutputs, ShortenTheStepSoThatItDividesTheInterval) {
     Rig rig(tiny_parameters());
     EXPECT_EQ(output_times(rig, {0.0, 1e-5, 3e-8, 1e-6}).size(), 11u);
@@ -369,6 +397,24 @@ TEST(EnergyLedger, ClosesWhereWhatIsLostWasStored) {
 }
 
 /// A memory as long as ours, of a program whose fields were others.
+/// Samples 12 steps apart, outputs 50: one where an output is, none shortly before.
+TEST(EnergyLedger, SamplesLossesAtOutputsThatAreNear) {
+    EnergyLedger ledger;
+    const model::Variator ring(tiny_parameters());
+    ledger.restart(12);
+    std::vector<int> sampled;
+    const std::vector<double> tail(static_cast<std::size_t>(ring.layout().size() - ring.layout().pulley_begin()));
+    constexpr double begin = 1.0, step = 2e-6;  // long after the start, where samples are closer
+    for (int k = 0; k <= 100; ++k) {
+        const double time = k == 0 ? 0.0 : begin + k * step;
+        if (k > 0) ledger.step(ring, time - step, tail.data(), time, tail.data());
+        if (!ledger.due(time, (50 - k % 50) % 50)) continue;
+        ledger.sample(time, {}, {}, 1e-3);
+        sampled.push_back(k);
+    }
+    EXPECT_EQ(sampled, (std::vector<int>{0, 12, 24, 36, 50, 62, 74, 86, 100}));
+}
+
 TEST(EnergyLedger, RefusesAMemoryOfAnotherLayout) {
     std::vector<double> memory;
     sampled(300.0, -300.0).save(memory);
