@@ -32,15 +32,20 @@ struct GroupRows {
     std::ptrdiff_t stride;
     int first, last;
 
-    void put(int row, const Lanes<W>& lanes) const noexcept {
+    [[gnu::always_inline]] void put(int row, const Lanes<W>& lanes) const noexcept {
         Number* const place = to + row * stride;
-        if (last - first == W) return store(lanes, place);
+        if (last - first == W)
+            store(lanes, place);
+        else
+            put_some(place, lanes);
+    }
+
+private:
+    [[gnu::noinline]] void put_some(Number* place, const Lanes<W>& lanes) const noexcept {
         alignas(64) Number buffer[W];
         store(lanes, buffer);
         if (first < last) std::copy_n(buffer + first, last - first, place + first);
     }
-
-private:
     static void store(const Lanes<W>& lanes, Number* place) noexcept {
         if constexpr (std::is_same_v<Number, float>) {
             store_rounded<W>(lanes, place);

@@ -26,29 +26,35 @@ inline void load_rows(const std::array<const double*, W>& from, Lanes<W>* rows) 
     }
 }
 
-/// The other way round, to the first `links` of `to`, at most W.
-template <int W, int count>
-inline void store_rows(const Lanes<W>* rows, const std::array<double*, W>& to, int links) noexcept {
-    constexpr int rest = count % W, whole = count - rest;
+/// Rows begin … begin + height - 1 of store_rows(), height at most W. Loops over constants are written as packs: GCC 12 does not unroll
+/// them.
+template <int W, int begin, int height>
+inline void store_block(const Lanes<W>* rows, const std::array<double*, W>& to, int links) noexcept {
     std::array<Lanes<W>, W> block;
-    const auto turn = [&](int begin, int height) {
-        for (int row = 0; row < W; ++row) block[static_cast<std::size_t>(row)] = row < height ? rows[begin + row] : Lanes<W>(0.0);
-        transpose<W>(block.data());
-    };
-    for (int begin = 0; begin < whole; begin += W) {
-        turn(begin, W);
+    [&]<std::size_t... row>(std::index_sequence<row...>) {
+        ((block[row] = row < height ? rows[begin + std::min<std::size_t>(row, height - 1)] : Lanes<W>(0.0)), ...);
+    }
+    (std::make_index_sequence<W>());
+    transpose<W>(block.data());
+    if constexpr (height == W) {
         if (links == W) {  // from registers
             [&]<std::size_t... link>(std::index_sequence<link...>) { (block[link].copy_to(to[link] + begin), ...); }
             (std::make_index_sequence<W>());
-            continue;
+            return;
         }
-        for (std::size_t link = 0; link < W - 1 && link < static_cast<std::size_t>(links); ++link) block[link].copy_to(to[link] + begin);
     }
-    if constexpr (rest != 0) {
-        turn(whole, rest);
-        for (std::size_t link = 0; link < static_cast<std::size_t>(links); ++link)
-            std::memcpy(to[link] + whole, &block[link], rest * sizeof(double));
+    constexpr std::size_t most = height == W ? W - 1 : W;
+    for (std::size_t link = 0; link < most && link < static_cast<std::size_t>(links); ++link)
+        std::memcpy(to[link] + begin, &block[link], height * sizeof(double));
+}
+
+/// The other way round, to the first `links` of `to`, at most W.
+template <int W, int count>
+inline void store_rows(const Lanes<W>* rows, const std::array<double*, W>& to, int links) noexcept {
+    [&]<std::size_t... part>(std::index_sequence<part...>) {
+        (store_block<W, static_cast<int>(part) * W, std::min(W, count - static_cast<int>(part) * W)>(rows, to, links), ...);
     }
+    (std::make_index_sequence<(count + W - 1) / W>());
 }
 
 /// Sum of terms_at(0) … terms_at(count - 1) in the tree of sums() over `width` lanes: pairs that lie width/2 apart first. A pair is added

@@ -92,8 +92,8 @@ template <class Number, int P>
     return sum(sound) == narrow;
 }
 
-/// What forces on the tips of W links do to their sheaves: contributions of a side's first tip, then of its second one, each in the order
-/// of the numbers of a SheaveLoad. @param force rows [3 tips_per_link]   @param arms their arms
+/// Reactions of W links on their sheaves to forces on their tips: contributions of a side's first tip, then of its second one, each in the
+/// order of the numbers of a SheaveLoad. @param force rows [3 tips_per_link]   @param arms their arms
 template <int W>
 inline void turn_reactions(const Lanes<W>* force, const double* arms, std::ptrdiff_t stride,
                            std::array<std::array<Lanes<W>, 12>, 2>& reactions) noexcept {

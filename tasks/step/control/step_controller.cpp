@@ -134,13 +134,11 @@ CycleSequence StepController::integrate() {
     const AtTransition at_transition = w_.step.at_transition;
     for (;;) {
         if (const Fault fault = check_precision(w_.step.time, grid_.step)) co_return fault;
-        if (w_.energy.due(w_.step.time, steps_to_output())) {
+        if (w_.energy.due(w_.step.time, grid_.steps_to_output(outputs_))) {
             if (prepare_observation()) co_yield observe_cycle;
             sample_energy(w_);
         }
-        const bool over = deliver_output();
-        w_.links.observed = false;
-        if (over) co_return {};
+        if (deliver_output()) co_return {};
         if (const Fault fault = check_budget()) co_return fault;
         plan_step();
         bool cut = false;  // the step ends at a transition
@@ -173,19 +171,13 @@ CycleSequence StepController::integrate() {
     }
 }
 
-/// From the present point of the grid; infinite where the length of steps follows their error, and between points.
-double StepController::steps_to_output() const noexcept {
-    const auto steps = static_cast<double>(grid_.steps_to_output(outputs_));
-    return steps > 0.0 && errors_.decides() ? std::numeric_limits<double>::infinity() : steps;
-}
-
-/// The sheaves for an observe cycle, and whether an observer will look at what it leaves. @return false: losses and energies are known
+/// The sheaves for an observe cycle, and whether an observer reads what it leaves. @return false: losses and energies are known
 /// without one
 bool StepController::prepare_observation() noexcept {
     if (w_.energy.counted()) return false;
     if (w_.layout().pulley_size != 0) w_.variator.pulleys().motions(w_.states[0] + w_.layout().pulley_begin(), w_.pulleys.observed_sheaves);
     const double next = w_.step.time + w_.energy.stride() * grid_.step;  // the next evaluation that an observer may share
-    w_.links.observed = steps_to_output() == 0.0 || observer_->samples(next);
+    w_.links.observed = grid_.steps_to_output(outputs_) == 0.0 || observer_->samples(next);
     return true;
 }
 
@@ -213,6 +205,7 @@ bool StepController::deliver_output() {
     if (due || over) observer_->output(w_.step.time, w_, counters_);
     if (due) ++outputs_;
     if (!due && !over && (w_.links.observed || observer_->samples(w_.step.time))) observer_->sample(w_.step.time, w_, counters_);
+    w_.links.observed = false;
     return over;
 }
 

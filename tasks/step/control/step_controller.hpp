@@ -115,7 +115,6 @@ private:
     static constexpr double dwell_steps = 1.5;
 
     [[nodiscard]] CycleSequence integrate();
-    [[nodiscard]] double steps_to_output() const noexcept;
     [[nodiscard]] bool prepare_observation() noexcept;
     [[nodiscard]] Fault check_budget() const;
     [[nodiscard]] bool deliver_output();

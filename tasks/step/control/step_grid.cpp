@@ -37,6 +37,11 @@ double StepGrid::time(long of_leg, long of_point) const noexcept {
     return whole + (static_cast<double>(of_leg % legs_per_output) * leg_length() + static_cast<double>(of_point) * step);
 }
 
+double StepGrid::steps_to_output(long outputs) const noexcept {
+    const long steps = (outputs * legs_per_output - leg) * steps_per_leg - point;
+    return free && steps > 0 ? std::numeric_limits<double>::infinity() : static_cast<double>(steps);
+}
+
 void StepGrid::pass() noexcept {
     if (++point < steps_per_leg) return;
     point = 0;
@@ -47,10 +52,10 @@ StepGrid grid_of(const StepSettings& settings) noexcept {
     StepGrid grid;
     grid.begin = settings.begin;
     grid.output_interval = settings.output_interval;
-    const bool free = settings.control == StepControl::error;
-    if (settings.automatic() && !free)
+    grid.free = settings.control == StepControl::error;
+    if (settings.automatic() && !grid.free)
         grid.legs_per_output = static_cast<long>(std::ceil(settings.output_interval / StepChoice::ask_interval * (1.0 - 1e-12)));
-    grid.divide(free ? settings.output_interval : settings.automatic() ? settings.choice->longest() : fixed_step(settings));
+    grid.divide(grid.free ? settings.output_interval : settings.automatic() ? settings.choice->longest() : fixed_step(settings));
     return grid;
 }
 

@@ -14,6 +14,7 @@ struct StepGrid {
     long legs_per_output = 1;
     long steps_per_leg = 1;
     double step = 0.0;        ///< [s]
+    bool free = false;        ///< steps between outputs follow their error
     long leg = 0, point = 0;  ///< legs passed, and points of the present leg
 
     /// Steps of at most this length [s].
@@ -23,8 +24,8 @@ struct StepGrid {
     [[nodiscard]] double here() const noexcept { return time(leg, point); }
     [[nodiscard]] double next() const noexcept { return point + 1 < steps_per_leg ? time(leg, point + 1) : time(leg + 1, 0); }
     [[nodiscard]] bool at_output(long outputs) const noexcept { return point == 0 && leg == outputs * legs_per_output; }
-    /// Steps from the present point to the output after `outputs` ones.
-    [[nodiscard]] long steps_to_output(long outputs) const noexcept { return (outputs * legs_per_output - leg) * steps_per_leg - point; }
+    /// Steps from the present point to the output after `outputs` ones; between outputs infinite where nothing is known of their lengths.
+    [[nodiscard]] double steps_to_output(long outputs) const noexcept;
     void pass() noexcept;
     /// Takes up a grid of `steps` per leg after `points` of its points.
     void continue_at(long points, long steps) noexcept {
