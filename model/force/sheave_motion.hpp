@@ -14,16 +14,6 @@ struct SheaveMotion {
 struct SheaveLoad {
     double fx[2], fy[2], fz[2];  ///< [N]
     double mx[2], my[2], mz[2];  ///< generalized, on τ_x, τ_y, φ [N·m]
-
-    /// A force [N] on the sheave of a side, at an arm from its origin [m].
-    void add(int side, double x, double y, double z, double arm_x, double arm_y, double arm_z) noexcept {
-        fx[side] += x;
-        fy[side] += y;
-        fz[side] += z;
-        mx[side] += arm_y * z - arm_z * y;
-        my[side] += arm_z * x - arm_x * z;
-        mz[side] += arm_x * y - arm_y * x;
-    }
 };
 
 }  // namespace cvtflow::model
