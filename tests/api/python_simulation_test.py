@@ -130,7 +130,10 @@ class Running(unittest.TestCase):
     def test_the_lock_is_free_while_stepping(self):
         simulation = cvtflow.Simulation(tiny())
         running = threading.Thread(target=lambda: self.assertRaises(cvtflow.CancelledError, simulation.advance_to, 1.0))
+        inside = threading.Event()
+        simulation.on_output("1 us", lambda *_: inside.set())
         running.start()
+        self.assertTrue(inside.wait(60.0))
         for _ in range(100):  # Python goes on here while the other thread is inside one call
             time.sleep(0.001)
         self.assertTrue(running.is_alive())
