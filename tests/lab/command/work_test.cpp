@@ -33,6 +33,12 @@ TEST_F(WorkCommand, RefusesMoreSegmentsThanLinks) {
     EXPECT_THAT(outcome.err, HasSubstr("--segments 1000: the chain has "));
 }
 
+TEST_F(WorkCommand, CountsTheTasksOfALeapfrog) {
+    const Outcome outcome = run({"work", "tiny", "--method", "leapfrog-sweep", "--step", "500 ns", "--segments", "1", "-q"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    for (const char* task : {"observe", "record", "friction"}) EXPECT_THAT(outcome.out, HasSubstr(task));
+}
+
 TEST_F(WorkCommand, CountsTheTasksOfRigidPins) {
     const Outcome outcome = run({"work", "tiny", "--detail", "rigid", "--method", "auto", "--segments", "1", "-q"});
     EXPECT_EQ(outcome.status, 0) << outcome.err;
