@@ -78,7 +78,7 @@ model::RigidState& Workspace::columns() {
 
 void Workspace::adopt(const model::Parameters& other) {
     columns_.reset();
-    columns_ahead_ = columns_hold_forces_ = false;
+    columns_ahead_ = columns_hold_forces_ = links.observed = false;
     variator.adopt(parameters, other);
     parameters = other;
     rule = rule_of(other);
