@@ -1,6 +1,7 @@
 #include "bench/count/instructions.hpp"
 
 #if defined(__linux__) && defined(__x86_64__)
+#include <fmt/format.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
 #include <ucontext.h>
@@ -9,6 +10,7 @@
 #include <array>
 #include <csignal>
 #include <cstdint>
+#include <stdexcept>
 #endif
 
 namespace cvtflow::bench {
@@ -86,9 +88,11 @@ std::vector<Counted> count_all(std::span<const std::function<void()>> bodies) {
     if (child == 0) count_here(bodies, counted);
     int status = -1;
     const bool ended = child > 0 && waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+    const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : SIGTRAP;
     std::vector<Counted> all;
     if (ended) all.assign(counted, counted + bodies.size());
     munmap(shared, bytes);
+    if (signal != SIGTRAP) throw std::runtime_error(fmt::format("code whose instructions were counted ended by signal {}", signal));
     return all;
 }
 

@@ -14,7 +14,8 @@ struct Counted {
 };
 
 /// Runs the body in a child process with a trap after every instruction (1 to 20 µs each), after one run at full speed.
-/// Nothing where that cannot be done: not Linux on x86-64, or the child ends by a signal.
+/// Nothing where that cannot be done: not Linux on x86-64, or traps end the child.
+/// @throws std::runtime_error if the body ends it by another signal
 [[nodiscard]] std::optional<Counted> count(const std::function<void()>& body);
 /// Each of the bodies so, one after the other in the same child process. Empty where that cannot be done.
 [[nodiscard]] std::vector<Counted> count_each(std::span<const std::function<void()>> bodies);

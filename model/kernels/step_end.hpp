@@ -50,30 +50,32 @@ inline void end_block(StepEndOf<Number> end, int link, const Lanes<W>& above, La
     }
 }
 
-template <int W, int size>
-inline void store_velocities(const Lanes<W>* rows, double* blocks, int link, int count) noexcept {
-    std::array<double*, W> to{};
-    for (int lane = 0; lane < W; ++lane) to[static_cast<std::size_t>(lane)] = blocks + (2 * (link + lane) + 1) * size;
-    store_rows<W, size>(rows, to, count);
+/// Rows of `count` links from `link` on, at most W, as doubles: use(rows, link, count), for floats of half as many links at a time.
+template <int W, std::size_t size, class Number, class Use>
+inline void in_doubles(const Number* from, std::ptrdiff_t stride, int link, int count, const Use& use) noexcept {
+    const auto at = [=](std::size_t row) { return from + static_cast<std::ptrdiff_t>(row) * stride + link; };
+    if constexpr (std::is_same_v<Number, float>) {
+        std::array<Lanes<W / 2>, size> low, high;
+        for (std::size_t row = 0; row < size; ++row) {
+            const Lanes<W> both = widen<W>(load<singles<W>>(at(row)));
+            low[row] = both.low;
+            high[row] = both.high;
+        }
+        use(low, link, std::min(count, W / 2));
+        if (count > W / 2) use(high, link + W / 2, count - W / 2);
+    } else {
+        std::array<Lanes<W>, size> rows;
+        for (std::size_t row = 0; row < size; ++row) rows[row] = load<W>(at(row));
+        use(rows, link, count);
+    }
 }
 
-/// Velocities at the end of `count` links from `link` on, W side by side, to their blocks.
-template <int W, int size>
-inline void turn_velocities(StepEndOf<double> end, int link, int count) noexcept {
-    std::array<Lanes<W>, size> rows;
-    for (int row = 0; row < size; ++row) rows[static_cast<std::size_t>(row)] = load<W>(end.velocity + row * end.stride + link);
-    store_velocities<W, size>(rows.data(), end.end, link, count);
-}
-template <int W, int size>
-inline void turn_velocities(StepEndOf<float> end, int link, int count) noexcept {
-    std::array<Lanes<W / 2>, size> low, high;
-    for (std::size_t row = 0; row < size; ++row) {
-        const Lanes<W> both = widen<W>(load<singles<W>>(end.velocity + static_cast<std::ptrdiff_t>(row) * end.stride + link));
-        low[row] = both.low;
-        high[row] = both.high;
-    }
-    store_velocities<W / 2, size>(low.data(), end.end, link, std::min(count, W / 2));
-    if (count > W / 2) store_velocities<W / 2, size>(high.data(), end.end, link + W / 2, count - W / 2);
+/// Velocities of `count` links from `link` on to their blocks.
+template <int W, std::size_t size>
+inline void store_velocities(const std::array<Lanes<W>, size>& rows, double* blocks, int link, int count) noexcept {
+    std::array<double*, W> to{};
+    for (int lane = 0; lane < W; ++lane) to[static_cast<std::size_t>(lane)] = blocks + (2 * (link + lane) + 1) * static_cast<int>(size);
+    store_rows<W, static_cast<int>(size)>(rows.data(), to, count);
 }
 
 /// @return whether all numbers of the state are within the limit
@@ -86,7 +88,8 @@ template <class Number, int P>
     Lanes<narrow> sound(1.0);
     for (int group = 0; group < links; group += W) {
         const int count = std::min(W, links - group);
-        turn_velocities<W, size>(end, group, count);
+        in_doubles<W, size>(end.velocity, end.stride, group, count,
+                            [&](const auto& rows, int link, int links_here) { store_velocities(rows, end.end, link, links_here); });
         for (int lane = 0; lane < count; ++lane) end_block<Number, size>(end, group + lane, above, sound);
     }
     return sum(sound) == narrow;
@@ -110,19 +113,20 @@ inline void turn_reactions(const Lanes<W>* force, const double* arms, std::ptrdi
     }
 }
 
-/// @param force rows [3 tips_per_link] of the links from `link` on, `count` of them at most W
+/// @param force rows of the links from `link` on, `count` of them
 template <int W, class Number>
-inline void add_reactions(const TipReactionsOf<Number>& r, const Lanes<W>* force, int link, int count) noexcept {
+inline void add_reactions(const TipReactionsOf<Number>& r, const std::array<Lanes<W>, 3 * tips_per_link>& force, int link,
+                          int count) noexcept {
     static_assert(sizeof(SheaveLoad) == 12 * sizeof(double));
     std::array<std::array<Lanes<W>, 12>, 2> reactions;
-    turn_reactions<W>(force, r.arms + link, r.arms_stride, reactions);
+    turn_reactions<W>(force.data(), r.arms + link, r.arms_stride, reactions);
     alignas(64) double turned[2][W][12];
     for (std::size_t tip = 0; tip < 2; ++tip) {
         std::array<double*, W> to{};
         for (int lane = 0; lane < W; ++lane) to[static_cast<std::size_t>(lane)] = turned[tip][lane];
-        store_rows<W, 12>(reactions[tip].data(), to, std::min(count, W));
+        store_rows<W, 12>(reactions[tip].data(), to, count);
     }
-    for (int lane = 0; lane < std::min(count, W); ++lane) {
+    for (int lane = 0; lane < count; ++lane) {
         if (!touches(r.phases, link + lane)) continue;  // no sum has its load
         double numbers[12];
         std::memcpy(numbers, &r.normal[link + lane].load, sizeof numbers);
@@ -138,23 +142,11 @@ void react(const TipReactionsOf<Number>& r, int links) noexcept {
     constexpr int W = std::is_same_v<Number, float> ? native_floats : native_lanes;
     for (int group = 0; group < links; group += W) {
         const int count = std::min(W, links - group);
-        const Phase* phases = r.phases + tips_per_link * group;
-        if (std::all_of(phases, phases + tips_per_link * count, [](Phase phase) { return phase == Phase::free; })) continue;
-        if constexpr (std::is_same_v<Number, float>) {
-            std::array<Lanes<W / 2>, 3 * tips_per_link> low, high;
-            for (std::size_t row = 0; row < low.size(); ++row) {
-                const Lanes<W> both = widen<W>(load<singles<W>>(r.forces + static_cast<std::ptrdiff_t>(row) * r.stride + group));
-                low[row] = both.low;
-                high[row] = both.high;
-            }
-            add_reactions<W / 2>(r, low.data(), group, count);
-            if (count > W / 2) add_reactions<W / 2>(r, high.data(), group + W / 2, count - W / 2);
-        } else {
-            std::array<Lanes<W>, 3 * tips_per_link> force;
-            for (std::size_t row = 0; row < force.size(); ++row)
-                force[row] = load<W>(r.forces + static_cast<std::ptrdiff_t>(row) * r.stride + group);
-            add_reactions<W>(r, force.data(), group, count);
-        }
+        bool any = false;
+        for (int link = group; link < group + count; ++link) any |= touches(r.phases, link);
+        if (!any) continue;
+        in_doubles<W, 3 * tips_per_link>(r.forces, r.stride, group, count,
+                                         [&](const auto& force, int link, int links_here) { add_reactions(r, force, link, links_here); });
     }
 }
 

@@ -11,6 +11,7 @@
 #include "bench/executor/span_recorder.hpp"
 #include "bench/study/profile/measure.hpp"
 #include "bench/study/profile/model.hpp"
+#include "tasks/step/control/energy_ledger.hpp"
 
 namespace cvtflow::bench {
 
@@ -18,7 +19,8 @@ using namespace tasks;
 
 namespace {
 
-constexpr long steps = 256;  // of the recording: some cycles do not run in every step
+constexpr double settled = EnergyLedger::dense_time;  // before, losses are sampled more often than later [s]
+constexpr long steps = 256;                           // of the recording: some cycles do not run in every step
 
 /// Tasks of a step with a number of segments.
 struct CountedStep {
@@ -42,24 +44,54 @@ std::vector<double> runs_per_step(const engine::TaskGraph& graph, const std::vec
     return runs;
 }
 
-/// Work of tasks in cycles that ran [instructions]; 0: the cycle did not run.
-std::vector<double> work_of(const Simulation& simulation, const std::vector<double>& runs) {
-    const engine::TaskGraph& graph = simulation.integrator().runner().graph();
-    void* const context = const_cast<Workspace*>(&simulation.workspace());  // only a child process runs the tasks
-    std::vector<int> counted_tasks;
-    std::vector<std::function<void()>> bodies;
-    for (int task = 0; task < graph.size(); ++task) {
-        if (runs[static_cast<std::size_t>(graph.task(task).cycle)] == 0.0) continue;
-        counted_tasks.push_back(task);
-        bodies.emplace_back([call = graph.call(task), context] { call(context); });
+/// Work of the tasks of cycles [instructions].
+class WorkCounter {
+public:
+    /// @param runs of each cycle per step; one that does not run has no work
+    WorkCounter(const Simulation& simulation, const std::vector<double>& runs)
+        : graph_(simulation.integrator().runner().graph()),
+          integrator_(const_cast<Integrator&>(simulation.integrator())),
+          runs_(runs),
+          counted_(runs.size(), false),
+          work_(static_cast<std::size_t>(graph_.size()), 0.0) {}
+
+    /// Cycles of the method inside the step that comes next, one of several runs in its second, since a first stage combines no slopes.
+    /// Then all others. The simulation is not to be continued.
+    [[nodiscard]] std::vector<double> count() {
+        std::vector<int> begun(runs_.size(), 0);
+        CycleSequence step = integrator_.method().step();
+        for (int cycle = step.next(); cycle != engine::Controller::stop; cycle = step.next()) {
+            const auto k = static_cast<std::size_t>(cycle);
+            if (++begun[k] == (runs_[k] > 1.5 ? 2 : 1)) count(cycle);
+            for (const int task : graph_.topological(cycle)) graph_.call(task)(&integrator_.workspace());
+        }
+        step.rethrow();
+        for (int cycle = 0; cycle < graph_.cycles(); ++cycle) {
+            if (!counted_[static_cast<std::size_t>(cycle)]) count(cycle);
+        }
+        return work_;
     }
-    const std::vector<Counted> counted = count_each(bodies);
-    if (counted.size() != bodies.size()) throw std::runtime_error("this system does not let a process count another one's instructions");
-    std::vector<double> work(static_cast<std::size_t>(graph.size()), 0.0);
-    for (std::size_t k = 0; k < counted.size(); ++k)
-        work[static_cast<std::size_t>(counted_tasks[k])] = static_cast<double>(counted[k].instructions);
-    return work;
-}
+
+private:
+    void count(int cycle) {
+        if (runs_[static_cast<std::size_t>(cycle)] == 0.0) return;
+        const auto& tasks = graph_.topological(cycle);
+        std::vector<std::function<void()>> bodies;
+        for (const int task : tasks) bodies.emplace_back([call = graph_.call(task), this] { call(&integrator_.workspace()); });
+        const std::vector<Counted> counted = count_each(bodies);
+        if (counted.size() != bodies.size())
+            throw std::runtime_error("this system does not let a process count another one's instructions");
+        for (std::size_t k = 0; k < counted.size(); ++k)
+            work_[static_cast<std::size_t>(tasks[k])] = static_cast<double>(counted[k].instructions);
+        counted_[static_cast<std::size_t>(cycle)] = true;
+    }
+
+    const engine::TaskGraph& graph_;
+    Integrator& integrator_;
+    const std::vector<double>& runs_;
+    std::vector<bool> counted_;  ///< [cycle]
+    std::vector<double> work_;   ///< [task]
+};
 
 /// Stages of which every task is alone on its level.
 std::set<std::string> sequential_stages(const engine::TaskGraph& graph) {
@@ -107,13 +139,14 @@ CountedStep count_step(const Scene& scene, int segments, std::set<std::string>& 
     schedule.segments = segments;
     Trial trial(scene, schedule, &recorder);
     trial.run(4);  // searches for the automatic step
+    while (trial.simulation().time() < settled) trial.run(steps);
     recorder.clear();
     trial.run(steps);
     if (recorder.lost(0) > 0) throw std::logic_error("the recording of the counted steps is too short");
     const engine::TaskGraph& graph = trial.simulation().integrator().runner().graph();
     if (sequential.empty() && segments > 1) sequential = sequential_stages(graph);
     const std::vector<double> runs = runs_per_step(graph, recorder.spans(0));
-    std::vector<double> work = work_of(trial.simulation(), runs);
+    std::vector<double> work = WorkCounter(trial.simulation(), runs).count();
     CountedStep step{step_times(graph, runs, work, segments), {}, counted_stages(graph, runs, work), trial.simulation().step()};
     for (int task = 0; task < graph.size(); ++task) {
         if (sequential.contains(graph.task(task).stage_name())) work[static_cast<std::size_t>(task)] = 0.0;

@@ -45,8 +45,8 @@ struct CountedWork {
 /// Numbers of equal segments at which the longest one becomes shorter: 1, 2, 3 … links. Numbers between them are no faster.
 [[nodiscard]] std::vector<int> shortening_segments(int links);
 
-/// Counts every task once, in the state after some steps, times how often it runs per
-/// step: 2 million instructions for a step of full detail in 18 numbers of segments with AVX-512, 1 to 20 us each.
+/// Counts every task once, in a step after some others, times how often it runs per step: 2 million instructions for a step of full detail
+/// in 18 numbers of segments with AVX-512, 1 to 20 us each.
 /// @param segments ascending, from 1: numbers that are counted   @param progress called with a line per number; may be empty
 /// @throws as Simulation; std::runtime_error where instructions cannot be counted
 [[nodiscard]] CountedWork count_work(const tasks::Scene& scene, const std::vector<int>& segments,

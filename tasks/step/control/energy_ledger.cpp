@@ -26,7 +26,7 @@ constexpr double deviations = 6.0;
 /// inputs that of spans of 10 ms and longer; shorter ones are noisier, as one over the root of the span. A ring's losses are so small
 /// beside what it stores that noise is all that its balance shows.
 constexpr double noise_share_with_inputs = 0.009, noise_share_without = 0.5, noise_span = 10e-3;  // [1], [1], [s]
-constexpr double dense_share = 0.05, dense_time = 5e-4;                                           // [1], [s]
+constexpr double dense_share = 0.05;                                                              // [1]
 constexpr double min_samples = 10.0;
 
 [[nodiscard]] double total(const auto& values) noexcept { return std::accumulate(values.begin(), values.end(), 0.0); }

@@ -128,6 +128,8 @@ class EnergyLedger {
 public:
     /// Time after which a balance is judged by itself [s]: what went wrong once is not forgotten in what follows.
     static constexpr double window = 2e-3;
+    /// Time after a jump, the beginning among them, in which samples lie closer [s].
+    static constexpr double dense_time = 5e-4;
     static constexpr double closer = 8.0;  ///< by which samples lie closer in dense sampling
 
     /// A new integration begins. @param stride steps between samples of the losses (StepMethod::observation_stride)

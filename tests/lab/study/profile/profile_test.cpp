@@ -5,6 +5,8 @@
 #include <unistd.h>
 
 #include <array>
+#include <csignal>
+#include <stdexcept>
 
 #include "bench/count/instructions.hpp"
 #include "bench/study/profile/counted_work.hpp"
@@ -172,6 +174,33 @@ TEST(CountedWork, CountsInstructionsOneByOne) {
     EXPECT_EQ(counted[2].instructions, 0) << "the call itself does not count";
     const std::array<std::function<void()>, 1> fatal{[] { _exit(3); }};
     EXPECT_TRUE(count_each(fatal).empty());
+    const std::array<std::function<void()>, 1> broken{[] { std::raise(SIGSEGV); }};
+    EXPECT_THROW((void)count_each(broken), std::runtime_error) << "no property of the system";
+}
+
+/// A step counted as a whole is the oracle: a task that runs elsewhere finds other states, other contacts, and has other work.
+TEST(CountedWork, OfTasksIsThatOfTheStepTheyAreIn) {
+    const Scene scene = claims::ready_scene("tiny", {"run.method=leapfrog-sweep", "run.step=500ns"});
+    double tasks = 0.0;
+    for (const StageWork& stage : count_work(scene, {1}).stages)
+        if (stage.stage == "record" || stage.stage == "friction") tasks += stage.instructions;
+    Trial trial(scene, {});
+    trial.run(4);
+    while (trial.simulation().time() < EnergyLedger::dense_time) trial.run(256);
+    trial.run(256);
+    auto& integrator = const_cast<Integrator&>(trial.simulation().integrator());
+    const engine::TaskGraph& graph = integrator.runner().graph();
+    const auto step = [&](bool runs) {
+        CycleSequence sequence = integrator.method().step();
+        for (int cycle = sequence.next(); cycle != engine::Controller::stop; cycle = sequence.next())
+            for (const int task : graph.topological(cycle))
+                if (runs) graph.call(task)(&integrator.workspace());
+    };
+    const std::array<std::function<void()>, 2> bodies{[&] { step(true); }, [&] { step(false); }};
+    const std::vector<Counted> counted = count_each(bodies);
+    ASSERT_EQ(counted.size(), 2u);
+    EXPECT_NEAR(tasks / static_cast<double>(counted[0].instructions - counted[1].instructions), 1.0, 0.02)
+        << "at rest 0.79: no tip would touch";
 }
 
 /// A smaller share of the work for every segment, and no more than there is.
