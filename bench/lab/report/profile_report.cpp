@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "bench/study/profile/other_load.hpp"
 #include "engine/base/provenance.hpp"
+#include "tasks/schedule/schedule_chooser.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::bench {
@@ -70,6 +72,36 @@ std::string timing_text(const Profile& profile) {
         table.add(cells);
     }
     return table.text() + bare_text(profile);
+}
+
+std::string gains_text(const Profile& profile) {
+    if (profile.copies.empty()) return {};
+    Table table({{"schedule"},
+                 right("threads"),
+                 right("segments"),
+                 right("near"),
+                 right("quartiles"),
+                 right("rounds"),
+                 right("far"),
+                 right("quartiles"),
+                 right("rounds")});
+    const auto add = [&](std::vector<std::string> cells, const PairedGain& gain) {
+        for (const auto& [spread, rounds] : {std::pair{gain.near, gain.near_rounds}, std::pair{gain.far, gain.far_rounds}}) {
+            const bool known = rounds > 0;
+            cells.insert(cells.end(), {known ? factor(spread.median) : "",
+                                       known ? fmt::format("{} .. {}", factor(spread.lower_quartile), factor(spread.upper_quartile)) : "",
+                                       fmt::format("{}", rounds)});
+        }
+        table.add(cells);
+    };
+    for (const ScheduleResult& result : profile.results)
+        if (result.schedule.threads > 1) add(schedule_cells(result), result.paired);
+    for (const CopiesGain& copies : profile.copies) add({"independent runs", fmt::format("{}", copies.threads), ""}, copies.paired);
+    return fmt::format(
+               "Speed-up against serial's turn of the same round, near: threads had just met within {} us, far: not; independent runs: as\n"
+               "many serial ones at once, which share nothing\n",
+               microseconds(tasks::ChooserOptions{}.meeting)) +
+           table.text();
 }
 
 std::string neighbours_text(const Profile& profile) {

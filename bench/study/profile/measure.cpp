@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <future>
 #include <limits>
+#include <set>
 #include <vector>
 
 #include "bench/executor/span_recorder.hpp"
@@ -14,6 +16,7 @@
 #include "bench/study/profile/statistics.hpp"
 #include "engine/base/hash.hpp"
 #include "engine/thread/worker_threads.hpp"
+#include "tasks/schedule/schedule_chooser.hpp"
 
 namespace cvtflow::bench {
 
@@ -192,13 +195,36 @@ LoadResult load_result(const Samples& samples, int neighbours) {
             0.0};
 }
 
-/// Synchronisation alone, right beside the schedule's own turn.
+/// Time of a bare barrier [s].
+double bare_cycle(int threads) {
+    constexpr double any_wait = std::numeric_limits<double>::infinity();
+    const double seconds = engine::bare_barrier_cycle(threads, 0.5 * cycle_seconds, any_wait);
+    if (std::isinf(seconds)) too_few_threads(threads);
+    return seconds;
+}
+
+/// Synchronisation alone, right before the schedule's own turn.
 void cycle_turn(ScheduleTrial& lane) {
     lane.cycles.push_back(cycle_cost(lane.result.schedule, cycle_seconds));
-    constexpr double any_wait = std::numeric_limits<double>::infinity();
-    const int threads = lane.result.schedule.threads;
-    lane.bare.push_back(engine::bare_barrier_cycle(threads, 0.5 * cycle_seconds, any_wait));
-    if (std::isinf(lane.bare.back())) too_few_threads(threads);
+    lane.bare.push_back(bare_cycle(lane.result.schedule.threads));
+}
+
+void copies_turn(CopiesTrial& copies, long steps, double timeout) {
+    copies.bare.push_back(bare_cycle(copies.threads()));
+    std::vector<std::future<double>> times;
+    for (const auto& trial : copies.trials)
+        times.push_back(std::async(std::launch::async, [&trial, steps, timeout] { return trial->run(steps, timeout).per_step(); }));
+    double rate = 0.0;
+    for (std::future<double>& time : times) rate += 1.0 / time.get();
+    copies.step.push_back(1.0 / rate);
+}
+
+/// @param serial, step, bare one per round [s]
+PairedGain paired_gain(const std::vector<double>& serial, const std::vector<double>& step, const std::vector<double>& bare) {
+    std::vector<double> near, far;
+    for (std::size_t round = 0; round < std::min({serial.size(), step.size(), bare.size()}); ++round)
+        (bare[round] <= ChooserOptions{}.meeting ? near : far).push_back(serial[round] / step[round]);
+    return {spread(near), spread(far), static_cast<int>(near.size()), static_cast<int>(far.size())};
 }
 
 /// Medians over the rounds in which all threads came; if they mostly did not, the cost means nothing and `active` gives the reason.
@@ -251,16 +277,40 @@ std::vector<ScheduleTrial> start_lanes(const Scene& scene, const std::vector<Sch
     return lanes;
 }
 
-void measure_load(std::vector<ScheduleTrial>& lanes, const MeasureOptions& options, int neighbours) {
+std::vector<CopiesTrial> start_copies(const Scene& scene, const std::vector<Schedule>& schedules) {
+    std::set<int> numbers;
+    for (const Schedule& schedule : schedules) numbers.insert(schedule.threads);
+    numbers.erase(1);
+    std::vector<CopiesTrial> all;
+    for (const int threads : numbers) {
+        CopiesTrial copies;
+        for (int k = 0; k < threads; ++k) {
+            copies.trials.push_back(std::make_unique<Trial>(scene, Schedule{}));
+            copies.trials.back()->run(first_steps + more_steps);
+        }
+        all.push_back(std::move(copies));
+    }
+    return all;
+}
+
+void measure_load(std::vector<ScheduleTrial>& lanes, std::vector<CopiesTrial>& copies, const MeasureOptions& options, int neighbours) {
     const BusyNeighbours busy(neighbours);
     std::vector<Samples> samples(lanes.size());
     for (int round = -1; round <= options.rounds; ++round) {
+        const bool meets = neighbours == 0 && round > 0;
         for (std::size_t k = 0; k < lanes.size(); ++k) {
             if (lanes[k].dropped) continue;
+            if (meets) cycle_turn(lanes[k]);
             turn(lanes[k], samples[k], options, round, busy);
             lanes[k].dropped = k > 0 && !samples[k].dropped.empty();
-            if (neighbours == 0 && round >= 0) cycle_turn(lanes[k]);
         }
+        for (CopiesTrial& each : copies) {
+            if (meets) copies_turn(each, samples.front().steps, options.timeout);
+        }
+    }
+    const std::vector<double>& serial_steps = samples.front().step;
+    for (CopiesTrial& each : copies) {
+        if (neighbours == 0) each.paired = paired_gain(serial_steps, each.step, each.bare);
     }
     for (std::size_t k = 0; k < lanes.size(); ++k) {
         if (samples[k].step.empty()) samples[k].dropped = "dropped under a lighter load";
@@ -268,7 +318,10 @@ void measure_load(std::vector<ScheduleTrial>& lanes, const MeasureOptions& optio
         const double serial = k == 0 ? result.step.median : lanes.front().result.loads.back().step.median;
         result.speed_up = result.rounds == 0 ? 0.0 : serial / result.step.median;
         if (k > 0 && result.rounds > 0) result.burnt = result.cpu - lanes.front().result.loads.back().cpu;
-        if (neighbours == 0) sum_up_cycles(lanes[k]);
+        if (neighbours == 0) {
+            sum_up_cycles(lanes[k]);
+            lanes[k].result.paired = paired_gain(serial_steps, samples[k].step, lanes[k].bare);
+        }
         lanes[k].result.loads.push_back(result);
     }
 }

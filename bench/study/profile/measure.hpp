@@ -78,6 +78,12 @@ struct LoadResult {
     double burnt = 0.0;         ///< of that, what serial does not need under the same load: burnt while waiting, or lost to caches [s]
 };
 
+/// Gain over serial in pairs of rounds, apart for rounds in which the threads had just met fast (near processors) and slowly (far ones).
+struct PairedGain {
+    Spread near, far;  ///< [1]
+    int near_rounds = 0, far_rounds = 0;
+};
+
 /// A recorded pass, separate from the timing.
 struct Recording {
     RecordedPass pass;
@@ -96,6 +102,7 @@ struct ScheduleResult {
     Recording recording;
     CycleCost cycle;         ///< synchronisation of the executor by itself: median over rounds
     double bare = 0.0;       ///< a bare barrier of as many threads, measured in turn with it [s per cycle]
+    PairedGain paired;       ///< without neighbours
     double predicted = 0.0;  ///< speed-up without neighbours by the critical path; 0: no prediction [1]
     std::uint64_t hash = 0;  ///< after `hash_steps` steps
     long hash_steps = 0;
@@ -116,6 +123,19 @@ struct ScheduleTrial {
     bool dropped = false;
 };
 
+/// Independent serial runs at once, one per thread: what processors give without any synchronisation.
+struct CopiesTrial {
+    std::vector<std::unique_ptr<Trial>> trials;  ///< [threads]
+    std::vector<double> step;                    ///< one per round without neighbours: time of all over their steps [s]
+    std::vector<double> bare;                    ///< [s]
+    PairedGain paired{};
+
+    [[nodiscard]] int threads() const noexcept { return static_cast<int>(trials.size()); }
+};
+
+/// One for each number of threads from 2 on.
+[[nodiscard]] std::vector<CopiesTrial> start_copies(const tasks::Scene& scene, const std::vector<tasks::Schedule>& schedules);
+
 /// Builds the trials, runs 4 steps of each and, unless they were slow, 36 more, and keeps the hashes.
 /// @param short_hash [out] of the first schedule after 4 steps
 [[nodiscard]] std::vector<ScheduleTrial> start_lanes(const tasks::Scene& scene, const std::vector<tasks::Schedule>& schedules,
@@ -124,9 +144,9 @@ struct ScheduleTrial {
 /// Stages of all lanes' graphs.
 [[nodiscard]] StageTable stages_of(const std::vector<ScheduleTrial>& lanes);
 
-/// Alternating rounds beside `neighbours` busy threads. The first lane is the reference of speed-ups. Without neighbours every turn is
-/// followed by some cycles of the executor by itself and of a bare barrier.
-void measure_load(std::vector<ScheduleTrial>& lanes, const MeasureOptions& options, int neighbours);
+/// Alternating rounds beside `neighbours` busy threads. The first lane is the reference of speed-ups. Without neighbours some cycles of the
+/// executor by itself and of a bare barrier come before every turn, and copies have turns, too.
+void measure_load(std::vector<ScheduleTrial>& lanes, std::vector<CopiesTrial>& copies, const MeasureOptions& options, int neighbours);
 
 /// A recorded trial beside the unrecorded one, alternating; keeps the recorded round of median length.
 void record_lane(const tasks::Scene& scene, ScheduleTrial& lane, const MeasureOptions& options, const StageTable& stages);

@@ -167,10 +167,11 @@ Profile profile_schedules(const Scene& scene, const std::vector<Schedule>& sched
     say("starting, comparing states");
     std::uint64_t short_hash = 0;
     std::vector<ScheduleTrial> lanes = start_lanes(scene, schedules, options.timeout, short_hash);
+    std::vector<CopiesTrial> copies = start_copies(scene, schedules);
     profile.stages = stages_of(lanes);
     for (const int neighbours : options.neighbours) {
         say(fmt::format("timing beside {} busy neighbours", neighbours));
-        measure_load(lanes, options, neighbours);
+        measure_load(lanes, copies, options, neighbours);
         if (neighbours != options.neighbours.front()) continue;
         calibrate(profile, threads);
         say("recording stages");
@@ -178,6 +179,7 @@ Profile profile_schedules(const Scene& scene, const std::vector<Schedule>& sched
     }
     calibrate(profile, threads);
     for (ScheduleTrial& lane : lanes) profile.results.push_back(std::move(lane.result));
+    for (const CopiesTrial& each : copies) profile.copies.push_back({each.threads(), each.paired});
     profile.bare = bare_barriers(profile.results);
     if ((!profile.crowded() || options.predict_crowded) && !profile.own_cycles()) {
         say("model");

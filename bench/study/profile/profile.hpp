@@ -21,10 +21,17 @@ struct ScheduleChoice {
 /// @throws SceneError for an executor or assembly that does not exist, or more segments than links
 [[nodiscard]] std::vector<tasks::Schedule> chosen_schedules(const tasks::Scene& scene, const ScheduleChoice& choice);
 
+/// Gain of as many independent serial runs at once as there are threads.
+struct CopiesGain {
+    int threads;
+    PairedGain paired;
+};
+
 struct Profile {
     std::vector<ScheduleResult> results;  ///< the first is serial:fused
     StageTable stages;                    ///< of all of them
     std::vector<ThreadCost> bare;         ///< bare barrier by number of threads [s per cycle]
+    std::vector<CopiesGain> copies;       ///< by number of threads
     ProfileModel model;
     std::vector<std::string> differences;  ///< in hashes; must be empty
     double load_before = 0.0;              ///< the system's load average of the last minute; -1: unknown

@@ -50,10 +50,20 @@ ordered_json provenance_json() {
             {"date", here.date}};
 }
 
+ordered_json spread_json(const Spread& spread) {
+    return {{"lower_quartile", spread.lower_quartile}, {"median", spread.median}, {"upper_quartile", spread.upper_quartile}};
+}
+
+ordered_json gain_json(const PairedGain& gain) {
+    return {{"near", spread_json(gain.near)},
+            {"near_rounds", gain.near_rounds},
+            {"far", spread_json(gain.far)},
+            {"far_rounds", gain.far_rounds}};
+}
+
 ordered_json load_json(const LoadResult& load) {
     return {{"neighbours", load.neighbours},
-            {"step",
-             {{"lower_quartile", load.step.lower_quartile}, {"median", load.step.median}, {"upper_quartile", load.step.upper_quartile}}},
+            {"step", spread_json(load.step)},
             {"evaluation", load.evaluation},
             {"cpu_per_wall", load.cpu_per_wall},
             {"cpu", load.cpu},
@@ -98,6 +108,7 @@ ordered_json result_json(const ScheduleResult& result, const StageTable& stages)
                       {"cycle_cost", result.cycle.seconds},
                       {"cycle_active_threads", result.cycle.active},
                       {"bare_barrier", result.bare},
+                      {"paired_gain", gain_json(result.paired)},
                       {"wait", wait_name(result.schedule.wait)},
                       {"pinned", result.schedule.pin},
                       {"predicted_speed_up", result.predicted},
@@ -202,6 +213,9 @@ std::string profile_json(const Scene& scene, const MeasureOptions& options, cons
         {"requested", profile.processors_requested()}, {"got_by_schedules", profile.processors_got()}, {"calibrated", profile.calibrated}};
     json["schedules"] = results;
     json["bare_barrier"] = thread_costs(profile.bare);
+    json["independent_runs"] = ordered_json::array();
+    for (const CopiesGain& copies : profile.copies)
+        json["independent_runs"].push_back({{"threads", copies.threads}, {"paired_gain", gain_json(copies.paired)}});
     json["model"] = model_json(profile.model);
     json["hash_differences"] = profile.differences;
     return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";

@@ -340,8 +340,8 @@ ExitStatus profile(const ProfileArguments& arguments) {
     const Profile result = profile_schedules(scene, schedules, options, progress);
     fmt::print("{}: {}, alternating, medians of {}\n{}", scene.name, plural(static_cast<long>(schedules.size()), "schedule"),
                plural(options.rounds, "round"), machine_text(result));
-    for (const std::string& part : {timing_text(result), neighbours_text(result), stages_text(result), serial_text(result),
-                                    model_text(result), predictions_text(result)}) {
+    for (const std::string& part : {timing_text(result), gains_text(result), neighbours_text(result), stages_text(result),
+                                    serial_text(result), model_text(result), predictions_text(result)}) {
         if (!part.empty()) fmt::print("\n{}", part);
     }
     std::vector<PolicyResult> policies;
@@ -370,6 +370,9 @@ constexpr const char* profile_explanation =
     "  min task     METG: task length with an efficiency of 50 %: the loss per level of the graph [us]\n"
     "  imbalance    longest over mean task time of the threads\n"
     "  recording    increase of the step time by recording, in its own pass\n"
+    "Speed-ups against serial's turn of the same round are kept apart by the bare barrier just before the turn: near (at most 0.25 us) "
+    "and\n"
+    "far. Independent runs, as many serial ones at once as threads, show what the processors give without any synchronisation.\n"
     "Predictions require a quiet machine: calibrations before, during and after (each thread counts arithmetic for 50 ms) and the "
     "schedules\n"
     "must obtain nine tenths of the processors. -o writes profile.csv, stages.csv, curves.csv, profile.json, stages.svg, loads.svg, "

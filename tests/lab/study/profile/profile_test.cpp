@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <csignal>
 #include <stdexcept>
@@ -97,6 +98,13 @@ TEST(Profile, MeasuresAndFindsEqualStates) {
     const Profile profile = profile_schedules(ready_tiny(), schedules, options);
     EXPECT_THAT(profile.differences, testing::IsEmpty());
     ASSERT_EQ(profile.results.size(), 4u);
+    ASSERT_EQ(profile.copies.size(), 1u);
+    EXPECT_EQ(profile.copies[0].threads, 2);
+    const PairedGain &copies = profile.copies[0].paired, &serial = profile.results[0].paired;
+    EXPECT_EQ(copies.near_rounds + copies.far_rounds, options.rounds);
+    EXPECT_GT(std::max(copies.near.median, copies.far.median), 0.0);
+    EXPECT_EQ(serial.near_rounds + serial.far_rounds, options.rounds);
+    EXPECT_DOUBLE_EQ(std::max(serial.near.median, serial.far.median), 1.0) << "its own turn of the same round";
     for (const ScheduleResult& result : profile.results) {
         ASSERT_EQ(result.loads.size(), 2u) << result.name;
         EXPECT_GT(result.loads[0].step.median, 0.0);
