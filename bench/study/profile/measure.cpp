@@ -279,8 +279,9 @@ std::vector<ScheduleTrial> start_lanes(const Scene& scene, const std::vector<Sch
 
 std::vector<CopiesTrial> start_copies(const Scene& scene, const std::vector<Schedule>& schedules) {
     std::set<int> numbers;
-    for (const Schedule& schedule : schedules) numbers.insert(schedule.threads);
-    numbers.erase(1);
+    for (const Schedule& schedule : schedules) {
+        if (schedule.threads > 1 && schedule.threads <= usable_threads()) numbers.insert(schedule.threads);
+    }
     std::vector<CopiesTrial> all;
     for (const int threads : numbers) {
         CopiesTrial copies;

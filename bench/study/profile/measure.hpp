@@ -133,7 +133,7 @@ struct CopiesTrial {
     [[nodiscard]] int threads() const noexcept { return static_cast<int>(trials.size()); }
 };
 
-/// One for each number of threads from 2 on.
+/// One for each number of threads from 2 on, up to the usable ones.
 [[nodiscard]] std::vector<CopiesTrial> start_copies(const tasks::Scene& scene, const std::vector<tasks::Schedule>& schedules);
 
 /// Builds the trials, runs 4 steps of each and, unless they were slow, 36 more, and keeps the hashes.
