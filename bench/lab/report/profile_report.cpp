@@ -75,7 +75,7 @@ std::string timing_text(const Profile& profile) {
 }
 
 std::string gains_text(const Profile& profile) {
-    if (profile.copies.empty()) return {};
+    if (profile.processors_requested() < 2) return {};
     Table table({{"schedule"},
                  right("threads"),
                  right("segments"),

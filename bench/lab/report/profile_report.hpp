@@ -11,7 +11,7 @@ namespace cvtflow::bench {
 
 /// Step and evaluation times, speed-ups, synchronisation: a row per schedule.
 [[nodiscard]] std::string timing_text(const Profile& profile);
-/// Gains in pairs of rounds, near and far apart, and those of independent copies; nothing without threads.
+/// Gains over serial's turns, near and far rounds apart, and those of independent runs; nothing without threads.
 [[nodiscard]] std::string gains_text(const Profile& profile);
 /// Medians beside busy neighbours and factors against serial under the same load; empty if there were none.
 [[nodiscard]] std::string neighbours_text(const Profile& profile);

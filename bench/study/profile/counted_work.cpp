@@ -11,6 +11,7 @@
 #include "bench/executor/span_recorder.hpp"
 #include "bench/study/profile/measure.hpp"
 #include "bench/study/profile/model.hpp"
+#include "tasks/step/control/cycle_sequence.hpp"
 #include "tasks/step/control/energy_ledger.hpp"
 
 namespace cvtflow::bench {
@@ -19,8 +20,7 @@ using namespace tasks;
 
 namespace {
 
-constexpr double settled = EnergyLedger::dense_time;  // before, losses are sampled more often than later [s]
-constexpr long steps = 256;                           // of the recording: some cycles do not run in every step
+constexpr long steps = 256;  // of the recording: some cycles do not run in every step
 
 /// Tasks of a step with a number of segments.
 struct CountedStep {
@@ -44,7 +44,7 @@ std::vector<double> runs_per_step(const engine::TaskGraph& graph, const std::vec
     return runs;
 }
 
-/// Work of the tasks of cycles [instructions].
+/// Work of the tasks of cycles [instructions]. Takes a step in place: the trial is of no further use.
 class WorkCounter {
 public:
     /// @param runs of each cycle per step; one that does not run has no work
@@ -56,7 +56,7 @@ public:
           work_(static_cast<std::size_t>(graph_.size()), 0.0) {}
 
     /// Cycles of the method inside the step that comes next, one of several runs in its second, since a first stage combines no slopes.
-    /// Then all others. The simulation is not to be continued.
+    /// Then all others. @throws SimulationError if the step fails
     [[nodiscard]] std::vector<double> count() {
         std::vector<int> begun(runs_.size(), 0);
         CycleSequence step = integrator_.method().step();
@@ -66,6 +66,7 @@ public:
             for (const int task : graph_.topological(cycle)) graph_.call(task)(&integrator_.workspace());
         }
         step.rethrow();
+        if (step.fault()) throw SimulationError(step.fault().message());
         for (int cycle = 0; cycle < graph_.cycles(); ++cycle) {
             if (!counted_[static_cast<std::size_t>(cycle)]) count(cycle);
         }
@@ -138,8 +139,10 @@ CountedStep count_step(const Scene& scene, int segments, std::set<std::string>& 
     schedule.assembly.kind = scene.run.assembly;
     schedule.segments = segments;
     Trial trial(scene, schedule, &recorder);
-    trial.run(4);  // searches for the automatic step
-    while (trial.simulation().time() < settled) trial.run(steps);
+    trial.settle();
+    const double begin = trial.simulation().time();
+    trial.run(4);                                                                           // searches for the automatic step
+    while (trial.simulation().time() - begin < EnergyLedger::dense_time) trial.run(steps);  // losses are sampled more often than later
     recorder.clear();
     trial.run(steps);
     if (recorder.lost(0) > 0) throw std::logic_error("the recording of the counted steps is too short");

@@ -8,7 +8,9 @@
 #include <cmath>
 #include <future>
 #include <limits>
+#include <memory>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "bench/executor/span_recorder.hpp"
@@ -56,6 +58,13 @@ double processor_seconds() {
 }  // namespace
 
 Trial::Trial(const Scene& scene, const Schedule& schedule, engine::StampRecorder* recorder) : simulation_(scene, schedule, recorder) {}
+
+void Trial::settle() {
+    if (!simulation_.needs_settling()) return;
+    DeadlineObserver observer(std::numeric_limits<double>::infinity());
+    if (const Fault fault = simulation_.advance({.until = 0.0, .max_wall = 0.0}, observer, observer.cancellation()))
+        throw SimulationError(fault.message());
+}
 
 TrialSample Trial::run(long steps, double timeout) {
     const double cpu = processor_seconds();
@@ -219,14 +228,6 @@ void copies_turn(CopiesTrial& copies, long steps, double timeout) {
     copies.step.push_back(1.0 / rate);
 }
 
-/// @param serial, step, bare one per round [s]
-PairedGain paired_gain(const std::vector<double>& serial, const std::vector<double>& step, const std::vector<double>& bare) {
-    std::vector<double> near, far;
-    for (std::size_t round = 0; round < std::min({serial.size(), step.size(), bare.size()}); ++round)
-        (bare[round] <= ChooserOptions{}.meeting ? near : far).push_back(serial[round] / step[round]);
-    return {spread(near), spread(far), static_cast<int>(near.size()), static_cast<int>(far.size())};
-}
-
 /// Medians over the rounds in which all threads came; if they mostly did not, the cost means nothing and `active` gives the reason.
 void sum_up_cycles(ScheduleTrial& lane) {
     std::vector<double> seconds, active;
@@ -277,6 +278,16 @@ std::vector<ScheduleTrial> start_lanes(const Scene& scene, const std::vector<Sch
     return lanes;
 }
 
+PairedGain paired_gain(const std::vector<double>& serial, const std::vector<double>& step, const std::vector<double>& bare, int rounds) {
+    std::vector<double> near, far;
+    if (serial.size() < static_cast<std::size_t>(rounds) || step.size() < bare.size()) return {};
+    const auto first_serial = serial.end() - rounds;
+    const auto first_step = step.end() - static_cast<std::ptrdiff_t>(bare.size());
+    for (std::ptrdiff_t round = 0; round < static_cast<std::ptrdiff_t>(bare.size()); ++round)
+        (bare[static_cast<std::size_t>(round)] <= ChooserOptions{}.meeting ? near : far).push_back(first_serial[round] / first_step[round]);
+    return {spread(near), spread(far), static_cast<int>(near.size()), static_cast<int>(far.size())};
+}
+
 std::vector<CopiesTrial> start_copies(const Scene& scene, const std::vector<Schedule>& schedules) {
     std::set<int> numbers;
     for (const Schedule& schedule : schedules) {
@@ -311,7 +322,7 @@ void measure_load(std::vector<ScheduleTrial>& lanes, std::vector<CopiesTrial>& c
     }
     const std::vector<double>& serial_steps = samples.front().step;
     for (CopiesTrial& each : copies) {
-        if (neighbours == 0) each.paired = paired_gain(serial_steps, each.step, each.bare);
+        if (neighbours == 0) each.paired = paired_gain(serial_steps, each.step, each.bare, options.rounds);
     }
     for (std::size_t k = 0; k < lanes.size(); ++k) {
         if (samples[k].step.empty()) samples[k].dropped = "dropped under a lighter load";
@@ -321,7 +332,7 @@ void measure_load(std::vector<ScheduleTrial>& lanes, std::vector<CopiesTrial>& c
         if (k > 0 && result.rounds > 0) result.burnt = result.cpu - lanes.front().result.loads.back().cpu;
         if (neighbours == 0) {
             sum_up_cycles(lanes[k]);
-            lanes[k].result.paired = paired_gain(serial_steps, samples[k].step, lanes[k].bare);
+            lanes[k].result.paired = paired_gain(serial_steps, samples[k].step, lanes[k].bare, options.rounds);
         }
         lanes[k].result.loads.push_back(result);
     }

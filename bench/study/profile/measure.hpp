@@ -31,6 +31,9 @@ public:
     /// @throws as Simulation
     Trial(const tasks::Scene& scene, const tasks::Schedule& schedule, engine::StampRecorder* recorder = nullptr);
 
+    /// To t = 0, if the scene's start has not settled yet. @throws SimulationError if the simulation ends by itself
+    void settle();
+
     /// Takes `steps` further steps, or fewer if they take longer than `timeout` [s], which is checked once per output interval. The search
     /// for the automatic step, which a run does once, is in the first call only (before a start has settled: in every call).
     /// @throws SimulationError if the simulation ends by itself: there is nothing to measure then
@@ -78,7 +81,8 @@ struct LoadResult {
     double burnt = 0.0;         ///< of that, what serial does not need under the same load: burnt while waiting, or lost to caches [s]
 };
 
-/// Gain over serial in pairs of rounds, apart for rounds in which the threads had just met fast (near processors) and slowly (far ones).
+/// Gain over serial's turn of the same round, separately for near and far rounds. Near: a bare barrier of as many threads, unpinned, took
+/// at most ChooserOptions::meeting just before.
 struct PairedGain {
     Spread near, far;  ///< [1]
     int near_rounds = 0, far_rounds = 0;
@@ -126,12 +130,16 @@ struct ScheduleTrial {
 /// Independent serial runs at once, one per thread: what processors give without any synchronisation.
 struct CopiesTrial {
     std::vector<std::unique_ptr<Trial>> trials;  ///< [threads]
-    std::vector<double> step;                    ///< one per round without neighbours: time of all over their steps [s]
+    std::vector<double> step;                    ///< one per round without neighbours: time per step at their combined rate [s]
     std::vector<double> bare;                    ///< [s]
     PairedGain paired{};
 
     [[nodiscard]] int threads() const noexcept { return static_cast<int>(trials.size()); }
 };
+
+/// @param serial, step one per turn, those of the rounds that count last [s]   @param bare one per round that counts [s]
+[[nodiscard]] PairedGain paired_gain(const std::vector<double>& serial, const std::vector<double>& step, const std::vector<double>& bare,
+                                     int rounds);
 
 /// One for each number of threads from 2 on, up to the usable ones.
 [[nodiscard]] std::vector<CopiesTrial> start_copies(const tasks::Scene& scene, const std::vector<tasks::Schedule>& schedules);

@@ -125,7 +125,8 @@ ExitStatus work(const WorkArguments& arguments) {
 }
 
 constexpr const char* work_explanation =
-    "Every task is run once in a child process, with a trap after every instruction, and counted as often as it runs in a step.\n"
+    "Every task is counted in a child process, with a trap after every instruction, inside a step that begins 0.5 ms or more after the\n"
+    "start, and as often as it runs in a step.\n"
     "instructions: of the slowest thread, per step. fixed, claimed: speed-ups of tasks that have others beside them on their level; a\n"
     "segment per thread, or threads that claim tasks of the best counted number of segments. step: the same of all tasks, those alone on\n"
     "their level included. The controller is not a task. Synchronisation takes no time here.\n"

@@ -14,6 +14,7 @@
 #include "bench/study/profile/measure.hpp"
 #include "bench/study/profile/statistics.hpp"
 #include "engine/executor/catalogue.hpp"
+#include "tasks/step/control/energy_ledger.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
 #include "tests/tasks/tiny_fixture.hpp"
 
@@ -80,6 +81,16 @@ TEST(Profile, IsCrowdedIfItsCalibrationGotLessThanNineTenths) {
     EXPECT_FALSE(profile.predicts()) << "no model was made";
 }
 
+/// The first turns, which calibrate and warm up, are samples only where they were slow.
+TEST(PairedGain, ComparesTurnsOfTheSameRound) {
+    const PairedGain gain = paired_gain({9.0, 4.0, 5.0, 8.0}, {2.0, 2.0, 2.0}, {1e-7, 5e-7, 1e-7}, 3);
+    EXPECT_EQ(gain.near_rounds, 2);
+    EXPECT_DOUBLE_EQ(gain.near.median, 3.0) << "of 4 over 2 and 8 over 2";
+    EXPECT_EQ(gain.far_rounds, 1);
+    EXPECT_DOUBLE_EQ(gain.far.median, 2.5);
+    EXPECT_EQ(paired_gain({1.0}, {}, {}, 1).near_rounds, 0) << "dropped before the first round that counts";
+}
+
 TEST(Trial, EndsAtItsTimeout) {
     Trial trial(ready_tiny(), Schedule{});
     const TrialSample sample = trial.run(1000000, 0.001);
@@ -98,13 +109,12 @@ TEST(Profile, MeasuresAndFindsEqualStates) {
     const Profile profile = profile_schedules(ready_tiny(), schedules, options);
     EXPECT_THAT(profile.differences, testing::IsEmpty());
     ASSERT_EQ(profile.results.size(), 4u);
-    ASSERT_EQ(profile.copies.size(), 1u);
-    EXPECT_EQ(profile.copies[0].threads, 2);
-    const PairedGain &copies = profile.copies[0].paired, &serial = profile.results[0].paired;
-    EXPECT_EQ(copies.near_rounds + copies.far_rounds, options.rounds);
-    EXPECT_GT(std::max(copies.near.median, copies.far.median), 0.0);
-    EXPECT_EQ(serial.near_rounds + serial.far_rounds, options.rounds);
-    EXPECT_DOUBLE_EQ(std::max(serial.near.median, serial.far.median), 1.0) << "its own turn of the same round";
+    ASSERT_EQ(profile.copies.size(), usable_threads() > 1 ? 1u : 0u);
+    for (const CopiesGain& copies : profile.copies) {
+        EXPECT_EQ(copies.threads, 2);
+        EXPECT_EQ(copies.paired.near_rounds + copies.paired.far_rounds, options.rounds);
+        EXPECT_GT(std::max(copies.paired.near.median, copies.paired.far.median), 0.0);
+    }
     for (const ScheduleResult& result : profile.results) {
         ASSERT_EQ(result.loads.size(), 2u) << result.name;
         EXPECT_GT(result.loads[0].step.median, 0.0);
@@ -193,9 +203,8 @@ TEST(CountedWork, OfTasksIsThatOfTheStepTheyAreIn) {
     for (const StageWork& stage : count_work(scene, {1}).stages)
         if (stage.stage == "record" || stage.stage == "friction") tasks += stage.instructions;
     Trial trial(scene, {});
-    trial.run(4);
+    trial.settle();
     while (trial.simulation().time() < EnergyLedger::dense_time) trial.run(256);
-    trial.run(256);
     auto& integrator = const_cast<Integrator&>(trial.simulation().integrator());
     const engine::TaskGraph& graph = integrator.runner().graph();
     const auto step = [&](bool runs) {
@@ -208,7 +217,7 @@ TEST(CountedWork, OfTasksIsThatOfTheStepTheyAreIn) {
     const std::vector<Counted> counted = count_each(bodies);
     ASSERT_EQ(counted.size(), 2u);
     EXPECT_NEAR(tasks / static_cast<double>(counted[0].instructions - counted[1].instructions), 1.0, 0.02)
-        << "at rest 0.79: no tip would touch";
+        << "counted between steps 0.79: the record finds every tip free";
 }
 
 /// A smaller share of the work for every segment, and no more than there is.
