@@ -81,7 +81,7 @@ TEST(Profile, IsCrowdedIfItsCalibrationGotLessThanNineTenths) {
     EXPECT_FALSE(profile.predicts()) << "no model was made";
 }
 
-/// The first turns, which calibrate and warm up, are samples only where they were slow.
+/// The first turns, before those that count, are samples only where they were slow.
 TEST(PairedGain, ComparesTurnsOfTheSameRound) {
     const PairedGain gain = paired_gain({9.0, 4.0, 5.0, 8.0}, {2.0, 2.0, 2.0}, {1e-7, 5e-7, 1e-7}, 3);
     EXPECT_EQ(gain.near_rounds, 2);
