@@ -62,9 +62,13 @@ void Variator::add_up(int group, const Phase* phases, const LinkLoad* loads, She
     }
 }
 
-SheaveForces Variator::sheave_forces(const SheaveSum* sums) const noexcept {
+SheaveForces Variator::sheave_forces(const Phase* phases, const SheaveSum* sums) const noexcept {
     SheaveSum total;
     for (int group = 0; group < this->sums(); ++group) {
+        bool adds = layout().rigid;
+        for (int link = links_per_sum * group; link < std::min(layout().links, links_per_sum * (group + 1)); ++link)
+            adds |= touches(phases, link);
+        if (!adds) continue;
         for (int shaft = 0; shaft < 2; ++shaft) add(sums[group].of_shaft[shaft], total.of_shaft[shaft]);
     }
     return forces_of(total);

@@ -56,8 +56,9 @@ public:
     [[nodiscard]] int sums() const noexcept { return (layout().links + links_per_sum - 1) / links_per_sum; }
     /// Reactions of the links of one group, in the order of their numbers. phases, loads: of all links
     void add_up(int group, const Phase* phases, const LinkLoad* loads, SheaveSum& sum) const noexcept;
-    /// Forces of the chain on the sheaves from the sums of all groups, in their order.
-    [[nodiscard]] SheaveForces sheave_forces(const SheaveSum* sums) const noexcept;
+    /// Forces of the chain on the sheaves from the sums of all groups, in their order. Sums of groups that touch nowhere are not read:
+    /// another processor may have written them. phases: of all links, as for add_up()
+    [[nodiscard]] SheaveForces sheave_forces(const Phase* phases, const SheaveSum* sums) const noexcept;
     /// Forces of the chain on the sheaves from the links' reactions.
     [[nodiscard]] SheaveForces sheave_forces(const Phase* phases, const LinkLoad* loads) const noexcept;
 

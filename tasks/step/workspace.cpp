@@ -114,7 +114,7 @@ model::SheaveForces sheave_forces(Workspace& w) noexcept {
     if (w.sums_missing) return w.variator.sheave_forces(w.tips.phases.data(), w.links.loads.data());
     for (const int group : w.links.split_sums)
         w.variator.add_up(group, w.tips.phases.data(), w.links.loads.data(), w.links.sums[at(group)]);
-    return w.variator.sheave_forces(w.links.sums.data());
+    return w.variator.sheave_forces(w.tips.phases.data(), w.links.sums.data());
 }
 
 double Workspace::pin_period() const noexcept {
