@@ -168,7 +168,7 @@ void truncate_segment(void* workspace, int segment) noexcept {
 const double* advance_window(Workspace& w, int segment, model::LinkAdvance* kernel) noexcept {
     const model::ChainLayout& layout = w.layout();
     const int block = layout.link_block();
-    const engine::Term slope = w.step.row.slopes.empty() ? engine::Term{} : w.step.row.slopes.front();
+    const engine::Term& slope = w.step.row.slopes.front();
     const double *from = w.states[at(w.step.row.states.front().slot)], *along = w.slopes[at(slope.slot)];
     const double by = w.step.h * slope.factor;
     double* window = w.windows[at(segment)].data();
