@@ -219,7 +219,7 @@ void cycle_turn(ScheduleTrial& lane) {
 }
 
 void copies_turn(CopiesTrial& copies, long steps, double timeout) {
-    copies.bare.push_back(bare_cycle(copies.threads()));
+    copies.bare.push_back(bare_cycle(copies.result.threads));
     std::vector<std::future<double>> times;
     for (const auto& trial : copies.trials)
         times.push_back(std::async(std::launch::async, [&trial, steps, timeout] { return trial->run(steps, timeout).per_step(); }));
@@ -296,6 +296,7 @@ std::vector<CopiesTrial> start_copies(const Scene& scene, const std::vector<Sche
     std::vector<CopiesTrial> all;
     for (const int threads : numbers) {
         CopiesTrial copies;
+        copies.result.threads = threads;
         for (int k = 0; k < threads; ++k) {
             copies.trials.push_back(std::make_unique<Trial>(scene, Schedule{}));
             copies.trials.back()->run(first_steps + more_steps);
@@ -322,7 +323,7 @@ void measure_load(std::vector<ScheduleTrial>& lanes, std::vector<CopiesTrial>& c
     }
     const std::vector<double>& serial_steps = samples.front().step;
     for (CopiesTrial& each : copies) {
-        if (neighbours == 0) each.paired = paired_gain(serial_steps, each.step, each.bare, options.rounds);
+        if (neighbours == 0) each.result.paired = paired_gain(serial_steps, each.step, each.bare, options.rounds);
     }
     for (std::size_t k = 0; k < lanes.size(); ++k) {
         if (samples[k].step.empty()) samples[k].dropped = "dropped under a lighter load";

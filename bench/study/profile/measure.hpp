@@ -127,14 +127,18 @@ struct ScheduleTrial {
     bool dropped = false;
 };
 
-/// Independent serial runs at once, one per thread: what processors give without any synchronisation.
+/// Gain of as many independent serial runs at once as there are threads: what processors give without any synchronisation.
+struct CopiesGain {
+    int threads = 0;
+    PairedGain paired{};
+};
+
+/// Independent serial runs under measurement.
 struct CopiesTrial {
     std::vector<std::unique_ptr<Trial>> trials;  ///< [threads]
     std::vector<double> step;                    ///< one per round without neighbours: time per step at their combined rate [s]
     std::vector<double> bare;                    ///< [s]
-    PairedGain paired{};
-
-    [[nodiscard]] int threads() const noexcept { return static_cast<int>(trials.size()); }
+    CopiesGain result{};
 };
 
 /// @param serial, step one per turn, those of the rounds that count last [s]   @param bare one per round that counts [s]

@@ -179,7 +179,7 @@ Profile profile_schedules(const Scene& scene, const std::vector<Schedule>& sched
     }
     calibrate(profile, threads);
     for (ScheduleTrial& lane : lanes) profile.results.push_back(std::move(lane.result));
-    for (const CopiesTrial& each : copies) profile.copies.push_back({each.threads(), each.paired});
+    for (const CopiesTrial& each : copies) profile.copies.push_back(each.result);
     profile.bare = bare_barriers(profile.results);
     if ((!profile.crowded() || options.predict_crowded) && !profile.own_cycles()) {
         say("model");

@@ -21,12 +21,6 @@ struct ScheduleChoice {
 /// @throws SceneError for an executor or assembly that does not exist, or more segments than links
 [[nodiscard]] std::vector<tasks::Schedule> chosen_schedules(const tasks::Scene& scene, const ScheduleChoice& choice);
 
-/// Gain of as many independent serial runs at once as there are threads.
-struct CopiesGain {
-    int threads;
-    PairedGain paired;
-};
-
 struct Profile {
     std::vector<ScheduleResult> results;  ///< the first is serial:fused
     StageTable stages;                    ///< of all of them
