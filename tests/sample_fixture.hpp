@@ -1,5 +1,7 @@
 #pragma once
-/// Samples of catalogues: a change is tested with the same ones as the change before, the nightly tests draw others and try all.
+/// How much a test tries, in one place. Depth: `./tools/test` tries every promise once (quick), `.ci/run` every combination (deep); a suite whose
+/// name begins with Deep runs in the latter only, one that begins with Nightly in neither. Samples of catalogues: a change is tested with the same ones
+/// as the change before, the nightly tests draw others and try all.
 
 #include <algorithm>
 #include <cstdint>
@@ -7,11 +9,24 @@
 #include <iterator>
 #include <random>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine/base/hash.hpp"
 
 namespace cvtflow::test {
+
+/// Environment variable CVTFLOW_TEST_DEPTH: deep, or else quick.
+inline bool is_deep() {
+    const char* given = std::getenv("CVTFLOW_TEST_DEPTH");
+    return given != nullptr && std::string_view(given) == "deep";
+}
+
+/// What a test has at either depth: a count, a list of rows.
+template <class Value>
+Value depth(const Value& quick, const Value& deep) {
+    return is_deep() ? deep : quick;
+}
 
 /// CVTFLOW_TEST_SEED, or else one that stays; CVTFLOW_TEST_SEED=all: no sampling.
 inline std::string sample_seed() {
