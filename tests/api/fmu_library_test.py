@@ -15,7 +15,7 @@ import cvtflow
 
 PROGRAM, COMPILER, IMPORTER = (os.environ.get(f"CVTFLOW_{name}", "") for name in ("PROGRAM", "CXX", "FMU_IMPORTER"))
 if not IMPORTER:
-    print("skipped: no source of FMI Library (-DCVTFLOW_FMI_LIBRARY=folder)")
+    print("skipped: no source of FMI Library (-DCVTFLOW_PEERS=folder with fmi-library)")
     sys.exit(77)
 
 
