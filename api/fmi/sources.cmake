@@ -55,7 +55,6 @@ endwhile()
 string(CONCAT CVTFLOW_KERNEL_DECLARATIONS "template <>\nKernels native_kernels<compiled_isa>(int order) noexcept;\n"
   "template <>\nRigidKernels rigid_kernels<compiled_isa>() noexcept;\n")
 set(CVTFLOW_KERNEL_ROWS "        {compiled_isa, native_kernels<compiled_isa>, rigid_kernels<compiled_isa>},\n")
-set(CVTFLOW_FUSES false)
 configure_file(${TOP}/model/kernels/compiled_kernels.cpp.in ${OUT}/groups/compiled_kernels.cpp @ONLY)
 file(READ ${OUT}/groups/compiled_kernels.cpp text)
 file(WRITE ${OUT}/groups/compiled_kernels.cpp "#include \"model/basis/native_lanes.hpp\"\n${text}")

@@ -4,7 +4,7 @@ CMake builds the module and libcvtflow.so, as `cmake --install` would; the wheel
 package's folder. Needed on the machine: what building cvtflow needs (README), python3-dev and pybind11-dev.
 
     pip install .                                       # into build-wheel/
-    pip install . --config-settings build-dir=DIR --config-settings jobs=2 --config-settings cmake-args="-DCVTFLOW_NATIVE=ON -DCMAKE_CXX_COMPILER=clang++"
+    pip install . --config-settings build-dir=DIR --config-settings jobs=2 --config-settings cmake-args="-DCMAKE_CXX_COMPILER=clang++"
     pip wheel . --no-deps --config-settings bundle=ON   # with the libraries it needs, for any distribution with this glibc or a newer one
 """
 
@@ -87,8 +87,7 @@ def build(settings):
     """Compiles and returns the build folder."""
     folder = pathlib.Path(settings.get("build-dir") or TOP / "build-wheel").resolve()
     # The package's folder is the prefix: the module looks for the library beside itself, the library for scenes beside itself.
-    arguments = ["-DCMAKE_BUILD_TYPE=Release", "-DCVTFLOW_NATIVE=OFF", "-DCVTFLOW_UNITY=ON", "-DCVTFLOW_TESTS=OFF", "-DCVTFLOW_BENCH=OFF",
-                 "-DCVTFLOW_EXAMPLES=OFF", "-DCVTFLOW_PYTHON=" + sys.executable, "-DCVTFLOW_PYTHON_DIR=..", "-DCMAKE_INSTALL_LIBDIR=lib",
+    arguments = ["-DCMAKE_BUILD_TYPE=Release", "-DPython3_EXECUTABLE=" + sys.executable, "-DCMAKE_INSTALL_LIBDIR=lib",
                  "-DCMAKE_BUILD_WITH_INSTALL_RPATH=ON", *(BUNDLED if bundles(settings) else []), *shlex.split(settings.get("cmake-args") or "")]
     jobs = settings.get("jobs") or str(os.cpu_count())
     environment = dict(os.environ, LD_LIBRARY_PATH=f"{folder}:{os.environ.get('LD_LIBRARY_PATH', '')}")  # the type stub is asked of the module

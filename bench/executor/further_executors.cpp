@@ -47,7 +47,7 @@ constexpr bool has_std_par = CVTFLOW_HAS_STD_PAR, has_asio = CVTFLOW_HAS_ASIO, h
 constexpr std::string_view openmp = "OpenMP";
 constexpr std::string_view algorithms = "a standard library whose parallel algorithms run on oneTBB";
 constexpr std::string_view asio = "Boost.Asio (Debian: libboost-dev)";
-constexpr std::string_view taskflow = "Taskflow's headers (-DCVTFLOW_TASKFLOW=PATH)";
+constexpr std::string_view taskflow = "Taskflow's headers (-DCVTFLOW_PEERS=FOLDER)";
 
 constexpr std::array rows{
     ExecutorRow{.name = "omp_region",

@@ -47,8 +47,10 @@ Isa isa_named(std::string_view name) {
     const auto found = std::find_if(usable.begin(), usable.end(), [&](Isa isa) { return name_of(isa) == name; });
     if (found != usable.end()) return *found;
     const bool known = std::find(isa_names.begin(), isa_names.end(), name) != isa_names.end();
+    std::vector<Isa> contained;
+    for (const CompiledKernels& kernels : compiled_kernels()) contained.push_back(kernels.isa);
     throw std::invalid_argument("instruction set \"" + std::string(name) + "\" is " + (known ? "not available here" : "unknown") +
-                                " (have: " + listed(usable) + ")");
+                                " (this build has " + listed(contained) + "; this processor runs " + listed(usable) + " of them)");
 }
 
 Isa chosen_isa() {

@@ -34,9 +34,4 @@ struct CompiledKernels {
 /// @throws std::invalid_argument if not compiled in
 [[nodiscard]] CompiledKernels kernels_of(Isa isa);
 
-/// True: a product and a sum are rounded once, so that results depend on the instruction set and on the assembly. They still do not depend
-/// on threads, segments or executors.
-/// The build writes this function likewise.
-[[nodiscard]] bool fuses_multiply_add() noexcept;
-
 }  // namespace cvtflow::model

@@ -142,7 +142,6 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
     report.step_control = scene.run.step_control;
     report.tolerance = scene.run.tolerance;
     report.kernels = model::name_of(simulation.workspace().variator.chain().isa());
-    if (model::fuses_multiply_add()) report.kernels += " with fused multiply-adds";
     report.working_set = simulation.workspace().bytes() + simulation.integrator().method().bytes().value_or(0);
     report.counts_method = simulation.integrator().method().bytes().has_value();
     report.start_differences = simulation.start_differences();

@@ -4,8 +4,8 @@
 add_library(cvtflow_flags INTERFACE)
 target_compile_options(cvtflow_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wconversion -Wno-sign-conversion
-  -ffp-contract=$<IF:$<BOOL:$<TARGET_PROPERTY:CVTFLOW_CONTRACTS>>,fast,off> -fno-math-errno -fno-trapping-math)
-if(NOT CVTFLOW_UNITY)   # in a group, what one file's functions call their variables would have to differ from all constants of its neighbours
+  -ffp-contract=off -fno-math-errno -fno-trapping-math)
+if(NOT cvtflow_groups)   # every source alone (tools/check/alone); in a group, what one file's functions call their variables would have to differ from all constants of its neighbours
   target_compile_options(cvtflow_flags INTERFACE -Wshadow)
 endif()
 if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
@@ -33,13 +33,6 @@ endif()
 # No unique symbols, which would keep the shared library loaded after dlclose.
 target_compile_options(cvtflow_flags INTERFACE $<$<CXX_COMPILER_ID:GNU>:-fno-gnu-unique>)
 target_include_directories(cvtflow_flags INTERFACE ${PROJECT_SOURCE_DIR})
-add_library(cvtflow_arch INTERFACE)   # the processor that everything but the kernels is compiled for
-if(CVTFLOW_ARCH)
-  target_compile_options(cvtflow_arch INTERFACE -march=${CVTFLOW_ARCH})
-elseif(CVTFLOW_NATIVE)
-  target_compile_options(cvtflow_arch INTERFACE -march=native)
-endif()
-
 # Code that waits for the libraries' code: tests and command lines. Half of a build is theirs.
 add_library(cvtflow_outer INTERFACE)
 target_compile_options(cvtflow_outer INTERFACE $<$<CONFIG:Release>:-O1>)
@@ -48,29 +41,27 @@ target_compile_options(cvtflow_small INTERFACE $<$<CONFIG:Release>:-Os>)
 add_library(cvtflow_tested INTERFACE)   # tests themselves
 target_compile_options(cvtflow_tested INTERFACE $<$<CONFIG:Release>:-Og>)
 
-# Instruction sets that the kernels are compiled for (model/CMakeLists.txt).
+# Instruction sets that the kernels are compiled for: all that a processor of this kind may have. Instrumented code has one, the simplest.
 set(isas baseline)
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64)$")
-  if(NOT MINGW)   # whose stack is aligned to 16 bytes, which GCC forgets where it stores wider vectors (bug 54412)
+  # MinGW's stack is aligned to 16 bytes, which GCC forgets where it stores wider vectors (bug 54412)
+  if(NOT MINGW AND NOT CVTFLOW_SANITIZE AND NOT CMAKE_CXX_FLAGS_RELWITHDEBINFO MATCHES "--coverage")
     list(APPEND isas avx2 avx512)
   endif()
   set(flags_of_baseline -march=x86-64)
   set(flags_of_avx2 -march=x86-64-v3)
   set(flags_of_avx512 -march=x86-64-v4 -mprefer-vector-width=512)
 endif()
-if(CVTFLOW_ISAS STREQUAL "native")   # the widest that this machine has, and no other
-  set(isas baseline)
-  if(EXISTS /proc/cpuinfo AND CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64)$")
-    file(STRINGS /proc/cpuinfo processor REGEX "^flags" LIMIT_COUNT 1)
-    if(processor MATCHES " avx512dq.* avx512vl")
-      set(isas avx512)
-    elseif(processor MATCHES " avx2 ")
-      set(isas avx2)
-    endif()
-  endif()
-elseif(CVTFLOW_ISAS)
-  set(isas ${CVTFLOW_ISAS})
-endif()
-if(CVTFLOW_ONE_LANE)
-  set(isas baseline)
-endif()
+
+# cvtflow_kernels(target isa): compiles a library of kernels for an instruction set.
+function(cvtflow_kernels target isa)
+  target_link_libraries(${target} PRIVATE cvtflow_flags)
+  target_compile_options(${target} PRIVATE ${flags_of_${isa}} $<$<CONFIG:Debug>:-O2>)
+  set_target_properties(${target} PROPERTIES CVTFLOW_KERNELS ON UNITY_BUILD OFF)
+endfunction()
+# The same in one lane, nothing vectorised: what the laboratory compares with.
+function(cvtflow_one_lane_kernels target)
+  target_include_directories(${target} BEFORE PRIVATE ${PROJECT_SOURCE_DIR}/bench/one_lane)
+  target_link_libraries(${target} PRIVATE cvtflow_flags)
+  target_compile_options(${target} PRIVATE ${flags_of_baseline} -fno-tree-vectorize)
+endfunction()

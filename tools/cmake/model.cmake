@@ -2,27 +2,11 @@
 # Whatever is not in an unnamed namespace would be shared between them by the linker: tests/architecture looks at their symbols.
 set(kernel_sources model/kernels/chain_kernels.cpp model/kernels/friction_kernels.cpp model/kernels/single_kernels.cpp
   model/kernels/native_kernels.cpp model/rigid/rigid_kernels.cpp)
-if(CVTFLOW_ONE_LANE)   # the stand-in of bench/one_lane, as the program's baseline
-  list(REMOVE_ITEM kernel_sources model/kernels/chain_kernels.cpp)
-  add_library(cvtflow_one_lane OBJECT model/kernels/chain_kernels.cpp)
-  target_include_directories(cvtflow_one_lane BEFORE PRIVATE ${PROJECT_SOURCE_DIR}/bench/one_lane)
-  target_compile_definitions(cvtflow_one_lane PRIVATE CVTFLOW_ONE_LANE)
-  target_link_libraries(cvtflow_one_lane PRIVATE cvtflow_flags)
-  target_compile_options(cvtflow_one_lane PRIVATE ${flags_of_baseline} -fno-tree-vectorize)
-  list(APPEND kernel_parts cvtflow_one_lane)
-endif()
 set(CVTFLOW_KERNEL_ROWS "")
 set(CVTFLOW_KERNEL_DECLARATIONS "")
-if(CVTFLOW_FMA)
-  set(CVTFLOW_FUSES true)
-else()
-  set(CVTFLOW_FUSES false)
-endif()
 foreach(isa ${isas})
   add_library(cvtflow_kernels_${isa} OBJECT ${kernel_sources})
-  target_link_libraries(cvtflow_kernels_${isa} PRIVATE cvtflow_flags)
-  target_compile_options(cvtflow_kernels_${isa} PRIVATE ${flags_of_${isa}} $<$<CONFIG:Debug>:-O2>)
-  set_target_properties(cvtflow_kernels_${isa} PROPERTIES CVTFLOW_CONTRACTS ${CVTFLOW_FMA} CVTFLOW_KERNELS ON)
+  cvtflow_kernels(cvtflow_kernels_${isa} ${isa})
   string(APPEND CVTFLOW_KERNEL_DECLARATIONS "template <>\nKernels native_kernels<Isa::${isa}>(int order) noexcept;\n"
     "template <>\nRigidKernels rigid_kernels<Isa::${isa}>() noexcept;\n")
   string(APPEND CVTFLOW_KERNEL_ROWS "        {Isa::${isa}, native_kernels<Isa::${isa}>, rigid_kernels<Isa::${isa}>},\n")
@@ -33,7 +17,7 @@ configure_file(model/kernels/compiled_kernels.cpp.in ${PROJECT_BINARY_DIR}/compi
 file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/model/*.cpp)
 list(FILTER sources EXCLUDE REGEX "/model/.*_kernels\\.cpp$")
 add_library(cvtflow_model STATIC ${sources})
-target_link_libraries(cvtflow_model PUBLIC cvtflow_flags cvtflow_arch)
+target_link_libraries(cvtflow_model PUBLIC cvtflow_flags)
 # GCC 12 makes (v)fmaddsub of a product, a sum and a difference side by side, whatever -ffp-contract is: a test disassembles the library.
 target_compile_options(cvtflow_model PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>)
 cvtflow_in_groups(cvtflow_model)
