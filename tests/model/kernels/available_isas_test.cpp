@@ -1,7 +1,5 @@
 #include "model/kernels/available_isas.hpp"
 
-#include "model/kernels/kernels.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "model/kernels/kernels.hpp"
 #include "model/observe/observation.hpp"
 #include "model/variator/variator.hpp"
 #include "tests/oracle/oracle_cases.hpp"
