@@ -1,6 +1,7 @@
 # Writes the tests of a program for ctest, one for each suite:
 #   cmake -D PROGRAM=file -D LABEL=label -D SECONDS=limit -D OUT=file -P suites.cmake
-# A suite, or the prefix of one with parameters, that begins with Deep or Nightly has that label; Extremes gives the label extremes.
+# A suite, or the prefix of one with parameters, that begins with Deep or Nightly has that label; Extremes gives the label extremes. Nightly tests are
+# long, so each is one of ctest.
 execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listed RESULT_VARIABLE failed)
 if(failed)
   message(FATAL_ERROR "${PROGRAM} --gtest_list_tests: ${failed}")
@@ -12,28 +13,35 @@ set(suites "")
 foreach(line ${lines})
   if(line MATCHES "^([^ ]+)\\.")
     set(suite "${CMAKE_MATCH_1}")
-    list(APPEND suites "${suite}")
+    if(NOT suite MATCHES "(^|/)Nightly")
+      list(APPEND suites "${suite}")
+    endif()
     set(count_${suite} 0)
-  elseif(line MATCHES "^  ")
+  elseif(line MATCHES "^  ([^ ]+)")
     math(EXPR count_${suite} "${count_${suite}} + 1")
+    if(suite MATCHES "(^|/)Nightly")
+      list(APPEND nightly "${suite}.${CMAKE_MATCH_1}")
+    endif()
   endif()
 endforeach()
+
 set(text "")
+# add(name filter labels limit cost). GNU's OpenMP never yields unless told so: two threads on one processor then need 8 ms per barrier.
+function(add name filter labels limit cost)
+  string(APPEND text "add_test([==[${name}]==] [==[${PROGRAM}]==] [==[--gtest_filter=${filter}]==])\n"
+    "set_tests_properties([==[${name}]==] PROPERTIES LABELS [==[${labels}]==] TIMEOUT ${limit} COST ${cost} ENVIRONMENT OMP_WAIT_POLICY=passive)\n")
+  set(text "${text}" PARENT_SCOPE)
+endfunction()
 foreach(suite ${suites})
   set(labels ${LABEL})
-  set(limit ${SECONDS})
-  if(suite MATCHES "(^|/)Deep")
-    string(APPEND labels ";deep")
-  endif()
   if(suite MATCHES "Extremes")
-    set(labels "extremes")
+    set(labels extremes)
+  elseif(suite MATCHES "(^|/)Deep")
+    set(labels ${LABEL} deep)
   endif()
-  if(suite MATCHES "(^|/)Nightly")
-    set(labels "nightly")
-    set(limit 4800)
-  endif()
-  # GNU's OpenMP never yields unless told so: two threads on one processor then need 8 ms per barrier.
-  string(APPEND text "add_test([==[${suite}]==] [==[${PROGRAM}]==] [==[--gtest_filter=${suite}.*]==])\n"
-    "set_tests_properties([==[${suite}]==] PROPERTIES LABELS [==[${labels}]==] TIMEOUT ${limit} COST ${count_${suite}} ENVIRONMENT OMP_WAIT_POLICY=passive)\n")
+  add("${suite}" "${suite}.*" "${labels}" ${SECONDS} ${count_${suite}})
+endforeach()
+foreach(case ${nightly})
+  add("${case}.nightly" "${case}" nightly 4800 1)
 endforeach()
 file(WRITE ${OUT} "${text}")

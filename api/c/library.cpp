@@ -10,10 +10,13 @@
 #include "api/c/boundary.hpp"
 #include "engine/thread/worker_threads.hpp"
 
+/// Of the library that these objects are linked to (api/CMakeLists.txt).
+extern const char* const cvtflow_version_text;
+
 namespace cvtflow {
 inline namespace v0 {
 
-std::string library_version() { return CVTFLOW_VERSION_TEXT; }
+std::string library_version() { return cvtflow_version_text; }
 
 bool shutdown() noexcept {
     const api::FloatingDefaults defaults;
@@ -70,7 +73,7 @@ void give_text(const std::string& whole, char* text, size_t* size) {
 
 extern "C" {
 
-const char* cvtflow_version(void) { return CVTFLOW_VERSION_TEXT; }
+const char* cvtflow_version(void) { return cvtflow_version_text; }
 const char* cvtflow_code_name(int32_t code) { return error_name(static_cast<ErrorCode>(code)); }
 cvtflow_code cvtflow_shutdown(void) { return shutdown() ? CVTFLOW_OK : CVTFLOW_BUSY; }
 
