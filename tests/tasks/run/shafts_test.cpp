@@ -8,9 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "bench/study/run_watch.hpp"
 #include "tasks/channel/channels.hpp"
-#include "tasks/run/run_means.hpp"
+#include "tasks/run/run.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/tuning/tuner.hpp"
 #include "tests/tasks/run/settled_run_fixture.hpp"
@@ -120,8 +119,6 @@ TEST(SimulationCouplings, AreReleasedWhereAStateBeforeThemIsPutBack) {
 
 TEST(SimulationCouplings, CannotBeTuned) { EXPECT_THROW(Tuner(coupled_scene(), {}, not_ended), SceneError); }
 
-const engine::Cancellation drag_uncancelled;
-
 constexpr double driving_torque = 14.0, loading_torque = 11.0;  // [N·m]
 
 /// `tiny` between two constant torques, its shafts with seals, bearings and oil.
@@ -201,24 +198,7 @@ INSTANTIATE_TEST_SUITE_P(Levels, ShaftDrag, testing::Values("rigid", "medium"), 
 
 /// Powers of the summary are from outside to outside: the drive's torque times its speed comes in.
 TEST(ShaftDragSummary, CountsDragAmongTheLosses) {
-    const Scene scene = dragged_scene("rigid");
-    Simulation simulation(scene);
-    settle_and_go(simulation, 0.0);
-    bench::RunWatch watch;
-    class Outputs final : public RunObserver {
-    public:
-        Outputs(bench::RunWatch& watch, const Simulation& of) : watch_(watch), observer_(of.workspace().variator) {}
-        void output(double time, const Workspace& workspace, const Counters&) override {
-            watch_.add(workspace.observed_by(observer_, time), workspace);
-        }
-        void transition(const TransitionRecord&) override {}
-
-    private:
-        bench::RunWatch& watch_;
-        model::Observer observer_;
-    } outputs(watch, simulation);
-    ASSERT_FALSE(simulation.advance({.until = 3e-3, .new_part = true}, outputs, drag_uncancelled));
-    const SpanMeans means = watch.result(simulation.workspace().energy).means;
+    const SpanMeans means = run_scene(dragged_scene("rigid", {"run.until=3 ms", "run.output_interval=10 us"}), {}).whole;
     EXPECT_NEAR(means.shaft_power[0], driving_torque * means.speed[0], 1e-3 * means.input);
     EXPECT_NEAR(-means.shaft_power[1], loading_torque * means.speed[1], 1e-3 * means.input);
     EXPECT_GT(means.lost, means.drag[0] + means.drag[1]);

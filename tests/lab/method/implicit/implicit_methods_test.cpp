@@ -59,6 +59,30 @@ TEST(ImplicitMethods, AreStableWhereExplicitOnesAreNot) {
     EXPECT_FALSE(bench::try_method(settled.parameters(), settled.start(), "trapezoidal-analytic", 10e-6, 200e-6).fault);
 }
 
+/// Here a tip is due that has kept its phase long enough by the end of the whole step, but not by the end of the one that is taken again:
+/// cut for it without changing it, and cut again, steps of 1e-14 s continued for ever.
+TEST(ImplicitMethods, EveryCutChangesATipAlsoWhereTheStepIsTakenAgain) {
+    struct Seen final : RunObserver {
+        void output(double, const Workspace&, const Counters&) override {}
+        void transition(const TransitionRecord&) override { ++transitions; }
+        long transitions = 0;
+    };
+    for (const char* method : {"trapezoidal-analytic", "trapezoidal-full", "trapezoidal-frozen", "trapezoidal-schubert"}) {
+        SCOPED_TRACE(method);
+        Simulation simulation(implicit_scene(method, {"detail.stick_slip=true", "start.settling_time=50us", "start.ramp_time=50us",
+                                                      "run.step=1.4285714285714286us", "run.output_interval=10us"}));
+        EXPECT_FALSE(simulation.integrator().method().bytes().has_value()) << "not counted, and the summary states it";
+        Seen seen;
+        const engine::Cancellation never;
+        ASSERT_FALSE(simulation.advance({.until = 0.0, .steps = 3000}, seen, never));
+        const Counters& c = simulation.counters();
+        EXPECT_EQ(c.steps - c.truncated, 35);
+        EXPECT_GT(c.truncated, 10);
+        EXPECT_LE(c.truncated, c.detected);
+        EXPECT_EQ(c.detected, seen.transitions);
+    }
+}
+
 class EveryImplicitMethod : public testing::TestWithParam<std::string> {
 protected:
     static std::uint64_t hash(const Schedule& schedule) {
