@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "bench/method/jacobian/dual_lanes.hpp"
 #include "law_properties.hpp"
 #include "model/basis/native_lanes.hpp"
 #include "model/law/friction_laws.hpp"
@@ -56,7 +55,7 @@ TEST(SpeedProfile, HasNoCorner) {
     }
 }
 
-TEST(TipFactors, LanesGiveWhatEachGivesAloneAndNumbersWithDerivativesTheSlope) {
+TEST(TipFactors, LanesGiveWhatEachGivesAloneAndTheSlopeOfTheProfile) {
     const TipLaw law = law_of(SpeedProfile::through(speeds, values));
     const double four[] = {0.0, 0.017, 0.2, 7.0};
     const Lanes<4> together = speed_factor<4>(law, load<4>(four)), slopes = speed_factor_slope<4>(law, load<4>(four));
@@ -66,8 +65,6 @@ TEST(TipFactors, LanesGiveWhatEachGivesAloneAndNumbersWithDerivativesTheSlope) {
         EXPECT_EQ(together[lane], law.by_speed.at(v));
         const double step = 1e-7, difference = (law.by_speed.at(v + step) - law.by_speed.at(v - step)) / (2.0 * step);
         EXPECT_NEAR(slopes[lane], difference, 1e-3);  // curvature 1.2e4 times the step
-        constexpr int one = directions<1>;
-        EXPECT_NEAR(speed_factor<one>(law, Lanes<one>::variable(v, 0)).slope[0], slopes[lane], 1e-12) << v;
     }
 }
 
@@ -229,14 +226,6 @@ TEST(Friction, SmoothedTendsToPiecewiseAsItsWidthShrinks) {
         double worst = 0.0;
         for (double u = 0.0; u < 2.0; u += 1e-4) worst = std::max(worst, std::abs(share(smoothed(d), u * v0) - share(piecewise(), u * v0)));
         EXPECT_NEAR(worst, 0.25 * d, 1e-3 * d);  // the parabola is d/4 below the corner
-    }
-}
-
-TEST(Friction, LanesAgreeWithOneLane) {
-    for (const FrictionCurve& curve : {piecewise(), smoothed(0.3)}) {
-        const double speeds[] = {0.0, 0.5 * v0, 0.95 * v0, 7.0 * v0};
-        const Lanes<4> four = model::slip_factor<4>(curve, load<4>(speeds));
-        for (std::size_t lane = 0; lane < 4; ++lane) EXPECT_EQ(four[lane], slip_factor(curve, speeds[lane]));
     }
 }
 
