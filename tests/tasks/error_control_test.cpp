@@ -107,22 +107,13 @@ TEST(SpectralMethods, TakeStepsByError) {
     }
 }
 
-bool estimates_error(const std::string& method) {
-    try {
-        const Simulation simulation(settled_tiny(with(method, "20ns", {"run.step_control=report"})));
-        return true;
-    } catch (const SceneError&) {  // said with all other problems of a scene
-        return false;
-    }
-}
-
 /// Tables and programs, steps fixed or by error, on executors and segments: one hash per method.
 void expect_bits_on_every_executor(const std::vector<std::string>& methods) {
     for (const std::string& method : methods) {
         if (!objection_to(method, settled_tiny({}).parameters).empty()) continue;  // rigid pins, which are one segment
         std::vector<std::string> settings =
             with(method, "20ns", {"run.until=100ns", "run.output_interval=100ns", "run.state_interval=100ns"});
-        if (estimates_error(method)) settings.push_back("run.step_control=error");
+        if (Method(method).estimates_error()) settings.push_back("run.step_control=error");
         const Scene scene = settled_tiny(settings);
         const ControlledOutcome serial = controlled_outcome(scene);
         ASSERT_FALSE(serial.fault) << method << ": " << serial.fault.message();

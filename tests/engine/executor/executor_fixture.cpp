@@ -146,13 +146,4 @@ bool falls_to_threads(int count) {
     return thread_count() == count;
 }
 
-struct BusyNeighbour::Thread {
-    std::jthread thread{[](const std::stop_token& stop) {
-        while (!stop.stop_requested()) {}
-    }};
-};
-
-BusyNeighbour::BusyNeighbour() : thread_(std::make_unique<Thread>()) {}
-BusyNeighbour::~BusyNeighbour() = default;
-
 }  // namespace cvtflow::engine::test

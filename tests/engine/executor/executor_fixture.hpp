@@ -113,17 +113,4 @@ void for_each(const std::vector<Case>& cases, const Check& check) {
 /// Waits up to 10 s until the process has this many threads: the OpenMP runtime lets its threads end by themselves.
 [[nodiscard]] bool falls_to_threads(int count);
 
-/// Keeps a processor busy as long as it lives.
-class BusyNeighbour {
-public:
-    BusyNeighbour();
-    ~BusyNeighbour();
-    BusyNeighbour(const BusyNeighbour&) = delete;
-    BusyNeighbour& operator=(const BusyNeighbour&) = delete;
-
-private:
-    struct Thread;
-    std::unique_ptr<Thread> thread_;
-};
-
 }  // namespace cvtflow::engine::test

@@ -13,7 +13,6 @@
 namespace cvtflow::engine {
 namespace {
 
-using test::BusyNeighbour;
 using test::Case;
 using test::mixed_cycles;
 using test::World;
@@ -28,8 +27,12 @@ void expect_right(Executor& executor, long cycles = 200) {
 
 TEST(AmongNeighbours, ProgressWhileAllProcessorsAreBusy) {
     test::for_each(test::pairs(), [&](const Case& each) {
-        std::vector<std::unique_ptr<BusyNeighbour>> neighbours;
-        for (unsigned i = 0; i < std::thread::hardware_concurrency() && i < 8; ++i) neighbours.push_back(std::make_unique<BusyNeighbour>());
+        std::vector<std::jthread> neighbours;
+        for (unsigned i = 0; i < std::thread::hardware_concurrency() && i < 8; ++i) {
+            neighbours.emplace_back([](const std::stop_token& stop) {
+                while (!stop.stop_requested()) {}
+            });
+        }
         expect_right(*each.make(), 100);
     });
 }

@@ -92,17 +92,7 @@ TEST(SimulationCouplings, AFarEndThatSlowsDownBrakesTheShaft) {
 }
 
 TEST(SimulationCouplings, ContinueBitForBitFromAnIntegrationState) {
-    const Scene scene = coupled_scene();
-    Simulation whole(scene);
-    settle_and_go(whole, 2e-4);
-    const IntegrationState middle = whole.integration_state();
-    EXPECT_EQ(middle.couplings.size(), 6u);
-    settle_and_go(whole, 5e-4);
-    Simulation other(scene);
-    other.restore(middle);
-    settle_and_go(other, 5e-4);
-    EXPECT_EQ(other.hash(), whole.hash());
-    EXPECT_EQ(other.workspace().energy.input_works().couplings.work, whole.workspace().energy.input_works().couplings.work);
+    EXPECT_EQ(expect_continued(coupled_scene(), 2e-4, 5e-4).couplings.size(), 6u);
 }
 
 TEST(SimulationCouplings, AreReleasedWhereAStateBeforeThemIsPutBack) {
@@ -187,12 +177,7 @@ TEST_P(ShaftDrag, LeavesTheImpulseFromOutsideAsItIs) {
     EXPECT_LT(dragged.net_impulse()[1], dragged.impulse[1] - 0.2 * 1e-3);
 }
 
-TEST_P(ShaftDrag, ContinuesBitForBitFromAnIntegrationState) {
-    const Scene scene = dragged_scene(GetParam());
-    const ContinuedRun run(scene, 3e-4, 6e-4);
-    EXPECT_EQ(run.other.hash(), run.whole.hash());
-    EXPECT_EQ(run.other.workspace().energy.input_works().drag.energy, run.whole.workspace().energy.input_works().drag.energy);
-}
+TEST_P(ShaftDrag, ContinuesBitForBitFromAnIntegrationState) { expect_continued(dragged_scene(GetParam()), 3e-4, 6e-4); }
 
 INSTANTIATE_TEST_SUITE_P(Levels, ShaftDrag, testing::Values("rigid", "medium"), [](const auto& instance) { return instance.param; });
 
