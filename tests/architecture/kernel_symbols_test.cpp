@@ -48,14 +48,14 @@ int entries_of(const char* objects) {
     return entries;
 }
 
-TEST(KernelSymbols, NoneIsSharedBetweenInstructionSets) {
+TEST(DeepKernelSymbols, NoneIsSharedBetweenInstructionSets) {
     EXPECT_GE(entries_of(CVTFLOW_OBJECTS_DIR), 5);         // native, chain, friction, single and rigid kernels of at least one
     EXPECT_GE(entries_of(CVTFLOW_STAGED_OBJECTS_DIR), 1);  // staged_kernels of the laboratory
 }
 
 /// A fused multiply-add here and not there would make bits depend on instruction sets and on how sources are grouped; GCC 12 makes some in
 /// spite of -ffp-contract=off.
-TEST(KernelSymbols, NoMultiplyAddIsFusedInTheLibrary) {
+TEST(DeepKernelSymbols, NoMultiplyAddIsFusedInTheLibrary) {
     std::istringstream code(output_of(CVTFLOW_OBJDUMP " -d --no-show-raw-insn '" CVTFLOW_LIBRARY "'"));
     std::string function;
     long instructions = 0;

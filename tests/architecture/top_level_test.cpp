@@ -61,7 +61,7 @@ TEST(TopLevel, HoldsWhatEveryBuildNeeds) {
 
 // Sources are formatted by .clang-format, so that a change shows only what changed.
 
-TEST(Format, OfEverySourceIsThatOfTheFile) {
+TEST(DeepFormat, OfEverySourceIsThatOfTheFile) {
     const std::string formatter = output_of("command -v clang-format-14 2>/dev/null");  // other versions break lines elsewhere
     if (formatter.empty()) GTEST_SKIP() << "needs clang-format-14";
     const std::string changed = output_of("cd '" CVTFLOW_SOURCE_DIR

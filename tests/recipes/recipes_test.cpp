@@ -19,7 +19,7 @@
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/toml_tree.hpp"
 #include "tests/claims/rig_fixture.hpp"
-#include "tests/model/law/law_properties.hpp"
+#include "tests/lab/method/jacobian/dual_law_properties.hpp"
 #include "tests/tasks/tiny_fixture.hpp"
 
 namespace cvtflow::recipes {
@@ -116,7 +116,10 @@ FrictionCurve rational(double v0) {
     return curve;
 }
 
-TEST(LawRecipe, TheToyOwesWhatAllLawsOwe) { model::expect_a_law<model::LawList<RationalLaw>>(rational(0.01)); }
+TEST(LawRecipe, TheToyOwesWhatAllLawsOwe) {
+    model::expect_a_law<model::LawList<RationalLaw>>(rational(0.01));
+    model::expect_the_derivative_of_the_law<model::LawList<RationalLaw>>(rational(0.01));
+}
 
 TEST(LawRecipe, TheToyIsTheOneThatWasMeant) {
     for (const double u : model::law_speeds)

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "engine/executor/serial.hpp"
+#include "tests/sample_fixture.hpp"
 
 namespace cvtflow::engine::test {
 
@@ -114,8 +115,9 @@ const std::vector<std::vector<int>>& mixed_cycles() {
 std::vector<Case> all_cases() {
     std::vector<Case> cases;
     for (const ExecutorRow& row : executors()) {
-        if (thread_sanitizer && row.name != "serial" && row.name != "barrier") continue;
-        for (const int threads : {1, 2, 4, 8}) {
+        const bool plain = row.name == "serial" || row.name == "barrier";
+        if (thread_sanitizer ? !plain : !plain && row.name != "flow" && !cvtflow::test::is_deep()) continue;
+        for (const int threads : cvtflow::test::depth(std::vector{1, 2, 4}, std::vector{1, 2, 4, 8})) {
             if (row.parallel || threads == 1) cases.push_back({&row, threads});
         }
     }
@@ -134,12 +136,6 @@ std::vector<Case> parallel_pairs() {
     return cases;
 }
 
-std::string case_name(const testing::TestParamInfo<Case>& info) {
-    return std::string(info.param.row->name) + "_" + std::to_string(info.param.threads);
-}
-
-void PrintTo(const Case& which, std::ostream* stream) { *stream << which.row->name << ", " << which.threads << " threads"; }
-
 int thread_count() {
     return static_cast<int>(std::distance(std::filesystem::directory_iterator("/proc/self/task"), std::filesystem::directory_iterator()));
 }
@@ -149,14 +145,5 @@ bool falls_to_threads(int count) {
     while (thread_count() != count && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     return thread_count() == count;
 }
-
-struct BusyNeighbour::Thread {
-    std::jthread thread{[](const std::stop_token& stop) {
-        while (!stop.stop_requested()) {}
-    }};
-};
-
-BusyNeighbour::BusyNeighbour() : thread_(std::make_unique<Thread>()) {}
-BusyNeighbour::~BusyNeighbour() = default;
 
 }  // namespace cvtflow::engine::test

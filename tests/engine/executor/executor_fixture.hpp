@@ -26,6 +26,9 @@ inline constexpr bool thread_sanitizer = false;
 inline constexpr bool thread_sanitizer = false;
 #endif
 
+/// A parallel executor for tests of other things: the product's, or the laboratory's where ThreadSanitizer needs one that it understands.
+inline constexpr const char* parallel_executor = thread_sanitizer ? "barrier" : "flow";
+
 /// Tasks whose numbers depend on those of their predecessors, and a controller whose decisions depend on the numbers of all tasks.
 /// All data are plain, as in the step: a task that runs twice, too early, side by side with another that it must see, or in another
 /// cycle's time changes numbers or is counted, and is a race for ThreadSanitizer.
@@ -86,32 +89,28 @@ struct Case {
     int threads;
     [[nodiscard]] std::unique_ptr<Executor> make() const { return row->make({.threads = threads}); }
 };
-/// The catalogue times 1, 2, 4 and 8 threads. Under ThreadSanitizer only what it understands.
+/// Quick: `serial`, `flow` and, in a laboratory build, `barrier`, times 1, 2 and 4 threads; deep: the catalogue times 1, 2, 4 and 8. Under
+/// ThreadSanitizer only what it understands.
 [[nodiscard]] std::vector<Case> all_cases();
-/// The catalogue, the parallel ones with 2 threads.
+/// One of each executor, the parallel ones with 2 threads.
 [[nodiscard]] std::vector<Case> pairs();
 /// Parallel cases only.
 [[nodiscard]] std::vector<Case> parallel_pairs();
-[[nodiscard]] std::string case_name(const testing::TestParamInfo<Case>& info);
-void PrintTo(const Case& which, std::ostream* stream);
+/// Calls `check` for each case, whose name stands beside every failure.
+template <class Check>
+void for_each(const std::vector<Case>& cases, const Check& check) {
+    EXPECT_FALSE(cases.empty());
+    for (const Case& each : cases) {
+        const testing::ScopedTrace trace(__FILE__, __LINE__,
+                                         std::string(each.row->name) + ", " + std::to_string(each.threads) + " threads");
+        check(each);
+    }
+}
 
 /// Threads of this process, by the kernel's count.
 [[nodiscard]] int thread_count();
 
 /// Waits up to 10 s until the process has this many threads: the OpenMP runtime lets its threads end by themselves.
 [[nodiscard]] bool falls_to_threads(int count);
-
-/// Keeps a processor busy as long as it lives.
-class BusyNeighbour {
-public:
-    BusyNeighbour();
-    ~BusyNeighbour();
-    BusyNeighbour(const BusyNeighbour&) = delete;
-    BusyNeighbour& operator=(const BusyNeighbour&) = delete;
-
-private:
-    struct Thread;
-    std::unique_ptr<Thread> thread_;
-};
 
 }  // namespace cvtflow::engine::test

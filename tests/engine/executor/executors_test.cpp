@@ -29,92 +29,105 @@ using test::Case;
 using test::mixed_cycles;
 using test::World;
 using testing::ElementsAre;
-using testing::IsEmpty;
 
-class Executors : public testing::TestWithParam<Case> {};
-INSTANTIATE_TEST_SUITE_P(Catalogue, Executors, testing::ValuesIn(test::all_cases()), test::case_name);
-
-TEST_P(Executors, DoWhatSerialDoes) {
-    constexpr long cycles = 3000;
-    const auto executor = GetParam().make();
-    World world(mixed_cycles());
-    world.run(*executor, cycles);
-    EXPECT_EQ(world.faults(), 0);
-    EXPECT_EQ(world.cycles(), cycles);
-    EXPECT_EQ(world.hash(), test::serial_hash(mixed_cycles(), cycles));
+TEST(Executors, DoWhatSerialDoes) {
+    test::for_each(test::all_cases(), [&](const Case& each) {
+        constexpr long cycles = 3000;
+        const auto executor = each.make();
+        World world(mixed_cycles());
+        world.run(*executor, cycles);
+        EXPECT_EQ(world.faults(), 0);
+        EXPECT_EQ(world.cycles(), cycles);
+        EXPECT_EQ(world.hash(), test::serial_hash(mixed_cycles(), cycles));
+    });
 }
 
-TEST_P(Executors, RespectEdgesOfRandomGraphsOfThreeLevels) {
-    for (unsigned seed = 1; seed <= 10; ++seed) {
-        const int a = 1 + static_cast<int>(seed * 5 % 13), b = 1 + static_cast<int>(seed * 7 % 11), c = 1 + static_cast<int>(seed * 3 % 7);
-        const std::vector<std::vector<int>> cycles{{a, b, c}, {c, a, b}};
-        World world(cycles, seed);
-        world.run(*GetParam().make(), 200);
-        EXPECT_EQ(world.faults(), 0) << seed;
-        EXPECT_EQ(world.hash(), test::serial_hash(cycles, 200, seed)) << seed;
-    }
-}
-
-TEST_P(Executors, FinishTasksThatTakeTime) {
-    World world({{7}, {2, 1, 2}});
-    world.task_time(3000);
-    world.run(*GetParam().make(), 300);
-    EXPECT_EQ(world.faults(), 0);
-    EXPECT_EQ(world.hash(), test::serial_hash({{7}, {2, 1, 2}}, 300));
-}
-
-TEST_P(Executors, StopAtOnceIfAsked) {
-    World world(mixed_cycles());
-    world.run(*GetParam().make(), 0);
-    EXPECT_EQ(world.cycles(), 0);
-    EXPECT_EQ(world.hash(), World(mixed_cycles()).hash());
-}
-
-TEST_P(Executors, RunAgainAndAgain) {
-    const auto executor = GetParam().make();
-    World world(mixed_cycles());
-    const std::uint64_t expected = test::serial_hash(mixed_cycles(), 20);
-    for (int repetition = 0; repetition < 100; ++repetition) {
-        world.run(*executor, 20);
-        ASSERT_EQ(world.hash(), expected) << repetition;
-        ASSERT_EQ(world.faults(), 0) << repetition;
-    }
-}
-
-TEST_P(Executors, RejectUnknownCyclesAtTheStartAndLater) {
-    const auto executor = GetParam().make();
-    World world(mixed_cycles());
-    for (const long after : {0L, 1L, 50L}) {
-        for (const int cycle : {-2, static_cast<int>(mixed_cycles().size())}) {
-            world.name_after(after, cycle);
-            EXPECT_THROW(world.run(*executor, 100), std::out_of_range);
-            EXPECT_EQ(world.cycles(), after);
+TEST(Executors, RespectEdgesOfRandomGraphsOfThreeLevels) {
+    test::for_each(test::all_cases(), [&](const Case& each) {
+        for (unsigned seed = 1; seed <= 10; ++seed) {
+            const int a = 1 + static_cast<int>(seed * 5 % 13), b = 1 + static_cast<int>(seed * 7 % 11),
+                      c = 1 + static_cast<int>(seed * 3 % 7);
+            const std::vector<std::vector<int>> cycles{{a, b, c}, {c, a, b}};
+            World world(cycles, seed);
+            world.run(*each.make(), 200);
+            EXPECT_EQ(world.faults(), 0) << seed;
+            EXPECT_EQ(world.hash(), test::serial_hash(cycles, 200, seed)) << seed;
         }
-    }
-    world.name_after(-1, 0);
-    world.run(*executor, 100);
-    EXPECT_EQ(world.hash(), test::serial_hash(mixed_cycles(), 100)) << "usable afterwards";
+    });
 }
 
-TEST_P(Executors, RejectGraphsThatAreNotFrozen) {
-    World world(mixed_cycles());
-    EXPECT_THROW(GetParam().make()->run(TaskGraph(), &world, world), std::logic_error);
-    EXPECT_EQ(world.cycles(), 0);
+TEST(Executors, FinishTasksThatTakeTime) {
+    test::for_each(test::all_cases(), [&](const Case& each) {
+        World world({{7}, {2, 1, 2}});
+        world.task_time(3000);
+        world.run(*each.make(), 300);
+        EXPECT_EQ(world.faults(), 0);
+        EXPECT_EQ(world.hash(), test::serial_hash({{7}, {2, 1, 2}}, 300));
+    });
+}
+
+TEST(Executors, StopAtOnceIfAsked) {
+    test::for_each(test::all_cases(), [&](const Case& each) {
+        World world(mixed_cycles());
+        world.run(*each.make(), 0);
+        EXPECT_EQ(world.cycles(), 0);
+        EXPECT_EQ(world.hash(), World(mixed_cycles()).hash());
+    });
+}
+
+TEST(Executors, RunAgainAndAgain) {
+    test::for_each(test::all_cases(), [&](const Case& each) {
+        const auto executor = each.make();
+        World world(mixed_cycles());
+        const std::uint64_t expected = test::serial_hash(mixed_cycles(), 20);
+        for (int repetition = 0; repetition < 100; ++repetition) {
+            world.run(*executor, 20);
+            ASSERT_EQ(world.hash(), expected) << repetition;
+            ASSERT_EQ(world.faults(), 0) << repetition;
+        }
+    });
+}
+
+TEST(Executors, RejectUnknownCyclesAtTheStartAndLater) {
+    test::for_each(test::all_cases(), [&](const Case& each) {
+        const auto executor = each.make();
+        World world(mixed_cycles());
+        for (const long after : {0L, 1L, 50L}) {
+            for (const int cycle : {-2, static_cast<int>(mixed_cycles().size())}) {
+                world.name_after(after, cycle);
+                EXPECT_THROW(world.run(*executor, 100), std::out_of_range);
+                EXPECT_EQ(world.cycles(), after);
+            }
+        }
+        world.name_after(-1, 0);
+        world.run(*executor, 100);
+        EXPECT_EQ(world.hash(), test::serial_hash(mixed_cycles(), 100)) << "usable afterwards";
+    });
+}
+
+TEST(Executors, RejectGraphsThatAreNotFrozen) {
+    test::for_each(test::all_cases(), [&](const Case& each) {
+        World world(mixed_cycles());
+        EXPECT_THROW(each.make()->run(TaskGraph(), &world, world), std::logic_error);
+        EXPECT_EQ(world.cycles(), 0);
+    });
 }
 
 void nothing(void* /*context*/, int /*item*/) noexcept {}
 
-TEST_P(Executors, AskAgainAfterCyclesWithoutTasks) {
-    struct Once final : Controller {
-        int next() noexcept override { return asked < 3 ? cycles[asked++] : stop; }
-        int cycles[3] = {0, 1, 0};  // NOLINT: cycle 0 has no tasks
-        int asked = 0;
-    } once;
-    TaskGraph graph;
-    graph.add({"only", 1, nothing, 0, {}});
-    graph.freeze();
-    GetParam().make()->run(graph, nullptr, once);
-    EXPECT_EQ(once.asked, 3);
+TEST(Executors, AskAgainAfterCyclesWithoutTasks) {
+    test::for_each(test::all_cases(), [&](const Case& each) {
+        struct Once final : Controller {
+            int next() noexcept override { return asked < 3 ? cycles[asked++] : stop; }
+            int cycles[3] = {0, 1, 0};  // NOLINT: cycle 0 has no tasks
+            int asked = 0;
+        } once;
+        TaskGraph graph;
+        graph.add({"only", 1, nothing, 0, {}});
+        graph.freeze();
+        each.make()->run(graph, nullptr, once);
+        EXPECT_EQ(once.asked, 3);
+    });
 }
 
 /// Runtimes that may allocate now and then while a run lasts, with what we grant them; all else allocates when a run begins and never
@@ -129,42 +142,25 @@ long granted(const ExecutorRow& row, long cycles) {
     return 0;
 }
 
-TEST_P(Executors, AllocateNothingPerCycle) {
+TEST(Executors, AllocateNothingPerCycle) {
     if (test::allocation_count() < 0) GTEST_SKIP() << "a sanitizer owns malloc";
-    const auto executor = GetParam().make();
-    World world(mixed_cycles());
-    const long cycles = GetParam().threads > 2 ? 300 : 2000;  // spinning threads that outnumber the processors take 6 ms a cycle
-    const auto allocations = [&](long count) {
-        const long before = test::allocation_count();
-        world.run(*executor, count);
-        return test::allocation_count() - before;
-    };
-    allocations(cycles);  // pools of the runtimes
-    long beginning = 0, fewest = std::numeric_limits<long>::max();
-    for (int repetition = 0; repetition < 5; ++repetition) {
-        beginning = std::max(beginning, allocations(10));
-        fewest = std::min(fewest, allocations(cycles));
-    }
-    EXPECT_LE(fewest, beginning + granted(*GetParam().row, cycles));
-}
-
-/// With OMP_WAIT_POLICY=active they would wait on their processors for ever, and what is measured next would have one processor less.
-TEST(OpenMpExecutors, KeepNoThreadThatIsReleased) {
-    int parallel = 0;
-    for (const Case& each : test::all_cases()) {
-        if (each.row->waiting != Waiting::environment) continue;  // the others' threads sleep between runs
+    test::for_each(test::all_cases(), [&](const Case& each) {
         const auto executor = each.make();
         World world(mixed_cycles());
-        executor->release_threads();
-        const int before = test::thread_count();
-        for (int repetition = 0; repetition < 3; ++repetition) {
-            world.run(*executor, 10);
-            parallel += test::thread_count() > before;
-            executor->release_threads();
-            EXPECT_TRUE(test::falls_to_threads(before)) << test::case_name(testing::TestParamInfo<Case>(each, 0));
+        const long cycles = each.threads > 2 ? 300 : 2000;  // spinning threads that outnumber the processors take 6 ms a cycle
+        const auto allocations = [&](long count) {
+            const long before = test::allocation_count();
+            world.run(*executor, count);
+            return test::allocation_count() - before;
+        };
+        allocations(cycles);  // pools of the runtimes
+        long beginning = 0, fewest = std::numeric_limits<long>::max();
+        for (int repetition = 0; repetition < 5; ++repetition) {
+            beginning = std::max(beginning, allocations(10));
+            fewest = std::min(fewest, allocations(cycles));
         }
-    }
-    EXPECT_TRUE(parallel > 0 || find_executor("omp_region") == nullptr);
+        EXPECT_LE(fewest, beginning + granted(*each.row, cycles));
+    });
 }
 
 TEST(ExecutorOptions, AreChecked) {
@@ -218,23 +214,6 @@ TEST(Serial, FollowsTheController) {
     Script script({1, 0, 0, 1});
     Serial().run(graph, &seen, script);
     EXPECT_THAT(seen, ElementsAre(2, 1, 1, 2));
-}
-
-TEST(Serial, StopsAtOnceIfAsked) {
-    std::vector<int> seen;
-    Script script({});
-    Serial().run(test::diamond(), &seen, script);
-    EXPECT_THAT(seen, IsEmpty());
-}
-
-TEST(Serial, UnknownCyclesAndUnfrozenGraphsAreRejected) {
-    std::vector<int> seen;
-    Script beyond({0, 1});
-    EXPECT_THROW(Serial().run(test::diamond(), &seen, beyond), std::out_of_range);
-    Script below({-2});
-    EXPECT_THROW(Serial().run(test::diamond(), &seen, below), std::out_of_range);
-    Script any({0});
-    EXPECT_THROW(Serial().run(TaskGraph(), &seen, any), std::logic_error);
 }
 
 TEST(Serial, AllocatesNothingWhileRunning) {

@@ -1,4 +1,7 @@
+#include "bench/executor/further_executors.hpp"
 #include "bench/executor/span_recorder.hpp"
+#include "engine/base/provenance.hpp"
+#include "engine/thread/worker_threads.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -63,32 +66,31 @@ TEST(StampRecorder, RefusesToHoldNothing) {
     EXPECT_THROW(StampRecorder(1, 0), std::invalid_argument);
 }
 
-class Recorded : public testing::TestWithParam<test::Case> {};
-INSTANTIATE_TEST_SUITE_P(Catalogue, Recorded, testing::ValuesIn(test::pairs()), test::case_name);
-
-TEST_P(Recorded, EveryTaskAndDecisionHasOneSpan) {
-    constexpr long cycles = 300;
-    bench::SpanRecorder recorder(2, 10000);
-    const auto executor = GetParam().row->make({.threads = 2, .recorder = &recorder});
-    test::World world({{5, 2}});
-    world.run(*executor, cycles);
-    world.run(*executor, cycles);
-    std::map<int, long> seen;
-    for (int thread = 0; thread < recorder.threads(); ++thread) {
-        EXPECT_EQ(recorder.lost(thread), 0);
-        const std::vector<bench::Span> spans = recorder.spans(thread);
-        for (std::size_t i = 0; i < spans.size(); ++i) {
-            ++seen[spans[i].what];
-            EXPECT_LE(spans[i].begin, spans[i].end);
-            if (i > 0) {
-                EXPECT_LE(spans[i - 1].end, spans[i].begin);
+TEST(Recorded, EveryTaskAndDecisionHasOneSpan) {
+    test::for_each(test::pairs(), [&](const test::Case& each) {
+        constexpr long cycles = 300;
+        bench::SpanRecorder recorder(2, 10000);
+        const auto executor = each.row->make({.threads = 2, .recorder = &recorder});
+        test::World world({{5, 2}});
+        world.run(*executor, cycles);
+        world.run(*executor, cycles);
+        std::map<int, long> seen;
+        for (int thread = 0; thread < recorder.threads(); ++thread) {
+            EXPECT_EQ(recorder.lost(thread), 0);
+            const std::vector<bench::Span> spans = recorder.spans(thread);
+            for (std::size_t i = 0; i < spans.size(); ++i) {
+                ++seen[spans[i].what];
+                EXPECT_LE(spans[i].begin, spans[i].end);
+                if (i > 0) {
+                    EXPECT_LE(spans[i - 1].end, spans[i].begin);
+                }
             }
         }
-    }
-    for (int task = 0; task < 7; ++task) EXPECT_EQ(seen[task], 2 * cycles) << task;
-    EXPECT_EQ(seen[span_controller], 2 * (cycles + 1));
-    EXPECT_EQ(seen[span_enter], 4);
-    EXPECT_EQ(seen[span_exit], 4);
+        for (int task = 0; task < 7; ++task) EXPECT_EQ(seen[task], 2 * cycles) << task;
+        EXPECT_EQ(seen[span_controller], 2 * (cycles + 1));
+        EXPECT_EQ(seen[span_enter], 4);
+        EXPECT_EQ(seen[span_exit], 4);
+    });
 }
 
 TEST(StampRecorder, AllocatesNothingWhileRecording) {
@@ -100,6 +102,38 @@ TEST(StampRecorder, AllocatesNothingWhileRecording) {
     const long before = test::allocation_count();
     world.run(*executor, 1000);
     EXPECT_EQ(test::allocation_count(), before);
+}
+
+/// With OMP_WAIT_POLICY=active they would wait on their processors for ever, and what is measured next would have one processor less.
+TEST(OpenMpExecutors, KeepNoThreadThatIsReleased) {
+    if (test::thread_sanitizer) GTEST_SKIP() << "it sees no synchronisation of OpenMP";
+    int parallel = 0;
+    for (const ExecutorRow& row : executors()) {
+        if (row.waiting != Waiting::environment) continue;  // the others' threads sleep between runs
+        for (const int threads : {1, 2, 4, 8}) {
+            const auto executor = row.make({.threads = threads});
+            test::World world(test::mixed_cycles());
+            executor->release_threads();
+            const int before = test::thread_count();
+            for (int repetition = 0; repetition < 3; ++repetition) {
+                world.run(*executor, 10);
+                parallel += test::thread_count() > before;
+                executor->release_threads();
+                EXPECT_TRUE(test::falls_to_threads(before)) << row.name << ", " << threads << " threads";
+            }
+        }
+    }
+    EXPECT_TRUE(parallel > 0 || find_executor("omp_region") == nullptr);
+}
+
+TEST(Runtimes, OfTheLaboratoryAreNamedAndTeamsAreGranted) {
+    EXPECT_EQ(bench::openmp_version() == "none", find_executor("omp_region") == nullptr);
+    EXPECT_EQ(bench::asio_version() == "none", find_executor("asio_pool") == nullptr);
+    EXPECT_EQ(bench::taskflow_version() == "none", find_executor("taskflow") == nullptr);
+    for (const std::string& version : {tbb_version(), bench::openmp_version(), bench::asio_version(), bench::taskflow_version()})
+        EXPECT_EQ(bench::runtime_versions().find(version) != std::string::npos, version != "none") << version;
+    const WorkerGrant five(5);
+    EXPECT_EQ(bench::team_grant(4), 4);
 }
 
 }  // namespace

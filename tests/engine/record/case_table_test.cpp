@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 
@@ -156,10 +157,11 @@ TEST_F(Claims, FolderLockIsFreeOnlyWhenItsProcessAndThatProcesssChildrenAreGone)
     auto lock = FolderLock::if_free(folder);
     ASSERT_NE(lock, nullptr);
     EXPECT_EQ(FolderLock::if_free(folder), nullptr);
-    const int child = start_child([] { usleep(200'000); });
+    const int child = start_child([] { pause(); });
     lock.reset();
     EXPECT_EQ(FolderLock::if_free(folder), nullptr) << "the child has it still";
-    EXPECT_EQ(wait_for(child), 0);
+    kill(child, SIGKILL);
+    EXPECT_EQ(wait_for(child), 128 + SIGKILL);
     EXPECT_NE(FolderLock::if_free(folder), nullptr);
 }
 

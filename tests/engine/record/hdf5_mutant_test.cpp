@@ -18,6 +18,7 @@
 #include "tests/engine/record/hdf5_mutant_fixture.hpp"
 #include "tests/engine/record/reader_limits_fixture.hpp"
 #include "tests/engine/record/record_fixture.hpp"
+#include "tests/sample_fixture.hpp"
 
 namespace cvtflow::engine {
 namespace {
@@ -179,6 +180,11 @@ protected:
         EXPECT_GT(refused, count / 10);  // the mutants are some
     }
 
+    void try_mutants(std::uint64_t seed, long count, bool seal_anew) {
+        run_children(seed, count, seal_anew);
+        judge(count);
+    }
+
     Notes* notes_;
 };
 
@@ -198,21 +204,13 @@ TEST(ReaderLimits, EndWhatComputesAndWhatSleepsButNotWhatWaitsForItsTurn) {
     EXPECT_EQ(status_of({1, 600}, [] { usleep(1'500'000); }), 0);  // on a busy machine the clock runs, too, and processor time does not
 }
 
-TEST_F(Hdf5MutantTest, EveryReaderSurvivesThemAsTheyCome) {
-    run_children(1, 500, false);
-    judge(500);
-}
-
-TEST_F(Hdf5MutantTest, EveryReaderSurvivesThemSealedAnew) {
-    run_children(2, 500, true);
-    judge(500);
-}
+TEST_F(Hdf5MutantTest, EveryReaderSurvivesThemAsTheyCome) { try_mutants(1, cvtflow::test::depth(100, 500), false); }
+TEST_F(Hdf5MutantTest, EveryReaderSurvivesThemSealedAnew) { try_mutants(2, cvtflow::test::depth(100, 500), true); }
 
 class NightlyHdf5MutantTest : public Hdf5MutantTest, public testing::WithParamInterface<int> {};
 
 TEST_P(NightlyHdf5MutantTest, EveryReaderSurvivesTwentyThousand) {
-    run_children(static_cast<std::uint64_t>(GetParam()), 20'000, GetParam() % 2 == 0);
-    judge(20'000);
+    try_mutants(static_cast<std::uint64_t>(GetParam()), 20'000, GetParam() % 2 == 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, NightlyHdf5MutantTest, testing::Range(100, 105));

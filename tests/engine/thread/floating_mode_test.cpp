@@ -18,32 +18,29 @@ double third() noexcept {
 
 void divide(void* context, int item) noexcept { (*static_cast<std::vector<double>*>(context))[static_cast<std::size_t>(item)] = third(); }
 
-class Rounding : public testing::TestWithParam<test::Case> {
-protected:
-    ~Rounding() override { std::fesetround(FE_TONEAREST); }
-};
-INSTANTIATE_TEST_SUITE_P(Catalogue, Rounding, testing::ValuesIn(test::all_cases()), test::case_name);
-
 struct Times final : Controller {
     explicit Times(int count) : left(count) {}
     int next() noexcept override { return left-- > 0 ? 0 : stop; }
     int left;
 };
 
-TEST_P(Rounding, IsTheCallersOnEveryThread) {
-    TaskGraph graph;
-    for (int task = 0; task < 8; ++task) graph.add({"t", 0, divide, task, {}});
-    graph.freeze();
-    const auto executor = GetParam().make();
-    for (const int mode : {FE_TONEAREST, FE_DOWNWARD, FE_UPWARD}) {
-        std::fesetround(mode);
-        const double expected = third();
-        std::vector<double> seen(8, 0.0);
-        Times hundred(100);
-        executor->run(graph, &seen, hundred);
-        EXPECT_EQ(seen, std::vector<double>(8, expected));
-        EXPECT_EQ(std::fegetround(), mode);
-    }
+TEST(Rounding, IsTheCallersOnEveryThread) {
+    test::for_each(test::all_cases(), [&](const test::Case& each) {
+        TaskGraph graph;
+        for (int task = 0; task < 8; ++task) graph.add({"t", 0, divide, task, {}});
+        graph.freeze();
+        const auto executor = each.make();
+        for (const int mode : {FE_TONEAREST, FE_DOWNWARD, FE_UPWARD}) {
+            std::fesetround(mode);
+            const double expected = third();
+            std::vector<double> seen(8, 0.0);
+            Times hundred(100);
+            executor->run(graph, &seen, hundred);
+            EXPECT_EQ(seen, std::vector<double>(8, expected));
+            EXPECT_EQ(std::fegetround(), mode);
+        }
+        std::fesetround(FE_TONEAREST);
+    });
 }
 
 TEST(FloatingScope, GivesTheThreadItsOwnModeBack) {

@@ -11,7 +11,6 @@
 #include <thread>
 #include <vector>
 
-#include "bench/executor/further_executors.hpp"
 #include "engine/base/provenance.hpp"
 #include "engine/executor/catalogue.hpp"
 #include "engine/thread/backoff.hpp"
@@ -40,7 +39,6 @@ TEST(WorkerGrant, GivesTheRequestedThreadsWithoutShortageAndTriesOnlyNewOnes) {
     }
     EXPECT_FALSE(WorkerGrant(4).fresh());
     EXPECT_TRUE(WorkerGrant(5).fresh());
-    EXPECT_EQ(bench::team_grant(4), 4);
     EXPECT_EQ(thread_shortage().requested, 0);
 }
 
@@ -65,14 +63,9 @@ TEST(ThreadShortage, KeepsTheLargerOne) {
     EXPECT_EQ(shortage.requested, 8);
 }
 
-TEST(Runtimes, AreNamed) {
+TEST(Runtimes, OfTbbIsNamed) {
     EXPECT_EQ(tbb_version().substr(0, 2), "20") << "year and release";
     EXPECT_NE(tbb_version().find("interface 12"), std::string::npos);
-    EXPECT_EQ(bench::openmp_version() == "none", find_executor("omp_region") == nullptr);
-    EXPECT_EQ(bench::asio_version() == "none", find_executor("asio_pool") == nullptr);
-    EXPECT_EQ(bench::taskflow_version() == "none", find_executor("taskflow") == nullptr);
-    for (const std::string& version : {tbb_version(), bench::openmp_version(), bench::asio_version(), bench::taskflow_version()})
-        EXPECT_EQ(bench::runtime_versions().find(version) != std::string::npos, version != "none") << version;
 }
 
 cpu_set_t mask_of(pid_t thread) {
@@ -102,9 +95,6 @@ TEST(Pin, DoesNothingUnlessRequested) {
     const cpu_set_t now = mask_of(0);
     EXPECT_TRUE(CPU_EQUAL(&now, &before));
 }
-
-class Pinned : public testing::TestWithParam<test::Case> {};
-INSTANTIATE_TEST_SUITE_P(Catalogue, Pinned, testing::ValuesIn(test::parallel_pairs()), test::case_name);
 
 /// Threads of this process that may not use all of the processors.
 int narrowed_now(const cpu_set_t& all) {
@@ -136,18 +126,20 @@ public:
     int pinned = 0;
 };
 
-TEST_P(Pinned, RestoresTheMasksOfAllThreads) {
-    const cpu_set_t all = mask_of(0);
-    for (int repetition = 0; repetition < 20; ++repetition) {
-        const auto executor = GetParam().row->make({.threads = 2, .pin = true});
-        Asking asking;
-        TaskGraph graph;
-        for (int task = 0; task < 4; ++task) graph.add({"t", 0, [](void*, int) noexcept {}, task, {}});
-        graph.freeze();
-        executor->run(graph, nullptr, asking);
-        EXPECT_GE(asking.pinned, 500);  // all but the first question, which comes before anything starts
-        ASSERT_EQ(narrowed(all), 0);
-    }
+TEST(Pinned, RestoresTheMasksOfAllThreads) {
+    test::for_each(test::parallel_pairs(), [&](const test::Case& each) {
+        const cpu_set_t all = mask_of(0);
+        for (int repetition = 0; repetition < 20; ++repetition) {
+            const auto executor = each.row->make({.threads = 2, .pin = true});
+            Asking asking;
+            TaskGraph graph;
+            for (int task = 0; task < 4; ++task) graph.add({"t", 0, [](void*, int) noexcept {}, task, {}});
+            graph.freeze();
+            executor->run(graph, nullptr, asking);
+            EXPECT_GE(asking.pinned, 500);  // all but the first question, which comes before anything starts
+            ASSERT_EQ(narrowed(all), 0);
+        }
+    });
 }
 
 /// Processor time that the calling thread or this process has used [s].

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "tests/tasks/tiny_fixture.hpp"
+#include "tests/lab/study/brief_fixture.hpp"
 
 namespace cvtflow::bench {
 

@@ -5,9 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/study/run_watch.hpp"
 #include "engine/method/catalogue.hpp"
-#include "tests/tasks/tiny_fixture.hpp"
+#include "tests/lab/study/brief_fixture.hpp"
 
 namespace cvtflow::bench {
 

@@ -8,7 +8,7 @@
 #include "bench/method/linear/eigenvalues.hpp"
 #include "bench/study/spectrum.hpp"
 #include "tasks/scene/scene.hpp"
-#include "tests/tasks/tiny_fixture.hpp"
+#include "tests/lab/study/brief_fixture.hpp"
 
 namespace cvtflow::bench {
 

@@ -8,33 +8,40 @@
 #include <string>
 #include <vector>
 
-#include "bench/study/run_watch.hpp"
 #include "tasks/run/mean_curve.hpp"
 #include "tasks/run/run.hpp"
 #include "tasks/run/run_means.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/ready_scenes.hpp"
-#include "tests/tasks/tiny_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
 
-TEST(RunMeans, AreOverWholePinPeriodsAndSayWhatIsOdd) {
+/// Means over the outputs 0 … `last`, an interval apart [s], of a machine at a ratio of one; `fill` sets what they have besides.
+template <class Fill>
+RunMeans means_over(int last, double interval, double pin_period, const Fill& fill) {
     RunMeans means;
-    for (int k = 0; k <= 5000; ++k) {  // more outputs than bins: 100 ms of a chain that begins to slide
+    for (int k = 0; k <= last; ++k) {
         model::Observation now;
-        now.time = 2e-5 * k;
+        now.time = interval * k;
         now.ratio = 1.0;
-        now.speed = {200.0, 200.0};
-        now.slip = k < 2500 ? 0.002 : 0.1;
+        now.speed = {200.0, -200.0};
         now.slack = 100.0;
         EnergySums sums;
         sums.time = now.time;
-        sums.work[0] = 1e4 * now.time;
-        sums.work[1] = -9.8e3 * now.time;
-        sums.loss[0] = 200.0 * now.time;
-        means.add(now, sums, 7e-4);
+        fill(k, now, sums);
+        means.add(now, sums, pin_period);
     }
+    return means;
+}
+
+TEST(RunMeans, AreOverWholePinPeriodsAndSayWhatIsOdd) {
+    // More outputs than bins: 100 ms of a chain that begins to slide.
+    const RunMeans means = means_over(5000, 2e-5, 7e-4, [](int k, model::Observation& now, EnergySums& sums) {
+        now.slip = k < 2500 ? 0.002 : 0.1;
+        sums.work = {1e4 * now.time, -9.8e3 * now.time};
+        sums.loss[0] = 200.0 * now.time;
+    });
     const SpanMeans whole = means.all();  // of the last 142 pin periods
     EXPECT_NEAR(whole.end - whole.begin, 142 * 7e-4, 1e-12);
     EXPECT_NEAR(whole.slip, (0.002 * (0.05 - whole.begin) + 0.1 * 0.05) / (0.1 - whole.begin), 1e-4);  // a sample is 1e-4 of it
@@ -58,13 +65,8 @@ TEST(RunMeans, AreOverWholePinPeriodsAndSayWhatIsOdd) {
 /// One sample above the limit of clamping is enough.
 TEST(RunMeans, SayWhereClampingWasAboveItsLimit) {
     for (const double most : {0.99, 1.01}) {
-        RunMeans means;
-        for (int k = 0; k <= 1000; ++k) {
-            model::Observation now;
-            now.time = 1e-3 * k;
-            now.limit_use = k == 500 ? most : 0.5;
-            means.add(now, {}, 1e-3);
-        }
+        const RunMeans means =
+            means_over(1000, 1e-3, 1e-3, [&](int k, model::Observation& now, EnergySums&) { now.limit_use = k == 500 ? most : 0.5; });
         std::string names;
         name_notes(means, {}, names);
         EXPECT_EQ(names.find("clamping_limit") != std::string::npos, most > 1.0) << names;
@@ -75,14 +77,10 @@ TEST(RunMeans, SayWhereClampingWasAboveItsLimit) {
 /// A ratio of 1.4 that control brings to 1.36, or to 1.39.
 TEST(RunMeans, SayWhereControlMissesItsTarget) {
     for (const double ratio : {1.36, 1.39}) {
-        RunMeans means;
-        for (int k = 0; k <= 1000; ++k) {
-            model::Observation now;
-            now.time = 1e-3 * k;
+        const RunMeans means = means_over(1000, 1e-3, 1e-3, [&](int, model::Observation& now, EnergySums&) {
             now.speed = {200.0, 200.0 / ratio};
             now.control = {1.4, ratio};
-            means.add(now, {}, 1e-3);
-        }
+        });
         const std::vector<Note> found = notes(means, {});
         const auto missed = std::ranges::find(found, "target_missed", &Note::name);
         EXPECT_EQ(missed != found.end(), ratio < 1.38) << ratio;
@@ -93,20 +91,12 @@ TEST(RunMeans, SayWhereControlMissesItsTarget) {
 
 /// 1 s of a machine that carries nothing. speed of its shafts [rad/s]
 std::string notes_of_idling(double speed) {
-    RunMeans means;
-    for (int k = 0; k <= 1000; ++k) {
-        model::Observation now;
-        now.time = 1e-3 * k;
-        now.ratio = 1.0;
+    const RunMeans means = means_over(1000, 1e-3, 1e-3, [&](int k, model::Observation& now, EnergySums& sums) {
         now.speed = {speed, -speed};
         now.slip = k % 2 == 0 ? 0.4 : -0.3;
-        now.slack = 100.0;
-        EnergySums sums;
-        sums.time = now.time;
         sums.work = {100.0 * now.time, -10.0 * now.time, 150.0 * now.time};  // clamping brings energy, what moves keeps it
         sums.loss[0] = 90.0 * now.time;
-        means.add(now, sums, 1e-3);
-    }
+    });
     std::string names;
     name_notes(means, {.work = 240.0, .loss = 90.0, .energy_in = 250.0, .samples = 100.0}, names);
     return names;
@@ -119,22 +109,10 @@ TEST(RunMeans, SayWhereSlipIsNoiseAndWhereEfficiencyIsThatOfIdling) {
 
 /// Means of a steady chain, a tenth of a second, of 100 W of losses, whose drive and load have those powers [W].
 RunMeans means_once_steady(double drive, double load, double pin_period = 7e-4, double cylinder = 0.0) {
-    RunMeans means;
-    for (int k = 0; k <= 5000; ++k) {
-        model::Observation now;
-        now.time = 2e-5 * k;
-        now.ratio = 1.0;
-        now.speed = {200.0, -200.0};
-        now.slack = 100.0;
-        EnergySums sums;
-        sums.time = now.time;
-        sums.work[0] = drive * now.time;
-        sums.work[1] = -load * now.time;
-        sums.work[2] = -cylinder * now.time;
+    return means_over(5000, 2e-5, pin_period, [&](int, model::Observation& now, EnergySums& sums) {
+        sums.work = {drive * now.time, -load * now.time, -cylinder * now.time};
         sums.loss[0] = 100.0 * now.time;
-        means.add(now, sums, pin_period);
-    }
-    return means;
+    });
 }
 
 constexpr EnergyBalance closed_balance{.work = 10.0, .loss = 10.0, .energy_in = 1000.0, .samples = 100.0};
@@ -163,25 +141,16 @@ TEST(RunMeans, WithoutLoadThereIsNoEfficiency) {
 
 /// 28 pin periods, a hundred samples in each, whose tight tension swings by a third and its mean rises by `rise` in all.
 RunMeans rising_means(double rise, double noise) {
-    RunMeans means;
     constexpr double period = 7e-4, samples = 100.0, periods = 28.0;
-    for (int k = 0; k <= static_cast<int>(samples * periods); ++k) {
-        model::Observation now;
+    return means_over(static_cast<int>(samples * periods), period / samples, period, [&](int k, model::Observation& now, EnergySums& sums) {
         const double passed = static_cast<double>(k) / samples, share = passed / periods;
-        now.time = passed * period;
-        now.ratio = 1.0;
-        now.speed = {200.0, -200.0};
         now.slack = 2000.0;
         now.clamping = {27e3, 20e3};
         const double jitter = noise * std::sin(0.93 * std::floor(passed) * std::floor(passed));
         now.tight = 5000.0 * (1.0 + rise * share + jitter + std::sin(2.0 * std::numbers::pi * passed) / 3.0);
-        EnergySums sums;
-        sums.time = now.time;
         sums.work = {1e4 * now.time, -9.9e3 * now.time, 0.0};
         sums.loss[0] = 100.0 * now.time;
-        means.add(now, sums, period);
-    }
-    return means;
+    });
 }
 
 /// A value that moves by more than 1 % has no mean to 1 %. The swing of pins and scatter from period to period are not a movement.
@@ -227,59 +196,6 @@ TEST(RunMeans, OfASummaryAreOverOneWindow) {
     EXPECT_NEAR(1.0 - m.lost / m.input, m.efficiency, 1e-12);
     EXPECT_THAT(summary(report), testing::HasSubstr("lost"));
     EXPECT_THAT(summary(report), testing::HasSubstr("out/in"));
-}
-
-class Watching final : public RunObserver {
-public:
-    explicit Watching(const Simulation& simulation) : observer_(simulation.workspace().variator) {}
-    void output(double time, const Workspace& workspace, const Counters&) override {
-        watch.add(workspace.observed_by(observer_, time), workspace);
-    }
-    void transition(const TransitionRecord&) override {}
-    bench::RunWatch watch;
-
-private:
-    model::Observer observer_;
-};
-
-bench::WatchResult watched(const std::vector<std::string>& settings, double duration) {
-    Simulation simulation(test::settled_tiny(settings));
-    Watching observer(simulation);
-    const engine::Cancellation never;
-    EXPECT_FALSE(simulation.advance({.until = simulation.time() + duration}, observer, never));
-    return observer.watch.result(simulation.workspace().energy, simulation.balance_error_ratio());
-}
-
-TEST(RunWatch, KnowsHowLongARunWasInPinPeriods) {
-    const bench::WatchResult brief = watched({}, 100e-6);
-    EXPECT_NEAR(brief.duration, 100e-6, 1e-12);
-    ASSERT_GT(brief.pin_period, 0.0);
-    EXPECT_DOUBLE_EQ(brief.pin_periods(), brief.duration / brief.pin_period);
-    EXPECT_FALSE(brief.long_enough());
-    bench::WatchResult longer = brief;
-    longer.duration = bench::enough_pin_periods * brief.pin_period;
-    EXPECT_TRUE(longer.long_enough());
-}
-
-TEST(RunWatch, NothingThatPassesAPulleyNeedsNoPinPeriods) {
-    const bench::WatchResult none;
-    EXPECT_EQ(none.pin_periods(), 0.0);
-    EXPECT_TRUE(none.long_enough());
-}
-
-/// At this state the classical method is stable up to 0.7 us.
-TEST(RunWatch, CallsAStepBeyondStabilityUnreliable) {
-    EXPECT_EQ(watched({"run.step=50ns"}, 600e-6).status({}), "finished");
-    const bench::WatchResult wrong = watched({"run.method=rk4", "run.step=2us"}, 600e-6);
-    EXPECT_FALSE(wrong.reliable());
-    EXPECT_EQ(wrong.status({}), "unreliable");
-    EXPECT_EQ(wrong.status({FaultKind::penetration, 0.0, 0, 0.0, 0.0}), "penetration") << "a fault is more specific";
-}
-
-TEST(RunWatch, LossesDoNotDependOnWhereTheLastSampleLay) {
-    // Samples lie 16 steps apart: at 25 ns and 200 ns they end at most 3.2 us before the run, a thirtieth of it.
-    const double fine = watched({"run.step=25ns"}, 100e-6).loss, coarse = watched({"run.step=200ns"}, 100e-6).loss;
-    EXPECT_NEAR(coarse / fine, 1.0, 2e-3);
 }
 
 constexpr double period = 7e-4, pins = 80.0;  // [s], [1]

@@ -21,18 +21,18 @@ inline void settle_and_go(Simulation& simulation, double until) {
     settle_and_go(simulation, until, silent);
 }
 
-/// A scene at a time, without interruption, and continued by another simulation from the first one's integration state at `middle`.
-struct ContinuedRun {
-    Simulation whole, other;
-
-    /// @param middle, until [s]
-    ContinuedRun(const Scene& scene, double middle, double until) : whole(scene), other(scene) {
-        settle_and_go(whole, middle);
-        const IntegrationState state = whole.integration_state();
-        settle_and_go(whole, until);
-        other.restore(state);
-        settle_and_go(other, until);
-    }
-};
+/// A scene at a time, without interruption, and continued by another simulation from the first one's integration state at `middle`: expects
+/// the same states, energies, temperatures and memories, bit for bit. @param middle, until [s]   @return the state in the middle
+inline IntegrationState expect_continued(const Scene& scene, double middle, double until) {
+    Simulation whole(scene), other(scene);
+    settle_and_go(whole, middle);
+    IntegrationState state = whole.integration_state();
+    settle_and_go(whole, until);
+    other.restore(state);
+    settle_and_go(other, until);
+    EXPECT_EQ(other.hash(), whole.hash());
+    EXPECT_TRUE(other.integration_state() == whole.integration_state());
+    return state;
+}
 
 }  // namespace cvtflow::tasks

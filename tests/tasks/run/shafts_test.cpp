@@ -8,9 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "bench/study/run_watch.hpp"
 #include "tasks/channel/channels.hpp"
-#include "tasks/run/run_means.hpp"
+#include "tasks/run/run.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/tuning/tuner.hpp"
 #include "tests/tasks/run/settled_run_fixture.hpp"
@@ -93,17 +92,7 @@ TEST(SimulationCouplings, AFarEndThatSlowsDownBrakesTheShaft) {
 }
 
 TEST(SimulationCouplings, ContinueBitForBitFromAnIntegrationState) {
-    const Scene scene = coupled_scene();
-    Simulation whole(scene);
-    settle_and_go(whole, 2e-4);
-    const IntegrationState middle = whole.integration_state();
-    EXPECT_EQ(middle.couplings.size(), 6u);
-    settle_and_go(whole, 5e-4);
-    Simulation other(scene);
-    other.restore(middle);
-    settle_and_go(other, 5e-4);
-    EXPECT_EQ(other.hash(), whole.hash());
-    EXPECT_EQ(other.workspace().energy.input_works().couplings.work, whole.workspace().energy.input_works().couplings.work);
+    EXPECT_EQ(expect_continued(coupled_scene(), 2e-4, 5e-4).couplings.size(), 6u);
 }
 
 TEST(SimulationCouplings, AreReleasedWhereAStateBeforeThemIsPutBack) {
@@ -119,8 +108,6 @@ TEST(SimulationCouplings, AreReleasedWhereAStateBeforeThemIsPutBack) {
 }
 
 TEST(SimulationCouplings, CannotBeTuned) { EXPECT_THROW(Tuner(coupled_scene(), {}, not_ended), SceneError); }
-
-const engine::Cancellation drag_uncancelled;
 
 constexpr double driving_torque = 14.0, loading_torque = 11.0;  // [N·m]
 
@@ -190,35 +177,13 @@ TEST_P(ShaftDrag, LeavesTheImpulseFromOutsideAsItIs) {
     EXPECT_LT(dragged.net_impulse()[1], dragged.impulse[1] - 0.2 * 1e-3);
 }
 
-TEST_P(ShaftDrag, ContinuesBitForBitFromAnIntegrationState) {
-    const Scene scene = dragged_scene(GetParam());
-    const ContinuedRun run(scene, 3e-4, 6e-4);
-    EXPECT_EQ(run.other.hash(), run.whole.hash());
-    EXPECT_EQ(run.other.workspace().energy.input_works().drag.energy, run.whole.workspace().energy.input_works().drag.energy);
-}
+TEST_P(ShaftDrag, ContinuesBitForBitFromAnIntegrationState) { expect_continued(dragged_scene(GetParam()), 3e-4, 6e-4); }
 
 INSTANTIATE_TEST_SUITE_P(Levels, ShaftDrag, testing::Values("rigid", "medium"), [](const auto& instance) { return instance.param; });
 
 /// Powers of the summary are from outside to outside: the drive's torque times its speed comes in.
 TEST(ShaftDragSummary, CountsDragAmongTheLosses) {
-    const Scene scene = dragged_scene("rigid");
-    Simulation simulation(scene);
-    settle_and_go(simulation, 0.0);
-    bench::RunWatch watch;
-    class Outputs final : public RunObserver {
-    public:
-        Outputs(bench::RunWatch& watch, const Simulation& of) : watch_(watch), observer_(of.workspace().variator) {}
-        void output(double time, const Workspace& workspace, const Counters&) override {
-            watch_.add(workspace.observed_by(observer_, time), workspace);
-        }
-        void transition(const TransitionRecord&) override {}
-
-    private:
-        bench::RunWatch& watch_;
-        model::Observer observer_;
-    } outputs(watch, simulation);
-    ASSERT_FALSE(simulation.advance({.until = 3e-3, .new_part = true}, outputs, drag_uncancelled));
-    const SpanMeans means = watch.result(simulation.workspace().energy).means;
+    const SpanMeans means = run_scene(dragged_scene("rigid", {"run.until=3 ms", "run.output_interval=10 us"}), {}).whole;
     EXPECT_NEAR(means.shaft_power[0], driving_torque * means.speed[0], 1e-3 * means.input);
     EXPECT_NEAR(-means.shaft_power[1], loading_torque * means.speed[1], 1e-3 * means.input);
     EXPECT_GT(means.lost, means.drag[0] + means.drag[1]);

@@ -29,8 +29,6 @@ struct Broken {
     std::string name, text, expected;
 };
 
-void PrintTo(const Broken& scene, std::ostream* out) { *out << scene.name; }
-
 std::vector<Broken> broken_scenes() {
     const std::string head = "=== ";
     const std::string mark = "# expect: ";
@@ -48,21 +46,18 @@ std::vector<Broken> broken_scenes() {
     return scenes;
 }
 
-class BrokenScene : public testing::TestWithParam<Broken> {};
-
-TEST_P(BrokenScene, GivesExactlyTheMessageItExpects) {
-    ASSERT_NE(GetParam().expected, "");
-    try {
-        (void)parse_scene(GetParam().text, "scene.toml");
-        FAIL() << "the scene was accepted";
-    } catch (const SceneError& error) {
-        EXPECT_EQ(error.what(), GetParam().expected);
+TEST(BrokenScenes, GiveExactlyTheMessagesThatTheyExpect) {
+    EXPECT_GE(broken_scenes().size(), 55U);
+    for (const Broken& broken : broken_scenes()) {
+        EXPECT_NE(broken.expected, "") << broken.name;
+        try {
+            (void)parse_scene(broken.text, "scene.toml");
+            ADD_FAILURE() << broken.name << " was accepted";
+        } catch (const SceneError& error) {
+            EXPECT_EQ(error.what(), broken.expected) << broken.name;
+        }
     }
 }
-
-INSTANTIATE_TEST_SUITE_P(All, BrokenScene, testing::ValuesIn(broken_scenes()), [](const auto& scene) { return scene.param.name; });
-
-TEST(BrokenScenes, AreMany) { EXPECT_GE(broken_scenes().size(), 55U); }
 
 TEST(CrossChecks, DefaultsPassAll) {
     for (const CrossCheck& check : cross_checks()) EXPECT_EQ(check.violation(Scene{}), std::nullopt);

@@ -115,14 +115,14 @@ TEST(SetValue, TakesValuesAsInTomlAndWithoutQuotes) {
     set_value(scene, "detail.plates=lumped");
     set_value(scene, "record.ledger=true");
     set_value(scene, "load.torque=[[0, 0], [\"10 ms\", \"150 N*m\"]]");
-    set_value(scene, "run.method=\"rock2\"");
+    set_value(scene, "run.method=\"heun\"");
     set_value(scene, "scene.name=84");
     EXPECT_EQ(scene.parameters.half.length, 40e-3);
     EXPECT_EQ(scene.parameters.chain.damping_ratio, 0.05);
     EXPECT_EQ(scene.parameters.detail.plates, model::PlateDetail::lumped);
     EXPECT_TRUE(scene.parameters.ledger);
     EXPECT_EQ(scene.parameters.load.torque, model::TimeTable({0.0, 0.01}, {0.0, 150.0}));
-    EXPECT_EQ(scene.run.method, "rock2");
+    EXPECT_EQ(scene.run.method, "heun");
     EXPECT_EQ(scene.name, "84");
 }
 

@@ -13,6 +13,7 @@
 #include "tests/engine/allocation_fixture.hpp"
 #include "tests/engine/executor/executor_fixture.hpp"
 #include "tests/sample_fixture.hpp"
+#include "tests/tasks/tiny_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
@@ -39,16 +40,16 @@ ChooserOptions restless() {
     return options;
 }
 
-/// Executor that ThreadSanitizer understands.
-std::string parallel() { return engine::test::thread_sanitizer ? "barrier" : "flow"; }
+const std::string parallel = engine::test::parallel_executor;
 
 std::vector<Schedule> mixed() {
+    const Assembly other = test::assemblies().back();
     return {Schedule{},
-            {parallel(), {Assembly::fused}, 2, 2},
-            {parallel(), {Assembly::fused}, 9, 2, true},
-            {"barrier", {Assembly::staged}, 5, 2},
-            {"serial", {Assembly::staged}, 84, 1},
-            {parallel(), {Assembly::staged, false, false}, 3, 2, true}};
+            {parallel, {Assembly::fused}, 2, 2},
+            {parallel, {Assembly::fused}, 9, 2, true},
+            {test::has_laboratory() ? "barrier" : parallel, {other}, 5, 2},
+            {"serial", {other}, 84, 1},
+            {parallel, {other, false, false}, 3, 2, true}};
 }
 
 struct RunnerOutcome {
@@ -82,7 +83,7 @@ TEST(ScheduleRunner, ChangingTheScheduleEveryFewStepsDoesNotChangeTheBits) {
 TEST(ScheduleRunner, BordersFollowTheLinksThatTouch) {
     // The chain moves a pitch in 0.7 ms. Most numbers of segments leave the longest no shorter with other borders within 0.3 ms; nine do.
     Scene scene = settled({"run.until=300 us", "run.output_interval=100 us", "run.state_interval=100 us"});
-    const std::vector<Schedule> balanced{{parallel(), {Assembly::fused}, 9, 2, true}};
+    const std::vector<Schedule> balanced{{parallel, {Assembly::fused}, 9, 2, true}};
     ChooserOptions options;
     options.window = 0.0;
     const RunnerOutcome moved = runner_outcome(scene, balanced, options);
@@ -101,8 +102,8 @@ void expect_bits_with_changing_segments(const std::vector<std::string>& methods)
         const engine::Cancellation never;
         std::uint64_t expected = 0;
         for (const std::vector<Schedule>& candidates :
-             {std::vector{Schedule{}},
-              std::vector{Schedule{}, Schedule{"barrier", {Assembly::staged}, 5, 2}, Schedule{"serial", {Assembly::fused}, 24, 1}}}) {
+             {std::vector{Schedule{}}, std::vector{Schedule{}, Schedule{parallel, {test::assemblies().back()}, 5, 2},
+                                                   Schedule{"serial", {Assembly::fused}, 24, 1}}}) {
             Simulation simulation(scene, candidates, restless());
             EXPECT_EQ(simulation.advance({.steps = 30}, quiet, never).kind, FaultKind::max_steps) << method;
             if (candidates.size() == 1) expected = simulation.hash();
@@ -113,7 +114,7 @@ void expect_bits_with_changing_segments(const std::vector<std::string>& methods)
 }
 
 TEST(ScheduleRunner, ChangingSegmentsBetweenStepsLeavesTheBitsOfAMethod) {
-    expect_bits_with_changing_segments(cvtflow::test::sample(method_names(), 10, "changing segments"));
+    expect_bits_with_changing_segments(cvtflow::test::sample(method_names(), cvtflow::test::depth(3, 10), "changing segments"));
 }
 
 TEST(NightlyScheduleRunner, ChangingSegmentsBetweenStepsLeavesTheBitsOfEveryMethod) { expect_bits_with_changing_segments(method_names()); }
@@ -143,7 +144,7 @@ TEST(ScheduleRunner, AllocatesNothingBetweenRests) {
     scene.run.output_interval = 8.0 * scene.run.step;
     ChooserOptions options = restless();
     options.window = options.turn = 2e-3;  // some outputs
-    Simulation simulation(scene, std::vector<Schedule>{Schedule{}, {"barrier", {Assembly::staged}, 5, 2}}, options);
+    Simulation simulation(scene, std::vector<Schedule>{Schedule{}, {parallel, {test::assemblies().back()}, 5, 2}}, options);
     QuietAllocations counter;
     counter.watch(simulation);
     const engine::Cancellation never;
@@ -170,18 +171,17 @@ TEST(ScheduleRunner, ReportsItsChoice) {
     const Scene scene = settled();
     SilentObserver quiet;
     const engine::Cancellation never;
-    Simulation brief(scene, std::vector<Schedule>{Schedule{}, {"barrier", {Assembly::fused}, 2, 2}}, {});
+    Simulation brief(scene, std::vector<Schedule>{Schedule{}, {parallel, {Assembly::fused}, 2, 2}}, {});
     EXPECT_EQ(brief.advance({.steps = 3, .new_part = true}, quiet, never).kind, FaultKind::max_steps);
     EXPECT_EQ(brief.integrator().runner().text(), "serial (auto; the run was too short to try others)");
-    EXPECT_EQ(Simulation(scene, Schedule{"barrier", {Assembly::staged}, 5, 2}).integrator().runner().text(),
-              "barrier, staged, 5 segments, 2 threads");
+    EXPECT_EQ(Simulation(scene, Schedule{parallel, {}, 5, 2}).integrator().runner().text(), parallel + ", fused, 5 segments, 2 threads");
     ChooserOptions options = restless();
     options.gain = options.min_lead = 1e9;  // nothing can bring that
-    Simulation longer(scene, std::vector<Schedule>{Schedule{}, {"barrier", {Assembly::fused}, 2, 2}}, options);
+    Simulation longer(scene, std::vector<Schedule>{Schedule{}, {parallel, {Assembly::fused}, 2, 2}}, options);
     EXPECT_EQ(longer.advance({.steps = 200, .new_part = true}, quiet, never).kind, FaultKind::max_steps);
-    EXPECT_THAT(
-        longer.integrator().runner().text(),
-        AllOf(StartsWith("serial (auto: "), HasSubstr(" us per cycle, barrier, fused, 2 segments, 2 threads "), HasSubstr("0 changes)")));
+    EXPECT_THAT(longer.integrator().runner().text(),
+                AllOf(StartsWith("serial (auto: "), HasSubstr(" us per cycle, " + parallel + ", fused, 2 segments, 2 threads "),
+                      HasSubstr("0 changes)")));
 }
 
 TEST(ScheduleRunner, TakesAnEarlyTurnAndKeepsTheBits) {
@@ -195,12 +195,12 @@ TEST(ScheduleRunner, TakesAnEarlyTurnAndKeepsTheBits) {
         options.max_trial_share = 0.0;                              // no check, and one question
         options.meeting = std::numeric_limits<double>::infinity();  // whatever the machine is doing
         options.gain = pays ? 0.0 : 1e9;
-        Simulation simulation(scene, std::vector<Schedule>{Schedule{}, {"barrier", {Assembly::fused}, 2, 2}}, options);
+        Simulation simulation(scene, std::vector<Schedule>{Schedule{}, {parallel, {Assembly::fused}, 2, 2}}, options);
         EXPECT_FALSE(simulation.advance({.until = scene.run.until}, quiet, never));
         EXPECT_EQ(simulation.hash(), serial.hash);
         EXPECT_EQ(simulation.integrator().runner().pause_count(), pays ? 3 : 2) << "to ask, after the turn, to change";
         EXPECT_THAT(simulation.integrator().runner().text(),
-                    AllOf(StartsWith(pays ? "barrier, fused, 2 segments, 2 threads (auto: " : "serial (auto: "),
+                    AllOf(StartsWith(pays ? parallel + ", fused, 2 segments, 2 threads (auto: " : "serial (auto: "),
                           HasSubstr("one early turn"), HasSubstr(pays ? "1 change)" : "0 changes)")));
     }
 }
@@ -228,7 +228,7 @@ TEST(AutoSchedule, TriesBothAssembliesBothPartitionsAndMoreSegmentsThanThreads) 
     scene.run.threads = 2;
     const std::vector<Schedule> list = schedules_for(scene);
     const auto has = [&](auto which) { return std::any_of(list.begin(), list.end(), which); };
-    EXPECT_TRUE(has([](const Schedule& each) { return each.assembly.kind == Assembly::staged; }));
+    EXPECT_EQ(has([](const Schedule& each) { return each.assembly.kind == Assembly::staged; }), test::has_laboratory());
     EXPECT_TRUE(has([](const Schedule& each) { return each.balanced; }));
     EXPECT_TRUE(has([](const Schedule& each) { return each.segments == 4; }));
     EXPECT_EQ(list.front(), Schedule{});

@@ -14,6 +14,7 @@
 #include "tests/engine/executor/executor_fixture.hpp"
 #include "tests/engine/graph/graph_fixture.hpp"
 #include "tests/sample_fixture.hpp"
+#include "tests/tasks/tiny_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
@@ -46,14 +47,14 @@ Scene settled(const std::string& until) {
 /// Assemblies, segments and threads of an executor that differ.
 std::vector<Schedule> schedules_of(const engine::ExecutorRow& row) {
     std::vector<Schedule> schedules;
-    for (const Assembly assembly : {Assembly::fused, Assembly::staged}) {
+    for (const Assembly assembly : test::assemblies()) {
         for (const auto& [segments, threads] : {std::pair{1, 1}, {2, 2}, {3, 2}, {7, 4}, {28, 2}, {84, 2}})
             schedules.push_back({std::string(row.name), {assembly}, segments, row.parallel ? threads : 1});
     }
     return schedules;
 }
 
-/// Two schedules of every executor, drawn per commit; all of them nightly.
+/// Two schedules of every executor; all of them nightly.
 TEST(Schedule, EveryExecutorGivesTheSameBitsWithAnyAssemblySegmentsAndThreads) {
     const Scene scene = settled("40 us");
     const Outcome serial = outcome(scene, {});
@@ -75,7 +76,7 @@ TEST_P(NightlySchedule, EveryAssemblySegmentsAndThreadsGiveTheSameBitsOverALonge
     const Outcome serial = outcome(whole, {}), serial_brief = outcome(brief, {});
     EXPECT_GT(serial.transitions, 3);
     EXPECT_GT(serial_brief.transitions, 0);
-    for (const Assembly assembly : {Assembly::fused, Assembly::staged}) {
+    for (const Assembly assembly : test::assemblies()) {
         for (const int segments : {1, 2, 3, 5, 7, 14, 28, 84}) {
             for (const int threads : {1, 2, 4, 8}) {
                 if (!row.parallel && threads > 1) continue;
@@ -94,63 +95,21 @@ TEST(Schedule, PartitionLedgerAndSerialPartsDoNotChangeTheBits) {
     Scene scene = settled("60 us");
     scene.parameters.ledger = true;
     const Outcome serial = outcome(scene, {});
-    Schedule balanced{engine::test::thread_sanitizer ? "barrier" : "flow", {Assembly::fused}, 5, 2, true};
-    EXPECT_EQ(outcome(scene, balanced).hash, serial.hash);
-    balanced.assembly = {Assembly::staged, false, false};
-    EXPECT_EQ(outcome(scene, balanced).hash, serial.hash);
+    for (const Assembly assembly : test::assemblies()) {
+        const Schedule balanced{engine::test::parallel_executor, {assembly, false, false}, 5, 2, true};
+        EXPECT_EQ(outcome(scene, balanced).hash, serial.hash);
+    }
 }
 
-TEST(StepGraph, NeitherAssemblyRacesAndEveryEdgeBetweenStagesThatShareDataIsNeeded) {
+TEST(StepGraph, NoAssemblyRaces) {
     const Scene scene = settled("60 us");
     for (const int segments : {1, 2, 3, 7, 84}) {
         const Workspace workspace(scene.parameters, *engine::find_method("rk4"), Partition::equal(84, segments));
-        EXPECT_TRUE(engine::race_check(step_graph(workspace, {Assembly::fused})).empty());
-        const auto conflicts = engine::race_check(step_graph(workspace, {Assembly::staged}));
-        EXPECT_TRUE(conflicts.empty()) << conflicts.size() << " conflicts";
-        EXPECT_TRUE(engine::race_check(step_graph(workspace, {Assembly::staged, false, true})).empty());
-    }
-}
-
-/// The staged graph without one edge.
-engine::TaskGraph without_edge(const engine::TaskGraph& whole, int before, int after) {
-    engine::TaskGraph graph;
-    for (int task = 0; task < whole.size(); ++task) graph.add(whole.task(task));
-    for (int task = 0; task < whole.size(); ++task) {
-        for (const int successor : whole.successors(task)) {
-            if (task != before || successor != after) graph.order(task, successor);
+        for (const Assembly assembly : test::assemblies()) {
+            EXPECT_TRUE(engine::race_check(step_graph(workspace, {assembly})).empty());
+            EXPECT_TRUE(engine::race_check(step_graph(workspace, {assembly, false, true})).empty());
         }
     }
-    graph.freeze();
-    return graph;
-}
-
-/// Whether two tasks touch the same elements and one of them writes.
-bool share_data(const engine::Task& a, const engine::Task& b) {
-    for (const engine::Access& x : a.accesses) {
-        for (const engine::Access& y : b.accesses) {
-            if (x.field == y.field && x.begin < y.end && y.begin < x.end && (x.write || y.write)) return true;
-        }
-    }
-    return false;
-}
-
-TEST(StepGraph, RemovingAnyEdgeOnWhichDataFlowIsFoundByTheRaceCheck) {
-    const Scene scene = settled("60 us");
-    const Workspace workspace(scene.parameters, *engine::find_method("rk4"), Partition::equal(84, 5));
-    const engine::TaskGraph graph = step_graph(workspace, {Assembly::staged});
-    int with_data = 0;
-    int barriers = 0;
-    for (int before = 0; before < graph.size(); ++before) {
-        for (const int after : graph.successors(before)) {
-            // No stage is skipped, so a removed edge leaves no other path between its ends.
-            const bool matters = share_data(graph.task(before), graph.task(after));
-            EXPECT_EQ(!engine::race_check(without_edge(graph, before, after)).empty(), matters)
-                << graph.task(before).name << " -> " << graph.task(after).name;
-            ++(matters ? with_data : barriers);
-        }
-    }
-    EXPECT_GE(with_data, 5 * 5);  // contact reads the stage state of all segments
-    EXPECT_GT(barriers, 0);       // the published barriers order more than the data ask for
 }
 
 TEST(Schedule, BalancedSegmentsCostAboutTheSame) {

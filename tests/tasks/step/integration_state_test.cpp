@@ -11,6 +11,7 @@
 #include "tasks/run/checkpoint.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tests/sample_fixture.hpp"
+#include "tests/tasks/tiny_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
@@ -118,7 +119,7 @@ void expect_the_same_course(const std::vector<std::string>& methods) {
 }
 
 TEST(IntegrationState, OfAMethodContinuesFromACheckpointBitForBit) {
-    expect_the_same_course(cvtflow::test::sample(method_names(), 12, "checkpoints"));
+    expect_the_same_course(cvtflow::test::sample(method_names(), cvtflow::test::depth(4, 12), "checkpoints"));
 }
 TEST(NightlyIntegrationState, OfEveryMethodContinuesFromACheckpointBitForBit) { expect_the_same_course(method_names()); }
 
@@ -147,8 +148,8 @@ IntegrationState midway(const Scene& scene) {
 }
 
 TEST(IntegrationState, WithLessThanItsMethodRemembersIsRefused) {
-    for (const char* method : {"dopri54", "dumka3", "fitted", "leapfrog-chebyshev", "leapfrog-rkc", "leapfrog-sweep", "trapezoidal-broyden",
-                               "trapezoidal-frozen"}) {
+    for (const std::string& method : test::known_methods({"dopri54", "dumka3", "leapfrog-chebyshev", "leapfrog-sweep", "fitted",
+                                                          "leapfrog-rkc", "trapezoidal-broyden", "trapezoidal-frozen"})) {
         Scene scene = tiny();
         scene.run.method = method;
         const IntegrationState whole = midway(scene);

@@ -19,6 +19,7 @@
 #include "engine/record/run/schema.hpp"
 #include "tests/engine/allocation_fixture.hpp"
 #include "tests/engine/record/record_fixture.hpp"
+#include "tests/sample_fixture.hpp"
 
 namespace cvtflow::engine {
 namespace {
@@ -95,12 +96,12 @@ TEST_F(RunFileTest, ReportsWhatEndedTheRun) {
 }
 
 TEST_F(RunFileTest, FlushesByItselfAfterTheGivenTime) {
-    RunFile file(path("out.h5"), example_contents(), {.flush_seconds = 0.02});
-    append_example(file, 0);
-    std::this_thread::sleep_for(std::chrono::milliseconds(30));
-    append_example(file, 1);
-    EXPECT_EQ(RunReader(path("out.h5.part")).status(), "running");
-    EXPECT_EQ(RunReader(path("out.h5.part")).rows(), 1U);
+    RunFile now(path("now.h5"), example_contents(), {.flush_seconds = 0.0}),
+        never(path("never.h5"), example_contents(), {.flush_seconds = 1e9});
+    for (const int row : {0, 1}) append_example(now, row), append_example(never, row);
+    EXPECT_EQ(RunReader(path("now.h5.part")).status(), "running");
+    EXPECT_EQ(RunReader(path("now.h5.part")).rows(), 1U);
+    EXPECT_EQ(RunReader(path("never.h5.part")).rows(), 0U);
 }
 
 TEST_F(RunFileTest, AllocatesNothingBetweenChunks) {
@@ -277,7 +278,7 @@ void write_without_end(const std::string& path, int pipe_end) {
 }
 
 TEST_F(RunWriterTest, AFileOfARunKilledAtAnyInstantIsReadable) {
-    for (int trial = 0; trial < 25; ++trial) {
+    for (int trial = 0; trial < cvtflow::test::depth(5, 25); ++trial) {
         int ends[2] = {};
         ASSERT_EQ(pipe(ends), 0);
         const int child = start_child([&] { write_without_end(path("out.h5"), ends[1]); });

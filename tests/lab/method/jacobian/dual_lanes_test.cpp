@@ -1,8 +1,11 @@
-#include "bench/method/jacobian/dual_lanes.hpp"
+#include "tests/lab/method/jacobian/dual_law_properties.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
+
+#include "model/law/friction.hpp"
 
 namespace cvtflow::model {
 namespace {
@@ -48,6 +51,25 @@ TEST(DualLanes, ShareADivisionAsOtherLanesDo) {
     // What the product of both has of the other one cancels but for rounding.
     EXPECT_NEAR(inverse.first.slope[1], 0.0, 1e-16);
     EXPECT_NEAR(inverse.second.slope[0], 0.0, 1e-16);
+}
+
+TEST(DualLanes, GiveTheDerivativesOfEveryFrictionLaw) {
+    for (std::size_t law = 0; law < friction_law_names.size(); ++law) {
+        SCOPED_TRACE(friction_law_names[law]);
+        for (const double d : {0.1, 0.5}) {
+            Detail detail;
+            detail.friction = static_cast<FrictionLaw>(law);
+            detail.smoothing = d;
+            expect_the_derivative_of_the_law<FrictionLaws>(FrictionCurve({0.09, 0.01}, detail));
+        }
+    }
+}
+
+TEST(DualLanes, GiveTheSlopeOfTheProfileOverSpeed) {
+    const TipLaw law{.by_speed = SpeedProfile::through(std::vector{0.0, 0.01, 0.03, 0.3, 2.0}, std::vector{0.5, 0.8, 1.0, 0.4, 0.4})};
+    constexpr int one = directions<1>;
+    for (const double v : {0.0, 0.017, 0.2, 7.0})
+        EXPECT_NEAR(speed_factor<one>(law, Lanes<one>::variable(v, 0)).slope[0], speed_factor_slope<1>(law, Lanes<1>(v))[0], 1e-12) << v;
 }
 
 }  // namespace

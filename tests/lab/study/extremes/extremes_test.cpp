@@ -42,7 +42,7 @@ void judge_rows(const std::vector<Extreme>& rows) {
 class ExtremesOf : public testing::TestWithParam<const char*> {};
 class NightlyExtremesOf : public ExtremesOf {};
 
-/// A fifth of the group's rows, others in each commit.
+/// A fifth of the group's rows; CVTFLOW_TEST_SEED draws others.
 TEST_P(ExtremesOf, EndAsStated) {
     const std::vector<Extreme> rows = rows_of(GetParam(), false);
     judge_rows(cvtflow::test::sample(rows, (rows.size() + 4) / 5, GetParam()));

@@ -17,7 +17,6 @@
 #include "bench/method/laboratory_methods.hpp"
 #include "bench/method/linear/eigenvalues.hpp"
 #include "bench/method/stability/predicted_step.hpp"
-#include "bench/study/run_watch.hpp"
 #include "bench/study/spectrum.hpp"
 #include "bench/study/stability/frozen_step.hpp"
 #include "bench/study/stability/stable_step.hpp"
@@ -25,7 +24,7 @@
 #include "tasks/method/method.hpp"
 #include "tasks/run/run.hpp"
 #include "tasks/run/simulation.hpp"
-#include "tests/tasks/tiny_fixture.hpp"
+#include "tests/lab/study/brief_fixture.hpp"
 #include "tests/temporary_file_fixture.hpp"
 
 namespace cvtflow::bench {

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "tasks/run/simulation.hpp"
-#include "tests/tasks/tiny_fixture.hpp"
+#include "tests/lab/study/brief_fixture.hpp"
 
 namespace cvtflow::bench {
 

@@ -8,9 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/method/stability/program_stability.hpp"
 #include "tasks/method/friction/kick_system.hpp"
-#include "tasks/method/friction/kick_tables.hpp"
 #include "tasks/method/friction/sweep_leapfrog.hpp"
 #include "tasks/method/method.hpp"
 #include "tasks/run/simulation.hpp"
@@ -18,60 +16,57 @@
 #include "tests/claims/operating_point_fixture.hpp"
 #include "tests/engine/executor/executor_fixture.hpp"
 #include "tests/engine/graph/graph_fixture.hpp"
+#include "tests/tasks/tiny_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
 
+using test::assemblies;
+using test::known_methods;
+
 const engine::Cancellation uncancelled;
 
-std::uint64_t leapfrog_hash(const std::vector<std::string>& settings) {
-    Simulation simulation(claims::ready_scene("baseline", settings));
-    SilentObserver silent;
-    EXPECT_FALSE(simulation.advance({.until = 60e-6}, silent, uncancelled)) << settings.back();
-    EXPECT_GT(simulation.counters().steps, 29);
-    return simulation.hash();
+std::vector<std::string> leapfrogs() {
+    return known_methods({"leapfrog-chebyshev", "leapfrog-sweep", "leapfrog-rkc", "leapfrog-chebyshev-double", "leapfrog-rkc-double",
+                          "leapfrog-sweep-double"});
 }
 
+/// Executors, assemblies, threads and segments that differ from serial.
+std::vector<Schedule> other_schedules() {
+    const std::string parallel = engine::test::parallel_executor;
+    std::vector<Schedule> all{{"serial", {}, 84, 1}, {parallel, {}, 3, 2}, {parallel, {}, 7, 2}};
+    if (test::has_laboratory()) all.insert(all.end(), {{"barrier", {}, 84, 2}, {"barrier", {Assembly::staged}, 5, 2}});
+    if (test::has_laboratory() && !engine::test::thread_sanitizer) all.push_back({"flow_messages", {}, 2, 2});
+    return all;
+}
+
+/// With stick and slip, tips that have never touched lie in every lane beside those that stick or slip.
 TEST(FrictionLeapfrog, GivesTheSameBitsForEverySchedule) {
-    for (const std::string method : {"run.method=leapfrog-rkc", "run.method=leapfrog-chebyshev", "run.method=leapfrog-chebyshev-double"}) {
-        const std::vector<std::string> common{method, "run.step=2us"};
-        const auto with = [&](std::vector<std::string> more) {
-            more.insert(more.begin(), common.begin(), common.end());
-            return leapfrog_hash(more);
-        };
-        const std::uint64_t serial = with({"run.schedule=serial"});
-        EXPECT_EQ(with({"run.schedule=barrier", "run.threads=2", "run.segments=3"}), serial);
-        EXPECT_EQ(with({"run.schedule=barrier", "run.assembly=staged", "run.threads=2", "run.segments=5"}), serial);
-        if (engine::test::thread_sanitizer) continue;  // it sees into neither oneTBB nor OpenMP
-        EXPECT_EQ(with({"run.schedule=flow", "run.threads=2", "run.segments=7"}), serial);
-        EXPECT_EQ(with({"run.schedule=flow_messages", "run.threads=2", "run.segments=2"}), serial);
-        EXPECT_EQ(with({"run.schedule=serial", "run.segments=84"}), serial);
-    }
-}
-
-/// Tips that have never touched lie in every lane beside those that stick or slip.
-TEST(FrictionLeapfrog, TakesTipsThatStickOrSlip) {
-    for (const std::string method : {"run.method=leapfrog-chebyshev", "run.method=leapfrog-chebyshev-double"}) {
-        const std::vector<std::string> common{method, "run.step=1.5us", "detail.stick_slip=true"};
-        const auto with = [&](std::vector<std::string> more) {
-            more.insert(more.begin(), common.begin(), common.end());
-            return leapfrog_hash(more);
-        };
-        const std::uint64_t serial = with({"run.schedule=serial"});
-        EXPECT_EQ(with({"run.schedule=serial", "run.segments=5"}), serial);
-        EXPECT_EQ(with({"run.schedule=barrier", "run.threads=2", "run.segments=84"}), serial);
+    for (const std::string& method : leapfrogs()) {
+        for (const std::string stick_slip : {"false", "true"}) {
+            const Scene scene =
+                claims::ready_scene("baseline", {"run.method=" + method, "run.step=1.5us", "detail.stick_slip=" + stick_slip});
+            const auto hash = [&](const Schedule& schedule) {
+                Simulation simulation(scene, schedule);
+                SilentObserver silent;
+                EXPECT_FALSE(simulation.advance({.until = 60e-6}, silent, uncancelled)) << method << ", " << schedule.text();
+                EXPECT_GT(simulation.counters().steps, 29);
+                return simulation.hash();
+            };
+            const std::uint64_t serial = hash({});
+            for (const Schedule& other : other_schedules()) EXPECT_EQ(hash(other), serial) << method << ", " << other.text();
+        }
     }
 }
 
 TEST(FrictionLeapfrog, ItsGraphHasNoRaces) {
-    for (const char* name : {"leapfrog-rkc", "leapfrog-rkc-double"}) {
-        const Scene scene = claims::ready_scene("baseline", {std::string("run.method=") + name});
+    for (const std::string& name : leapfrogs()) {
+        const Scene scene = claims::ready_scene("baseline", {"run.method=" + name});
         for (const int segments : {1, 2, 5, 84}) {
             Workspace workspace(scene.parameters, Method(name).plan(), Partition::equal(84, segments));
             const auto method = Method(name).make(workspace);
-            for (const Assembly assembly : {Assembly::fused, Assembly::staged}) {
+            for (const Assembly assembly : assemblies())
                 EXPECT_TRUE(engine::race_check(step_graph(workspace, {.kind = assembly}, method.get())).empty()) << name << " " << segments;
-            }
         }
     }
 }
@@ -93,102 +88,14 @@ TEST(FrictionLeapfrog, StagesOfACycleWaitForNeighboursOnly) {
     }
 }
 
-/// Velocities change by rounding of what the stages add, 6e-8 of it each: after 30 steps they differ, and by less than 1e-6 of the fastest.
-TEST(FrictionLeapfrog, StagesInSinglePrecisionDifferFromDoubleByRoundingAlone) {
-    const auto state_after = [](const std::string& method) {
-        Simulation simulation(claims::ready_scene("baseline", {"run.method=" + method, "run.step=2us", "run.schedule=serial"}));
-        SilentObserver silent;
-        EXPECT_FALSE(simulation.advance({.until = 60e-6}, silent, uncancelled)) << method;
-        const Workspace& w = simulation.workspace();
-        return std::vector<double>(w.state(), w.state() + w.layout().size());
-    };
-    for (const std::string method : {"leapfrog-rkc", "leapfrog-chebyshev"}) {
-        const std::vector<double> single = state_after(method), twice = state_after(method + "-double");
-        double largest = 0.0, difference = 0.0;
-        for (std::size_t k = 0; k < single.size(); ++k) {
-            largest = std::max(largest, std::abs(twice[k]));
-            difference = std::max(difference, std::abs(single[k] - twice[k]));
-        }
-        EXPECT_GT(difference, 0.0) << method;
-        EXPECT_LT(difference, 1e-6 * largest) << method;
-    }
-}
-
 TEST(FrictionLeapfrog, FrictionTooStiffForItIsAFaultThatReportsIt) {
-    Simulation simulation(
-        claims::ready_scene("baseline", {"run.method=leapfrog-rkc", "run.step=2us", "run.schedule=serial", "joint.saturation_speed=1e-6"}));
+    Simulation simulation(claims::ready_scene(
+        "baseline", {"run.method=leapfrog-chebyshev", "run.step=2us", "run.schedule=serial", "joint.saturation_speed=1e-6"}));
     SilentObserver silent;
     const Fault fault = simulation.advance({.until = 1e-5}, silent, uncancelled);
     EXPECT_EQ(fault.kind, FaultKind::too_stiff);
     EXPECT_GT(fault.value, fault.limit);
     EXPECT_NE(fault.message().find("friction is too stiff for the step at t = "), std::string::npos) << fault.message();
-}
-
-TEST(KickTables, ReachFurtherTheMoreStagesTheyHaveAndTheCheapestIsTaken) {
-    for (const Kick& kick : {chebyshev_kick, bench::rkc_kick}) {
-        const KickTables tables(kick);
-        int stages = 0;
-        for (const double z : {1.0, 10.0, 100.0, 1000.0, 10000.0}) {
-            const KickTable* table = tables.reaching(z);
-            ASSERT_NE(table, nullptr) << z;
-            EXPECT_GE(table->reach, z);
-            EXPECT_GT(table->plan.stages(), stages);
-            stages = table->plan.stages();
-            double sum = 0.0;
-            for (const double weight : table->weights) sum += weight;
-            EXPECT_NEAR(sum, 1.0, 1e-12);  // the impulse of a constant force is exact
-            for (int stage = 0; stage < stages; ++stage) {
-                const int here = std::max(0, table->row(stage).here.keep);
-                EXPECT_NE(table->row(stage).next.keep, here) << "neighbours read it in this stage: " << stage << " of " << stages;
-            }
-        }
-        EXPECT_EQ(tables.reaching(1.01 * tables.longest_reach()), nullptr);
-    }
-}
-
-const engine::Cancellation unstopped;
-
-std::uint64_t hash_after(std::vector<std::string> settings, const std::vector<std::string>& more) {
-    settings.insert(settings.end(), more.begin(), more.end());
-    Simulation simulation(claims::ready_scene("baseline", settings));
-    SilentObserver silent;
-    EXPECT_FALSE(simulation.advance({.until = 60e-6}, silent, unstopped)) << settings.back();
-    EXPECT_GT(simulation.counters().steps, 29);
-    return simulation.hash();
-}
-
-class SweepLeapfrogBits : public testing::TestWithParam<const char*> {};
-
-TEST_P(SweepLeapfrogBits, AreTheSameForEverySchedule) {
-    const std::vector<std::string> common{std::string("run.method=") + GetParam(), "run.step=1.8us"};
-    const std::uint64_t serial = hash_after(common, {"run.schedule=serial"});
-    EXPECT_EQ(hash_after(common, {"run.schedule=barrier", "run.threads=2", "run.segments=3"}), serial);
-    EXPECT_EQ(hash_after(common, {"run.schedule=barrier", "run.assembly=staged", "run.threads=2", "run.segments=5"}), serial);
-    if (engine::test::thread_sanitizer) return;  // it sees into neither oneTBB nor OpenMP
-    EXPECT_EQ(hash_after(common, {"run.schedule=flow", "run.threads=2", "run.segments=7"}), serial);
-    EXPECT_EQ(hash_after(common, {"run.schedule=flow_messages", "run.threads=2", "run.segments=2"}), serial);
-    EXPECT_EQ(hash_after(common, {"run.schedule=serial", "run.segments=84"}), serial);
-}
-
-/// Tips that have never touched lie in every lane beside those that stick or slip.
-TEST_P(SweepLeapfrogBits, AreTheSameWithTipsThatStickOrSlip) {
-    const std::vector<std::string> common{std::string("run.method=") + GetParam(), "run.step=1.5us", "detail.stick_slip=true"};
-    const std::uint64_t serial = hash_after(common, {"run.schedule=serial"});
-    EXPECT_EQ(hash_after(common, {"run.schedule=serial", "run.segments=5"}), serial);
-    EXPECT_EQ(hash_after(common, {"run.schedule=barrier", "run.threads=2", "run.segments=84"}), serial);
-}
-
-INSTANTIATE_TEST_SUITE_P(SweepLeapfrog, SweepLeapfrogBits, testing::Values("leapfrog-sweep", "leapfrog-sweep-double"),
-                         [](const auto& instance) { return std::string(instance.index == 0 ? "InSingle" : "InDouble"); });
-
-TEST(SweepLeapfrog, ItsGraphHasNoRaces) {
-    const Scene scene = claims::ready_scene("baseline", {"run.method=leapfrog-sweep"});
-    for (const int segments : {1, 2, 5, 84}) {
-        Workspace workspace(scene.parameters, Method("leapfrog-sweep").plan(), Partition::equal(84, segments));
-        const auto method = Method("leapfrog-sweep").make(workspace);
-        for (const Assembly assembly : {Assembly::fused, Assembly::staged})
-            EXPECT_TRUE(engine::race_check(step_graph(workspace, {.kind = assembly}, method.get())).empty()) << segments;
-    }
 }
 
 /// The record finds transitions in the middle of a step: at its end only a tip within a micrometre of its sheave can be in another phase.
@@ -202,7 +109,7 @@ TEST(SweepLeapfrog, TipsThatTouchAreThoseThatPenetrate) {
         Simulation simulation(claims::ready_scene(scene, {"run.method=leapfrog-sweep", "run.step=1us"}));
         Seen seen;
         for (int span = 1; span <= 20; ++span) {
-            ASSERT_FALSE(simulation.advance({.until = 20e-6 * span}, seen, unstopped));
+            ASSERT_FALSE(simulation.advance({.until = 20e-6 * span}, seen, uncancelled));
             const Workspace& w = simulation.workspace();
             model::SheaveMotion sheaves[4];
             w.variator.pulleys().motions(w.tail(), sheaves);
@@ -227,7 +134,7 @@ TEST(SweepLeapfrog, BooksTheLossesOfItsForcesAndNotOfTheLaw) {
     Simulation simulation(claims::ready_scene("baseline", {"run.method=leapfrog-sweep", "run.step=2us", "tip.saturation_speed=1e-3",
                                                            "joint.saturation_speed=5e-4", "plate.saturation_speed=1e-3"}));
     SilentObserver silent;
-    ASSERT_FALSE(simulation.advance({.until = 2e-3}, silent, unstopped));
+    ASSERT_FALSE(simulation.advance({.until = 2e-3}, silent, uncancelled));
     EXPECT_LT(std::abs(simulation.workspace().energy.balance().relative()), 3e-3);
 }
 
@@ -249,44 +156,31 @@ TEST(SweepLeapfrog, RefusesARoundedCornerOfTheLaw) {
     }
 }
 
-class SegmentColumnsTest : public testing::TestWithParam<std::vector<int>> {
-protected:
-    static constexpr int rows = 5;
-    [[nodiscard]] static double number(int row, int link) { return 1000.0 * row + link + 1; }
-
-    SegmentColumnsTest() { columns_.lay_out(Partition::at(GetParam())); }
-    [[nodiscard]] int links() const { return GetParam().back(); }
-
-    SegmentColumns columns_;
-};
-
-INSTANTIATE_TEST_SUITE_P(Partitions, SegmentColumnsTest,
-                         testing::Values(std::vector{0, 84}, std::vector{0, 40, 84}, std::vector{0, 1, 2, 3},
-                                         std::vector{0, 1, 2, 3, 4, 5, 6, 7}, std::vector{0, 7, 9, 10, 30}),
-                         [](const auto& info) {
-                             std::string name = "cut";
-                             for (const int cut : info.param) name += "_" + std::to_string(cut);
-                             return name;
-                         });
-
-TEST_P(SegmentColumnsTest, GhostColumnsRepeatTheLinksBesideASegment) {
-    std::vector<model::ColumnsOf<double>> fields;
-    SegmentEdges<double> edges(rows);
-    edges.make_room(columns_.segments());
-    for (int s = 0; s < columns_.segments(); ++s) {
-        model::ColumnsOf<double>& field = fields.emplace_back(rows, columns_.count(s));
-        for (int link = columns_.segment(s).first; link < columns_.segment(s).last; ++link) {
-            for (int row = 0; row < rows; ++row) *field.at(row, link + columns_.shift(s)) = number(row, link);
+TEST(SegmentColumns, GhostColumnsRepeatTheLinksBesideASegment) {
+    constexpr int rows = 5;
+    const auto number = [](int row, int link) { return 1000.0 * row + link + 1; };
+    for (const std::vector<int>& cuts : {std::vector{0, 84}, {0, 40, 84}, {0, 1, 2, 3}, {0, 1, 2, 3, 4, 5, 6, 7}, {0, 7, 9, 10, 30}}) {
+        SCOPED_TRACE(testing::PrintToString(cuts));
+        const int links = cuts.back();
+        SegmentColumns columns;
+        columns.lay_out(Partition::at(cuts));
+        std::vector<model::ColumnsOf<double>> fields;
+        SegmentEdges<double> edges(rows);
+        edges.make_room(columns.segments());
+        for (int s = 0; s < columns.segments(); ++s) {
+            model::ColumnsOf<double>& field = fields.emplace_back(rows, columns.count(s));
+            for (int link = columns.segment(s).first; link < columns.segment(s).last; ++link) {
+                for (int row = 0; row < rows; ++row) *field.at(row, link + columns.shift(s)) = number(row, link);
+            }
+            edges.give(columns, field, s);
         }
-        edges.give(columns_, field, s);
-    }
-    for (int s = 0; s < columns_.segments(); ++s) {
-        model::ColumnsOf<double>& field = fields[static_cast<std::size_t>(s)];
-        edges.take(columns_, field, s);
-        const Segment& own = columns_.segment(s);
-        for (int link = own.first - 1; link <= own.last; ++link) {
-            for (int row = 0; row < rows; ++row)
-                EXPECT_EQ(*field.at(row, link + columns_.shift(s)), number(row, (link + 10 * links()) % links())) << "segment " << s;
+        for (int s = 0; s < columns.segments(); ++s) {
+            model::ColumnsOf<double>& field = fields[at(s)];
+            edges.take(columns, field, s);
+            for (int link = columns.segment(s).first - 1; link <= columns.segment(s).last; ++link) {
+                for (int row = 0; row < rows; ++row)
+                    EXPECT_EQ(*field.at(row, link + columns.shift(s)), number(row, (link + 10 * links) % links)) << "segment " << s;
+            }
         }
     }
 }

@@ -483,7 +483,7 @@ TEST(RigidRuns, AllocatesNothingBetweenTheStartAndTheEndOfARun) {
 /// On one thread whatever the scene leaves open; cut into segments it cannot be.
 TEST(RigidRuns, IsOneSegment) {
     Schedule two;
-    two.executor = "barrier";
+    two.executor = "flow";
     two.segments = two.threads = 2;
     EXPECT_THROW(Simulation(rigid_tiny(), two), SimulationError);
     EXPECT_THROW(rigid_tiny({"run.segments=2"}), SceneError);

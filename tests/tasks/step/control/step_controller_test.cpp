@@ -178,26 +178,6 @@ TEST(StepControllerTransitions, AChatteringChainMakesProgress) {
     }
 }
 
-TEST(StepControllerTransitions, EveryCutChangesATipAlsoWhereTheStepIsTakenAgain) {
-    // Here a tip is due that has kept its phase long enough by the end of the whole step, but not by the end of the one that is taken
-    // again: cut for it without changing it, and cut again, steps of 1e-14 s continued for ever.
-    model::Parameters p = tiny_parameters();
-    p.detail.stick_slip = true;
-    p.start.settling_time = p.start.ramp_time = 5e-5;
-    for (const char* method : {"trapezoidal-analytic", "trapezoidal-full", "trapezoidal-frozen", "trapezoidal-schubert"}) {
-        SCOPED_TRACE(method);
-        Rig rig(p, 1, method);
-        StepSettings settings{-5e-5, 0.0, 1e-5 / 7, 1e-5};
-        settings.max_steps = 3000;
-        ASSERT_FALSE(rig.run(settings));
-        const Counters& c = rig.counters();
-        EXPECT_EQ(c.steps - c.truncated, 35);
-        EXPECT_GT(c.truncated, 10);
-        EXPECT_LE(c.truncated, c.detected);
-        EXPECT_EQ(c.detected, static_cast<long>(rig.transitions().size()));
-    }
-}
-
 /// Runs with settings that a Rig does not offer.
 Fault run_with(Rig& rig, const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel,
                Counters* counters = nullptr) {
