@@ -48,7 +48,7 @@ Scene Scene::parse(const std::string& text, const std::string& name) {
 }
 
 Scene Scene::ready(const std::string& name) {
-    return api::entered(ErrorCode::scene, [&] { return Scene(std::make_shared<const Data>(tasks::read_scene(tasks::find_scene(name)))); });
+    return api::entered(ErrorCode::scene, [&] { return Scene(std::make_shared<const Data>(tasks::read_ready_scene(name))); });
 }
 
 std::vector<std::string> Scene::ready_names() {

@@ -58,3 +58,5 @@ set(CVTFLOW_KERNEL_ROWS "        {compiled_isa, native_kernels<compiled_isa>, ri
 configure_file(${TOP}/model/kernels/compiled_kernels.cpp.in ${OUT}/groups/compiled_kernels.cpp @ONLY)
 file(READ ${OUT}/groups/compiled_kernels.cpp text)
 file(WRITE ${OUT}/groups/compiled_kernels.cpp "#include \"model/basis/native_lanes.hpp\"\n${text}")
+file(WRITE ${OUT}/groups/embedded_files.cpp "#include \"engine/base/input_file.hpp\"\n"
+  "std::span<const cvtflow::engine::EmbeddedFile> cvtflow::engine::embedded_files() noexcept { return {}; }\n")

@@ -13,6 +13,7 @@ root_doc = "docs/site/contents"
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
 include_patterns = ["*.md", "docs/**.md", "docs/site/*.rst", "model/*.md", "tools/slurm/*.md"]
 exclude_patterns = ["build*", ".*"]
+smartquotes = False   # --scene is an option, not a dash
 myst_heading_anchors = 3
 myst_enable_extensions = ["dollarmath"]
 myst_update_mathjax = False

@@ -1,5 +1,5 @@
 /// Substitutes for threads and files in the core library: one thread, the caller's, and an error for every file. These are all functions
-/// that its sources call and that need oneTBB, OpenMP, HDF5 or POSIX elsewhere.
+/// that its sources call and that need oneTBB, OpenMP, HDF5 or POSIX elsewhere. The texts of embedded files are added by the build.
 
 #include <limits>
 
@@ -17,8 +17,15 @@ ThreadShortage thread_shortage() noexcept { return {}; }
 long process_number() noexcept { return 0; }
 double bare_barrier_cycle(int, double, double) noexcept { return std::numeric_limits<double>::infinity(); }
 
-SavedState read_state(const std::string& path) { throw RecordError(path + ": this library cannot read state files"); }
+SavedState read_state(const std::string& path) {
+    throw RecordError(path + ": this library cannot read state files; start.state = \"\" settles instead");
+}
 FileIdentity identity_of(const std::string&) noexcept { return {}; }
-std::string read_text_input(const std::string&, std::uint64_t, double) { throw InputError("this library reads no files"); }
+
+std::string read_text_input(const std::string& path, std::uint64_t, double) {
+    for (const EmbeddedFile& file : embedded_files())
+        if (path.starts_with(embedded_folder) && path.substr(embedded_folder.size() + 1) == file.name) return std::string(file.text);
+    throw InputError("this library reads no files: pass a scene as text (Scene::parse), and tables as points in it");
+}
 
 }  // namespace cvtflow::engine

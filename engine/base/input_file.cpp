@@ -90,6 +90,8 @@ std::size_t InputFile::read(std::uint64_t offset, std::byte* bytes, std::size_t 
     return read_at(descriptor_.number(), offset, bytes, count);
 }
 
+std::span<const EmbeddedFile> embedded_files() noexcept { return {}; }
+
 std::string read_text_input(const std::string& path, std::uint64_t most, double timeout) {
     const Opened opened(path);
     const bool pipe = opened.nameless_pipe();

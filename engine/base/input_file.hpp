@@ -4,8 +4,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 
 namespace cvtflow::engine {
@@ -61,6 +63,15 @@ struct FileIdentity {
 };
 /// All zeros for a file that is not there.
 [[nodiscard]] FileIdentity identity_of(const std::string& path) noexcept;
+
+/// A text that is part of the library itself.
+struct EmbeddedFile {
+    std::string_view name, text;
+};
+/// The core library contains the ready scenes and their tables, and reads no other files. Other libraries contain none.
+[[nodiscard]] std::span<const EmbeddedFile> embedded_files() noexcept;
+/// Folder in the paths of embedded files: "ready:/shift.toml".
+inline constexpr std::string_view embedded_folder = "ready:";
 
 /// All of a text, without a byte order mark at its beginning. It may also come through a pipe without a name (`… | cvtflow check
 /// /dev/stdin`,

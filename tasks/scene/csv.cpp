@@ -209,7 +209,8 @@ private:
         Node::Array points;
         std::error_code unknown;
         const std::filesystem::path path = folder / file_;
-        if (!std::filesystem::exists(path, unknown)) return problem(fmt::format("no file {}", toml_text(file_))), Node{points, {}};
+        if (engine::embedded_files().empty() && !std::filesystem::exists(path, unknown))
+            return problem(fmt::format("no file {}", toml_text(file_))), Node{points, {}};
         try {
             const std::string content = engine::read_text_input(path.string(), longest_csv);
             if (const auto doubtful = doubtful_number(content))

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "engine/base/input_file.hpp"
 #include "engine/base/text.hpp"
 #include "tasks/scene/scene.hpp"
 
@@ -65,11 +66,14 @@ namespace {
 
 std::vector<ReadyScene> ready_files(const fs::path& below) {
     std::vector<ReadyScene> found;
-    for (const fs::path& folder : scene_folders()) {
+    const auto take = [&found](const fs::path& path) {
+        if (path.extension() == ".toml") found.push_back({path.stem().string(), path});
+    };
+    for (const engine::EmbeddedFile& file : engine::embedded_files()) take(fs::path(engine::embedded_folder) / file.name);
+    const bool reads_files = found.empty();
+    for (const fs::path& folder : reads_files ? scene_folders() : std::vector<fs::path>{}) {
         std::error_code unreadable;
-        for (const fs::directory_entry& entry : fs::directory_iterator(folder / below, unreadable)) {
-            if (entry.path().extension() == ".toml") found.push_back({entry.path().stem().string(), entry.path()});
-        }
+        for (const fs::directory_entry& entry : fs::directory_iterator(folder / below, unreadable)) take(entry.path());
     }
     std::stable_sort(found.begin(), found.end(), [](const ReadyScene& a, const ReadyScene& b) { return a.name < b.name; });
     const auto same = [](const ReadyScene& a, const ReadyScene& b) { return a.name == b.name; };
@@ -99,6 +103,10 @@ fs::path find_scene(const std::string& argument) {
     const std::string near = engine::closest(argument, names);
     const std::string hint = near.empty() ? "cvtflow list scenes" : fmt::format("did you mean '{}'?", near);
     throw SceneError(fmt::format("no scene '{}' ({})", argument, hint));
+}
+
+Scene read_ready_scene(const std::string& name) {
+    return read_scene(find_scene(name), engine::embedded_files().empty() ? StartState::required : StartState::ignored);
 }
 
 }  // namespace cvtflow::tasks

@@ -7,6 +7,8 @@
 
 namespace cvtflow::tasks {
 
+struct Scene;
+
 struct ReadyScene {
     std::string name;  ///< the file's stem
     std::filesystem::path path;
@@ -17,7 +19,8 @@ struct ReadyScene {
 /// built from.
 [[nodiscard]] std::vector<std::filesystem::path> scene_folders();
 
-/// All scenes in these folders, by name. If several have one name, only the nearest one.
+/// All scenes in these folders, by name. If several have one name, only the nearest one. In the core library, which reads no files, the
+/// scenes that are embedded in it.
 [[nodiscard]] std::vector<ReadyScene> ready_scenes();
 
 /// All sweeps in the subfolder "sweeps" of these folders, likewise.
@@ -26,5 +29,8 @@ struct ReadyScene {
 /// A file of that path, else the ready scene of that name. A path (with '/' or the ending .toml) is returned unchanged.
 /// @throws SceneError  `no scene 'basline' (did you mean 'baseline'?)`
 [[nodiscard]] std::filesystem::path find_scene(const std::string& argument);
+
+/// Reads what find_scene finds. In the core library it begins from the geometric start, since saved states are files. @throws SceneError
+[[nodiscard]] Scene read_ready_scene(const std::string& name);
 
 }  // namespace cvtflow::tasks

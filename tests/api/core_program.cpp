@@ -1,9 +1,10 @@
 /// A simulation by the core library alone. Prints the hash of its state.
 ///
-///     core_program SCENE.toml TIME [LEVEL [KEY=VALUE...]]        time to advance to [s], level of detail, settings
+///     core_program SCENE TIME [LEVEL [KEY=VALUE...]]
+///
+/// SCENE: name of a ready one, or a file; TIME: to advance to [s]; level of detail; settings
 
-#include <cvtflow/error.hpp>
-#include <cvtflow/simulation.hpp>
+#include <cvtflow/cvtflow.hpp>
 
 #include <cinttypes>
 #include <cstdio>
@@ -14,10 +15,11 @@
 #include <vector>
 
 int main(int count, char** arguments) {
-    std::ifstream file(arguments[1]);
+    const std::string name = arguments[1];
+    std::ifstream file(name);
     const std::string text{std::istreambuf_iterator<char>(file), {}};
     try {
-        cvtflow::Scene scene = cvtflow::Scene::parse(text, arguments[1]);
+        cvtflow::Scene scene = name.ends_with(".toml") ? cvtflow::Scene::parse(text, name) : cvtflow::Scene::ready(name);
         if (count > 3) scene = scene.with_detail(arguments[3]);
         const std::vector<std::string> settings(arguments + (count > 4 ? 4 : count), arguments + count);
         cvtflow::Simulation simulation(scene.with(settings));

@@ -1,4 +1,5 @@
-/// The core library, of which FMUs are made: what it needs, and that its results are those of the library.
+/// The core library, of which FMUs are made: what it needs, how it is installed, and that its results are those of the library. Which
+/// libraries its programs link, static and shared: package_test.cpp.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +10,6 @@
 #include <filesystem>
 #include <fstream>
 #include <regex>
-#include <set>
 #include <sstream>
 #include <string>
 
@@ -30,11 +30,10 @@ protected:
     CoreLibrary() { fs::create_directory(folder_); }
     ~CoreLibrary() override { fs::remove_all(folder_); }
 
-    /// Path of a new file with that text.
-    [[nodiscard]] std::string scene_file(const std::string& text) const {
-        const fs::path path = folder_ / "scene.toml";
-        std::ofstream(path) << text;
-        return path.string();
+    /// Exit status and output of core_program for a scene of that text.
+    [[nodiscard]] std::pair<int, std::string> run(const std::string& text) const {
+        std::ofstream(folder_ / "scene.toml") << text;
+        return output_of(CVTFLOW_CORE_PROGRAM " " + (folder_ / "scene.toml").string() + " 2e-5");
     }
 
     fs::path folder_ = fs::path(testing::TempDir()) / ("core_library_" + std::to_string(::getpid()));
@@ -48,26 +47,39 @@ TEST_F(CoreLibrary, GivesTheBitsOfTheLibrary) {
     expected.advance_to(2e-5);
     char hash[32];
     std::snprintf(hash, sizeof hash, "%016" PRIx64 "\n", expected.hash());
-    EXPECT_EQ(output_of(CVTFLOW_CORE_PROGRAM " " + scene_file(scene.text()) + " 2e-5"), std::pair(0, std::string(hash)));
+    EXPECT_EQ(run(scene.text()), std::pair(0, std::string(hash)));
 }
 
-TEST_F(CoreLibrary, ReadsNoStateFileAndReportsIt) {
-    const cvtflow::Scene scene = cvtflow::Scene::ready("control");
-    ASSERT_NE(scene.value("start.state"), "\"\"");
-    const auto [status, text] = output_of(CVTFLOW_CORE_PROGRAM " " + scene_file(scene.text()) + " 2e-5");
-    EXPECT_NE(status, 0);
-    EXPECT_THAT(text, testing::HasSubstr("this library cannot read state files"));
+TEST_F(CoreLibrary, ReadsNoFileAndStatesWhatToDoInstead) {
+    const std::string state = cvtflow::Scene::ready("control").text(), text = "this library reads no files: pass a scene as text";
+    EXPECT_THAT(run(state).second, testing::HasSubstr("this library cannot read state files; start.state = \"\" settles instead"));
+    EXPECT_THAT(run("[load]\ntorque = {csv = \"load.csv\"}\n").second,
+                testing::HasSubstr("load.torque: \"load.csv\" cannot be read: " + text));
+    EXPECT_THAT(output_of(CVTFLOW_CORE_PROGRAM " ./tiny 2e-5").second, testing::HasSubstr("./tiny: cannot be read: " + text));
 }
 
-TEST_F(CoreLibrary, LinksNoLibraryButThoseOfCxx) {
-    const auto [status, text] = output_of("readelf -d " CVTFLOW_CORE_PROGRAM);
-    ASSERT_EQ(status, 0);
-    const std::regex needed(R"(\(NEEDED\).*\[([a-z_A-Z+0-9-]+)\.so)");
-    std::set<std::string> names;
-    for (std::sregex_iterator row(text.begin(), text.end(), needed), end; row != end; ++row) names.insert((*row)[1]);
-    if (*CVTFLOW_SANITIZER != '\0') std::erase_if(names, [](const std::string& name) { return name.ends_with("san"); });
-    EXPECT_THAT(names, testing::IsSubsetOf({"libstdc++", "libm", "libgcc_s", "libc", "ld-linux-x86-64"}));
-    EXPECT_THAT(names, testing::Contains("libstdc++"));
+/// The program and the commands of docs/embedding.md, with a ready scene.
+TEST_F(CoreLibrary, IsInstalledAndUsedAsItsPageDescribes) {
+    std::ifstream file(CVTFLOW_SOURCE_DIR "/docs/embedding.md");
+    const std::string page{std::istreambuf_iterator<char>(file), {}};
+    const auto block = [&page](const std::string& head) {
+        const std::size_t begin = page.find(head) + head.size();
+        return page.substr(begin, page.find("```", begin) - begin);
+    };
+    std::ofstream(folder_ / "hold.cpp") << block("<!-- file: hold.cpp -->\n```cpp\n");
+    std::ofstream(folder_ / "commands") << block("tests/api/core_test.cpp runs it -->\n```sh\n");
+    fs::create_directory_symlink(CVTFLOW_BINARY_DIR, folder_ / "build");
+    const auto [status, text] = output_of("cd " + folder_.string() + " && HOME=$PWD bash -e commands");
+    EXPECT_EQ(status, 0) << text;
+    EXPECT_THAT(text, testing::HasSubstr("reliable: 1\n"));
+}
+
+TEST_F(CoreLibrary, ThatIsNotInstalledIsNamedWithItsCommands) {
+    std::ofstream(folder_ / "find.cmake") << "find_package(cvtflow REQUIRED COMPONENTS core PATHS " CVTFLOW_BINARY_DIR
+                                             "/api NO_DEFAULT_PATH)";
+    EXPECT_THAT(output_of("cmake -P " + (folder_ / "find.cmake").string() + " 2>&1 | tr -s ' \n' ' '").second,
+                testing::HasSubstr("component 'core' is not installed: cmake --build build --target cvtflow_core_shared && cmake --install "
+                                   "build --component core"));
 }
 
 /// By construction: not what the linker happened to need, but all that any of its objects mentions.

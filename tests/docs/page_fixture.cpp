@@ -11,14 +11,14 @@
 #include <utility>
 
 namespace cvtflow::docs {
-namespace {
-
 namespace fs = std::filesystem;
 
 std::string text_of(const fs::path& path) {
     std::ifstream file(path);
     return {std::istreambuf_iterator<char>(file), {}};
 }
+
+namespace {
 
 /// Reads the comment above a block, if it is such a comment.
 void read_comment(const std::string& line, Block& next) {
@@ -97,22 +97,25 @@ std::vector<std::string> Page::anchors() const {
     return found;
 }
 
-std::vector<Page> pages() {
-    const fs::path top = CVTFLOW_SOURCE_DIR;
-    std::vector<Page> found;
-    const auto take = [&](const fs::directory_entry& entry) {
-        if (entry.path().extension() == ".md")
-            found.push_back({entry.path().lexically_relative(top).generic_string(), text_of(entry.path())});
-    };
-    for (const auto& entry : fs::directory_iterator(top)) take(entry);
-    for (const char* folder : {"docs", "model", "tools", "api"})
-        for (const auto& entry : fs::recursive_directory_iterator(top / folder)) take(entry);
-    std::sort(found.begin(), found.end(), [](const Page& a, const Page& b) { return a.path < b.path; });
-    return found;
+const std::vector<Page>& pages() {
+    static const std::vector<Page> all = [] {
+        const fs::path top = CVTFLOW_SOURCE_DIR;
+        std::vector<Page> found;
+        const auto take = [&](const fs::directory_entry& entry) {
+            if (entry.path().extension() == ".md")
+                found.push_back({entry.path().lexically_relative(top).generic_string(), text_of(entry.path())});
+        };
+        for (const auto& entry : fs::directory_iterator(top)) take(entry);
+        for (const char* folder : {"docs", "model", "tools", "api"})
+            for (const auto& entry : fs::recursive_directory_iterator(top / folder)) take(entry);
+        std::sort(found.begin(), found.end(), [](const Page& a, const Page& b) { return a.path < b.path; });
+        return found;
+    }();
+    return all;
 }
 
 Page page(const std::string& path) {
-    for (Page& each : pages())
+    for (const Page& each : pages())
         if (each.path == path) return each;
     throw std::invalid_argument("no page " + path);
 }

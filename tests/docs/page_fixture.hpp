@@ -1,6 +1,7 @@
 #pragma once
 /// Pages of the documents as tests see them: Markdown with fenced blocks, and comments above blocks that say what is done with them.
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -15,8 +16,10 @@ struct Block {
     std::string nightly;   ///< how long it takes, if longer than seconds; empty: it is quick
     std::string not_run;   ///< why it cannot run; empty: it can
 
-    /// Whether it is run as commands.
-    [[nodiscard]] bool runs() const { return language == "sh" && not_run.empty(); }
+    /// Whether it is run, as commands or as Python.
+    [[nodiscard]] bool runs() const { return (language == "sh" || (language == "python" && file.empty())) && not_run.empty(); }
+    /// Whether it needs the laboratory.
+    [[nodiscard]] bool of_laboratory() const { return text.find("cvtflow-lab") != text.npos || text.find("bench/") != text.npos; }
 };
 
 /// A line of a page outside blocks.
@@ -37,8 +40,11 @@ struct Page {
     [[nodiscard]] std::vector<std::string> anchors() const;
 };
 
+/// All of a file; empty if it cannot be read.
+[[nodiscard]] std::string text_of(const std::filesystem::path& path);
+
 /// Every page that documents the project: *.md at the top level, in docs, model and tools; ascending by path.
-[[nodiscard]] std::vector<Page> pages();
+[[nodiscard]] const std::vector<Page>& pages();
 
 /// The page of that path. @throws std::invalid_argument if there is none
 [[nodiscard]] Page page(const std::string& path);

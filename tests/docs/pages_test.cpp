@@ -6,8 +6,6 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
 #include <regex>
 #include <set>
 #include <sstream>
@@ -64,8 +62,7 @@ TEST(SweepPage, NamesNoKeyThatIsNotThere) {
 
 /// A function as an indented block of Markdown.
 std::string as_block(const std::string& file, const std::string& signature) {
-    std::ifstream source(CVTFLOW_SOURCE_DIR "/" + file);
-    const std::string text{std::istreambuf_iterator<char>(source), {}};
+    const std::string text = text_of(CVTFLOW_SOURCE_DIR "/" + file);
     const std::size_t begin = text.find(signature), end = text.find("\n}\n", begin);
     EXPECT_NE(begin, std::string::npos) << file;
     std::string block = "    ";
@@ -119,10 +116,7 @@ TEST(ArchitecturePage, ShowsTheGraphsThatStepsRun) {
 
 /// Seconds per simulated second of a row of bench/results/speeds.csv, by a regular expression for the fields before the median.
 double seconds(const std::string& row) {
-    std::ifstream file(CVTFLOW_SOURCE_DIR "/bench/results/speeds.csv");
-    std::stringstream text;
-    text << file.rdbuf();
-    const std::string table = text.str();
+    const std::string table = text_of(CVTFLOW_SOURCE_DIR "/bench/results/speeds.csv");
     std::smatch found;
     if (!std::regex_search(table, found, std::regex("\n" + row + ",([0-9.]+),"))) ADD_FAILURE() << row;
     return found.empty() ? 0.0 : std::stod(found[1]);

@@ -9,6 +9,7 @@
 #include "tasks/scene/csv.hpp"
 #include "tasks/tuning/tuned_scene.hpp"
 #include "tests/tools/program_fixture.hpp"
+#include "tools/program/output.hpp"
 #include "tools/program/text/report_columns.hpp"
 #include "tools/program/text/tune_report.hpp"
 
@@ -53,6 +54,19 @@ TEST_F(OutputPlace, OnlyPlainFilesAreReplaced) {
     expect_refused(run_to({"-o", "r.h5", "--checkpoint-every", "1 h", "--checkpoint", "pipe"}),
                    "pipe: cannot create: a device, pipe or socket, not a file");
     EXPECT_FALSE(exists("r.h5"));
+}
+
+TEST_F(OutputPlace, ThatThisUserMustNotCreateIsNamedWithTheOptionForAnother) {
+    fs::permissions(folder_, fs::perms::owner_read | fs::perms::owner_exec | fs::perms::others_read | fs::perms::others_exec);
+    const fs::path before = fs::current_path();
+    fs::current_path(folder_);
+    const uid_t user = geteuid();
+    ASSERT_EQ(seteuid(user == 0 ? 65534 : user), 0);  // permissions hold for all but root
+    EXPECT_THAT([] { (void)default_place("r.h5"); }, testing::ThrowsMessage<engine::RecordError>(HasSubstr(
+                                                         "no permission to create the folder 'results' here (choose a place with -o)")));
+    ASSERT_EQ(seteuid(user), 0);
+    fs::current_path(before);
+    fs::permissions(folder_, fs::perms::owner_all);
 }
 
 TEST_F(OutputPlace, NoLinkIsFollowedWhereATemporaryFileGoes) {

@@ -113,6 +113,16 @@ engine::OutputRule state_rule(const tasks::Scene& scene, bool named, bool force)
     return scene_rule("state of the scene", own, scene, named, force);
 }
 
+std::string default_place(const std::string& name) {
+    std::error_code failed;  // other reasons are reported by what is written, which needs the folder
+    std::filesystem::create_directories("results", failed);
+    if (failed == std::errc::permission_denied || failed == std::errc::operation_not_permitted ||
+        failed == std::errc::read_only_file_system)
+        throw engine::RecordError(
+            fmt::format("results/{}: cannot create: no permission to create the folder 'results' here (choose a place with -o)", name));
+    return "results/" + name;
+}
+
 void require_checkpoint_place(const std::string& path, const std::string& record, const std::vector<std::filesystem::path>& inputs) {
     const engine::Permit permit(path, {.inputs = inputs, .force = true});  // an existing file is checked below
     const auto place = [](const std::string& name) { return std::filesystem::absolute(name).lexically_normal(); };

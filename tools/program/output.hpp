@@ -40,6 +40,9 @@ inline constexpr const char* force_meaning = "Replace existing output files";
 [[nodiscard]] engine::OutputRule scene_rule(const char* what, engine::IsOwn own, const tasks::Scene& scene, bool named, bool force);
 [[nodiscard]] engine::OutputRule state_rule(const tasks::Scene& scene, bool named, bool force);
 
+/// Path results/NAME of what no -o names; creates the folder. @throws engine::RecordError if this user must not
+[[nodiscard]] std::string default_place(const std::string& name);
+
 /// Checks the path of a checkpoint: it must differ from the record's, and an existing file must be a checkpoint, because it is removed at
 /// the end of the run. @throws engine::RecordError
 void require_checkpoint_place(const std::string& path, const std::string& record, const std::vector<std::filesystem::path>& inputs);

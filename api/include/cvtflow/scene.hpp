@@ -20,12 +20,12 @@ struct Tuning;
 /// A handle to a checked scene; copies share it. All members are safe to call from several threads at once.
 class CVTFLOW_EXPORT Scene {
 public:
-    /// Reads a scene file. @throws Error (scene): every problem in it, one per line
+    /// Reads a scene file. @throws Error (scene): every problem in it, one per line; always in the core library, which reads no files
     [[nodiscard]] static Scene read(const std::string& path);
     /// A scene given as text; `name` replaces the file name in messages, and start.state is relative to its folder. @throws Error (scene)
     [[nodiscard]] static Scene parse(const std::string& text, const std::string& name = "scene.toml");
-    /// A scene that comes with cvtflow ("baseline"), from the installed data or the folders of the environment variable CVTFLOW_SCENES.
-    /// @throws Error (scene)
+    /// A scene that comes with cvtflow ("baseline"), from the installed data or the folders of the environment variable CVTFLOW_SCENES. The
+    /// core library contains these scenes, without their saved states: they settle. @throws Error (scene)
     [[nodiscard]] static Scene ready(const std::string& name);
     /// Names of the scenes that ready() finds, in alphabetical order; some may be scenes that cannot be read.
     [[nodiscard]] static std::vector<std::string> ready_names();

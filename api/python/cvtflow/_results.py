@@ -217,7 +217,7 @@ class Record(Series, Mapping):
         record = cvtflow.Record("results/tiny.h5")
         record["links/tension"]            # all rows, [rows, links]; read now
         record["links/tension[3]"]         # of the fourth link, [rows]
-        record.read("ratio", 100, 50)      # 50 rows from row 100 on
+        record.read("ratio", 50, 20)       # 20 rows from row 50 on
         record.frame()                     # a pandas.DataFrame
         record.plot("slip")                # with Matplotlib; over another channel: record.plot("slip", x="ratio")
 

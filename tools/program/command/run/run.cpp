@@ -33,9 +33,7 @@ struct RunArguments {
 std::string record_path(const RunArguments& arguments, const tasks::Scene& scene) {
     if (arguments.output == "none") return {};
     if (!arguments.output.empty()) return arguments.output;
-    std::error_code reported_later;  // by the record, which needs the folder
-    std::filesystem::create_directories("results", reported_later);
-    return "results/" + scene.path.stem().string() + ".h5";
+    return default_place(scene.path.stem().string() + ".h5");
 }
 
 /// Beside the record, or under the scene's name.

@@ -294,10 +294,7 @@ ExitStatus batch(const BatchArguments& arguments) {
     if (arguments.grace) options.grace = seconds_of("--grace", *arguments.grace);
     if (arguments.every) options.checkpoint_every = seconds_of("--checkpoint-every", *arguments.every);
     if (arguments.dry) return dry_run(sweep, options.shard, options.threads);
-    if (arguments.options.folder.empty()) {
-        std::error_code reported_later;
-        std::filesystem::create_directories("results", reported_later);
-    }
+    if (arguments.options.folder.empty()) options.folder = default_place(sweep.path.stem().string());
     return run_sweep(sweep, options, arguments.output, arguments.worker);
 }
 
