@@ -6,6 +6,7 @@
 import ctypes
 import functools
 import io
+import os
 import pathlib
 import subprocess
 import sys
@@ -17,6 +18,7 @@ import zipfile
 PROGRAM = sys.argv.pop(1)
 sys.dont_write_bytecode = True
 OK, WARNING, ERROR = 0, 1, 3
+DEEP = os.environ.get("CVTFLOW_TEST_DEPTH") == "deep"  # both versions of the standard, instead of one in each test
 
 
 @functools.cache
@@ -92,7 +94,8 @@ class Fmu:
 
 class RigidPins(unittest.TestCase):
     def test_they_follow_the_target_of_their_scene(self):
-        for scene, target in ("drive", 2.2), ("urban_cycle", 0.9318):  # of their files; control settles within half a per cent
+        targets = {"drive": 2.2, "urban_cycle": 0.9318}  # of their files; control settles within half a per cent
+        for scene, target in list(targets.items())[: 2 if DEEP else 1]:
             with self.subTest(scene=scene), tempfile.TemporaryDirectory() as folder:
                 fmu = Fmu(folder, 2, scene)
                 self.assertEqual([fmu.setup(), fmu.enter(), fmu.exit()], [OK, OK, OK])
@@ -103,7 +106,7 @@ class RigidPins(unittest.TestCase):
 
 class Stages(unittest.TestCase):
     def test_calls_out_of_order_are_errors_and_change_nothing(self):
-        for version in (2, 3):
+        for version in (2, 3) if DEEP else (2,):
             with self.subTest(fmi=version), tempfile.TemporaryDirectory() as folder:
                 fmu = Fmu(folder, version)
                 self.assertEqual(fmu.exit(), ERROR)  # without enter

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cstdlib>
 #include <cvtflow/cvtflow.hpp>
 #include <filesystem>
 #include <string>
@@ -22,6 +23,12 @@ inline constexpr bool address_sanitizer = true;  ///< it keeps more on the stack
 #else
 inline constexpr bool address_sanitizer = false;
 #endif
+
+/// CVTFLOW_TEST_DEPTH, as in tests/sample_fixture.hpp.
+inline bool is_deep() {
+    const char* given = std::getenv("CVTFLOW_TEST_DEPTH");
+    return given != nullptr && std::string(given) == "deep";
+}
 
 /// On the caller alone, and on threads of the simulation's own where they can be checked.
 inline std::vector<Threads> ways() {

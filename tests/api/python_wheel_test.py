@@ -9,7 +9,7 @@ import unittest
 import zipfile
 from pathlib import Path
 
-from python_fixture import SOURCE, main
+from python_fixture import DEEP, SOURCE, main
 
 import cvtflow
 
@@ -40,6 +40,7 @@ class Wheel(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual((package / "_cvtflow.pyi").read_text(), module.with_name("_cvtflow.pyi").read_text())
 
+    @unittest.skipUnless(DEEP, "deep")
     def test_it_holds_the_whole_package_and_works_alone(self):
         name = build_backend.build_wheel(self.folder)
         site = Path(self.folder, "site")
@@ -61,6 +62,7 @@ class Wheel(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertTrue(done.stdout.startswith(str(site)), done.stdout)
 
+    @unittest.skipUnless(DEEP, "deep")
     def test_a_bundle_contains_all_libraries_that_not_every_distribution_has(self):
         name = build_backend.build_wheel(self.folder, {"bundle": "ON"})
         self.assertRegex(name, r"-manylinux_2_\d+_\w+\.whl$")

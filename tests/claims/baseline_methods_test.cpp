@@ -16,7 +16,6 @@
 #include "bench/study/run_watch.hpp"
 #include "bench/study/tradeoff/error_measure.hpp"
 #include "engine/method/dumka3.hpp"
-#include "model/observe/observation.hpp"
 #include "tasks/tuning/output.hpp"
 #include "tests/claims/method_trial_fixture.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
@@ -171,29 +170,6 @@ TEST(FrictionLeapfrogClaim, ItsErrorFallsLikeTheSquareOfTheStep) {
     EXPECT_LT(std::log2(coarse / fine) / 2.0, 2.4);
     EXPECT_GT(std::log2(coarse / fine) / 2.0, 1.6);
 }
-
-/// Tension of the tight strand after 100 us at 1 us with saturation speeds a tenth, a hundredth and a thousandth of the usual ones.
-void expect_limit(const std::string& method) {
-    const auto end = [&](const std::string& scale) {
-        const double factor = std::stod(scale);
-        const auto text = [&](double value) { return std::to_string(value * factor * 1e9) + "e-9"; };
-        const tasks::Scene scene =
-            ready_scene("baseline", {"run.schedule=serial", "run.method=" + method, "run.step=1us", "joint.saturation_speed=" + text(5e-3),
-                                     "plate.saturation_speed=" + text(1e-2), "tip.saturation_speed=" + text(1e-2)});
-        tasks::Simulation simulation(scene);
-        tasks::SilentObserver silent;
-        EXPECT_FALSE(simulation.advance({.until = 100e-6}, silent, never)) << scale;
-        model::Observer observer(simulation.workspace().variator);
-        return simulation.workspace().observed_by(observer, simulation.time()).tight;
-    };
-    const double tenth = end("0.1"), hundredth = end("0.01"), thousandth = end("0.001");
-    EXPECT_NEAR(thousandth / hundredth, 1.0, 2e-3);
-    EXPECT_LT(std::abs(thousandth - hundredth), std::abs(hundredth - tenth) + 1e-3 * hundredth);
-}
-
-/// A saturation speed a hundred times smaller makes RK4 need steps a hundred times shorter; here stages grow tenfold and results tend to a
-/// limit.
-TEST(FrictionLeapfrogClaim, AsTheSaturationSpeedVanishesResultsTendToALimit) { expect_limit("leapfrog-chebyshev"); }
 
 /// Errors that are documented for one scene hold on another.
 TEST(NightlyFrictionLeapfrog, KeepsItsErrorsOnLowOverdriveAndTheLoadRamp) {

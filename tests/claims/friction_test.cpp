@@ -161,5 +161,25 @@ TEST(TipLaw, EnergyBalancesWhereFrictionFallsAndTheChainLetsGo) {
     }
 }
 
+/// Tension of the tight strand after 100 us at 1 us with saturation speeds a tenth, a hundredth and a thousandth of the usual ones. A speed
+/// a hundred times smaller makes RK4 need steps a hundred times shorter; here stages grow tenfold and results tend to a limit.
+TEST(FrictionSlip, TendsToALimitAsTheSaturationSpeedVanishes) {
+    const auto end = [&](const std::string& scale) {
+        const double factor = std::stod(scale);
+        const auto text = [&](double value) { return std::to_string(value * factor * 1e9) + "e-9"; };
+        const tasks::Scene scene = ready_scene(
+            "baseline", {"run.schedule=serial", "run.method=leapfrog-chebyshev", "run.step=1us", "joint.saturation_speed=" + text(5e-3),
+                         "plate.saturation_speed=" + text(1e-2), "tip.saturation_speed=" + text(1e-2)});
+        tasks::Simulation simulation(scene);
+        tasks::SilentObserver silent;
+        EXPECT_FALSE(simulation.advance({.until = 100e-6}, silent, engine::Cancellation())) << scale;
+        model::Observer observer(simulation.workspace().variator);
+        return simulation.workspace().observed_by(observer, simulation.time()).tight;
+    };
+    const double tenth = end("0.1"), hundredth = end("0.01"), thousandth = end("0.001");
+    EXPECT_NEAR(thousandth / hundredth, 1.0, 2e-3);
+    EXPECT_LT(std::abs(thousandth - hundredth), std::abs(hundredth - tenth) + 1e-3 * hundredth);
+}
+
 }  // namespace
 }  // namespace cvtflow::claims

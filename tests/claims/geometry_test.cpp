@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <string>
 
@@ -94,10 +95,17 @@ TEST(BeltGeometry, AtRatio24RadiiAndWrapsAreThoseOfTheOpenBelt) {
     EXPECT_NEAR(pieces, 84 * 8.12e-3, 1e-15);
 }
 
+/// Made once, for all tests.
+const model::StartState& started(const Start& row) {
+    static std::map<std::string, model::StartState> made;
+    const auto there = made.find(row.name);
+    return there != made.end() ? there->second : made.emplace(row.name, model::start_state(row.parameters)).first->second;
+}
+
 class GeometricStart : public testing::TestWithParam<Start> {
 protected:
     const model::Parameters& p = GetParam().parameters;
-    const model::StartState start = model::start_state(p);
+    const model::StartState& start = started(GetParam());
     const ChainView chain{p, start.state.data()};
     const double pull = pretension(p);
 };

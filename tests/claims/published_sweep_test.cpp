@@ -14,6 +14,7 @@
 #include "tasks/batch/results/results.hpp"
 #include "tasks/batch/sweep/sweep.hpp"
 #include "tasks/scene/ready_scenes.hpp"
+#include "tests/sample_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
@@ -71,7 +72,7 @@ void compare(int shard, int of) {
     std::filesystem::remove_all(out);
 }
 
-TEST(PublishedSweep, ASampleOfItsRowsIsWhatTheProgramComputes) { compare(3, 12); }
+TEST(PublishedSweep, ASampleOfItsRowsIsWhatTheProgramComputes) { compare(3, test::depth(36, 12)); }
 TEST(NightlyPublishedSweep, AllOfItsRowsAreWhatTheProgramComputes) { compare(1, 1); }
 
 }  // namespace

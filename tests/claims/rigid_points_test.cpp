@@ -13,6 +13,7 @@
 
 #include "tasks/scene/csv.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
+#include "tests/sample_fixture.hpp"
 
 namespace cvtflow::claims {
 namespace {
@@ -51,7 +52,7 @@ TEST(RigidPoints, AreWhatIsPublishedAndNearFine) {
     ASSERT_EQ(rigid.size(), 24u);
     ASSERT_EQ(fine.size(), 24u);
     const std::map<std::string, double> targets{{"tight", 0.05}, {"slack", 0.05}, {"thrust_ratio", 0.05}, {"slip", 0.15}};
-    for (const std::size_t number : {4u, 12u, 18u, 22u}) {
+    for (const std::size_t number : test::depth<std::vector<std::size_t>>({4}, {4, 12, 18, 22})) {
         const auto found = run_rigid(rigid[number]);
         for (const auto& [name, target] : targets) {
             const double is = found.at(name), was = std::stod(rigid[number].at(name)), near = std::stod(fine[number].at(name));

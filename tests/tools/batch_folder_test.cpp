@@ -192,44 +192,28 @@ TEST_F(BatchOrigin, OfACheckpointIsCompared) {
     EXPECT_NE(run({"resume", "r.checkpoint.h5", "--mixed", "--set", "run.max_steps=0"}).status, 1);
 }
 
-// Files of a sweep are damaged before it continues: cases whose checkpoints cannot be used begin anew, with the same results.
+// A sweep is stopped by a hangup (by SIGTERM: ContinuedBatch) and continues with the same results. Files of it are damaged before: cases
+// whose checkpoints cannot be used begin anew.
 
-/// Processor time that the children of a process have taken so far [s].
-double processor_time_of_children(pid_t parent) {
-    double ticks = 0.0;
-    std::error_code gone;
-    for (const auto& entry : std::filesystem::directory_iterator("/proc", gone)) {
-        const std::string name = entry.path().filename().string();
-        if (name.find_first_not_of("0123456789") != std::string::npos) continue;
-        std::ifstream file(entry.path() / "stat");
-        const std::string text{std::istreambuf_iterator<char>(file), {}};
-        if (text.rfind(')') == std::string::npos) continue;
-        std::istringstream numbers(text.substr(text.rfind(')') + 1));
-        std::string state, skipped;
-        pid_t of = 0;
-        numbers >> state >> of;
-        for (int k = 0; k < 9; ++k) numbers >> skipped;  // up to majflt and cmajflt
-        double user = 0.0, system = 0.0;
-        if (of == parent && numbers >> user >> system) ticks += user + system;
-    }
-    return ticks / static_cast<double>(sysconf(_SC_CLK_TCK));
-}
-
-class DamagedSweep : public Sweeps {
+class StoppedSweep : public Sweeps {
 protected:
     /// Two of four cases, side by side, are stopped with checkpoints and records in out; the whole sweep is in whole.
     void SetUp() override {
+        made_once("a stopped sweep", [this] { make(); });
+    }
+
+    void make() const {
         write_sweep("\"6 N*m\"", "2.5 ms");
         std::string text = read("sweep.toml");
         write("sweep.toml", text.insert(text.find("[start]"), "records = true\n"));
-        whole_ = run({"batch", "sweep.toml", "-o", "whole"});
-        ASSERT_EQ(whole_.status, 0) << whole_.err;
-        Child child({"batch", "sweep.toml", "-o", "out", "--threads", "2", "--grace", "1 us", "-q"}, folder_);
-        ASSERT_TRUE(eventually([&] { return exists("out/records/case-000000.h5.part") && exists("out/records/case-000001.h5.part"); }));
-        // Beyond settling: a checkpoint of settling needs no record.
-        ASSERT_TRUE(eventually([&] { return processor_time_of_children(child.id()) > 0.2; }));
-        child.send(SIGTERM);
-        ASSERT_EQ(child.wait().status, 130);
+        const Outcome whole = run({"batch", "sweep.toml", "-o", "whole"});
+        ASSERT_EQ(whole.status, 0) << whole.err;
+        Child child({"batch", "sweep.toml", "-o", "out", "--threads", "2", "--grace", "1 us", "--checkpoint-every", "10 ms"}, folder_);
+        const auto begun = [&](const char* part) { return rows_of(part) > 0; };  // beyond settling, whose checkpoint needs no record
+        const Outcome stopped =
+            child.ended_when([&] { return begun("out/records/case-000000.h5.part") && begun("out/records/case-000001.h5.part"); }, SIGHUP);
+        ASSERT_EQ(stopped.status, 130);
+        EXPECT_THAT(stopped.out, HasSubstr("to continue: cvtflow resume out\n"));
         for (const char* file : {"case-000000.h5", "case-000001.h5"}) ASSERT_TRUE(exists(std::string("out/checkpoints/") + file));
     }
 
@@ -244,35 +228,33 @@ protected:
     [[nodiscard]] std::string same_results() const {
         const Outcome rest = run({"resume", "out"});
         EXPECT_EQ(rest.status, 0) << rest.err;
-        EXPECT_EQ(hash_in(rest.out), hash_in(whole_.out));
+        EXPECT_EQ(hash_in(rest.out), table("whole").attribute("results_hash"));
         EXPECT_FALSE(exists("out/checkpoints"));
         for (const auto& file : std::filesystem::directory_iterator(folder_ / "out" / "records"))
             EXPECT_EQ(file.path().extension(), ".h5") << "left behind: " << file.path();
-        const engine::RunReader again((folder_ / "out/records/case-000000.h5").string()),
-            whole((folder_ / "whole/records/case-000000.h5").string());
-        EXPECT_EQ(again.times(), whole.times());
+        EXPECT_EQ(record("out/records/case-000000.h5").times(), record("whole/records/case-000000.h5").times());
         EXPECT_EQ(recorded_hash(folder_ / "out/records/case-000000.h5"), recorded_hash(folder_ / "whole/records/case-000000.h5"));
         return rest.err;
     }
-
-    Outcome whole_;
 };
 
-TEST_F(DamagedSweep, BeginsACaseAnewWhoseCheckpointIsDamaged) {
+TEST_F(StoppedSweep, ContinuesBitForBit) { EXPECT_THAT(same_results(), Not(HasSubstr("restarts"))); }
+
+TEST_F(StoppedSweep, BeginsACaseAnewWhoseCheckpointIsDamaged) {
     change_a_byte("out/checkpoints/case-000000.h5");
     const std::string said = same_results();
     EXPECT_THAT(said, HasSubstr("cvtflow: case 0 restarts: its checkpoint cannot be used: out/checkpoints/case-000000.h5: damaged"));
     EXPECT_EQ(said.find("case 1 begins anew"), std::string::npos);
 }
 
-TEST_F(DamagedSweep, BeginsACaseAnewWhoseCheckpointIsThatOfAnother) {
+TEST_F(StoppedSweep, BeginsACaseAnewWhoseCheckpointIsThatOfAnother) {
     std::filesystem::copy_file(folder_ / "out/checkpoints/case-000001.h5", folder_ / "out/checkpoints/case-000000.h5",
                                std::filesystem::copy_options::overwrite_existing);
     EXPECT_THAT(same_results(), HasSubstr("case 0 restarts: its checkpoint cannot be used: out/checkpoints/case-000000.h5: not a "
                                           "checkpoint of this scene:\n  clamping.driven = "));
 }
 
-TEST_F(DamagedSweep, BeginsACaseAnewWhoseRecordIsGone) {
+TEST_F(StoppedSweep, BeginsACaseAnewWhoseRecordIsGone) {
     for (const char* name : {"case-000000.h5.part", "case-000000.h5"}) std::filesystem::remove(folder_ / "out/records" / name);
     EXPECT_THAT(same_results(), HasSubstr("case 0 restarts: its checkpoint cannot be used: out/records/case-000000.h5: the checkpoint's "
                                           "record does not exist"));
@@ -283,9 +265,7 @@ TEST_F(Sweeps, ThatHasLostRowsOfCasesWhichOthersStartedFromRunsThemAllAgain) {
     write_sweep("\"6 N*m\"", "1 ms", "continuation = \"clamping.driven\"\ncheck = 0\n");
     const Outcome whole = run({"batch", "sweep.toml", "-o", "whole"});
     Child child({"batch", "sweep.toml", "-o", "stopped", "--grace", "1 us", "--checkpoint-every", "10 ms", "-q"}, folder_);
-    ASSERT_TRUE(eventually([&] { return exists("stopped/checkpoints/case-000003.h5"); }));
-    child.send(SIGTERM);
-    ASSERT_EQ(child.wait().status, 130);
+    ASSERT_EQ(child.ended_when([&] { return exists("stopped/checkpoints/case-000003.h5"); }, SIGTERM).status, 130);
     const engine::CaseTable rows = table("stopped");
     ASSERT_EQ(rows.size(), 3u);
     for (const std::vector<std::size_t>& left : {std::vector<std::size_t>{0}, {0, 2}, {0, 1, 2}}) {
@@ -316,22 +296,39 @@ TEST_F(Sweeps, ThatCannotWriteItsCheckpointsStopsAndBlamesNoCase) {
 class TornSweep : public Sweeps {
 protected:
     void SetUp() override {
+        made_once("a damaged sweep", [this] { make(); });
+        torn_ = read("out/cases.h5");
+        torn_.replace(0, 48, 48, '\0');  // nor does HDF5 find the others
+    }
+
+    void make() const {
         write_sweep();
-        whole_ = batch();
-        ASSERT_EQ(whole_.status, 0) << whole_.err;
+        const Outcome whole = run({"batch", "sweep.toml", "-o", "whole"});
+        ASSERT_EQ(whole.status, 0) << whole.err;
+        fs::copy(folder_ / "whole", folder_ / "out", fs::copy_options::recursive);
         std::string bytes = read("out/cases.h5");
         const auto hash = bytes.find(column("hash").at(5));
         ASSERT_NE(hash, std::string::npos);
         bytes[hash] = bytes[hash] == 'f' ? '0' : 'f';
-        bytes.resize(bytes.size() - engine::seal_size);
-        write("out/cases.h5", bytes);  // one row is damaged
-        bytes.replace(0, 48, 48, '\0');
-        torn_ = bytes;  // nor does HDF5 find the others
+        write("out/cases.h5", bytes);
+        for (const char* command : {"resume", "table"}) {
+            EXPECT_EQ(run({command, "out"}).err,
+                      "cvtflow: out/cases.h5: damaged HDF5 file (changed after it was finished: its checksum differs)\n");
+        }
+        write("out/cases.h5", bytes.substr(0, bytes.size() - engine::seal_size));  // as a kill leaves it: rows have checks of their own
     }
 
-    Outcome whole_;
+    [[nodiscard]] std::string whole_hash() const { return table("whole").attribute("results_hash"); }
     std::string torn_;
 };
+
+TEST_F(TornSweep, IsReadByNoOtherCommand) {
+    const std::string before = read("out/cases.h5");
+    EXPECT_EQ(run({"table", "out"}).err, "cvtflow: out/cases.h5: row 5 is damaged: its checksum differs\n");
+    EXPECT_EQ(read("out/cases.h5"), before);
+    write("out/cases.h5", before.substr(0, before.size() / 2));
+    EXPECT_THAT(run({"resume", "out"}).err, testing::StartsWith("cvtflow: out/cases.h5: truncated HDF5 file: "));
+}
 
 TEST_F(TornSweep, ContinuesWithTheRowsThatAreWhole) {
     const Outcome outcome = run({"resume", "out"});
@@ -339,7 +336,7 @@ TEST_F(TornSweep, ContinuesWithTheRowsThatAreWhole) {
     EXPECT_THAT(outcome.err, HasSubstr("cvtflow: out/cases.h5: row 5 is damaged: its checksum differs; "
                                        "intact rows are kept: 11; the other cases run again\n"));
     EXPECT_THAT(outcome.out, HasSubstr("1 now"));
-    EXPECT_EQ(hash_in(outcome.out), hash_in(whole_.out));
+    EXPECT_EQ(hash_in(outcome.out), whole_hash());
 }
 
 TEST_F(TornSweep, ContinuesWithThemWhereHdf5FindsNone) {
@@ -354,7 +351,7 @@ TEST_F(TornSweep, ContinuesWithThemWhereHdf5FindsNone) {
     EXPECT_EQ(outcome.status, 0);
     EXPECT_THAT(outcome.err, HasSubstr("cvtflow: out/cases.h5: not an HDF5 file; intact rows are kept: 11; the other cases run again\n"));
     EXPECT_THAT(outcome.out, HasSubstr("1 now"));
-    EXPECT_EQ(hash_in(outcome.out), hash_in(whole_.out));
+    EXPECT_EQ(hash_in(outcome.out), whole_hash());
 }
 
 TEST_F(TornSweep, IsRefusedByAnotherSweepOrAnotherShard) {

@@ -7,9 +7,7 @@
 #include <cmath>
 #include <csignal>
 #include <fstream>
-#include <random>
 
-#include "engine/record/hdf5/file_seal.hpp"
 #include "tests/tools/program_fixture.hpp"
 
 namespace cvtflow::tools {
@@ -22,10 +20,7 @@ using testing::Not;
 using testing::Pair;
 using testing::StartsWith;
 
-class Batch : public Sweeps {
-protected:
-    void kill_twenty_times(unsigned seed) const;
-};
+using Batch = Sweeps;
 
 TEST_F(Batch, GivesOneHashForEveryNumberOfThreadsAndEveryCut) {
     write_sweep();
@@ -61,88 +56,38 @@ TEST_F(Batch, LeavesNothingBehindOfACheckpointThatAKillCutShort) {
     EXPECT_FALSE(exists("out/checkpoints"));
 }
 
-/// 20 times kill -9 at a random moment, then to the end.
-void Batch::kill_twenty_times(unsigned seed) const {
-    write_sweep("\"6 N*m\", \"9 N*m\", \"12 N*m\", \"15 N*m\", \"18 N*m\"", "80 us");
-    const Outcome undisturbed = run({"batch", "sweep.toml", "-o", "whole"});
-    ASSERT_EQ(undisturbed.status, 0) << undisturbed.err;
-    std::mt19937 moments(seed);
-    for (int kill = 0; kill < 20; ++kill) {
-        Child child({"batch", "sweep.toml", "-o", "out", "--checkpoint-every", "10 ms", "-q"}, folder_);
-        std::this_thread::sleep_for(std::chrono::microseconds(5000 + moments() % 200000));
-        child.send(SIGKILL);
-        const Outcome outcome = child.wait();
-        ASSERT_TRUE(outcome.status == 128 + SIGKILL || outcome.status == 0) << outcome.err;
-    }
-    const Outcome last = exists("out/cases.h5") ? run({"resume", "out"}) : batch();
-    EXPECT_EQ(last.status, 0) << last.err;
-    EXPECT_EQ(hash_in(last.out), hash_in(undisturbed.out));
-    EXPECT_EQ(column("hash").size(), 20u);
-    EXPECT_EQ(column("slip_mean"), column("slip_mean", "whole"));
-    EXPECT_EQ(column("evaluations"), column("evaluations", "whole"));
-    EXPECT_FALSE(exists("out/checkpoints"));
-}
-
-TEST_F(Batch, KilledTwentyTimesAtRandomMomentsLosesAndRepeatsNothing) { kill_twenty_times(6); }
-
-using NightlyBatch = Batch;
-
-TEST_F(NightlyBatch, KilledAHundredTimesLosesAndRepeatsNothing) {
-    for (unsigned seed = 20; seed < 25; ++seed) {
-        kill_twenty_times(seed);
-        for (const char* folder : {"out", "whole"}) std::filesystem::remove_all(folder_ / folder);
-    }
-}
-
-TEST_F(Batch, ThatIsStoppedLeavesCheckpointsAndContinuesBitForBit) {
-    write_sweep("\"6 N*m\", \"12 N*m\"", "2 ms");
-    Child child({"batch", "sweep.toml", "-o", "out", "--threads", "2", "--grace", "1 us"}, folder_);
-    EXPECT_TRUE(eventually([&] { return exists("out/cases.h5"); }));
-    std::this_thread::sleep_for(std::chrono::milliseconds(300));
-    child.send(SIGTERM);
-    const Outcome outcome = child.wait();
-    EXPECT_EQ(outcome.status, 130);
-    EXPECT_THAT(outcome.out, HasSubstr("to continue: cvtflow resume out\n"));
-    EXPECT_TRUE(exists("out/checkpoints/case-000000.h5"));
-    write_sweep("\"6 N*m\", \"12 N*m\"", "2 ms");
-    const Outcome rest = run({"resume", "out"});
-    EXPECT_EQ(rest.status, 0) << rest.err;
-    EXPECT_EQ(hash_in(rest.out), hash_in(run({"batch", "sweep.toml", "-o", "whole"}).out));
-}
-
-/// Process of the sweep proper: the only child of the one that was started. 0: there is none now.
-pid_t worker_of(const Child& child) {
-    std::ifstream file("/proc/" + std::to_string(child.id()) + "/task/" + std::to_string(child.id()) + "/children");
-    pid_t worker = 0;
-    file >> worker;
-    return worker;
-}
-
-/// The process of the sweep dies by SIGSEGV in its fourth case, and again when that runs alone.
+/// The process of the sweep dies by SIGSEGV in a case, and again when that runs alone. A case has a record from its start to its end.
 TEST_F(Batch, CrashedCaseIsARowAndTheOthersHaveTheirResults) {
     write_sweep("\"6 N*m\", \"12 N*m\"", "0.4 ms");
+    std::string text = read("sweep.toml");
+    write("sweep.toml", text.insert(text.find("[start]"), "records = true\n"));
     const Outcome undisturbed = run({"batch", "sweep.toml", "-o", "whole"});
     ASSERT_EQ(undisturbed.status, 0) << undisturbed.err;
     Child child({"batch", "sweep.toml", "-o", "out", "--threads", "1"}, folder_);
-    const auto rows = [&] { return exists("out/cases.h5") ? table().size() : 0; };
-    ASSERT_TRUE(eventually([&] { return rows() == 3; }));
-    const pid_t first = worker_of(child);
-    ASSERT_EQ(kill(first, SIGSEGV), 0);
-    ASSERT_TRUE(eventually([&] { return worker_of(child) != 0 && worker_of(child) != first && exists("out/lock"); }));
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    ASSERT_EQ(kill(worker_of(child), SIGSEGV), 0);
+    const auto part_of = [](long number) { return fmt::format("out/records/case-{:06}.h5.part", number); };
+    long crashed = 3;
+    const auto is_running = [&] { return crashed < 8 && exists(part_of(crashed)); };
+    ASSERT_TRUE(eventually([&] { return is_running(); }));
+    const pid_t first = child.worker();
+    ASSERT_EQ(kill(first, SIGSTOP), 0);
+    while (!is_running()) ASSERT_LT(++crashed, 8) << "stopped between two cases";
+    std::filesystem::remove(folder_ / part_of(crashed));  // the next attempt makes it again
+    kill(first, SIGSEGV);
+    kill(first, SIGCONT);
+    ASSERT_TRUE(eventually([&] { return child.worker() != first && is_running(); }));
+    ASSERT_EQ(kill(child.worker(), SIGSEGV), 0);
     const Outcome outcome = child.wait();
     EXPECT_EQ(outcome.status, 5);
-    EXPECT_THAT(
-        outcome.err,
-        HasSubstr("cvtflow: a process of the sweep was ended by SIGSEGV (Segmentation fault); its cases run again one by one: case 3\n"
-                  "cvtflow: case 3 crashed: SIGSEGV (Segmentation fault)\n"));
+    EXPECT_THAT(outcome.err,
+                HasSubstr(fmt::format("cvtflow: a process of the sweep was ended by SIGSEGV (Segmentation fault); its cases run "
+                                      "again one by one: case {0}\ncvtflow: case {0} crashed: SIGSEGV (Segmentation fault)\n",
+                                      crashed)));
     EXPECT_THAT(outcome.out, HasSubstr("1 crashed, 7 ok"));
-    EXPECT_EQ(column("error").at(3), "its process was ended by SIGSEGV (Segmentation fault), even when it ran alone");
-    EXPECT_EQ(column("slip_mean").at(3), "nan");
+    EXPECT_EQ(column("error").at(crashed), "its process was ended by SIGSEGV (Segmentation fault), even when it ran alone");
+    EXPECT_EQ(column("slip_mean").at(crashed), "nan");
     auto hashes = column("hash"), expected = column("hash", "whole");
-    hashes.erase(3);
-    expected.erase(3);
+    hashes.erase(crashed);
+    expected.erase(crashed);
     EXPECT_EQ(hashes, expected);
     const Outcome again = batch({"--retry", "crashed"});
     EXPECT_EQ(again.status, 0) << again.err;
@@ -216,27 +161,6 @@ TEST_F(Batch, OnAFullDiskKeepsWhatItHasAndContinuesLater) {
     EXPECT_EQ(column("hash").size(), 80u);
 }
 
-TEST_F(Batch, WithADamagedTableStopsAndTouchesNothing) {
-    write_sweep();
-    ASSERT_EQ(batch().status, 0);
-    std::string bytes = read("out/cases.h5");
-    const std::string whole = bytes;
-    const auto hash = bytes.find(column("hash").at(5));
-    ASSERT_NE(hash, std::string::npos);
-    bytes[hash] = bytes[hash] == 'f' ? '0' : 'f';
-    write("out/cases.h5", bytes);
-    for (const char* command : {"resume", "table"}) {
-        EXPECT_EQ(run({command, "out"}).err,
-                  "cvtflow: out/cases.h5: damaged HDF5 file (changed after it was finished: its checksum differs)\n");
-    }
-    bytes.resize(bytes.size() - engine::seal_size);  // as a kill leaves it: rows have checks of their own
-    write("out/cases.h5", bytes);
-    EXPECT_EQ(run({"table", "out"}).err, "cvtflow: out/cases.h5: row 5 is damaged: its checksum differs\n");
-    EXPECT_EQ(read("out/cases.h5"), bytes);
-    write("out/cases.h5", whole.substr(0, whole.size() / 2));
-    EXPECT_THAT(run({"resume", "out"}).err, StartsWith("cvtflow: out/cases.h5: truncated HDF5 file: "));
-}
-
 TEST_F(Batch, DistinguishesOtherTablesFromThoseOfSweeps) {
     engine::write_cases(
         (folder_ / "other.h5").string(),
@@ -303,9 +227,7 @@ TEST_F(ContinuedBatch, GivesTheSameTableAfterAStopInACase) {
     write_sweep("\"6 N*m\"", "1 ms", "continuation = \"clamping.driven\"\ncheck = 0\n");
     const Outcome whole = run({"batch", "sweep.toml", "-o", "whole"});
     Child child({"batch", "sweep.toml", "-o", "out", "--grace", "1 us", "--checkpoint-every", "10 ms"}, folder_);
-    ASSERT_TRUE(eventually([&] { return exists("out/checkpoints/case-000001.h5"); }));
-    child.send(SIGTERM);
-    ASSERT_EQ(child.wait().status, 130);
+    ASSERT_EQ(child.ended_when([&] { return exists("out/checkpoints/case-000001.h5"); }, SIGTERM).status, 130);
     ASSERT_TRUE(exists("out/checkpoints/case-000001.h5"));
     EXPECT_EQ(hash_in(run({"resume", "out"}).out), hash_in(whole.out));
     EXPECT_EQ(column("start"), column("start", "whole"));

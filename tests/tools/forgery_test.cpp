@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "engine/base/text.hpp"
-#include "tests/sample_fixture.hpp"
 #include "tests/tools/program_fixture.hpp"
 
 namespace cvtflow::tools {
@@ -64,6 +63,9 @@ std::vector<Target> targets() {
 class Forgery : public Sweeps {
 protected:
     Forgery() {
+        made_once("good files", [this] { make(); });
+    }
+    void make() const {
         EXPECT_EQ(
             run(Words{"run", "tiny", "--settle", "-q", "-o", "good.h5", "--until", "40 us", "--set", "run.state_interval=10us"} + brief)
                 .status,
@@ -80,7 +82,7 @@ protected:
     void survive(const Target& target, const Forge& forge);
     /// Drawn changes of contents whose hashes are right, and of structure.
     void survive_drawn(std::uint64_t seeds);
-    /// `count` of all changes of all objects and attributes, drawn by the commit; all of them if its seed is "all".
+    /// `count` of all changes of all objects and attributes; all of them if the seed of samples is "all".
     void survive_objects(std::size_t count);
 
     void expect_survived(const Words& words, const std::string& what);
@@ -146,8 +148,8 @@ void Forgery::survive_objects(std::size_t count) {
 }
 
 TEST_F(Forgery, NeitherCrashesNorSwellsACommand) {
-    survive_drawn(12);
-    survive_objects(12);
+    survive_drawn(test::depth(3, 12));
+    survive_objects(test::depth(3, 12));
 }
 
 using NightlyForgery = Forgery;
@@ -165,7 +167,9 @@ TEST_F(NightlyForgery, OfEveryObjectNeitherCrashesNorSwellsACommand) { survive_o
 /// One change each, as it was found; the program must say what is wrong.
 class ForgedRecord : public Program {
 protected:
-    ForgedRecord() { EXPECT_EQ(run_briefly({"-o", "good.h5", "--set", "run.state_interval=10us"}).status, 0); }
+    ForgedRecord() {
+        made_once("a good record", [this] { EXPECT_EQ(run_briefly({"-o", "good.h5", "--set", "run.state_interval=10us"}).status, 0); });
+    }
     /// A copy of the record, changed and sealed anew.
     template <class Change>
     void forged(const Change& change) const {

@@ -236,13 +236,14 @@ protected:
         }
     }
 
-    /// Resumes after `cuts` cuts at random moments, every other one of each kind.
+    /// Resumes after `cuts` cuts, one in each of as many equal parts of the changes, every other one of each kind.
     /// @param resume  status 0 if the result is there and the same; else the message of the refusal
     template <class Resume>
     void cut_and_resume(const std::vector<Change>& changes, int cuts, const Resume& resume) {
         std::mt19937 chance(17);
         for (int cut = 0; cut < cuts; ++cut) {
-            const std::size_t count = chance() % (changes.size() + 1);
+            const std::size_t part = changes.size() / static_cast<std::size_t>(cuts) + 1;
+            const std::size_t count = std::min(changes.size(), part * static_cast<std::size_t>(cut) + chance() % part);
             const Disk disk = cut % 2 == 0 ? Disk::dropped : Disk::journalled;
             clear_work();
             cut_power(changes, count, disk, work_, chance);
@@ -321,13 +322,13 @@ void PowerCut::sweep(int cuts) {
 }
 
 TEST_F(PowerCut, OfARunLeavesWhatLeadsToTheSameBits) {
-    single_run(20);
-    EXPECT_GE(continued_, 5);
+    single_run(test::depth(3, 20));
+    EXPECT_GE(continued_, test::depth(1, 5));
 }
 
 TEST_F(PowerCut, OfASweepLeavesWhatLeadsToTheSameBits) {
-    sweep(20);
-    EXPECT_GE(continued_, 5);
+    sweep(test::depth(3, 20));
+    EXPECT_GE(continued_, test::depth(1, 5));
 }
 
 /// Blocks of a new table reach the disk in any order. Few cuts of a whole sweep fall into this moment.
@@ -338,8 +339,9 @@ TEST_F(PowerCut, WhileATableIsCreatedLeavesWhatTheSweepMayReplace) {
     changes.erase(std::find_if(changes.begin(), changes.end(), named), changes.end());
     const std::string definition = engine::CaseReader(table).head().attribute("definition");
     std::mt19937 chance(5);
+    const int cuts = test::depth(400, 4000);
     int torn = 0;
-    for (int cut = 0; cut < 4000; ++cut) {
+    for (int cut = 0; cut < cuts; ++cut) {
         clear_work();
         cut_power(changes, chance() % (changes.size() + 1), Disk::journalled, work_, chance);
         std::error_code absent;
@@ -348,7 +350,7 @@ TEST_F(PowerCut, WhileATableIsCreatedLeavesWhatTheSweepMayReplace) {
             EXPECT_NO_THROW((void)tasks::permit_table(table, definition)) << "cut " << cut;
         }
     }
-    EXPECT_GE(torn, 200);
+    EXPECT_GE(torn, cuts / 20);
 }
 
 using NightlyPowerCut = PowerCut;
@@ -431,7 +433,9 @@ protected:
     const std::string path_ = (folder_ / "run.h5").string(), left_ = (folder_ / "left.h5").string();
 };
 
+/// Quick: every twentieth border of two pages.
 TEST_F(KilledRecord, IsReadableWhereverAWriteEnded) {
+    const int each = test::depth(20, 1);
     const std::vector<Change> changes = logged();
     Kept kept;
     int cuts = 0, flushes = 0;
@@ -441,8 +445,9 @@ TEST_F(KilledRecord, IsReadableWhereverAWriteEnded) {
         if (change.inode != kept.inode || kept.inode == 0) continue;
         if (change.what == "sync" && flushes < rows / rows_per_flush) kept.flushed = static_cast<std::size_t>(rows_per_flush * ++flushes);
         for (std::size_t border = (change.at / page_size + 1) * page_size; flushes > 0 && border < end_of(change);
-             border += page_size, ++cuts)
-            expect_readable(kept, change, border);
+             border += page_size, ++cuts) {
+            if (cuts % each == 0) expect_readable(kept, change, border);
+        }
         if (change.what == "write" || change.what == "size") carry_out(change, kept.bytes);
     }
     EXPECT_EQ(flushes, rows / rows_per_flush);

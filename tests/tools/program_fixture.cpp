@@ -15,7 +15,6 @@
 #include <stdexcept>
 
 #include "engine/executor/catalogue.hpp"
-#include "engine/record/run/run_reader.hpp"
 #include "tasks/method/method.hpp"
 
 namespace cvtflow::tools {
@@ -36,6 +35,15 @@ std::string unique_name(const std::string& what) {
     static std::atomic<int> number{0};
     return "cvtflow_" + what + "_" + std::to_string(getpid()) + "_" + std::to_string(number++);
 }
+
+/// A folder for files of a fixture, until the process ends.
+struct Kept {
+    Kept() { fs::create_directory(path); }
+    ~Kept() { fs::remove_all(path); }
+    Kept(const Kept&) = delete;
+    Kept& operator=(const Kept&) = delete;
+    const fs::path path = fs::temp_directory_path() / unique_name("files");
+};
 
 void redirect(const fs::path& file, int descriptor) {
     const int target = open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
@@ -61,6 +69,7 @@ Words commands_of(const std::string& program) {
     return names;
 }
 
+#ifdef CVTFLOW_LAB
 std::string program_of(const Words& words) {
     static const Words product = commands_of(CVTFLOW_PROGRAM), lab = commands_of(CVTFLOW_LAB);
     const auto has = [&](const Words& commands) {
@@ -73,6 +82,9 @@ std::string program_of(const Words& words) {
     });
     return has(lab) && (asks_for_lab || !has(product)) ? CVTFLOW_LAB : CVTFLOW_PROGRAM;
 }
+#else
+std::string program_of(const Words&) { return CVTFLOW_PROGRAM; }
+#endif
 
 namespace {
 
@@ -123,6 +135,18 @@ Outcome Child::wait() {
     return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), contents(out_), contents(err_)};
 }
 
+pid_t Child::worker() const {
+    std::ifstream file("/proc/" + std::to_string(process_) + "/task/" + std::to_string(process_) + "/children");
+    pid_t worker = 0;
+    file >> worker;
+    return worker;
+}
+
+bool Child::has_ended() const {
+    siginfo_t ended{};
+    return waitid(P_PID, static_cast<id_t>(process_), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 && ended.si_pid == process_;
+}
+
 Words run_to_be_ended(const std::string& record) {
     const std::vector<std::string> settings{"start.settling_time=100us", "start.ramp_time=50us", "run.schedule=serial"};
     Words words{"run", "tiny", "-o", record, "-q", "--until", "0.2 ms", "--step", "50 ns"};
@@ -130,7 +154,7 @@ Words run_to_be_ended(const std::string& record) {
     return words;
 }
 
-Program::Program() : folder_(fs::temp_directory_path() / unique_name("test")) {
+Program::Program() : folder_(fs::temp_directory_path() / ("cvtflow_test_" + std::to_string(getpid()))) {
     fs::remove_all(folder_);  // of a test with the same process number that was killed
     fs::create_directory(folder_);
 }
@@ -175,6 +199,14 @@ std::string Program::draw(const std::vector<std::string>& arguments, int columns
     return text;
 }
 
+void Program::made_once(const std::string& files, const std::function<void()>& make) const {
+    static std::map<std::string, Kept> kept;
+    constexpr auto all = fs::copy_options::recursive | fs::copy_options::copy_symlinks | fs::copy_options::overwrite_existing;
+    if (const auto made = kept.find(files); made != kept.end()) return fs::copy(made->second.path, folder_, all);
+    make();
+    if (!HasFailure()) fs::copy(folder_, kept[files].path, all);
+}
+
 void Program::write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name, std::ios::binary) << text; }
 
 std::string Program::read(const std::string& name) const { return contents(folder_ / name); }
@@ -182,6 +214,20 @@ std::string Program::read(const std::string& name) const { return contents(folde
 bool Program::exists(const std::string& name) const { return fs::exists(folder_ / name); }
 
 void Program::cut(const std::string& from, const std::string& to, std::size_t bytes) const { write(to, read(from).substr(0, bytes)); }
+
+std::size_t Program::rows_of(const std::string& file) const {
+    try {
+        if (!exists(file)) return 0;
+        return fs::path(file).filename() == "cases.h5" ? engine::read_cases((folder_ / file).string()).size() : record(file).rows();
+    } catch (const engine::RecordError&) {
+        return 0;  // not yet
+    }
+}
+
+std::string Program::hash_in(const std::string& text, const std::string& name) {
+    const auto at = text.find(name);
+    return at == std::string::npos ? "none" : text.substr(text.find_first_not_of(' ', at + name.size()), 16);
+}
 
 std::string recorded_hash(const fs::path& record) {
     const engine::RunReader reader(record.string());
@@ -206,11 +252,6 @@ Outcome Sweeps::batch(const std::vector<std::string>& more) const {
 }
 
 engine::CaseTable Sweeps::table(const std::string& folder) const { return engine::read_cases((folder_ / folder / "cases.h5").string()); }
-
-std::string Sweeps::hash_in(const std::string& text) {
-    const auto at = text.find("results hash");
-    return at == std::string::npos ? "none" : text.substr(text.find_first_not_of(' ', at + 12), 16);
-}
 
 std::map<long, std::string> Sweeps::column(const std::string& name, const std::string& folder) const {
     const engine::CaseTable all = table(folder);

@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <random>
 #include <string>
@@ -13,6 +14,8 @@
 #include <vector>
 
 #include "engine/record/case_table.hpp"
+#include "engine/record/run/run_reader.hpp"
+#include "tests/sample_fixture.hpp"
 
 namespace cvtflow::tools {
 
@@ -33,10 +36,22 @@ using Words = std::vector<std::string>;  ///< of a command line
 /// Every command of a program, as its help lists them.
 [[nodiscard]] Words commands_of(const std::string& program);
 
-/// The program for these words: cvtflow, or cvtflow-lab where that alone has the command, or a method or executor that they name.
+/// The program for these words: cvtflow, or cvtflow-lab where that alone has the command, or a method or executor that they name. A build
+/// without the laboratory (CVTFLOW_LAB is not defined) has cvtflow only.
 [[nodiscard]] std::string program_of(const Words& words);
 /// As the first word: the command is the laboratory's program's, which has some of the other one's commands.
 inline constexpr const char* laboratory = "cvtflow-lab";
+
+/// Waits until `condition` holds. @return whether it did within 20 s
+template <class Condition>
+bool eventually(const Condition& condition) {
+    using namespace std::chrono_literals;
+    for (int attempt = 0; attempt < 10000; ++attempt) {
+        if (condition()) return true;
+        std::this_thread::sleep_for(2ms);
+    }
+    return false;
+}
 
 /// A child process; killed when it goes out of scope.
 class Child {
@@ -51,8 +66,19 @@ public:
     void send(int signal) const;
     [[nodiscard]] pid_t id() const noexcept { return process_; }
     [[nodiscard]] Outcome wait();
+    /// Its only child, if it has one: the process that runs the cases of a sweep. 0: none
+    [[nodiscard]] pid_t worker() const;
+    /// Waits for the condition and sends a signal then, or lets the child end before.
+    template <class Condition>
+    Outcome ended_when(const Condition& condition, int signal) {
+        EXPECT_TRUE(eventually([&] { return has_ended() || condition(); }));
+        send(signal);
+        return wait();
+    }
 
 private:
+    [[nodiscard]] bool has_ended() const;
+
     std::filesystem::path out_, err_;
     pid_t process_ = -1;
 };
@@ -64,7 +90,7 @@ inline const std::vector<std::string> brief_settling{
 /// A run of tiny for 0.2 ms, 4,000 steps, after settling for 0.1 ms: long enough to be ended at any moment. @param record  its file
 [[nodiscard]] Words run_to_be_ended(const std::string& record);
 
-/// Each test has an empty working directory.
+/// Each test has an empty working directory. It is the same one for all tests of a process, which run one after the other.
 class Program : public testing::Test {
 protected:
     Program();
@@ -75,28 +101,24 @@ protected:
     Outcome run_briefly(const std::vector<std::string>& more = {}) const;
     /// Output of run() on a terminal of that width, stdout included.
     [[nodiscard]] std::string draw(const std::vector<std::string>& arguments, int columns) const;
+    /// Files of a fixture: the first test of a process that needs them makes them in its folder, the others get copies.
+    void made_once(const std::string& files, const std::function<void()>& make) const;
     void write(const std::string& name, const std::string& text) const;
     [[nodiscard]] std::string read(const std::string& name) const;
     [[nodiscard]] bool exists(const std::string& name) const;
     /// Copies the first `bytes` of a file.
     void cut(const std::string& from, const std::string& to, std::size_t bytes) const;
+    [[nodiscard]] engine::RunReader record(const std::string& name) const { return engine::RunReader((folder_ / name).string()); }
+    /// Number of rows of a record that is being written, or of the table of a sweep; 0 before it can be read.
+    [[nodiscard]] std::size_t rows_of(const std::string& file) const;
+    /// After "state hash" in what a command printed.
+    [[nodiscard]] static std::string hash_in(const std::string& text, const std::string& name = "state hash");
 
     std::filesystem::path folder_;
 };
 
 /// The hash of its last state that a record states.
 [[nodiscard]] std::string recorded_hash(const std::filesystem::path& record);
-
-/// Waits until `condition` holds. @return whether it did within 20 s
-template <class Condition>
-bool eventually(const Condition& condition) {
-    using namespace std::chrono_literals;
-    for (int attempt = 0; attempt < 2000; ++attempt) {
-        if (condition()) return true;
-        std::this_thread::sleep_for(10ms);
-    }
-    return false;
-}
 
 // A sweep that takes a second, and what its folder holds.
 
@@ -108,7 +130,7 @@ protected:
     Outcome batch(const std::vector<std::string>& more = {}) const;
     [[nodiscard]] engine::CaseTable table(const std::string& folder = "out") const;
     /// After "results hash" in what a command printed.
-    [[nodiscard]] static std::string hash_in(const std::string& text);
+    [[nodiscard]] static std::string hash_in(const std::string& text) { return Program::hash_in(text, "results hash"); }
     /// Text of a column by case.
     [[nodiscard]] std::map<long, std::string> column(const std::string& name, const std::string& folder = "out") const;
     /// Runs a line of bash in the test's folder; $CVTFLOW is the program.

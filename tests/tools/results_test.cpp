@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/base/rainflow.hpp"
-#include "engine/record/run/run_reader.hpp"
 #include "engine/record/run/state_file.hpp"
 #include "tests/tools/forgery_fixture.hpp"
 #include "tests/tools/program_fixture.hpp"
@@ -28,7 +27,7 @@ protected:
 
     [[nodiscard]] std::string info(const std::string& file) const { return run({"info", file}).out; }
     [[nodiscard]] double taken(const std::string& file) const {
-        const engine::RunReader reader((folder_ / file).string());
+        const engine::RunReader reader = record(file);
         const auto* step = engine::attribute_value<double>(reader.attributes(), "step_taken");
         return step != nullptr ? *step : 0.0;
     }
@@ -74,19 +73,18 @@ TEST_F(Info, DescribesTheTableOfASweep) {
 
 class RainflowOfARecord : public Program {
 protected:
-    RainflowOfARecord() {
-        made_ =
-            run_briefly({"-q", "-o", "run.h5", "--set", "record.channels=followed_pin/*", "--set", "run.output_interval=200 ns"}).status;
+    void SetUp() override {
+        made_once("a record with a followed pin", [this] {
+            const Words more{"-q", "-o", "run.h5", "--set", "record.channels=followed_pin/*", "--set", "run.output_interval=200 ns"};
+            ASSERT_EQ(run_briefly(more).status, 0);
+        });
     }
-    int made_ = -1;
 };
 
 TEST_F(RainflowOfARecord, IsThatOfItsChannel) {
-    ASSERT_EQ(made_, 0);
-    const engine::RunReader record((folder_ / "run.h5").string());
-    const auto values = record.channel("followed_pin/half_axial_force");
+    const auto values = record("run.h5").channel("followed_pin/half_axial_force");
     std::vector<double> history;
-    for (std::size_t row = 0; row < record.rows(); ++row) history.push_back(values[2 * row + 1]);
+    for (std::size_t row = 0; row < values.size() / 2; ++row) history.push_back(values[2 * row + 1]);
     const auto cycles = engine::rainflow(history);
     ASSERT_FALSE(cycles.empty());
     const Outcome json = run({"table", "run.h5", "--rainflow", "followed_pin/half_axial_force[1]", "--json"});
@@ -103,7 +101,6 @@ TEST_F(RainflowOfARecord, IsThatOfItsChannel) {
 }
 
 TEST_F(RainflowOfARecord, HasATextATableAndAWindow) {
-    ASSERT_EQ(made_, 0);
     const Outcome text = run({"table", "run.h5", "--rainflow", "followed_pin/plate_tension[*]", "--classes", "4"});
     EXPECT_EQ(text.status, 0) << text.err;
     EXPECT_THAT(text.out, HasSubstr("followed_pin/plate_tension[0]: rainflow counts (ASTM E1049) of 101 outputs from 0 s to 20 us\n"));
@@ -116,7 +113,6 @@ TEST_F(RainflowOfARecord, HasATextATableAndAWindow) {
 }
 
 TEST_F(RainflowOfARecord, HasADamageEquivalentRangeAndReportsThatTheRecordIsShort) {
-    ASSERT_EQ(made_, 0);
     const Outcome json = run({"table", "run.h5", "--rainflow", "tight_tension", "--exponent", "3", "--json"});
     ASSERT_EQ(json.status, 0) << json.err;
     const auto load = nlohmann::json::parse(json.out).at("loads").at(0);
@@ -131,7 +127,6 @@ TEST_F(RainflowOfARecord, HasADamageEquivalentRangeAndReportsThatTheRecordIsShor
 }
 
 TEST_F(RainflowOfARecord, ReportsWhatItCannotCount) {
-    ASSERT_EQ(made_, 0);
     const auto expect = [&](const std::vector<std::string>& more, int status, const std::string& why) {
         const Outcome outcome = run(std::vector<std::string>{"table", "run.h5"} + more);
         EXPECT_EQ(outcome.status, status) << outcome.err;
@@ -155,8 +150,10 @@ TEST_F(RainflowOfARecord, ReportsWhatItCannotCount) {
 class Diff : public Sweeps {
 protected:
     void SetUp() override {
-        write_sweep("\"6 N*m\", \"12 N*m\"");
-        ASSERT_EQ(batch().status, 0);
+        made_once("a sweep of eight cases", [this] {
+            write_sweep("\"6 N*m\", \"12 N*m\"");
+            ASSERT_EQ(batch().status, 0);
+        });
     }
 };
 

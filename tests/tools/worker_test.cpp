@@ -1,10 +1,11 @@
 /// Sweeps of several processes: workers that share a folder, tasks of a job array, and shards that are merged.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <algorithm>
 #include <csignal>
-#include <fstream>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -23,12 +24,22 @@ using testing::HasSubstr;
 class Worker : public Sweeps {
 protected:
     [[nodiscard]] std::unique_ptr<Child> start(const Words& more = {}) const { return std::make_unique<Child>(line_ + more, folder_); }
-    [[nodiscard]] std::string whole_hash() const { return hash_in(run({"batch", "sweep.toml", "-o", "whole"}).out); }
-    /// Number of cases in the table of a worker.
-    [[nodiscard]] std::size_t rows(const std::string& place) const {
-        return exists("out/workers/" + place + "/cases.h5") ? table("out/workers/" + place).size() : 0;
+    /// Of the sweep in one process.
+    [[nodiscard]] std::string whole_hash() const {
+        static std::map<std::string, std::string> known;  // by sweep
+        std::string& hash = known[read("sweep.toml")];
+        if (hash.empty()) hash = hash_in(run({"batch", "sweep.toml", "-o", "whole"}).out);
+        return hash;
     }
-    /// Workers that die by kill -9 at random moments, every second one for good while others live.
+    /// Number of cases in the table of a worker.
+    [[nodiscard]] std::size_t rows(const std::string& place) const { return rows_of("out/workers/" + place + "/cases.h5"); }
+    /// Number of cases in the tables of all workers.
+    [[nodiscard]] std::size_t all_rows() const {
+        std::size_t sum = 0;
+        for (int place = 1; exists(fmt::format("out/workers/{:04}", place)); ++place) sum += rows(fmt::format("{:04}", place));
+        return sum;
+    }
+    /// Workers that die by kill -9 after numbers of cases that are drawn, every second one for good while others live.
     void kill_workers(std::size_t workers, int kills, unsigned seed) const;
 
     const Words line_{"batch", "sweep.toml", "-o", "out", "--worker", "--threads", "1"};
@@ -40,10 +51,8 @@ void Worker::kill_workers(std::size_t workers, int kills, unsigned seed) const {
     std::vector<std::unique_ptr<Child>> alive;
     for (std::size_t k = 0; k < workers; ++k) alive.push_back(start({"--checkpoint-every", "10 ms"}));
     for (int kill = 0; kill < kills; ++kill) {
-        std::this_thread::sleep_for(std::chrono::microseconds(20'000 + chance() % 200'000));
-        const std::size_t which = chance() % alive.size();
-        alive[which]->send(SIGKILL);
-        const int status = alive[which]->wait().status;
+        const std::size_t which = chance() % alive.size(), until = all_rows() + chance() % 3;
+        const int status = alive[which]->ended_when([&] { return all_rows() >= until; }, SIGKILL).status;
         ASSERT_TRUE(status == 128 + SIGKILL || status == 0) << status;
         alive.erase(alive.begin() + static_cast<std::ptrdiff_t>(which));
         if (kill % 2 == 0 || alive.empty()) alive.push_back(start({"--checkpoint-every", "10 ms"}));
@@ -54,9 +63,11 @@ void Worker::kill_workers(std::size_t workers, int kills, unsigned seed) const {
     }
 }
 
-TEST_F(Worker, KilledOnesAreReplacedByTheOthersAndTheHashIsThatOfOneProcess) {
+using DeepWorker = Worker;
+
+TEST_F(DeepWorker, KilledOnesAreReplacedByTheOthersAndTheHashIsThatOfOneProcess) {
     write_sweep(twenty, "80 us");
-    const std::string expected = whole_hash();
+    const std::string expected = hash_in(run({"batch", "sweep.toml", "-o", "whole"}).out);
     kill_workers(3, 6, 7);
     const Outcome shown = run({"table", "out"});
     EXPECT_EQ(hash_in(shown.out), expected) << shown.err;
@@ -151,11 +162,8 @@ TEST_F(Worker, KeepsItsPlaceWhenACaseTakesItsProcessDown) {
     write_sweep(twenty, "0.2 ms");
     const auto worker = start();
     ASSERT_TRUE(eventually([&] { return rows("0001") >= 1; }));
-    std::ifstream children("/proc/" + std::to_string(worker->id()) + "/task/" + std::to_string(worker->id()) + "/children");
-    pid_t process = 0;
-    children >> process;
-    ASSERT_GT(process, 0);
-    ASSERT_EQ(kill(process, SIGSEGV), 0);
+    ASSERT_GT(worker->worker(), 0);
+    ASSERT_EQ(kill(worker->worker(), SIGSEGV), 0);
     const Outcome outcome = worker->wait();
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_THAT(outcome.err, HasSubstr("its cases run again one by one"));
@@ -239,6 +247,10 @@ protected:
                              " bash " CVTFLOW_SOURCE_DIR "/tools/slurm/array.sbatch\n");
         return shell("bash task.sh");
     }
+    /// The first task, once for all tests; leaves task.sh.
+    void finish_task() const {
+        made_once("a task", [this] { ASSERT_EQ(task().status, 0); });
+    }
     [[nodiscard]] std::string rows(const std::string& folder) const { return run({"table", folder, "--csv"}).out; }
     const std::string shard_ = "dir/shard-0001-of-0002";
 };
@@ -255,7 +267,7 @@ TEST_F(SlurmLocal, BringsAShardBackAndLeavesNothingOnTheNode) {
 }
 
 TEST_F(SlurmLocal, AFullScratchLosesNoFinishedShard) {
-    ASSERT_EQ(task().status, 0);
+    finish_task();
     const std::string table = read(shard_ + "/cases.h5");
     program("cp",
             "#!/bin/sh\nfor last; do :; done\ncase \"$last\" in *local*) mkdir -p \"$last\"; : > \"$last/cases.h5\"; exit 1;; esac\nexec "
@@ -267,7 +279,7 @@ TEST_F(SlurmLocal, AFullScratchLosesNoFinishedShard) {
 }
 
 TEST_F(SlurmLocal, AFullSharedFolderKeepsTheFormerShardAndTheNewOne) {
-    ASSERT_EQ(task().status, 0);
+    finish_task();
     const std::string table = read(shard_ + "/cases.h5");
     program("cp", "#!/bin/sh\nfor last; do :; done\ncase \"$last\" in *copying*) mkdir -p \"$last\"; exit 1;; esac\nexec /bin/cp \"$@\"\n");
     const Outcome full = task();
@@ -289,7 +301,7 @@ TEST_F(SlurmLocal, TakesNothingOfAnotherSweepOnTheNode) {
 }
 
 TEST_F(SlurmLocal, FindsAShardThatAKillLeftBetweenTwoNames) {
-    ASSERT_EQ(task().status, 0);
+    finish_task();
     const std::string table = rows(shard_);
     for (const char* name : {".new", ".old"}) {
         fs::rename(folder_ / shard_, folder_ / (shard_ + name));
@@ -300,7 +312,7 @@ TEST_F(SlurmLocal, FindsAShardThatAKillLeftBetweenTwoNames) {
 }
 
 TEST_F(SlurmLocal, GivesBackNothingOfASweepThatFailed) {
-    ASSERT_EQ(task().status, 0);  // leaves task.sh
+    finish_task();
     const std::string table = read(shard_ + "/cases.h5");
     program("cvtflow",
             "#!/bin/sh\n[ \"$1\" = batch ] && { : > $4/shard-0001-of-0002/cases.h5; exit 1; }\nexec " CVTFLOW_PROGRAM " \"$@\"\n");
