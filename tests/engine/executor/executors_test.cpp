@@ -163,25 +163,6 @@ TEST(Executors, AllocateNothingPerCycle) {
     });
 }
 
-/// With OMP_WAIT_POLICY=active they would wait on their processors for ever, and what is measured next would have one processor less.
-TEST(DeepOpenMpExecutors, KeepNoThreadThatIsReleased) {
-    int parallel = 0;
-    test::for_each(test::all_cases(), [&](const Case& each) {
-        if (each.row->waiting != Waiting::environment) return;  // the others' threads sleep between runs
-        const auto executor = each.make();
-        World world(mixed_cycles());
-        executor->release_threads();
-        const int before = test::thread_count();
-        for (int repetition = 0; repetition < 3; ++repetition) {
-            world.run(*executor, 10);
-            parallel += test::thread_count() > before;
-            executor->release_threads();
-            EXPECT_TRUE(test::falls_to_threads(before));
-        }
-    });
-    EXPECT_TRUE(parallel > 0 || find_executor("omp_region") == nullptr);
-}
-
 TEST(ExecutorOptions, AreChecked) {
     StampRecorder recorder(1, 10);
     for (const ExecutorRow& row : executors()) {

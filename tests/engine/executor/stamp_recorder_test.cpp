@@ -104,6 +104,28 @@ TEST(StampRecorder, AllocatesNothingWhileRecording) {
     EXPECT_EQ(test::allocation_count(), before);
 }
 
+/// With OMP_WAIT_POLICY=active they would wait on their processors for ever, and what is measured next would have one processor less.
+TEST(OpenMpExecutors, KeepNoThreadThatIsReleased) {
+    if (test::thread_sanitizer) GTEST_SKIP() << "it sees no synchronisation of OpenMP";
+    int parallel = 0;
+    for (const ExecutorRow& row : executors()) {
+        if (row.waiting != Waiting::environment) continue;  // the others' threads sleep between runs
+        for (const int threads : {1, 2, 4, 8}) {
+            const auto executor = row.make({.threads = threads});
+            test::World world(test::mixed_cycles());
+            executor->release_threads();
+            const int before = test::thread_count();
+            for (int repetition = 0; repetition < 3; ++repetition) {
+                world.run(*executor, 10);
+                parallel += test::thread_count() > before;
+                executor->release_threads();
+                EXPECT_TRUE(test::falls_to_threads(before)) << row.name << ", " << threads << " threads";
+            }
+        }
+    }
+    EXPECT_TRUE(parallel > 0 || find_executor("omp_region") == nullptr);
+}
+
 TEST(Runtimes, OfTheLaboratoryAreNamedAndTeamsAreGranted) {
     EXPECT_EQ(bench::openmp_version() == "none", find_executor("omp_region") == nullptr);
     EXPECT_EQ(bench::asio_version() == "none", find_executor("asio_pool") == nullptr);
