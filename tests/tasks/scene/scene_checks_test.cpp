@@ -135,13 +135,13 @@ TEST(IdleKeys, HaveNoEffectAndActOnceTheyAreNotReported) {
         set_value(scene, setting);
         const std::string key = std::string(setting).substr(0, std::string(setting).find('='));
         EXPECT_THAT(idle_keys(scene), ElementsAre(StartsWith(key + ": no effect, since "))) << setting;
-        const bool tried = cvtflow::test::is_deep() || number++ % 3 == 0;
-        if (tried) EXPECT_EQ(hash_with({setting}), plain) << setting;
-        std::vector<std::string> both = enabled_by;
-        both.emplace_back(setting);
         set_values(scene, enabled_by);
         EXPECT_THAT(idle_keys(scene), IsEmpty()) << setting;
-        if (tried) EXPECT_NE(hash_with(both), key == "load.speed" ? plain : hash_with(enabled_by)) << setting;
+        if (!cvtflow::test::is_deep() && number++ % 3 != 0) continue;
+        std::vector<std::string> both = enabled_by;
+        both.emplace_back(setting);
+        EXPECT_EQ(hash_with({setting}), plain) << setting;
+        EXPECT_NE(hash_with(both), key == "load.speed" ? plain : hash_with(enabled_by)) << setting;
     }
 }
 
