@@ -3,7 +3,6 @@
 import ast
 import contextlib
 import importlib
-import importlib.util
 import inspect
 import io
 import os
@@ -160,13 +159,6 @@ class Sweeps(Folder):
     def test_problems_are_told_with_their_place(self):
         with self.assertRaisesRegex(cvtflow.SceneError, r"sweep.toml:\d+:\d+: .*did you mean"):
             cvtflow.Sweep("tiny", {"load.torqe": [6.0]}, ["slip mean"]).run(self.folder)
-
-    @unittest.skipUnless(importlib.util.find_spec("pandas"), "pandas is not installed")
-    def test_results_become_a_frame(self):
-        cvtflow.Sweep("tiny", {"load.torque": [6.0, 7.0]}, ["slip mean"], settings=SETTINGS).run(self.folder)
-        frame = cvtflow.Sweep.results(self.folder).frame()
-        self.assertEqual(list(frame.index), [0, 1])
-        self.assertEqual(list(frame["load_torque"]), [6.0, 7.0])
 
     def test_a_sweep_is_handed_to_the_script_for_slurm(self):
         script = Path(self.folder, "submit")

@@ -8,7 +8,7 @@
 #include "bench/study/spectrum.hpp"
 #include "tasks/method/method.hpp"
 #include "tests/claims/method_trial_fixture.hpp"
-#include "tests/claims/smooth_motion_fixture.hpp"
+#include "tests/claims/rig_fixture.hpp"
 
 namespace cvtflow::claims {
 namespace {

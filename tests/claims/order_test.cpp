@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "tests/claims/smooth_motion_fixture.hpp"
+#include "tests/claims/rig_fixture.hpp"
 
 namespace cvtflow::claims {
 namespace {

@@ -73,9 +73,9 @@ void check(const Row& row) {
     }
 }
 
-/// A machine; deep: also a shipped scene, a level of detail, another machine.
+/// A machine; deep: also a shipped scene and a level of detail.
 TEST(Reliability, OfSettingsThatWereOncePrintedWrong) {
-    for (const std::size_t row : cvtflow::test::depth<std::vector<std::size_t>>({5}, {0, 3, 5, 7})) check(rows()[row]);
+    for (const std::size_t row : cvtflow::test::depth<std::vector<std::size_t>>({7}, {0, 3, 7})) check(rows()[row]);
 }
 
 TEST(NightlyReliability, OfEverySettingThatWasOncePrintedWrong) {

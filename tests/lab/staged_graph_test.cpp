@@ -52,5 +52,15 @@ TEST(StepGraph, RemovingAnyEdgeOnWhichDataFlowIsFoundByTheRaceCheck) {
     EXPECT_GT(barriers, 0);       // the published barriers order more than the data ask for
 }
 
+TEST(StagedAssembly, IsRefusedToRigidPins) {
+    try {
+        (void)parse_scene("[detail]\nlevel = \"rigid\"\n[run]\nassembly = \"staged\"\n", "scene.toml");
+        FAIL() << "accepted";
+    } catch (const SceneError& refused) {
+        EXPECT_STREQ(refused.what(),
+                     "scene.toml:4:12: run.assembly: \"staged\" requires detail.pins = \"halves\": rigid pins have no separate joints");
+    }
+}
+
 }  // namespace
 }  // namespace cvtflow::tasks

@@ -91,9 +91,10 @@ TEST(ErrorControl, IsRefusedToMethodsWithoutAnEstimate) {
 }
 
 TEST(ErrorControl, EndsWhenNoStepIsShortEnough) {
-    // Whatever the step, its estimate is more than that.
-    const ControlledOutcome run =
-        controlled_outcome(settled_tiny(with("dopri54", "1us", {"run.step_control=error", "run.tolerance=1e-30"})));
+    // Heun's estimate is of second order: a ten-millionth of this step leaves more than that.
+    const ControlledOutcome run = controlled_outcome(settled_tiny(
+        with("heun", "1ms",
+             {"run.step_control=error", "run.tolerance=1e-12", "run.until=1ms", "run.output_interval=1ms", "run.state_interval=1ms"})));
     EXPECT_EQ(run.fault.kind, FaultKind::step_size);
     EXPECT_THAT(run.fault.message(), testing::HasSubstr("to meet run.tolerance"));
 }

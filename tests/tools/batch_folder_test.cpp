@@ -167,21 +167,8 @@ TEST_F(BatchOrigin, OfSharedStatesIsCompared) {
 }
 
 TEST_F(BatchOrigin, OfACheckpointIsCompared) {
-    const Words brief{"run",
-                      "tiny",
-                      "-o",
-                      "r.h5",
-                      "--until",
-                      "1 ms",
-                      "--set",
-                      "run.max_steps=400",
-                      "--settle",
-                      "--set",
-                      "start.settling_time=10us",
-                      "--set",
-                      "start.ramp_time=5us",
-                      "--checkpoint-every",
-                      "1 s"};
+    const Words brief = Words{"run", "tiny", "-o", "r.h5", "--until", "1 ms", "--settle", "--checkpoint-every", "1 s"} +
+                        set_all({"run.max_steps=400", "start.settling_time=10us", "start.ramp_time=5us"});
     ASSERT_EQ(run(brief).status, 4);
     ASSERT_TRUE(exists("r.checkpoint.h5"));
     give_state_to_other_program("r.checkpoint.h5");
@@ -204,8 +191,7 @@ protected:
 
     void make() const {
         write_sweep("\"6 N*m\"", "2.5 ms");
-        std::string text = read("sweep.toml");
-        write("sweep.toml", text.insert(text.find("[start]"), "records = true\n"));
+        add_records();
         const Outcome whole = run({"batch", "sweep.toml", "-o", "whole"});
         ASSERT_EQ(whole.status, 0) << whole.err;
         Child child({"batch", "sweep.toml", "-o", "out", "--threads", "2", "--grace", "1 us", "--checkpoint-every", "10 ms"}, folder_);

@@ -59,8 +59,7 @@ TEST_F(Batch, LeavesNothingBehindOfACheckpointThatAKillCutShort) {
 /// The process of the sweep dies by SIGSEGV in a case, and again when that runs alone. A case has a record from its start to its end.
 TEST_F(Batch, CrashedCaseIsARowAndTheOthersHaveTheirResults) {
     write_sweep("\"6 N*m\", \"12 N*m\"", "0.4 ms");
-    std::string text = read("sweep.toml");
-    write("sweep.toml", text.insert(text.find("[start]"), "records = true\n"));
+    add_records();
     const Outcome undisturbed = run({"batch", "sweep.toml", "-o", "whole"});
     ASSERT_EQ(undisturbed.status, 0) << undisturbed.err;
     Child child({"batch", "sweep.toml", "-o", "out", "--threads", "1"}, folder_);
@@ -235,9 +234,7 @@ TEST_F(ContinuedBatch, GivesTheSameTableAfterAStopInACase) {
 
 TEST_F(Batch, RecordsCasesIfAsked) {
     write_sweep("\"6 N*m\"");
-    std::string text = read("sweep.toml");
-    text.replace(text.find("[start]"), 7, "records = true\n[start]");
-    write("sweep.toml", text);
+    add_records();
     ASSERT_EQ(batch().status, 0);
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_ / "out/records"), {}), 4);
     EXPECT_THAT(run({"info", "out/records/case-000002.h5"}).out, HasSubstr("\n  status              finished\n"));

@@ -147,11 +147,15 @@ bool Child::has_ended() const {
     return waitid(P_PID, static_cast<id_t>(process_), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 && ended.si_pid == process_;
 }
 
-Words run_to_be_ended(const std::string& record) {
-    const std::vector<std::string> settings{"start.settling_time=100us", "start.ramp_time=50us", "run.schedule=serial"};
-    Words words{"run", "tiny", "-o", record, "-q", "--until", "0.2 ms", "--step", "50 ns"};
+Words set_all(const Words& settings) {
+    Words words;
     for (const std::string& setting : settings) words.insert(words.end(), {"--set", setting});
     return words;
+}
+
+Words run_to_be_ended(const std::string& record) {
+    return Words{"run", "tiny", "-o", record, "-q", "--until", "0.2 ms", "--step", "50 ns"} +
+           set_all({"start.settling_time=100us", "start.ramp_time=50us", "run.schedule=serial"});
 }
 
 Program::Program() : folder_(fs::temp_directory_path() / ("cvtflow_test_" + std::to_string(getpid()))) {
@@ -169,10 +173,8 @@ Outcome Program::run(const std::vector<std::string>& arguments, const std::vecto
 }
 
 Outcome Program::run_briefly(const std::vector<std::string>& more) const {
-    std::vector<std::string> arguments{
-        "run", "tiny", "--until", "20 us", "--step", "50 ns", "--set", "start.settling_time=20us", "--set", "start.ramp_time=10us"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return run(arguments);
+    return run(Words{"run", "tiny", "--until", "20 us", "--step", "50 ns"} + set_all({"start.settling_time=20us", "start.ramp_time=10us"}) +
+               more);
 }
 
 std::string Program::draw(const std::vector<std::string>& arguments, int columns) const {
@@ -245,10 +247,9 @@ void Sweeps::write_sweep(const std::string& torques, const std::string& until, c
                             more);
 }
 
-Outcome Sweeps::batch(const std::vector<std::string>& more) const {
-    std::vector<std::string> arguments{"batch", "sweep.toml", "-o", "out"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return run(arguments);
+void Sweeps::add_records() const {
+    std::string text = read("sweep.toml");
+    write("sweep.toml", text.insert(text.find("[start]"), "records = true\n"));
 }
 
 engine::CaseTable Sweeps::table(const std::string& folder) const { return engine::read_cases((folder_ / folder / "cases.h5").string()); }

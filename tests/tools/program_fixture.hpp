@@ -83,6 +83,9 @@ private:
     pid_t process_ = -1;
 };
 
+/// --set and each of these settings.
+[[nodiscard]] Words set_all(const Words& settings);
+
 /// Options that settle a scene just enough for commands that want a settled state.
 inline const std::vector<std::string> brief_settling{
     "--settle", "--set", "start.settling_time=1ms", "--set", "start.ramp_time=0.5ms", "--set", "run.step=50 ns"};
@@ -127,7 +130,9 @@ protected:
     /// Writes sweep.toml: `torques` x 4 cases of tiny, which settle for 20 us and run for `until`.
     void write_sweep(const std::string& torques = "\"6 N*m\", \"12 N*m\", \"18 N*m\"", const std::string& until = "40 us",
                      const std::string& more = "") const;
-    Outcome batch(const std::vector<std::string>& more = {}) const;
+    /// Asks for records of all cases in sweep.toml.
+    void add_records() const;
+    Outcome batch(const Words& more = {}) const { return run(Words{"batch", "sweep.toml", "-o", "out"} + more); }
     [[nodiscard]] engine::CaseTable table(const std::string& folder = "out") const;
     /// After "results hash" in what a command printed.
     [[nodiscard]] static std::string hash_in(const std::string& text) { return Program::hash_in(text, "results hash"); }

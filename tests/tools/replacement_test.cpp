@@ -69,8 +69,10 @@ void Replacement::make() const {
     EXPECT_EQ(run({"batch", "sweep.toml", "-q", "-o", "first"}).status, 0);
     write_sweep("\"7 N*m\"", "20 us");
     for (const char* shard : {"1/2", "2/2"}) EXPECT_EQ(run({"batch", "sweep.toml", "-q", "-o", "cut", "--shard", shard}).status, 0);
-    std::string text = read("sweep.toml");
-    write("recorded.toml", text.insert(text.find("[start]"), "records = true\n"));
+    const std::string plain = read("sweep.toml");
+    add_records();
+    fs::rename(folder_ / "sweep.toml", folder_ / "recorded.toml");
+    write("sweep.toml", plain);
 }
 
 const std::map<std::string, std::string>& Replacement::kinds() {
@@ -228,10 +230,12 @@ TEST_F(EveryWriter, ReplacesAnotherFileByForce) {
     const std::set<std::string> names{"run -o", "settle -o", "resume -o", "report -o", "plot -o", "export --csv", "export --vtk"};
     for (const Writer& writer : writers()) {
         if (!names.contains(writer.name)) continue;
+        const auto nothing = files();
         put("text", writer.target);
         const Outcome outcome = run(writer.words + Words{"--force"});
         EXPECT_EQ(outcome.status, writer.name == "resume -o" ? 4 : 0) << writer.name << ": " << outcome.err;
         EXPECT_NE(read(writer.target), "mine\n") << writer.name;
+        forget_new(nothing);
     }
 }
 
@@ -269,7 +273,7 @@ TEST_F(Replacement, LosesNoInputByForce) {
     };
     const auto before = files();
     for (const auto& [words, message] : commands) {
-        const Outcome outcome = run(words + Words{"--force"});
+        const Outcome outcome = run(words.front() == "profile" ? words : words + Words{"--force"});  // which has no such option
         EXPECT_EQ(outcome.status, 1) << testing::PrintToString(words);
         EXPECT_THAT(outcome.err, HasSubstr(message)) << testing::PrintToString(words);
         EXPECT_EQ(files(), before) << testing::PrintToString(words);
@@ -404,8 +408,7 @@ protected:
     void kill_often(int kills, unsigned seed) {
         put_own_files();
         write_sweep("\"6 N*m\", \"9 N*m\", \"12 N*m\"", "80 us");
-        std::string text = read("sweep.toml");
-        write("sweep.toml", text.insert(text.find("[start]"), "records = true\n"));
+        add_records();
         const Outcome whole = run({"batch", "sweep.toml", "-o", "whole"});
         std::mt19937 chance(seed);
         for (int kill = 0; kill < kills; ++kill) {

@@ -46,9 +46,7 @@ TEST_F(Run, RecordsInResultsAndSumsUp) {
 /// Beside what check states: attributes and one chunk of states, 0.4 MB. Chunks of 512 rows took 2 MB more.
 TEST_F(Run, TakesTheRoomThatCheckStates) {
     const std::vector<std::string> settings{"start.settling_time=1 ms", "start.ramp_time=0.5 ms", "run.until=5 ms"};
-    std::vector<std::string> words{"run", "baseline", "--detail", "rigid", "-q", "-o", "short.h5"};
-    for (const std::string& setting : settings) words.insert(words.end(), {"--set", setting});
-    ASSERT_EQ(run(words).status, 0);
+    ASSERT_EQ(run(Words{"run", "baseline", "--detail", "rigid", "-q", "-o", "short.h5"} + set_all(settings)).status, 0);
     tasks::Scene scene = tasks::read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/baseline.toml");
     tasks::apply_detail(scene, "rigid");
     tasks::set_values(scene, settings);
@@ -278,13 +276,8 @@ TEST_F(Hashes, AreTheSameForEveryVariantOfTheCLibrary) {
 #endif
     };
     for (const std::vector<std::string>& more : variants) {
-        std::vector<std::string> arguments{"run",     "tiny",
-                                           "-o",      "none",
-                                           "--until", "20 us",
-                                           "--set",   "start.settling_time=20us",
-                                           "--set",   "start.ramp_time=10us",
-                                           "--set",   "run.schedule=serial"};
-        arguments.insert(arguments.end(), more.begin(), more.end());
+        const Words arguments = Words{"run", "tiny", "-o", "none", "--until", "20 us"} +
+                                set_all({"start.settling_time=20us", "start.ramp_time=10us", "run.schedule=serial"}) + more;
         const Outcome one = run(arguments), other = run(arguments, plain);
         EXPECT_NE(hash_in(one.out), "none") << one.err;
         EXPECT_EQ(hash_in(other.out), hash_in(one.out)) << testing::PrintToString(more);

@@ -21,9 +21,7 @@ namespace {
 class RunDifferences : public Program {
 protected:
     RecordedRun recorded(const std::string& name, const std::vector<std::string>& more) {
-        std::vector<std::string> arguments{"-o", name + ".h5"};
-        arguments.insert(arguments.end(), more.begin(), more.end());
-        const Outcome outcome = run_briefly(arguments);
+        const Outcome outcome = run_briefly(Words{"-o", name + ".h5"} + more);
         EXPECT_EQ(outcome.status, 0) << outcome.err;
         return RecordedRun((folder_ / (name + ".h5")).string());
     }

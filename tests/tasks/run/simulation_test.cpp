@@ -51,8 +51,9 @@ TEST(Simulation, HasTheSameHashForEveryNumberOfSegments) {
         {"imperfection.pin_length_spread=1 um", "imperfection.unbalance=1 g*m"}};
     for (const std::vector<std::string>& row : rows) {
         std::uint64_t expected = 0;
-        for (const int segments : cvtflow::test::depth(std::vector{1, 3, 24}, std::vector{1, 2, 3, 5, 7, 14, 24})) {
+        for (const int segments : cvtflow::test::depth(std::vector{1, 5}, std::vector{1, 2, 3, 5, 7, 14, 24})) {
             Scene scene = tiny_scene();
+            scene.parameters.start.settling_time = scene.parameters.start.ramp_time = 2e-4;
             set_values(scene, row);
             scene.run.segments = segments;
             Simulation simulation(scene);

@@ -15,6 +15,7 @@
 
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/scene.hpp"
+#include "tests/sample_fixture.hpp"
 #include "tests/tasks/run/settled_run_fixture.hpp"
 #include "tests/tasks/tiny_fixture.hpp"
 
@@ -128,16 +129,18 @@ std::uint64_t hash_with(std::vector<std::string> settings) {
 
 TEST(IdleKeys, HaveNoEffectAndActOnceTheyAreNotReported) {
     const std::uint64_t plain = hash_with({});
+    int number = 0;
     for (const auto& [setting, enabled_by] : idle) {
         Scene scene = ready_tiny();
         set_value(scene, setting);
         const std::string key = std::string(setting).substr(0, std::string(setting).find('='));
         EXPECT_THAT(idle_keys(scene), ElementsAre(StartsWith(key + ": no effect, since "))) << setting;
-        EXPECT_EQ(hash_with({setting}), plain) << setting;
-        std::vector<std::string> both = enabled_by;
-        both.emplace_back(setting);
         set_values(scene, enabled_by);
         EXPECT_THAT(idle_keys(scene), IsEmpty()) << setting;
+        if (!cvtflow::test::is_deep() && number++ % 3 != 0) continue;
+        std::vector<std::string> both = enabled_by;
+        both.emplace_back(setting);
+        EXPECT_EQ(hash_with({setting}), plain) << setting;
         EXPECT_NE(hash_with(both), key == "load.speed" ? plain : hash_with(enabled_by)) << setting;
     }
 }

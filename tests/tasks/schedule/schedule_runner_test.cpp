@@ -219,8 +219,8 @@ TEST(AutoSchedule, RespectsWhatTheSceneFixes) {
                             [](const Schedule& each) { return each.segments == 6 && each.assembly.kind == Assembly::staged; }));
     EXPECT_TRUE(
         std::all_of(list.begin() + 1, list.end(), [](const Schedule& each) { return each.executor == "flow" && each.threads == 2; }));
-    scene.run.schedule = "barrier";
-    EXPECT_EQ(schedules_for(scene), (std::vector<Schedule>{{"barrier", {Assembly::staged}, 6, 2}}));
+    scene.run.schedule = "flow";
+    EXPECT_EQ(schedules_for(scene), (std::vector<Schedule>{{"flow", {Assembly::staged}, 6, 2}}));
 }
 
 TEST(AutoSchedule, TriesBothAssembliesBothPartitionsAndMoreSegmentsThanThreads) {
