@@ -22,7 +22,7 @@ inline bool is_deep() {
     return given != nullptr && std::string_view(given) == "deep";
 }
 
-/// What a test has at either depth: a count, a list of rows.
+/// Returns the value for the depth of this run: a count, a list of rows.
 template <class Value>
 Value depth(const Value& quick, const Value& deep) {
     return is_deep() ? deep : quick;

@@ -42,7 +42,7 @@ public:
         std::ofstream(folder_ / ".block") << (python ? block.text : "set -eo pipefail\n" + with_expected_failures(block.text));
         const std::string line = "cd '" + folder_.string() + "' && PATH='" + CVTFLOW_BINARY_DIR +
                                  "':/usr/bin:\"$PATH\" PYTHONPATH=build/python MPLBACKEND=Agg " +
-                                 (python ? "$(sed -n 's/^CVTFLOW_PYTHON_INTERPRETER:INTERNAL=//p' build/CMakeCache.txt)" : "bash") +
+                                 (python ? "$(sed -n 's/^Python3_EXECUTABLE:FILEPATH=//p' build/CMakeCache.txt)" : "bash") +
                                  " .block >.output 2>&1";
         return std::system(line.c_str());
     }
