@@ -1,7 +1,7 @@
 #pragma once
-/// How much a test tries, in one place. Depth: `./tools/test` tries every promise once (quick), `.ci/run` every combination (deep); a suite whose
-/// name begins with Deep runs in the latter only, one that begins with Nightly in neither. Samples of catalogues: a change is tested with the same ones
-/// as the change before, the nightly tests draw others and try all.
+/// How much a test tries, in one place. Depth: `./tools/test` tries every promise once (quick), `.ci/run` every combination (deep); a suite
+/// whose name begins with Deep runs in the latter only, one that begins with Nightly in neither. Samples of catalogues: a change is tested
+/// with the same ones as the change before, the nightly tests draw others and try all.
 
 #include <algorithm>
 #include <cstdint>

@@ -37,11 +37,11 @@ std::string unique_name(const std::string& what) {
 }
 
 /// A folder for files of a fixture, until the process ends.
-struct Kept {
-    Kept() { fs::create_directory(path); }
-    ~Kept() { fs::remove_all(path); }
-    Kept(const Kept&) = delete;
-    Kept& operator=(const Kept&) = delete;
+struct SharedFolder {
+    SharedFolder() { fs::create_directory(path); }
+    ~SharedFolder() { fs::remove_all(path); }
+    SharedFolder(const SharedFolder&) = delete;
+    SharedFolder& operator=(const SharedFolder&) = delete;
     const fs::path path = fs::temp_directory_path() / unique_name("files");
 };
 
@@ -202,7 +202,7 @@ std::string Program::draw(const std::vector<std::string>& arguments, int columns
 }
 
 void Program::made_once(const std::string& files, const std::function<void()>& make) const {
-    static std::map<std::string, Kept> kept;
+    static std::map<std::string, SharedFolder> kept;
     constexpr auto all = fs::copy_options::recursive | fs::copy_options::copy_symlinks | fs::copy_options::overwrite_existing;
     if (const auto made = kept.find(files); made != kept.end()) return fs::copy(made->second.path, folder_, all);
     make();
