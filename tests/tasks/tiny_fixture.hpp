@@ -19,11 +19,11 @@ namespace test {
 
 /// Whether this test program has the laboratory's methods, executors and assembly as well: rows of tables that need them are omitted else.
 [[nodiscard]] inline bool has_laboratory() { return has_assembly(Assembly::staged); }
-/// Those of the assemblies that it has.
+/// The assemblies that it has.
 [[nodiscard]] inline std::vector<Assembly> assemblies() {
     return has_laboratory() ? std::vector{Assembly::fused, Assembly::staged} : std::vector{Assembly::fused};
 }
-/// Those of the methods that it has. The product's own have to be named first.
+/// The named methods that it has.
 [[nodiscard]] inline std::vector<std::string> known_methods(std::vector<std::string> names) {
     std::erase_if(names, [](const std::string& name) { return !may_be_method(name); });
     return names;

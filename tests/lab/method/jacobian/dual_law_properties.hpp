@@ -1,5 +1,5 @@
 #pragma once
-/// What every friction law gives where a speed has a derivative: checked for all laws of the catalogue, and for the toy of the recipe.
+/// Derivatives of every friction law, by numbers with derivatives: checked for all laws of the catalogue, and for the toy of the recipe.
 
 #include "bench/method/jacobian/dual_lanes.hpp"
 #include "tests/model/law/law_properties.hpp"
