@@ -202,8 +202,8 @@ TEST_F(Package, HoldsThePythonModuleAlsoAfterItWasMoved) {
         "env -u LD_LIBRARY_PATH PYTHONPATH=$(dirname $(dirname $(find moved -name '_cvtflow*.so'))) " CVTFLOW_PYTHON " ";
     EXPECT_THAT(run(with + "-c 'import cvtflow; print(cvtflow.Simulation(cvtflow.Scene.ready(\"tiny\")), cvtflow.__file__)'"),
                 testing::AllOf(testing::HasSubstr("648 unknowns"), testing::HasSubstr("moved/lib")));
-    const std::string example = CVTFLOW_SOURCE_DIR "/examples/python/eight_simulations.py";
-    EXPECT_THAT(run(with + example + (is_deep() ? " 0.05" : " 0.01")), testing::HasSubstr("load  18.0 N m"));
+    if (!is_deep()) return;
+    EXPECT_THAT(run(with + CVTFLOW_SOURCE_DIR "/examples/python/eight_simulations.py 0.05"), testing::HasSubstr("load  18.0 N m"));
 }
 
 TEST_F(Package, HoldsNoHeaderOfThirdPartiesAndNothingOfTheInside) {

@@ -57,6 +57,7 @@ class Folder(unittest.TestCase):
             self.assertIsInstance(recording, cvtflow.Recording)
             RECORDED[settings, until] = Path(self.file).read_bytes(), simulation
         contents, simulation = RECORDED[settings, until]
+        Path(self.file).unlink(missing_ok=True)  # HDF5 would take it for a file that is open
         Path(self.file).write_bytes(contents)
         return cvtflow.Record(self.file), simulation
 

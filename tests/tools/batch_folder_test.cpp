@@ -190,7 +190,7 @@ protected:
     }
 
     void make() const {
-        write_sweep("\"6 N*m\"", "2.5 ms");
+        write_sweep("\"6 N*m\"", "0.6 ms");
         add_records();
         const Outcome whole = run({"batch", "sweep.toml", "-o", "whole"});
         ASSERT_EQ(whole.status, 0) << whole.err;
@@ -248,7 +248,7 @@ TEST_F(StoppedSweep, BeginsACaseAnewWhoseRecordIsGone) {
 
 /// Cases start from each other's ends, of which the latest are kept, while rows may be lost with the power.
 TEST_F(Sweeps, ThatHasLostRowsOfCasesWhichOthersStartedFromRunsThemAllAgain) {
-    write_sweep("\"6 N*m\"", "1 ms", "continuation = \"clamping.driven\"\ncheck = 0\n");
+    write_sweep("\"6 N*m\"", "0.4 ms", "continuation = \"clamping.driven\"\ncheck = 0\n");
     const Outcome whole = run({"batch", "sweep.toml", "-o", "whole"});
     Child child({"batch", "sweep.toml", "-o", "stopped", "--grace", "1 us", "--checkpoint-every", "10 ms", "-q"}, folder_);
     ASSERT_EQ(child.ended_when([&] { return exists("stopped/checkpoints/case-000003.h5"); }, SIGTERM).status, 130);

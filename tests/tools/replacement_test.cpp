@@ -227,13 +227,13 @@ TEST_F(EveryWriter, LosesNoFileThatIsNotOfTheSameKindAndRun) {
 }
 
 TEST_F(EveryWriter, ReplacesAnotherFileByForce) {
-    const std::set<std::string> names{"run -o", "settle -o", "resume -o", "report -o", "plot -o", "export --csv", "export --vtk"};
+    const std::set<std::string> names{"run -o", "settle -o", "report -o", "plot -o", "export --csv", "export --vtk"};
     for (const Writer& writer : writers()) {
         if (!names.contains(writer.name)) continue;
         const auto nothing = files();
         put("text", writer.target);
         const Outcome outcome = run(writer.words + Words{"--force"});
-        EXPECT_EQ(outcome.status, writer.name == "resume -o" ? 4 : 0) << writer.name << ": " << outcome.err;
+        EXPECT_EQ(outcome.status, 0) << writer.name << ": " << outcome.err;
         EXPECT_NE(read(writer.target), "mine\n") << writer.name;
         forget_new(nothing);
     }

@@ -198,6 +198,18 @@ TEST_F(ForeignCheckpoint, ReplacesNoFileBesideItWithoutForce) {
     EXPECT_EQ(record("mine.h5").status(), "finished");
 }
 
+TEST_F(ForeignCheckpoint, ReplacesTheFinishedRecordOfAnotherRunOnlyWithForce) {
+    ASSERT_EQ(run(run_to_be_ended("other.h5")).status, 0);
+    const std::string other = read("other.h5");
+    const Words resume{"resume", "mine.checkpoint.h5", "-q", "-o", "other.h5", "--set", "run.max_steps=0"};
+    const Outcome outcome = run(resume);
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_EQ(outcome.err, "cvtflow: other.h5: cannot be continued: not the record of this run; --force replaces it\n");
+    EXPECT_TRUE(read("other.h5") == other);
+    EXPECT_EQ(run(resume + Words{"--force"}).status, 0);
+    EXPECT_FALSE(read("other.h5") == other);
+}
+
 TEST_F(Resume, ContinuesWithARunThatWasToReplaceAnother) {
     ASSERT_EQ(run(run_to_be_ended("whole.h5")).status, 0);
     ASSERT_EQ(run(run_to_be_ended("cut.h5") + Words{"--until", "20 us"}).status, 0);

@@ -58,8 +58,8 @@ TEST_F(RigidPins, ResumeBitForBitAfterKills) {
     ASSERT_EQ(run(all + Words{"whole.h5"} + level).status, 0);
     std::mt19937 chance(3);
     for (int kill = 0; kill < test::depth(1, 4); ++kill) {
-        const std::uintmax_t bytes = chance() % (std::filesystem::file_size(folder_ / "whole.h5") / 2);  // rows are too many to be read
-        Child child(all + Words{"cut.h5", "--checkpoint-every", "2 ms"} + level, folder_);
+        const std::uintmax_t bytes = chance() % (std::filesystem::file_size(folder_ / "whole.h5") / 4);  // rows are too many to be read
+        Child child(all + Words{"cut.h5", "--checkpoint-every", "100 ms"} + level, folder_);
         const auto is_far = [&] { return exists("cut.checkpoint.h5") && std::filesystem::file_size(folder_ / "cut.h5.part") >= bytes; };
         ASSERT_EQ(child.ended_when(is_far, SIGKILL).status, 128 + SIGKILL);
         ASSERT_EQ(run({"resume", "cut.checkpoint.h5", "-q"}).status, 0);
