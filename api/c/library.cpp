@@ -10,7 +10,7 @@
 #include "api/c/boundary.hpp"
 #include "engine/thread/worker_threads.hpp"
 
-/// Of the library that these objects are linked to (api/CMakeLists.txt).
+/// Version of the library that these objects are linked to (api/CMakeLists.txt).
 extern const char* const cvtflow_version_text;
 
 namespace cvtflow {

@@ -186,7 +186,8 @@ TEST_F(Package, RunsNoLibraryFromTheWorkingFolder) {
     install();
     run("echo '__attribute__((constructor)) static void foreign(void) { __builtin_puts(\"foreign code runs\"); }' > foreign.c "
         "&& " CVTFLOW_CC " -shared -fPIC foreign.c -o foreign");
-    for (const std::string program : {CVTFLOW_BINARY_DIR "/cvtflow", CVTFLOW_BINARY_DIR "/cvtflow-lab", "p/bin/cvtflow"}) {
+    for (const std::string program : {CVTFLOW_BINARY_DIR "/cvtflow", "p/bin/cvtflow", CVTFLOW_BINARY_DIR "/cvtflow-lab"}) {
+        if (!fs::exists(program) && program.ends_with("-lab")) continue;  // only in a build of the laboratory
         const std::string names = run("ldd " + program + " | awk '{print $1}' | grep -E '^lib(fmt|z|tbb|hdf5|gomp)'");
         EXPECT_THAT(names, testing::HasSubstr("libfmt.so."));
         run("for name in $(ldd " + program + " | awk '{print $1}' | grep '^lib'); do cp foreign $name; done");

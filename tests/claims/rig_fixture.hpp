@@ -66,7 +66,7 @@ constexpr double smooth_span = 1.6e-6;  ///< s: a period of the fastest waves, t
 /// A ring around shaft 1, clamped between its elastic sheaves and turning: every tip deep in contact, none about to leave.
 [[nodiscard]] Smooth clamped_ring();
 
-/// Of two states.
+/// Compares two states.
 [[nodiscard]] double distance(const std::vector<double>& a, const std::vector<double>& b);
 
 }  // namespace cvtflow::claims

@@ -16,12 +16,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class NightlyReadme : public testing::Test {
+class DeepReadme : public testing::Test {
 protected:
-    NightlyReadme() : folder_(fs::temp_directory_path() / ("cvtflow_readme_" + std::to_string(getpid()))) {
+    DeepReadme() : folder_(fs::temp_directory_path() / ("cvtflow_readme_" + std::to_string(getpid()))) {
         fs::create_directories(folder_ / "empty");
     }
-    ~NightlyReadme() override { fs::remove_all(folder_); }
+    ~DeepReadme() override { fs::remove_all(folder_); }
 
     /// Runs lines as a script in the empty folder; what they print is output().
     [[nodiscard]] int run(const std::string& text) const {
@@ -40,7 +40,7 @@ protected:
 
 /// The first results of a newcomer must be plausible for a transmission: settled, an efficiency of 90 to 99 %, tensions that follow the
 /// torque.
-TEST_F(NightlyReadme, IsFollowedFromAnInstallationAndShowsNumbersThatAnEngineerBelieves) {
+TEST_F(DeepReadme, IsFollowedFromAnInstallationAndShowsNumbersThatAnEngineerBelieves) {
     const std::string install = "cmake --install '" CVTFLOW_BINARY_DIR "' --prefix '" + prefix() + "' >/dev/null";
     ASSERT_EQ(std::system(install.c_str()), 0);
     std::string shown;  // by the first block, a simulation

@@ -56,7 +56,7 @@ TEST_F(Batch, LeavesNothingBehindOfACheckpointThatAKillCutShort) {
     EXPECT_FALSE(exists("out/checkpoints"));
 }
 
-/// The process of the sweep dies by SIGSEGV in a case, and again when that runs alone. A case has a record from its start to its end.
+/// The process of the sweep dies by SIGSEGV in a case, and again when that runs alone. A case has a record while it runs.
 TEST_F(Batch, CrashedCaseIsARowAndTheOthersHaveTheirResults) {
     write_sweep("\"6 N*m\", \"12 N*m\"", "0.4 ms");
     add_records();

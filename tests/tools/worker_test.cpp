@@ -24,7 +24,7 @@ using testing::HasSubstr;
 class Worker : public Sweeps {
 protected:
     [[nodiscard]] std::unique_ptr<Child> start(const Words& more = {}) const { return std::make_unique<Child>(line_ + more, folder_); }
-    /// Of the sweep in one process.
+    /// Results of the sweep in one process.
     [[nodiscard]] std::string whole_hash() const {
         static std::map<std::string, std::string> known;  // by sweep
         std::string& hash = known[read("sweep.toml")];
