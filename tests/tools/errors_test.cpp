@@ -163,15 +163,6 @@ const std::vector<Mistake> mistakes_in_scenes{
     {{"settle", "free_ring"}, 1, "free_ring: nothing to settle: start.layout is \"ring\" or start.settling_time is 0"},
     {{"run", "tiny", "--until", "stedy"}, 2, "--until stedy: \"stedy\" is neither a quantity nor \"steady\" (did you mean \"steady\"?)"},
     {{"explain", "chain.pich"}, 1, "chain.pich: unknown key (did you mean \"chain.pitch\"?)"},
-    {{"local-error", "tiny"},
-     1,
-     "tiny: the start is not settled, so its errors are meaningless: add --settle, or a state file with --set start.state=FILE "
-     "(cvtflow settle)"},
-    {{"spectrum", "tiny", "-q"},
-     1,
-     "tiny: the start is not settled, so its eigenvalues are meaningless: add --settle, or a state file with --set start.state=FILE "
-     "(cvtflow settle)"},
-    {{"stability", "rk4", "--scene", "basline", "-q"}, 1, "no scene 'basline' (did you mean 'baseline'?)"},
 };
 
 TEST_F(Errors, InScenesSayWhereAndWhat) {
@@ -207,6 +198,15 @@ TEST_F(Errors, InSettingsNameTheOptionThatWasGiven) {
 #ifdef CVTFLOW_LAB
 TEST_F(Errors, InSettingsOfTheLaboratoryNameTheOption) {
     const std::vector<Mistake> mistakes{
+        {{"local-error", "tiny"},
+         1,
+         "tiny: the start is not settled, so its errors are meaningless: add --settle, or a state file with --set start.state=FILE "
+         "(cvtflow settle)"},
+        {{"spectrum", "tiny", "-q"},
+         1,
+         "tiny: the start is not settled, so its eigenvalues are meaningless: add --settle, or a state file with --set start.state=FILE "
+         "(cvtflow settle)"},
+        {{"stability", "rk4", "--scene", "basline", "-q"}, 1, "no scene 'basline' (did you mean 'baseline'?)"},
         {{"stability"}, 2, "METHOD is required (cvtflow-lab stability --help)"},
         {{"local-error", "tiny", "--friction", "x"}, 2, "--friction: x not in {piecewise,smoothed,both} (cvtflow-lab local-error --help)"},
         {{"run", "tiny", "--method", "rkc-s1"},
