@@ -312,7 +312,7 @@ FolderLock::FolderLock(const std::string& folder, int attempts) {
     const std::string lock = folder + "/lock";
     Descriptor file(open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666));
     if (file.number() < 0) throw RecordError(folder + ": cannot write into it: " + std::strerror(errno));
-    while (!try_lock(file.number(), lock)) {
+    while (!lock_file(file.number(), lock)) {
         if (--attempts <= 0) return;
         usleep(10'000);
     }
@@ -379,7 +379,7 @@ std::vector<Claim> read_claims(const std::string& path) {
 Claim claim_cases(const std::string& path, int worker, long cases, long strand) {
     const Descriptor file(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666));
     if (file.number() < 0) throw RecordError(path + ": cannot create: " + std::strerror(errno));
-    for (int attempt = 0; !try_lock(file.number(), path); ++attempt) {
+    for (int attempt = 0; !lock_file(file.number(), path); ++attempt) {
         if (attempt == claim_attempts) throw RecordError(path + ": another worker does not release its lock");
         usleep(2'000);
     }

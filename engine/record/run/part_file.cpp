@@ -25,7 +25,7 @@ struct flock whole_file() {
 }  // namespace
 
 /// An open-file-description lock: gone with the process, however it ends, and unseen by HDF5, which asks for flock locks.
-bool lock_part(int descriptor, const std::string& path) {
+bool lock_file(int descriptor, const std::string& path) {
     struct flock whole = whole_file();
     int result = 0;
     do {
@@ -78,7 +78,7 @@ PartFile::PartFile(const Permit& permit) : final_path_(permit.path()), part_path
     descriptor_ = open_part(part_path_);
     const int part = descriptor_.number();
     if (part < 0) throw RecordError(part_path_ + ": cannot create: " + std::strerror(errno));
-    if (!lock_part(part, part_path_) || !still_named(part, part_path_))
+    if (!lock_file(part, part_path_) || !still_named(part, part_path_))
         throw RecordError(part_path_ + ": cannot create: another run is writing it");
     if (ftruncate(part, 0) != 0) throw RecordError(part_path_ + ": cannot empty: " + std::strerror(errno));
 }

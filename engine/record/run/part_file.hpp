@@ -12,7 +12,7 @@ namespace cvtflow::engine {
 /// Locks a whole file against other writers (not against readers) until `descriptor` is closed.
 /// @param path for messages   @return false if it is locked already, here or in another process
 /// @throws RecordError where the system cannot lock: going on would let two runs write into one file
-[[nodiscard]] bool try_lock(int descriptor, const std::string& path);
+[[nodiscard]] bool lock_file(int descriptor, const std::string& path);
 
 /// Holds `<name>.part` open and locked against other writers (not against readers). Knows nothing of the contents.
 /// Errors are RecordError.
@@ -49,7 +49,7 @@ private:
     std::size_t reserved_ = 0;
 };
 
-/// Whether a file is locked by try_lock: in another process, or here. Takes no lock; false for a file that cannot be read.
+/// Whether a file is locked by lock_file: in another process, or here. Takes no lock; false for a file that cannot be read.
 [[nodiscard]] bool being_written(const std::string& path);
 
 /// Files of a run that is resumed.
