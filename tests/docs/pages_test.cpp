@@ -114,6 +114,17 @@ TEST(ArchitecturePage, ShowsTheGraphsThatStepsRun) {
 
 // One page contains speeds (docs/speeds.md), drawn from a committed table; other pages link to it.
 
+// The page of security states which nights were run to their end: those of the committed table.
+
+TEST(SecurityPage, HasTheNightsOfTheTable) {
+    const std::string text = page("docs/security.md").text;
+    std::istringstream table(text_of(CVTFLOW_SOURCE_DIR "/bench/results/nightly.csv"));
+    for (std::string line; std::getline(table, line);) {
+        const std::string cells = std::regex_replace(line, std::regex(","), " | ");
+        EXPECT_NE(text.find("\n| " + cells + " |\n"), std::string::npos) << cells;
+    }
+}
+
 /// Seconds per simulated second of a row of bench/results/speeds.csv, by a regular expression for the fields before the median.
 double seconds(const std::string& row) {
     const std::string table = text_of(CVTFLOW_SOURCE_DIR "/bench/results/speeds.csv");
