@@ -13,6 +13,7 @@
 #include "model/observe/observation.hpp"
 #include "tests/claims/chain_view_fixture.hpp"
 #include "tests/claims/rig_fixture.hpp"
+#include "tests/sample_fixture.hpp"
 
 namespace cvtflow::claims {
 namespace {
@@ -78,6 +79,7 @@ TEST_P(FreeRing, CarriesItsCentrifugalForceInEveryLink) {
 }
 
 std::vector<Spin> spins() {
+    if (!is_deep()) return {{"", 0, 84, 400.0, 4.0}, {"", 3, 12, 600.0, 10.0}};
     std::vector<Spin> all{{"", 0, 84, 200.0, 10.0}, {"", 1, 84, 200.0, 10.0}, {"", 2, 84, 200.0, 10.0},
                           {"", 3, 84, 200.0, 10.0}, {"", 0, 84, 50.0, 10.0},  {"", 0, 84, 400.0, 4.0},
                           {"", 1, 24, 600.0, 10.0}, {"", 3, 12, 600.0, 10.0}, {"", 0, 6, 600.0, 10.0}};

@@ -183,7 +183,7 @@ void try_unseen(Tuner& tuner, const std::vector<OperatingPoint>& points, double 
     std::cout << std::endl;
 }
 
-TEST(UnseenPoints, OfTheSmallestSceneAreWithinFivePerCent) {
+TEST(DeepUnseenPoints, OfTheSmallestSceneAreWithinFivePerCent) {
     TuneSettings settings;
     settings.same_everywhere = true;
     settings.times = {12e-3, 8e-3};
