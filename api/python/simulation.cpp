@@ -32,7 +32,7 @@ void advance_to(Stepper& self, const Quantity& time) {
     }
 }
 
-[[nodiscard]] std::unique_ptr<Stepper> create(const SceneLike& given, Threads threads, int segments) {
+[[nodiscard]] std::unique_ptr<Stepper> create_simulation(const SceneLike& given, Threads threads, int segments) {
     const Scene scene = scene_of(given);
     const Released released;
     return std::make_unique<Stepper>(Stepper{Simulation(scene, threads, segments), threads, segments});
@@ -124,7 +124,7 @@ template <class Answer>
 using Class = py::class_<Stepper>;
 
 void bind_time(Class& type) {
-    type.def(py::init(&create), py::arg("scene"), py::arg_v("threads", Threads::caller(), "Threads.caller()"), py::arg("segments") = 0,
+    type.def(py::init(&create_simulation), py::arg("scene"), py::arg_v("threads", Threads::caller(), "Threads.caller()"), py::arg("segments") = 0,
              "Prepares the start state of a scene: a Scene, the name of a ready one, or a file. Starts no thread.")
         .def("copy", &copy, "A second simulation in the same state, without the callbacks.")
         .def_property_readonly("scene", ask(&Simulation::scene), "The scene.")
