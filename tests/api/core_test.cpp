@@ -33,7 +33,7 @@ protected:
     /// Exit status and output of core_program for a scene of that text.
     [[nodiscard]] std::pair<int, std::string> run(const std::string& text) const {
         std::ofstream(folder_ / "scene.toml") << text;
-        return output_of(CVTFLOW_CORE_PROGRAM " " + (folder_ / "scene.toml").string() + " 2e-5");
+        return output_of("'" CVTFLOW_CORE_PROGRAM "' " + (folder_ / "scene.toml").string() + " 2e-5");
     }
 
     fs::path folder_ = fs::path(testing::TempDir()) / ("core_library_" + std::to_string(::getpid()));
@@ -55,7 +55,7 @@ TEST_F(CoreLibrary, ReadsNoFileAndStatesWhatToDoInstead) {
     EXPECT_THAT(run(state).second, testing::HasSubstr("this library cannot read state files; start.state = \"\" settles instead"));
     EXPECT_THAT(run("[load]\ntorque = {csv = \"load.csv\"}\n").second,
                 testing::HasSubstr("load.torque: \"load.csv\" cannot be read: " + text));
-    EXPECT_THAT(output_of(CVTFLOW_CORE_PROGRAM " ./tiny 2e-5").second, testing::HasSubstr("./tiny: cannot be read: " + text));
+    EXPECT_THAT(output_of("'" CVTFLOW_CORE_PROGRAM "' ./tiny 2e-5").second, testing::HasSubstr("./tiny: cannot be read: " + text));
 }
 
 /// The program and the commands of docs/embedding.md, with a ready scene.
@@ -75,8 +75,8 @@ TEST_F(CoreLibrary, IsInstalledAndUsedAsItsPageDescribes) {
 }
 
 TEST_F(CoreLibrary, ThatIsNotInstalledIsNamedWithItsCommands) {
-    std::ofstream(folder_ / "find.cmake") << "find_package(cvtflow REQUIRED COMPONENTS core PATHS " CVTFLOW_BINARY_DIR
-                                             "/api NO_DEFAULT_PATH)";
+    std::ofstream(folder_ / "find.cmake") << "find_package(cvtflow REQUIRED COMPONENTS core PATHS \"" CVTFLOW_BINARY_DIR
+                                             "/api\" NO_DEFAULT_PATH)";
     EXPECT_THAT(output_of("cmake -P " + (folder_ / "find.cmake").string() + " 2>&1 | tr -s ' \n' ' '").second,
                 testing::HasSubstr("component 'core' is not installed: cmake --build build --target cvtflow_core_shared && cmake --install "
                                    "build --component core"));
@@ -84,7 +84,7 @@ TEST_F(CoreLibrary, ThatIsNotInstalledIsNamedWithItsCommands) {
 
 /// By construction: not what the linker happened to need, but all that any of its objects mentions.
 TEST_F(CoreLibrary, MentionsNoThreadLibraryAndNoFileOfPosix) {
-    const auto [status, text] = output_of("nm -u " CVTFLOW_CORE_LIBRARY);
+    const auto [status, text] = output_of("nm -u '" CVTFLOW_CORE_LIBRARY "'");
     ASSERT_EQ(status, 0);
     const std::regex forbidden(
         "(H5.*|GOMP_.*|omp_.*|_ZN3tbb.*|TBB_.*|(open|fstat|stat|lstat|read|write|mmap|fsync)(64)?|poll|fork|pthread_create|sched_.*)");

@@ -20,16 +20,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::string here = CVTFLOW_SOURCE_DIR "/tests/api";
-
 class Package : public testing::Test {
 protected:
     Package() : folder_(fs::temp_directory_path() / ("cvtflow_package_" + std::to_string(getpid()))) { fs::create_directories(folder_); }
     ~Package() override { fs::remove_all(folder_); }
 
-    /// Standard output and error of a command, which must succeed.
+    /// Standard output and error of a command, which must succeed; $SOURCE and $BUILD are the folders of sources and of the build.
     std::string run(const std::string& command) const {
-        std::FILE* pipe = popen(("cd '" + folder_.string() + "' && { " + command + "; } 2>&1").c_str(), "r");
+        const std::string folders = "export SOURCE='" CVTFLOW_SOURCE_DIR "' BUILD='" CVTFLOW_BINARY_DIR "'; ";
+        std::FILE* pipe = popen(("cd '" + folder_.string() + "' && { " + folders + command + "; } 2>&1").c_str(), "r");
         std::string output;
         std::array<char, 4096> buffer;
         while (const std::size_t size = std::fread(buffer.data(), 1, buffer.size(), pipe)) output.append(buffer.data(), size);
@@ -39,7 +38,7 @@ protected:
     /// Installs into p. Other tests get a copy under the same path.
     void install() const {
         if (fs::exists(kept)) return void(run("cp -a '" + kept.string() + "' p"));
-        run("cmake --install '" CVTFLOW_BINARY_DIR "' --prefix '" + (folder_ / "p").string() + "' && cp -a p '" + kept.string() + "'");
+        run("cmake --install \"$BUILD\" --prefix \"$PWD/p\" && cp -a p '" + kept.string() + "'");
     }
     static void TearDownTestSuite() { fs::remove_all(kept); }
 
@@ -47,9 +46,8 @@ protected:
     std::string install_of(const std::string& files) const {
         const std::string scripts =
             "find . -name cmake_install.cmake -o -path '*/Export/*.cmake' -o -name 'cvtflow*.cmake' -o -name cvtflow.pc";
-        run("mkdir b && (cd " CVTFLOW_BINARY_DIR " && tar -cf - $(" + scripts + ")) | tar -xf - -C b && cp -a " CVTFLOW_BINARY_DIR "/" +
-            files + " b");
-        run("sed -i \"s|" CVTFLOW_BINARY_DIR "|$PWD/b|g\" $(find b -name cmake_install.cmake)");
+        run("mkdir b && (cd \"$BUILD\" && tar -cf - $(" + scripts + ")) | tar -xf - -C b && cp -a \"$BUILD\"/" + files + " b");
+        run("sed -i \"s|$BUILD|$PWD/b|g\" $(find b -name cmake_install.cmake)");
         return run("cmake -DCMAKE_INSTALL_PREFIX=$PWD/p -P b/cmake_install.cmake");
     }
 
@@ -60,8 +58,8 @@ protected:
 TEST_F(Package, IsFoundAndUsedByAFreshProjectAlsoAfterItWasMoved) {
     install();
     fs::rename(folder_ / "p", folder_ / "moved");
-    run("cmake -S " + here +
-        "/consumer -B b -G Ninja -DCMAKE_PREFIX_PATH=$PWD/moved -DCMAKE_CXX_COMPILER=" CVTFLOW_CXX " -DCMAKE_C_COMPILER=" CVTFLOW_CC);
+    run("cmake -S \"$SOURCE/tests/api/consumer\" -B b -G Ninja -DCMAKE_PREFIX_PATH=$PWD/moved -DCMAKE_CXX_COMPILER=" CVTFLOW_CXX
+        " -DCMAKE_C_COMPILER=" CVTFLOW_CC);
     run("cmake --build b");
     EXPECT_THAT(run("b/consumer_cpp"), testing::HasSubstr("t = -0.009999 s, 648 unknowns"));
     EXPECT_THAT(run("b/consumer_c"), testing::HasSubstr("648 unknowns"));
@@ -77,8 +75,9 @@ TEST_F(Package, IsFoundByPkgConfig) {
     const std::string config = run("dirname $(find p -name cvtflow.pc)");
     const std::string with = "export PKG_CONFIG_PATH=" + config.substr(0, config.size() - 1) + "; ";
     EXPECT_EQ(run(with + "pkg-config --modversion cvtflow"), CVTFLOW_PROJECT_VERSION "\n");
-    run(with + CVTFLOW_CC " -std=c11 -Wall -Wextra -pedantic -Werror " + here +
-        "/consumer/main.c -o c $(pkg-config --cflags --libs cvtflow) $(pkg-config --variable=rpath cvtflow)");
+    run(with + CVTFLOW_CC
+        " -std=c11 -Wall -Wextra -pedantic -Werror \"$SOURCE/tests/api/consumer/main.c\" -o c $(pkg-config --cflags --libs cvtflow) "
+        "$(pkg-config --variable=rpath cvtflow)");
     EXPECT_THAT(run("./c"), testing::HasSubstr("648 unknowns")) << "linked as the page of embedding does";
     EXPECT_THAT(run(with + "ls $(pkg-config --variable=scenesdir cvtflow)"), testing::HasSubstr("tiny.toml"));
 }
@@ -86,27 +85,26 @@ TEST_F(Package, IsFoundByPkgConfig) {
 /// Scenes and simulations alone, for hosts that have none of the libraries of the whole: static and shared, by pkg-config; deep: by CMake,
 /// too.
 TEST_F(Package, OfTheCoreNeedsNoLibraryButThoseOfCxx) {
-    run("cmake --install '" CVTFLOW_BINARY_DIR "' --component core --prefix first && mv first p");
+    run("cmake --install \"$BUILD\" --component core --prefix first && mv first p");
     const std::string config = run("dirname $(find p -name cvtflow-core.pc)");
     const std::string with = "export PKG_CONFIG_PATH=" + config.substr(0, config.size() - 1) + "; ";
     run("mkdir -p c/b");
     std::vector<std::string> programs{"c/b/static", "c/b/shared"};
-    const std::string compile =
-        with + CVTFLOW_CXX " -std=c++20 $(pkg-config --cflags cvtflow-core) " CVTFLOW_SOURCE_DIR "/examples/core_host.cpp ";
+    const std::string compile = with + CVTFLOW_CXX " -std=c++20 $(pkg-config --cflags cvtflow-core) \"$SOURCE/examples/core_host.cpp\" ";
     run(compile + "$(pkg-config --variable=static cvtflow-core) -o c/b/static");
     run(compile + "$(pkg-config --libs cvtflow-core) $(pkg-config --variable=rpath cvtflow-core) -o c/b/shared");
     if (is_deep()) {
         run("printf 'cmake_minimum_required(VERSION 3.25)\nproject(c CXX)\nfind_package(cvtflow " + std::to_string(CVTFLOW_VERSION_MAJOR) +
             "." + std::to_string(CVTFLOW_VERSION_MINOR) +
-            " REQUIRED COMPONENTS core)\nforeach(kind core core_shared)\nadd_executable(by_${kind} " CVTFLOW_SOURCE_DIR
-            "/examples/core_host.cpp)\ntarget_link_libraries(by_${kind} cvtflow::${kind})\nendforeach()\n' > c/CMakeLists.txt");
+            " REQUIRED COMPONENTS core)\nforeach(kind core core_shared)\nadd_executable(by_${kind} "
+            "$ENV{SOURCE}/examples/core_host.cpp)\ntarget_link_libraries(by_${kind} cvtflow::${kind})\nendforeach()\n' > c/CMakeLists.txt");
         run("cmake -S c -B c/b -G Ninja -DCMAKE_PREFIX_PATH=$PWD/p -DCMAKE_CXX_COMPILER=" CVTFLOW_CXX " && cmake --build c/b");
         programs.insert(programs.end(), {"c/b/by_core", "c/b/by_core_shared"});
     }
-    const std::string expected = run("c/b/static " CVTFLOW_SOURCE_DIR "/scenes/tiny.toml");
+    const std::string expected = run("c/b/static \"$SOURCE/scenes/tiny.toml\"");
     EXPECT_THAT(expected, testing::HasSubstr("slip"));
     for (const std::string& program : programs) {
-        EXPECT_EQ(run(program + " " CVTFLOW_SOURCE_DIR "/scenes/tiny.toml"), expected) << program;
+        EXPECT_EQ(run(program + " \"$SOURCE/scenes/tiny.toml\""), expected) << program;
         EXPECT_EQ(run("ldd " + program + " | grep -vE 'linux-vdso|ld-linux|lib(c|m|gcc_s|stdc[+][+]|cvtflow-core)[.]so' || true"), "")
             << program;
     }
@@ -149,8 +147,7 @@ TEST_F(Package, OfALibraryAloneNamesWhatWasNotBuilt) {
     run(std::string("mkdir c && printf 'cmake_minimum_required(VERSION 3.25)\nproject(c C CXX)\nfind_package(cvtflow ") +
         std::to_string(CVTFLOW_VERSION_MAJOR) + "." + std::to_string(CVTFLOW_VERSION_MINOR) +
         " REQUIRED COMPONENTS cpp c)\n"
-        "add_executable(c " +
-        here + "/consumer/main.c)\ntarget_link_libraries(c cvtflow::c)\n' > c/CMakeLists.txt");
+        "add_executable(c $ENV{SOURCE}/tests/api/consumer/main.c)\ntarget_link_libraries(c cvtflow::c)\n' > c/CMakeLists.txt");
     run("cmake -S c -B c/b -G Ninja -DCMAKE_PREFIX_PATH=$PWD/p -DCMAKE_C_COMPILER=" CVTFLOW_CC " && cmake --build c/b");
     EXPECT_THAT(run("c/b/c"), testing::HasSubstr("648 unknowns"));
     EXPECT_EQ(run("ls p/bin 2>/dev/null || true"), "");
@@ -159,10 +156,10 @@ TEST_F(Package, OfALibraryAloneNamesWhatWasNotBuilt) {
 /// An empty element is the current folder for the loader, so that libraries that lie there run as code; a relative one likewise.
 TEST_F(Package, SearchesNoEmptyOrRelativeFolderForLibraries) {
     install();
-    const std::string paths = run("find " CVTFLOW_BINARY_DIR R"( p -type f \( -perm -u+x -o -name '*.so*' \) -not -path '*/CMakeFiles/*' |
-        while read -r file; do readelf -d "$file" 2>/dev/null | sed -nE "s|.*\(R(UN)?PATH\).*\[(.*)\]|$file \2|p"; done)");
-    EXPECT_THAT(paths, testing::HasSubstr("test_api " CVTFLOW_BINARY_DIR)) << "programs are found";
-    const std::regex line("([^ ]+) (.*)\n");
+    const std::string paths = run(R"(find "$BUILD" p -type f \( -perm -u+x -o -name '*.so*' \) -not -path '*/CMakeFiles/*' |
+        while read -r file; do readelf -d "$file" 2>/dev/null | sed -nE "s|.*\(R(UN)?PATH\).*\[(.*)\]|$file\t\2|p"; done)");
+    EXPECT_THAT(paths, testing::HasSubstr("test_api\t" CVTFLOW_BINARY_DIR)) << "programs are found";
+    const std::regex line("([^\t]+)\t(.*)\n");
     for (std::sregex_iterator found(paths.begin(), paths.end(), line), end; found != end; ++found) {
         std::istringstream elements((*found)[2].str() + ":");
         for (std::string element; std::getline(elements, element, ':');)
@@ -186,8 +183,8 @@ TEST_F(Package, RunsNoLibraryFromTheWorkingFolder) {
     install();
     run("echo '__attribute__((constructor)) static void foreign(void) { __builtin_puts(\"foreign code runs\"); }' > foreign.c "
         "&& " CVTFLOW_CC " -shared -fPIC foreign.c -o foreign");
-    for (const std::string program : {CVTFLOW_BINARY_DIR "/cvtflow", "p/bin/cvtflow", CVTFLOW_BINARY_DIR "/cvtflow-lab"}) {
-        if (!fs::exists(program) && program.ends_with("-lab")) continue;  // only in a build of the laboratory
+    for (const std::string program : {"\"$BUILD/cvtflow\"", "p/bin/cvtflow", "\"$BUILD/cvtflow-lab\""}) {
+        if (program.ends_with("-lab\"") && !fs::exists(CVTFLOW_BINARY_DIR "/cvtflow-lab")) continue;  // only in a build of the laboratory
         const std::string names = run("ldd " + program + " | awk '{print $1}' | grep -E '^lib(fmt|z|tbb|hdf5|gomp)'");
         EXPECT_THAT(names, testing::HasSubstr("libfmt.so."));
         run("for name in $(ldd " + program + " | awk '{print $1}' | grep '^lib'); do cp foreign $name; done");
@@ -204,7 +201,7 @@ TEST_F(Package, HoldsThePythonModuleAlsoAfterItWasMoved) {
     EXPECT_THAT(run(with + "-c 'import cvtflow; print(cvtflow.Simulation(cvtflow.Scene.ready(\"tiny\")), cvtflow.__file__)'"),
                 testing::AllOf(testing::HasSubstr("648 unknowns"), testing::HasSubstr("moved/lib")));
     if (!is_deep()) return;
-    EXPECT_THAT(run(with + CVTFLOW_SOURCE_DIR "/examples/python/eight_simulations.py 0.05"), testing::HasSubstr("load  18.0 N m"));
+    EXPECT_THAT(run(with + "\"$SOURCE/examples/python/eight_simulations.py\" 0.05"), testing::HasSubstr("load  18.0 N m"));
 }
 
 TEST_F(Package, HoldsNoHeaderOfThirdPartiesAndNothingOfTheInside) {
@@ -220,16 +217,14 @@ TEST_F(Package, HoldsNoHeaderOfThirdPartiesAndNothingOfTheInside) {
 }
 
 TEST_F(Package, IsAFolderInAHostsProject) {
-    run("cmake -S " + here +
-        "/subdirectory -B b -G Ninja -DCVTFLOW_SOURCE=" CVTFLOW_SOURCE_DIR " -DCMAKE_CXX_COMPILER=" CVTFLOW_CXX
+    run("cmake -S \"$SOURCE/tests/api/subdirectory\" -B b -G Ninja -DCVTFLOW_SOURCE=\"$SOURCE\" -DCMAKE_CXX_COMPILER=" CVTFLOW_CXX
         " -DCMAKE_C_COMPILER=" CVTFLOW_CC);
 }
 
 using NightlyPackage = Package;
 
 TEST_F(NightlyPackage, IsBuiltAsAFolderInAHostsProject) {
-    run("cmake -S " + here +
-        "/subdirectory -B b -G Ninja -DCVTFLOW_SOURCE=" CVTFLOW_SOURCE_DIR " -DCMAKE_CXX_COMPILER=" CVTFLOW_CXX
+    run("cmake -S \"$SOURCE/tests/api/subdirectory\" -B b -G Ninja -DCVTFLOW_SOURCE=\"$SOURCE\" -DCMAKE_CXX_COMPILER=" CVTFLOW_CXX
         " -DCMAKE_C_COMPILER=" CVTFLOW_CC);
     run("cmake --build b");
     EXPECT_THAT(run("b/host"), testing::HasSubstr("648 unknowns"));
@@ -237,9 +232,8 @@ TEST_F(NightlyPackage, IsBuiltAsAFolderInAHostsProject) {
 
 TEST_F(NightlyPackage, BuildsTheExamplesAgainstTheInstallation) {
     install();
-    run("cmake -S " CVTFLOW_SOURCE_DIR
-        "/examples -B b -G Ninja -DCMAKE_PREFIX_PATH=$PWD/p -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER=" CVTFLOW_CXX
-        " -DCMAKE_C_COMPILER=" CVTFLOW_CC);
+    run("cmake -S \"$SOURCE/examples\" -B b -G Ninja -DCMAKE_PREFIX_PATH=$PWD/p -DCMAKE_BUILD_TYPE=Release "
+        "-DCMAKE_CXX_COMPILER=" CVTFLOW_CXX " -DCMAKE_C_COMPILER=" CVTFLOW_CC);
     run("cmake --build b");
     EXPECT_THAT(run("b/host_openmp 3"), testing::HasSubstr("the same bits"));
     EXPECT_THAT(run("b/host_threads 2 3"), testing::HasSubstr("clamping"));

@@ -49,7 +49,7 @@ std::vector<SourceFile> source_files() {
 }
 
 std::set<std::string> tracked_top_level() {
-    std::istringstream listing(output_of("git -C '" CVTFLOW_SOURCE_DIR "' ls-files 2>/dev/null"));
+    std::istringstream listing(output_of(git + "ls-files 2>/dev/null"));
     std::set<std::string> names;
     for (std::string path; std::getline(listing, path);) names.insert(path.substr(0, path.find('/')));
     return names;

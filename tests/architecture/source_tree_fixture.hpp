@@ -51,6 +51,9 @@ struct ClassSize {
 /// Output of a command, empty if it fails.
 [[nodiscard]] std::string output_of(const std::string& command);
 
+/// Command that asks git about the sources, also where another user owns them.
+inline const std::string git = "git -c safe.directory='*' -C '" CVTFLOW_SOURCE_DIR "' ";
+
 /// Names on the top level that git tracks; empty where there is no git to ask.
 [[nodiscard]] std::set<std::string> tracked_top_level();
 

@@ -159,7 +159,7 @@ TEST(SpeedOfTheDefault, IsInTheReadmeAsInItsTable) {
 }
 
 TEST(PagesOfSpeed, AreDrawnFromTheCommittedTable) {
-    EXPECT_EQ(std::system("python3 " CVTFLOW_SOURCE_DIR "/tools/documents/speeds --check"), 0);
+    EXPECT_EQ(std::system("python3 '" CVTFLOW_SOURCE_DIR "/tools/documents/speeds' --check"), 0);
 }
 
 TEST(PagesOfSpeed, AreNotRepeatedElsewhere) {

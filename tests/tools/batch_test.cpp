@@ -148,7 +148,7 @@ TEST_F(Batch, OnAFullDiskKeepsWhatItHasAndContinuesLater) {
         "N*m\", \"13 N*m\", \"14 N*m\", "
         "\"15 N*m\", \"16 N*m\", \"17 N*m\", \"18 N*m\", \"19 N*m\", \"20 N*m\"",
         "20 us");
-    const Outcome full = shell("ulimit -f 120; \\$CVTFLOW batch sweep.toml -o out -q --threads 1");
+    const Outcome full = shell("ulimit -f 120; \"$CVTFLOW\" batch sweep.toml -o out -q --threads 1");
     EXPECT_EQ(full.status, 1) << full.out << full.err;
     EXPECT_THAT(full.err, testing::MatchesRegex("cvtflow: out/cases.h5: cannot write: File too large; [0-9]+ cases are saved\n"));
     const std::size_t saved = column("hash").size();

@@ -12,6 +12,8 @@
 #include "engine/executor/catalogue.hpp"
 #include "tests/tools/program_fixture.hpp"
 
+#ifdef CVTFLOW_FAULTS  // not under sanitizers, whose runtime has to be loaded before any other library
+
 namespace cvtflow::tools {
 namespace {
 
@@ -19,8 +21,6 @@ using testing::HasSubstr;
 
 // Calls of the system that fail, one at a time: every command ends by itself, with a status that it has and a message, and what was there
 // stays.
-
-#ifdef CVTFLOW_FAULTS
 
 /// A command line, short enough to be run with every call.
 struct Order {
@@ -111,14 +111,14 @@ protected:
     }
 
     [[nodiscard]] static std::vector<std::string> environment(const std::string& family, long n, bool lasting) {
-        return {"LD_PRELOAD=" CVTFLOW_FAULTS, "CVTFLOW_FAULT=" + family + ":" + std::to_string(n) + (lasting ? "+" : ""),
+        return {preload(CVTFLOW_FAULTS), "CVTFLOW_FAULT=" + family + ":" + std::to_string(n) + (lasting ? "+" : ""),
                 "CVTFLOW_FAULT_COUNTS=counts"};
     }
 
     /// Calls of each family in an undisturbed run: the most of all its processes, since one that is forked counts on.
     [[nodiscard]] std::map<std::string, long> calls_of(const Order& order) {
         clean();
-        (void)run(order.arguments, {"LD_PRELOAD=" CVTFLOW_FAULTS, "CVTFLOW_FAULT_COUNTS=counts"});
+        (void)run(order.arguments, {preload(CVTFLOW_FAULTS), "CVTFLOW_FAULT_COUNTS=counts"});
         std::map<std::string, long> calls;
         std::istringstream lines(read("counts"));
         std::string name;
@@ -251,24 +251,13 @@ TEST_P(NightlyFaults, AllocationsThatFailLeaveResultsAsTheyWere) {
     print_endings();
 }
 
-#endif
-
 // A system that has no threads to give.
 
 class FewThreads : public Program {
 protected:
-    void SetUp() override {
-#ifndef CVTFLOW_FAULTS
-        GTEST_SKIP() << "a sanitizer's runtime has to be loaded before any other library";
-#endif
-    }
     /// Environment in which every call of pthread_create is refused while `threads` threads live.
     [[nodiscard]] static std::vector<std::string> at_most(int threads) {
-#ifdef CVTFLOW_FAULTS
-        return {"LD_PRELOAD=" CVTFLOW_FAULTS, "CVTFLOW_FAULT=threads:" + std::to_string(threads), "OMP_WAIT_POLICY=passive"};
-#else
-        return {std::to_string(threads)};
-#endif
+        return {preload(CVTFLOW_FAULTS), "CVTFLOW_FAULT=threads:" + std::to_string(threads), "OMP_WAIT_POLICY=passive"};
     }
     /// A fraction of a second on an executor.
     [[nodiscard]] Outcome run_on(std::string_view executor, int threads, const std::vector<std::string>& environment = {}) const {
@@ -324,3 +313,5 @@ TEST_F(FewThreads, ProfileReportsThatItCannotMeasure) {
 
 }  // namespace
 }  // namespace cvtflow::tools
+
+#endif

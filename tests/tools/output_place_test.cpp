@@ -45,19 +45,19 @@ TEST_F(HostilePlace, ReportsALimitOfFileSizesAsAnError) {
     ASSERT_EQ(run_briefly({"-o", "good.h5"}).status, 0);
     ASSERT_EQ(run({"report", "good.h5"}).status, 0);
     const std::string before = read("good.html");
-    const Outcome report = shell("ulimit -f 8; \\$CVTFLOW report good.h5");
+    const Outcome report = shell("ulimit -f 8; \"$CVTFLOW\" report good.h5");
     EXPECT_EQ(report.status, 1);
     EXPECT_THAT(report.err, HasSubstr("cvtflow: good.html: cannot write: File too large"));
     EXPECT_TRUE(read("good.html") == before);
     EXPECT_FALSE(exists("good.html.part"));
     const Outcome run =
-        shell("ulimit -f 8; \\$CVTFLOW run tiny -q -o big.h5 --until '40 us' --set start.settling_time=20us --set start.ramp_time=10us");
+        shell("ulimit -f 8; \"$CVTFLOW\" run tiny -q -o big.h5 --until '40 us' --set start.settling_time=20us --set start.ramp_time=10us");
     EXPECT_EQ(run.status, 1);
     EXPECT_THAT(run.err, HasSubstr("File too large"));
 }
 
 TEST_F(HostilePlace, ReportsThatStandardOutputIsClosed) {
-    const Outcome outcome = shell("\\$CVTFLOW list scenes >&-");
+    const Outcome outcome = shell("\"$CVTFLOW\" list scenes >&-");
     EXPECT_EQ(outcome.status, 1);
     EXPECT_EQ(outcome.err, "cvtflow: standard output: cannot write: it is closed\n");
 }
@@ -93,7 +93,7 @@ TEST_F(HostilePlace, NamesLogsWithPercentSignsForSlurmAsTheyAre) {
     write("bin/sbatch", "#!/bin/sh\necho \"$@\" >> calls\necho 7\n");
     std::filesystem::permissions(folder_ / "bin/sbatch", std::filesystem::perms::owner_all);
     write("sweep.toml", "");
-    const Outcome outcome = shell("PATH=bin:\\$PATH " CVTFLOW_SOURCE_DIR "/tools/slurm/submit sweep.toml 'a%j b'");
+    const Outcome outcome = shell("PATH=bin:$PATH \"$SOURCE/tools/slurm/submit\" sweep.toml 'a%j b'");
     EXPECT_EQ(outcome.out, "7 7\n") << outcome.err;
     EXPECT_THAT(read("calls"), HasSubstr("a%%j b/log/task-%a.txt"));
     EXPECT_THAT(read("calls"), HasSubstr("a%%j b/log/merge.txt"));

@@ -222,8 +222,7 @@ protected:
 
     /// Runs to the end. @return everything that was done to files on the way
     [[nodiscard]] std::vector<Change> logged(const std::vector<std::string>& arguments) const {
-        const Outcome outcome =
-            run_at_work(arguments, {"LD_PRELOAD=" CVTFLOW_POWER, "CVTFLOW_POWER_LOG=" + (folder_ / "changes").string()});
+        const Outcome outcome = run_at_work(arguments, {preload(CVTFLOW_POWER), "CVTFLOW_POWER_LOG=" + (folder_ / "changes").string()});
         EXPECT_EQ(outcome.status, 0) << outcome.err;
         return read_power_log(folder_ / "changes", work_);
     }
@@ -407,9 +406,9 @@ protected:
     ~KilledRecord() override { std::filesystem::remove_all(folder_); }
 
     [[nodiscard]] std::vector<Change> logged() const {
-        const std::string command = "LD_PRELOAD=" CVTFLOW_POWER " CVTFLOW_POWER_LOG=" + (folder_ / "log").string() +
-                                    " CVTFLOW_KILLED_RECORD=" + path_ + " " + std::filesystem::read_symlink("/proc/self/exe").string() +
-                                    " --gtest_also_run_disabled_tests --gtest_filter=KilledRecordWriter.* > /dev/null";
+        const std::string command = preload(CVTFLOW_POWER) + " CVTFLOW_POWER_LOG=" + (folder_ / "log").string() +
+                                    " CVTFLOW_KILLED_RECORD=" + path_ + " '" + std::filesystem::read_symlink("/proc/self/exe").string() +
+                                    "' --gtest_also_run_disabled_tests --gtest_filter=KilledRecordWriter.* > /dev/null";
         EXPECT_EQ(std::system(command.c_str()), 0);
         return read_power_log(folder_ / "log", folder_);
     }

@@ -98,6 +98,13 @@ Words command_line(Words words) {
 
 }  // namespace
 
+std::string preload(const fs::path& library) {
+    static const SharedFolder folder;
+    const fs::path name = folder.path / library.filename();
+    if (!fs::exists(name)) fs::create_symlink(library, name);
+    return "LD_PRELOAD=" + name.string();
+}
+
 Child::Child(std::vector<std::string> arguments, const fs::path& folder, const std::vector<std::string>& environment, unsigned seconds)
     : out_(fs::temp_directory_path() / unique_name("out")), err_(fs::temp_directory_path() / unique_name("err")) {
     arguments = command_line(std::move(arguments));
@@ -266,9 +273,9 @@ std::map<long, std::string> Sweeps::column(const std::string& name, const std::s
 }
 
 Outcome Sweeps::shell(const std::string& line) const {
-    const std::string command =
-        "cd '" + folder_.string() + "' && export CVTFLOW='" CVTFLOW_PROGRAM "' && (" + line + ") > shell.out 2> shell.err";
-    const int status = std::system(("bash -c \"" + command + "\"").c_str());
+    write("shell", line);
+    const std::string command = "export CVTFLOW='" CVTFLOW_PROGRAM "' SOURCE='" CVTFLOW_SOURCE_DIR "'; bash shell > shell.out 2> shell.err";
+    const int status = std::system(("cd '" + folder_.string() + "' && " + command).c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read("shell.out"), read("shell.err")};
 }
 

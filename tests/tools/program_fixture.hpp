@@ -53,6 +53,9 @@ bool eventually(const Condition& condition) {
     return false;
 }
 
+/// Setting that loads the library before a child's program, by a name without blanks, at which the loader splits.
+[[nodiscard]] std::string preload(const std::filesystem::path& library);
+
 /// A child process; killed when it goes out of scope.
 class Child {
 public:
@@ -138,7 +141,7 @@ protected:
     [[nodiscard]] static std::string hash_in(const std::string& text) { return Program::hash_in(text, "results hash"); }
     /// Text of a column by case.
     [[nodiscard]] std::map<long, std::string> column(const std::string& name, const std::string& folder = "out") const;
-    /// Runs a line of bash in the test's folder; $CVTFLOW is the program.
+    /// Runs a line of bash in the test's folder; $CVTFLOW is the program, $SOURCE the folder of sources.
     Outcome shell(const std::string& line) const;
 };
 

@@ -244,7 +244,7 @@ protected:
     [[nodiscard]] Outcome task(const std::string& dir = "dir", const std::string& sweep = "sweep.toml") const {
         write("task.sh", "PATH=" + (folder_ / "bin").string() + ":$PATH SLURM_ARRAY_TASK_ID=1 SLURM_ARRAY_JOB_ID=1 SWEEP=" + sweep +
                              " DIR=" + (folder_ / dir).string() + " SHARDS=2 TASKS=2 LOCAL=" + (folder_ / "local").string() +
-                             " bash " CVTFLOW_SOURCE_DIR "/tools/slurm/array.sbatch\n");
+                             " bash \"$SOURCE/tools/slurm/array.sbatch\"\n");
         return shell("bash task.sh");
     }
     /// The first task, once for all tests; leaves task.sh.
@@ -315,7 +315,7 @@ TEST_F(SlurmLocal, GivesBackNothingOfASweepThatFailed) {
     finish_task();
     const std::string table = read(shard_ + "/cases.h5");
     program("cvtflow",
-            "#!/bin/sh\n[ \"$1\" = batch ] && { : > $4/shard-0001-of-0002/cases.h5; exit 1; }\nexec " CVTFLOW_PROGRAM " \"$@\"\n");
+            "#!/bin/sh\n[ \"$1\" = batch ] && { : > $4/shard-0001-of-0002/cases.h5; exit 1; }\nexec '" CVTFLOW_PROGRAM "' \"$@\"\n");
     const std::string script = "export CVTFLOW=" + (folder_ / "bin/cvtflow").string() + "; ";
     EXPECT_EQ(shell(script + "bash task.sh").status, 1);
     EXPECT_TRUE(read(shard_ + "/cases.h5") == table);
