@@ -124,8 +124,8 @@ template <class Answer>
 using Class = py::class_<Stepper>;
 
 void bind_time(Class& type) {
-    type.def(py::init(&create_simulation), py::arg("scene"), py::arg_v("threads", Threads::caller(), "Threads.caller()"), py::arg("segments") = 0,
-             "Prepares the start state of a scene: a Scene, the name of a ready one, or a file. Starts no thread.")
+    type.def(py::init(&create_simulation), py::arg("scene"), py::arg_v("threads", Threads::caller(), "Threads.caller()"),
+             py::arg("segments") = 0, "Prepares the start state of a scene: a Scene, the name of a ready one, or a file. Starts no thread.")
         .def("copy", &copy, "A second simulation in the same state, without the callbacks.")
         .def_property_readonly("scene", ask(&Simulation::scene), "The scene.")
         .def_property_readonly(

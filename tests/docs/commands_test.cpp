@@ -60,7 +60,7 @@ private:
 /// Whether this build has what the block needs, at this depth.
 bool runs(const Block& block, bool nightly) {
     const bool module = fs::exists(CVTFLOW_BINARY_DIR "/python");
-    const bool now = nightly || (block.nightly.empty() && (test::is_deep() || !block.of_laboratory()));
+    const bool now = nightly || (block.nightly.empty() && (test::is_deep() || !block.is_deep()));
     return block.runs() && now && (module || block.language != "python");
 }
 

@@ -22,11 +22,12 @@ namespace {
 
 /// Reads the comment above a block, if it is such a comment.
 void read_comment(const std::string& line, Block& next) {
-    static const std::regex form("<!-- (file|nightly|not run): (.*) -->");
+    static const std::regex form("<!-- (file|nightly|deep|not run): (.*) -->");
     std::smatch match;
     if (!std::regex_match(line, match, form)) return;
     if (match[1] == "file") next.file = match[2];
     if (match[1] == "nightly") next.nightly = match[2];
+    if (match[1] == "deep") next.deep = match[2];
     if (match[1] == "not run") next.not_run = match[2];
 }
 

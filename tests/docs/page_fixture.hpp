@@ -14,12 +14,15 @@ struct Block {
     std::string text;      ///< between the fences, with the last line's end
     std::string file;      ///< name of the file that it is written to; empty: none
     std::string nightly;   ///< how long it takes, if longer than seconds; empty: it is quick
+    std::string deep;      ///< which suite has its promise in quick runs, where it is left out; empty: it is in all
     std::string not_run;   ///< why it cannot run; empty: it can
 
     /// Whether it is run, as commands or as Python.
     [[nodiscard]] bool runs() const { return (language == "sh" || (language == "python" && file.empty())) && not_run.empty(); }
-    /// Whether it needs the laboratory.
-    [[nodiscard]] bool of_laboratory() const { return text.find("cvtflow-lab") != text.npos || text.find("bench/") != text.npos; }
+    /// Whether it needs full depth: it says so, or needs the laboratory.
+    [[nodiscard]] bool is_deep() const {
+        return !deep.empty() || text.find("cvtflow-lab") != text.npos || text.find("bench/") != text.npos;
+    }
 };
 
 /// A line of a page outside blocks.
