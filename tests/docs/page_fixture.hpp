@@ -19,7 +19,7 @@ struct Block {
 
     /// Whether it is run, as commands or as Python.
     [[nodiscard]] bool runs() const { return (language == "sh" || (language == "python" && file.empty())) && not_run.empty(); }
-    /// Whether it needs full depth: it says so, or needs the laboratory.
+    /// Whether it needs full depth: by its comment, or for the laboratory.
     [[nodiscard]] bool is_deep() const {
         return !deep.empty() || text.find("cvtflow-lab") != text.npos || text.find("bench/") != text.npos;
     }
