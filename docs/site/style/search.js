@@ -33,8 +33,11 @@ document.addEventListener("DOMContentLoaded", () => {
     };
 
     const addExcerpt = (item) => {
-        if (item.tagName !== "LI" || item.children.length > 1) return;   // a name of the C++ interface has its description
+        if (item.tagName !== "LI") return;
         const link = item.firstChild, [page, anchor] = link.getAttribute("href").split(".html");
+        if (item.children.length > 1) {   // a name of the C++ interface has its description; one of an enum of C is listed with and without it
+            return shown.has(page + anchor) ? item.remove() : shown.add(page + anchor);
+        }
         const {group, sections} = searchPages[page], own = sections.filter(({id}) => "#" + id === anchor);
         const {section, at} = passageOf(own.length ? own : sections, group);
         const text = section.text, target = `${page}.html#${section.id}`;
