@@ -15,7 +15,6 @@
 #include "bench/method/stability/program_stability.hpp"
 #include "engine/thread/guards.hpp"
 #include "tasks/method/friction/friction_leapfrog.hpp"
-#include "tasks/method/friction/sweep_leapfrog.hpp"
 #include "tasks/method/method.hpp"
 
 namespace cvtflow::bench {
@@ -52,47 +51,22 @@ namespace {
     };
 }
 
-/// Ends the name of the method whose velocities inside the step are in double precision.
-constexpr const char* in_double = "-double";
-
-[[nodiscard]] MethodProgram product_row(std::string_view name) {
+/// The product's leapfrog with damped RKC stages.
+[[nodiscard]] MethodProgram leapfrog_rkc() {
     const std::vector<MethodProgram> rows = friction_methods();
-    return *std::ranges::find(rows, name, &MethodProgram::name);
-}
-
-template <class Number>
-[[nodiscard]] MethodProgram staged(MethodProgram row, const std::string& name, const char* description, const Kick& kick) {
-    row.name = name;
-    row.description = description;
-    row.make = [&kick](Workspace& workspace) -> std::unique_ptr<StepMethod> {
-        return std::make_unique<FrictionLeapfrog<Number>>(workspace, kick);
-    };
+    MethodProgram row = *std::ranges::find(rows, std::string_view("leapfrog-chebyshev"), &MethodProgram::name);
+    row.name = "leapfrog-rkc";
+    row.description = "leapfrog, friction in damped RKC stages on velocities inside the step";
+    row.order = 2;
+    row.reach.oscillation = 1.7320653080221804;
+    row.reach.decay = 45116.422100472591;
+    row.make = [](Workspace& workspace) -> std::unique_ptr<StepMethod> { return std::make_unique<FrictionLeapfrog>(workspace, rkc_kick); };
     return row;
-}
-
-/// The product's leapfrogs with other stages, or in double precision throughout.
-[[nodiscard]] std::vector<MethodProgram> leapfrogs() {
-    const MethodProgram chebyshev = product_row("leapfrog-chebyshev");
-    MethodProgram rkc = chebyshev;
-    rkc.order = 2;
-    rkc.reach.oscillation = 1.7320653080221804;
-    rkc.reach.decay = 45116.422100472591;
-    MethodProgram sweep = product_row("leapfrog-sweep");
-    sweep.name += in_double;
-    sweep.description = "leapfrog-sweep with velocities in double precision, too";
-    sweep.make = [](Workspace& workspace) -> std::unique_ptr<StepMethod> { return std::make_unique<SweepLeapfrog<double>>(workspace); };
-    return {
-        staged<float>(rkc, "leapfrog-rkc", "leapfrog, friction in damped RKC stages on velocities inside the step", rkc_kick),
-        staged<double>(rkc, std::string("leapfrog-rkc") + in_double, "leapfrog-rkc with stages in double precision, too", rkc_kick),
-        staged<double>(chebyshev, std::string("leapfrog-chebyshev") + in_double, "leapfrog-chebyshev with stages in double precision, too",
-                       chebyshev_kick),
-        sweep,
-    };
 }
 
 [[nodiscard]] std::vector<MethodProgram> all_programs() {
     std::vector<MethodProgram> all;
-    for (const auto& some : {spectral_programs(), leapfrogs(), implicit_programs()}) all.insert(all.end(), some.begin(), some.end());
+    for (const auto& some : {spectral_programs(), {leapfrog_rkc()}, implicit_programs()}) all.insert(all.end(), some.begin(), some.end());
     return all;
 }
 
@@ -104,11 +78,9 @@ using Analyses = std::map<std::string, MethodAnalysis, std::less<>>;
                               [&kick](const LinearChain& chain) { return leapfrog_step(chain, kick); }};
     };
     Analyses all{{"dumka3", {{}, dumka3_step}}, {"rkc", {{}, rkc_step}}, {"rock2", {{}, rock2_step}}, {"fitted", {{}, fitted_step}}};
-    for (const char* end : {"", in_double}) {
-        all["leapfrog-rkc" + std::string(end)] = of_kick(rkc_kick);
-        all["leapfrog-chebyshev" + std::string(end)] = of_kick(chebyshev_kick);
-        all["leapfrog-sweep" + std::string(end)] = {backward_euler_leapfrog_stability, backward_euler_leapfrog_step};
-    }
+    all["leapfrog-rkc"] = of_kick(rkc_kick);
+    all["leapfrog-chebyshev"] = of_kick(chebyshev_kick);
+    all["leapfrog-sweep"] = {backward_euler_leapfrog_stability, backward_euler_leapfrog_step};
     all["leapfrog-rigid"] = {rigid_leapfrog_stability, backward_euler_leapfrog_step};
     for (const NewtonVariant& variant : newton_variants()) all[variant.name] = {trapezoidal_stability, trapezoidal_step};
     for (const LinearPlan& plan : linear_plans())
@@ -162,11 +134,6 @@ void add_laboratory_methods() {
 const MethodAnalysis& analysis_of(const MethodProgram& program) {
     static const Analyses all = analyses();
     return all.at(program.name);
-}
-
-std::string in_double_precision(std::string_view method) {
-    const std::string longer = std::string(method) + in_double;
-    return tasks::find_program(longer) != nullptr ? longer : std::string(method);
 }
 
 StageReach derived_reach(const StagePlan& plan) {

@@ -25,10 +25,6 @@ struct MethodAnalysis {
 /// Analysis of a program of either catalogue. @throws std::out_of_range for one without analysis
 [[nodiscard]] const MethodAnalysis& analysis_of(const tasks::MethodProgram& program);
 
-/// Name of the method with all numbers in double precision: the name itself, except for methods whose velocities inside the step are in
-/// single precision.
-[[nodiscard]] std::string in_double_precision(std::string_view method);
-
 /// The reach that the analysis finds, which the catalogue declares.
 [[nodiscard]] tasks::MethodReach derived_reach(const tasks::MethodProgram& program);
 [[nodiscard]] engine::StageReach derived_reach(const engine::StagePlan& plan);

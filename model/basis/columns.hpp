@@ -56,5 +56,6 @@ private:
     std::ptrdiff_t stride_ = 0;
 };
 using Columns = ColumnsOf<double>;
+using FloatColumns = ColumnsOf<float>;
 
 }  // namespace cvtflow::model

@@ -2,8 +2,8 @@
 /// Every friction contact of the chain with all frozen but velocities, laid out component by component so that lanes can run over links:
 /// [component][column], column = link + 1; column 0 repeats the last link, column links + 1 the first. For pin halves only.
 ///
-/// In double precision velocities are what they are. In single precision they count from those at which the contacts were recorded, so that
-/// small differences of large velocities are taken in double precision, once a step; a field then also holds how contacts slide at those.
+/// Velocities inside a step are floats. They count from those at which the contacts were recorded, so that small differences of large
+/// velocities are taken in double precision, once a step; a field also holds how contacts slide at those.
 
 #include <cstddef>
 #include <vector>
@@ -16,9 +16,8 @@ namespace cvtflow::model {
 
 /// Numbers of the components of a contact field.
 struct ContactComponents {
-    int joint_points;       ///< integration points of a joint
-    int plates;             ///< plates of a link
-    bool relative = false;  ///< velocities count from those at which contacts were recorded
+    int joint_points;  ///< integration points of a joint
+    int plates;        ///< plates of a link
 
     /// Frame of the link: t_x, t_y, 1/|d0|.
     static constexpr int frame_x = 0, frame_y = 1, inverse_length = 2;
@@ -26,8 +25,8 @@ struct ContactComponents {
     struct Joint {
         static constexpr int normal_x = 0, normal_y = 1, lever_before = 2, lever_after = 3, friction_limit = 4, count = 5;
     };
-    /// Components of a tip; sheave: velocity of the sheave where the tip touches (if relative: of the sheave against the tip); drift: its
-    /// change over the step, along with the tip.
+    /// Components of a tip; sheave: velocity of the sheave against the tip where it touches; drift: change of the sheave's over the step,
+    /// along with the tip.
     struct Tip {
         static constexpr int normal = 0, lever_x = 3, lever_y = 4, sheave = 5, drift = 8, friction_limit = 11, least = 12, most = 13,
                              count = 14;
@@ -36,34 +35,31 @@ struct ContactComponents {
     /// μN of a plate [N].
     [[nodiscard]] constexpr int plate(int number) const noexcept { return joint(joint_points) + number; }
     [[nodiscard]] constexpr int tip(int corner) const noexcept { return plate(plates) + Tip::count * corner; }
-    /// If relative, at the velocities that others count from: sliding of a joint's points across the axis, z and e of the joint's gap and
+    /// At the velocities that others count from: sliding of a joint's points across the axis, z and e of the joint's gap and
     /// of the gap between the link's pins [m/s].
     [[nodiscard]] constexpr int sliding(int point) const noexcept { return tip(tips_per_link) + point; }
     [[nodiscard]] constexpr int joint_gap() const noexcept { return sliding(joint_points); }
     [[nodiscard]] constexpr int plate_gap() const noexcept { return joint_gap() + 2; }
-    [[nodiscard]] constexpr int count() const noexcept { return relative ? plate_gap() + 2 : tip(tips_per_link); }
+    [[nodiscard]] constexpr int count() const noexcept { return plate_gap() + 2; }
 };
 
-template <class Number>
-struct ContactFieldOf {
-    explicit ContactFieldOf(const ChainModel& chain);
+struct ContactField {
+    explicit ContactField(const ChainModel& chain);
     /// As many columns, of contacts that have never touched.
     void make_columns(int count);
 
     [[nodiscard]] std::size_t bytes() const noexcept { return columns.bytes() + arms.bytes(); }
 
     ContactComponents components;
-    ColumnsOf<Number> columns;
+    FloatColumns columns;
     Columns arms;  ///< [3 tips_per_link] rows: from a sheave's origin to the contact point of each tip, x, y, z, of links that touch [m]
 };
-using ContactField = ContactFieldOf<double>;
 
 /// Mean friction of the tips over a step, as the sheaves feel it. Everything begins at the first link.
-template <class Number>
-struct TipReactionsOf {
-    const Number* forces;  ///< on the tips: [3 tips_per_link][stride] x, y, z of each [N]
+struct TipReactions {
+    const float* forces;  ///< on the tips: [3 tips_per_link][stride] x, y, z of each [N]
     std::ptrdiff_t stride;
-    const double* arms;  ///< ContactFieldOf::arms, [3 tips_per_link][arms_stride] [m]
+    const double* arms;  ///< ContactField::arms, [3 tips_per_link][arms_stride] [m]
     std::ptrdiff_t arms_stride;
     const Phase* phases;     ///< [4 links]
     const LinkLoad* normal;  ///< [links] by the normal forces
@@ -84,12 +80,12 @@ struct TipSearch {
     bool suspect = false;                  ///< some link may be beyond a limit; out
 };
 
-/// Output of the pass over links for friction in single precision.
-struct SinglePrecisionRecord {
+/// Output of the pass over links that records contacts.
+struct ContactRecord {
     const double* states;  ///< [unknowns] at the step's beginning, of the range's first link on
-    ContactFieldOf<float>& field;
-    ColumnsOf<float>& frictionless;  ///< accelerations by everything but friction [m/s², rad/s²]
-    ColumnsOf<float>& velocity;      ///< at the step's beginning, counted from those at which contacts are recorded [m/s, rad/s]
+    ContactField& field;
+    FloatColumns& frictionless;  ///< accelerations by everything but friction [m/s², rad/s²]
+    FloatColumns& velocity;      ///< at the step's beginning, counted from those at which contacts are recorded [m/s, rad/s]
 };
 
 }  // namespace cvtflow::model

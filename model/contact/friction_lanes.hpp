@@ -11,16 +11,16 @@ namespace cvtflow::model {
 namespace {
 
 /// product = inverse force: `size` modes of the rear pin, then those of the front pin.
-template <int size, class Number, class V>
-inline void multiply_ends(const MirroredInverseOf<Number>& inverse, const V* force, V* product) noexcept {
+template <int size, class V>
+inline void multiply_ends(const MirroredInverse<float>& inverse, const V* force, V* product) noexcept {
     V both[size], apart[size];
     for (int m = 0; m < size; ++m) {
         both[m] = force[m] + force[size + m];
         apart[m] = force[m] - force[size + m];
     }
     for (int m = 0; m < size; ++m) {
-        const Number* sum = inverse.sum.data() + m * max_lateral;
-        const Number* difference = inverse.difference.data() + m * max_lateral;
+        const float* sum = inverse.sum.data() + m * max_lateral;
+        const float* difference = inverse.difference.data() + m * max_lateral;
         V together = sum[m % 2] * both[m % 2], opposed = difference[m % 2] * apart[m % 2];
         for (int k = m % 2 + 2; k < size; k += 2) {
             together += sum[k] * both[k];
@@ -31,19 +31,16 @@ inline void multiply_ends(const MirroredInverseOf<Number>& inverse, const V* for
     }
 }
 
-/// W links side by side, in single precision if W is single: velocities then count from those at which contacts were recorded. Column
-/// numbers count from the first link of the range.
+/// W links side by side; velocities count from those at which contacts were recorded, column numbers from the first link of the range.
 template <int P, int W, bool AllSticking>
 class FrictionLanes : protected FrictionTips<P, W, AllSticking> {
     using Base = FrictionTips<P, W, AllSticking>;
 
 protected:
-    using Base::velocity, Base::contact, Base::in_scratch, Base::to_scratch, Base::links_at, Base::counts_from_recorded, Base::field_,
-        Base::range_, Base::numbers_;
+    using Base::velocity, Base::contact, Base::in_scratch, Base::to_scratch, Base::links_at, Base::field_, Base::range_, Base::numbers_;
 
 public:
     using V = Lanes<W>;
-    using Number = NumberOf<W>;
     using Joint = ContactComponents::Joint;
     static constexpr int n = P + 1;
     /// Rows of a joint's force: x_0…x_p, y_0…y_p, z, e, moment before, moment after.
@@ -63,7 +60,7 @@ public:
     }
 
     /// Slopes of links first + group … + W - 1; their joints must be in scratch.
-    void links(int group, const FrictionStageOf<Number>& stage) const noexcept {
+    void links(int group, const FrictionStage& stage) const noexcept {
         V f[link_layout<P>.link_size()];
         add_joints(group, f);
         V moment = in_scratch(2 * n + 3, group) + in_scratch(2 * n + 2, group + 1);
@@ -87,7 +84,7 @@ protected:
         }
         rates.z = velocity(link_layout<P>.z(End::front), group - 1) - velocity(link_layout<P>.z(End::rear), group);
         rates.e = velocity(link_layout<P>.e(End::front), group - 1) - velocity(link_layout<P>.e(End::rear), group);
-        if constexpr (counts_from_recorded) {
+        if constexpr (!AllSticking) {
             rates.z += contact(field_.components.joint_gap(), group);
             rates.e += contact(field_.components.joint_gap() + 1, group);
         }
@@ -100,7 +97,7 @@ protected:
     [[nodiscard]] std::pair<V, V> plate_rates(int group) const noexcept {
         V z = velocity(link_layout<P>.z(End::front), group) - velocity(link_layout<P>.z(End::rear), group);
         V e = velocity(link_layout<P>.e(End::front), group) - velocity(link_layout<P>.e(End::rear), group);
-        if constexpr (counts_from_recorded) {
+        if constexpr (!AllSticking) {
             z += contact(field_.components.plate_gap(), group);
             e += contact(field_.components.plate_gap() + 1, group);
         }
@@ -127,7 +124,7 @@ protected:
         const int row = field_.components.joint(g);
         const V slip = contact(row + Joint::normal_x, group) * y - contact(row + Joint::normal_y, group) * x +
                        rates.before * contact(row + Joint::lever_before, group) + rates.after * contact(row + Joint::lever_after, group);
-        if constexpr (counts_from_recorded) return slip + contact(field_.components.sliding(g), group);
+        if constexpr (!AllSticking) return slip + contact(field_.components.sliding(g), group);
         return slip;
     }
 
@@ -145,7 +142,7 @@ protected:
     /// Points g and count - 1 - g, at ξ and -ξ.
     void mirrored_points(int group, int g, const JointRates& rates, V* force) const noexcept {
         const int h = field_.components.joint_points - 1 - g;
-        const Number xi = numbers_.joint_position[static_cast<std::size_t>(g)];
+        const float xi = numbers_.joint_position[static_cast<std::size_t>(g)];
         const Halves x = halves_at(rates.x, g), y = halves_at(rates.y, g);
         const V slip_g = slip_of(group, g, x.even + x.odd, y.even + y.odd, rates),
                 slip_h = slip_of(group, h, x.even - x.odd, y.even - y.odd, rates);
@@ -179,7 +176,7 @@ protected:
         if constexpr (n > 3) modes[3] += basis(3, g) * difference;
     }
 
-    [[nodiscard]] Number basis(int m, int point) const noexcept {
+    [[nodiscard]] float basis(int m, int point) const noexcept {
         return numbers_.joint_basis[static_cast<std::size_t>(m)][static_cast<std::size_t>(point)];
     }
 
@@ -210,7 +207,7 @@ protected:
         const auto [gap_z, gap_e] = plate_rates(group);
         V fz(0.0), fe(0.0);
         for (int j = 0; j < field_.components.plates; ++j) {
-            const Number xi = numbers_.plate_position[static_cast<std::size_t>(j)];
+            const float xi = numbers_.plate_position[static_cast<std::size_t>(j)];
             const V sliding = gap_z + xi * gap_e;
             const V slide = contact(field_.components.plate(j), group) * sliding_share<W, AllSticking>(numbers_.plate, sliding);
             fz += slide;
@@ -230,7 +227,7 @@ protected:
         return any != 0;
     }
 
-    void tips(int group, V* f, V& moment, const FrictionStageOf<Number>& stage) const noexcept {
+    void tips(int group, V* f, V& moment, const FrictionStage& stage) const noexcept {
         const V turn = turning(group);
         for (const End end : {End::rear, End::front}) {
             const AxisRows rows{link_layout<P>.x(end, 0), link_layout<P>.y(end, 0), link_layout<P>.z(end)};
@@ -257,7 +254,7 @@ protected:
 
     /// Rows row … row + 2 size - 1: `size` modes of the rear pin, then of the front pin.
     template <int size, class Sink>
-    static void accelerate_ends(const MirroredInverseOf<Number>& inverse, const V* force, int row, const Sink& to) noexcept {
+    static void accelerate_ends(const MirroredInverse<float>& inverse, const V* force, int row, const Sink& to) noexcept {
         V product[2 * size];
         multiply_ends<size>(inverse, force, product);
         for (int k = 0; k < 2 * size; ++k) to.put(row + k, product[k]);
@@ -265,12 +262,12 @@ protected:
 };
 
 /// Slopes of the links of a range: their joints, then the links.
-template <class Number, int P, bool AllSticking>
-void evaluate_links(const FrictionOperator& friction, const ContactFieldOf<Number>& field, const FrictionRangeOf<Number>& range,
-                    const FrictionStageOf<Number>& stage) noexcept {
+template <int P, bool AllSticking>
+void evaluate_links(const FrictionOperator& friction, const ContactField& field, const FrictionRange& range,
+                    const FrictionStage& stage) noexcept {
     const int links = range.last - range.first;
-    over_groups<Number>(0, links + 1, [&]<int W>(int group) { FrictionLanes<P, W, AllSticking>(friction, field, range).joints(group); });
-    over_groups<Number>(0, links, [&]<int W>(int group) { FrictionLanes<P, W, AllSticking>(friction, field, range).links(group, stage); });
+    over_groups(0, links + 1, [&]<int W>(int group) { FrictionLanes<P, W, AllSticking>(friction, field, range).joints(group); });
+    over_groups(0, links, [&]<int W>(int group) { FrictionLanes<P, W, AllSticking>(friction, field, range).links(group, stage); });
 }
 
 }  // namespace

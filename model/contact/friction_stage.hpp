@@ -9,51 +9,45 @@
 
 namespace cvtflow::model {
 
-template <class Number>
-struct FrictionRangeOf {
-    int first, last;         ///< links [first, last)
-    const Number* velocity;  ///< [link_size()][stride] of links first - 1 … last
-    std::ptrdiff_t stride;   ///< of velocity
-    Number* scratch;         ///< FrictionOperator::scratch_size<Number>(last - first) [m/s, N]
-    const Phase* phases;     ///< [links * 4], of the whole chain
-    double time;             ///< of the velocities, from the middle of the step, in steps [1]
-    int shift = 1;           ///< column of a link in all fields but velocity: its number + shift
+struct FrictionRange {
+    int first, last;        ///< links [first, last)
+    const float* velocity;  ///< [link_size()][stride] of links first - 1 … last
+    std::ptrdiff_t stride;  ///< of velocity
+    float* scratch;         ///< FrictionOperator::scratch_size(last - first) [m/s, N]
+    const Phase* phases;    ///< [links * 4], of the whole chain
+    double time;            ///< of the velocities, from the middle of the step, in steps [1]
+    int shift = 1;          ///< column of a link in all fields but velocity: its number + shift
 };
-using FrictionRange = FrictionRangeOf<double>;
 
 /// Accelerations by everything but friction, linear in time: now + extrapolation (now - before). Columns over links (column = link + 1).
-template <class Number>
-struct FrictionBaseOf {
-    const ColumnsOf<Number>* now;
-    const ColumnsOf<Number>* before;
+struct FrictionBase {
+    const FloatColumns* now;
+    const FloatColumns* before;
     double extrapolation;  ///< share of the change since the last step [1]
 };
 
 /// Velocities that a table combines from others and from the slope just evaluated: Σ weight from + slope_weight slope, in this order.
-template <class Number>
-struct VelocityRowOf {
+struct VelocityRow {
     static constexpr std::size_t max_terms = 4;
-    std::array<const ColumnsOf<Number>*, max_terms> from{};
+    std::array<const FloatColumns*, max_terms> from{};
     std::array<double, max_terms> weight{};  ///< [1]
     std::size_t terms = 0;
-    double slope_weight = 0.0;        ///< [s]
-    ColumnsOf<Number>* to = nullptr;  ///< none of `from`, nor the columns evaluated
+    double slope_weight = 0.0;   ///< [s]
+    FloatColumns* to = nullptr;  ///< none of `from`, nor the columns evaluated
 
     /// factor [1]
-    void add(const ColumnsOf<Number>& columns, double factor) noexcept {
+    void add(const FloatColumns& columns, double factor) noexcept {
         from[terms] = &columns;
         weight[terms++] = factor;
     }
 };
-using VelocityRow = VelocityRowOf<double>;
 
 /// Links at the end of a leapfrog's step, by the velocities that friction has left. Everything begins at the first link, and blocks [q | v]
 /// of links follow one another.
-template <class Number>
-struct StepEndOf {
-    const Number* velocity;      ///< at the end: [link_size()][stride]
+struct StepEnd {
+    const float* velocity;       ///< at the end: [link_size()][stride]
     std::ptrdiff_t stride;       ///< of velocity
-    const double* counted_from;  ///< blocks; velocities in single precision count from theirs
+    const double* counted_from;  ///< blocks; velocities count from theirs
     const double* start;         ///< blocks at the step's start
     double* end;                 ///< blocks at its end: coordinates by the mean of the velocities at both
     double* secants;             ///< blocks of slopes: velocities at the end, mean accelerations; nullptr: none
@@ -63,14 +57,12 @@ struct StepEndOf {
 
 /// Purpose of an evaluation of friction: its slopes alone, or a row of a table. Columns over links (column = link + 1), all of the same
 /// shape.
-template <class Number>
-struct FrictionStageOf {
-    const FrictionBaseOf<Number>* base = nullptr;
-    ColumnsOf<Number>* slope = nullptr;            ///< may be absent from a row
-    const VelocityRowOf<Number>* next = nullptr;   ///< with base, or neither
-    double weight = 0.0;                           ///< of the tips' forces in their means [1]
-    ColumnsOf<Number>* mean_tip_forces = nullptr;  ///< [3 tips_per_link] rows: x, y, z of each tip
+struct FrictionStage {
+    const FrictionBase* base = nullptr;
+    FloatColumns* slope = nullptr;            ///< may be absent from a row
+    const VelocityRow* next = nullptr;        ///< with base, or neither
+    double weight = 0.0;                      ///< of the tips' forces in their means [1]
+    FloatColumns* mean_tip_forces = nullptr;  ///< [3 tips_per_link] rows: x, y, z of each tip
 };
-using FrictionStage = FrictionStageOf<double>;
 
 }  // namespace cvtflow::model

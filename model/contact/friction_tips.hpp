@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <type_traits>
 #include <utility>
 
 #include "model/basis/lanes.hpp"
@@ -19,7 +18,7 @@ namespace {
 /// @tparam W number of lanes, of which `lanes` represent links
 template <int W>
 struct SlopeSink {
-    NumberOf<W>* slope;  ///< [m/s², rad/s²]
+    float* slope;  ///< [m/s², rad/s²]
     std::ptrdiff_t stride;
     int lanes;
 
@@ -30,21 +29,19 @@ struct SlopeSink {
 template <int W, std::size_t Terms>
 class RowSink {
 public:
-    using Number = NumberOf<W>;
-
     /// @param lanes that represent links
-    RowSink(const FrictionStageOf<Number>& stage, const VelocityRowOf<Number>& next, int column, int lanes) noexcept
+    RowSink(const FrictionStage& stage, const VelocityRow& next, int column, int lanes) noexcept
         : now_(stage.base->now->at(0, column)),
           before_(stage.base->before->at(0, column)),
-          extrapolation_(static_cast<Number>(stage.base->extrapolation)),
-          slope_weight_(static_cast<Number>(next.slope_weight)),
+          extrapolation_(static_cast<float>(stage.base->extrapolation)),
+          slope_weight_(static_cast<float>(next.slope_weight)),
           slope_(stage.slope != nullptr ? stage.slope->at(0, column) : nullptr),
           to_(next.to->at(0, column)),
           stride_(next.to->stride()),
           lanes_(lanes) {
         for (std::size_t k = 0; k < Terms; ++k) {
             from_[k] = next.from[std::min(k, next.terms - 1)]->at(0, column);
-            weight_[k] = static_cast<Number>(k < next.terms ? next.weight[k] : 0.0);
+            weight_[k] = static_cast<float>(k < next.terms ? next.weight[k] : 0.0);
         }
     }
 
@@ -59,23 +56,22 @@ public:
     }
 
 private:
-    const Number *now_, *before_;          ///< forces of the base [m/s², rad/s²]
-    Number extrapolation_, slope_weight_;  ///< [1], [s]
-    Number *slope_, *to_;                  ///< accelerations and velocities [m/s², m/s]
+    const float *now_, *before_;          ///< forces of the base [m/s², rad/s²]
+    float extrapolation_, slope_weight_;  ///< [1], [s]
+    float *slope_, *to_;                  ///< accelerations and velocities [m/s², m/s]
     std::ptrdiff_t stride_;
     int lanes_;
-    std::array<const Number*, Terms> from_;
-    std::array<Number, Terms> weight_;  ///< [1]
+    std::array<const float*, Terms> from_;
+    std::array<float, Terms> weight_;  ///< [1]
 };
 
 template <int W>
 class FrictionColumns {
 protected:
     using V = Lanes<W>;
-    using Number = NumberOf<W>;
 
-    FrictionColumns(const ContactFieldOf<Number>& field, const FrictionRangeOf<Number>& range) noexcept
-        : field_(field), range_(range), scratch_stride_(FrictionOperator::joint_stride<Number>(range.last - range.first)) {}
+    FrictionColumns(const ContactField& field, const FrictionRange& range) noexcept
+        : field_(field), range_(range), scratch_stride_(FrictionOperator::joint_stride(range.last - range.first)) {}
 
     [[nodiscard]] int column(int group) const noexcept { return range_.first + group + range_.shift; }
     [[nodiscard]] V velocity(int row, int group) const noexcept { return load<W>(range_.velocity + row * range_.stride + group + 1); }
@@ -88,16 +84,16 @@ protected:
     [[nodiscard]] int links_at(int group) const noexcept { return std::min(lane_count<W>, range_.last - range_.first - group); }
 
     /// Adds to a row of the range's links; columns beside them are others'.
-    void add(int group, const V& lanes, ColumnsOf<Number>& columns, int row) const noexcept {
-        Number* to = columns.at(row, column(group));
+    void add(int group, const V& lanes, FloatColumns& columns, int row) const noexcept {
+        float* to = columns.at(row, column(group));
         if (links_at(group) == lane_count<W>) return (load<W>(to) + lanes).copy_to(to);
-        Number sum[static_cast<std::size_t>(lane_count<W>)] = {};
+        float sum[static_cast<std::size_t>(lane_count<W>)] = {};
         std::copy_n(to, links_at(group), sum);
         store_first<W>(load<W>(sum) + lanes, to, links_at(group));
     }
 
-    const ContactFieldOf<Number>& field_;
-    const FrictionRangeOf<Number>& range_;
+    const ContactField& field_;
+    const FrictionRange& range_;
 
 private:
     std::ptrdiff_t scratch_stride_;
@@ -105,13 +101,11 @@ private:
 
 /// Calls body<W>(first) for groups of W that cover [first, last): two vectors side by side as long as there is something for more than one;
 /// the last group's lanes reach beyond the range.
-template <class Number, class Body>
+template <class Body>
 inline void over_groups(int first, int last, const Body& body) noexcept {
-    constexpr bool single = std::is_same_v<Number, float>;
-    constexpr int native = single ? native_floats : native_lanes, most = std::min(ColumnsOf<Number>::line, 2 * native);
-    constexpr int narrow = single ? singles<native> : native, wide = single ? singles<most> : most;
+    constexpr int most = std::min(FloatColumns::line, 2 * native_floats), narrow = singles<native_floats>, wide = singles<most>;
     int group = first;
-    for (; last - group > native; group += most) body.template operator()<wide>(group);
+    for (; last - group > native_floats; group += most) body.template operator()<wide>(group);
     if (group < last) body.template operator()<narrow>(group);
 }
 
@@ -133,25 +127,22 @@ struct AxisRows {
     int x, y, z;
 };
 
-/// W axes side by side, in single precision if W is single: velocities then count from those at which contacts were recorded.
+/// W axes side by side; velocities count from those at which contacts were recorded.
 template <int P, int W, bool AllSticking>
 class FrictionTips : protected FrictionColumns<W> {
     using Base = FrictionColumns<W>;
 
 public:
     using V = Lanes<W>;
-    using Number = NumberOf<W>;
 
-    FrictionTips(const FrictionOperator& friction, const ContactFieldOf<Number>& field, const FrictionRangeOf<Number>& range) noexcept
-        : Base(field, range), friction_(friction), numbers_(friction.numbers<Number>()) {}
+    FrictionTips(const FrictionOperator& friction, const ContactField& field, const FrictionRange& range) noexcept
+        : Base(field, range), friction_(friction), numbers_(friction.numbers()) {}
 
 protected:
     using Tip = ContactComponents::Tip;
     using Base::column, Base::velocity, Base::contact, Base::in_scratch, Base::to_scratch, Base::links_at, Base::add, Base::field_,
         Base::range_;
     static constexpr int n = P + 1;
-    /// Friction about rest has no velocities to count from.
-    static constexpr bool counts_from_recorded = is_single<W> && !AllSticking;
 
     /// Velocities of the axis in some rows at its tips.
     [[nodiscard]] AtTips<V> tip_velocities(int group, const AxisRows& rows) const noexcept {
@@ -183,7 +174,7 @@ protected:
         v.x = v.x - turn * contact(row + Tip::lever_y, group);
         v.y = v.y + turn * contact(row + Tip::lever_x, group);
         if constexpr (!AllSticking) {
-            const auto time = static_cast<Number>(range_.time);
+            const auto time = static_cast<float>(range_.time);
             v.x = v.x - contact(row + Tip::sheave, group) - time * contact(row + Tip::drift, group);
             v.y = v.y - contact(row + Tip::sheave + 1, group) - time * contact(row + Tip::drift + 1, group);
             v.z = v.z - contact(row + Tip::sheave + 2, group) - time * contact(row + Tip::drift + 2, group);
@@ -211,9 +202,9 @@ protected:
     }
 
     /// Adds them to the mean forces of tips `low` and low + 1, if those are requested.
-    void add_mean_tip_forces(int group, int low, const AtTips<V>& tips, const FrictionStageOf<Number>& stage) const noexcept {
+    void add_mean_tip_forces(int group, int low, const AtTips<V>& tips, const FrictionStage& stage) const noexcept {
         if (stage.mean_tip_forces == nullptr) return;
-        const auto weight = static_cast<Number>(stage.weight);
+        const auto weight = static_cast<float>(stage.weight);
         int row = 3 * low;
         for (const AtTip<V>* tip : {&tips.low, &tips.high}) {
             add(group, weight * tip->x, *stage.mean_tip_forces, row++);
@@ -224,14 +215,14 @@ protected:
 
     /// Calls give(sink) with where accelerations of a group go.
     template <class Give>
-    void with_sink(int group, const FrictionStageOf<Number>& stage, const Give& give) const noexcept {
+    void with_sink(int group, const FrictionStage& stage, const Give& give) const noexcept {
         if (stage.next == nullptr) return give(SlopeSink<W>{stage.slope->at(0, column(group)), stage.slope->stride(), links_at(group)});
         if (stage.next->terms <= 2) return give(RowSink<W, 2>(stage, *stage.next, column(group), links_at(group)));
         give(RowSink<W, VelocityRow::max_terms>(stage, *stage.next, column(group), links_at(group)));
     }
 
     const FrictionOperator& friction_;
-    const FrictionNumbers<Number>& numbers_;
+    const FrictionNumbers& numbers_;
 
 private:
     [[nodiscard]] AtTip<V> force(int group, int corner, const AtTip<V>& slip, const V& factor, V& moment) const noexcept {

@@ -14,17 +14,17 @@ class SweepForces : protected FrictionLanes<P, W, false> {
     using Base = FrictionLanes<P, W, false>;
 
 public:
-    using typename Base::Number, typename Base::V;
+    using typename Base::V;
 
     /// @param kept_forces [SweepRows::count()] rows
-    SweepForces(const FrictionOperator& friction, const ContactFieldOf<Number>& field, const FrictionRangeOf<Number>& range,
-                const ColumnsOf<Number>& kept_forces) noexcept
+    SweepForces(const FrictionOperator& friction, const ContactField& field, const FrictionRange& range,
+                const FloatColumns& kept_forces) noexcept
         : Base(friction, field, range), rows_{field.components.joint_points}, kept_forces_(kept_forces) {}
 
     /// Powers of links first + group … + W - 1, at the velocities of the range. powers [links of the range]
     void powers(int group, FrictionPowers* powers) const noexcept {
         const int lanes = Base::links_at(group);
-        Number of_kind[3][static_cast<std::size_t>(lane_count<W>)];
+        float of_kind[3][static_cast<std::size_t>(lane_count<W>)];
         joint_power(group).copy_to(of_kind[0]);
         plate_power(group).copy_to(of_kind[1]);
         tip_power(group).copy_to(of_kind[2]);  // a tip may have lifted at the step's end
@@ -91,14 +91,14 @@ private:
         return -sum;
     }
 
-    const ColumnsOf<Number>& kept_forces_;
+    const FloatColumns& kept_forces_;
 };
 
-template <class Number, int P>
-void sweep_powers(const FrictionOperator& friction, const ContactFieldOf<Number>& field, const FrictionRangeOf<Number>& range,
-                  const ColumnsOf<Number>& kept, FrictionPowers* powers) noexcept {
-    over_groups<Number>(0, range.last - range.first,
-                        [&]<int W>(int group) { SweepForces<P, W>(friction, field, range, kept).powers(group, powers); });
+template <int P>
+void sweep_powers(const FrictionOperator& friction, const ContactField& field, const FrictionRange& range, const FloatColumns& kept,
+                  FrictionPowers* powers) noexcept {
+    over_groups(0, range.last - range.first,
+                [&]<int W>(int group) { SweepForces<P, W>(friction, field, range, kept).powers(group, powers); });
 }
 
 /// W links side by side; column numbers count from the first link of the range.
@@ -110,10 +110,9 @@ class SweepLanes : private SweepForces<P, W> {
     using typename Base::JointRates, typename Base::Joint, typename Base::Tip;
 
 public:
-    using typename Base::Number, typename Base::V;
+    using typename Base::V;
 
-    SweepLanes(const FrictionOperator& friction, const ContactFieldOf<Number>& field, const FrictionRangeOf<Number>& range,
-               const FrictionSweepOf<Number>& sweep) noexcept
+    SweepLanes(const FrictionOperator& friction, const ContactField& field, const FrictionRange& range, const FrictionSweep& sweep) noexcept
         : Base(friction, field, range, *sweep.kept), sweep_(sweep), responses_(*sweep.responses) {}
 
     /// Joint of the rear pins of links first + group … + W - 1, its force to scratch.
@@ -250,7 +249,7 @@ private:
     }
 
     /// Velocities after forces have acted over the step. @param to velocities so far, or the result
-    void accelerate(int group, const V* f, ColumnsOf<Number>& to) const noexcept {
+    void accelerate(int group, const V* f, FloatColumns& to) const noexcept {
         V change[link_layout<P>.link_size()];
         respond(f, change);
         for (int row = 0; row < link_layout<P>.link_size(); ++row) {
@@ -289,7 +288,7 @@ private:
         const V z = kept_row(rows_.plate_rate(), group), tilt = kept_row(rows_.plate_rate() + 1, group),
                 slowest(numbers_.plate.saturation_speed);
         const auto add = [&](int plate, const V& inverse_speed) {
-            const Number xi = numbers_.plate_position[static_cast<std::size_t>(plate)];
+            const float xi = numbers_.plate_position[static_cast<std::size_t>(plate)];
             const V secant = contact(field_.components.plate(plate), group) * inverse_speed, lever = xi * secant;
             a += secant;
             b += lever;
@@ -369,17 +368,17 @@ private:
         }
     }
 
-    const FrictionSweepOf<Number>& sweep_;
-    const SweepResponses<Number>& responses_;
+    const FrictionSweep& sweep_;
+    const SweepResponses& responses_;
 };
 
 /// A pass over the links of a range: their joints, then the links.
-template <class Number, int P>
-void sweep_links(const FrictionOperator& friction, const ContactFieldOf<Number>& field, const FrictionRangeOf<Number>& range,
-                 const FrictionSweepOf<Number>& sweep) noexcept {
+template <int P>
+void sweep_links(const FrictionOperator& friction, const ContactField& field, const FrictionRange& range,
+                 const FrictionSweep& sweep) noexcept {
     const int links = range.last - range.first;
-    over_groups<Number>(0, links + 1, [&]<int W>(int group) { SweepLanes<P, W>(friction, field, range, sweep).joints(group); });
-    over_groups<Number>(0, links, [&]<int W>(int group) { SweepLanes<P, W>(friction, field, range, sweep).links(group); });
+    over_groups(0, links + 1, [&]<int W>(int group) { SweepLanes<P, W>(friction, field, range, sweep).joints(group); });
+    over_groups(0, links, [&]<int W>(int group) { SweepLanes<P, W>(friction, field, range, sweep).links(group); });
 }
 
 }  // namespace

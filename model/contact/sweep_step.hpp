@@ -35,20 +35,19 @@ struct SweepRows {
 };
 
 /// Responses of a contact's sliding to forces over a step.
-template <class Number>
 struct SweepResponses {
     /// @param step h [s]   @param nominal what a step takes that nothing cuts short: contacts respond as if this were its length [s]
     SweepResponses(const FrictionOperator& friction, double step, double nominal) noexcept;
 
-    Number step;                                                                   ///< h [s]
-    std::array<Number, max_joint_lanes> joint_across{}, joint_along{};             ///< of a point to its own force [m/s per N]
-    std::array<std::array<Number, max_lateral>, max_joint_lanes> joint_lateral{};  ///< of a joint's modes to the force at a point
-    Number joint_shift;                                                            ///< of its z to an axial force
-    std::array<Number, max_joint_lanes> joint_tilt{};                              ///< of its e to the axial force at a point
-    Number tip;                      ///< of a tip to forces at all tips of its link, each as large as its own
-    Number plate_shift, plate_tilt;  ///< of the plates' z and e to their force and moment
-    Number link_shift, link_tilt;    ///< of either end's z and e to the plates' force and moment, over the present step
-    double of_step, of_nominal;      ///< arguments that they were made from [s]
+    float step;                                                                   ///< h [s]
+    std::array<float, max_joint_lanes> joint_across{}, joint_along{};             ///< of a point to its own force [m/s per N]
+    std::array<std::array<float, max_lateral>, max_joint_lanes> joint_lateral{};  ///< of a joint's modes to the force at a point
+    float joint_shift;                                                            ///< of its z to an axial force
+    std::array<float, max_joint_lanes> joint_tilt{};                              ///< of its e to the axial force at a point
+    float tip;                      ///< of a tip to forces at all tips of its link, each as large as its own
+    float plate_shift, plate_tilt;  ///< of the plates' z and e to their force and moment
+    float link_shift, link_tilt;    ///< of either end's z and e to the plates' force and moment, over the present step
+    double of_step, of_nominal;     ///< arguments that they were made from [s]
 };
 
 /// Which part of a step.
@@ -59,17 +58,16 @@ enum class SweepPart {
 };
 
 /// One pass over joints and links. Columns over links (column = link + range.shift), all of the same shape.
-template <class Number>
-struct FrictionSweepOf {
+struct FrictionSweep {
     SweepPart part;
-    Number ahead;  ///< share of the forces' last change with which the next step begins [1]
-    const SweepResponses<Number>* responses;
-    const ColumnsOf<Number>*base, *start;  ///< accelerations by everything but friction; velocities at the step's start
-    const ColumnsOf<Number>* before;       ///< [SweepRows::count()] rows, as the step before has left them
-    ColumnsOf<Number>* kept;               ///< the same of this step
-    ColumnsOf<Number>* velocity;           ///< so far; those of the range
-    ColumnsOf<Number>* result;             ///< at the end
-    ColumnsOf<Number>* mean_tip_forces;    ///< [3 tips_per_link] rows: mean force on each tip, x, y, z [N]
+    float ahead;  ///< share of the forces' last change with which the next step begins [1]
+    const SweepResponses* responses;
+    const FloatColumns *base, *start;  ///< accelerations by everything but friction; velocities at the step's start
+    const FloatColumns* before;        ///< [SweepRows::count()] rows, as the step before has left them
+    FloatColumns* kept;                ///< the same of this step
+    FloatColumns* velocity;            ///< so far; those of the range
+    FloatColumns* result;              ///< at the end
+    FloatColumns* mean_tip_forces;     ///< [3 tips_per_link] rows: mean force on each tip, x, y, z [N]
 };
 
 /// Power that friction takes from a link, with the joint of its rear pin, by kind [W].

@@ -20,12 +20,12 @@ namespace {
 struct NoContacts {
     using Books = NoBooks;
     using PointBooks = NoBooks;
-    static constexpr bool recorded = false, relative = false;
+    static constexpr bool recorded = false;
     static constexpr TipSearch* search() noexcept { return nullptr; }
     [[nodiscard]] static int rows(int, int) noexcept { return 0; }
 };
 
-/// Where the numbers of W links go in rows of columns; lanes first … last - 1 represent links.
+/// Where the numbers of W links go in rows of columns, of doubles or of floats; lanes first … last - 1 represent links.
 template <int W, class Number>
 struct GroupRows {
     Number* to;  ///< row 0, lane 0
@@ -46,32 +46,26 @@ private:
         store(lanes, buffer);
         if (first < last) std::copy_n(buffer + first, last - first, place + first);
     }
-    static void store(const Lanes<W>& lanes, Number* place) noexcept {
-        if constexpr (std::is_same_v<Number, float>) {
-            store_rounded<W>(lanes, place);
-        } else {
-            lanes.copy_to(place);
-        }
-    }
+    static void store(const Lanes<W>& lanes, float* place) noexcept { store_rounded<W>(lanes, place); }
+    static void store(const Lanes<W>& lanes, double* place) noexcept { lanes.copy_to(place); }
 };
 
 /// Groups of W links; `group` counts from the range's first, `count` of the lanes represent links. Lanes outside the range are left out.
-/// @tparam Number float: velocities count from those of the links that are passed over
-template <int P, int W, class Number = double>
+template <int P, int W>
 class ContactWriter {
 public:
     using V = Lanes<W>;
     using Joint = ContactComponents::Joint;
     using Tip = ContactComponents::Tip;
-    using Rows = GroupRows<W, Number>;
+    using Rows = GroupRows<W, float>;
     using Books = NoBooks;
     using PointBooks = NoBooks;
-    static constexpr bool recorded = true, relative = std::is_same_v<Number, float>;
+    static constexpr bool recorded = true;
 
     /// @param real coefficients with friction in them   @param search nullptr: tips touch as the range's phases state
-    ContactWriter(const Coefficients& real, const ChainRange& range, const ContactDrift& drift, bool by_phase,
-                  ContactFieldOf<Number>& field, ColumnsOf<Number>& frictionless, TipSearch* search) noexcept
-        : c_(real), range_(range), drift_(drift), by_phase_(by_phase), field_(field), frictionless_(frictionless), search_(search) {}
+    ContactWriter(const Coefficients& real, const ChainRange& range, const ContactDrift& drift, bool by_phase, const ContactRecord& to,
+                  TipSearch* search) noexcept
+        : c_(real), range_(range), drift_(drift), by_phase_(by_phase), field_(to.field), to_(to), search_(search) {}
 
     [[nodiscard]] TipSearch* search() const noexcept { return search_; }
 
@@ -93,7 +87,7 @@ public:
         to.put(row + Joint::lever_before, m.lever_before);
         to.put(row + Joint::lever_after, m.lever_after);
         to.put(row + Joint::friction_limit, c_.joint.friction.coefficient * normal);
-        if constexpr (relative) to.put(field_.components.sliding(point), m.slip);
+        to.put(field_.components.sliding(point), m.slip);
     }
 
     /// How fast the gap of a joint opens, and that between the pins of a link.
@@ -136,8 +130,21 @@ public:
 
     /// Accelerations of a group, rows of the coordinates.
     void accelerations(int group, int count, const V* rows) const noexcept {
-        const Rows to = rows_of(frictionless_, group, count);
+        const Rows to = rows_of(to_.frictionless, group, count);
         for (int row = 0; row < link_layout<P>.link_size(); ++row) to.put(row, rows[row]);
+    }
+
+    /// Velocities at the step's beginning, counted from those passed over. @param v of these, rows of the coordinates
+    void velocities(int group, int count, const V* v) const noexcept {
+        constexpr int size = link_layout<P>.link_size(), block = 2 * size;
+        constexpr int rows = (size + W - 1) / W * W;  // the last of a block: velocities, and some coordinates before them
+        std::array<const double*, W> from;
+        for (int lane = 0; lane < W; ++lane)
+            from[static_cast<std::size_t>(lane)] = to_.states + (group + std::min(lane, count - 1) + 1) * block - rows;
+        std::array<V, rows> begin;
+        load_rows<W, rows>(from, begin.data());
+        const Rows to = rows_of(to_.velocity, group, count);
+        for (int row = 0; row < size; ++row) to.put(row, begin[static_cast<std::size_t>(rows - size + row)] - v[row]);
     }
 
     /// Ghost columns, one on each side of the chain's, where the range holds the link that they repeat.
@@ -173,9 +180,9 @@ protected:
         const V cx = change(&SheaveMotion::spin_x), cy = change(&SheaveMotion::spin_y), cz = change(&SheaveMotion::spin_z);
         const double h = drift_.step;
         const int row = field_.components.tip(corner);
-        to.put(row + Tip::sheave, relative ? -m.material.x : s.vx + x);
-        to.put(row + Tip::sheave + 1, relative ? -m.material.y : s.vy + y);
-        to.put(row + Tip::sheave + 2, relative ? -m.material.z : s.vz + z);
+        to.put(row + Tip::sheave, -m.material.x);
+        to.put(row + Tip::sheave + 1, -m.material.y);
+        to.put(row + Tip::sheave + 2, -m.material.z);
         to.put(row + Tip::drift, change(&SheaveMotion::vx) + cy * p.z - cz * p.y + h * (s.spin_y * z - s.spin_z * y));
         to.put(row + Tip::drift + 1, change(&SheaveMotion::vy) + cz * p.x - cx * p.z + h * (s.spin_z * x - s.spin_x * z));
         to.put(row + Tip::drift + 2, change(&SheaveMotion::vz) + cx * p.y - cy * p.x + h * (s.spin_x * y - s.spin_y * x));
@@ -188,10 +195,9 @@ protected:
         for (int lane = first_lane(group); lane < last_lane(group, count); ++lane) {
             const int link = range_.first + group + lane;
             const Phase phase = range_.phases[tips_per_link * link + corner];
-            constexpr double least = relative ? slowest_single : std::numeric_limits<double>::min();
-            *field_.columns.at(row + Tip::least, link + range_.shift) = static_cast<Number>(phase == Phase::slip ? least : v0);
+            *field_.columns.at(row + Tip::least, link + range_.shift) = static_cast<float>(phase == Phase::slip ? slowest_single : v0);
             *field_.columns.at(row + Tip::most, link + range_.shift) =
-                phase == Phase::stick ? static_cast<Number>(v0) : std::numeric_limits<Number>::max();
+                phase == Phase::stick ? static_cast<float>(v0) : std::numeric_limits<float>::max();
         }
     }
 
@@ -199,36 +205,9 @@ protected:
     const ChainRange& range_;
     const ContactDrift& drift_;
     bool by_phase_;
-    ContactFieldOf<Number>& field_;
-    ColumnsOf<Number>& frictionless_;
+    ContactField& field_;
+    const ContactRecord& to_;
     TipSearch* search_;
-};
-
-/// For friction in single precision: also velocities at the step's beginning, counted from those of the links that are passed over.
-template <int P, int W>
-class KickWriter : public ContactWriter<P, W, float> {
-    using Base = ContactWriter<P, W, float>;
-
-public:
-    KickWriter(const Coefficients& real, const ChainRange& range, const ContactDrift& drift, bool by_phase,
-               const SinglePrecisionRecord& start, TipSearch* search) noexcept
-        : Base(real, range, drift, by_phase, start.field, start.frictionless, search), start_(start) {}
-
-    /// @param v velocities passed over, rows of the coordinates
-    void velocities(int group, int count, const Lanes<W>* v) const noexcept {
-        constexpr int size = link_layout<P>.link_size(), block = 2 * size;
-        constexpr int rows = (size + W - 1) / W * W;  // the last of a block: velocities, and some coordinates before them
-        std::array<const double*, W> from;
-        for (int lane = 0; lane < W; ++lane)
-            from[static_cast<std::size_t>(lane)] = start_.states + (group + std::min(lane, count - 1) + 1) * block - rows;
-        std::array<Lanes<W>, rows> begin;
-        load_rows<W, rows>(from, begin.data());
-        const auto to = Base::rows_of(start_.velocity, group, count);
-        for (int row = 0; row < size; ++row) to.put(row, begin[static_cast<std::size_t>(rows - size + row)] - v[row]);
-    }
-
-private:
-    const SinglePrecisionRecord& start_;
 };
 
 }  // namespace

@@ -1,4 +1,5 @@
 #include "model/basis/isa.hpp"
+#include "model/contact/friction_lanes.hpp"
 #include "model/contact/sweep_lanes.hpp"
 #include "model/kernels/lane_pass.hpp"
 #include "model/kernels/native_kernels.hpp"
@@ -9,11 +10,11 @@ namespace cvtflow::model {
 namespace {
 
 template <int P>
-void record(const FrictionOperator& friction, const ChainRange& range, const ContactDrift& drift, ContactField& field,
-            Columns& frictionless, LinkLoad* loads, TipSearch* search) noexcept {
+void record(const FrictionOperator& friction, const ChainRange& range, const ContactDrift& drift, const ContactRecord& to, LinkLoad* loads,
+            TipSearch* search) noexcept {
     const ChainModel& chain = friction.chain();
     using Contacts = ContactWriter<P, native_lanes>;
-    const Contacts contacts(chain.coefficients(), range, drift, friction.by_phase(), field, frictionless, search);
+    const Contacts contacts(chain.coefficients(), range, drift, friction.by_phase(), to, search);
     LanePass<P, native_lanes, Contacts>(chain, friction.frictionless(), range, loads, contacts).run();
     contacts.repeat(chain.layout().links);
 }
@@ -23,10 +24,9 @@ void record(const FrictionOperator& friction, const ChainRange& range, const Con
 template <>
 FrictionKernels friction_kernels<compiled_isa>(int order) noexcept {
     return of_order(order, []<int P>() -> FrictionKernels {
-        return {record<P>,
-                evaluate_links<double, P, false>,
-                evaluate_links<double, P, true>,
-                {sweep_links<double, P>, sweep_powers<double, P>, end_links<double, P>, advance_links<P>, react<double>}};
+        return {
+            record<P>, evaluate_links<P, false>, evaluate_links<P, true>, sweep_links<P>, sweep_powers<P>, end_links<P>, advance_links<P>,
+            react};
     });
 }
 

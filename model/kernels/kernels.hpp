@@ -13,7 +13,6 @@ namespace cvtflow::model {
 struct Kernels {
     ChainKernels chain;
     FrictionKernels friction;
-    SingleFrictionKernels single;
 };
 struct RigidKernels;  // of rigid pins, which have no order
 

@@ -78,7 +78,7 @@ public:
         const JointPlace pins(earlier, here);
         const auto& points = c_.joint_points;
         [[maybe_unused]] const auto rows = contacts_.rows(group, std::min(W, links_ - group));
-        if constexpr (Contacts::relative) contacts_.gaps(rows, contacts_.components().joint_gap(), pins.rate);
+        if constexpr (Contacts::recorded) contacts_.gaps(rows, contacts_.components().joint_gap(), pins.rate);
         PointTerms total;
         V worst(0.0);
         Books books;
@@ -150,7 +150,7 @@ public:
             contacts_.tension(group, count, elastic_tension<P>(c_, kind, columns.q()));
         }
         if constexpr (Contacts::recorded) contacts_.frame(group, count, columns.frame);
-        if constexpr (Contacts::relative) contacts_.velocities(group, count, columns.v());
+        if constexpr (Contacts::recorded) contacts_.velocities(group, count, columns.v());
         rear.on_front.apply(-1.0, f.data(), End::rear);
         add_front(rear, next, f.data());
         moment += rear.after + after(rear.before, next.before);
@@ -188,7 +188,7 @@ public:
         const Difference<P, V> d(columns.q(), End::front, columns.q(), End::rear), rate(columns.v(), End::front, columns.v(), End::rear);
         const auto& points = c_.plates;
         [[maybe_unused]] const auto rows = contacts_.rows(group, count);
-        if constexpr (Contacts::relative) contacts_.gaps(rows, contacts_.components().plate_gap(), rate);
+        if constexpr (Contacts::recorded) contacts_.gaps(rows, contacts_.components().plate_gap(), rate);
         Difference<P, V> pull;
         for (int first = 0; first < points.count; first += points.width) {
             const auto pulled = [&](int plate) noexcept {

@@ -4,7 +4,7 @@ namespace cvtflow::model {
 
 template <>
 Kernels native_kernels<compiled_isa>(int order) noexcept {
-    return {chain_kernels<compiled_isa>(order), friction_kernels<compiled_isa>(order), single_kernels<compiled_isa>(order)};
+    return {chain_kernels<compiled_isa>(order), friction_kernels<compiled_isa>(order)};
 }
 
 }  // namespace cvtflow::model

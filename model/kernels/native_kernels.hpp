@@ -11,14 +11,10 @@ template <Isa isa>
 ChainKernels chain_kernels(int order) noexcept;
 template <Isa isa>
 FrictionKernels friction_kernels(int order) noexcept;
-template <Isa isa>
-SingleFrictionKernels single_kernels(int order) noexcept;
 
 template <>
 ChainKernels chain_kernels<compiled_isa>(int order) noexcept;
 template <>
 FrictionKernels friction_kernels<compiled_isa>(int order) noexcept;
-template <>
-SingleFrictionKernels single_kernels<compiled_isa>(int order) noexcept;
 
 }  // namespace cvtflow::model

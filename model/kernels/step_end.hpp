@@ -28,18 +28,15 @@ void advance_links(const double* from, const double* along, double by, double* t
 
 /// The block of one link whose velocities at the end are there, but for those that they count from.
 /// @param sound becomes 0 where a number is not below `above`   @param above [m, m/s]
-template <class Number, int size, int W>
-inline void end_block(StepEndOf<Number> end, int link, const Lanes<W>& above, Lanes<W>& sound) noexcept {
+template <int size, int W>
+inline void end_block(StepEnd end, int link, const Lanes<W>& above, Lanes<W>& sound) noexcept {
     static_assert(size % W == 0);
     const Lanes<W> step(end.step), half(0.5 * end.step), none(0.0);
     const auto check = [&](const Lanes<W>& numbers) { sound = select_greater<W>(above, abs(numbers), sound, none); };
     const int begin = link * 2 * size;
     for (int k = begin; k < begin + size; k += W) {
-        Lanes<W> velocity = load<W>(end.end + size + k);
-        if constexpr (std::is_same_v<Number, float>) {
-            velocity += load<W>(end.counted_from + size + k);
-            velocity.copy_to(end.end + size + k);
-        }
+        const Lanes<W> velocity = load<W>(end.end + size + k) + load<W>(end.counted_from + size + k);
+        velocity.copy_to(end.end + size + k);
         const Lanes<W> before = load<W>(end.start + size + k), place = load<W>(end.start + k) + half * (before + velocity);
         place.copy_to(end.end + k);
         check(velocity);
@@ -50,24 +47,18 @@ inline void end_block(StepEndOf<Number> end, int link, const Lanes<W>& above, La
     }
 }
 
-/// Rows of `count` links from `link` on, at most W, as doubles: use(rows, link, count), for floats of half as many links at a time.
-template <int W, std::size_t size, class Number, class Use>
-inline void in_doubles(const Number* from, std::ptrdiff_t stride, int link, int count, const Use& use) noexcept {
+/// Rows of `count` links from `link` on, at most W, as doubles: use(rows, link, count), of half as many links at a time.
+template <int W, std::size_t size, class Use>
+inline void in_doubles(const float* from, std::ptrdiff_t stride, int link, int count, const Use& use) noexcept {
     const auto at = [=](std::size_t row) { return from + static_cast<std::ptrdiff_t>(row) * stride + link; };
-    if constexpr (std::is_same_v<Number, float>) {
-        std::array<Lanes<W / 2>, size> low, high;
-        for (std::size_t row = 0; row < size; ++row) {
-            const Lanes<W> both = widen<W>(load<singles<W>>(at(row)));
-            low[row] = both.low;
-            high[row] = both.high;
-        }
-        use(low, link, std::min(count, W / 2));
-        if (count > W / 2) use(high, link + W / 2, count - W / 2);
-    } else {
-        std::array<Lanes<W>, size> rows;
-        for (std::size_t row = 0; row < size; ++row) rows[row] = load<W>(at(row));
-        use(rows, link, count);
+    std::array<Lanes<W / 2>, size> low, high;
+    for (std::size_t row = 0; row < size; ++row) {
+        const Lanes<W> both = widen<W>(load<singles<W>>(at(row)));
+        low[row] = both.low;
+        high[row] = both.high;
     }
+    use(low, link, std::min(count, W / 2));
+    if (count > W / 2) use(high, link + W / 2, count - W / 2);
 }
 
 /// Velocities of `count` links from `link` on to their blocks.
@@ -79,10 +70,10 @@ inline void store_velocities(const std::array<Lanes<W>, size>& rows, double* blo
 }
 
 /// @return whether all numbers of the state are within the limit
-template <class Number, int P>
-[[nodiscard]] bool end_links(const StepEndOf<Number>& given, int links) noexcept {
-    const StepEndOf<Number> end = given;  // a copy: the compiler then knows that stores through its pointers do not change them
-    constexpr int W = std::is_same_v<Number, float> ? native_floats : native_lanes, size = link_layout<P>.link_size();
+template <int P>
+[[nodiscard]] bool end_links(const StepEnd& given, int links) noexcept {
+    const StepEnd end = given;  // a copy: the compiler then knows that stores through its pointers do not change them
+    constexpr int W = native_floats, size = link_layout<P>.link_size();
     constexpr int narrow = std::min(native_lanes, 4);  // a divisor of every link's size
     const Lanes<narrow> above(std::nextafter(end.limit, std::numeric_limits<double>::infinity()));
     Lanes<narrow> sound(1.0);
@@ -90,7 +81,7 @@ template <class Number, int P>
         const int count = std::min(W, links - group);
         in_doubles<W, size>(end.velocity, end.stride, group, count,
                             [&](const auto& rows, int link, int links_here) { store_velocities(rows, end.end, link, links_here); });
-        for (int lane = 0; lane < count; ++lane) end_block<Number, size>(end, group + lane, above, sound);
+        for (int lane = 0; lane < count; ++lane) end_block<size>(end, group + lane, above, sound);
     }
     return sum(sound) == narrow;
 }
@@ -114,9 +105,8 @@ inline void turn_reactions(const Lanes<W>* force, const double* arms, std::ptrdi
 }
 
 /// @param force rows of the links from `link` on, `count` of them
-template <int W, class Number>
-inline void add_reactions(const TipReactionsOf<Number>& r, const std::array<Lanes<W>, 3 * tips_per_link>& force, int link,
-                          int count) noexcept {
+template <int W>
+inline void add_reactions(const TipReactions& r, const std::array<Lanes<W>, 3 * tips_per_link>& force, int link, int count) noexcept {
     static_assert(sizeof(SheaveLoad) == 12 * sizeof(double));
     std::array<std::array<Lanes<W>, 12>, 2> reactions;
     turn_reactions<W>(force.data(), r.arms + link, r.arms_stride, reactions);
@@ -137,9 +127,8 @@ inline void add_reactions(const TipReactionsOf<Number>& r, const std::array<Lane
 }
 
 /// SweepKernels::react. A free tip has no friction.
-template <class Number>
-void react(const TipReactionsOf<Number>& r, int links) noexcept {
-    constexpr int W = std::is_same_v<Number, float> ? native_floats : native_lanes;
+inline void react(const TipReactions& r, int links) noexcept {
+    constexpr int W = native_floats;
     for (int group = 0; group < links; group += W) {
         const int count = std::min(W, links - group);
         bool any = false;

@@ -150,8 +150,7 @@ ChainModel make_chain(const Parameters& parameters, Isa isa) {
 }
 
 FrictionOperator make_friction(const ChainModel& chain, bool by_phase) {
-    const Kernels kernels = kernels_of(chain.isa()).of_order(chain.layout().order);
-    return {chain, by_phase, kernels.friction, kernels.single};
+    return {chain, by_phase, kernels_of(chain.isa()).of_order(chain.layout().order).friction};
 }
 
 }  // namespace cvtflow::model

@@ -148,21 +148,6 @@ TEST(FrictionLeapfrogClaim, AtTwoMicrosecondsItIsAsExactAsDumka3WithOneEvaluatio
     }
 }
 
-/// Stages in single precision, the default, cost no accuracy: errors at 1 us are those of double precision to 1 %, on the scenes whose
-/// issue it is: steady, at both ends of the ratios, and through gross slip. Rounding of whole velocities instead of changes made it 2 % on
-/// the last.
-TEST(FrictionLeapfrogClaim, StagesInSinglePrecisionAreAsExactAsInDouble) {
-    for (const std::string scene : {"baseline", "low", "overdrive", "load_ramp"}) {
-        const bench::ErrorMeasure measure = measure_of(scene);
-        for (const std::string method : {"leapfrog-chebyshev", "leapfrog-rkc"}) {
-            const bench::TrajectoryErrors single = errors(measure, method, "1us"), twice = errors(measure, method + "-double", "1us");
-            EXPECT_NE(single.axial_force, twice.axial_force) << scene << ": it is the same method";
-            EXPECT_NEAR(single.axial_force / twice.axial_force, 1.0, 0.01) << scene << " " << method;
-            EXPECT_NEAR(single.tension / twice.tension, 1.0, 0.01) << scene << " " << method;
-        }
-    }
-}
-
 /// Order 2: errors fall at least by 2^1.6 when the step is halved; transitions and kinks of the law take some of it.
 TEST(FrictionLeapfrogClaim, ItsErrorFallsLikeTheSquareOfTheStep) {
     const double coarse = errors(baseline(), "leapfrog-rkc", "2us").axial_force,

@@ -1,9 +1,9 @@
 /// A default cannot be silently wrong. Cases that were once wrong with status ok: every row is right with the automatic step, and not
 /// reported as finished at 2 us; right values come from runs with steps of 0.5 us.
 /// Errors of the default method and its automatic step in the figures of a run: means over 20 ms of every ready scene with pin halves,
-/// against half the step of friction stages in double precision. Outputs are 25 us apart: closer ones shorten steps, and with fewer ones
+/// against half the step of friction stages. Outputs are 25 us apart: closer ones shorten steps, and with fewer ones
 /// the mean slip depends on single pins that touch at an output of one run and not of the other. As a command:
-///     cvtflow-lab compare baseline leapfrog-sweep@auto --reference leapfrog-chebyshev-double@714.2857ns --duration 20ms --interval 25us
+///     cvtflow-lab compare baseline leapfrog-sweep@auto --reference leapfrog-chebyshev@714.2857ns --duration 20ms --interval 25us
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -153,13 +153,8 @@ struct Promise {
     double slip, efficiency, axial, residual = 1e-3;  ///< of its share, in points, of its share, of the losses
 };
 
-/// Promise for pin halves (README); in single precision where the laboratory is not built (1 % of these errors).
-const Promise& halves() {
-    static const bool laboratory = find_program("leapfrog-chebyshev-double") != nullptr;
-    static const Promise promise{
-        {laboratory ? "run.method=leapfrog-chebyshev-double" : "run.method=leapfrog-chebyshev", "run.step=714.2857 ns"}, 2e-3, 5e-5, 1e-3};
-    return promise;
-}
+/// Promise for pin halves (README).
+const Promise halves{{"run.method=leapfrog-chebyshev", "run.step=714.2857 ns"}, 2e-3, 5e-5, 1e-3};
 /// Promise for rigid pins, against half of their step of first order: 5 us add up to 2.2 % to slip, half of that is left between the two.
 const Promise rigid{{"run.method=leapfrog-rigid", "run.step=2.5 us"}, 1.1e-2, 2e-4, 1e-3};
 
@@ -170,7 +165,7 @@ RunReport run_with(const std::string& scene, std::vector<std::string> settings, 
 }
 
 /// Prints a row of errors, so that a limit that comes close is seen.
-void expect_right(const std::string& scene, const std::vector<std::string>& more = {}, const Promise& promise = halves()) {
+void expect_right(const std::string& scene, const std::vector<std::string>& more = {}, const Promise& promise = halves) {
     const RunReport run = run_with(scene, {"run.method=auto", "run.step=auto"}, more);
     const RunReport exact = run_with(scene, promise.reference, more);
     ASSERT_EQ(run.status(), "finished") << scene << ": " << run.fault.message();

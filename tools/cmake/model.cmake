@@ -1,7 +1,7 @@
 # The kernels, one source for every instruction set; which one runs is chosen at the start of a run (model/kernels/available_isas.hpp).
 # Whatever is not in an unnamed namespace would be shared between them by the linker: tests/architecture looks at their symbols.
-set(kernel_sources model/kernels/chain_kernels.cpp model/kernels/friction_kernels.cpp model/kernels/single_kernels.cpp
-  model/kernels/native_kernels.cpp model/rigid/rigid_kernels.cpp)
+set(kernel_sources model/kernels/chain_kernels.cpp model/kernels/friction_kernels.cpp model/kernels/native_kernels.cpp
+  model/rigid/rigid_kernels.cpp)
 set(CVTFLOW_KERNEL_ROWS "")
 set(CVTFLOW_KERNEL_DECLARATIONS "")
 foreach(isa ${isas})

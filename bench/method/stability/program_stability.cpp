@@ -162,7 +162,7 @@ double backward_euler_kick(Kicked& kicked) {
 
 ProgramStability leapfrog_stability(const Kick& kick) {
     const auto tables = std::make_shared<const KickTables>(kick);
-    const double margin = FrictionLeapfrog<double>::margin;
+    const double margin = FrictionLeapfrog::margin;
     const auto run = [tables, margin](Kicked& kicked) { return explicit_kick(*tables->reaching(margin * kicked.friction), kicked); };
     ProgramStability stability = leapfrog_stability(run, tables->longest_reach() / margin * (1.0 - 1e-12));
     stability.beside = [tables, margin, longest = stability.longest_decay](double stiffest) {

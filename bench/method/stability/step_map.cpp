@@ -169,7 +169,7 @@ public:
     bool prepare(const LinearChain& chain, double h) override {
         chain_ = &chain;
         h_ = h;
-        table_ = tables_.reaching(FrictionLeapfrog<double>::margin * chain.stiffest_friction() * h);
+        table_ = tables_.reaching(FrictionLeapfrog::margin * chain.stiffest_friction() * h);
         for (Numbers& slot : states_) slot.resize(at(chain.link_velocities()));
         for (Numbers& slot : slopes_) slot.resize(at(chain.link_velocities()));
         return table_ != nullptr;

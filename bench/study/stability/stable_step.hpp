@@ -50,8 +50,7 @@ struct MeasuredStep {
 [[nodiscard]] MeasuredStep measured_stable_step(const model::Variator& variator, const engine::StagePlan& plan,
                                                 const tasks::FrozenStart& start, double expected, double natural_growth = 0.0);
 
-/// Effect of one step on small disturbances, measured by taking it from a state and from one next to it. Phases are held. Methods with
-/// stages in single precision take the same step in double: their stability does not depend on it, and small disturbances are resolved.
+/// Effect of one step on small disturbances, measured by taking it from a state and from one next to it. Phases are held.
 class TakenStep {
 public:
     virtual ~TakenStep() = default;

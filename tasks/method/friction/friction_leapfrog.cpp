@@ -43,18 +43,16 @@ constexpr int first_iterations = 50, next_iterations = 4;
 
 }  // namespace
 
-template <class Number>
-FrictionLeapfrog<Number>::FrictionLeapfrog(Workspace& workspace, const Kick& kick)
-    : Base(workspace, rows_of_fields(workspace.layout().link_size()), {base, mode, base + 1},
-           std::vector(kick_state_slots + 1, workspace.layout().link_size())),
+FrictionLeapfrog::FrictionLeapfrog(Workspace& workspace, const Kick& kick)
+    : KickSystem(workspace, rows_of_fields(workspace.layout().link_size()), {base, mode, base + 1},
+                 std::vector(kick_state_slots + 1, workspace.layout().link_size())),
       w_(workspace),
       frame_(workspace),
       tables_(kick) {
     FrictionLeapfrog::restart();
 }
 
-template <class Number>
-void FrictionLeapfrog<Number>::add_tasks(engine::TaskGraph& graph) {
+void FrictionLeapfrog::add_tasks(engine::TaskGraph& graph) {
     const auto name = [](const char* stage, int segment) { return stage + ("[" + std::to_string(segment) + "]"); };
     for (int s = 0; s < w_.partition.size(); ++s)
         graph.add({name("record", s), record_kick_cycle, engine::code_of<&FrictionLeapfrog::record>(*this), s,
@@ -77,19 +75,17 @@ void FrictionLeapfrog<Number>::add_tasks(engine::TaskGraph& graph) {
                        .list()});
 }
 
-template <class Number>
-void FrictionLeapfrog<Number>::restart() noexcept {
+void FrictionLeapfrog::restart() noexcept {
     frame_.restart();
     steps_ = 0;
     for (int row = 0; row < w_.layout().link_size(); ++row) {  // a mode without symmetry, to begin power iterations with
-        for_links(static_cast<Base&>(*this), [&](Fields& f, int link, int column) {
-            *f.of[mode].at(row, column) = static_cast<Number>(model::portable_sin(1.0 + 0.7 * row + 2.399 * link));
+        for_links(static_cast<KickSystem&>(*this), [&](Fields& f, int link, int column) {
+            *f.of[mode].at(row, column) = static_cast<float>(model::portable_sin(1.0 + 0.7 * row + 2.399 * link));
         });
     }
 }
 
-template <class Number>
-CycleSequence FrictionLeapfrog<Number>::step() {
+CycleSequence FrictionLeapfrog::step() {
     begin();                                          // q ← q + h/2 v: the middle of the step
     if (w_.layout().ledger) co_yield evaluate_cycle;  // its losses need the forces with friction
     co_yield record_kick_cycle;                       // there: contacts, and all forces but friction
@@ -100,11 +96,10 @@ CycleSequence FrictionLeapfrog<Number>::step() {
     co_return {};
 }
 
-template <class Number>
-void FrictionLeapfrog<Number>::begin() {
+void FrictionLeapfrog::begin() {
     if (frame_.is_new()) {
         frame_.begin_new_step();
-        Base::begin_new_step();
+        KickSystem::begin_new_step();
     }
     frame_.begin();
     w_.step.end_state_ready = true;
@@ -112,8 +107,7 @@ void FrictionLeapfrog<Number>::begin() {
 }
 
 /// By the spectral radius of friction, estimated now and then. @return why no table reaches so far
-template <class Number>
-Fault FrictionLeapfrog<Number>::choose_table() {
+Fault FrictionLeapfrog::choose_table() {
     if (steps_ % steps_between_estimates == 0) radius_ = spectral_radius(steps_ == 0 ? first_iterations : next_iterations);
     ++steps_;
     table_ = tables_.reaching(margin * radius_ * w_.step.h);
@@ -123,8 +117,7 @@ Fault FrictionLeapfrog<Number>::choose_table() {
 }
 
 /// As many of the stages that are left as a cycle has. @return that cycle
-template <class Number>
-int FrictionLeapfrog<Number>::next_stages() noexcept {
+int FrictionLeapfrog::next_stages() noexcept {
     const PassCycles::Cycle cycle = kick_cycles.longest(table_->plan.stages() - stage_);
     for (int k = 0; k < cycle.rounds; ++k, ++stage_) {
         const KickRow row = table_->row(stage_);
@@ -133,37 +126,33 @@ int FrictionLeapfrog<Number>::next_stages() noexcept {
     return cycle.number;
 }
 
-template <class Number>
-void FrictionLeapfrog<Number>::save(std::vector<double>& memory) const {
+void FrictionLeapfrog::save(std::vector<double>& memory) const {
     memory.assign({radius_, static_cast<double>(steps_)});
     frame_.save(memory);
-    for (const std::size_t field : {base + now_, std::size_t(mode)}) Base::save(field, memory);
+    for (const std::size_t field : {base + now_, std::size_t(mode)}) KickSystem::save(field, memory);
 }
 
-template <class Number>
-void FrictionLeapfrog<Number>::load(std::span<const double> memory) {
+void FrictionLeapfrog::load(std::span<const double> memory) {
     if (memory.empty()) return;
     radius_ = pop_front(memory, 1)[0];
     steps_ = pop_integer(memory, 0, std::numeric_limits<int>::max());
     memory = frame_.load(memory);
-    for (const std::size_t field : {base + now_, std::size_t(mode)}) Base::load(field, memory);
+    for (const std::size_t field : {base + now_, std::size_t(mode)}) KickSystem::load(field, memory);
 }
 
-template <class Number>
-void FrictionLeapfrog<Number>::record(int segment) noexcept {
-    Base::record(w_, frame_.drift(), base + now_, segment);
+void FrictionLeapfrog::record(int segment) noexcept {
+    KickSystem::record(w_, frame_.drift(), base + now_, segment);
     edges_[0].give(columns_, fields(segment).of[state], segment);
 }
 
-template <class Number>
-void FrictionLeapfrog<Number>::stage(int item) noexcept {
+void FrictionLeapfrog::stage(int item) noexcept {
     const int segment = item % w_.partition.size();
     const auto& [row, extrapolation] = together_[at(item / w_.partition.size())];
     const double h = w_.step.h;
     Fields& f = fields(segment);
     const auto slot = [&](int number) { return &f.of[state + at(number)]; };
-    const model::FrictionBaseOf<Number> accelerations{&f.of[base + now_], &f.of[base + 1 - now_], extrapolation};
-    model::VelocityRowOf<Number> next;
+    const model::FrictionBase accelerations{&f.of[base + now_], &f.of[base + 1 - now_], extrapolation};
+    model::VelocityRow next;
     for (const engine::Term& term : row.next.states) next.add(*slot(term.slot), term.factor);
     for (const engine::Term& term : row.next.slopes) {
         if (term.slot == row.here.slope) {
@@ -172,19 +161,18 @@ void FrictionLeapfrog<Number>::stage(int item) noexcept {
             next.add(f.of[first_slope], h * term.factor);
         }
     }
-    next.to = row.next.keep >= 0 ? slot(row.next.keep) : &f.of[Base::result];
+    next.to = row.next.keep >= 0 ? slot(row.next.keep) : &f.of[result];
     const bool first = row.here.keep < 0;
     const int here = first ? 0 : row.here.keep;
     edges_[at(here)].take(columns_, *slot(here), segment);
     if (first) contact_edges_.take(columns_, f.contacts.columns, segment);
-    friction_.slopes(f.contacts, Base::range_of(w_, row.here.time - 0.5, *slot(here), segment),
+    friction_.slopes(f.contacts, range_of(w_, row.here.time - 0.5, *slot(here), segment),
                      {&accelerations, row.keeps_slope ? &f.of[first_slope] : nullptr, &next, row.weight,
-                      row.weight != 0.0 ? &f.of[Base::mean_tip_forces] : nullptr});
+                      row.weight != 0.0 ? &f.of[mean_tip_forces] : nullptr});
     if (row.next.keep >= 0) edges_[at(row.next.keep)].give(columns_, *next.to, segment);
 }
 
-template <class Number>
-double FrictionLeapfrog<Number>::spectral_radius(int iterations) noexcept {
+double FrictionLeapfrog::spectral_radius(int iterations) noexcept {
     const int rows = w_.layout().link_size(), segments = columns_.segments();
     for (int s = 0; s < segments; ++s) contact_edges_.take(columns_, fields(s).contacts.columns, s);
     double radius = 0.0;
@@ -194,10 +182,10 @@ double FrictionLeapfrog<Number>::spectral_radius(int iterations) noexcept {
         for (int s = 0; s < segments; ++s) {
             Fields& f = fields(s);
             edges_[mode_edges].take(columns_, f.of[mode], s);
-            friction_.all_sticking(f.contacts, Base::range_of(w_, 0.0, f.of[mode], s), f.of[image]);
+            friction_.all_sticking(f.contacts, range_of(w_, 0.0, f.of[mode], s), f.of[image]);
         }
         for (int row = 0; row < rows; ++row) {
-            for_links(static_cast<Base&>(*this), [&](const Fields& f, int, int column) {
+            for_links(static_cast<KickSystem&>(*this), [&](const Fields& f, int, int column) {
                 before += square(*f.of[mode].at(row, column));
                 after += square(*f.of[image].at(row, column));
             });
@@ -206,15 +194,12 @@ double FrictionLeapfrog<Number>::spectral_radius(int iterations) noexcept {
         if (radius == 0.0) return 0.0;
         const double scale = 1.0 / std::sqrt(after);
         for (int row = 0; row < rows; ++row) {
-            for_links(static_cast<Base&>(*this), [&](Fields& f, int, int column) {
-                *f.of[mode].at(row, column) = static_cast<Number>(scale * *f.of[image].at(row, column));
+            for_links(static_cast<KickSystem&>(*this), [&](Fields& f, int, int column) {
+                *f.of[mode].at(row, column) = static_cast<float>(scale * *f.of[image].at(row, column));
             });
         }
     }
     return radius;
 }
-
-template class FrictionLeapfrog<double>;
-template class FrictionLeapfrog<float>;
 
 }  // namespace cvtflow::tasks

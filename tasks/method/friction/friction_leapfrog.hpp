@@ -23,13 +23,9 @@
 namespace cvtflow::tasks {
 
 /// Friction inside a step: velocities of all links under friction and constant accelerations, everything else frozen, are a small system of
-/// ordinary differential equations that a table of stages integrates, by segments. Increments of a link's velocities in single precision
-/// are rounded to 6e-8 of themselves.
-/// @tparam Number in which velocities inside the step are computed: double or float
-template <class Number>
-class FrictionLeapfrog final : public StepMethod, private KickSystem<Number> {
-    using Base = KickSystem<Number>;
-
+/// ordinary differential equations that a table of stages integrates, by segments. Increments of a link's velocities are floats,
+/// rounded to 6e-8 of themselves.
+class FrictionLeapfrog final : public StepMethod, private KickSystem {
 public:
     /// Slots of the workspace that the method uses.
     static constexpr int state_slots = LeapfrogFrame::state_slots, slope_slots = LeapfrogFrame::slope_slots;
@@ -40,7 +36,7 @@ public:
 
     [[nodiscard]] CycleSequence step() override;
     void add_tasks(engine::TaskGraph& graph) override;
-    void repartitioned() override { Base::repartition(w_.partition); }
+    void repartitioned() override { KickSystem::repartition(w_.partition); }
     [[nodiscard]] AtTransition at_transition() const noexcept override { return AtTransition::repeat; }
     void restart() noexcept override;
     void phases_changed() noexcept override {}  // history stays good: nothing jumps
@@ -48,7 +44,7 @@ public:
     void save(std::vector<double>& memory) const override;
     void load(std::span<const double> memory) override;  ///< @param memory from save()
 
-    [[nodiscard]] std::optional<std::size_t> bytes() const noexcept override { return Base::bytes(); }
+    [[nodiscard]] std::optional<std::size_t> bytes() const noexcept override { return KickSystem::bytes(); }
 
     // Bodies of tasks: each touches the columns of one segment only, and reads what its neighbours have handed over.
 
@@ -58,13 +54,11 @@ public:
     /// of the step before added to base; adds weight times the tips' forces to their means; combines the velocities of the row that
     /// follows. item = stage of the cycle × segments + segment
     void stage(int item) noexcept;
-    void finish(int segment) noexcept { Base::finish(w_, segment, false); }
+    void finish(int segment) noexcept { KickSystem::finish(w_, segment, false); }
 
 private:
-    using Base::columns_, Base::contact_edges_, Base::edges_, Base::fields, Base::for_links, Base::friction_, Base::now_;
-    using typename Base::Fields;
     /// Fields: velocities by slot; accelerations by everything but friction, of this step and of the one before (see now_); ….
-    enum Own : std::size_t { state = Base::start, base = state + kick_state_slots, first_slope = base + 2, mode, image };
+    enum Own : std::size_t { state = start, base = state + kick_state_slots, first_slope = base + 2, mode, image };
     static constexpr std::size_t mode_edges = kick_state_slots;  ///< those before are of states
 
     struct Stage {

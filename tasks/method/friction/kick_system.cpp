@@ -1,7 +1,6 @@
 #include "tasks/method/friction/kick_system.hpp"
 
 #include <algorithm>
-#include <type_traits>
 #include <utility>
 
 #include "tasks/step/assembly/segment_tasks.hpp"
@@ -23,44 +22,35 @@ void SegmentColumns::lay_out(const Partition& partition) {
     }
 }
 
-template <class Number>
-SegmentEdges<Number>::SegmentEdges(int rows) : rows_(rows) {
-    constexpr int line = model::ColumnsOf<Number>::line;
+SegmentEdges::SegmentEdges(int rows) : rows_(rows) {
+    constexpr int line = model::FloatColumns::line;
     stride_ = (rows + line - 1) / line * line;
 }
 
-template <class Number>
-void SegmentEdges<Number>::make_room(int segments) {
-    if (packed_.size() < place(segments, 0)) packed_.resize(place(segments, 0), Number(0));
+void SegmentEdges::make_room(int segments) {
+    if (packed_.size() < place(segments, 0)) packed_.resize(place(segments, 0), float(0));
 }
 
-template <class Number>
-void SegmentEdges<Number>::give(const SegmentColumns& columns, const model::ColumnsOf<Number>& field, int segment) noexcept {
+void SegmentEdges::give(const SegmentColumns& columns, const model::FloatColumns& field, int segment) noexcept {
     constexpr int first = SegmentColumns::first;
-    Number* front = packed_.data() + place(segment, 0);
-    Number* back = packed_.data() + place(segment, 1);
+    float* front = packed_.data() + place(segment, 0);
+    float* back = packed_.data() + place(segment, 1);
     for (int row = 0; row < rows_; ++row) {
         front[row] = *field.at(row, first);
         back[row] = *field.at(row, first + columns.segment(segment).size() - 1);
     }
 }
 
-template <class Number>
-void SegmentEdges<Number>::take(const SegmentColumns& columns, model::ColumnsOf<Number>& field, int segment) const noexcept {
+void SegmentEdges::take(const SegmentColumns& columns, model::FloatColumns& field, int segment) const noexcept {
     for (const GhostColumn& ghost : columns.ghosts(segment)) {
-        const Number* from = packed_.data() + place(ghost.owner, ghost.place);
+        const float* from = packed_.data() + place(ghost.owner, ghost.place);
         for (int row = 0; row < rows_; ++row) *field.at(row, ghost.column) = from[row];
     }
 }
 
-template class SegmentEdges<double>;
-template class SegmentEdges<float>;
-
-template <class Number>
-KickSystem<Number>::KickSystem(const Workspace& w, std::vector<int> rows, std::vector<std::size_t> outlasting,
-                               const std::vector<int>& edges)
+KickSystem::KickSystem(const Workspace& w, std::vector<int> rows, std::vector<std::size_t> outlasting, const std::vector<int>& edges)
     : friction_(model::make_friction(w.variator.chain(), w.parameters.detail.stick_slip)),
-      contact_edges_(model::ContactFieldOf<Number>(w.variator.chain()).components.count()),
+      contact_edges_(model::ContactField(w.variator.chain()).components.count()),
       edges_(edges.begin(), edges.end()),
       rows_(std::move(rows)),
       outlasting_(std::move(outlasting)) {
@@ -71,18 +61,16 @@ KickSystem<Number>::KickSystem(const Workspace& w, std::vector<int> rows, std::v
     make_room();
 }
 
-template <class Number>
-typename KickSystem<Number>::Fields KickSystem<Number>::make_fields(int width) const {
-    Fields fields{width, model::ContactFieldOf<Number>(friction_.chain()), {}, {}};
+KickSystem::Fields KickSystem::make_fields(int width) const {
+    Fields fields{width, model::ContactField(friction_.chain()), {}, {}};
     fields.contacts.make_columns(width);
     for (const int rows : rows_) fields.of.emplace_back(rows, width);
-    fields.scratch.resize(at(friction_.template scratch_size<Number>(width)), Number(0));
+    fields.scratch.resize(at(friction_.scratch_size(width)), float(0));
     return fields;
 }
 
 /// Fields and edges for all segments. Widths are whole lines, so that fields stay large enough when borders move a little.
-template <class Number>
-void KickSystem<Number>::make_room() {
+void KickSystem::make_room() {
     constexpr int line = Columns::line;
     const int segments = columns_.segments();
     for (int s = 0; s < segments; ++s) {
@@ -94,57 +82,44 @@ void KickSystem<Number>::make_room() {
         }
     }
     contact_edges_.make_room(segments);
-    for (SegmentEdges<Number>& edges : edges_) edges.make_room(segments);
+    for (SegmentEdges& edges : edges_) edges.make_room(segments);
 }
 
 /// All that outlasts a step: one that has been cut is yet to be taken again.
-template <class Number>
-void KickSystem<Number>::repartition(const Partition& partition) {
-    Number* room = moving_.data();
-    for (const std::size_t field : outlasting_) for_numbers(*this, field, [&](Number& number) { *room++ = number; });
+void KickSystem::repartition(const Partition& partition) {
+    float* room = moving_.data();
+    for (const std::size_t field : outlasting_) for_numbers(*this, field, [&](float& number) { *room++ = number; });
     columns_.lay_out(partition);
     make_room();
     room = moving_.data();
-    for (const std::size_t field : outlasting_) for_numbers(*this, field, [&](Number& number) { number = *room++; });
+    for (const std::size_t field : outlasting_) for_numbers(*this, field, [&](float& number) { number = *room++; });
 }
 
-template <class Number>
-std::size_t KickSystem<Number>::bytes() const noexcept {
+std::size_t KickSystem::bytes() const noexcept {
     std::size_t bytes = sizeof(*this) + normal_loads_.size() * sizeof(model::LinkLoad) + contact_edges_.bytes();
-    for (const SegmentEdges<Number>& each : edges_) bytes += each.bytes();
+    for (const SegmentEdges& each : edges_) bytes += each.bytes();
     for (const Fields& f : fields_) {
-        bytes += f.contacts.bytes() + f.scratch.size() * sizeof(Number);
+        bytes += f.contacts.bytes() + f.scratch.size() * sizeof(float);
         for (const Columns& each : f.of) bytes += each.bytes();
     }
     return bytes;
 }
 
-template <class Number>
-void KickSystem<Number>::record(Workspace& w, const model::ContactDrift& drift, std::size_t frictionless, int segment,
-                                model::TipSearch* search) noexcept {
+void KickSystem::record(Workspace& w, const model::ContactDrift& drift, std::size_t frictionless, int segment,
+                        model::TipSearch* search) noexcept {
     Fields& f = fields(segment);
     const Segment& own = w.partition[segment];
-    const double* window = advance_window(w, segment, friction_.template sweeps<Number>().advance);
-    const int shift = columns_.shift(segment), begin = w.layout().link_begin(own.first), size = w.layout().link_size();
+    const double* window = advance_window(w, segment, friction_.kernels().advance);
+    const int shift = columns_.shift(segment), begin = w.layout().link_begin(own.first);
     const model::ChainRange range{own.first, own.last, window, w.pulleys.sheaves, w.tips.phases.data(), shift, false};
     model::LinkLoad* loads = normal_loads_.data() + own.first;
-    const double* state = w.states[0] + begin;
-    if constexpr (std::is_same_v<Number, float>) {
-        friction_.record(range, drift, {state, f.contacts, f.of[frictionless], f.of[start]}, loads, search);
-    } else {
-        friction_.record(range, drift, f.contacts, f.of[frictionless], loads, search);
-        Columns& velocities = f.of[start];
-        for (int link = own.first; link < own.last; ++link, state += w.layout().link_block())
-            for (int row = 0; row < size; ++row) *velocities.at(row, link + shift) = state[size + row];
-    }
+    friction_.record(range, drift, {w.states[0] + begin, f.contacts, f.of[frictionless], f.of[start]}, loads, search);
     for (int row = 0; row < rows_[mean_tip_forces]; ++row)
-        std::fill_n(f.of[mean_tip_forces].at(row, SegmentColumns::first), own.size(), Number(0));
+        std::fill_n(f.of[mean_tip_forces].at(row, SegmentColumns::first), own.size(), float(0));
     contact_edges_.give(columns_, f.contacts.columns, segment);
 }
 
-template <class Number>
-model::FrictionRangeOf<Number> KickSystem<Number>::range_of(const Workspace& w, double time, const Columns& velocity,
-                                                            int segment) noexcept {
+model::FrictionRange KickSystem::range_of(const Workspace& w, double time, const Columns& velocity, int segment) noexcept {
     const Segment& own = w.partition[segment];
     return {own.first,
             own.last,
@@ -156,59 +131,51 @@ model::FrictionRangeOf<Number> KickSystem<Number>::range_of(const Workspace& w, 
             columns_.shift(segment)};
 }
 
-template <class Number>
-bool KickSystem<Number>::finish(Workspace& w, int segment, bool with_secants) const noexcept {
+bool KickSystem::finish(Workspace& w, int segment, bool with_secants) const noexcept {
     add_loads(w, segment);
     const model::ChainLayout& layout = w.layout();
     const Segment& own = w.partition[segment];
     const Columns& velocities = fields(segment).of[result];
     const int begin = layout.link_begin(own.first);
-    return friction_.template sweeps<Number>().end({.velocity = velocities.at(0, own.first + columns_.shift(segment)),
-                                                    .stride = velocities.stride(),
-                                                    // still in the window that record() has filled
-                                                    .counted_from = w.windows[at(segment)].data() + layout.halo() * layout.link_block(),
-                                                    .start = w.states[0] + begin,
-                                                    .end = w.end_state + begin,
-                                                    .secants = with_secants ? w.end_slope + begin : nullptr,
-                                                    .step = w.step.h,
-                                                    .limit = fastest_pin},
-                                                   own.size());
+    return friction_.kernels().end({.velocity = velocities.at(0, own.first + columns_.shift(segment)),
+                                    .stride = velocities.stride(),
+                                    // still in the window that record() has filled
+                                    .counted_from = w.windows[at(segment)].data() + layout.halo() * layout.link_block(),
+                                    .start = w.states[0] + begin,
+                                    .end = w.end_state + begin,
+                                    .secants = with_secants ? w.end_slope + begin : nullptr,
+                                    .step = w.step.h,
+                                    .limit = fastest_pin},
+                                   own.size());
 }
 
 /// Loads of a segment's links since record(): the normal forces, and the mean reaction of the tips' friction.
-template <class Number>
-void KickSystem<Number>::add_loads(Workspace& w, int segment) const noexcept {
+void KickSystem::add_loads(Workspace& w, int segment) const noexcept {
     const Fields& f = fields(segment);
     const Segment& own = w.partition[segment];
     const int column = own.first + columns_.shift(segment);
-    friction_.template sweeps<Number>().react({.forces = f.of[mean_tip_forces].at(0, column),
-                                               .stride = f.of[mean_tip_forces].stride(),
-                                               .arms = f.contacts.arms.at(0, column),
-                                               .arms_stride = f.contacts.arms.stride(),
-                                               .phases = w.tips.phases.data() + model::tips_per_link * own.first,
-                                               .normal = normal_loads_.data() + own.first,
-                                               .loads = w.links.loads.data() + own.first},
-                                              own.size());
+    friction_.kernels().react({.forces = f.of[mean_tip_forces].at(0, column),
+                               .stride = f.of[mean_tip_forces].stride(),
+                               .arms = f.contacts.arms.at(0, column),
+                               .arms_stride = f.contacts.arms.stride(),
+                               .phases = w.tips.phases.data() + model::tips_per_link * own.first,
+                               .normal = normal_loads_.data() + own.first,
+                               .loads = w.links.loads.data() + own.first},
+                              own.size());
     if (w.layout().pulley_size != 0) add_up(w, own);
 }
 
-template <class Number>
-void KickSystem<Number>::clear(std::size_t field) noexcept {
-    for_numbers(*this, field, [](Number& number) { number = Number(0); });
+void KickSystem::clear(std::size_t field) noexcept {
+    for_numbers(*this, field, [](float& number) { number = float(0); });
 }
 
-template <class Number>
-void KickSystem<Number>::save(std::size_t field, std::vector<double>& memory) const {
-    for_numbers(*this, field, [&](const Number& number) { memory.push_back(number); });
+void KickSystem::save(std::size_t field, std::vector<double>& memory) const {
+    for_numbers(*this, field, [&](const float& number) { memory.push_back(number); });
 }
 
-template <class Number>
-void KickSystem<Number>::load(std::size_t field, std::span<const double>& memory) {
+void KickSystem::load(std::size_t field, std::span<const double>& memory) {
     const double* from = pop_front(memory, at(rows_[field] * friction_.chain().layout().links)).data();
-    for_numbers(*this, field, [&](Number& number) { number = static_cast<Number>(*from++); });
+    for_numbers(*this, field, [&](float& number) { number = static_cast<float>(*from++); });
 }
-
-template class KickSystem<double>;
-template class KickSystem<float>;
 
 }  // namespace cvtflow::tasks

@@ -48,7 +48,6 @@ private:
 };
 
 /// Data of one field that segments exchange: its first and its last column, packed.
-template <class Number>
 class SegmentEdges {
 public:
     SegmentEdges() = default;
@@ -56,11 +55,11 @@ public:
 
     /// Makes room for `segments` segments. Allocates only if there were fewer before.
     void make_room(int segments);
-    [[nodiscard]] std::size_t bytes() const noexcept { return packed_.size() * sizeof(Number); }
+    [[nodiscard]] std::size_t bytes() const noexcept { return packed_.size() * sizeof(float); }
     /// Copies a segment's first and last column of its field.
-    void give(const SegmentColumns& columns, const model::ColumnsOf<Number>& field, int segment) noexcept;
+    void give(const SegmentColumns& columns, const model::FloatColumns& field, int segment) noexcept;
     /// Fills the ghost columns of a segment's field with what their owners gave.
-    void take(const SegmentColumns& columns, model::ColumnsOf<Number>& field, int segment) const noexcept;
+    void take(const SegmentColumns& columns, model::FloatColumns& field, int segment) const noexcept;
 
 private:
     [[nodiscard]] std::size_t place(int segment, int number) const noexcept {
@@ -68,11 +67,9 @@ private:
     }
 
     int rows_ = 0, stride_ = 0;
-    model::LineVector<Number> packed_;  ///< [segments][2][stride]
+    model::LineVector<float> packed_;  ///< [segments][2][stride]
 };
 
-/// @tparam Number of velocities inside the step: double or float. In single precision they count from those of the record
-template <class Number>
 class KickSystem {
 public:
     /// Memory of segments, after every change of the partition.
@@ -87,16 +84,16 @@ public:
     bool finish(Workspace& workspace, int segment, bool with_secants) const noexcept;
 
 protected:
-    using Columns = model::ColumnsOf<Number>;
+    using Columns = model::FloatColumns;
     /// Fields of every system: velocities at the step's end, mean forces of the tips' friction, velocities at the step's start.
     enum Common : std::size_t { result, mean_tip_forces, start, first_own };
 
     /// Data that a segment's tasks write and read. Column = link + shift of the segment.
     struct Fields {
         int width;  ///< columns
-        model::ContactFieldOf<Number> contacts;
+        model::ContactField contacts;
         std::vector<Columns> of;  ///< [field]
-        model::LineVector<Number> scratch;
+        model::LineVector<float> scratch;
     };
 
     /// @param rows of each field, of those in Common first   @param outlasting fields that outlast a step, with equally many rows
@@ -111,8 +108,7 @@ protected:
     void record(Workspace& workspace, const model::ContactDrift& drift, std::size_t frictionless, int segment,
                 model::TipSearch* search = nullptr) noexcept;
     /// A segment's links with velocities of columns like its fields'. time [s]
-    [[nodiscard]] model::FrictionRangeOf<Number> range_of(const Workspace& workspace, double time, const Columns& velocity,
-                                                          int segment) noexcept;
+    [[nodiscard]] model::FrictionRange range_of(const Workspace& workspace, double time, const Columns& velocity, int segment) noexcept;
 
     /// The numbers of a field become zero, of all links.
     void clear(std::size_t field) noexcept;
@@ -133,8 +129,8 @@ protected:
     model::FrictionOperator friction_;
     SegmentColumns columns_;
     std::size_t now_ = 0;  ///< which of two fields that outlast a step is this step's
-    SegmentEdges<Number> contact_edges_;
-    std::vector<SegmentEdges<Number>> edges_;
+    SegmentEdges contact_edges_;
+    std::vector<SegmentEdges> edges_;
 
 private:
     [[nodiscard]] Fields make_fields(int width) const;
@@ -150,7 +146,7 @@ private:
     std::vector<int> rows_;                      ///< [field]
     std::vector<std::size_t> outlasting_;        ///< fields
     std::vector<Fields> fields_;                 ///< [segment], or more
-    std::vector<Number> moving_;                 ///< [outlasting][rows][links] room for what borders move through
+    std::vector<float> moving_;                  ///< [outlasting][rows][links] room for what borders move through
     std::vector<model::LinkLoad> normal_loads_;  ///< [links]
 };
 

@@ -52,24 +52,21 @@ bool sweeps_suit(const model::Parameters& parameters) {
     return missing_for_sweeps(parameters).empty() && !parameters.detail.stick_slip && needed_sweeps(parameters) <= max_sweeps;
 }
 
-template <class Number>
-std::vector<int> SweepSystem<Number>::rows_of_fields(const Workspace& w) {
+std::vector<int> SweepSystem::rows_of_fields(const Workspace& w) {
     const int size = w.layout().link_size();
     const int forces = model::SweepRows{w.variator.chain().coefficients().joint_points.count}.count();
     return {size, 3 * model::tips_per_link, size, size, size, forces, forces};
 }
 
-template <class Number>
-SweepSystem<Number>::SweepSystem(const Workspace& w)
-    : Base(w, rows_of_fields(w), {kept, kept + 1}, {rows_of_fields(w)[kept], w.layout().link_size(), w.layout().link_size()}),
+SweepSystem::SweepSystem(const Workspace& w)
+    : KickSystem(w, rows_of_fields(w), {kept, kept + 1}, {rows_of_fields(w)[kept], w.layout().link_size(), w.layout().link_size()}),
       responses_(friction_, 0.0, 0.0),
       mean_edges_(w.layout().link_size()) {
     powers_.resize(at(w.layout().links));
     make_means();
 }
 
-template <class Number>
-void SweepSystem<Number>::make_means() {
+void SweepSystem::make_means() {
     for (int s = 0; s < columns_.segments(); ++s) {
         if (at(s) == means_.size()) means_.emplace_back();
         if (means_[at(s)].bytes() < fields(s).of[velocity].bytes()) means_[at(s)] = fields(s).of[velocity];
@@ -77,67 +74,60 @@ void SweepSystem<Number>::make_means() {
     mean_edges_.make_room(columns_.segments());
 }
 
-template <class Number>
-void SweepSystem<Number>::repartition(const Partition& partition) {
+void SweepSystem::repartition(const Partition& partition) {
     find_losses();
-    Base::repartition(partition);
+    KickSystem::repartition(partition);
     make_means();
 }
 
-template <class Number>
-void SweepSystem<Number>::restart() noexcept {
-    Base::clear(kept_now());
+void SweepSystem::restart() noexcept {
+    clear(kept_now());
     losses_ = Losses::none;
 }
 
-template <class Number>
-void SweepSystem<Number>::begin(double step, double nominal) noexcept {
+void SweepSystem::begin(double step, double nominal) noexcept {
     if (step != responses_.of_step || nominal != responses_.of_nominal) responses_ = {friction_, step, nominal};
     losses_ = Losses::none;
 }
 
-template <class Number>
-void SweepSystem<Number>::record(Workspace& w, const model::ContactDrift& drift, int segment, model::TipSearch* search) noexcept {
-    Base::record(w, drift, base, segment, search);
+void SweepSystem::record(Workspace& w, const model::ContactDrift& drift, int segment, model::TipSearch* search) noexcept {
+    KickSystem::record(w, drift, base, segment, search);
     edges_[kept_edges].give(columns_, fields(segment).of[kept_before()], segment);
 }
 
-template <class Number>
-void SweepSystem<Number>::sweep(const Workspace& w, model::SweepPart part, double ahead, int number, int segment) noexcept {
+void SweepSystem::sweep(const Workspace& w, model::SweepPart part, double ahead, int number, int segment) noexcept {
     Fields& f = fields(segment);
-    const auto edges = [this](int pass) -> SegmentEdges<Number>& { return edges_[velocity_edges + at(pass % 2)]; };
+    const auto edges = [this](int pass) -> SegmentEdges& { return edges_[velocity_edges + at(pass % 2)]; };
     if (part == model::SweepPart::opening) {
         contact_edges_.take(columns_, f.contacts.columns, segment);
         edges_[kept_edges].take(columns_, f.of[kept_before()], segment);
     } else {
         edges(number - 1).take(columns_, f.of[velocity], segment);
     }
-    const model::FrictionSweepOf<Number> sweep{.part = part,
-                                               .ahead = static_cast<Number>(ahead),
-                                               .responses = &responses_,
-                                               .base = &f.of[base],
-                                               .start = &f.of[Base::start],
-                                               .before = &f.of[kept_before()],
-                                               .kept = &f.of[kept_now()],
-                                               .velocity = &f.of[velocity],
-                                               .result = &f.of[Base::result],
-                                               .mean_tip_forces = &f.of[Base::mean_tip_forces]};
+    const model::FrictionSweep sweep{.part = part,
+                                     .ahead = static_cast<float>(ahead),
+                                     .responses = &responses_,
+                                     .base = &f.of[base],
+                                     .start = &f.of[start],
+                                     .before = &f.of[kept_before()],
+                                     .kept = &f.of[kept_now()],
+                                     .velocity = &f.of[velocity],
+                                     .result = &f.of[result],
+                                     .mean_tip_forces = &f.of[mean_tip_forces]};
     constexpr double end = 0.5;  // of the step, from its middle
-    friction_.template sweeps<Number>().sweep(friction_, f.contacts, Base::range_of(w, end, f.of[velocity], segment), sweep);
+    friction_.kernels().sweep(friction_, f.contacts, range_of(w, end, f.of[velocity], segment), sweep);
     if (part != model::SweepPart::closing) edges(number).give(columns_, f.of[velocity], segment);
 }
 
 /// By the mean velocities of the step: what friction takes from the kinetic energy, exactly.
-template <class Number>
-void SweepSystem<Number>::find_losses() const noexcept {
+void SweepSystem::find_losses() const noexcept {
     if (losses_ != Losses::to_be_found) return;
     for (int s = 0; s < columns_.segments(); ++s) {
         const Fields& f = fields(s);
         for (int row = 0; row < friction_.chain().layout().link_size(); ++row) {
-            const Number *before = f.of[Base::start].at(row, SegmentColumns::first),
-                         *after = f.of[Base::result].at(row, SegmentColumns::first);
-            Number* mean = means_[at(s)].at(row, SegmentColumns::first);
-            for (int link = 0; link < columns_.segment(s).size(); ++link) mean[link] = Number(0.5) * (before[link] + after[link]);
+            const float *before = f.of[start].at(row, SegmentColumns::first), *after = f.of[result].at(row, SegmentColumns::first);
+            float* mean = means_[at(s)].at(row, SegmentColumns::first);
+            for (int link = 0; link < columns_.segment(s).size(); ++link) mean[link] = float(0.5) * (before[link] + after[link]);
         }
         mean_edges_.give(columns_, means_[at(s)], s);
     }
@@ -146,16 +136,15 @@ void SweepSystem<Number>::find_losses() const noexcept {
         const Segment& own = columns_.segment(s);
         mean_edges_.take(columns_, means_[at(s)], s);
         constexpr double middle = 0.0;
-        const model::FrictionRangeOf<Number> range{
+        const model::FrictionRange range{
             own.first, own.last,         means_[at(s)].at(0, SegmentColumns::first - 1), means_[at(s)].stride(), nullptr, nullptr,
             middle,    columns_.shift(s)};
-        friction_.template sweeps<Number>().powers(friction_, f.contacts, range, f.of[kept_now()], powers_.data() + own.first);
+        friction_.kernels().powers(friction_, f.contacts, range, f.of[kept_now()], powers_.data() + own.first);
     }
     losses_ = Losses::known;
 }
 
-template <class Number>
-void SweepSystem<Number>::enter_losses(Workspace& w) noexcept {
+void SweepSystem::enter_losses(Workspace& w) noexcept {
     find_losses();
     if (losses_ != Losses::known) return;
     for (int link = 0; link < w.layout().links; ++link) {
@@ -171,17 +160,15 @@ void SweepSystem<Number>::enter_losses(Workspace& w) noexcept {
     }
 }
 
-template <class Number>
-void SweepSystem<Number>::save(std::vector<double>& memory) const {
+void SweepSystem::save(std::vector<double>& memory) const {
     find_losses();
-    Base::save(kept_now(), memory);
+    KickSystem::save(kept_now(), memory);
     memory.push_back(losses_ == Losses::known ? 1.0 : 0.0);
     for (const model::FrictionPowers& powers : powers_) memory.insert(memory.end(), {powers.joint, powers.plates, powers.tips});
 }
 
-template <class Number>
-void SweepSystem<Number>::load(std::span<const double> memory) {
-    Base::load(kept_now(), memory);
+void SweepSystem::load(std::span<const double> memory) {
+    KickSystem::load(kept_now(), memory);
     losses_ = pop_integer(memory, 0, 1) == 1 ? Losses::known : Losses::none;
     const double* from = pop_front(memory, 3 * powers_.size()).data();
     for (model::FrictionPowers& powers : powers_) {
@@ -190,15 +177,10 @@ void SweepSystem<Number>::load(std::span<const double> memory) {
     }
 }
 
-template class SweepSystem<double>;
-template class SweepSystem<float>;
-
-template <class Number>
-SweepLeapfrog<Number>::SweepLeapfrog(Workspace& workspace)
+SweepLeapfrog::SweepLeapfrog(Workspace& workspace)
     : w_(workspace), frame_(workspace), system_(workspace), sweeps_(sweeps_for(workspace.parameters)) {}
 
-template <class Number>
-void SweepLeapfrog<Number>::add_tasks(engine::TaskGraph& graph) {
+void SweepLeapfrog::add_tasks(engine::TaskGraph& graph) {
     for (int s = 0; s < w_.partition.size(); ++s)
         graph.add({"record[" + std::to_string(s) + "]", record_sweep_cycle, engine::code_of<&SweepLeapfrog::record>(*this), s,
                    record_accesses(w_, s).own(Field::phase, decides_phases()).segment(Field::result, true).list()});
@@ -217,8 +199,7 @@ void SweepLeapfrog<Number>::add_tasks(engine::TaskGraph& graph) {
 }
 
 /// The losses that the laws have at the state observed are replaced by what the last step's forces have done.
-template <class Number>
-void SweepLeapfrog<Number>::add_booking(engine::TaskGraph& graph) {
+void SweepLeapfrog::add_booking(engine::TaskGraph& graph) {
     const int others = graph.size();
     engine::Access accounts{static_cast<int>(Field::account), 0, w_.layout().links, true};
     const int losses = graph.add({"book", observe_cycle, engine::code_of<&SweepLeapfrog::enter_losses>(*this), 0, {accounts}});
@@ -227,16 +208,14 @@ void SweepLeapfrog<Number>::add_booking(engine::TaskGraph& graph) {
     }
 }
 
-template <class Number>
-void SweepLeapfrog<Number>::restart() noexcept {
+void SweepLeapfrog::restart() noexcept {
     frame_.restart();
     system_.restart();
     cold_ = true;
     nominal_ = begun_length_ = 0.0;
 }
 
-template <class Number>
-CycleSequence SweepLeapfrog<Number>::step() {
+CycleSequence SweepLeapfrog::step() {
     begin();                                          // pulleys to the middle of the step: q ← q + h/2 v
     if (w_.layout().ledger) co_yield evaluate_cycle;  // only where losses are integrated with the state
     co_yield record_sweep_cycle;                      // links there, contacts, all forces but friction
@@ -245,8 +224,7 @@ CycleSequence SweepLeapfrog<Number>::step() {
 }
 
 /// A new step, or the last one again, shorter.
-template <class Number>
-void SweepLeapfrog<Number>::begin() {
+void SweepLeapfrog::begin() {
     if (frame_.is_new()) {
         cold_ = !frame_.continues();
         if (w_.step.h > nominal_ || std::abs(w_.step.h - begun_length_) < same_length * begun_length_) nominal_ = w_.step.h;
@@ -263,23 +241,20 @@ void SweepLeapfrog<Number>::begin() {
 }
 
 /// As many of the passes that are left as a cycle has. @return that cycle
-template <class Number>
-int SweepLeapfrog<Number>::next_passes() noexcept {
+int SweepLeapfrog::next_passes() noexcept {
     const PassCycles::Cycle cycle = sweep_cycles.longest(passes_ - pass_);
     begun_ = pass_;
     pass_ += cycle.rounds;
     return cycle.number;
 }
 
-template <class Number>
-Fault SweepLeapfrog<Number>::finish() {
+Fault SweepLeapfrog::finish() {
     frame_.end(sheave_forces(w_));
     system_.end();
     return decides_phases() ? close() : Fault{};
 }
 
-template <class Number>
-Fault SweepLeapfrog<Number>::close() {
+Fault SweepLeapfrog::close() {
     close_tail(w_);
     TipState& tips = w_.tips;
     static_assert(sizeof(model::Phase) == 1);  // memcmp: the library compares enumerations one by one
@@ -294,15 +269,13 @@ Fault SweepLeapfrog<Number>::close() {
     return {};
 }
 
-template <class Number>
-void SweepLeapfrog<Number>::save(std::vector<double>& memory) const {
+void SweepLeapfrog::save(std::vector<double>& memory) const {
     memory.assign({nominal_, begun_length_});
     frame_.save(memory);
     system_.save(memory);
 }
 
-template <class Number>
-void SweepLeapfrog<Number>::load(std::span<const double> memory) {
+void SweepLeapfrog::load(std::span<const double> memory) {
     if (memory.empty()) return;
     const auto lengths = pop_front(memory, 2);
     nominal_ = lengths[0];
@@ -310,8 +283,7 @@ void SweepLeapfrog<Number>::load(std::span<const double> memory) {
     system_.load(frame_.load(memory));
 }
 
-template <class Number>
-void SweepLeapfrog<Number>::record(int segment) noexcept {
+void SweepLeapfrog::record(int segment) noexcept {
     const model::Pulley& pulley = w_.parameters.pulley;
     model::TipSearch search{w_.tips.phases.data(), w_.rule.release, w_.parameters.tip.deepest, pulley.innermost, pulley.outermost};
     const bool searches = decides_phases() && w_.layout().pulley_size != 0;
@@ -319,8 +291,7 @@ void SweepLeapfrog<Number>::record(int segment) noexcept {
     w_.segment_results[at(segment)].pending = search.suspect;
 }
 
-template <class Number>
-void SweepLeapfrog<Number>::sweep(int item) noexcept {
+void SweepLeapfrog::sweep(int item) noexcept {
     const int segments = w_.partition.size(), segment = item % segments, pass = begun_ + item / segments;
     const bool closing = pass + 1 == passes_;
     const model::SweepPart part = pass == 0 ? model::SweepPart::opening : closing ? model::SweepPart::closing : model::SweepPart::middle;
@@ -331,12 +302,6 @@ void SweepLeapfrog<Number>::sweep(int item) noexcept {
     if (decides_phases() && !sound) w_.segment_results[at(segment)].pending = true;
 }
 
-template <class Number>
-void SweepLeapfrog<Number>::enter_losses(int /*item*/) noexcept {
-    system_.enter_losses(w_);
-}
-
-template class SweepLeapfrog<double>;
-template class SweepLeapfrog<float>;
+void SweepLeapfrog::enter_losses(int /*item*/) noexcept { system_.enter_losses(w_); }
 
 }  // namespace cvtflow::tasks

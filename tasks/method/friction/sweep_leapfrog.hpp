@@ -30,8 +30,7 @@ namespace cvtflow::tasks {
 
 /// The friction of a step as forces that implicit sweeps find (model/contact/sweep_step.hpp), by segments. Both neighbours of a border
 /// compute its joint, from what they have handed over; so the same bits come out for all segments.
-template <class Number>
-class SweepSystem : public KickSystem<Number> {
+class SweepSystem : public KickSystem {
 public:
     explicit SweepSystem(const Workspace& workspace);
 
@@ -49,7 +48,7 @@ public:
     /// Contacts of a segment's links at the stage state of workspace.step.row, and all other forces there.
     /// @param search as for KickSystem::record
     void record(Workspace& workspace, const model::ContactDrift& drift, int segment, model::TipSearch* search) noexcept;
-    /// Pass `number` of the step, from 0 on. @param ahead FrictionSweepOf::ahead
+    /// Pass `number` of the step, from 0 on. @param ahead FrictionSweep::ahead
     void sweep(const Workspace& workspace, model::SweepPart part, double ahead, int number, int segment) noexcept;
 
     /// Losses by friction in the accounts of an observe cycle become what the forces of the last step have done; while all is at rest.
@@ -60,12 +59,9 @@ public:
     void load(std::span<const double> memory);  ///< @param memory from save()
 
 private:
-    using Base = KickSystem<Number>;
-    using Base::columns_, Base::contact_edges_, Base::edges_, Base::fields, Base::friction_, Base::now_;
-    using typename Base::Columns, typename Base::Fields;
     enum class Losses { none, to_be_found, known };
     /// Fields: accelerations by everything but friction; velocities; two of forces that outlast a step, kept_now() and kept_before().
-    enum Own : std::size_t { base = Base::first_own, velocity, kept };
+    enum Own : std::size_t { base = first_own, velocity, kept };
     [[nodiscard]] std::size_t kept_now() const noexcept { return kept + now_; }
     [[nodiscard]] std::size_t kept_before() const noexcept { return kept + 1 - now_; }
     /// Edges of forces, and of velocities after passes of even and of odd number.
@@ -75,16 +71,14 @@ private:
     void make_means();
     void find_losses() const noexcept;
 
-    model::SweepResponses<Number> responses_;
+    model::SweepResponses responses_;
     // Computed on demand: for an observation, a checkpoint, or borders that move.
     mutable Losses losses_ = Losses::none;
     mutable std::vector<Columns> means_;  ///< [segment], or more: velocities of the step, when its losses are found
-    mutable SegmentEdges<Number> mean_edges_;
+    mutable SegmentEdges mean_edges_;
     mutable std::vector<model::FrictionPowers> powers_;  ///< [links] of the last step
 };
 
-/// @tparam Number of velocities inside the step: double or float
-template <class Number>
 class SweepLeapfrog final : public StepMethod {
 public:
     /// Slots of the workspace that the method uses.
@@ -126,7 +120,7 @@ private:
 
     Workspace& w_;
     LeapfrogFrame frame_;
-    SweepSystem<Number> system_;
+    SweepSystem system_;
     const int sweeps_;           ///< of a step
     int pass_ = 0;               ///< the first that is in no cycle yet
     int passes_ = 0;             ///< of the present step

@@ -1,42 +1,14 @@
-/// Leapfrogs of the laboratory beside those of the product: tables of their stages, and stages in double precision.
+/// Tables of the stages of leapfrogs, of the laboratory and of the product.
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <string>
-#include <vector>
 
 #include "bench/method/stability/program_stability.hpp"
 #include "tasks/method/friction/kick_tables.hpp"
-#include "tasks/run/simulation.hpp"
-#include "tests/claims/operating_point_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
-
-const engine::Cancellation uncancelled;
-
-/// Velocities change by rounding of what the stages add, 6e-8 of it each: after 30 steps they differ, and by less than 1e-6 of the fastest.
-TEST(FrictionLeapfrog, StagesInSinglePrecisionDifferFromDoubleByRoundingAlone) {
-    const auto state_after = [](const std::string& method) {
-        Simulation simulation(claims::ready_scene("baseline", {"run.method=" + method, "run.step=2us", "run.schedule=serial"}));
-        SilentObserver silent;
-        EXPECT_FALSE(simulation.advance({.until = 60e-6}, silent, uncancelled)) << method;
-        const Workspace& w = simulation.workspace();
-        return std::vector<double>(w.state(), w.state() + w.layout().size());
-    };
-    for (const std::string method : {"leapfrog-rkc", "leapfrog-chebyshev"}) {
-        const std::vector<double> single = state_after(method), twice = state_after(method + "-double");
-        double largest = 0.0, difference = 0.0;
-        for (std::size_t k = 0; k < single.size(); ++k) {
-            largest = std::max(largest, std::abs(twice[k]));
-            difference = std::max(difference, std::abs(single[k] - twice[k]));
-        }
-        EXPECT_GT(difference, 0.0) << method;
-        EXPECT_LT(difference, 1e-6 * largest) << method;
-    }
-}
 
 TEST(KickTables, ReachFurtherTheMoreStagesTheyHaveAndTheCheapestIsTaken) {
     for (const Kick& kick : {chebyshev_kick, bench::rkc_kick}) {

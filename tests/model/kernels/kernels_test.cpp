@@ -1,5 +1,5 @@
 /// Kernels of every instruction set. Links and their tips side by side against those one by one, observed or not: a lane gives the same
-/// bits whatever its neighbours are. Friction in single precision: the same friction as in double precision but for rounding, and the same
+/// bits whatever its neighbours are. Friction in floats: what friction changes in the whole right-hand side but for rounding, and the same
 /// bits however it is computed. Links at a step's end, against a plain loop.
 
 #include <gtest/gtest.h>
@@ -122,23 +122,26 @@ TEST(LaneProbe, GivesTheBitsOfOneLinkAtATimeForRangesOfAnyLength) {
     }
 }
 
-/// A random state, and velocities as far from its own as those of a step's stages are.
-class SingleRig {
+Parameters without_friction(Parameters p) {
+    p.joint.friction.coefficient = p.tip.friction.coefficient = p.plate.friction.coefficient = 0.0;
+    return p;
+}
+
+/// A random state, and velocities as far from its own as those of a step's stages are. Nothing is damped, so that contacts recorded at the
+/// state's velocities are those of the others.
+class FrictionRig {
 public:
-    SingleRig(const Parameters& p, std::uint64_t seed, Isa isa = chosen_isa())
-        : parameters_(p),
-          random_(oracle::random_state(p, seed)),
-          variator_(p, isa),
+    FrictionRig(const Parameters& p, std::uint64_t seed, Isa isa = chosen_isa())
+        : parameters_(undamped(p)),
+          random_(oracle::random_state(parameters_, seed)),
+          variator_(parameters_, isa),
           scratch_(variator_.layout()),
           start_(random_.state),
           friction_(make_friction(variator_.chain(), p.detail.stick_slip)),
-          field_(variator_.chain()),
-          single_field_(variator_.chain()) {
+          field_(variator_.chain()) {
         fill_window(variator_, random_.state.data(), scratch_);
         if (at().pulley_size != 0) variator_.pulleys().motions(random_.state.data() + at().pulley_begin(), scratch_.sheaves);
-        const int columns_wanted = at().links + 2 * at().halo();
-        for (Columns* columns : {&frictionless_, &velocity_, &slope_}) *columns = Columns(size(), columns_wanted);
-        for (auto* columns : {&single_push_, &single_velocity_, &single_slope_}) *columns = ColumnsOf<float>(size(), columns_wanted);
+        for (FloatColumns* columns : {&push_, &velocity_, &slope_}) *columns = FloatColumns(size(), at().links + 2 * at().halo());
         for (int link = 0; link < at().links; ++link) {
             for (int row = 0; row < size(); ++row) {
                 double& v = start_[static_cast<std::size_t>(at().link_begin(link) + size() + row)];
@@ -147,52 +150,58 @@ public:
         }
     }
 
-    void in_double() {
-        friction_.record(range(0, at().links), {}, field_, frictionless_, scratch_.loads.data());
-        for (int link = -at().halo(); link < at().links + at().halo(); ++link) {
-            const double* v = start_.data() + at().link_begin(at().wrapped(link)) + size();
-            for (int row = 0; row < size(); ++row) *velocity_.at(row, link + 1) = v[row];
-        }
-        std::vector<double> memory(static_cast<std::size_t>(friction_.scratch_size(at().links)));
-        friction_.slopes(field_, {0, at().links, velocity_.at(0, 0), velocity_.stride(), memory.data(), random_.phases.data(), 0.25},
-                         {nullptr, &slope_});
-    }
     /// @param length of ranges
-    void in_single(int length) {
+    void evaluate(int length) {
         for (int first = 0; first < at().links; first += length) {
-            const SinglePrecisionRecord start{start_.data() + at().link_begin(first), single_field_, single_push_, single_velocity_};
-            friction_.record(range(first, std::min(first + length, at().links)), {}, start, scratch_.loads.data() + first);
+            const ContactRecord to{start_.data() + at().link_begin(first), field_, push_, velocity_};
+            friction_.record(range(first, std::min(first + length, at().links)), {}, to, scratch_.loads.data() + first);
         }
         for (int row = 0; row < size(); ++row) {
             for (int ghost = 0; ghost < at().halo(); ++ghost) {
-                *single_velocity_.at(row, -ghost) = *single_velocity_.at(row, at().links - ghost);
-                *single_velocity_.at(row, at().links + 1 + ghost) = *single_velocity_.at(row, 1 + ghost);
+                *velocity_.at(row, -ghost) = *velocity_.at(row, at().links - ghost);
+                *velocity_.at(row, at().links + 1 + ghost) = *velocity_.at(row, 1 + ghost);
             }
         }
         for (int first = 0; first < at().links; first += length) {
             const int last = std::min(first + length, at().links);
-            std::vector<float> memory(static_cast<std::size_t>(friction_.scratch_size<float>(last - first)));
-            friction_.slopes(
-                single_field_,
-                {first, last, single_velocity_.at(0, first), single_velocity_.stride(), memory.data(), random_.phases.data(), 0.25},
-                {nullptr, &single_slope_});
+            std::vector<float> memory(static_cast<std::size_t>(friction_.scratch_size(last - first)));
+            friction_.slopes(field_, {first, last, velocity_.at(0, first), velocity_.stride(), memory.data(), random_.phases.data(), 0.25},
+                             {nullptr, &slope_});
         }
     }
 
     [[nodiscard]] std::vector<double> slopes() const { return listed(slope_); }
-    [[nodiscard]] std::vector<double> single_slopes() const { return listed(single_slope_); }
-    [[nodiscard]] std::vector<double> forces() const { return listed(frictionless_); }
-    [[nodiscard]] std::vector<double> single_forces() const { return listed(single_push_); }
-    [[nodiscard]] const ColumnsOf<float>& single_slope() const { return single_slope_; }
+    [[nodiscard]] std::vector<double> forces() const { return listed(push_); }
+    /// slopes() in doubles: the difference that friction makes in the whole right-hand side.
+    [[nodiscard]] std::vector<double> exact_slopes() const {
+        std::vector<double> with = accelerations(parameters_, start_), without = accelerations(without_friction(parameters_), start_);
+        for (std::size_t k = 0; k < with.size(); ++k) with[k] -= without[k];
+        return with;
+    }
+    [[nodiscard]] std::vector<double> exact_forces() const { return accelerations(without_friction(parameters_), random_.state); }
     [[nodiscard]] const ChainLayout& at() const { return variator_.layout(); }
 
 private:
+    [[nodiscard]] static Parameters undamped(Parameters p) {
+        p.chain.damping_ratio = 0.0;
+        return p;
+    }
     [[nodiscard]] int size() const { return at().link_size(); }
     [[nodiscard]] ChainRange range(int first, int last) const {
         return {first, last, scratch_.window.data() + first * at().link_block(), scratch_.sheaves, random_.phases.data()};
     }
-    template <class Number>
-    [[nodiscard]] std::vector<double> listed(const ColumnsOf<Number>& columns) const {
+    [[nodiscard]] std::vector<double> accelerations(const Parameters& p, const std::vector<double>& state) const {
+        const Variator variator(p);
+        EvaluationScratch scratch(variator.layout());
+        std::vector<double> slope(state.size()), all;
+        right_hand_side(variator, 0.0, state.data(), random_.phases.data(), slope.data(), scratch);
+        for (int link = 0; link < at().links; ++link) {
+            const double* first = slope.data() + at().link_begin(link) + size();
+            all.insert(all.end(), first, first + size());
+        }
+        return all;
+    }
+    [[nodiscard]] std::vector<double> listed(const FloatColumns& columns) const {
         std::vector<double> all;
         for (int link = 0; link < at().links; ++link) {
             for (int row = 0; row < size(); ++row) all.push_back(*columns.at(row, link + 1));
@@ -207,9 +216,7 @@ private:
     std::vector<double> start_;
     FrictionOperator friction_;
     ContactField field_;
-    ContactFieldOf<float> single_field_;
-    Columns frictionless_, velocity_, slope_;
-    ColumnsOf<float> single_push_, single_velocity_, single_slope_;
+    FloatColumns push_, velocity_, slope_;
 };
 
 double largest_of(const std::vector<double>& numbers) {
@@ -247,33 +254,33 @@ std::vector<oracle::Case> cases() {
 }
 
 /// A float has 6e-8 of itself; forces of the contacts of a link, some of which cancel, are added up: 2e-6 of the largest.
-TEST(SingleKernels, GiveFrictionAndAllOtherForcesButForRounding) {
+TEST(FrictionKernels, GiveFrictionAndAllOtherForcesButForRounding) {
     std::uint64_t seed = 500;
     for (const oracle::Case& one : cases()) {
-        SingleRig rig(one.parameters, ++seed);
-        rig.in_double();
-        rig.in_single(rig.at().links);
-        ASSERT_GT(largest_of(rig.slopes()), 0.0);
-        EXPECT_LT(largest_difference(rig.single_slopes(), rig.slopes()), 2e-6 * largest_of(rig.slopes())) << one.name;
-        EXPECT_LT(largest_difference(rig.single_forces(), rig.forces()), 1e-7 * largest_of(rig.forces())) << one.name;
+        FrictionRig rig(one.parameters, ++seed);
+        rig.evaluate(rig.at().links);
+        const std::vector<double> slopes = rig.exact_slopes(), forces = rig.exact_forces();
+        ASSERT_GT(largest_of(slopes), 0.0);
+        EXPECT_LT(largest_difference(rig.slopes(), slopes), 2e-6 * largest_of(slopes)) << one.name;
+        EXPECT_LT(largest_difference(rig.forces(), forces), 1e-7 * largest_of(forces)) << one.name;
     }
 }
 
-TEST(SingleKernels, GiveTheSameBitsForRangesOfAnyLengthAndEveryInstructionSet) {
+TEST(FrictionKernels, GiveTheSameBitsForRangesOfAnyLengthAndEveryInstructionSet) {
     std::uint64_t seed = 600;
     for (const oracle::Case& one : cases()) {
-        SingleRig whole(one.parameters, ++seed);
-        whole.in_single(whole.at().links);
+        FrictionRig whole(one.parameters, ++seed);
+        whole.evaluate(whole.at().links);
         for (const int length : cvtflow::test::depth(std::vector{1, 5, 8}, std::vector{1, 2, 3, 5, 8, 11})) {
-            SingleRig cut(one.parameters, seed);
-            cut.in_single(length);
-            EXPECT_EQ(cut.single_slopes(), whole.single_slopes()) << one.name << ", ranges of " << length;
-            EXPECT_EQ(cut.single_forces(), whole.single_forces()) << one.name << ", ranges of " << length;
+            FrictionRig cut(one.parameters, seed);
+            cut.evaluate(length);
+            EXPECT_EQ(cut.slopes(), whole.slopes()) << one.name << ", ranges of " << length;
+            EXPECT_EQ(cut.forces(), whole.forces()) << one.name << ", ranges of " << length;
         }
         for (const Isa isa : usable_isas()) {
-            SingleRig other(one.parameters, seed, isa);
-            other.in_single(other.at().links);
-            EXPECT_EQ(other.single_slopes(), whole.single_slopes()) << one.name << ", " << name_of(isa);
+            FrictionRig other(one.parameters, seed, isa);
+            other.evaluate(other.at().links);
+            EXPECT_EQ(other.slopes(), whole.slopes()) << one.name << ", " << name_of(isa);
         }
     }
 }
@@ -281,21 +288,10 @@ TEST(SingleKernels, GiveTheSameBitsForRangesOfAnyLengthAndEveryInstructionSet) {
 constexpr double infinity = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double limit = 1e4, step = 2e-6;
 
-template <class Number>
-SweepKernels<Number> kernels(Isa isa, int order) {
-    const Kernels all = kernels_of(isa).of_order(order);
-    if constexpr (std::is_same_v<Number, float>) {
-        return all.single.sweeps;
-    } else {
-        return all.friction.sweeps;
-    }
-}
-
 /// Links with numbers that are drawn, one more block of canaries behind them.
-template <class Number>
 struct Links {
     int links, size;
-    ColumnsOf<Number> velocity;
+    FloatColumns velocity;
     std::vector<double> counted_from, start, end, secants;
 
     Links(int links_, int order) : links(links_), size(ChainLayout{order}.link_size()), velocity(size, links + 2) {
@@ -306,24 +302,22 @@ struct Links {
             for (double& number : *each) number = drawn(chance);
         }
         for (int row = 0; row < size; ++row) {
-            for (int column = 0; column < velocity.stride() - 1; ++column) *velocity.at(row, column) = static_cast<Number>(nan);
-            for (int link = 0; link < links; ++link) *velocity.at(row, 1 + link) = static_cast<Number>(drawn(chance));
+            for (int column = 0; column < velocity.stride() - 1; ++column) *velocity.at(row, column) = static_cast<float>(nan);
+            for (int link = 0; link < links; ++link) *velocity.at(row, 1 + link) = static_cast<float>(drawn(chance));
         }
     }
 
     bool finish(Isa isa, int order, bool with_secants) {
-        return kernels<Number>(isa, order)
-            .end({velocity.at(0, 1), velocity.stride(), counted_from.data(), start.data(), end.data(),
-                  with_secants ? secants.data() : nullptr, step, limit},
-                 links);
+        return kernels_of(isa).of_order(order).friction.end({velocity.at(0, 1), velocity.stride(), counted_from.data(), start.data(),
+                                                             end.data(), with_secants ? secants.data() : nullptr, step, limit},
+                                                            links);
     }
     /// finish() number by number.
     void finish_plainly(bool with_secants) {
         for (int link = 0; link < links; ++link) {
             for (int row = 0; row < size; ++row) {
                 const auto q = static_cast<std::size_t>(2 * size * link + row), v = q + static_cast<std::size_t>(size);
-                end[v] = *velocity.at(row, 1 + link);
-                if (std::is_same_v<Number, float>) end[v] += counted_from[v];
+                end[v] = *velocity.at(row, 1 + link) + counted_from[v];
                 end[q] = start[q] + 0.5 * step * (start[v] + end[v]);
                 if (!with_secants) continue;
                 secants[q] = end[v];
@@ -333,12 +327,11 @@ struct Links {
     }
 };
 
-template <class Number>
 void expect_plain_bits(int order, int links, bool with_secants) {
-    Links<Number> plain(links, order);
+    Links plain(links, order);
     plain.finish_plainly(with_secants);
     for (const Isa isa : usable_isas()) {
-        Links<Number> own(links, order);
+        Links own(links, order);
         EXPECT_TRUE(own.finish(isa, order, with_secants)) << "NaN beside the links has no effect";
         for (const auto& [is, expected] : {std::pair{&own.end, &plain.end}, {&own.secants, &plain.secants}}) {
             EXPECT_EQ(std::memcmp(is->data(), expected->data(), is->size() * sizeof(double)), 0)
@@ -349,21 +342,20 @@ void expect_plain_bits(int order, int links, bool with_secants) {
 
 TEST(StepEnd, HasTheBitsOfAPlainLoopForEveryNumberOfLinks) {
     for (int order = 0; order <= 3; ++order) {
-        for (int links = 1; links <= 33; ++links) {
-            expect_plain_bits<double>(order, links, links % 2 == 0);
-            expect_plain_bits<float>(order, links, links % 2 == 0);
-        }
+        for (int links = 1; links <= 33; ++links) expect_plain_bits(order, links, links % 2 == 0);
     }
 }
 
 /// Whether links are sound of which one number is another one.
 bool sound_with(Isa isa, int link, bool coordinate, double number) {
     constexpr int order = 3, links = 19;
-    Links<double> own(links, order);
+    Links own(links, order);
+    const int place = 2 * own.size * link + 5;
     if (coordinate) {
-        own.start[static_cast<std::size_t>(2 * own.size * link + 5)] = number;
-    } else {
-        *own.velocity.at(5, 1 + link) = number;
+        own.start[static_cast<std::size_t>(place)] = number;
+    } else {  // nothing but what it counts from: a float cannot have every double
+        *own.velocity.at(5, 1 + link) = 0.0F;
+        own.counted_from[static_cast<std::size_t>(place + own.size)] = number;
     }
     return own.finish(isa, order, true);
 }

@@ -27,10 +27,7 @@ using test::known_methods;
 
 const engine::Cancellation uncancelled;
 
-std::vector<std::string> leapfrogs() {
-    return known_methods({"leapfrog-chebyshev", "leapfrog-sweep", "leapfrog-rkc", "leapfrog-chebyshev-double", "leapfrog-rkc-double",
-                          "leapfrog-sweep-double"});
-}
+std::vector<std::string> leapfrogs() { return known_methods({"leapfrog-chebyshev", "leapfrog-sweep", "leapfrog-rkc"}); }
 
 /// Executors, assemblies, threads and segments that differ from serial.
 std::vector<Schedule> other_schedules() {
@@ -159,24 +156,24 @@ TEST(SweepLeapfrog, RefusesARoundedCornerOfTheLaw) {
 
 TEST(SegmentColumns, GhostColumnsRepeatTheLinksBesideASegment) {
     constexpr int rows = 5;
-    const auto number = [](int row, int link) { return 1000.0 * row + link + 1; };
+    const auto number = [](int row, int link) { return static_cast<float>(1000 * row + link + 1); };
     for (const std::vector<int>& cuts : {std::vector{0, 84}, {0, 40, 84}, {0, 1, 2, 3}, {0, 1, 2, 3, 4, 5, 6, 7}, {0, 7, 9, 10, 30}}) {
         SCOPED_TRACE(testing::PrintToString(cuts));
         const int links = cuts.back();
         SegmentColumns columns;
         columns.lay_out(Partition::at(cuts));
-        std::vector<model::ColumnsOf<double>> fields;
-        SegmentEdges<double> edges(rows);
+        std::vector<model::FloatColumns> fields;
+        SegmentEdges edges(rows);
         edges.make_room(columns.segments());
         for (int s = 0; s < columns.segments(); ++s) {
-            model::ColumnsOf<double>& field = fields.emplace_back(rows, columns.count(s));
+            model::FloatColumns& field = fields.emplace_back(rows, columns.count(s));
             for (int link = columns.segment(s).first; link < columns.segment(s).last; ++link) {
                 for (int row = 0; row < rows; ++row) *field.at(row, link + columns.shift(s)) = number(row, link);
             }
             edges.give(columns, field, s);
         }
         for (int s = 0; s < columns.segments(); ++s) {
-            model::ColumnsOf<double>& field = fields[at(s)];
+            model::FloatColumns& field = fields[at(s)];
             edges.take(columns, field, s);
             for (int link = columns.segment(s).first - 1; link <= columns.segment(s).last; ++link) {
                 for (int row = 0; row < rows; ++row)
