@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <cstring>
 #include <utility>
 
 #include "model/basis/native_vectors.hpp"
@@ -55,7 +54,11 @@ requires(is_native<W>) struct Lanes<W> {
 
     [[nodiscard]] NumberOf<W> operator[](std::size_t lane) const noexcept { return lane_of<W>(v, lane); }
     void set(std::size_t lane, NumberOf<W> value) noexcept { set_lane<W>(v, lane, value); }
-    void copy_to(NumberOf<W>* to) const noexcept { __builtin_memcpy(to, &v, sizeof v); }
+    /// As numbers: a copy of bytes might change any object, and the compiler would read pointers and strides again after it.
+    void copy_to(NumberOf<W>* to) const noexcept {
+        typedef Vector Unaligned __attribute__((aligned(alignof(NumberOf<W>))));
+        *reinterpret_cast<Unaligned*>(to) = v;
+    }
 
     friend Lanes operator+(const Lanes& a, const Lanes& b) noexcept { return a.v + b.v; }
     friend Lanes operator-(const Lanes& a, const Lanes& b) noexcept { return a.v - b.v; }
@@ -261,8 +264,8 @@ inline void store_rounded(const Lanes<W>& lanes, float* to) noexcept {
         store_rounded<W / 2>(lanes.high, to + W / 2);
     } else {
         typedef float Rounded __attribute__((vector_size(W * sizeof(float))));
-        const Rounded rounded = __builtin_convertvector(lanes.v, Rounded);
-        std::memcpy(to, &rounded, sizeof rounded);
+        typedef Rounded Unaligned __attribute__((aligned(alignof(float))));
+        *reinterpret_cast<Unaligned*>(to) = __builtin_convertvector(lanes.v, Rounded);  // as numbers, like Lanes::copy_to
     }
 }
 
