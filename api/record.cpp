@@ -148,11 +148,7 @@ struct Recording::Impl final : public tasks::RunObserver {
         if (!complete) report.fault.kind = tasks::FaultKind::cancelled;
         report.fault.time = now.time();
         report.step_setting = scene.run.step;
-        report.step = now.step();
-        report.energy = now.workspace().energy.balance();
-        report.balance_error_ratio = now.balance_error_ratio();
-        report.hash = now.hash();
-        recorder.finish(report);
+        recorder.finish(now, report);
     }
 };
 

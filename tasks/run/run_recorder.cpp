@@ -250,7 +250,16 @@ void RunRecorder::restore(const std::vector<double>& position) {
     std::filesystem::remove(former_);
 }
 
-void RunRecorder::finish(RunReport& report) {
+void RunRecorder::finish(const Simulation& simulation, RunReport& report, double wall) {
+    if (wall > 0.0)
+        report.wall = wall;
+    else
+        report.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
+    report.end = simulation.time();
+    report.step = simulation.step();
+    report.energy = simulation.workspace().energy.balance(means_.mark());
+    report.balance_error_ratio = simulation.balance_error_ratio(means_.mark());
+    report.hash = simulation.hash();
     report.outputs = outputs_;
     report.has_pulleys = has_pulleys_;
     report.whole = means_.all();

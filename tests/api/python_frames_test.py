@@ -74,8 +74,9 @@ class Recordings(Folder):
             np.testing.assert_array_equal(record[name], there[name], err_msg=name)
         np.testing.assert_array_equal(record.states.unknowns, there.states.unknowns)
         np.testing.assert_array_equal(record.transitions, there.transitions)
-        for name in ("energy_suspicion", "state_hash", "method"):
+        for name in ("energy_suspicion", "state_hash", "method", "step_taken"):
             self.assertEqual(record.attributes[name], there.attributes[name])
+        self.assertGreater(record.attributes["wall_seconds"], 0.0)
 
     def test_calls_that_end_between_outputs_add_no_rows(self):
         simulation = cvtflow.Simulation(tiny('start.state=""'))
