@@ -68,9 +68,11 @@ std::string trip_lines(const RunReport& r) {
         "  vehicle             {:.4g} m; traction {:.4g} kJ at the wheels; shaft 2 needs {:.4g} kJ: kinetic {:.4g}  climb {:.4g}  air "
         "{:.4g}\n"
         "                      rolling {:.4g}  brakes {:.4g}  clutch {:.4g}  final drive {:.4g} kJ; shaft 1 delivers {:.4g}, shaft 2 "
-        "{:.4g} kJ\n",
+        "{:.4g} kJ\n"
+        "                      speed of shaft 2 is off the cycle's by {:.3g} % on average, by {:+.3g} % at t = {:.4g} s\n",
         1e3 * of(distance), of(traction), of(shaft), of(kinetic), of(climb), of(air), of(rolling), of(brakes), of(clutch), of(final_drive),
-        1e-3 * lasted * r.whole.shaft_power[0], -1e-3 * lasted * r.whole.shaft_power[1]);
+        1e-3 * lasted * r.whole.shaft_power[0], -1e-3 * lasted * r.whole.shaft_power[1], 100.0 * r.whole.astray, 100.0 * r.cycle_miss.share,
+        r.cycle_miss.time);
 }
 
 std::string outside_lines(const RunReport& r) {
