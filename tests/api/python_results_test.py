@@ -103,7 +103,7 @@ class Efficiency(Folder):
         results = cvtflow.Sweep(scene, {"load.inertia": [scene["load.inertia"]]}, ["efficiency mean"]).run(self.folder + "/s")
         ways = {"report": self.shown(f"{self.folder}/report.html", 'data-channel="efficiency"')[0] / 100.0,
                 "difference": self.shown(f"{self.folder}/both.html", 'data-difference="efficiency"')[0] / 100.0,
-                "column of a sweep": results["efficiency"][0], "scalar of a sweep": results["efficiency mean"][0],
+                "column of a sweep": results["efficiency"][0], "scalar of a sweep": results["efficiency_mean"][0],
                 "record": record.means(0.0)["efficiency"], "run()": rows.means(0.0)["efficiency"]}
         for way, value in ways.items():  # begins of windows differ by up to a pin period, of ten
             self.assertAlmostEqual(value, expected, delta=1e-3, msg=way)
