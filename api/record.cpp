@@ -7,6 +7,7 @@
 #include "engine/base/text.hpp"
 #include "engine/record/run/run_reader.hpp"
 #include "tasks/batch/results/results.hpp"
+#include "tasks/channel/channels.hpp"
 #include "tasks/run/run_recorder.hpp"
 
 namespace cvtflow {
@@ -147,11 +148,7 @@ struct Recording::Impl final : public tasks::RunObserver {
         if (!complete) report.fault.kind = tasks::FaultKind::cancelled;
         report.fault.time = now.time();
         report.step_setting = scene.run.step;
-        report.step = now.step();
-        report.energy = now.workspace().energy.balance();
-        report.balance_error_ratio = now.balance_error_ratio();
-        report.hash = now.hash();
-        recorder.finish(report);
+        recorder.finish(now, report);
     }
 };
 
@@ -233,6 +230,20 @@ std::vector<std::string> Table::texts(const std::string& column) const {
         for (std::size_t row = 0; row < rows(); ++row) values.push_back(impl_->table.layout.cell(impl_->table.row(row), index));
         return values;
     });
+}
+
+std::vector<std::vector<std::string>> energies_of_efficiency(const std::string& channel) {
+    std::vector<std::vector<std::string>> sums;
+    const tasks::EfficiencyChannels* of = tasks::efficiency_channels_of(channel);
+    if (of == nullptr) return sums;
+    for (const auto& names : of->energies) sums.emplace_back(names.begin(), names.end());
+    return sums;
+}
+
+double efficiency_of(const std::vector<double>& changes) {
+    constexpr std::size_t sums = tasks::EfficiencyChannels::sums;
+    if (changes.size() != sums) throw Error(ErrorCode::argument, "efficiency_of: " + std::to_string(sums) + " sums are expected");
+    return tasks::efficiency_of(std::span(changes).first<sums>());
 }
 
 }  // namespace v0

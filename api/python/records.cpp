@@ -104,7 +104,7 @@ void bind_records(py::module_& module) {
         .def_readonly("text", &Column::text, "whether it holds texts");
     py::class_<Record>(module, "RecordFile", "The record of a run, read on demand.")
         .def(py::init<const std::string&>(), py::arg("path"), "Raises RecordError.")
-        .def_property_readonly("status", &Record::status, "finished, running, unreliable, or the cause of an early end.")
+        .def_property_readonly("status", &Record::status, "finished, running, unreliable, cycle_missed: …, or the cause of an early end.")
         .def("attributes", &attributes_of<Record>, "Of the whole file, by name.")
         .def("channels", &Record::channels, "The recorded channels.")
         .def("rows", &Record::rows, "Number of rows when the file was opened.")

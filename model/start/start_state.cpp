@@ -251,7 +251,9 @@ ChainPlacer::ChainPlacer(const Parameters& p, double pretension, PathOf path_of,
       guess_(guess),
       arm_(p.joint.radius - 0.5 * p.half.width),
       diameter_(2.0 * p.joint.radius - (p.detail.pins == PinDetail::halves ? pretension / p.joint.stiffness : 0.0)) {
-    const double stretch = pretension / (p.plate.count * p.plate.stiffness);
+    // Joints of halves yield by the depth of their contact, those of rigid pins within the link, whose spring is both in series.
+    const double joint = p.detail.pins == PinDetail::rigid ? pretension / p.joint.stiffness : 0.0;
+    const double stretch = pretension / (p.plate.count * p.plate.stiffness) + joint;
     for (int i = 0; i < p.chain.pins; ++i)
         length_.push_back(p.chain.pitch[static_cast<std::size_t>(i) % p.chain.pitch.size()] + p.half.width + stretch);
 }

@@ -17,8 +17,8 @@ namespace cvtflow::tasks {
 
 namespace {
 
-constexpr std::string_view statuses[] = {"ok",      "unreliable", "diverged", "budget",    "bad_parameters",
-                                         "crashed", "undefined",  "stopped",  "not_steady"};
+constexpr std::string_view statuses[] = {"ok",      "unreliable", "diverged", "budget",     "bad_parameters",
+                                         "crashed", "undefined",  "stopped",  "not_steady", "cycle_missed"};
 constexpr double worth_a_switch = 0.2;  ///< wall time that a case must have left to get more threads [s]
 constexpr double trial_seconds = 0.05;  ///< in which more threads have to show their worth [s]
 constexpr double required_gain = 1.1;
@@ -54,9 +54,14 @@ void judge_energy(const Simulation& simulation, const RunMeans& means, CaseResul
         result.efficiency = means.all().efficiency;
         name_notes(means, balance, result.notes);
     }
-    if (result.status != CaseStatus::ok || result.balance_error_ratio <= 1.0) return;
-    result.status = CaseStatus::unreliable;
-    result.error = fmt::format("the residual of the energy balance is {:.2g} times the tolerance", result.balance_error_ratio);
+    if (result.status != CaseStatus::ok) return;
+    if (result.balance_error_ratio > 1.0) {
+        result.status = CaseStatus::unreliable;
+        result.error = fmt::format("the residual of the energy balance is {:.2g} times the tolerance", result.balance_error_ratio);
+    } else if (const SpanMeans whole = means.all(); whole.cycle_missed()) {
+        result.status = CaseStatus::cycle_missed;
+        result.error = means.cycle_miss().text(whole);
+    }
 }
 
 }  // namespace
@@ -101,8 +106,7 @@ const CaseResult& CaseEngine::run(long number) {
         result_.error = engine::error_text(error);
     }
     result_.wall = elapsed();
-    if (result_.status != CaseStatus::ok && result_.status != CaseStatus::not_steady)
-        std::fill(result_.scalars.begin(), result_.scalars.end(), std::numeric_limits<double>::quiet_NaN());
+    if (!has_scalars(result_.status)) std::fill(result_.scalars.begin(), result_.scalars.end(), std::numeric_limits<double>::quiet_NaN());
     return result_;
 }
 
@@ -192,11 +196,8 @@ void CaseEngine::integrate() {
     if (recorder_) {
         RunReport report;
         report.fault = fault;
-        report.hash = result_.hash;
-        report.wall = elapsed();
-        report.energy = at_->simulation.workspace().energy.balance(means.mark());
-        report.balance_error_ratio = result_.balance_error_ratio;
-        std::exchange(recorder_, nullptr)->finish(report);
+        report.step_setting = scene_.run.step;
+        std::exchange(recorder_, nullptr)->finish(at_->simulation, report, elapsed());
     }
     if (result_.status == CaseStatus::ok && !own_start_) keep_for_neighbour(sweep_, places_, result_.number, scene_, at_->simulation);
 }

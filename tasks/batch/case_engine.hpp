@@ -16,10 +16,14 @@ namespace cvtflow::tasks {
 struct Checkpoint;
 
 /// How a case ended; the column `status` has these names.
-enum class CaseStatus { ok, unreliable, diverged, budget, bad_parameters, crashed, undefined, stopped, not_steady };
+enum class CaseStatus { ok, unreliable, diverged, budget, bad_parameters, crashed, undefined, stopped, not_steady, cycle_missed };
 /// Contents of a row.
 [[nodiscard]] std::span<const std::string_view> status_names() noexcept;
 [[nodiscard]] std::string_view status_name(CaseStatus status) noexcept;
+/// Whether a case has run to its end, so that its scalars are what its status calls them.
+[[nodiscard]] constexpr bool has_scalars(CaseStatus status) noexcept {
+    return status == CaseStatus::ok || status == CaseStatus::not_steady || status == CaseStatus::cycle_missed;
+}
 
 struct CaseResult {
     long number = -1;
@@ -27,7 +31,7 @@ struct CaseResult {
     std::string error;
     std::string_view start;
     std::uint64_t start_state = 0;  ///< content_hash() of the state that it began with; 0: none
-    std::vector<double> scalars;    ///< NaN unless ok or not steady [scalars of the sweep]
+    std::vector<double> scalars;    ///< NaN unless has_scalars(status) [scalars of the sweep]
     std::vector<double> errors;     ///< of those, relative, where cases end when they are steady; NaN: none [scalars of the sweep]
     double settled_for = 0.0;       ///< likewise: begin of the means [s]
     Counters counters, settling;

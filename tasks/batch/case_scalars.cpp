@@ -38,7 +38,9 @@ void CaseScalars::reduce(const CaseInstant& at, const Occasion& when) {
     const Workspace& w = at.workspace;
     const Instant now{chain ? w.observed_by(at.observer, at.time) : w.shafts_observed_by(at.observer, at.time), w, at.counters,
                       at.followed_pin, at.observer};
-    if (when.sample) means_.add(now.observation, w.energy.sums(at.time), w.pin_period(now.observation.chain_speed), w.energy.mark());
+    if (when.sample)
+        means_.add(now.observation, w.energy.sums(at.time), w.pin_period(now.observation.chain_speed), w.energy.mark(),
+                   w.needed_speed(at.time));
     const std::span<Reducer> present = present_reducers();
     for (std::size_t i = 0; i < present.size(); ++i) present[i].read(sweep_.scalars[i], now, when, values_);
 }
@@ -57,7 +59,7 @@ void CaseScalars::write(CaseResult& result) const {
             write_steady(i, result);
         else
             result.scalars[i] = reducers_[i].result(sweep_.scalars[i]);
-        if (result.status != CaseStatus::ok || std::isfinite(result.scalars[i])) continue;
+        if (result.status != CaseStatus::ok || std::isfinite(result.scalars[i]) || sweep_.scalars[i].may_be_undefined()) continue;
         result.status = CaseStatus::undefined;
         result.error = fmt::format("{} is not a finite number", sweep_.scalars[i].text);
     }

@@ -28,16 +28,19 @@ void list(const Instant& now, double* out) {
     std::ranges::copy(now.observation.*member, out);
 }
 
-/// Efficiency since the last output, or of the instant if there is none before.
+/// Efficiency over the last pin period, or of the instant where no output lies before it.
 double efficiency(const Instant& now) {
     const EnergyLedger& energy = now.workspace.energy;
-    const std::optional<EnergySums> before = energy.sums_before(now.observation.time);
-    const double since = before ? energy.sums(now.observation.time).efficiency_since(*before) : std::numeric_limits<double>::quiet_NaN();
-    if (std::isfinite(since)) return since;
+    if (const auto before = energy.sums_before(now.observation.time)) return energy.sums(now.observation.time).since(*before).efficiency();
     EnergySums powers;
     powers.loss = now.observation.account.loss;
     powers.work = now.observation.work;
-    return powers.efficiency_since({});
+    return powers.since({}).efficiency();
+}
+/// A share: none where tips lose more than shafts bring.
+double loss_slip(const Instant& now) {
+    const double share = now.observation.loss_slip;
+    return share <= 1.0 ? share : std::numeric_limits<double>::quiet_NaN();
 }
 double chain_torque(const Instant& now, std::size_t shaft) { return now.chain_torque(shaft); }
 double thrust_ratio(const Instant& now) {
@@ -115,11 +118,14 @@ const Channel table[] = {
      "slip that friction makes: against the speeds of shafts on which it would put no torque; zero without torque, of its sign",
      Read(scalar, &O::friction_slip)},
     {"loss_slip", "1",
-     "power lost by tips that slide along the circumference over the power of those shafts that bring any; never negative",
-     Read(scalar, &O::loss_slip)},
+     "of an instant: power lost by tips that slide along the circumference over the power of those shafts that bring any; NaN where it is "
+     "more",
+     loss_slip, may_be_undefined},
     {"efficiency", "1",
-     "1 - losses/input over the last whole pin period (input: works of those inputs that brought energy); NaN without input", efficiency,
-     may_be_undefined | unaveraged},
+     "of an instant: 1 - losses/input over the last whole pin period (input: works of those inputs that brought energy); NaN where no "
+     "energy "
+     "flows; its mean is the quotient of the energies",
+     efficiency, may_be_undefined | unaveraged},
     {"thrust_ratio", "1", "S_1/S_2; NaN without S_2", thrust_ratio, may_be_undefined | without_chain},
     {"chain_speed", "m/s", "mean speed of the pins along the chain", Read(scalar, &O::chain_speed), any_machine},
     {"tight_tension", "N", "mean plate tension of the strand that the driving sheaves pull (ring: of all links)", Read(scalar, &O::tight),
@@ -210,6 +216,62 @@ std::span<const Channel> channels() {
         return rows;
     }();
     return all;
+}
+
+namespace {
+
+/// The sums of an efficiency at an instant [J].
+void read_energies(const Instant& now, double* out, const EfficiencyChannels* of) {
+    for (const auto& names : of->energies) {
+        *out = 0.0;
+        for (const Channel& channel : channels()) {
+            double energy = 0.0;
+            if (std::ranges::find(names, channel.name) == names.end()) continue;
+            channel.read(now, &energy);
+            *out += energy;
+        }
+        ++out;
+    }
+}
+
+}  // namespace
+
+std::span<const EfficiencyChannels> efficiency_channels() {
+    static const std::vector<std::string_view> lost{"dissipated/total"},
+        oil{"hydraulics/mechanical", "hydraulics/volumetric", "hydraulics/relief", "hydraulics/valves", "hydraulics/leaked"},
+        drag{"dissipated/shaft_1_drag", "dissipated/shaft_2_drag"};
+    static const auto with = [](std::vector<std::string_view> names, const std::vector<std::string_view>& more) {
+        names.insert(names.end(), more.begin(), more.end());
+        return names;
+    };
+    static const EfficiencyChannels rows[] = {
+        {"efficiency", {{lost, {}, {"work/clamping"}, {"work/drive"}, {"work/load"}}}},
+        {"efficiency_with_pump", {{with(lost, oil), {"hydraulics/pump"}, {"work/clamping"}, {"work/drive"}, {"work/load"}}}},
+        {"overall_efficiency",
+         {{with(with(lost, oil), drag), {"hydraulics/pump"}, {"work/clamping"}, {"work/drive", drag[0]}, {"work/load", drag[1]}}}}};
+    return rows;
+}
+
+const EfficiencyChannels* efficiency_channels_of(std::string_view name) {
+    const auto all = efficiency_channels();
+    const auto found = std::ranges::find(all, name, &EfficiencyChannels::name);
+    return found == all.end() ? nullptr : &*found;
+}
+
+double efficiency_of(std::span<const double, EfficiencyChannels::sums> changes) noexcept {
+    return EnergyFlow{changes[0], changes[2], {changes[3], changes[4]}}.with_pump(changes[1], 0.0).efficiency();  // its losses are counted
+}
+
+const Channel* Channel::energies() const {
+    static const std::vector<Channel> all = [] {
+        std::vector<Channel> rows;
+        for (const EfficiencyChannels& of : efficiency_channels())
+            rows.push_back({of.name, "J", "sums of its energies so far", Read(read_energies, &of), so_far, "energy",
+                            always(static_cast<int>(EfficiencyChannels::sums))});
+        return rows;
+    }();
+    const auto found = std::ranges::find(all, name, &Channel::name);
+    return found != all.end() ? &*found : nullptr;
 }
 
 const Channel* Channel::integral() const {

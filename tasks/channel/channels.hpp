@@ -1,6 +1,7 @@
 #pragma once
 /// The catalogue of recorded quantities: a row per channel, from which the record, `list channels` and tests are made.
 
+#include <array>
 #include <functional>
 #include <span>
 #include <string>
@@ -73,12 +74,27 @@ struct Channel {
 
     /// The channel whose change over a time is this one's integral over it; nullptr: there is none.
     [[nodiscard]] const Channel* integral() const;
+    /// The channel from whose changes the mean of an efficiency follows, by efficiency_of(); nullptr: this is none.
+    [[nodiscard]] const Channel* energies() const;
 
     /// A width that does not depend on the machine.
     [[nodiscard]] static Width always(int numbers) {
         return [numbers](const model::ChainModel&) { return numbers; };
     }
 };
+
+/// An efficiency, and the channels of energies so far [J] whose sums it is made of: losses, a pump, what presses, drive and load. A machine
+/// or a record that has not one of them counts it as zero.
+struct EfficiencyChannels {
+    static constexpr std::size_t sums = 5;
+    std::string_view name;
+    std::array<std::vector<std::string_view>, sums> energies;
+};
+[[nodiscard]] std::span<const EfficiencyChannels> efficiency_channels();
+/// Those of a channel; nullptr: it is no efficiency.
+[[nodiscard]] const EfficiencyChannels* efficiency_channels_of(std::string_view name);
+/// Mean of an efficiency over a time, a quotient of energies. @param changes of its sums in that time [J]
+[[nodiscard]] double efficiency_of(std::span<const double, EfficiencyChannels::sums> changes) noexcept;
 
 /// All there are.
 [[nodiscard]] std::span<const Channel> channels();

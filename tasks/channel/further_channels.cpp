@@ -171,8 +171,9 @@ double efficiency_outside(const Instant& now, bool overall) {
     const EnergyLedger& energy = now.workspace.energy;
     const std::optional<EnergySums> before = energy.sums_before(time);
     if (!before) return std::numeric_limits<double>::quiet_NaN();
-    const double lasted = time - before->time, pump = lasted * oil.pump, lost = lasted * oil.lost();
-    return overall ? energy.sums(time).overall_since(*before, pump, lost) : energy.sums(time).efficiency_since(*before, pump, lost);
+    const EnergySums sums = energy.sums(time);
+    const double lasted = time - before->time;
+    return (overall ? sums.outside_since(*before) : sums.since(*before)).with_pump(lasted * oil.pump, lasted * oil.lost()).efficiency();
 }
 
 double vehicle_speed(const Instant& now) { return now.workspace.trip.speed(now.observation.time); }
@@ -271,7 +272,8 @@ const Channel further_table[] = {
     {"dissipated/shaft_2_drag", "J", "energy that seals, bearings and oil have taken from the driven shaft; not in dissipated/total",
      Read(dragged, 1), of_drag | unaveraged},
     {"overall_efficiency", "1",
-     "1 - losses/input over the last pin period from outside to outside: chain, drag of the shafts and pump; NaN without input",
+     "of an instant: 1 - losses/input over the last pin period from outside to outside: chain, drag of the shafts and pump; NaN where no "
+     "energy flows; its mean is the quotient of the energies",
      Read(efficiency_outside, true), of_drag | may_be_undefined | unaveraged},
     {"vehicle/speed", "m/s", "speed of the vehicle by the cycle; zero without one, as all of vehicle/", vehicle_speed,
      on_demand | without_chain},
@@ -315,7 +317,9 @@ const Channel further_table[] = {
     {"hydraulics/sheaves", "J", "work of the oil's pressure on the movable sheaves so far", Read(oil_energy, &E::sheaves),
      of_hydraulics | unaveraged},
     {"hydraulics/stored", "J", "energy of the compressed oil", Read(oil_energy, &E::stored), of_hydraulics},
-    {"efficiency_with_pump", "1", "1 - losses/input over the last pin period, the pump's losses and power included; NaN without input",
+    {"efficiency_with_pump", "1",
+     "of an instant: 1 - losses/input over the last pin period, the pump's losses and power included; NaN where no energy flows; its mean "
+     "is the quotient of the energies",
      Read(efficiency_outside, false), of_hydraulics | may_be_undefined | unaveraged},
     {"wear/friction_power", "W",
      "friction of the tips by radius: 32 rings from pulley.innermost to pulley.outermost of sheaves 1-, 1+, 2-, 2+", cell_power, on_demand,

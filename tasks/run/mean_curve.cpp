@@ -18,7 +18,7 @@ constexpr std::size_t point_numbers = sizeof(MeanPoint) / sizeof(double);
 using PointNumbers = std::array<double, point_numbers>;
 static_assert(std::is_trivially_copyable_v<MeanPoint> && sizeof(MeanPoint) == sizeof(PointNumbers));
 
-[[nodiscard]] std::array<double, mean_count> values_of(const model::Observation& now) noexcept {
+[[nodiscard]] std::array<double, mean_count> values_of(const model::Observation& now, double needed_speed) noexcept {
     std::array<double, mean_count> values{};
     const auto put = [&](Mean quantity, double value, std::size_t k = 0) { values[static_cast<std::size_t>(quantity) + k] = value; };
     put(Mean::ratio, now.ratio);
@@ -27,12 +27,19 @@ static_assert(std::is_trivially_copyable_v<MeanPoint> && sizeof(MeanPoint) == si
     put(Mean::tight, now.tight);
     put(Mean::slack, now.slack);
     put(Mean::limited, now.control_limited ? 1.0 : 0.0);
-    put(Mean::missed, now.control.miss());
+    put(Mean::missed, std::clamp(now.control.miss(), -1.0, 1.0));  // a safety factor has no limit where a load passes zero
     put(Mean::loose, now.slack <= 0.0 ? 1.0 : 0.0);
     put(Mean::beyond, now.limit_use > 1.0 ? 1.0 : 0.0);
     put(Mean::turning, 0.5 * (std::abs(now.speed[0]) + std::abs(now.speed[1])));
     put(Mean::creep, now.creep.power);
     put(Mean::brought, std::max(0.0, now.work[0]) + std::max(0.0, now.work[1]));
+    put(Mean::target, now.control.target);
+    if (needed_speed != 0.0) {
+        put(Mean::needed, std::abs(needed_speed));
+        put(Mean::astray, std::abs(now.speed[1] - needed_speed));
+        put(Mean::demanded, std::abs(now.torque[1] * needed_speed));
+        put(Mean::short_of, now.torque[1] * (now.speed[1] - needed_speed));
+    }
     for (std::size_t k = 0; k < 2; ++k) {
         put(Mean::speed, now.speed[k], k);
         put(Mean::torque, now.torque[k], k);
@@ -63,8 +70,8 @@ void MeanCurve::clear() noexcept {
     since_point_ = pin_period_ = period_here_ = 0.0;
 }
 
-void MeanCurve::add(const model::Observation& now, const EnergySums& sums, double pin_period, const EnergyMark& mark) {
-    std::array<double, mean_count> values = values_of(now);
+void MeanCurve::add(const model::Observation& now, const EnergySums& sums, double pin_period, const EnergyMark& mark, double needed_speed) {
+    std::array<double, mean_count> values = values_of(now, needed_speed);
     if (marks_ && period_here_ > 0.0) add_alternation(now, values);
     const MeanPoint before = now_;
     const double half = points_.empty() ? 0.0 : 0.5 * (now.time - now_.time);
@@ -173,7 +180,7 @@ constexpr std::size_t losses = 6, efficiency = 7;
     const double driven = mean(Mean::clamping, 1);
     return {{mean(Mean::ratio), driven != 0.0 ? mean(Mean::clamping) / driven : 0.0, mean(Mean::tight), mean(Mean::slack), mean(Mean::slip),
              mean(Mean::friction_slip), (end.energy.lost() - begin.energy.lost()) / (end.time - begin.time),
-             end.energy.efficiency_since(begin.energy)}};
+             end.energy.since(begin.energy).efficiency()}};
 }
 
 /// Scale of a quantity, from its mean over the window and that of the tight strand.

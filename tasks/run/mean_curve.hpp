@@ -20,13 +20,18 @@ enum class Mean {
     tight,
     slack,
     limited,  ///< 1 while a controller has reached its authority
-    missed,   ///< deviation of the first controller's quantity over its target
+    missed,   ///< deviation of the first controller's quantity over its target; more than all of it counts as all of it
     loose,    ///< 1 while the slack strand carries no tension
     beyond,   ///< 1 while clamping is above its limit over the slip speed
     turning,  ///< speed of the shafts without its sign, mean of both [rad/s]
     creep,    ///< power lost by creep [W]
     brought,  ///< power of the shafts that bring any [W]
-    speed,    ///< from here on of both shafts
+    target,   ///< of the first controller
+    needed,   ///< speed of shaft 2 that a cycle needs, and the distance of the speed from it [rad/s]
+    astray,
+    demanded,  ///< power that a cycle needs of shaft 2, without its sign, and what is missing to it [W]
+    short_of,
+    speed,  ///< from here on of both shafts
     torque = speed + 2,
     chain_torque = torque + 2,
     clamping = chain_torque + 2,
@@ -70,7 +75,9 @@ public:
     /// From the next sample on, keeps the points where pin periods end, all of them, in place of samples.
     void mark_periods() noexcept { marks_ = true; }
     /// @param sums of the energies so far   @param pin_period see Workspace [s]   @param mark of the energies' ledger
-    void add(const model::Observation& now, const EnergySums& sums, double pin_period, const EnergyMark& mark = {});
+    /// @param needed_speed of shaft 2, by a cycle; 0: none [rad/s]
+    void add(const model::Observation& now, const EnergySums& sums, double pin_period, const EnergyMark& mark = {},
+             double needed_speed = 0.0);
     /// Whether the last sample lies so far back that another one is needed. time [s]
     [[nodiscard]] bool due(double time, double per_period = samples_per_period) const noexcept {
         return pin_period_ > 0.0 && time - now_.time >= pin_period_ / per_period;

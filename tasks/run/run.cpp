@@ -150,19 +150,14 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
     else if (simulation.needs_settling() && !report.start_differences.empty() && options.notice)
         options.notice(fmt::format("start.state: {}", report.start_differences.back()));
     run_parts(scene, options, simulation, recorder, report);
-    report.end = simulation.time();
-    report.step = simulation.step();
     if (simulation.part().step_choice() != nullptr) report.stable_step = simulation.part().step_choice()->stable_step();
-    report.energy = simulation.workspace().energy.balance(recorder.means().mark());
     report.couplings = couplings_of(simulation);
     report.heat = simulation.workspace().heat;
-    report.trip = simulation.workspace().trip.sums(report.end);
-    report.balance_error_ratio = simulation.balance_error_ratio(recorder.means().mark());
+    report.trip = simulation.workspace().trip.sums(simulation.time());
     report.settling_residual = simulation.integration_state().settling_residual;
     report.method_report = simulation.integrator().method().report();
     report.schedule = simulation.integrator().runner().text();
-    report.hash = simulation.hash();
-    recorder.finish(report);
+    recorder.finish(simulation, report, report.wall);
     // Rows of a record that this run did not continue are in no finished record.
     const bool complete = options.from == nullptr || options.from->run.empty() || !options.file.empty();
     if (!report.fault && complete && !options.checkpoint.empty()) remove_checkpoint(options.checkpoint);

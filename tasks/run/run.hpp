@@ -28,6 +28,7 @@ struct RunReport : RunHistory {
     double balance_error_ratio = 0.0;  ///< of run and settling (EnergyLedger::balance_error_ratio); above 1 the results are unreliable [1]
     double settling_residual = 0.0;    ///< relative residual of the energy balance of settling
     SpanMeans whole, first_fifth, last_fifth;  ///< of the run; with run.until = "steady" of its last half
+    CycleMiss cycle_miss;                      ///< largest, of a run with a cycle
     SteadyMeans steady;                        ///< with run.until = "steady": errors of those means
     double revolutions = 0.0;                  ///< likewise, of the chain, until their begin [1]
     std::vector<CouplingReport> couplings;     ///< of the shafts that have one
@@ -56,8 +57,12 @@ struct RunReport : RunHistory {
     bool has_pulleys = true;
 
     [[nodiscard]] bool reliable() const noexcept { return balance_error_ratio <= 1.0; }
-    /// "finished", "unreliable", or the fault's name: unreliable results of a run that also ended early are called so by its summary.
-    [[nodiscard]] std::string status() const { return fault ? fault.name() : reliable() ? "finished" : "unreliable"; }
+    /// "finished", "unreliable", "cycle_missed", or the fault's name: unreliable results of a run that also ended early are called so by
+    /// its summary.
+    [[nodiscard]] std::string status() const {
+        if (fault) return fault.name();
+        return !reliable() ? "unreliable" : whole.cycle_missed() ? "cycle_missed" : "finished";
+    }
     /// Whether run.step was given and is beyond what the method is stable for.
     [[nodiscard]] bool beyond_stability() const noexcept { return !step_setting.automatic() && step > stable_step && stable_step > 0.0; }
 };

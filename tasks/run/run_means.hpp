@@ -4,6 +4,7 @@
 /// shows whether they still move.
 
 #include <array>
+#include <cmath>
 #include <span>
 #include <string>
 #include <string_view>
@@ -44,6 +45,21 @@ struct SpanMeans {
     double with_pump = 0.0;                ///< efficiency with the pump's power and losses; as efficiency where there is no pump [1]
     double overall = 0.0;                  ///< efficiency from outside to outside: with pump and drag of the shafts [1]
     double carried = 0.0;                  ///< what drive and load have taken out of the machine over its losses, in the same time [1]
+    double target = 0.0;                   ///< of the first controller [1]
+    double astray = 0.0;                   ///< mean distance of the speed of shaft 2 from what a cycle needs, over that [1]
+    double short_of = 0.0;                 ///< missing work of shaft 2 over what a cycle needs, without its sign [1]
+
+    /// Whether the machine misses its cycle: by more than 2 % in speed or work.
+    [[nodiscard]] bool cycle_missed() const noexcept;
+};
+
+/// Where a run was farthest from its cycle.
+struct CycleMiss {
+    double time = 0.0;   ///< [s]
+    double share = 0.0;  ///< speed of shaft 2 over what is needed, less 1
+
+    /// "the machine misses its cycle: …". @param whole of the run
+    [[nodiscard]] std::string text(const SpanMeans& whole) const;
 };
 
 /// Something about results that a reader must know. They are right by themselves.
@@ -63,7 +79,9 @@ public:
     /// Before the first sample: means are over the last half of the time, and checked by the rule, if it is one.
     void seek_steady(const SteadyRule& rule) noexcept;
     /// A sample. @param sums of the energies so far   @param pin_period see Workspace [s]   @param mark of the energies' ledger
-    void add(const model::Observation& now, const EnergySums& sums, double pin_period, const EnergyMark& mark = {});
+    /// @param needed_speed of shaft 2, by a cycle; 0: none [rad/s]
+    void add(const model::Observation& now, const EnergySums& sums, double pin_period, const EnergyMark& mark = {},
+             double needed_speed = 0.0);
     /// Whether the run should end: its means are steady, will not become so within the rule's limit, or have no pin periods.
     [[nodiscard]] bool ended() const noexcept { return ended_; }
     /// Checks at the end of a run that another rule ended.
@@ -80,6 +98,9 @@ public:
     [[nodiscard]] SpanMeans all() const { return span(0.0, 1.0); }
     [[nodiscard]] SpanMeans first_fifth() const { return span(0.0, 0.2); }
     [[nodiscard]] SpanMeans last_fifth() const { return span(0.8, 1.0); }
+    /// k: 0 … 4
+    [[nodiscard]] SpanMeans fifth(int k) const { return k < 4 ? span(0.2 * k, 0.2 * (k + 1)) : last_fifth(); }
+    [[nodiscard]] const CycleMiss& cycle_miss() const noexcept { return miss_; }
     /// Largest change of a mean from begin to end of the window.
     [[nodiscard]] MeanTrend trend() const;
 
@@ -96,6 +117,7 @@ private:
     MeanCurve curve_;
     SteadyRule rule_;
     SteadyMeans steady_;
+    CycleMiss miss_;
     double next_check_ = 0.0;  ///< [pin periods]
     bool ended_ = false;
 };

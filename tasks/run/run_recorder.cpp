@@ -167,7 +167,8 @@ void RunRecorder::output(double time, const Workspace& workspace, const Counters
     if (begin_ < 0.0) return;  // settling is not recorded
     const model::Observation& now = workspace.observed_by(observer_, time);
     ++outputs_;
-    means_.add(now, workspace.energy.sums(time), workspace.pin_period(now.chain_speed), workspace.energy.mark());
+    means_.add(now, workspace.energy.sums(time), workspace.pin_period(now.chain_speed), workspace.energy.mark(),
+               workspace.needed_speed(time));
     if (!file_) return;
     read({now, workspace, counters, followed_pin_, observer_});
     if (output_means_.on()) output_means_.add(time, row_), output_means_.take(row_);
@@ -203,7 +204,8 @@ void RunRecorder::transition(const TransitionRecord& record) {
 
 void RunRecorder::sample(double time, const Workspace& workspace, const Counters& counters) {
     const model::Observation& now = workspace.observed_by(observer_, time);
-    means_.add(now, workspace.energy.sums(time), workspace.pin_period(now.chain_speed), workspace.energy.mark());
+    means_.add(now, workspace.energy.sums(time), workspace.pin_period(now.chain_speed), workspace.energy.mark(),
+               workspace.needed_speed(time));
     if (!output_means_.on()) return;
     read({now, workspace, counters, followed_pin_, observer_});
     output_means_.add(time, row_);
@@ -250,12 +252,22 @@ void RunRecorder::restore(const std::vector<double>& position) {
     std::filesystem::remove(former_);
 }
 
-void RunRecorder::finish(RunReport& report) {
+void RunRecorder::finish(const Simulation& simulation, RunReport& report, double wall) {
+    if (wall > 0.0)
+        report.wall = wall;
+    else
+        report.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
+    report.end = simulation.time();
+    report.step = simulation.step();
+    report.energy = simulation.workspace().energy.balance(means_.mark());
+    report.balance_error_ratio = simulation.balance_error_ratio(means_.mark());
+    report.hash = simulation.hash();
     report.outputs = outputs_;
     report.has_pulleys = has_pulleys_;
     report.whole = means_.all();
     report.first_fifth = means_.first_fifth();
     report.last_fifth = means_.last_fifth();
+    report.cycle_miss = means_.cycle_miss();
     report.steady = means_.steady();
     report.revolutions = static_cast<double>(report.steady.begin) / std::max(1.0, means_.rule().pins);
     report.notes = notes(means_, report.energy, report.has_pulleys);
@@ -265,6 +277,8 @@ void RunRecorder::finish(RunReport& report) {
         file_->set_status(report.fault.message());
     else if (!report.reliable())
         file_->set_status(unreliable_text(report));
+    else if (report.whole.cycle_missed())
+        file_->set_status("cycle_missed: " + report.cycle_miss.text(report.whole));
     file_->set_attribute({"energy_residual", report.energy.residual()});
     file_->set_attribute({"energy_residual_relative", report.energy.relative()});
     file_->set_attribute({"energy_suspicion", report.balance_error_ratio});

@@ -55,8 +55,9 @@ public:
     [[nodiscard]] std::vector<double> position();
     /// Continues from there, with the rows of the record that options.from names.
     void restore(const std::vector<double>& position);
-    /// Ends the record with what happened, completes the means.
-    void finish(RunReport& report);
+    /// Ends the record with the simulation as it is now, and completes the report: all but its history, its fault and what it ran with.
+    /// @param wall of the run; 0: since this was made [s]
+    void finish(const Simulation& simulation, RunReport& report, double wall = 0.0);
     /// Time span of the present part of the run, for progress. begin [s], until [s]
     void begin_part(double begin, double until) noexcept;
 

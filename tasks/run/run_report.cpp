@@ -51,7 +51,7 @@ std::string drag_lines(const RunReport& r) {
 /// Efficiencies with losses that the chain's does not contain: of a pump, of the shafts' drag.
 std::string efficiency_lines(const RunReport& r) {
     const bool pump = r.whole.hydraulics.pump != 0.0, drag = r.whole.drag[0] != 0.0 || r.whole.drag[1] != 0.0;
-    if ((!pump && !drag) || r.whole.no_load || !std::isfinite(r.whole.efficiency)) return {};
+    if ((!pump && !drag) || !std::isfinite(r.whole.efficiency)) return {};
     std::string text = fmt::format("  efficiencies        {:.2f} % of the variator", 100.0 * r.whole.efficiency);
     if (pump) text += fmt::format("; {:.2f} % with the pump", 100.0 * r.whole.with_pump);
     if (drag) text += fmt::format("; {:.2f} % with drag of the shafts{}", 100.0 * r.whole.overall, pump ? " and the pump" : "");
@@ -68,9 +68,11 @@ std::string trip_lines(const RunReport& r) {
         "  vehicle             {:.4g} m; traction {:.4g} kJ at the wheels; shaft 2 needs {:.4g} kJ: kinetic {:.4g}  climb {:.4g}  air "
         "{:.4g}\n"
         "                      rolling {:.4g}  brakes {:.4g}  clutch {:.4g}  final drive {:.4g} kJ; shaft 1 delivers {:.4g}, shaft 2 "
-        "{:.4g} kJ\n",
+        "{:.4g} kJ\n"
+        "                      speed of shaft 2 is off the cycle's by {:.3g} % on average, by {:+.3g} % at t = {:.4g} s\n",
         1e3 * of(distance), of(traction), of(shaft), of(kinetic), of(climb), of(air), of(rolling), of(brakes), of(clutch), of(final_drive),
-        1e-3 * lasted * r.whole.shaft_power[0], -1e-3 * lasted * r.whole.shaft_power[1]);
+        1e-3 * lasted * r.whole.shaft_power[0], -1e-3 * lasted * r.whole.shaft_power[1], 100.0 * r.whole.astray, 100.0 * r.cycle_miss.share,
+        r.cycle_miss.time);
 }
 
 std::string outside_lines(const RunReport& r) {
@@ -124,10 +126,9 @@ std::string operating_point(const RunReport& r) {
     line("axial tip forces    1-{:9.1f}  1+{:9.1f}  2-{:9.1f}  2+{:9.1f} N", m.axial_force[0], m.axial_force[1], m.axial_force[2],
          m.axial_force[3]);
     line("speed ratio         {:.5f}   (first fifth {:.5f}, last fifth {:.5f})", m.ratio, r.first_fifth.ratio, r.last_fifth.ratio);
-    const auto percent = [&r](const SpanMeans& means) {
-        if (r.whole.no_load || means.no_load) return std::string("- (no load)");
-        if (!std::isfinite(means.efficiency)) return std::string("- (no input)");
-        return fmt::format("{:.2f} %", 100.0 * means.efficiency);
+    const auto percent = [](const SpanMeans& means) {
+        if (std::isfinite(means.efficiency)) return fmt::format("{:.2f} %", 100.0 * means.efficiency);
+        return std::string(means.no_load ? "- (no load)" : means.input > 0.0 ? "- (more is lost than comes in)" : "- (no input)");
     };
     line("slip                {:.3f} %      efficiency {}   (over {})", 100.0 * m.slip, percent(r.whole), periods_text(r.whole));
     if (r.whole.loss_slip > 0.0) {

@@ -89,29 +89,27 @@ std::vector<double> errors_of(const Sweep& sweep, long number, const engine::Row
 
 using ErrorsByCase = std::map<long, std::vector<double>>;
 
-/// The table once more, with errors in rows and the result's hash.
+/// The table once more, with errors in rows and the hash of these rows.
 void write_errors(const std::string& file, const Sweep& sweep, const TunedSweep& tuned, const ErrorsByCase& errors) {
-    for (const bool hashed : {false, true}) {
-        OrderedRows rows(file);
-        engine::CaseTable head = rows.head();
-        const engine::RowLayout& layout = head.layout;
-        head.set({target_attribute, number_text(sweep.accuracy.target)});
-        head.set({"accuracy_choice", tuned.kept.choice.text()});
-        head.set({"accuracy_at_corners", number_text(tuned.kept.error)});
-        if (hashed) head.set({"results_hash", rows.hash()});
-        engine::write_cases(
-            permit_table(file, head.attribute("definition")), head, rows.size(), [&](std::size_t first, std::span<std::byte> some) {
-                rows.fill(first, some);
-                for (std::size_t at = 0; at < some.size(); at += layout.bytes()) {
-                    const auto row = some.subspan(at, layout.bytes());
-                    const auto found = errors.find(layout.integer(row, layout.column("case")));
-                    if (found == errors.end()) continue;
-                    for (std::size_t i = 0; i < sweep.scalars.size(); ++i)
-                        layout.put(row, layout.column(std::string(error_prefix) + sweep.scalars[i].column), found->second[i]);
-                    layout.seal(row);
-                }
-            });
-    }
+    OrderedRows rows(file);
+    engine::CaseTable head = rows.head();
+    const engine::RowLayout& layout = head.layout;
+    const auto add_errors = [&](std::span<std::byte> row) {
+        const auto found = errors.find(layout.integer(row, layout.column("case")));
+        if (found == errors.end()) return;
+        for (std::size_t i = 0; i < sweep.scalars.size(); ++i)
+            layout.put(row, layout.column(std::string(error_prefix) + sweep.scalars[i].column), found->second[i]);
+        layout.seal(row);
+    };
+    head.set({target_attribute, number_text(sweep.accuracy.target)});
+    head.set({"accuracy_choice", tuned.kept.choice.text()});
+    head.set({"accuracy_at_corners", number_text(tuned.kept.error)});
+    head.set({"results_hash", rows.hash(add_errors)});
+    engine::write_cases(permit_table(file, head.attribute("definition")), head, rows.size(),
+                        [&](std::size_t first, std::span<std::byte> some) {
+                            rows.fill(first, some);
+                            for (std::size_t at = 0; at < some.size(); at += layout.bytes()) add_errors(some.subspan(at, layout.bytes()));
+                        });
 }
 
 }  // namespace

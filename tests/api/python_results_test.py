@@ -8,6 +8,7 @@ import io
 import os
 import pickle
 import pty
+import re
 import subprocess
 import sys
 import tempfile
@@ -74,6 +75,42 @@ class Records(Folder):
         self.assertRaises(KeyError, lambda: record["rato"])
         self.assertEqual(sorted(record), sorted(["time", *record.channels]))
         self.assertEqual(record.attributes["program_version"], cvtflow.__version__)
+
+
+class Efficiency(Folder):
+    """Of a run of which a part drives and another brakes: shaft 2 takes 12 N m for 15 ms, then brings 4 N m."""
+
+    BRAKED = ["start.settling_time=5 ms", "start.ramp_time=2 ms", "run.output_interval=20 us", "run.state_interval=10 ms",
+              "run.until=24.2 ms", "load.torque=[[0,12],[15e-3,12],[15.1e-3,-4]]"]
+
+    def shown(self, page, row):
+        """The numbers of a row of a page, in per cent."""
+        text = Path(page).read_text()
+        begin = text.index(row)
+        return [float(number) for number in re.findall(r'data-value="([^"]*)"', text[begin:text.index("</tr>", begin)])]
+
+    def test_is_one_in_summary_report_difference_sweep_and_python(self):
+        scene, file = cvtflow.Scene.ready("tiny").with_detail("rigid").with_("run.method=auto", *self.BRAKED), self.folder + "/b.h5"
+        settings = [word for setting in self.BRAKED for word in ("--set", setting)]
+        summary = program("run", "tiny", "--detail", "rigid", "--method", "auto", *settings, "-o", file)
+        expected = float(re.search(r"efficiency ([0-9.]+) %", summary).group(1)) / 100.0
+        record = cvtflow.Record(file)
+        Path(f"{self.folder}/other.h5").write_bytes(Path(file).read_bytes())
+        for page, arguments in (("report", [file]), ("both", [file, f"{self.folder}/other.h5"])):
+            program("report", *arguments, "-o", f"{self.folder}/{page}.html")
+        rows = cvtflow.run(scene, channels=["efficiency"])
+        self.assertEqual(sorted(rows), ["efficiency", "time"])
+        results = cvtflow.Sweep(scene, {"load.inertia": [scene["load.inertia"]]}, ["efficiency mean"]).run(self.folder + "/s")
+        ways = {"report": self.shown(f"{self.folder}/report.html", 'data-channel="efficiency"')[0] / 100.0,
+                "difference": self.shown(f"{self.folder}/both.html", 'data-difference="efficiency"')[0] / 100.0,
+                "column of a sweep": results["efficiency"][0], "scalar of a sweep": results["efficiency_mean"][0],
+                "record": record.means(0.0)["efficiency"], "run()": rows.means(0.0)["efficiency"]}
+        for way, value in ways.items():  # begins of windows differ by up to a pin period, of ten
+            self.assertAlmostEqual(value, expected, delta=1e-3, msg=way)
+        instants = record["efficiency"]
+        self.assertGreater(abs(np.nanmean(instants) - expected), 3e-3)
+        self.assertTrue(np.isnan(instants).any(), "where shafts take nothing")
+        self.assertTrue(np.all(instants[np.isfinite(instants)] >= 0.0))
 
 
 class Sweeps(Folder):

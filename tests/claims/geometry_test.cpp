@@ -9,6 +9,7 @@
 #include <string>
 
 #include "model/machine/belt.hpp"
+#include "model/observe/observation.hpp"
 #include "model/start/start_state.hpp"
 #include "model/variator/variator.hpp"
 #include "tests/claims/chain_view_fixture.hpp"
@@ -117,6 +118,22 @@ TEST_P(GeometricStart, EveryJointHasTheDepthOfItsPretension) {
 TEST_P(GeometricStart, EveryPlateHasTheLengthOfItsPretension) {
     for (int link = 0; link < chain.links(); ++link) {
         EXPECT_NEAR(chain.stretch(link), pull / (p.plate.count * p.plate.stiffness), 1e-12) << "link " << link;
+    }
+}
+
+/// At rigid pins, where plates and joints are in series in a link, as with halves, where each has its own depth.
+TEST(GeometricStartOfEveryLevel, CarriesItsPretensionInEveryLink) {
+    std::vector<std::string> all = levels();
+    all.emplace_back("rigid");
+    for (const std::string& level : all) {
+        for (const model::Parameters& p : {at_level(ring(84, {8.12e-3}), level), at_level(around_pulleys(1.0, {8.12e-3}), level)}) {
+            const model::StartState start = model::start_state(p);
+            const model::Variator variator(p);
+            model::Observer observer(variator);
+            const double expected = pretension(p);  // 1e-12 m of 1e9 N/m are a millinewton, lengths are found to 1e-14 m
+            for (const double tension : observer.observe(0.0, start.state.data(), start.phases.data()).tension)
+                ASSERT_NEAR(tension, expected, 1e-3) << level;
+        }
     }
 }
 

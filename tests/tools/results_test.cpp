@@ -1,4 +1,4 @@
-/// Commands that read results: `info`, `table --rainflow` and `diff`.
+/// Commands that read results: `info`, `table --rainflow` and `diff`; a status that all of them state.
 
 #include <gmock/gmock.h>
 #include <hdf5.h>
@@ -67,6 +67,34 @@ TEST_F(Info, DescribesTheTableOfASweep) {
                           HasSubstr("cvtflow table " + std::string(path)), HasSubstr("energy_residual")));
         EXPECT_THAT(text, HasSubstr(table().attribute("results_hash")));
     }
+}
+
+/// A vehicle of 100 kg that has to gain 10 km/h in 50 ms, more than the chain can transfer; or that rolls on at 30 km/h.
+TEST_F(Info, ACycleThatIsMissedIsTheStatusOfRunRecordAndCase) {
+    const auto car = [&](const char* speed) {
+        write("car.toml",
+              "[detail]\nlevel = \"rigid\"\n[vehicle]\nmass = \"100 kg\"\n[cycle]\nspeed = [[\"0 s\", \"30 km/h\"], [\"50 ms\", \"" +
+                  std::string(speed) +
+                  " km/h\"]]\npedal_time = \"10 ms\"\n[clamping]\ndriving = \"20 kN\"\ndriven = \"15 kN\"\n[control]\nenabled = "
+                  "true\n[start]\nsettling_time = \"5 ms\"\nramp_time = \"2 ms\"\n[run]\nuntil = \"50 ms\"\n");
+    };
+    car("30");
+    EXPECT_EQ(run({"run", "car.toml", "-q", "-o", "none"}).status, 0);
+    car("40");
+    const Outcome missed = run({"run", "car.toml", "-o", "car.h5"});
+    EXPECT_EQ(missed.status, 8);
+    EXPECT_THAT(missed.out,
+                AllOf(HasSubstr("car: cycle_missed at t = 0.05 s\n"),
+                      ContainsRegex("\n  note                the machine misses its cycle: speed of shaft 2 is off by 7[0-9.]+ %")));
+    EXPECT_THAT(info("car.h5"), HasSubstr("\n  status              cycle_missed: the machine misses its cycle: "));
+    write("sweep.toml",
+          "[sweep]\nscene = \"car.toml\"\n[[axes]]\nkey = \"vehicle.mass\"\nvalues = [\"100 kg\"]\n[outputs]\nrecords = true\n"
+          "scalars = [\"ratio mean\", \"efficiency mean\"]\n");
+    EXPECT_EQ(batch({"-q"}).status, 5);
+    EXPECT_EQ(column("status").at(0), "cycle_missed");
+    EXPECT_THAT(column("notes").at(0), HasSubstr("cycle_missed"));
+    EXPECT_NE(column("ratio_mean").at(0), "nan") << "a case that has run to its end has scalars";
+    EXPECT_NEAR(taken("out/records/case-000000.h5"), 5e-6, 1e-6) << "of rigid pins";
 }
 
 // `cvtflow table RECORD --rainflow CHANNEL`.

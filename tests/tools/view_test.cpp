@@ -160,6 +160,17 @@ TEST(OrderSpectrum, ASinePeaksAtItsFrequencyWithItsAmplitude) {
     EXPECT_NEAR(spectrum.frequency.back(), 500.0, 1e-9);
 }
 
+/// A drift a hundred times as large as the line, of which a Hann window lets a fifth of a line pass at its fourth order.
+TEST(OrderSpectrum, ADriftDoesNotLeakIntoLowOrders) {
+    constexpr double frequency = 21.0 / 1.024;  // a line of 1024 points, 10.5 periods
+    Sine given = sine(frequency, 3.0, 512);
+    for (std::size_t k = 0; k < given.values.size(); ++k) given.values[k] += 300.0 * static_cast<double>(k) / 512.0;
+    const AmplitudeSpectrum spectrum = amplitude_spectrum(given.times, given.values);
+    EXPECT_NEAR(spectrum.frequency[peak(spectrum)], frequency, 1e-9);
+    EXPECT_NEAR(spectrum.amplitude[peak(spectrum)], 3.0, 0.03);  // a line fits 10.5 periods of a sine by less than 1 % of it
+    for (std::size_t k = 0; spectrum.frequency[k] < 10.0; ++k) EXPECT_LT(spectrum.amplitude[k], 0.03) << spectrum.frequency[k] << " Hz";
+}
+
 TEST(OrderSpectrum, AnyNumberOfValuesWillDo) {
     const Sine given = sine(123.4, 3.0, 777);
     const AmplitudeSpectrum spectrum = amplitude_spectrum(given.times, given.values);

@@ -59,7 +59,8 @@ ExitStatus status_of(tasks::FaultKind kind) noexcept {
 }  // namespace
 
 ExitStatus exit_status(const tasks::RunReport& report) noexcept {
-    return report.fault || report.reliable() ? status_of(report.fault.kind) : ExitStatus::unreliable;
+    if (report.fault) return status_of(report.fault.kind);
+    return !report.reliable() ? ExitStatus::unreliable : report.whole.cycle_missed() ? ExitStatus::missed : ExitStatus::finished;
 }
 
 void name_program(std::string_view name) noexcept { name_in_messages = name; }

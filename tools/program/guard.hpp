@@ -19,6 +19,7 @@ enum class ExitStatus {
     incomplete = 5,  ///< cases of a sweep or variants of a comparison failed or are missing
     unreliable = 6,  ///< finished, but the energy balance does not close: the results are wrong
     inaccurate = 7,  ///< target accuracy missed by every tried choice, or by a sweep at its verified cases; means not steady
+    missed = 8,      ///< finished, but the machine does not follow its cycle
     cancelled = 130  ///< interrupted by SIGINT, SIGTERM, SIGHUP, SIGXCPU or SIGPIPE; as shells report the first
 };
 
@@ -40,6 +41,7 @@ inline constexpr std::string_view exit_status_table =
     "  6    finished, but the energy balance does not close: the results are unreliable\n"
     "  7    target accuracy missed: tune, run --accuracy, sweeps with [accuracy];\n"
     "       means not steady at run.steady_limit\n"
+    "  8    finished, but the machine misses its cycle by more than 2 % (cycle_missed)\n"
     "  130  interrupted; the record is complete up to the interruption";
 
 /// Invalid option value, or options that exclude each other: exit status 2.

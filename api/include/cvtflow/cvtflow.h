@@ -220,7 +220,7 @@ CVTFLOW_API cvtflow_code cvtflow_input_describe(int32_t input, cvtflow_channel_i
 /* Records of runs. One record is used by one thread at a time, and no two at once. Strings of a description live as long as the record. */
 CVTFLOW_API cvtflow_code cvtflow_record_open(const char* path, cvtflow_record** record, cvtflow_message* message);
 CVTFLOW_API void cvtflow_record_close(cvtflow_record* record);                 /* NULL is allowed */
-CVTFLOW_API const char* cvtflow_record_status(const cvtflow_record* record);   /* "finished", "running", "unreliable", … */
+CVTFLOW_API const char* cvtflow_record_status(const cvtflow_record* record);   /* "finished", "running", "unreliable", "cycle_missed: …", … */
 CVTFLOW_API size_t cvtflow_record_rows(const cvtflow_record* record);
 CVTFLOW_API size_t cvtflow_record_channel_count(const cvtflow_record* record);
 CVTFLOW_API cvtflow_code cvtflow_record_describe(const cvtflow_record* record, size_t channel, cvtflow_channel_info* info,

@@ -37,7 +37,7 @@ public:
     Record(Record&& other) noexcept;
     Record& operator=(Record&& other) noexcept;
 
-    /// "finished", "running" (also of a killed run), "unreliable", or what ended the run.
+    /// "finished", "running" (also of a killed run), "unreliable", "cycle_missed: …", or what ended the run.
     [[nodiscard]] const std::string& status() const noexcept;
     /// Attributes of the whole file: scene, method, versions, balance.
     [[nodiscard]] RecordAttributes attributes() const;
@@ -61,6 +61,13 @@ private:
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };
+
+/// Channels of energies so far [J], in five sums, from whose changes the mean of an efficiency follows; empty for other channels. Those
+/// that a machine has not count as zero.
+[[nodiscard]] CVTFLOW_EXPORT std::vector<std::vector<std::string>> energies_of_efficiency(const std::string& channel);
+/// Mean of an efficiency over a time, the quotient of energies; NaN where none flows. @param changes of these sums in that time [J]
+/// @throws Error (argument) for another number of sums
+[[nodiscard]] CVTFLOW_EXPORT double efficiency_of(const std::vector<double>& changes);
 
 /// Writes the record of a simulation while it is advanced: channels, states, transitions and file of `cvtflow run`, at the scene's
 /// run.output_interval from now on. Settling is not recorded. An existing file is replaced only if it is a record of a scene of that name.

@@ -9,7 +9,7 @@ import numpy as np
 
 from . import _wear
 from ._channels import Channels, Columns, shown, split, unknown
-from ._cvtflow import RecordFile, Scene, Simulation, Threads, quantity
+from ._cvtflow import RecordFile, Scene, Simulation, Threads, _efficiency_of, _energies_of_efficiency, quantity
 
 _MILLI = 1e3
 _CYCLE = [(name, float) for name in ("range", "mean", "count", "from_time", "to_time")]
@@ -26,8 +26,11 @@ def _spectrum(times, values):
     distance = times[1] - times[0]
     if abs(times[-1] - times[-2] - distance) > 1e-3 * distance:  # the last output of a run
         values = values[:-1]
-    values = np.where(np.isfinite(values), values - _mean(values), 0.0)
-    window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(len(values)) / len(values))
+    values = np.where(np.isfinite(values), values, _mean(values))
+    place = np.arange(len(values)) - 0.5 * len(values)
+    window = 0.5 + 0.5 * np.cos(2.0 * np.pi * place / len(values))
+    slope = window @ (values * place) / (window @ place ** 2)  # a drift leaks into low orders
+    values = values - window @ values / window.sum() - slope * place
     padded = 2 << (len(values) - 1).bit_length()
     return np.fft.rfftfreq(padded, distance), 2.0 * np.abs(np.fft.rfft(window * values, padded)) / window.sum()
 
@@ -109,7 +112,8 @@ class Series:
     def means(self, begin=None):
         """Means of all channels of one number from `begin` [s] (a text carries its unit; None: the middle) to the end, by the trapezoidal
         rule: a dict by name, in SI. Of a Record, `begin` moves to where whole pin periods remain. Rows that are not finite count as none.
-        Raises ValueError for fewer than two rows from there on."""
+        An efficiency is the quotient of the energies in that time, as in the summary of a run; NaN where none flows. Raises ValueError for
+        fewer than two rows from there on."""
         time = self["time"]
         begin = 0.5 * (time[0] + time[-1]) if begin is None else _seconds(begin)
         if period := self._pin_period():
@@ -119,12 +123,24 @@ class Series:
             raise ValueError(f"means: fewer than two rows from {begin:.6g} s on")
         made = {}
         for name in (name for name, column in self.info.items() if column.width == 1 and name != "time"):
+            if sums := _energies_of_efficiency(name):
+                made[name] = _efficiency_of([sum(self._gained(energy, begin) for energy in energies) for energies in sums])
+                continue
             values = self[name]
             finite = rows & np.isfinite(values)
             weight = np.gradient(time[finite]) if np.count_nonzero(finite) > 1 else np.ones(np.count_nonzero(finite))
             weight[[0, -1]] *= 0.5 if len(weight) > 1 else 1.0
             made[name] = float(weight @ values[finite] / weight.sum()) if weight.size else math.nan
         return made
+
+    def _energy(self, name):
+        """A channel of energy so far; None: not recorded."""
+        return self[name] if name in self.info else None
+
+    def _gained(self, name, begin):
+        """Of a channel of energy, from `begin` [s] to the end; 0 where it is not recorded."""
+        energy = self._energy(name)
+        return 0.0 if energy is None else float(energy[-1] - np.interp(begin, self["time"], energy))
 
     def rainflow(self, channel, begin=None, until=None):
         """Load cycles of a channel of one number, as `cvtflow table --rainflow` counts them (ASTM E1049): an array with the fields range
@@ -229,7 +245,7 @@ class Record(Series, Mapping):
         self._columns = self._file.channels()
         self.path = str(path)
 
-    status = property(lambda self: self._file.status, doc="finished, running, unreliable, or the cause of an early end.")
+    status = property(lambda self: self._file.status, doc="finished, running, unreliable, cycle_missed: …, or the cause of an early end.")
     attributes = property(lambda self: self._file.attributes(), doc="Of the whole file, by name.")
     channels = property(lambda self: Channels(self.__getitem__, Columns(self._columns)), doc="Arrays by name; channels.info: their units.")
     info = property(lambda self: {row.name: row for row in self._columns}, doc="Column (unit, description, width) of channels, by name.")
@@ -350,9 +366,12 @@ class Record(Series, Mapping):
 class Rows(Series, dict):
     """Result of run(): arrays over time by name. info contains their units; frame() and plot() as for a Record."""
 
-    def __init__(self, values, info):
+    def __init__(self, values, info, energies=None):
         super().__init__(values)
-        self.info = info
+        self.info, self._energies = info, energies or {}
+
+    def _energy(self, name):
+        return self._energies.get(name)
 
     def __repr__(self):
         return f"<cvtflow.Rows: {len(self['time'])} rows of {', '.join(self)}>"
@@ -388,12 +407,14 @@ def run(scene, until=None, *, channels=("ratio", "slip", "efficiency"), interval
     if simulation.time < 0.0:
         simulation.advance_to(0.0)
     first = math.ceil(simulation.time / interval * (1.0 - 1e-9))
-    rows = {"time": []} | {name: [] for name in channels}
+    energies = {name for channel in channels for sums in _energies_of_efficiency(channel) for name in sums if name in now}
+    rows = {"time": []} | {name: [] for name in channels} | {name: [] for name in energies}
     for number in range(first, math.floor(until / interval * (1.0 + 1e-9)) + 1):
         simulation.advance_to(number * interval)
         for name, value in ((inputs(simulation.time, simulation) if inputs else None) or {}).items():
             simulation.set_input(name, value)
         rows["time"].append(simulation.time)
-        for name in channels:
+        for name in rows.keys() - {"time"}:
             rows[name].append(now[name])
-    return Rows({name: np.array(values, dtype=float) for name, values in rows.items()}, info)
+    made = {name: np.array(values, dtype=float) for name, values in rows.items()}
+    return Rows({name: made[name] for name in ("time", *channels)}, info, {name: made[name] for name in energies})

@@ -32,7 +32,7 @@ public:
 
     /// Whether it is byte for byte what its writer finished; false while it is written, after a kill, and for what others have made of it.
     [[nodiscard]] bool sealed() const noexcept { return sealed_; }
-    /// "finished", "running" (also of a killed run), "interrupted", or what ended the run.
+    /// "finished", "running" (also of a killed run), "interrupted", what is wrong with its results, or what ended the run.
     [[nodiscard]] const std::string& status() const noexcept { return status_; }
     /// Attributes of the whole file, by name; without format, format_version and status.
     [[nodiscard]] const std::vector<Attribute>& attributes() const noexcept { return attributes_; }

@@ -84,9 +84,10 @@ constexpr std::string_view unhashed[] = {"wall", "threads", "program", "start_st
 }  // namespace
 
 engine::RowLayout result_layout(const Sweep& sweep) {
-    std::vector<TableColumn> columns{
-        {"case", "1", "number of the case", Type::integer},
-        {"status", "", "ok, unreliable, diverged, budget, bad_parameters, crashed, undefined or not_steady", Type::text, 16}};
+    std::vector<std::string_view> notes;
+    for (const NoteKind& kind : note_kinds()) notes.push_back(kind.name);
+    std::vector<TableColumn> columns{{"case", "1", "number of the case", Type::integer},
+                                     {"status", "", fmt::format("{}", fmt::join(status_names(), ", ")), Type::text, 16}};
     for (const Axis& axis : sweep.axes) {
         for (std::size_t key = 0; key < axis.keys.size(); ++key) columns.push_back(key_column(axis, key));
     }
@@ -95,27 +96,24 @@ engine::RowLayout result_layout(const Sweep& sweep) {
         if (sweep.accuracy.target > 0.0 || sweep.steady()) columns.push_back(error_column(sweep, scalar));
     }
     if (sweep.steady()) columns.push_back({"settled_for", "s", "time until the begin of the means, which are over as long again"});
-    columns.insert(
-        columns.end(),
-        {{"efficiency", "1", "1 - losses/input over whole pin periods, from outputs.from on; none without load"},
-         {"energy_residual", "1", "|change of stored energy - work + losses| over the losses of the run"},
-         {"energy_suspicion", "1",
-          "residual of the energy balance over its tolerance, settling included; above 1 the status is unreliable"},
-         {"notes", "",
-          "remarks: gross_slip, control_limit, target_missed, slack_strand, efficiency, unsteady, standstill, no_load, unresolved",
-          Type::text, 96},
-         {"start", "", "start of the case: scene, geometric, settled, shared or continued", Type::text, 16},
-         {"start_state", "", "hash of the state that the case began with; none: it settled by itself", Type::text, 16},
-         {"steps", "1", "accepted steps", Type::integer},
-         {"evaluations", "1", "evaluations of the right-hand side", Type::integer},
-         {"transitions", "1", "changes of phase of tips", Type::integer},
-         {"truncated", "1", "steps cut at a transition", Type::integer},
-         {"settling_evaluations", "1", "evaluations while settling", Type::integer},
-         {"wall", "s", "wall time of this case, all sessions"},
-         {"threads", "1", "largest number of threads at once", Type::integer},
-         {"program", "", "version and commit of the program that ran the case", Type::text, program_width},
-         {"hash", "", "of the final state and phases", Type::text, 16},
-         {"error", "", "message of the fault", Type::text, error_width}});
+    columns.insert(columns.end(),
+                   {{"efficiency", "1", "1 - losses/input over whole pin periods, from outputs.from on; none without load"},
+                    {"energy_residual", "1", "|change of stored energy - work + losses| over the losses of the run"},
+                    {"energy_suspicion", "1",
+                     "residual of the energy balance over its tolerance, settling included; above 1 the status is unreliable"},
+                    {"notes", "", fmt::format("remarks: {}", fmt::join(notes, ", ")), Type::text, 96},
+                    {"start", "", "start of the case: scene, geometric, settled, shared or continued", Type::text, 16},
+                    {"start_state", "", "hash of the state that the case began with; none: it settled by itself", Type::text, 16},
+                    {"steps", "1", "accepted steps", Type::integer},
+                    {"evaluations", "1", "evaluations of the right-hand side", Type::integer},
+                    {"transitions", "1", "changes of phase of tips", Type::integer},
+                    {"truncated", "1", "steps cut at a transition", Type::integer},
+                    {"settling_evaluations", "1", "evaluations while settling", Type::integer},
+                    {"wall", "s", "wall time of this case, all sessions"},
+                    {"threads", "1", "largest number of threads at once", Type::integer},
+                    {"program", "", "version and commit of the program that ran the case", Type::text, program_width},
+                    {"hash", "", "of the final state and phases", Type::text, 16},
+                    {"error", "", "message of the fault", Type::text, error_width}});
     return engine::RowLayout(std::move(columns));
 }
 
@@ -334,9 +332,14 @@ std::span<const std::byte> OrderedRows::of_case(long number) {
     return found == order_.end() || found->first != number ? std::span<const std::byte>() : row(found->second);
 }
 
-std::string OrderedRows::hash() {
+std::string OrderedRows::hash(const std::function<void(std::span<std::byte>)>& change) {
     engine::Hash hash;
-    for (const auto& [number, place] : order_) add_result(hash, head().layout, row(place));
+    std::vector<std::byte> changed(head().layout.bytes());
+    for (const auto& [number, place] : order_) {
+        std::ranges::copy(row(place), changed.begin());
+        if (change) change(changed);
+        add_result(hash, head().layout, changed);
+    }
     return hash.hex();
 }
 

@@ -2,6 +2,7 @@
 /// The table of a sweep: its columns, rows made from results, what they amount to, and what may be joined. A table that can no longer be
 /// opened is recovered: intact rows are kept, the other cases run again.
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <span>
@@ -91,8 +92,8 @@ public:
     [[nodiscard]] const CaseTally& tally() const noexcept { return tally_; }
     /// Row of a case, valid until the next call; empty if it has none.
     [[nodiscard]] std::span<const std::byte> of_case(long number);
-    /// results_hash() of all rows.
-    [[nodiscard]] std::string hash();
+    /// results_hash() of all rows. @param change of every row before it counts
+    [[nodiscard]] std::string hash(const std::function<void(std::span<std::byte>)>& change = {});
     /// For engine::write_cases().
     void fill(std::size_t first, std::span<std::byte> rows);
 

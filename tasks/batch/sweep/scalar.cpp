@@ -97,7 +97,10 @@ private:
         const bool one_output = term_.reduction == Reduction::final || term_.reduction == Reduction::at;
         if (one_output && term_.element == every_element)
             return fmt::format("{} belongs to one output; name an element of {}", how_, name_);
-        if (term_.reduction == Reduction::mean && term_.element == 0) term_.integral = term_.channel->integral();
+        if (term_.reduction != Reduction::mean || term_.element != 0) return {};
+        term_.integral = term_.channel->energies();
+        term_.efficiency = term_.integral != nullptr;
+        if (!term_.efficiency) term_.integral = term_.channel->integral();
         return {};
     }
 
@@ -176,6 +179,23 @@ void TermSum::integrate(const ScalarTerm& term, double instant, double number) n
     ++count;
 }
 
+namespace {
+
+constexpr std::size_t energy_sums = EfficiencyChannels::sums;
+
+}  // namespace
+
+void TermSum::add_energies(double instant, std::span<const double> energies) {
+    const bool first = count++ == 0;
+    all.resize(2 * energy_sums);
+    for (std::size_t k = 0; k < energy_sums; ++k) {
+        all[k] += first ? 0.0 : energies[k] - all[energy_sums + k];
+        all[energy_sums + k] = energies[k];
+    }
+    span += first ? 0.0 : instant - time;
+    time = instant;
+}
+
 void TermSum::add(const ScalarTerm& term, double instant, double number) {
     switch (term.reduction) {
         case Reduction::mean:
@@ -202,6 +222,8 @@ void TermSum::add(const ScalarTerm& term, const TermSum& later) {
             span += later.span;
             time = later.time;
             last = later.last;
+            all.resize(later.all.size());
+            for (std::size_t k = 0; k < all.size(); ++k) all[k] = k < energy_sums ? all[k] + later.all[k] : later.all[k];
             break;
         case Reduction::median: all.insert(all.end(), later.all.begin(), later.all.end()); break;
         case Reduction::at: value = before > 0 ? value : later.value; break;
@@ -216,11 +238,16 @@ TermSum TermSum::continued(const ScalarTerm& term) const {
     later.count = 1;
     later.time = time;
     later.last = last;
+    if (term.efficiency) {
+        later.all = all;
+        std::fill_n(later.all.begin(), energy_sums, 0.0);
+    }
     return later;
 }
 
 double TermSum::result(const ScalarTerm& term) const {
     if (count == 0) return std::numeric_limits<double>::quiet_NaN();
+    if (term.efficiency) return efficiency_of(std::span(all).first<energy_sums>());
     if (term.over_time()) {
         const double instant = term.integral == nullptr ? last : std::numeric_limits<double>::quiet_NaN();
         const double mean = span > 0.0 ? value / span : instant;
@@ -255,6 +282,7 @@ void Reducer::read(const Scalar& scalar, const Instant& now, const Occasion& whe
 
 void Reducer::add(const Scalar& scalar, std::size_t term, double time, std::span<const double> numbers) {
     const ScalarTerm& of = scalar.terms[term];
+    if (of.efficiency) return sums[term].add_energies(time, numbers);
     const bool one_output = of.reduction == Reduction::final || of.reduction == Reduction::at;
     if (of.over_time() && of.element == every_element) {
         const bool squares = of.reduction == Reduction::rms;

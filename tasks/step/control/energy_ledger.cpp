@@ -338,31 +338,37 @@ EnergySums EnergySums::between(const EnergySums& from, const EnergySums& to, dou
     return at;
 }
 
-double EnergySums::efficiency_since(const EnergySums& before) const noexcept {
-    double input = 0.0;
-    for (std::size_t k = 0; k < work.size(); ++k) input += std::max(0.0, work[k] - before.work[k]);
-    return input > 0.0 ? 1.0 - (lost() - before.lost()) / input : std::numeric_limits<double>::quiet_NaN();
+EnergyFlow EnergySums::since(const EnergySums& before) const noexcept {
+    const auto done = [&](model::Work by) { return work[static_cast<std::size_t>(by)] - before.work[static_cast<std::size_t>(by)]; };
+    return {lost() - before.lost(), done(model::Work::clamping), {done(model::Work::drive), done(model::Work::load)}};
 }
 
-double EnergySums::overall_since(const EnergySums& before, double pump_work, double pump_loss) const noexcept {
-    constexpr auto clamping = static_cast<std::size_t>(model::Work::clamping);
-    double input = pump_work > 0.0 ? pump_work : std::max(0.0, work[clamping] - before.work[clamping]);
-    double lost_here = lost() - before.lost() + pump_loss;
+EnergyFlow EnergySums::outside_since(const EnergySums& before) const noexcept {
+    EnergyFlow flow = since(before);
     for (std::size_t shaft = 0; shaft < drag.size(); ++shaft) {
         const double taken = drag[shaft] - before.drag[shaft];
-        input += std::max(0.0, work[shaft] - before.work[shaft] + taken);
-        lost_here += taken;
+        flow.shaft[shaft] += taken;
+        flow.lost += taken;
     }
-    return input > 0.0 ? 1.0 - lost_here / input : std::numeric_limits<double>::quiet_NaN();
+    return flow;
 }
 
-double EnergySums::efficiency_since(const EnergySums& before, double pump_work, double pump_loss) const noexcept {
-    double input = pump_work;
-    for (const model::Work by : {model::Work::drive, model::Work::load}) {
-        const auto k = static_cast<std::size_t>(by);
-        input += std::max(0.0, work[k] - before.work[k]);
-    }
-    return input > 0.0 ? 1.0 - (lost() - before.lost() + pump_loss) / input : std::numeric_limits<double>::quiet_NaN();
+EnergyFlow EnergyFlow::with_pump(double work, double loss) const noexcept {
+    return work > 0.0 ? EnergyFlow{lost + loss, work, shaft} : *this;
+}
+
+double EnergyFlow::input() const noexcept { return std::max(0.0, clamping) + std::max(0.0, shaft[0]) + std::max(0.0, shaft[1]); }
+
+double EnergyFlow::taken() const noexcept { return std::max(0.0, -shaft[0]) + std::max(0.0, -shaft[1]); }
+
+bool EnergyFlow::no_load() const noexcept {
+    constexpr double min_load = 0.01;
+    return taken() < min_load * input();
+}
+
+double EnergyFlow::efficiency() const noexcept {
+    const bool flows = input() > 0.0 && !no_load() && lost <= input();
+    return flows ? 1.0 - lost / input() : std::numeric_limits<double>::quiet_NaN();
 }
 
 }  // namespace cvtflow::tasks

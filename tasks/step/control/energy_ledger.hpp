@@ -42,6 +42,24 @@ struct EnergyBalance {
     [[nodiscard]] double balance_error_ratio(bool settling = false) const noexcept;
 };
 
+/// Energies that flow through a machine in a time: an efficiency is made of these, whatever the time. [J]
+struct EnergyFlow {
+    double lost = 0.0, clamping = 0.0;  ///< clamping: by what presses, or by the pump in its place
+    std::array<double, 2> shaft{};      ///< by drive and load; negative: taken out
+
+    /// With the work and the losses of a pump that feeds the clamping [J]. Without work there is no pump.
+    [[nodiscard]] EnergyFlow with_pump(double work, double loss) const noexcept;
+    /// From what brings any.
+    [[nodiscard]] double input() const noexcept;
+    /// By shafts, not by a cylinder.
+    [[nodiscard]] double taken() const noexcept;
+    /// Whether shafts take less than a hundredth of the input.
+    [[nodiscard]] bool no_load() const noexcept;
+    /// 1 - losses/input. Not a number where no energy flows: without input, without load, and where more is lost than comes in, since what
+    /// moves gives it then.
+    [[nodiscard]] double efficiency() const noexcept;
+};
+
 /// Cumulative since the integration began.
 struct EnergySums {
     double time = 0.0;                             ///< [s]
@@ -52,12 +70,10 @@ struct EnergySums {
     [[nodiscard]] double lost() const noexcept;
     /// Linear between two sums, at a time between theirs. time [s]
     [[nodiscard]] static EnergySums between(const EnergySums& from, const EnergySums& to, double time) noexcept;
-    /// 1 - losses/input from `before` to here, input: the works of those inputs that brought energy; not a number without input.
-    [[nodiscard]] double efficiency_since(const EnergySums& before) const noexcept;
-    /// Efficiency with a pump's work and losses in that time [J]. Works are then those of the shafts: the pump feeds the clamping.
-    [[nodiscard]] double efficiency_since(const EnergySums& before, double pump_work, double pump_loss) const noexcept;
-    /// Efficiency from outside to outside: losses include the drag of the shafts and what a pump loses, 0: no pump.
-    [[nodiscard]] double overall_since(const EnergySums& before, double pump_work, double pump_loss) const noexcept;
+    /// What has flown through the variator since `before`.
+    [[nodiscard]] EnergyFlow since(const EnergySums& before) const noexcept;
+    /// Likewise from outside to outside: of the works before the drag of the shafts, which is lost.
+    [[nodiscard]] EnergyFlow outside_since(const EnergySums& before) const noexcept;
 };
 
 /// Energies of the couplings of both shafts so far: work of their far ends, and their losses.

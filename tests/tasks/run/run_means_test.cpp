@@ -89,6 +89,53 @@ TEST(RunMeans, SayWhereControlMissesItsTarget) {
     }
 }
 
+/// A ratio that follows a table from 1 to 2, but for the second fifth of the run, where control is at its limit; or a constant target.
+TEST(RunMeans, JudgeControlOverTheWholeRunWhereItsTargetIsATable) {
+    for (const bool table : {true, false}) {
+        const RunMeans means = means_over(1000, 1e-3, 1e-3, [&](int k, model::Observation& now, EnergySums&) {
+            const bool misses = k >= 200 && k <= 400;
+            const double target = table ? 1.0 + 1e-3 * k : 1.0;
+            now.control = {target, (misses ? 1.5 : 1.0) * target};
+            now.control_limited = misses;
+        });
+        std::string texts;
+        for (const Note& note : notes(means, {})) texts += note.text + "\n";
+        EXPECT_EQ(texts.find("control misses its target by 50 % in the second fifth") != std::string::npos, table) << texts;
+        EXPECT_EQ(texts.find("control is at the limit of its authority (20 % of the run)") != std::string::npos, table) << texts;
+    }
+}
+
+/// A second at the needed 100 rad/s under 10 N·m, but for a part in which shaft 2 turns at 50: half of the distance and of the work.
+TEST(RunMeans, CompareACycleWithWhatShaftTwoDelivers) {
+    for (const int last : {130, 150}) {  // of 1000 samples, from 100 on
+        RunMeans means;
+        for (int k = 0; k <= 1000; ++k) {
+            model::Observation now;
+            now.time = 1e-3 * k;
+            now.speed = {200.0, k > 100 && k <= last ? (k == 120 ? 40.0 : 50.0) : 100.0};
+            now.torque = {5.0, -10.0};
+            means.add(now, {.time = now.time}, 1e-3, {}, 100.0);
+        }
+        const SpanMeans whole = means.all();
+        const double missing = (0.5 * (last - 100) + 0.1) * 1e-3;
+        EXPECT_NEAR(whole.astray, missing, 1e-9);  // sums of a thousand numbers
+        EXPECT_NEAR(whole.short_of, missing, 1e-9);
+        EXPECT_EQ(whole.cycle_missed(), last == 150) << "1.5 and 2.5 %";
+        std::vector<double> memory;
+        means.save(memory);
+        RunMeans again;
+        EXPECT_TRUE(again.load(memory).empty());
+        const std::vector<Note> found = notes(again, {});
+        const auto note = std::ranges::find(found, "cycle_missed", &Note::name);
+        ASSERT_EQ(note != found.end(), last == 150);
+        if (last != 150) continue;
+        EXPECT_EQ(note->text,
+                  "the machine misses its cycle: speed of shaft 2 is off by 2.51 % on average, its work by -2.51 %; most at t = "
+                  "0.12 s, where its speed is off by -60 %");
+    }
+    EXPECT_FALSE(means_over(1000, 1e-3, 1e-3, [](int, model::Observation&, EnergySums&) {}).all().cycle_missed()) << "without a cycle";
+}
+
 /// 1 s of a machine that carries nothing. speed of its shafts [rad/s]
 std::string notes_of_idling(double speed) {
     const RunMeans means = means_over(1000, 1e-3, 1e-3, [&](int k, model::Observation& now, EnergySums& sums) {
@@ -130,6 +177,11 @@ TEST(RunMeans, OfAStateThatStoresOrGivesEnergyAreNotSteady) {
     EXPECT_THAT(notes(means_once_steady(6000.0, 9600.0), closed_balance).front().text,
                 testing::HasSubstr("the stored energy has given 61.7 % of the input"));
     EXPECT_EQ(names_of(means_once_steady(10000.0, 9900.0, 0.2)), "unsteady") << "half a pin period";
+    const RunMeans coasting = means_once_steady(90.0, 20.0);
+    EXPECT_TRUE(std::isnan(coasting.all().efficiency)) << "-11 %";
+    EXPECT_EQ(names_of(coasting), "efficiency unsteady no_load");
+    EXPECT_EQ(notes(coasting, closed_balance).front().text,
+              "there is no efficiency: 100 W are lost of 90 W that come in (100 of 90 W in the last fifth), and what moves gives the rest");
 }
 
 TEST(RunMeans, WithoutLoadThereIsNoEfficiency) {

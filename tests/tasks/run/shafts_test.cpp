@@ -159,8 +159,8 @@ TEST_P(ShaftDrag, TakesWhatTheVariatorDoesNotGet) {
     EXPECT_LE(simulation.workspace().energy.balance_error_ratio(), 1.0);
     const double clamping = std::max(0.0, after.work[2] - before.work[2]);
     const double lost = after.lost() - before.lost() + dragged;
-    EXPECT_NEAR(after.overall_since(before, 0.0, 0.0), 1.0 - lost / (brought + clamping), 1e-5);
-    EXPECT_LT(after.overall_since(before, 0.0, 0.0), after.efficiency_since(before) - 0.02);
+    EXPECT_NEAR(after.outside_since(before).efficiency(), 1.0 - lost / (brought + clamping), 1e-5);
+    EXPECT_LT(after.outside_since(before).efficiency(), after.since(before).efficiency() - 0.02);
 }
 
 /// Impulses of drive and load are those from outside; the variator gets what drag leaves of them.

@@ -114,7 +114,10 @@ std::string figures(const RecordedRun& run) {
     std::string rows;
     for (const Curve& curve : run.overview()) {
         const std::span<const double> values = curve.values;
-        const FiniteFigures all(values), last(values.subspan(steady ? values.size() / 2 : 4 * values.size() / 5));
+        const std::size_t late = std::min(values.size() - 1, steady ? values.size() / 2 : 4 * values.size() / 5);
+        FiniteFigures all(values), last(values.subspan(late));
+        all.mean = run.efficiency(curve.name, run.times().front(), run.times().back()).value_or(all.mean);
+        last.mean = run.efficiency(curve.name, run.times()[late], run.times().back()).value_or(last.mean);
         const Shown how = shown(curve.name, curve.unit);
         rows += fmt::format("<tr data-channel=\"{0}\"><td title=\"{1}\">{0}</td><td>{2}</td>", html(curve.name), html(curve.description),
                             html(how.unit));

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -69,6 +70,17 @@ ChannelDifference of_channel(const Curve& curve, std::vector<double> a, const st
     }
     d.curve.values = std::move(a);
     return d;
+}
+
+/// Efficiencies have other means than those of their outputs.
+void take_efficiencies(const RecordedRun& a, const RecordedRun& b, const std::vector<double>& times, ChannelDifference& d) {
+    const auto mean = [&](MeanDifference& of, std::size_t first) {
+        const auto ours = a.efficiency(d.curve.name, times[first], times.back()),
+                   theirs = b.efficiency(d.curve.name, times[first], times.back());
+        if (ours && theirs) of = {*ours, *theirs};
+    };
+    mean(d.all, 0);
+    mean(d.last, std::min(times.size() - 1, 4 * times.size() / 5));
 }
 
 }  // namespace
@@ -209,6 +221,21 @@ std::string RecordedRun::unresolved() const {
     return how.empty() ? how : fmt::format("{}: spectra require run.output_interval below {}", how, time_text(0.5 / *pin_frequency()));
 }
 
+std::optional<double> RecordedRun::efficiency(const std::string& name, double begin, double end) const {
+    const tasks::EfficiencyChannels* of = tasks::efficiency_channels_of(name);
+    if (of == nullptr) return {};
+    const double frequency = pin_frequency().value_or(0.0), periods = std::floor((end - begin) * frequency * (1.0 + 1e-9));
+    if (periods > 0.0) begin = std::max(begin, end - periods / frequency);
+    std::array<double, tasks::EfficiencyChannels::sums> changes{};
+    for (std::size_t k = 0; k < changes.size(); ++k) {
+        for (const std::string_view energy : of->energies[k]) {
+            const std::vector<double> course = values(std::string(energy));
+            if (!course.empty()) changes[k] += on_line(times_, course, end) - on_line(times_, course, begin);
+        }
+    }
+    return tasks::efficiency_of(changes);
+}
+
 std::optional<double> RecordedRun::pin_frequency() const {
     if (!scene_) return {};
     const double mean = FiniteFigures(values("chain_speed")).mean;
@@ -253,6 +280,7 @@ RunDifference difference(const RecordedRun& a, const RecordedRun& b) {
             for (const double time : result.times) there.push_back(on_line(theirs, other->values, time));
             result.channels.push_back(of_channel({curve.name, curve.unit, curve.description, {}},
                                                  {curve.values.begin() + begin, curve.values.begin() + end}, there, result.times));
+            take_efficiencies(a, b, result.times, result.channels.back());
         }
     }
     return result;

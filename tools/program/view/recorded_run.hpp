@@ -59,6 +59,10 @@ public:
     /// Channels of one group, in order of declaration.
     [[nodiscard]] std::vector<Curve> group(const std::string& name, bool each = false) const;
 
+    /// Mean of an efficiency: the quotient of the energies of the whole pin periods between two times of the record [s]; NaN where none
+    /// flows. Empty for another channel.
+    [[nodiscard]] std::optional<double> efficiency(const std::string& name, double begin, double end) const;
+
     /// Pins that pass a place, by the mean speed of the chain and its mean pitch [Hz]; empty if the record does not contain them.
     [[nodiscard]] std::optional<double> pin_frequency() const;
     /// How far outputs are apart where that is more than half a pin period: curves are samples of what passing pins do. Empty if less.

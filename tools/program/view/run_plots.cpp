@@ -249,13 +249,18 @@ AmplitudeSpectrum amplitude_spectrum(const std::vector<double>& times, std::vect
     const auto count = static_cast<double>(values.size());
     const double mean = FiniteFigures(values).mean;
     for (double& value : values) value = std::isfinite(value) ? value : mean;
-    std::vector<double> padded(2 * std::bit_ceil(values.size()));
-    double weights = 0.0;
+    std::vector<double> window(values.size());
+    double weights = 0.0, level = 0.0, slope = 0.0, spread = 0.0;
+    const auto place = [&](std::size_t k) { return static_cast<double>(k) - 0.5 * count; };  // the window is even about 0
     for (std::size_t k = 0; k < values.size(); ++k) {
-        const double window = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * static_cast<double>(k) / count);
-        padded[k] = window * (values[k] - mean);
-        weights += window;
+        window[k] = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * static_cast<double>(k) / count);
+        weights += window[k];
+        level += window[k] * values[k];
+        slope += window[k] * values[k] * place(k);
+        spread += window[k] * place(k) * place(k);
     }
+    std::vector<double> padded(2 * std::bit_ceil(values.size()));
+    for (std::size_t k = 0; k < values.size(); ++k) padded[k] = window[k] * (values[k] - level / weights - slope / spread * place(k));
     std::vector<std::complex<double>> transformed;
     Eigen::FFT<double>().fwd(transformed, padded);
     for (std::size_t k = 0; k <= padded.size() / 2; ++k) {

@@ -20,8 +20,9 @@ struct AmplitudeSpectrum {
     std::vector<double> amplitude;  ///< a sine of amplitude a at a frequency of the grid has a peak of a
 };
 
-/// Spectrum of equidistant values: mean removed, Hann window, padded with zeros to a power of two of at least twice the length.
-/// Empty for fewer than 8 values. A trailing value at another distance (a run that ended between outputs) is left out.
+/// Spectrum of equidistant values: the line that fits best in the window removed, since a drift leaks into low orders; Hann window, padded
+/// with zeros to a power of two of at least twice the length. Empty for fewer than 8 values. A trailing value at another distance (a run
+/// that ended between outputs) is left out.
 [[nodiscard]] AmplitudeSpectrum amplitude_spectrum(const std::vector<double>& times, std::vector<double> values);
 
 /// Something that repeats while a chain runs.

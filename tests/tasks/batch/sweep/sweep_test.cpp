@@ -396,12 +396,34 @@ TEST(Reducer, LeavesOutOutputsAtWhichAQuotientIsUndefined) {
         }
         return reducer.result(scalar);
     };
-    EXPECT_DOUBLE_EQ(reduced("efficiency_with_pump mean"), 0.85);
+    EXPECT_DOUBLE_EQ(reduced("thrust_ratio mean"), 0.85);
     EXPECT_DOUBLE_EQ(reduced("efficiency min"), 0.8);
     EXPECT_DOUBLE_EQ(reduced("thrust_ratio median"), 0.85);
     EXPECT_TRUE(std::isnan(reduced("efficiency at 0 s"))) << "that output has none";
     EXPECT_TRUE(std::isnan(reduced("slip mean"))) << "a fault";
     EXPECT_TRUE(problems.empty());
+}
+
+/// A second drives with 100 W in and 90 W out, the next idles: 12 W in, 8 W lost, 4 W stored, 0 out. The mean of the instants is 61.7 %.
+TEST(Reducer, MeanOfAnEfficiencyIsTheQuotientOfTheEnergies) {
+    std::vector<Problem> none;
+    const Scalar scalar = parse_scalar("efficiency mean", {}, none);
+    EXPECT_TRUE(scalar.may_be_undefined() && !parse_scalar("efficiency max", {}, none).may_be_undefined());
+    const std::vector<std::vector<double>> instants{{5, 0, 3, 7, -2}, {15, 0, 3, 107, -92}, {23, 0, 3, 119, -92}};  // energies so far
+    Reducer whole, first;
+    whole.add(scalar, 0, 0.0, instants[0]);
+    EXPECT_TRUE(std::isnan(whole.result(scalar))) << "no time has passed";
+    whole.add(scalar, 0, 1.0, instants[1]);
+    EXPECT_DOUBLE_EQ(whole.result(scalar), 0.9);
+    first = whole;
+    Reducer second = first.continued(scalar);
+    whole.add(scalar, 0, 2.0, instants[2]);
+    second.add(scalar, 0, 2.0, instants[2]);
+    EXPECT_DOUBLE_EQ(whole.result(scalar), 1.0 - 18.0 / 112.0);
+    EXPECT_TRUE(std::isnan(second.result(scalar))) << "idle";
+    Reducer both;
+    for (const Reducer& part : {first, second}) both.add(scalar, part);
+    EXPECT_DOUBLE_EQ(both.result(scalar), whole.result(scalar)) << "parts add up";
 }
 
 TEST(Scalar, OfEveryElementHasAColumnOfItsOwn) {

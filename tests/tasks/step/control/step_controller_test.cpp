@@ -455,12 +455,20 @@ TEST(EnergyLedger, ContinuesFromItsMemoryBitByBit) {
     EXPECT_THROW(after.load(memory, 1), std::invalid_argument);
 }
 
-TEST(EnergySums, EfficiencyIsOneLessLossesOverWhatTheInputsBrought) {
+TEST(EnergyFlow, HasAnEfficiencyWhereEnergyFlows) {
     EnergySums before, after;
     after.loss[0] = 2.0;
     after.work = {100.0, -98.0, 0.0};  // drive brings, load takes
-    EXPECT_DOUBLE_EQ(after.efficiency_since(before), 0.98);
-    EXPECT_TRUE(std::isnan(before.efficiency_since(before))) << "without input there is none";
+    EXPECT_DOUBLE_EQ(after.since(before).efficiency(), 0.98);
+    EXPECT_TRUE(std::isnan(before.since(before).efficiency())) << "without input there is none";
+    after.drag = {1.0, 2.0};  // of 101 J the load gets 96
+    EXPECT_DOUBLE_EQ(after.outside_since(before).efficiency(), 1.0 - 5.0 / 101.0);
+    EXPECT_DOUBLE_EQ(after.since(before).with_pump(20.0, 8.0).efficiency(), 1.0 - 10.0 / 120.0);
+    EXPECT_DOUBLE_EQ(after.since(before).with_pump(0.0, 8.0).efficiency(), 0.98) << "there is no pump";
+    after.work = {100.0, -0.9, 0.0};
+    EXPECT_TRUE(std::isnan(after.since(before).efficiency())) << "shafts take less than a hundredth";
+    after.work = {1.9, -1.0, 0.0};
+    EXPECT_TRUE(std::isnan(after.since(before).efficiency())) << "of 1.9 J 2 are lost: -5 %";
 }
 
 }  // namespace

@@ -37,7 +37,10 @@ inline constexpr Term terms[] = {
     {"settle", "Run from the geometric start until its vibrations have decayed (start.settling_time), before time zero."},
     {"steady", "Of a run with run.until = \"steady\": means over the last half of its time have errors below run.steady."},
     {"not_steady", "Status of such a run that was not steady within run.steady_limit revolutions of the chain."},
-    {"efficiency", "1 - losses/input over whole pin periods. Small variators at small loads, as tiny, have less than 90 %."},
+    {"cycle_missed", "Status of a run whose shaft 2 is off what its cycle needs by more than 2 %, in speed or work of the whole run."},
+    {"efficiency",
+     "1 - losses/input: a quotient of energies over whole pin periods; undefined where no energy flows. tiny has less than 90 % at small "
+     "loads."},
     {"archard", "Law of wear: worn volume is wear.coefficient times normal force times sliding distance (cvtflow plot --wear)."},
     {"rainflow", "Counting of load cycles by ASTM E1049 (cvtflow table --rainflow)."},
     {"scene", "File of a machine, its inputs and a run (TOML)."},

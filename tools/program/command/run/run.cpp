@@ -117,6 +117,8 @@ ExitStatus run_loaded(const RunArguments& arguments, LoadedScene loaded) {
         print_error(report.fault.message());
     } else if (!report.reliable()) {
         print_error(tasks::unreliable_text(report));
+    } else if (report.whole.cycle_missed()) {
+        print_error("cycle_missed: " + report.cycle_miss.text(report.whole));
     }
     return exit_status(report);
 }
