@@ -16,6 +16,7 @@ namespace {
 constexpr double gross_slip = 0.03;  ///< creep of a holding chain stays below a hundredth, a sliding one is beyond
 constexpr double often = 0.05;       ///< share of time
 constexpr double misses = 0.01;      ///< of a controller's target
+constexpr double swings = 0.05;      ///< a controlled force: standard deviation over mean
 constexpr double moves = 0.01;       ///< a mean, from begin to end of the window: it is no result to 1 %
 constexpr double drifts_ratio = 0.01, drifts_slip = 0.2, slip_threshold = 5e-4;
 constexpr double standing_speed = 0.1;   ///< of shafts, 5 mm/s at the chain: of the order of the speeds at which tips creep [rad/s]
@@ -27,7 +28,10 @@ constexpr NoteKind kinds[] = {
     {"gross_slip", "mean slip of the last fifth above 3 %"},
     {"control_limit", "a controller was at the limit of its authority in more than 5 % of the last fifth"},
     {"target_missed", "the mean of what the first controller holds is off its target by more than 1 % in the last fifth"},
-    {"slack_strand", "the slack strand carried no tension in more than 5 % of the last fifth"},
+    {"control_swing",
+     "a clamping force that a controller makes swings: its standard deviation is above 5 % of its mean in each of the last four times 64 "
+     "pin periods, or in each quarter of the last fifth if that is shorter"},
+    {"slack_strand", "a strand carried no tension in more than 5 % of the last fifth"},
     {"clamping_limit", "a clamping force was above wear.clamping_limit at the slip speed at some time"},
     {"efficiency", "efficiency of the whole run, or of its last fifth, outside 0 … 1"},
     {"unsteady",
@@ -135,6 +139,7 @@ SpanMeans RunMeans::span(double from, double to) const {
     if (means.periods > 0.0) means.begin = std::max(first, means.end - means.periods * period);
     const MeanPoint before = curve_.at(means.begin), after = curve_.at(means.end);
     fill_means(before, lasted > 0.0 ? after : curve_.instant(before), means);
+    means.swing = least_swing(curve_, means.begin, means.end);
     fill_energies(before, after, means);
     return means;
 }
@@ -248,6 +253,7 @@ enum class Change { none, drift, trend, brief, energy };
     return {std::abs(last.slip) > gross_slip && !stands,
             last.limited > often,
             std::abs(last.missed) > misses && !stands,
+            last.swing > swings && !stands,
             last.loose > often,
             whole.beyond > 0.0,
             !whole.no_load && (impossible(whole.efficiency) || impossible(last.efficiency)),
@@ -268,7 +274,10 @@ std::vector<Note> notes(const RunMeans& means, const EnergyBalance& balance, boo
         fmt::format("the chain slips by {}", percent(last.slip)),
         fmt::format("control is at the limit of its authority ({} of the last fifth)", percent(last.limited)),
         fmt::format("control misses its target by {} in the last fifth", percent(last.missed)),
-        fmt::format("the slack strand carries no tension ({} of the last fifth)", percent(last.loose)),
+        fmt::format("a controlled clamping force swings by {} of its mean (standard deviation): the gains of its controller are too high",
+                    percent(last.swing)),
+        fmt::format("the {} strand carries no tension ({} of the last fifth)", last.tight < last.slack ? "tight" : "slack",
+                    percent(last.loose)),
         fmt::format("clamping exceeds wear.clamping_limit at its slip speed in {} of the time", percent(whole.beyond)),
         fmt::format("an efficiency of {} ({} in the last fifth) is none: what moves has taken or given energy", percent(whole.efficiency),
                     percent(last.efficiency)),
