@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
+#include <tuple>
 
 #include "model/basis/portable_math.hpp"
 
@@ -13,6 +15,10 @@ namespace {
 constexpr double full_drag_speed = 1.0;  ///< below, dry drag is proportional to the speed [rad/s]
 
 }  // namespace
+
+double scaling_speed(const Parameters& p) noexcept {
+    return p.drive.mode != DriveMode::torque ? p.drive.speed.largest_magnitude() : p.control.reference_speed;
+}
 
 double grip(const Tip& tip) noexcept { return 2.0 * tip.friction.coefficient / portable_cos(tip.angle); }
 
@@ -29,7 +35,7 @@ void PulleyInputs::adopt(const Parameters& p) {
     hydraulics_.adopt(p.hydraulics);
     start_ = p.start;
     grip_ = grip(p.tip);
-    reference_speed_ = p.drive.mode != DriveMode::torque ? p.drive.speed.largest_magnitude() : p.control.reference_speed;
+    reference_speed_ = scaling_speed(p);
     drag_ = p.drag;
     centre_distance_ = p.pulley.centre_distance;
     wedge_ = 2.0 * portable_sin(p.tip.angle) / portable_cos(p.tip.angle);
@@ -51,8 +57,10 @@ double PulleyInputs::control_error(const Governing& by, double now, double load,
         return larger > 0.0 ? (required - built_up) / larger : 0.0;
     }
     const double driving = shaft_speed(block, 0), driven = shaft_speed(block, 1);
-    if (by.quantity == ControlledQuantity::ratio)
-        return (driving - (held().ratio ? *held().ratio : control_.ratio.at(now)) * driven) / reference_speed_;
+    if (by.quantity == ControlledQuantity::ratio) {
+        const double faster = (driving - (held().ratio ? *held().ratio : control_.ratio.at(now)) * driven) / reference_speed_;
+        return driving < 0.0 ? -faster : faster;
+    }
     return driving * running_radius(block, 0) != 0.0 ? position_slip(block) - control_.slip.at(now) : 0.0;
 }
 
@@ -64,13 +72,20 @@ double PulleyInputs::position_slip(const double* block) const noexcept {
 ControlInstant PulleyInputs::controlled(double t, const double* tail, const Inputs& now) const noexcept {
     if (controllers_ == 0) return {};
     const double when = std::max(t, 0.0);
+    ControlInstant of;
+    for (const Governing& by : std::span(governing_).first(static_cast<std::size_t>(controllers_)))
+        of.force[by.shaft] = now.clamping[by.shaft];
     switch (governing_[0].quantity) {
         case ControlledQuantity::ratio:
-            return {held().ratio ? *held().ratio : control_.ratio.at(when), shaft_speed(tail, 0) / shaft_speed(tail, 1)};
-        case ControlledQuantity::slip: return {control_.slip.at(when), position_slip(tail)};
-        case ControlledQuantity::safety: break;
+            of.target = held().ratio ? *held().ratio : control_.ratio.at(when);
+            of.value = shaft_speed(tail, 0) / shaft_speed(tail, 1);
+            break;
+        case ControlledQuantity::slip: std::tie(of.target, of.value) = std::pair(control_.slip.at(when), position_slip(tail)); break;
+        case ControlledQuantity::safety:
+            of.target = control_.safety.at(when);
+            of.value = driven_lever(tail) * now.clamping[1] / std::abs(now.load_torque);
     }
-    return {control_.safety.at(when), driven_lever(tail) * now.clamping[1] / std::abs(now.load_torque)};
+    return of;
 }
 
 CylinderMotion PulleyInputs::cylinder_motion(const double* block, int shaft) const noexcept {

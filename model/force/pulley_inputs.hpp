@@ -134,13 +134,16 @@ struct Inputs {
     [[nodiscard]] std::array<double, 2> on_shafts() const noexcept { return {drive_torque - drag[0], load_torque - drag[1]}; }
 };
 
-/// Quantity that the first controller holds; zeros without one. [1]
+/// Quantity that the first controller holds, and the forces that controllers make; zeros without one.
 struct ControlInstant {
-    double target = 0.0, value = 0.0;
+    double target = 0.0, value = 0.0;  ///< [1]
+    std::array<double, 2> force{};     ///< S_1, S_2 where a controller corrects them [N]
     /// Deviation of the value over the target; 0 without one.
     [[nodiscard]] double miss() const noexcept { return target != 0.0 ? value / target - 1.0 : 0.0; }
 };
 
+/// Speed that scales the error of ratio control: the largest of drive.speed, or control.reference_speed [rad/s].
+[[nodiscard]] double scaling_speed(const Parameters& parameters) noexcept;
 /// Friction of all contacts of a pulley along the circumference over its clamping force, 2 mu/cos(beta) [1].
 [[nodiscard]] double grip(const Tip& tip) noexcept;
 /// Clamping force of shaft 2 that carries a load with a safety factor [N]. load [N·m], lever: grip() times the running radius of shaft 2

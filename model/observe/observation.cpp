@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "model/basis/portable_math.hpp"
 #include "model/force/guide.hpp"
@@ -242,6 +243,10 @@ void Observer::observe_pulleys() noexcept {
     read_shafts(pulleys_);
     for (std::size_t sheave = 0; sheave < 4; ++sheave) o.axial_force[sheave] = sheave_forces_[sheave][4];
     for (std::size_t k = 0; k < 2; ++k) o.chain_torque[k] = sheave_forces_[2 * k][5] + sheave_forces_[2 * k + 1][5];
+    if (o.speed[0] < 0.0) {  // the driving sheaves pull the other strand
+        std::swap(o.tight, o.slack);
+        std::swap(o.guide[0], o.guide[1]);
+    }
     observe_slip();
 }
 

@@ -53,7 +53,7 @@ struct Observation {
     Creep creep;
     double loss_slip = 0.0;           ///< creep.power over the power of those shafts that bring any; 0 where none does [1]
     double chain_speed = 0.0;         ///< mean of |velocity| of the rear halves [m/s]
-    double tight = 0.0, slack = 0.0;  ///< mean tension of the strand at y > 0, at y < 0 (a ring: mean of all in both) [N]
+    double tight = 0.0, slack = 0.0;  ///< mean tension of the strand that shaft 1 pulls, and of the other (a ring: of all) [N]
     int touching = 0;                 ///< tips that are not free
     double deepest = 0.0;             ///< deepest penetration of a tip [m]
     std::vector<double> tension;      ///< [links] [N]
@@ -62,7 +62,7 @@ struct Observation {
     WorkRates work{};                 ///< powers of drive, load, clamping [W]
     HydraulicInstant hydraulics;      ///< zero without any
     HydraulicEnergy hydraulic_energy;
-    /// Loads of the guides of the strands at y > 0 and y < 0; zero without guides.
+    /// Loads of the guides of both strands, as `tight` and `slack`; zero without guides.
     std::array<GuideLoad, 2> guide{};
 };
 

@@ -28,7 +28,7 @@ static_assert(std::is_trivially_copyable_v<MeanPoint> && sizeof(MeanPoint) == si
     put(Mean::slack, now.slack);
     put(Mean::limited, now.control_limited ? 1.0 : 0.0);
     put(Mean::missed, std::clamp(now.control.miss(), -1.0, 1.0));  // a safety factor has no limit where a load passes zero
-    put(Mean::loose, now.slack <= 0.0 ? 1.0 : 0.0);
+    put(Mean::loose, std::min(now.tight, now.slack) <= 0.0 ? 1.0 : 0.0);
     put(Mean::beyond, now.limit_use > 1.0 ? 1.0 : 0.0);
     put(Mean::turning, 0.5 * (std::abs(now.speed[0]) + std::abs(now.speed[1])));
     put(Mean::creep, now.creep.power);
@@ -46,6 +46,8 @@ static_assert(std::is_trivially_copyable_v<MeanPoint> && sizeof(MeanPoint) == si
         put(Mean::chain_torque, now.chain_torque[k], k);
         put(Mean::clamping, now.clamping[k], k);
         put(Mean::radius, now.radius[k], k);
+        put(Mean::controlled, now.control.force[k], k);
+        put(Mean::controlled_square, now.control.force[k] * now.control.force[k], k);
     }
     for (std::size_t k = 0; k < 4; ++k) put(Mean::axial_force, now.axial_force[k], k);
     return values;
@@ -234,6 +236,27 @@ MeanTrend largest_trend(const MeanCurve& curve, double from, double to) noexcept
         if (trend.least() > largest.least()) largest = trend;
     }
     return largest;
+}
+
+double least_swing(const MeanCurve& curve, double from, double to) noexcept {
+    constexpr double max_parts = 4.0, min_periods = 2.0, max_periods = 64.0;
+    const double period = curve.pin_period(), available = period > 0.0 ? std::floor((to - from) / period * (1.0 + 1e-9)) : 0.0;
+    const double parts = std::min(max_parts, std::floor(available / min_periods));
+    if (parts < 1.0) return 0.0;
+    const double length = std::min(std::floor(available / parts), max_periods) * period;
+    std::array<double, 2> least{};
+    MeanPoint end = curve.at(to);
+    for (double part = 1.0; part <= parts; part += 1.0) {
+        const MeanPoint begin = curve.at(to - part * length);
+        for (std::size_t shaft = 0; shaft < least.size(); ++shaft) {
+            const double mean = end.mean_since(begin, Mean::controlled, shaft);
+            const double square = end.mean_since(begin, Mean::controlled_square, shaft);
+            const double swing = mean > 0.0 ? std::sqrt(std::max(0.0, square / (mean * mean) - 1.0)) : 0.0;
+            least[shaft] = part == 1.0 ? swing : std::min(least[shaft], swing);
+        }
+        end = begin;
+    }
+    return std::max(least[0], least[1]);
 }
 
 MeanError error_of_mean(std::span<const double> values) noexcept {

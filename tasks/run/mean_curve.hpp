@@ -21,7 +21,7 @@ enum class Mean {
     slack,
     limited,  ///< 1 while a controller has reached its authority
     missed,   ///< deviation of the first controller's quantity over its target; more than all of it counts as all of it
-    loose,    ///< 1 while the slack strand carries no tension
+    loose,    ///< 1 while a strand carries no tension
     beyond,   ///< 1 while clamping is above its limit over the slip speed
     turning,  ///< speed of the shafts without its sign, mean of both [rad/s]
     creep,    ///< power lost by creep [W]
@@ -36,9 +36,11 @@ enum class Mean {
     chain_torque = torque + 2,
     clamping = chain_torque + 2,
     radius = clamping + 2,
-    axial_force = radius + 2,       ///< of four sheaves
-    half_cosine = axial_force + 4,  ///< tight tension less that of two pin periods before, times cosine and
-    half_sine = half_cosine + 1,    ///< sine of half the pin frequency; 0 where periods are not marked [N]
+    axial_force = radius + 2,             ///< of four sheaves
+    controlled = axial_force + 4,         ///< clamping force that a controller makes; 0 without [N]
+    controlled_square = controlled + 2,   ///< [N²]
+    half_cosine = controlled_square + 2,  ///< tight tension less that of two pin periods before, times cosine and
+    half_sine = half_cosine + 1,          ///< sine of half the pin frequency; 0 where periods are not marked [N]
 };
 inline constexpr std::size_t mean_count = static_cast<std::size_t>(Mean::half_sine) + 1;
 
@@ -127,6 +129,11 @@ struct MeanTrend {
 /// The one that has changed most of ratio, thrust ratio, tensions, slips and losses; none: fewer than four pin periods.
 /// @param from, to of `curve` [s]
 [[nodiscard]] MeanTrend largest_trend(const MeanCurve& curve, double from, double to) noexcept;
+
+/// Swing of a clamping force that a controller makes: standard deviation over mean, within each of up to four parts of the time, the least
+/// of them, so that a single change is none. The larger one of both shafts; 0: without control, or in less than two pin periods [1].
+/// @param from, to of `curve`: of these the end, at most 64 pin periods for each part [s]
+[[nodiscard]] double least_swing(const MeanCurve& curve, double from, double to) noexcept;
 
 /// Error of the mean of a series. [unit of the series]
 struct MeanError {

@@ -16,6 +16,7 @@ namespace {
 constexpr double gross_slip = 0.03;    ///< creep of a holding chain stays below a hundredth, a sliding one is beyond
 constexpr double often = 0.05;         ///< share of time
 constexpr double misses = 0.01;        ///< of a controller's target
+constexpr double swings = 0.05;        ///< a controlled force: standard deviation over mean
 constexpr double moves = 0.01;         ///< a mean, from begin to end of the window: it is no result to 1 %
 constexpr double misses_cycle = 0.02;  ///< speed of shaft 2 follows ECE-15 within 1.5 %
 constexpr double varies = 1e-6;        ///< a target that is a table, from fifth to fifth
@@ -30,7 +31,10 @@ constexpr NoteKind kinds[] = {
      "a controller was at the limit of its authority in more than 5 % of the last fifth; where the target changes, of the run"},
     {"target_missed",
      "the mean of what the first controller holds is off its target by more than 1 % in the last fifth; where the target changes, in any"},
-    {"slack_strand", "the slack strand carried no tension in more than 5 % of the last fifth"},
+    {"control_swing",
+     "a clamping force that a controller makes swings: its standard deviation is above 5 % of its mean in each of the last four times 64 "
+     "pin periods, or in each quarter of the last fifth if that is shorter"},
+    {"slack_strand", "a strand carried no tension in more than 5 % of the last fifth"},
     {"clamping_limit", "a clamping force was above wear.clamping_limit at the slip speed at some time"},
     {"efficiency", "more is lost than comes in, in the whole run or in its last fifth: there is no efficiency"},
     {"unsteady",
@@ -128,6 +132,7 @@ SpanMeans RunMeans::span(double from, double to) const {
     if (means.periods > 0.0) means.begin = std::max(first, means.end - means.periods * period);
     const MeanPoint before = curve_.at(means.begin), after = curve_.at(means.end);
     fill_means(before, lasted > 0.0 ? after : curve_.instant(before), means);
+    means.swing = least_swing(curve_, means.begin, means.end);
     fill_energies(before, after, means);
     return means;
 }
@@ -274,6 +279,7 @@ struct Controlled {
     return {std::abs(last.slip) > gross_slip && !stands,
             control.limited > often,
             std::abs(control.missed) > misses && !stands,
+            last.swing > swings && !stands,
             last.loose > often,
             whole.beyond > 0.0,
             !whole.no_load && (lives_on_itself(whole) || lives_on_itself(last)),
@@ -297,7 +303,10 @@ std::vector<Note> notes(const RunMeans& means, const EnergyBalance& balance, boo
         fmt::format("control is at the limit of its authority ({} of the {})", percent(control.limited),
                     control.of_run ? "run" : "last fifth"),
         fmt::format("control misses its target by {} in {}", percent(control.missed), control.place()),
-        fmt::format("the slack strand carries no tension ({} of the last fifth)", percent(last.loose)),
+        fmt::format("a controlled clamping force swings by {} of its mean (standard deviation): the gains of its controller are too high",
+                    percent(last.swing)),
+        fmt::format("the {} strand carries no tension ({} of the last fifth)", last.tight < last.slack ? "tight" : "slack",
+                    percent(last.loose)),
         fmt::format("clamping exceeds wear.clamping_limit at its slip speed in {} of the time", percent(whole.beyond)),
         fmt::format("there is no efficiency: {:.3g} W are lost of {:.3g} W that come in ({:.3g} of {:.3g} W in the last fifth), and what "
                     "moves gives the rest",

@@ -11,12 +11,9 @@
 #include "engine/base/hash.hpp"
 #include "engine/executor/cancellation.hpp"
 #include "engine/record/run/state_file.hpp"
-#include "model/force/pulley_inputs.hpp"
-#include "model/machine/belt.hpp"
 #include "model/start/start_state.hpp"
 #include "tasks/method/method.hpp"
 #include "tasks/run/saved_start.hpp"
-#include "tasks/scene/parameter_table.hpp"
 #include "tasks/schedule/schedule.hpp"
 
 namespace cvtflow::tasks {
@@ -252,33 +249,6 @@ std::unique_ptr<Integrator> integrator_of(const Scene& scene, const std::vector<
     return integrator;
 }
 
-/// Clamping force of the driven sheaves at t = 0: of the table, or what the safety factor requires where the chain begins [N].
-[[nodiscard]] double driven_clamping_at_start(const model::Parameters& p) {
-    const double table = p.clamping.driven.at(0.0);
-    const auto radii = model::belt_radii(model::chain_length(p.chain), p.start.ratio, p.pulley.centre_distance);
-    return radii ? model::driven_clamping(p.clamping, table, p.load.torque.at(0.0), model::grip(p.tip) * radii->driven) : table;
-}
-
-/// Takes the gains of control.gains = "found". The ratio follows d ln i/dt = C ω_1 (S_1 - S_1*)/S_2, so that the proportional part alone
-/// lets it settle as exp(-rate t); the integral part is slow beside it. A faster one passes the ripple of pins on to the clamping force.
-/// @throws SceneError without a clamping force from which to find them
-void find_gains(Scene& scene) {
-    constexpr double rate = 60.0, mobility = 0.0051, slow = 0.5;  // [1/s]; C, 0.0018 to 0.012 at operating points; [s]
-    if (scene.gains == ControlGains::given) return;
-    model::Parameters& p = scene.parameters;
-    const double speed = p.drive.mode != model::DriveMode::torque ? p.drive.speed.largest_magnitude() : p.control.reference_speed;
-    const double clamping = driven_clamping_at_start(p);
-    if (!(clamping > 0.0 && speed > 0.0))
-        throw SceneError("control.gains: \"found\" finds gains from clamping force and speed, but one of them is 0 at the start");
-    p.control.proportional = rate * clamping / (mobility * speed);
-    p.control.integral = p.control.proportional / slow;
-}
-
-[[nodiscard]] Scene with_gains(Scene scene) {
-    find_gains(scene);
-    return scene;
-}
-
 }  // namespace
 
 Simulation::Simulation(const Scene& scene) : Simulation(scene, schedules_for(scene), ChooserOptions{}) {}
@@ -288,7 +258,7 @@ Simulation::Simulation(const Scene& scene, const Schedule& schedule, engine::Sta
 
 Simulation::Simulation(const Scene& scene, const std::vector<Schedule>& candidates, const ChooserOptions& options,
                        engine::StampRecorder* recorder, const model::StartState* start)
-    : scene_(with_gains(scene)),
+    : scene_(scene),
       integrator_(integrator_of(scene_, candidates, options, recorder)),
       workspace_(&integrator_->workspace()),
       part_(scene_, *integrator_) {
@@ -302,7 +272,6 @@ void Simulation::reset(const Scene& scene, const engine::SavedState* saved, cons
     if (!same_machine) checked_start_.reset();
     part_.forget(same_machine);
     scene_ = scene;
-    find_gains(scene_);
     integrator_->adopt(scene_.parameters);
     start_differences_.clear();
     begin_with(saved, placed);

@@ -283,7 +283,7 @@ Violation vehicle_loads_shaft(const Scene& scene) {
                                      {"load.torque", p.load.torque.largest_magnitude()},
                                      {"drive.speed", p.drive.speed.largest_magnitude()}}) {
         const Parameter& row = *find_parameter(key);
-        if (follows_vehicle(scene, key) && value > row.max)
+        if (is_derived(scene, key) && value > row.max)
             return fmt::format("vehicle.mass: {} = {} {} follows from the vehicle, above {}", key, number_text(value), row.unit,
                                number_text(row.max));
     }
@@ -401,8 +401,11 @@ Violation description_is_text(const Scene& scene) {
 
 Violation gains_are_of_the_ratio(const Scene& scene) {
     const model::Control& control = scene.parameters.control;
-    if (scene.gains == ControlGains::given || (control.enabled && control.quantity == model::ControlledQuantity::ratio)) return {};
-    return "control.gains: \"found\" is about control of the ratio (control.enabled = true, control.quantity = \"ratio\")";
+    if (scene.gains == ControlGains::given) return {};
+    if (!control.enabled || control.quantity != model::ControlledQuantity::ratio)
+        return "control.gains: \"found\" is about control of the ratio (control.enabled = true, control.quantity = \"ratio\")";
+    if (driven_clamping_at_start(scene.parameters) > 0.0) return {};
+    return "control.gains: \"found\" requires a clamping force of shaft 2 at t = 0 (clamping.driven, or clamping.safety and a load)";
 }
 
 Violation steady_has_pulleys(const Scene& scene) {
@@ -434,7 +437,7 @@ constexpr Row rows_of_checks[] = {
     {"drive.mode load.mode detail.pulleys", couplings_have_pulleys},
     {"control.driven control.quantity control.enabled", controllers_differ},
     {"run.until detail.pulleys", steady_has_pulleys},
-    {"control.gains control.enabled control.quantity", gains_are_of_the_ratio},
+    {"control.gains control.enabled control.quantity clamping.driven", gains_are_of_the_ratio},
     {"run.output_interval run.step", outputs_take_steps},
     {"run.followed_pin chain.pins", followed_pin_exists},
     {"run.segments chain.pins", segments_have_links},

@@ -317,8 +317,9 @@ std::span<const Parameter> parameter_table() {
      "position."},
     {"control.ratio", "1", 0.05, 20, {}, of<&Control::ratio>, "Target speed ratio (shaft 1 over shaft 2) over time."},
     {"control.gains", "", 0, 0, {"given", "found"}, of<&Scene::gains>,
-     "Gains of ratio control: control.proportional and control.integral, or found from clamping force and speed: a point then settles "
-     "without a swing, and the offset that the proportional part leaves moves into the integral part where settling ends."},
+     "Gains of ratio control: control.proportional and control.integral as given, or found from clamping force, speed and stiffness of the "
+     "pulleys (cvtflow check states them); the offset that the proportional part leaves then moves into the integral part where settling "
+     "ends."},
     {"control.proportional", "N", 0, 1e9, {}, of<&Control::proportional>,
      "Proportional gain: clamping force per relative error of speed or safety, or per error of slip."},
     {"control.integral", "N/s", 0, 1e12, {}, of<&Control::integral>,

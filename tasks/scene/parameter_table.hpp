@@ -90,14 +90,17 @@ struct CrossCheck {
 };
 [[nodiscard]] std::span<const CrossCheck> cross_checks();
 
-/// Whether vehicle and cycle of the scene determine the value of `key`, and the scene must not.
-[[nodiscard]] bool follows_vehicle(const Scene& scene, std::string_view key) noexcept;
+/// Whether vehicle and cycle, or control.gains = "found", determine the value of `key`, and the scene must not.
+[[nodiscard]] bool is_derived(const Scene& scene, std::string_view key) noexcept;
 /// The problem of a scene that sets such a key.
-[[nodiscard]] std::string follows_text(const Scene& scene, std::string_view key);
-/// Sets those keys; no effect without a vehicle.
-void follow_vehicle(Scene& scene);
-/// Sets them to their defaults, before another vehicle or cycle is set.
-void forget_vehicle(Scene& scene);
+[[nodiscard]] std::string derived_text(const Scene& scene, std::string_view key);
+/// Sets those keys.
+void derive(Scene& scene);
+/// Sets them to their defaults, before others are set of which they follow.
+void forget_derived(Scene& scene);
+/// Clamping force of the driven sheaves at t = 0: by table or pressure, and at least what clamping.safety requires where the chain begins
+/// [N].
+[[nodiscard]] double driven_clamping_at_start(const model::Parameters& parameters);
 
 /// Keys with other values than their defaults that have no effect on a run of the scene, with the reason: a line for each reason.
 [[nodiscard]] std::vector<std::string> idle_keys(const Scene& scene);

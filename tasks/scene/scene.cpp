@@ -59,7 +59,7 @@ public:
     /// @param nowhere  position of a violation of which no key was given
     Reading(Scene scene, std::filesystem::path folder, StartState start = StartState::required, Position nowhere = {})
         : scene_(std::move(scene)), folder_(std::move(folder)), start_(start), nowhere_(nowhere) {
-        forget_vehicle(scene_);
+        forget_derived(scene_);
     }
 
     void section(const Entry& entry);
@@ -150,15 +150,17 @@ void Reading::check(const CrossCheck& cross_check) {
     problem(first == keys.end() ? otherwise : given_[*first], std::move(*violation));
 }
 
-/// Keys that follow from vehicle and cycle may be given with the value that follows only, as in the scene of a record.
+/// Keys that follow from others may be given with the value that follows only, as in the scene of a record. Gains of a record are those
+/// that acted, whatever this program finds.
 void Reading::follow() {
-    if (!problems_.empty() || !scene_.vehicle.present()) return;
+    if (!problems_.empty() || (!scene_.vehicle.present() && scene_.gains == ControlGains::given)) return;
     const Scene before = scene_;
-    follow_vehicle(scene_);
+    derive(scene_);
+    if (start_ == StartState::recorded && given_.contains("control.proportional")) scene_.parameters.control = before.parameters.control;
     for (const auto& [key, position] : given_) {
         const Parameter& parameter = *find_parameter(key);
-        if (follows_vehicle(scene_, key) && value_text(parameter, before) != value_text(parameter, scene_))
-            problem(position, follows_text(scene_, key));
+        if (is_derived(scene_, key) && value_text(parameter, before) != value_text(parameter, scene_))
+            problem(position, derived_text(scene_, key));
     }
 }
 
@@ -254,31 +256,6 @@ void set_values(Scene& scene, std::span<const std::string> settings, std::string
 void set_value(Scene& scene, std::string_view setting) {
     const std::string text(setting);
     set_values(scene, {&text, 1});
-}
-
-bool follows_vehicle(const Scene& scene, std::string_view key) noexcept {
-    if (!scene.vehicle.present()) return false;
-    if (scene.cycle.present()) return key == "load.torque" || key == "drive.speed" || key == "control.ratio" || key == "start.ratio";
-    return key == "load.torque" || key == "load.inertia" || key == "load.quadratic";
-}
-
-std::string follows_text(const Scene& scene, std::string_view key) {
-    return fmt::format("{}: follows from [vehicle]{}; remove it", key, scene.cycle.present() ? " and [cycle]" : "");
-}
-
-void follow_vehicle(Scene& scene) {
-    if (!scene.vehicle.present()) return;
-    if (!scene.cycle.present()) return model::load_by(scene.vehicle, scene.parameters.load);
-    if (scene.cycle.intervals() < static_cast<double>(max_points)) model::Trip(scene.vehicle, scene.cycle).command(scene.parameters);
-}
-
-void forget_vehicle(Scene& scene) {
-    if (!scene.vehicle.present()) return;
-    Scene defaults;
-    for (const Parameter& key : parameter_table()) {
-        if (!follows_vehicle(scene, key.key)) continue;
-        std::visit([&](auto* member) { *member = *std::get<decltype(member)>(key.member(defaults)); }, key.member(scene));
-    }
 }
 
 double latest_end(const Scene& scene) {

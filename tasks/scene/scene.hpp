@@ -77,7 +77,7 @@ struct RunSettings {
     bool operator==(const RunSettings&) const = default;
 };
 
-/// Gains of ratio control: control.proportional and control.integral, or found from clamping force and speed.
+/// Gains of ratio control: control.proportional and control.integral as given, or found from the machine, clamping force and speed.
 enum class ControlGains { given, found };
 
 /// detail.level: the keys of [detail] as they are given, or 1 + number of a level in detail_presets().
@@ -88,7 +88,7 @@ struct Scene {
     std::string description;
     model::Parameters parameters;
     RunSettings run;
-    model::Vehicle vehicle;  ///< load, drive and control of `parameters` follow from it and the cycle (follow_vehicle)
+    model::Vehicle vehicle;  ///< load, drive and control of `parameters` follow from it and the cycle (derive)
     model::Cycle cycle;
     ControlGains gains = ControlGains::given;
     DetailLevel level = DetailLevel::given;  ///< only while detail.level is read: then its keys are set, and state it (level_of)

@@ -28,12 +28,13 @@ std::size_t Sweep::row(long number, std::size_t axis) const noexcept {
 }
 
 void Sweep::apply_case(long number, Scene& of) const {
-    forget_vehicle(of);
+    forget_derived(of);
+    if (scene.gains == ControlGains::given) of.parameters.control = scene.parameters.control;
     for (std::size_t a = 0; a < axes.size(); ++a) {
         const std::size_t at = row(number, a);
         for (std::size_t k = 0; k < axes[a].keys.size(); ++k) apply(*axes[a].keys[k], axes[a].at(at, k), of);
     }
-    follow_vehicle(of);
+    derive(of);
 }
 
 namespace {
@@ -192,7 +193,7 @@ private:
             std::error_code unreadable;
             sweep_.scene = read_scene(std::filesystem::is_regular_file(beside, unreadable) ? beside : find_scene_(name));
             if (const auto preset = view.text("detail")) apply_detail(sweep_.scene, *preset);
-            forget_vehicle(sweep_.scene);
+            forget_derived(sweep_.scene);
         } catch (const SceneError& error) {
             view.problem(view.find("scene")->position, fmt::format("scene: {}", error.what()));
         }
@@ -299,7 +300,7 @@ private:
 
     void consistent() {
         if (!problems_.empty()) return;
-        follow_vehicle(sweep_.scene);
+        derive(sweep_.scene);
         for (const auto& [key, position] : set_) independent(key, position);
         if (sweep_.axes.empty()) problems_.push_back({{}, "axes: none given; nothing varies"});
         if (sweep_.scalars.empty()) problems_.push_back({{}, "outputs.scalars: none given"});
@@ -372,7 +373,7 @@ private:
     }
 
     void independent(std::string_view key, Position position) {
-        if (follows_vehicle(sweep_.scene, key)) problems_.push_back({position, follows_text(sweep_.scene, key)});
+        if (is_derived(sweep_.scene, key)) problems_.push_back({position, derived_text(sweep_.scene, key)});
     }
 
     const FindScene& find_scene_;

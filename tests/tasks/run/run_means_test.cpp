@@ -26,7 +26,7 @@ RunMeans means_over(int last, double interval, double pin_period, const Fill& fi
         now.time = interval * k;
         now.ratio = 1.0;
         now.speed = {200.0, -200.0};
-        now.slack = 100.0;
+        now.tight = now.slack = 100.0;
         EnergySums sums;
         sums.time = now.time;
         fill(k, now, sums);
@@ -134,6 +134,38 @@ TEST(RunMeans, CompareACycleWithWhatShaftTwoDelivers) {
                   "0.12 s, where its speed is off by -60 %");
     }
     EXPECT_FALSE(means_over(1000, 1e-3, 1e-3, [](int, model::Observation&, EnergySums&) {}).all().cycle_missed()) << "without a cycle";
+}
+
+/// A force of 20 kN that control moves: a swing, and one step, whose standard deviation over the last fifth is as large.
+TEST(RunMeans, SayWhereAControlledForceSwings) {
+    const auto names_with = [](const auto& force) {
+        std::string names;
+        const RunMeans means = means_over(5000, 2e-4, 4e-3, [&](int k, model::Observation& now, EnergySums&) {
+            now.speed = {200.0, 200.0};
+            now.control = {1.0, 1.0, {force(k), 0.0}};
+        });
+        name_notes(means, {}, names);
+        return names.find("control_swing") != std::string::npos;
+    };
+    const auto sine = [](double amplitude) { return [=](int k) { return 20e3 + amplitude * std::sin(0.1 * k); }; };
+    EXPECT_TRUE(names_with(sine(1.5e3))) << "sd 5.3 %";
+    EXPECT_FALSE(names_with(sine(1.3e3))) << "sd 4.6 %";
+    EXPECT_FALSE(names_with([](int k) { return k < 4500 ? 20e3 : 23e3; })) << "sd 7 % of the last fifth";
+    EXPECT_FALSE(names_with([](int) { return 0.0; })) << "without control";
+}
+
+/// Where a load drives, the strand that the driving sheaves pull is the loose one.
+TEST(RunMeans, SayWhereEitherStrandIsLoose) {
+    for (const bool driven : {false, true}) {
+        const RunMeans means = means_over(1000, 1e-3, 1e-3, [&](int, model::Observation& now, EnergySums&) {
+            now.tight = driven ? 0.0 : 100.0;
+            now.slack = driven ? 100.0 : 0.0;
+        });
+        const std::vector<Note> found = notes(means, {});
+        const auto loose = std::ranges::find(found, "slack_strand", &Note::name);
+        ASSERT_NE(loose, found.end());
+        EXPECT_THAT(loose->text, testing::StartsWith(driven ? "the tight strand" : "the slack strand"));
+    }
 }
 
 /// 1 s of a machine that carries nothing. speed of its shafts [rad/s]

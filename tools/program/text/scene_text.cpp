@@ -125,6 +125,8 @@ std::string machine_lines(const tasks::Scene& scene) {
     if (p.drive.mode != model::DriveMode::torque)
         text += field("pins pass",
                       fmt::format("{:.4g} Hz at the start", std::abs(p.drive.speed.at(0.0)) * radii->driving * p.chain.pins / length));
+    if (scene.gains == tasks::ControlGains::found)
+        text += field("gains found", fmt::format("proportional {:.4g} N, integral {:.4g} N/s", p.control.proportional, p.control.integral));
     const std::optional<LeastSafety> least = least_safety(scene);
     if (!least) return text;
     text += field("torque limit",
