@@ -84,8 +84,6 @@ constexpr std::string_view unhashed[] = {"wall", "threads", "program", "start_st
 }  // namespace
 
 engine::RowLayout result_layout(const Sweep& sweep) {
-    std::vector<std::string_view> notes;
-    for (const NoteKind& kind : note_kinds()) notes.push_back(kind.name);
     std::vector<TableColumn> columns{{"case", "1", "number of the case", Type::integer},
                                      {"status", "", fmt::format("{}", fmt::join(status_names(), ", ")), Type::text, 16}};
     for (const Axis& axis : sweep.axes) {
