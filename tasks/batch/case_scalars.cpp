@@ -40,7 +40,7 @@ void CaseScalars::reduce(const CaseInstant& at, const Occasion& when) {
                       at.followed_pin, at.observer};
     if (when.sample)
         means_.add(now.observation, w.energy.sums(at.time), w.pin_period(now.observation.chain_speed), w.energy.mark(),
-                   w.needed_speed(at.time));
+                   needed_speed(w, at.time));
     const std::span<Reducer> present = present_reducers();
     for (std::size_t i = 0; i < present.size(); ++i) present[i].read(sweep_.scalars[i], now, when, values_);
 }

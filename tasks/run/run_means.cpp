@@ -210,7 +210,7 @@ namespace {
 enum class Change { none, drift, trend, brief, energy };
 
 [[nodiscard]] Change change_of(const RunMeans& means) {
-    const SpanMeans whole = means.all(), first = means.first_fifth(), last = means.last_fifth();
+    const SpanMeans whole = means.all(), first = means.fifth(0), last = means.fifth(4);
     const bool ratio_drifts = std::abs(last.ratio - first.ratio) > drifts_ratio * std::abs(whole.ratio);
     const bool slip_drifts = std::abs(last.slip - first.slip) > drifts_slip * std::abs(whole.slip) + slip_threshold;
     if (ratio_drifts || slip_drifts) return Change::drift;
@@ -220,7 +220,7 @@ enum class Change { none, drift, trend, brief, energy };
 }
 
 [[nodiscard]] std::string trend_text(Change change, const RunMeans& means) {
-    const SpanMeans whole = means.all(), first = means.first_fifth(), last = means.last_fifth();
+    const SpanMeans whole = means.all(), first = means.fifth(0), last = means.fifth(4);
     const auto percent = [](double share) { return fmt::format("{:.3g} %", 100.0 * share); };
     switch (change) {
         case Change::drift:
@@ -246,7 +246,7 @@ enum class Change { none, drift, trend, brief, energy };
 /// fifth in which it misses the target most.
 struct Controlled {
     explicit Controlled(const RunMeans& means) {
-        const SpanMeans whole = means.all(), last = means.last_fifth();
+        const SpanMeans whole = means.all(), last = means.fifth(4);
         limited = last.limited;
         missed = last.missed;
         for (int k = 0; k < 4; ++k) follows = follows || std::abs(means.fifth(k).target - last.target) > varies * std::abs(last.target);
@@ -272,7 +272,7 @@ struct Controlled {
 /// Which of note_kinds() there are.
 [[nodiscard]] std::array<bool, std::size(kinds)> odd(const RunMeans& means, const EnergyBalance& balance) {
     if (means.curve().empty()) return {};
-    const SpanMeans whole = means.all(), last = means.last_fifth();
+    const SpanMeans whole = means.all(), last = means.fifth(4);
     const auto lives_on_itself = [](const SpanMeans& span) { return span.input > 0.0 && span.lost > span.input; };
     const bool stands = whole.turning < standing_speed;
     const Controlled control(means);
@@ -295,7 +295,7 @@ struct Controlled {
 std::vector<Note> notes(const RunMeans& means, const EnergyBalance& balance, bool pulleys) {
     std::array<bool, std::size(kinds)> found = odd(means, balance);
     if (!pulleys) std::fill(found.begin(), found.end() - 1, false);
-    const SpanMeans whole = means.all(), last = means.last_fifth();
+    const SpanMeans whole = means.all(), last = means.fifth(4);
     const Controlled control(means);
     const auto percent = [](double share) { return fmt::format("{:.3g} %", 100.0 * share); };
     const std::string texts[] = {

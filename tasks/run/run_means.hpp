@@ -97,10 +97,8 @@ public:
     [[nodiscard]] const MeanCurve& curve() const noexcept { return curve_; }
 
     [[nodiscard]] SpanMeans all() const { return span(0.0, 1.0); }
-    [[nodiscard]] SpanMeans first_fifth() const { return span(0.0, 0.2); }
-    [[nodiscard]] SpanMeans last_fifth() const { return span(0.8, 1.0); }
-    /// k: 0 … 4
-    [[nodiscard]] SpanMeans fifth(int k) const { return k < 4 ? span(0.2 * k, 0.2 * (k + 1)) : last_fifth(); }
+    /// k: 0 … 4, the last one
+    [[nodiscard]] SpanMeans fifth(int k) const { return span(0.2 * k, k < 4 ? 0.2 * (k + 1) : 1.0); }
     [[nodiscard]] const CycleMiss& cycle_miss() const noexcept { return miss_; }
     /// Largest change of a mean from begin to end of the window.
     [[nodiscard]] MeanTrend trend() const;

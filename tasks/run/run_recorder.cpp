@@ -168,7 +168,7 @@ void RunRecorder::output(double time, const Workspace& workspace, const Counters
     const model::Observation& now = workspace.observed_by(observer_, time);
     ++outputs_;
     means_.add(now, workspace.energy.sums(time), workspace.pin_period(now.chain_speed), workspace.energy.mark(),
-               workspace.needed_speed(time));
+               needed_speed(workspace, time));
     if (!file_) return;
     read({now, workspace, counters, followed_pin_, observer_});
     if (output_means_.on()) output_means_.add(time, row_), output_means_.take(row_);
@@ -205,7 +205,7 @@ void RunRecorder::transition(const TransitionRecord& record) {
 void RunRecorder::sample(double time, const Workspace& workspace, const Counters& counters) {
     const model::Observation& now = workspace.observed_by(observer_, time);
     means_.add(now, workspace.energy.sums(time), workspace.pin_period(now.chain_speed), workspace.energy.mark(),
-               workspace.needed_speed(time));
+               needed_speed(workspace, time));
     if (!output_means_.on()) return;
     read({now, workspace, counters, followed_pin_, observer_});
     output_means_.add(time, row_);
@@ -265,8 +265,8 @@ void RunRecorder::finish(const Simulation& simulation, RunReport& report, double
     report.outputs = outputs_;
     report.has_pulleys = has_pulleys_;
     report.whole = means_.all();
-    report.first_fifth = means_.first_fifth();
-    report.last_fifth = means_.last_fifth();
+    report.first_fifth = means_.fifth(0);
+    report.last_fifth = means_.fifth(4);
     report.cycle_miss = means_.cycle_miss();
     report.steady = means_.steady();
     report.revolutions = static_cast<double>(report.steady.begin) / std::max(1.0, means_.rule().pins);

@@ -187,10 +187,6 @@ public:
         const model::EvaluatedLinks evaluated{links.loads.data(), links.accounts.data(), links.contacts.data()};
         return observer.observe(time, state(), tips.phases.data(), links.observed ? &evaluated : nullptr);
     }
-    /// Speed of shaft 2 that a cycle needs: of shaft 1 over the ratio, by their tables; 0 without a cycle [rad/s]. time [s]
-    [[nodiscard]] double needed_speed(double time) const noexcept {
-        return trip.points() > 0 ? parameters.drive.speed.at(time) / parameters.control.ratio.at(time) : 0.0;
-    }
     /// Observation without the chain (Observer::observe_shafts). time [s]
     [[nodiscard]] const model::Observation& shafts_observed_by(model::Observer& observer, double time) const noexcept {
         return observer.observe_shafts(time, tail());
@@ -239,5 +235,10 @@ void add_up(Workspace& w, const Segment& own) noexcept;
 [[nodiscard]] model::SheaveForces sheave_forces(Workspace& w) noexcept;
 /// Angular momentum of both shafts with their sheaves; zero without pulleys [N·m·s].
 [[nodiscard]] std::array<double, 2> shaft_momentum(const Workspace& w) noexcept;
+
+/// Speed of shaft 2 that a cycle needs: of shaft 1 over the ratio, by their tables; 0 without a cycle [rad/s]. time [s]
+[[nodiscard]] inline double needed_speed(const Workspace& w, double time) noexcept {
+    return w.trip.points() > 0 ? w.parameters.drive.speed.at(time) / w.parameters.control.ratio.at(time) : 0.0;
+}
 
 }  // namespace cvtflow::tasks

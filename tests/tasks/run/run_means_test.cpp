@@ -45,7 +45,7 @@ TEST(RunMeans, AreOverWholePinPeriodsAndSayWhatIsOdd) {
     const SpanMeans whole = means.all();  // of the last 142 pin periods
     EXPECT_NEAR(whole.end - whole.begin, 142 * 7e-4, 1e-12);
     EXPECT_NEAR(whole.slip, (0.002 * (0.05 - whole.begin) + 0.1 * 0.05) / (0.1 - whole.begin), 1e-4);  // a sample is 1e-4 of it
-    EXPECT_NEAR(means.last_fifth().slip, 0.1, 1e-12);                                                  // rounding of sums of thousands
+    EXPECT_NEAR(means.fifth(4).slip, 0.1, 1e-12);                                                      // rounding of sums of thousands
     EXPECT_NEAR(means.all().efficiency, 0.98, 1e-9);
     EXPECT_EQ(means.all().periods, std::floor(0.1 / 7e-4));
     std::string names;
