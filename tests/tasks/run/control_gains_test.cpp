@@ -20,7 +20,7 @@ struct Machine {
     const char* level = "rigid";
 };
 
-Scene scene_of(const Machine& machine, const std::string& gains, double until) {
+Scene machine_scene(const Machine& machine, const std::string& gains, double until) {
     Scene scene = read_scene(find_scene("control"), StartState::ignored);
     apply_detail(scene, machine.level);
     const double smaller = 54.4e-3 * std::sqrt(std::min(machine.ratio, 1.0 / machine.ratio));  // radius, roughly
@@ -57,7 +57,7 @@ private:
 
 /// Infinite where the run ends early, too.
 double swing(const Machine& machine, const std::string& gains, double until) {
-    Simulation simulation(scene_of(machine, gains, until));
+    Simulation simulation(machine_scene(machine, gains, until));
     Swing swing(0.5 * until);
     SilentObserver silent;
     const engine::Cancellation never;
@@ -66,10 +66,11 @@ double swing(const Machine& machine, const std::string& gains, double until) {
     return fault ? INFINITY : swing.share();
 }
 
+/// Swings of several per cent are irregular: those of two halves of a run differ by up to a twentieth.
 void expect_quiet(const std::vector<Machine>& machines, double until) {
     for (const Machine& each : machines) {
         const double found = swing(each, "found", until), given = swing(each, "given", until);
-        EXPECT_LE(found, std::max(0.01, given))
+        EXPECT_LE(found, std::max(0.01, 1.05 * given))
             << each.rpm << " rpm, ratio " << each.ratio << ", load " << each.share << ", " << each.level;
     }
 }
@@ -92,7 +93,7 @@ TEST(DeepControlGains, LetNoForceSwingThatGivenOnesHoldStill) {
 /// losses.
 TEST(ControlSwing, IsNoted) {
     const auto notes_of = [](const std::string& gains, const std::vector<std::string>& more) {
-        Scene scene = scene_of({700, 1.0, 0.25}, gains, 0.15);
+        Scene scene = machine_scene({700, 1.0, 0.25}, gains, 0.15);
         set_values(scene, more);
         const RunReport report = run_scene(scene, {});
         EXPECT_EQ(report.status(), "finished");
