@@ -34,7 +34,7 @@ Scene machine_scene(const Machine& machine, const std::string& gains, double unt
     return scene;
 }
 
-/// Of the controlled force.
+/// Sums of the controlled force and of its square.
 struct Swing final : RunObserver {
     explicit Swing(double from) : from_(from) {}
     void output(double time, const Workspace& w, const Counters&) override {

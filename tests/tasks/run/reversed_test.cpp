@@ -43,7 +43,7 @@ struct ChannelSums final : RunObserver {
     return name.starts_with("shaft_") && endings.contains(name.substr(8));
 }
 
-/// What a pin does that a start places elsewhere, a method's own numbers, and differences of nearly equal numbers.
+/// Leaves out a single pin, which a start places elsewhere, numbers of the method, and differences of nearly equal numbers.
 [[nodiscard]] bool comparable(std::string_view name) {
     for (const char* group : {"followed_pin", "run/", "balance/", "control/", "tips/deepest", "misalignment"})
         if (name.starts_with(group)) return false;
