@@ -238,25 +238,25 @@ MeanTrend largest_trend(const MeanCurve& curve, double from, double to) noexcept
     return largest;
 }
 
-double least_swing(const MeanCurve& curve, double from, double to) noexcept {
+double min_swing(const MeanCurve& curve, double from, double to) noexcept {
     constexpr double max_parts = 4.0, min_periods = 2.0, max_periods = 64.0;
     const double period = curve.pin_period(), available = period > 0.0 ? std::floor((to - from) / period * (1.0 + 1e-9)) : 0.0;
     const double parts = std::min(max_parts, std::floor(available / min_periods));
     if (parts < 1.0) return 0.0;
     const double length = std::min(std::floor(available / parts), max_periods) * period;
-    std::array<double, 2> least{};
+    std::array<double, 2> smallest{};
     MeanPoint end = curve.at(to);
     for (double part = 1.0; part <= parts; part += 1.0) {
         const MeanPoint begin = curve.at(to - part * length);
-        for (std::size_t shaft = 0; shaft < least.size(); ++shaft) {
+        for (std::size_t shaft = 0; shaft < smallest.size(); ++shaft) {
             const double mean = end.mean_since(begin, Mean::controlled, shaft);
             const double square = end.mean_since(begin, Mean::controlled_square, shaft);
             const double swing = mean > 0.0 ? std::sqrt(std::max(0.0, square / (mean * mean) - 1.0)) : 0.0;
-            least[shaft] = part == 1.0 ? swing : std::min(least[shaft], swing);
+            smallest[shaft] = part == 1.0 ? swing : std::min(smallest[shaft], swing);
         }
         end = begin;
     }
-    return std::max(least[0], least[1]);
+    return std::max(smallest[0], smallest[1]);
 }
 
 MeanError error_of_mean(std::span<const double> values) noexcept {

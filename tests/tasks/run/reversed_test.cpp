@@ -43,7 +43,7 @@ struct ChannelSums final : RunObserver {
     return name.starts_with("shaft_") && endings.contains(name.substr(8));
 }
 
-/// What a pin does that a start places elsewhere, a method's own numbers, and differences of nearly equal numbers.
+/// Leaves out a single pin, which a start places elsewhere, numbers of the method, and differences of nearly equal numbers.
 [[nodiscard]] bool comparable(std::string_view name) {
     for (const char* group : {"followed_pin", "run/", "balance/", "control/", "tips/deepest", "misalignment"})
         if (name.starts_with(group)) return false;
@@ -51,7 +51,7 @@ struct ChannelSums final : RunObserver {
 }
 
 /// Parts of an energy or a power count relative to a fiftieth of the whole: dampers, and cylinders that hardly move, take noise.
-[[nodiscard]] double least_scale(std::string_view name, const std::map<std::string_view, double>& means) {
+[[nodiscard]] double min_scale(std::string_view name, const std::map<std::string_view, double>& means) {
     for (const auto& [group, whole] : {std::pair{"loss/", "loss/total"},
                                        {"dissipated/", "dissipated/total"},
                                        {"energy/", "energy/kinetic"},
@@ -80,7 +80,7 @@ protected:
         for (const auto& [name, value] : forward) {
             const double image = backward.at(name);
             if (!comparable(name) || (std::isnan(value) && std::isnan(image))) continue;
-            const double scale = std::max(std::abs(value), least_scale(name, forward));
+            const double scale = std::max(std::abs(value), min_scale(name, forward));
             RecordProperty(std::string(name), std::to_string(std::abs(value - (turns_sign(name) ? -image : image)) / scale));
             EXPECT_NEAR(turns_sign(name) ? -image : image, value, tolerance * scale) << name;
         }
