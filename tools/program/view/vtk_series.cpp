@@ -71,16 +71,19 @@ VtkSeries::VtkSeries(const engine::Permit& collection, const VtkMesh& mesh, std:
         if (std::filesystem::is_symlink(folder)) failed = std::make_error_code(std::errc::too_many_symbolic_link_levels);
         if (failed) throw engine::RecordError(fmt::format("{}: cannot be created: {}", folder.string(), failed.message()));
     }
-    for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
-        if (number_of(entry.path()) >= 0 && !replace)
-            throw engine::RecordError(fmt::format("{}: already exists; --force replaces the series there", entry.path().string()));
-    }
+    for (const std::filesystem::path& folder : {folder_, growing_})
+        for (const auto& entry : std::filesystem::directory_iterator(folder))
+            if (number_of(entry.path()) >= 0 && !replace)
+                throw engine::RecordError(fmt::format("{}: already exists; --force replaces the series there", entry.path().string()));
 }
 
 VtkSeries::~VtkSeries() {
     if (finished_) return;
     std::error_code ignored;
-    for (long number = 0; number < count_; ++number) std::filesystem::remove(file(growing_, number), ignored);
+    for (long number = 0; number <= count_; ++number) {
+        std::filesystem::remove(file(growing_, number), ignored);
+        std::filesystem::remove(file(growing_, number).string() + ".part", ignored);
+    }
     for (const std::filesystem::path& folder : {folder_, growing_}) std::filesystem::remove(folder, ignored);  // only if it is empty
 }
 
