@@ -95,10 +95,10 @@ struct Recording::Impl final : public tasks::RunObserver {
     tasks::RunRecorder recorder;
     double next;  ///< outputs are numbered by their multiples of the interval
 
-    Impl(Simulation::Impl& of, const tasks::Scene& what, const std::string& path)
+    Impl(Simulation::Impl& of, const tasks::Scene& what, const std::string& path, bool replace)
         : simulation(of),
           scene(what),
-          options(writing(path, what)),
+          options(writing(path, what, replace)),
           recorder(what, of.simulation(), options),
           next(std::ceil(std::max(0.0, of.simulation().time()) / what.run.output_interval - 1e-9)) {
         if (simulation.callbacks().recorder != nullptr) throw Error(ErrorCode::state, "the simulation is being recorded already");
@@ -108,13 +108,11 @@ struct Recording::Impl final : public tasks::RunObserver {
     Impl(const Impl&) = delete;
     Impl& operator=(const Impl&) = delete;
 
-    [[nodiscard]] static tasks::RunOptions writing(const std::string& path, const tasks::Scene& scene) {
+    [[nodiscard]] static tasks::RunOptions writing(const std::string& path, const tasks::Scene& scene, bool replace) {
         tasks::RunOptions made;
-        made.file = {path,
-                     {.what = "record of the same scene",
-                      .own = engine::record_with("scene", scene.name),
-                      .repeats = true,
-                      .advice = "remove it, or name another file"}};
+        made.file = {
+            path,
+            {.inputs = input_files(scene), .force = replace, .named = true, .advice = "remove it, name another file, or replace = true"}};
         return made;
     }
 
@@ -152,10 +150,10 @@ struct Recording::Impl final : public tasks::RunObserver {
     }
 };
 
-Recording::Recording(Simulation& simulation, const std::string& path)
+Recording::Recording(Simulation& simulation, const std::string& path, bool replace)
     : impl_(api::entered(ErrorCode::record, [&] {
           const Simulation::Impl::Scope scope(*simulation.impl_, Simulation::Impl::Scope::As::visitor);
-          return std::make_unique<Impl>(*simulation.impl_, simulation.scene().data_->scene, path);
+          return std::make_unique<Impl>(*simulation.impl_, simulation.scene().data_->scene, path, replace);
       })) {}
 Recording::~Recording() = default;
 Recording::Recording(Recording&& other) noexcept = default;

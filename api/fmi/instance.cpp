@@ -188,11 +188,24 @@ void Instance::step(double begin, double length, const Intermediate& intermediat
 Snapshot Instance::snapshot() { return {parameters_, start_, now_, ready_, simulation().state()}; }
 
 void Instance::restore(const Snapshot& snapshot) {
+    const auto take = [&snapshot](Simulation& to) {
+        to.set_state(snapshot.state);
+        const double ahead = snapshot.now - snapshot.start - std::max(0.0, to.time());
+        if (!(ahead <= 1e-9 * std::max(1.0, std::abs(snapshot.now))))
+            throw Error(ErrorCode::state, "saved state of an FMU: its times disagree with its state");
+    };
+    // a snapshot that is refused changes nothing
     if (snapshot.parameters == parameters_) {
-        simulation().set_state(snapshot.state);
-    } else {  // a snapshot that is refused changes nothing
+        const State before = simulation().state();
+        try {
+            take(simulation());
+        } catch (...) {
+            simulation().set_state(before);
+            throw;
+        }
+    } else {
         Simulation other = made(snapshot.parameters);
-        other.set_state(snapshot.state);
+        take(other);
         simulation_ = std::move(other);
         parameters_ = snapshot.parameters;
     }
@@ -246,6 +259,8 @@ Snapshot Snapshot::from_bytes(std::span<const std::byte> bytes) {
     const std::uint64_t header = engine::Hash().add(bytes.first(bytes.size() - rest.rest().size())).value();
     if (rest.value<std::uint64_t>() != header) throw Error(ErrorCode::state, "saved state of an FMU: it is damaged");
     made.state = State::from_bytes(rest.rest());
+    if (!std::isfinite(made.start) || !std::isfinite(made.now))
+        throw Error(ErrorCode::state, "saved state of an FMU: its times are not finite");
     return made;
 }
 

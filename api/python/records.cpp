@@ -73,8 +73,8 @@ struct Recorder {
     std::string path;
 };
 
-[[nodiscard]] std::unique_ptr<Recorder> record(Stepper& stepper, const std::filesystem::path& path) {
-    return std::make_unique<Recorder>(Recorder{Recording(stepper.simulation, path.string()), path.string()});
+[[nodiscard]] std::unique_ptr<Recorder> record(Stepper& stepper, const std::filesystem::path& path, bool replace) {
+    return std::make_unique<Recorder>(Recorder{Recording(stepper.simulation, path.string(), replace), path.string()});
 }
 
 [[nodiscard]] py::object finish(Recorder& self, bool complete) {
@@ -84,9 +84,10 @@ struct Recorder {
 
 void bind_recording(py::module_& module) {
     py::class_<Recorder>(module, "Recording", "The record of a simulation while it is advanced.")
-        .def(py::init(&record), py::arg("simulation"), py::arg("path"), py::keep_alive<1, 2>(),
+        .def(py::init(&record), py::arg("simulation"), py::arg("path"), py::arg("replace") = false, py::keep_alive<1, 2>(),
              "Channels, states and transitions at the scene's run.output_interval from now on, as `cvtflow run` records them; no settling. "
-             "Ends where a with-statement does, or with finish().")
+             "Ends where a with-statement does, or with finish(). An existing file, or rows of a killed run in its .part, stay without "
+             "replace.")
         .def("finish", &finish, py::arg("complete") = true, "Completes the file and returns its Record. Raises RecordError.")
         .def("__enter__", [](const py::object& self) { return self; })
         .def("__exit__",

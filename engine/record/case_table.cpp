@@ -334,8 +334,11 @@ constexpr std::size_t claim_bytes = 8 + 1 + 12 + 1 + 12 + 1;
 constexpr int claim_attempts = 30'000;  ///< of 2 ms: a claim takes far less than a minute, also on a slow shared folder
 constexpr long claims_of_rest = 256;
 
-/// @throws RecordError
+/// Claims up to a line that a power cut has torn, of which pages may be missing; the cases behind it are unclaimed.
+/// @throws RecordError for another file
 std::vector<Claim> parsed_claims(const std::string& path, const std::string& text) {
+    if (text.find_first_not_of(std::string_view(" 0123456789\n\0", 13)) != std::string::npos)
+        throw RecordError(path + ": not the claims of a sweep's workers; move it away");
     std::vector<Claim> claims;
     for (std::size_t at = 0; at + claim_bytes <= text.size(); at += claim_bytes) {
         const auto count = [&](std::size_t from, std::size_t width) {
@@ -347,9 +350,7 @@ std::vector<Claim> parsed_claims(const std::string& path, const std::string& tex
         };
         const Claim claim{static_cast<int>(count(0, 8)), count(9, 12), count(22, 12)};
         const bool follows = claim.first == (claims.empty() ? 0 : claims.back().end());
-        if (!follows || claim.worker < 1 || claim.cases < 1 || text[at + claim_bytes - 1] != '\n')
-            throw RecordError(path + ": malformed in line " + std::to_string(claims.size() + 1) +
-                              "; without this file, workers claim all cases anew");
+        if (!follows || claim.worker < 1 || claim.cases < 1 || text[at + claim_bytes - 1] != '\n') break;
         claims.push_back(claim);
     }
     return claims;
@@ -383,6 +384,9 @@ Claim claim_cases(const std::string& path, int worker, long cases, long strand) 
         if (attempt == claim_attempts) throw RecordError(path + ": another worker does not release its lock");
         usleep(2'000);
     }
+    struct stat status {};
+    if (fstat(file.number(), &status) != 0 || !S_ISREG(status.st_mode) || status.st_nlink > 1)
+        throw RecordError(path + ": a file with a second name, or none of a sweep; move it away");
     const std::vector<Claim> claims = parsed_claims(path, text_behind(file.number(), path));
     Claim claim{worker, claims.empty() ? 0 : claims.back().end()};
     const long strands = (cases - claim.first) / strand;
@@ -391,8 +395,10 @@ Claim claim_cases(const std::string& path, int worker, long cases, long strand) 
     const std::string line = fmt::format("{:8} {:12} {:12}\n", worker, claim.first, claim.cases);
     const auto end = static_cast<off_t>(claims.size() * claim_bytes);
     errno = EIO;
-    if (pwrite(file.number(), line.data(), line.size(), end) != static_cast<ssize_t>(claim_bytes))
-        throw RecordError(path + ": cannot write: " + std::strerror(errno));
+    const bool written = ftruncate(file.number(), end) == 0 &&
+                         pwrite(file.number(), line.data(), line.size(), end) == static_cast<ssize_t>(claim_bytes) &&
+                         fdatasync(file.number()) == 0;
+    if (!written) throw RecordError(path + ": cannot write: " + std::strerror(errno));
     return claim;
 }
 

@@ -21,7 +21,6 @@ std::string case_file(const std::filesystem::path& folder, std::string_view kind
 std::string CaseEngine::checkpoint_file() const { return case_file(places_.checkpoints, own_start_ ? "check" : "case", result_.number); }
 
 void CaseEngine::save() {
-    last_save_ = std::chrono::steady_clock::now();
     Checkpoint checkpoint;
     checkpoint.integration = at_->simulation.integration_state();
     checkpoint.history.settling = result_.settling;
@@ -35,6 +34,7 @@ void CaseEngine::save() {
     sign(checkpoint, scene_, at_->simulation.workspace().variator);
     std::filesystem::create_directories(places_.checkpoints);
     write_checkpoint(permit_state(checkpoint_file(), sweep_), checkpoint);
+    last_save_ = std::chrono::steady_clock::now();
     on_disk_ = true;
 }
 

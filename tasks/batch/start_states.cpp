@@ -186,7 +186,10 @@ StartStates::State StartStates::settled(const Scene& scene, const engine::Cancel
     made->attributes.push_back({std::string(program_attribute), engine::version_text()});
     const State state = made;
     std::filesystem::create_directories(folder_);
-    engine::write_state(file, *state);
+    try {
+        engine::write_state(file, *state);
+    } catch (const engine::RecordError&) {  // another session writes the same bits at this instant, or the next one settles again
+    }
     keep(of_file_, file, state);
     return state;
 }

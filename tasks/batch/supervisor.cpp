@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <csignal>
 #include <cstring>
 
@@ -16,7 +18,11 @@ constexpr int interrupted = 130;
     return fmt::format("{} ({})", name != nullptr ? fmt::format("SIG{}", name) : fmt::format("signal {}", signal), strsignal(signal));
 }
 
-[[nodiscard]] bool crashed(const engine::ChildEnd& end) { return end.signal != 0 && end.signal != SIGINT && end.signal != SIGTERM; }
+/// Whether it was ended by another signal than those that end a sweep.
+[[nodiscard]] bool crashed(const engine::ChildEnd& end) {
+    constexpr std::array requests{0, SIGINT, SIGTERM, SIGHUP, SIGXCPU, SIGPIPE};
+    return std::ranges::find(requests, end.signal) == requests.end();
+}
 
 }  // namespace
 
@@ -34,7 +40,7 @@ int supervise(engine::SharedSlots& journal, const std::function<int(const SweepP
     };
     for (;;) {
         const engine::ChildEnd whole = attempt({});
-        if (!crashed(whole)) return whole.status;
+        if (!crashed(whole)) return whole.signal != 0 ? interrupted : whole.status;
         const std::vector<long> suspects = journal.taken();
         const std::string signal = signal_text(whole.signal);
         if (suspects.empty()) {

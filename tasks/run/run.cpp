@@ -61,7 +61,6 @@ public:
 private:
     void save(const RunReport& report) {
         pause_due_ = false;
-        last_ = std::chrono::steady_clock::now();
         Checkpoint checkpoint;
         checkpoint.integration = simulation_.integration_state();
         checkpoint.history = report;
@@ -72,6 +71,7 @@ private:
         checkpoint.recorder = recorder_.position();
         sign(checkpoint, scene_, simulation_.workspace().variator);
         write_checkpoint(options_.checkpoint, checkpoint);
+        last_ = std::chrono::steady_clock::now();  // saving takes no more than half of the time
     }
 
     const Scene& scene_;

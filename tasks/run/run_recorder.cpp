@@ -60,6 +60,7 @@ std::vector<engine::Attribute> attributes_of_run(const Scene& scene, const std::
     attributes.push_back({"run", run});
     attributes.push_back({"scene", scene.name});
     attributes.push_back({"scene_text", scene.text});
+    if (!scene.path.empty()) attributes.push_back({"scene_path", std::filesystem::absolute(scene.path).string()});
     attributes.push_back({"parameters", write_scene(scene)});
     attributes.push_back({"method", method_of(scene)});
     attributes.push_back({"step", scene.run.step});

@@ -1,6 +1,8 @@
 #include "tasks/scene/ready_scenes.hpp"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cinttypes>
@@ -38,6 +40,19 @@ fs::path own_folder() {
     return {};
 }
 
+/// First line of a plain file that belongs to this user or to root; empty: another file, or none. Folders above a program may be
+/// everyone's.
+std::string own_note(const fs::path& path) {
+    struct stat file {};
+    if (lstat(path.c_str(), &file) != 0 || !S_ISREG(file.st_mode) || (file.st_uid != 0 && file.st_uid != geteuid())) return {};
+    try {
+        const std::string text = engine::read_text_input(path.string(), 4096);
+        return text.substr(0, text.find('\n'));
+    } catch (const engine::InputError&) {
+        return {};
+    }
+}
+
 }  // namespace
 
 std::vector<fs::path> scene_folders() {
@@ -56,8 +71,7 @@ std::vector<fs::path> scene_folders() {
     // a build folder, up to three levels above
     folder = own;
     for (int level = 0; level < 4 && folder.has_relative_path(); ++level, folder = folder.parent_path()) {
-        std::ifstream note(folder / "cvtflow-scenes.path");
-        if (std::string line; std::getline(note, line)) folders.emplace_back(line);
+        if (const std::string line = own_note(folder / "cvtflow-scenes.path"); !line.empty()) folders.emplace_back(line);
     }
     return folders;
 }

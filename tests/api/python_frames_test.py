@@ -116,6 +116,8 @@ class Recordings(Folder):
         simulation.advance_to("10 us")
         self.assertEqual(recording.finish().rows, 2)
         self.assertRaises(cvtflow.StateError, recording.finish)
+        self.assertRaises(cvtflow.RecordError, cvtflow.Recording, simulation, self.file)
+        cvtflow.Recording(simulation, self.file, replace=True).finish()
         cvtflow.Recording(simulation, self.folder + "/other.h5").finish()
         self.assertRaises(cvtflow.RecordError, cvtflow.Recording, simulation, self.folder + "/none/r.h5")
 

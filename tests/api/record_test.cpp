@@ -78,6 +78,11 @@ TEST_F(HostRecords, ARecordingWithoutAnEndLeavesItsRows) {
     }
     EXPECT_FALSE(fs::exists(file));
     EXPECT_EQ(Record(file + ".part").rows(), 2u);
+    Simulation again(tiny());
+    EXPECT_EQ(code_of([&] { const Recording other(again, file); }), ErrorCode::record) << "rows of a killed run";
+    EXPECT_EQ(Record(file + ".part").rows(), 2u);
+    Recording(again, file, true).finish();
+    EXPECT_EQ(code_of([&] { const Recording other(again, file); }), ErrorCode::record) << "a record of the same scene";
 }
 
 TEST(HostScenes, ListTheirKeysAndReadQuantities) {

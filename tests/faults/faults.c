@@ -5,6 +5,8 @@
  *     CVTFLOW_FAULT=threads:2   pthread_create fails while 2 threads that it made live, as under ulimit -u
  *     CVTFLOW_FAULT_COUNTS=FILE at exit, "name calls failed" of every family is added to FILE, by every process that ends
  *
+ *     CVTFLOW_APPEARS=FILE      another program writes "mine" to FILE when a file NAME.part is synced first, NAME as in FILE
+ *
  * Families: open, read, write, fsync, rename, mmap, malloc, pthread_create, threads, truncate, lock.
  */
 #define _GNU_SOURCE
@@ -136,8 +138,25 @@ int fflush(FILE* file) {
     return fails(WRITE) ? EOF : real(file);
 }
 
+/* Another program's file takes the name of one that is complete but for its name. */
+static void let_appear(int file) {
+    const char* other = getenv("CVTFLOW_APPEARS");
+    char link[64], path[4096];
+    if (other == NULL) return;
+    snprintf(link, sizeof link, "/proc/self/fd/%d", file);
+    const ssize_t length = readlink(link, path, sizeof path - 1);
+    const char* name = strrchr(other, '/');
+    const size_t size = name != NULL ? strlen(name) : 0;
+    if (length < (ssize_t)size + 5 || name == NULL || strncmp(path + length - size - 5, name, size) != 0) return;
+    const int made = (int)syscall(SYS_openat, AT_FDCWD, other, O_WRONLY | O_CREAT | O_EXCL, 0600);
+    if (made < 0) return;
+    if (syscall(SYS_write, made, "mine\n", 5) != 5) abort();
+    syscall(SYS_close, made);
+}
+
 int fsync(int file) {
     CACHED(fsync);
+    let_appear(file);
     return fails(FSYNC) ? -1 : real(file);
 }
 int fdatasync(int file) {
@@ -147,6 +166,10 @@ int fdatasync(int file) {
 int rename(const char* from, const char* to) {
     CACHED(rename);
     return fails(RENAME) ? -1 : real(from, to);
+}
+int renameat2(int from_folder, const char* from, int to_folder, const char* to, unsigned int flags) {
+    CACHED(renameat2);
+    return fails(RENAME) ? -1 : real(from_folder, from, to_folder, to, flags);
 }
 int ftruncate(int file, off_t size) {
     CACHED(ftruncate);

@@ -201,6 +201,10 @@ int rename(const char* from, const char* to) {
     REAL(rename);
     LOGGED(int, real(from, to), note_rename(from, to));
 }
+int renameat2(int from_folder, const char* from, int to_folder, const char* to, unsigned int flags) {
+    REAL(renameat2);
+    LOGGED(int, real(from_folder, from, to_folder, to, flags), note_rename(from, to));
+}
 int unlink(const char* path) {
     REAL(unlink);
     LOGGED(int, real(path), note_path("remove", AT_FDCWD, path, 0));

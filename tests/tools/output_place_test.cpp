@@ -56,6 +56,43 @@ TEST_F(HostilePlace, ReportsALimitOfFileSizesAsAnError) {
     EXPECT_THAT(run.err, HasSubstr("File too large"));
 }
 
+TEST_F(HostilePlace, KeepsWhatIsWriteProtectedAndTheModeOfWhatItReplaces) {
+    const fs::path record = folder_ / "results/tiny.h5";
+    ASSERT_EQ(run_briefly().status, 0);
+    fs::permissions(record, fs::perms::owner_read | fs::perms::owner_write);
+    ASSERT_EQ(run_briefly().status, 0);
+    EXPECT_EQ(fs::status(record).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+    fs::permissions(record, fs::perms::owner_read);
+    const std::string there = read("results/tiny.h5");
+    EXPECT_EQ(run_briefly({"-q"}).err, "cvtflow: results/tiny.h5: already exists and is write-protected; --force replaces it\n");
+    EXPECT_TRUE(read("results/tiny.h5") == there);
+    EXPECT_EQ(run_briefly({"--force"}).status, 0);
+}
+
+TEST_F(HostilePlace, KnowsTheRecordOfAnotherFileWithTheSameName) {
+    const std::string tiny = read(CVTFLOW_SOURCE_DIR "/scenes/tiny.toml");
+    const Words brief = Words{"-q", "--until", "20 us", "--step", "50 ns"} + set_all({"start.settling_time=20us", "start.ramp_time=10us"});
+    for (const char* folder : {"a", "b"}) {
+        fs::create_directory(folder_ / folder);
+        write(std::string(folder) + "/x.toml", tiny + "# of " + folder + "\n");
+    }
+    ASSERT_EQ(run(Words{"run", "a/x.toml"} + brief).status, 0);
+    write("a/x.toml", tiny);
+    EXPECT_EQ(run(Words{"run", "a/x.toml"} + brief).status, 0) << "the same file, edited";
+    const Outcome other = run(Words{"run", "b/x.toml"} + brief);
+    EXPECT_EQ(other.status, 1);
+    EXPECT_THAT(other.err, HasSubstr("results/tiny.h5: already exists and is not a record of the scene 'tiny'; --force replaces it"));
+}
+
+TEST_F(HostilePlace, AppendsWhereTheShellAppends) {
+    ASSERT_EQ(run_briefly({"-o", "own.h5"}).status, 0);
+    ASSERT_EQ(shell("for k in 1 2; do \"$CVTFLOW\" export own.h5 slip --csv /dev/stdout >> all.csv; done").status, 0);
+    ASSERT_EQ(run({"export", "own.h5", "slip", "--csv", "once.csv"}).status, 0);
+    const std::string all = read("all.csv"), once = read("once.csv");
+    const std::size_t second = all.find(once, 1);
+    EXPECT_TRUE(all.starts_with(once) && second != std::string::npos) << all;
+}
+
 TEST_F(HostilePlace, ReportsThatStandardOutputIsClosed) {
     const Outcome outcome = shell("\"$CVTFLOW\" list scenes >&-");
     EXPECT_EQ(outcome.status, 1);
@@ -88,6 +125,13 @@ TEST_F(HostilePlace, KeepsASweepInItsFolder) {
     EXPECT_EQ(batch().status, 0);
 }
 
+TEST_F(HostilePlace, ReadsNoPipeAboveTheProgram) {
+    std::filesystem::create_directories(folder_ / "a/b/c");
+    std::filesystem::copy_file(CVTFLOW_PROGRAM, folder_ / "a/b/c/cvtflow");
+    mkfifo((folder_ / "a/cvtflow-scenes.path").c_str(), 0600);
+    EXPECT_EQ(shell("timeout 20 a/b/c/cvtflow list scenes").status, 0);
+}
+
 TEST_F(HostilePlace, NamesLogsWithPercentSignsForSlurmAsTheyAre) {
     std::filesystem::create_directory(folder_ / "bin");
     write("bin/sbatch", "#!/bin/sh\necho \"$@\" >> calls\necho 7\n");
@@ -97,6 +141,9 @@ TEST_F(HostilePlace, NamesLogsWithPercentSignsForSlurmAsTheyAre) {
     EXPECT_EQ(outcome.out, "7 7\n") << outcome.err;
     EXPECT_THAT(read("calls"), HasSubstr("a%%j b/log/task-%a.txt"));
     EXPECT_THAT(read("calls"), HasSubstr("a%%j b/log/merge.txt"));
+    for (const char* bad : {"--shards 1", "--shards 'a[$(touch run)]'", "--tasks 0"})
+        EXPECT_EQ(shell("PATH=bin:$PATH \"$SOURCE/tools/slurm/submit\" sweep.toml out " + std::string(bad)).status, 2) << bad;
+    EXPECT_FALSE(exists("run"));
 }
 
 TEST(CsvCell, IsNoFormulaAndReadsBack) {

@@ -260,9 +260,9 @@ protected:
     }
 
     /// Writes the sweep and runs it with checkpoints. @return everything that was done to files on the way
-    [[nodiscard]] std::vector<Change> logged_sweep() const;
+    [[nodiscard]] std::vector<Change> logged_sweep(const Words& order) const;
     void single_run(int cuts);
-    void sweep(int cuts);
+    void sweep(int cuts, const Words& order);
 
     const std::filesystem::path work_ = folder_ / "work";
     int same_ = 0, continued_ = 0;
@@ -299,18 +299,20 @@ void PowerCut::single_run(int cuts) {
 
 const std::vector<std::string> sweep_order{"batch", "sweep.toml", "-o", "out"};
 
-std::vector<Change> PowerCut::logged_sweep() const {
+const Words worker_order = sweep_order + Words{"--worker"};
+
+std::vector<Change> PowerCut::logged_sweep(const Words& order) const {
     write_sweep("\"6 N*m\", \"12 N*m\", \"18 N*m\"", "0.2 ms");
     std::filesystem::rename(folder_ / "sweep.toml", work_ / "sweep.toml");
-    return logged(sweep_order + std::vector<std::string>{"--checkpoint-every", "5 ms", "--threads", "2"});
+    return logged(order + std::vector<std::string>{"--checkpoint-every", "5 ms", "--threads", "2"});
 }
 
-void PowerCut::sweep(int cuts) {
-    const std::vector<Change> changes = logged_sweep();
-    const std::string whole = hash_in(run_at_work(sweep_order).out);
+void PowerCut::sweep(int cuts, const Words& order) {
+    const std::vector<Change> changes = logged_sweep(order);
+    const std::string whole = hash_in(run_at_work(order).out);
     cut_and_resume(changes, cuts, [&] {
-        const bool begun = std::filesystem::exists(work_ / "out" / "cases.h5");
-        const Outcome outcome = run_at_work(sweep_order);
+        const bool begun = fs::exists(work_ / "out/cases.h5") || fs::exists(work_ / "out/workers/0001/cases.h5");
+        const Outcome outcome = run_at_work(order);
         if (outcome.status == 0) {
             EXPECT_EQ(hash_in(outcome.out), whole) << outcome.err;
         }
@@ -326,13 +328,18 @@ TEST_F(PowerCut, OfARunLeavesWhatLeadsToTheSameBits) {
 }
 
 TEST_F(PowerCut, OfASweepLeavesWhatLeadsToTheSameBits) {
-    sweep(test::depth(3, 20));
+    sweep(test::depth(3, 20), sweep_order);
+    EXPECT_GE(continued_, test::depth(1, 5));
+}
+
+TEST_F(PowerCut, OfAWorkerLeavesWhatLeadsToTheSameBits) {
+    sweep(test::depth(3, 20), worker_order);
     EXPECT_GE(continued_, test::depth(1, 5));
 }
 
 /// Blocks of a new table reach the disk in any order. Few cuts of a whole sweep fall into this moment.
 TEST_F(PowerCut, WhileATableIsCreatedLeavesWhatTheSweepMayReplace) {
-    std::vector<Change> changes = logged_sweep();
+    std::vector<Change> changes = logged_sweep(sweep_order);
     const std::string table = (work_ / "out" / "cases.h5").string(), part = table + ".part";
     const auto named = [&](const Change& change) { return change.what == "rename" && change.to == table; };
     changes.erase(std::find_if(changes.begin(), changes.end(), named), changes.end());
@@ -355,7 +362,8 @@ TEST_F(PowerCut, WhileATableIsCreatedLeavesWhatTheSweepMayReplace) {
 using NightlyPowerCut = PowerCut;
 
 TEST_F(NightlyPowerCut, TwoHundredOfARun) { single_run(200); }
-TEST_F(NightlyPowerCut, TwoHundredOfASweep) { sweep(200); }
+TEST_F(NightlyPowerCut, TwoHundredOfASweep) { sweep(200, sweep_order); }
+TEST_F(NightlyPowerCut, TwoHundredOfAWorker) { sweep(200, worker_order); }
 
 // A kill (SIGKILL) ends a write of the kernel between two pages of the file. Whatever write that is, the record that is left is readable.
 

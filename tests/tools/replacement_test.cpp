@@ -229,6 +229,33 @@ TEST_F(EveryWriter, LosesNoFileThatIsNotOfTheSameKindAndRun) {
     EXPECT_EQ(tried.size(), kinds().size());
 }
 
+#ifdef CVTFLOW_FAULTS  // not under sanitizers, whose runtime has to be loaded before any other library
+/// Every command once, with another program's file that takes the name while the command works.
+TEST_F(EveryWriter, LosesNoFileThatAppearsMeanwhile) {
+    const auto nothing = files();
+    for (const Writer& writer : writers()) {
+        const std::vector<std::string> environment{preload(CVTFLOW_FAULTS), "CVTFLOW_APPEARS=" + (folder_ / writer.target).string()};
+        const Outcome outcome = Child(writer.words, folder_, environment, 100).wait();
+        EXPECT_EQ(outcome.status, 1) << writer.name << ": " << outcome.err;
+        EXPECT_THAT(outcome.err, HasSubstr(writer.target + ": a")) << writer.name;
+        const std::size_t part = outcome.err.find("meanwhile and it stays; the file of this one is ");
+        EXPECT_TRUE(part == std::string::npos || exists(outcome.err.substr(part + 48, outcome.err.find('\n', part) - part - 48)));
+        EXPECT_EQ(read(writer.target), "mine\n") << writer.name;
+        expect_kept(nothing, writer.name);
+        forget_new(nothing);
+    }
+}
+
+TEST_F(Replacement, AFailedSeriesLeavesTheFormerOne) {
+    ASSERT_EQ(run({"export", "own.h5", "--vtk", "t.pvd"}).status, 0);
+    const auto before = files();
+    for (const char* fault : {"CVTFLOW_FAULT=fsync:1", "CVTFLOW_FAULT=rename:1"}) {
+        EXPECT_EQ(run({"export", "own.h5", "--vtk", "t.pvd", "--force"}, {preload(CVTFLOW_FAULTS), fault}).status, 1) << fault;
+        EXPECT_EQ(files(), before) << fault;
+    }
+}
+#endif
+
 TEST_F(EveryWriter, ReplacesAnotherFileByForce) {
     const std::set<std::string> names{"run -o", "settle -o", "report -o", "plot -o", "export --csv", "export --vtk"};
     for (const Writer& writer : writers()) {
@@ -346,6 +373,27 @@ TEST_F(Replacement, GivesNamesWithDotsSideFilesOfTheirOwn) {
     }
     EXPECT_EQ(run({"resume", "run_0.1.checkpoint.h5", "-q", "--set", "run.max_steps=0"}).status, 0);
     EXPECT_TRUE(exists("run_0.2.checkpoint.h5"));
+}
+
+TEST_F(Replacement, WaitsForNoPipeBesideItsFileAndDiscardsAPartWithoutContents) {
+    mkfifo((folder_ / "t.h5.before").c_str(), 0600);
+    write("own.html.part", std::string(5000, '\0'));  // a power cut
+    EXPECT_EQ(Child(Words{"run", "tiny", "-o", "t.h5"} + brief_run, folder_, {}, 100).wait().status, 0);
+    EXPECT_EQ(run({"report", "own.h5"}).status, 0);
+    const Outcome resumed = Child({"resume", "k.checkpoint.h5", "-q", "-o", "t.h5", "--force"}, folder_, {}, 100).wait();
+    EXPECT_THAT(resumed.err, HasSubstr("t.h5.before: cannot be continued: a device, pipe or socket, not a file"));
+}
+
+TEST_F(Replacement, WritesNoControlCharacterOfAName) {
+    const std::string record = "\x1b[2Jx.h5";
+    fs::copy_file(folder_ / "own.h5", folder_ / record);
+    fs::rename(folder_ / "cut", folder_ / "\x1b[2Jcut");
+    for (const Words& words : {Words{"info", record}, {"report", record}, {"plot", record, "slip"}, {"merge", "\x1b[2Jcut"}}) {
+        const Outcome outcome = run(words);
+        EXPECT_EQ(outcome.status, 0) << words.front();
+        EXPECT_THAT(outcome.out, HasSubstr("\\x1b[2J")) << words.front();
+        EXPECT_EQ((outcome.out + outcome.err).find('\x1b'), std::string::npos) << words.front();
+    }
 }
 
 /// L8

@@ -1,5 +1,6 @@
 /// Sweeps of several processes: workers that share a folder, tasks of a job array, and shards that are merged.
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -11,6 +12,7 @@
 #include <random>
 #include <sstream>
 
+#include "engine/record/run/part_file.hpp"
 #include "tests/tools/program_fixture.hpp"
 
 namespace cvtflow::tools {
@@ -212,6 +214,25 @@ TEST_F(Worker, RefusesAFolderOfAnotherKindOrSweep) {
     for (const char* option : {"--shard=1/2", "--retry=budget", "--dry-run"}) EXPECT_EQ(run(line_ + Words{option}).status, 2) << option;
 }
 
+/// Equal machines settle the same state in the same time.
+TEST_F(Worker, GoesOnWhereAnotherWritesTheSameSharedStart) {
+    write_sweep();
+    std::string text = read("sweep.toml");
+    write("sweep.toml", text.replace(text.find("\"settle\""), 8, "\"shared\""));
+    const std::string whole = whole_hash();
+    fs::create_directories(folder_ / "out/states");
+    std::vector<engine::Descriptor> written;
+    for (const auto& state : fs::directory_iterator(folder_ / "whole/states")) {
+        const std::string part = (folder_ / "out/states" / state.path().filename()).string() + ".part";
+        written.emplace_back(open(part.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
+        ASSERT_TRUE(engine::lock_file(written.back().number(), part));
+    }
+    ASSERT_FALSE(written.empty());
+    const Outcome outcome = run(line_);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(hash_in(outcome.out), whole);
+}
+
 TEST_F(Worker, WithDamagedClaimsReportsTheFile) {
     write_sweep();
     ASSERT_EQ(run(line_).status, 0);
@@ -221,104 +242,14 @@ TEST_F(Worker, WithDamagedClaimsReportsTheFile) {
     write("out/workers/claims", claims.substr(0, 40));  // one and a piece: what a kill leaves
     EXPECT_EQ(hash_in(run(line_).out), whole_hash());
     std::filesystem::remove(folder_ / "out/cases.h5");
-    write("out/workers/claims", "       1            5            1\n" + claims.substr(35));
-    const Outcome damaged = run(line_);
-    EXPECT_EQ(damaged.status, 1);
-    EXPECT_EQ(damaged.err, "cvtflow: out/workers/claims: malformed in line 1; without this file, workers claim all cases anew\n");
-}
-
-// A task of a job array with node-local scratch (tools/slurm/array.sbatch --local), without Slurm.
-
-class SlurmLocal : public Sweeps {
-protected:
-    SlurmLocal() {
-        fs::create_directory(folder_ / "bin");
-        for (const char* name : {"squeue", "scontrol"}) program(name, "#!/bin/sh\nexit 0\n");
-        write_sweep("\"6 N*m\"", "20 us");
-    }
-    void program(const std::string& name, const std::string& text) const {
-        write("bin/" + name, text);
-        fs::permissions(folder_ / "bin" / name, fs::perms::owner_all);
-    }
-    /// The first of two tasks, with its shard in `dir`.
-    [[nodiscard]] Outcome task(const std::string& dir = "dir", const std::string& sweep = "sweep.toml") const {
-        write("task.sh", "PATH=" + (folder_ / "bin").string() + ":$PATH SLURM_ARRAY_TASK_ID=1 SLURM_ARRAY_JOB_ID=1 SWEEP=" + sweep +
-                             " DIR=" + (folder_ / dir).string() + " SHARDS=2 TASKS=2 LOCAL=" + (folder_ / "local").string() +
-                             " bash \"$SOURCE/tools/slurm/array.sbatch\"\n");
-        return shell("bash task.sh");
-    }
-    /// The first task, once for all tests; leaves task.sh.
-    void finish_task() const {
-        made_once("a task", [this] { ASSERT_EQ(task().status, 0); });
-    }
-    [[nodiscard]] std::string rows(const std::string& folder) const { return run({"table", folder, "--csv"}).out; }
-    const std::string shard_ = "dir/shard-0001-of-0002";
-};
-
-TEST_F(SlurmLocal, BringsAShardBackAndLeavesNothingOnTheNode) {
-    const Outcome done = task();
-    ASSERT_EQ(done.status, 0) << done.out << done.err;
-    EXPECT_FALSE(rows(shard_).empty());
-    for (const auto& entry : fs::recursive_directory_iterator(folder_ / "local"))
-        EXPECT_NE(entry.path().filename(), "cases.h5") << entry.path();
-    const std::string table = rows(shard_);
-    EXPECT_EQ(task().status, 0);
-    EXPECT_EQ(rows(shard_), table) << "a finished shard runs no case again";
-}
-
-TEST_F(SlurmLocal, AFullScratchLosesNoFinishedShard) {
-    finish_task();
-    const std::string table = read(shard_ + "/cases.h5");
-    program("cp",
-            "#!/bin/sh\nfor last; do :; done\ncase \"$last\" in *local*) mkdir -p \"$last\"; : > \"$last/cases.h5\"; exit 1;; esac\nexec "
-            "/bin/cp \"$@\"\n");
-    const Outcome full = task();
-    EXPECT_EQ(full.status, 1);
-    EXPECT_THAT(full.out, HasSubstr("shard 1 of 2: cannot be copied to "));
-    EXPECT_TRUE(read(shard_ + "/cases.h5") == table);
-}
-
-TEST_F(SlurmLocal, AFullSharedFolderKeepsTheFormerShardAndTheNewOne) {
-    finish_task();
-    const std::string table = read(shard_ + "/cases.h5");
-    program("cp", "#!/bin/sh\nfor last; do :; done\ncase \"$last\" in *copying*) mkdir -p \"$last\"; exit 1;; esac\nexec /bin/cp \"$@\"\n");
-    const Outcome full = task();
-    EXPECT_EQ(full.status, 1);
-    EXPECT_THAT(full.out, HasSubstr("cannot be copied back; its results are in "));
-    EXPECT_TRUE(read(shard_ + "/cases.h5") == table);
-}
-
-TEST_F(SlurmLocal, TakesNothingOfAnotherSweepOnTheNode) {
-    for (const char* folder : {"local", "local/other"}) {
-        ASSERT_EQ(run({"batch", "sweep.toml", "-q", "-o", folder, "--shard", "1/2"}).status, 0);
-    }
-    const std::string first = read("sweep.toml");
-    write_sweep("\"9 N*m\"", "20 us");
-    const Outcome second = task();
-    EXPECT_EQ(second.status, 0) << second.out << second.err;
-    EXPECT_THAT(rows(shard_), HasSubstr(",9,"));
-    EXPECT_EQ(rows(shard_).find(",6,"), std::string::npos);
-}
-
-TEST_F(SlurmLocal, FindsAShardThatAKillLeftBetweenTwoNames) {
-    finish_task();
-    const std::string table = rows(shard_);
-    for (const char* name : {".new", ".old"}) {
-        fs::rename(folder_ / shard_, folder_ / (shard_ + name));
-        EXPECT_EQ(task().status, 0) << name;
-        EXPECT_EQ(rows(shard_), table) << name << ": no case runs again, so that even wall times are the same";
-        EXPECT_FALSE(exists(shard_ + name));
-    }
-}
-
-TEST_F(SlurmLocal, GivesBackNothingOfASweepThatFailed) {
-    finish_task();
-    const std::string table = read(shard_ + "/cases.h5");
-    program("cvtflow",
-            "#!/bin/sh\n[ \"$1\" = batch ] && { : > $4/shard-0001-of-0002/cases.h5; exit 1; }\nexec '" CVTFLOW_PROGRAM "' \"$@\"\n");
-    const std::string script = "export CVTFLOW=" + (folder_ / "bin/cvtflow").string() + "; ";
-    EXPECT_EQ(shell(script + "bash task.sh").status, 1);
-    EXPECT_TRUE(read(shard_ + "/cases.h5") == table);
+    write("out/workers/claims", "       1            5            1\n" + claims.substr(35));  // what a power cut leaves of pages
+    EXPECT_EQ(hash_in(run(line_).out), whole_hash());
+    std::filesystem::remove(folder_ / "out/cases.h5");
+    write("out/workers/claims", "mine\n");
+    const Outcome foreign = run(line_);
+    EXPECT_EQ(foreign.status, 1);
+    EXPECT_EQ(foreign.err, "cvtflow: out/workers/claims: not the claims of a sweep's workers; move it away\n");
+    EXPECT_EQ(read("out/workers/claims"), "mine\n");
 }
 
 using Merge = Sweeps;

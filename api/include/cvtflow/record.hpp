@@ -70,12 +70,12 @@ private:
 [[nodiscard]] CVTFLOW_EXPORT double efficiency_of(const std::vector<double>& changes);
 
 /// Writes the record of a simulation while it is advanced: channels, states, transitions and file of `cvtflow run`, at the scene's
-/// run.output_interval from now on. Settling is not recorded. An existing file is replaced only if it is a record of a scene of that name.
-/// Must not outlive the simulation; one at a time for each.
+/// run.output_interval from now on. Settling is not recorded. Without `replace`, no existing file is replaced, and no rows of a killed run
+/// in `path`.part are discarded. Must not outlive the simulation; one at a time for each.
 class CVTFLOW_EXPORT Recording {
 public:
     /// @throws Error (record) for files that cannot be written, (state) if the simulation is being recorded already
-    Recording(Simulation& simulation, const std::string& path);
+    Recording(Simulation& simulation, const std::string& path, bool replace = false);
     /// Without finish() the rows stay in `path`.part.
     ~Recording();
     Recording(Recording&& other) noexcept;

@@ -10,6 +10,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,13 +26,15 @@ struct OutputRule {
     IsOwn own = nullptr;                             ///< none: no file is
     std::vector<std::filesystem::path> inputs = {};  ///< never replaced, under whatever name; empty paths count as none
     bool force = false;                              ///< whether other files may be replaced (--force)
+    bool former = false;                             ///< what lies there when it is permitted is checked elsewhere (set_aside)
     bool named = false;                              ///< the user chose the name: without `force` even a file of its own stays
-    bool repeats = false;  ///< what a killed writer left in FILE.part is made again, bit for bit: rows in it need no `force`
+    bool repeats = false;  ///< every writer makes it bit for bit: rows in FILE.part, or a file of its own since, need no `force`
     bool devices = false;  ///< devices and pipes are written as by a shell's `>`
     std::string advice = "--force replaces it";
 };
 
-/// The permission to write a file under a name. It stays valid as long as it exists: a file that was permitted once may be written again.
+/// The permission to write a file under a name, and which file had that name. It stays valid as long as it exists: a file that was
+/// permitted once may be written again, but no file is replaced that another program has put there since.
 class Permit {
 public:
     /// Permits no file.
@@ -47,10 +50,18 @@ public:
     [[nodiscard]] bool device() const noexcept { return device_; }
     /// "FILE: the existing file is replaced"; empty: nothing was there.
     [[nodiscard]] std::string notice() const;
+    /// Asked when the writing begins. @throws RecordError if another file has the name since, or a killed writer's rows are in its .part
+    void require_still() const;
+    /// Renames a complete file, which has the mode of the one that it replaces. @throws RecordError if another file has the name since
+    void give_name(const std::string& complete) const;
 
 private:
+    struct Seen;
+    [[nodiscard]] bool may_take_name() const;
+
     std::string path_;
     bool device_ = false, replaces_ = false;
+    std::shared_ptr<Seen> seen_;  ///< of all copies
 };
 
 /// An object under a name that can never be replaced: "a symbolic link; name its target" …; empty: nothing, or a plain file.

@@ -66,12 +66,12 @@ Descriptor open_part(const std::string& path) {
 }  // namespace
 
 bool being_written(const std::string& path) {
-    const Descriptor descriptor(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+    const Descriptor descriptor(open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOFOLLOW));
     struct flock whole = whole_file();
     return descriptor.number() >= 0 && fcntl(descriptor.number(), F_OFD_GETLK, &whole) == 0 && whole.l_type != F_UNLCK;
 }
 
-PartFile::PartFile(const Permit& permit) : final_path_(permit.path()), part_path_(final_path_ + ".part") {
+PartFile::PartFile(const Permit& permit) : permit_(permit), final_path_(permit.path()), part_path_(final_path_ + ".part") {
     if (permit.empty()) throw RecordError("cannot create a temporary file");
     for (const std::string& path : {final_path_, part_path_})  // a link may have taken its place since it was permitted
         if (const std::string other = other_than_file(path); !other.empty()) throw RecordError(path + ": cannot create: " + other);
@@ -80,6 +80,13 @@ PartFile::PartFile(const Permit& permit) : final_path_(permit.path()), part_path
     if (part < 0) throw RecordError(part_path_ + ": cannot create: " + std::strerror(errno));
     if (!lock_file(part, part_path_) || !still_named(part, part_path_))
         throw RecordError(part_path_ + ": cannot create: another run is writing it");
+    try {
+        permit.require_still();
+    } catch (const RecordError&) {
+        struct stat created {};
+        if (fstat(part, &created) == 0 && created.st_size == 0) discard();
+        throw;
+    }
     if (ftruncate(part, 0) != 0) throw RecordError(part_path_ + ": cannot empty: " + std::strerror(errno));
 }
 
@@ -118,8 +125,7 @@ void PartFile::trim() noexcept {
 void PartFile::publish() {
     trim();
     if (const int reason = sync(); reason != 0) throw RecordError(part_path_ + ": cannot write to disk: " + std::strerror(reason));
-    if (std::rename(part_path_.c_str(), final_path_.c_str()) != 0)
-        throw RecordError(part_path_ + ": cannot rename to '" + final_path_ + "': " + std::strerror(errno));
+    permit_.give_name(part_path_);
     // So that the new name survives a power cut; the data are safe already, so failure is no error.
     fsync(Descriptor(open(folder_of(final_path_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)).number());
 }

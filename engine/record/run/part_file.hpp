@@ -35,7 +35,8 @@ public:
     [[nodiscard]] int sync() noexcept;
     /// Gives back what was reserved beyond the end.
     void trim() noexcept;
-    /// Syncs, renames to the final name, syncs the folder.
+    /// Syncs, renames to the final name, syncs the folder. @throws RecordError if another file has the name since it was permitted; the
+    /// .part file stays
     void publish();
     /// Deletes the .part file.
     void discard() noexcept;
@@ -43,6 +44,7 @@ public:
     void require(int reason);
 
 private:
+    Permit permit_;
     std::string final_path_;
     std::string part_path_;
     Descriptor descriptor_;

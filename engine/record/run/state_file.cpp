@@ -131,7 +131,7 @@ SavedState read_contents(hid_t file) {
 }  // namespace
 
 void write_state(const std::string& path, const SavedState& saved) {
-    write_state(Permit(path, {.what = "state", .own = is_state_file}), saved);
+    write_state(Permit(path, {.what = "state", .own = is_state_file, .repeats = true}), saved);
 }
 
 void write_state(const Permit& permit, const SavedState& unsorted) {

@@ -13,6 +13,7 @@
 #include "engine/record/run/schema.hpp"
 #include "model/basis/portable_math.hpp"
 #include "model/observe/chain_forces.hpp"
+#include "tools/program/text/markup.hpp"
 
 namespace cvtflow::tools {
 
@@ -63,24 +64,31 @@ void VtkMesh::add(VtkCell type, std::int64_t new_points, Solid which, int count)
 VtkSeries::VtkSeries(const engine::Permit& collection, const VtkMesh& mesh, std::vector<VtkArray> arrays, bool replace)
     : collection_(collection), folder_(collection.path()), replace_(replace), mesh_(mesh), arrays_(std::move(arrays)) {
     folder_.replace_extension();
-    std::error_code failed;
-    std::filesystem::create_directory(folder_, failed);
-    if (failed) throw engine::RecordError(fmt::format("{}: cannot be created: {}", folder_.string(), failed.message()));
-    for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
-        if (number_of(entry.path()) >= 0 && !replace)
-            throw engine::RecordError(fmt::format("{}: already exists; --force replaces the series there", entry.path().string()));
+    growing_ = folder_.string() + ".part";
+    for (const std::filesystem::path& folder : {folder_, growing_}) {
+        std::error_code failed;
+        std::filesystem::create_directory(folder, failed);
+        if (std::filesystem::is_symlink(folder)) failed = std::make_error_code(std::errc::too_many_symbolic_link_levels);
+        if (failed) throw engine::RecordError(fmt::format("{}: cannot be created: {}", folder.string(), failed.message()));
     }
+    for (const std::filesystem::path& folder : {folder_, growing_})
+        for (const auto& entry : std::filesystem::directory_iterator(folder))
+            if (number_of(entry.path()) >= 0 && !replace)
+                throw engine::RecordError(fmt::format("{}: already exists; --force replaces the series there", entry.path().string()));
 }
 
 VtkSeries::~VtkSeries() {
     if (finished_) return;
     std::error_code ignored;
-    for (long number = 0; number < count_; ++number) std::filesystem::remove(file(number), ignored);
-    std::filesystem::remove(folder_, ignored);  // only if it is empty
+    for (long number = 0; number <= count_; ++number) {
+        std::filesystem::remove(file(growing_, number), ignored);
+        std::filesystem::remove(file(growing_, number).string() + ".part", ignored);
+    }
+    for (const std::filesystem::path& folder : {folder_, growing_}) std::filesystem::remove(folder, ignored);  // only if it is empty
 }
 
-std::filesystem::path VtkSeries::file(long number) const {
-    return folder_ / fmt::format("{}_{:06}.vtu", folder_.filename().string(), number);
+std::filesystem::path VtkSeries::file(const std::filesystem::path& folder, long number) const {
+    return folder / fmt::format("{}_{:06}.vtu", folder_.filename().string(), number);
 }
 
 long VtkSeries::number_of(const std::filesystem::path& file) const {
@@ -107,18 +115,23 @@ void VtkSeries::add(double time, const VtkFrame& frame) {
     file += fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", mesh_.points, mesh_.cells());
     file += element("Points", points) + element("Cells", cells) + element("PointData", of_points) + element("CellData", of_cells);
     file += "</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_" + blocks + "\n</AppendedData>\n</VTKFile>\n";
-    const std::filesystem::path name = this->file(count_);
+    const std::filesystem::path name = this->file(growing_, count_);
     engine::write_whole({name.string(), {.force = replace_}}, file);
     ++count_;
     bytes_ += file.size();
-    rows_ += fmt::format("<DataSet timestep=\"{}\" file=\"{}/{}\"/>\n", time, folder_.filename().string(), name.filename().string());
+    rows_ +=
+        fmt::format("<DataSet timestep=\"{}\" file=\"{}/{}\"/>\n", time, html(folder_.filename().string()), html(name.filename().string()));
 }
 
 std::uintmax_t VtkSeries::finish() {
     const std::string text = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n" +
                              element("Collection", rows_) + "</VTKFile>\n";
+    finished_ = true;  // so that what cannot take its name stays
+    for (long number = 0; number < count_; ++number)
+        engine::Permit(file(folder_, number).string(), {.force = replace_}).give_name(file(growing_, number).string());
+    std::error_code ignored;
+    std::filesystem::remove(growing_, ignored);
     engine::write_whole(collection_, text);
-    finished_ = true;
     engine::remove_own_files(folder_, [this](const std::filesystem::path& there) { return number_of(there) >= count_; });
     return bytes_ + text.size();
 }

@@ -54,7 +54,7 @@ class VtkSeries {
 public:
     /// @param replace whether files of a former series may go
     VtkSeries(const engine::Permit& collection, const VtkMesh& mesh, std::vector<VtkArray> arrays, bool replace);
-    /// Without finish(): removes what it has written.
+    /// Without finish(): removes what it has written; a former series stays.
     ~VtkSeries();
     VtkSeries(const VtkSeries&) = delete;
     VtkSeries& operator=(const VtkSeries&) = delete;
@@ -64,12 +64,13 @@ public:
     [[nodiscard]] std::uintmax_t finish();
 
 private:
-    [[nodiscard]] std::filesystem::path file(long number) const;
+    /// Name of a file in a folder: that of the series, or FILE.part until all are complete.
+    [[nodiscard]] std::filesystem::path file(const std::filesystem::path& folder, long number) const;
     /// Number of a file of a series of this name; -1: another file.
     [[nodiscard]] long number_of(const std::filesystem::path& file) const;
 
     engine::Permit collection_;
-    std::filesystem::path folder_;
+    std::filesystem::path folder_, growing_;
     bool replace_, finished_ = false;
     const VtkMesh& mesh_;
     std::vector<VtkArray> arrays_;

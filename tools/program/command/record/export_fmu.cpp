@@ -309,7 +309,7 @@ ExitStatus export_fmu(const FmuArguments& arguments) {
     engine::write_whole(permit, fmu_bytes(arguments, systems, loaded.scene, simulation));
     for (const std::string& notice : simulation.notices()) print_error(notice);
     if (!arguments.quiet)
-        fmt::print("{}: FMI {}.0 for co-simulation, {}, {}\n", file, arguments.version,
+        fmt::print("{}: FMI {}.0 for co-simulation, {}, {}\n", engine::visible(file), arguments.version,
                    alone.empty() ? "Linux and Windows" : fmt::format("Linux only ({})", alone),
                    size_text(static_cast<double>(fs::file_size(file))));
     return simulation.energy().reliable ? ExitStatus::finished : ExitStatus::unreliable;

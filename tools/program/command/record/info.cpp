@@ -60,7 +60,8 @@ std::string run_text(const std::string& path) {
     const std::vector<engine::Attribute>& all = run.attributes();
     const auto of = [&](std::string_view name) { return text_of(all, name); };
     const bool running = run.status() == "running";
-    std::string text = fmt::format("{}: record of a run, {}\n", path, size_text(static_cast<double>(std::filesystem::file_size(path))));
+    std::string text =
+        fmt::format("{}: record of a run, {}\n", engine::visible(path), size_text(static_cast<double>(std::filesystem::file_size(path))));
     text += field("status", running ? "running (still being written, or left by a killed run)" : run.status());
     text += field("seal", run.sealed() ? "intact: every byte is as the run wrote it" : "none: numbers cannot be verified");
     text += field("scene", of("scene"));
@@ -81,7 +82,8 @@ std::string state_text(const std::string& path) {
     const std::string hash =
         engine::Hash().add(std::span<const double>(saved.state)).add(std::span<const std::uint8_t>(saved.phases)).hex();
     const auto touching = std::count_if(saved.phases.begin(), saved.phases.end(), [](std::uint8_t phase) { return phase != 0; });
-    std::string text = fmt::format("{}: state, {}\n", path, size_text(static_cast<double>(std::filesystem::file_size(path))));
+    std::string text =
+        fmt::format("{}: state, {}\n", engine::visible(path), size_text(static_cast<double>(std::filesystem::file_size(path))));
     text += field("time", time_text(saved.time));
     text += field("unknowns", count_text(static_cast<long>(saved.state.size())));
     text += field("tips", fmt::format("{}, {} of them not free", saved.phases.size(), touching));
@@ -110,7 +112,8 @@ std::string sweep_text(const std::string& file) {
     const auto of = [&](const char* name) { return engine::visible(table.attribute(name)); };
     tasks::CaseTally tally;
     for (std::size_t row = 0; row < table.size(); ++row) tally.add(table.layout, table.row(row));
-    std::string text = fmt::format("{}: results of a sweep, {}\n", file, size_text(static_cast<double>(std::filesystem::file_size(file))));
+    std::string text = fmt::format("{}: results of a sweep, {}\n", engine::visible(file),
+                                   size_text(static_cast<double>(std::filesystem::file_size(file))));
     text += field("sweep", of("sweep")) + (of("description").empty() ? "" : field("", of("description"))) +
             field("status", of("status") == "running" && !running ? "not finished, or running elsewhere" : of("status"));
     text += field("cases", fmt::format("{} of {}", table.size(), of("cases"))) + tally_text(tally);

@@ -14,6 +14,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "engine/base/text.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output.hpp"
@@ -172,7 +173,7 @@ ExitStatus plot(const PlotArguments& arguments) {
                                           ? engine::OutputRule{.inputs = inputs, .force = arguments.force, .named = true, .devices = true}
                                           : marked_rule("picture", of, inputs, arguments.force));
     engine::write_whole(permit, kind == ".png" ? png_of(path, text, mark_of("picture", of)) : text);
-    fmt::print("{}\n", path);
+    fmt::print("{}\n", engine::visible(path));
     return ExitStatus::finished;
 }
 

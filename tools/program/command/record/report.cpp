@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "engine/base/text.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/html/page.hpp"
 #include "tools/program/output.hpp"
@@ -61,7 +62,7 @@ ExitStatus report(const ReportArguments& arguments) {
     const std::optional<Measured> measured = arguments.with.empty() ? std::nullopt : std::optional(read_measured(arguments.with));
     const MadePage page = page_of(arguments.files, measured ? &*measured : nullptr);
     engine::write_whole({path, marked_rule("page", page.of, inputs, arguments.force)}, marked(page.text, mark_of("page", page.of)));
-    fmt::print("{} ({})\n", path, size_text(static_cast<double>(page.text.size())));
+    fmt::print("{} ({})\n", engine::visible(path), size_text(static_cast<double>(page.text.size())));
     return ExitStatus::finished;
 }
 

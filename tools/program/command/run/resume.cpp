@@ -57,7 +57,10 @@ engine::Permit record_permit(const ResumeArguments& arguments, const tasks::Chec
     std::vector<std::filesystem::path> inputs = input_files(scene);
     inputs.emplace_back(arguments.what);
     const std::string& named = arguments.output;
-    return {named.empty() ? record_beside(arguments.what, checkpoint) : named == "none" ? "" : named, {.inputs = inputs, .force = true}};
+    return {named.empty()     ? record_beside(arguments.what, checkpoint)
+            : named == "none" ? ""
+                              : named,
+            {.inputs = inputs, .force = arguments.force, .former = true}};
 }
 
 /// Notice that the record of another run is replaced.

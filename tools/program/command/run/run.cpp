@@ -6,6 +6,8 @@
 #include <optional>
 
 #include "engine/base/provenance.hpp"
+#include "engine/record/run/run_reader.hpp"
+#include "engine/record/run/schema.hpp"
 #include "tasks/run/run.hpp"
 #include "tasks/tuning/tuned_scene.hpp"
 #include "tools/program/arguments.hpp"
@@ -42,6 +44,19 @@ std::string checkpoint_path(const RunArguments& arguments, const tasks::Scene& s
     return beside(record.empty() ? scene.path.stem().string() : record, ".checkpoint.h5");
 }
 
+/// Whether a file is a record of the scene: of its name, and of its text or its file. A file that is gone was moved.
+engine::IsOwn record_of(const tasks::Scene& scene) {
+    return [named = engine::record_with("scene", scene.name), of_text = engine::record_with("scene_text", scene.text),
+            path = scene.path](const std::string& file) {
+        if (!named(file)) return false;
+        if (of_text(file)) return true;
+        const auto attributes = engine::RunReader(file).attributes();
+        const auto* there = engine::attribute_value<std::string>(attributes, "scene_path");
+        std::error_code gone;
+        return there == nullptr || std::filesystem::equivalent(*there, path, gone) || gone;
+    };
+}
+
 /// Checks the command line and the output paths before the work begins. A checkpoint beside the record belongs to a run that can be
 /// resumed.
 engine::Permit require_places(const RunArguments& arguments, const tasks::Scene& scene, const std::string& file) {
@@ -49,8 +64,7 @@ engine::Permit require_places(const RunArguments& arguments, const tasks::Scene&
     if (arguments.checkpoint_every) static_cast<void>(seconds_of("--checkpoint-every", *arguments.checkpoint_every));
     const bool kept = arguments.checkpoint_every || !file.empty();
     if (kept && !arguments.force) keep_checkpoint(checkpoint);
-    engine::Permit permit(file, scene_rule("record of the scene", engine::record_with("scene", scene.name), scene,
-                                           !arguments.output.empty(), arguments.force));
+    engine::Permit permit(file, scene_rule("record of the scene", record_of(scene), scene, !arguments.output.empty(), arguments.force));
     if (arguments.checkpoint_every) require_checkpoint_place(checkpoint, file, input_files(scene));
     if (kept && arguments.force) forget_checkpoint(checkpoint, input_files(scene));
     say(arguments.quiet, permit.notice());

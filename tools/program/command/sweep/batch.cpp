@@ -1,4 +1,5 @@
 #include "tools/program/command/sweep/batch.hpp"
+#include "engine/base/text.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -320,7 +321,7 @@ ExitStatus merge(const std::string& folder, bool partial, bool mixed) {
         print_error("nothing was written; run the missing shards, or use --partial to join the available ones");
         return ExitStatus::incomplete;
     }
-    fmt::print("{}: {} of {} cases\n{}{}", report.file, report.rows, report.cases, tally_text(report.tally),
+    fmt::print("{}: {} of {} cases\n{}{}", engine::visible(report.file), report.rows, report.cases, tally_text(report.tally),
                field("results hash", report.results_hash));
     const bool accurate = say_verification(folder, report.file, false);
     return !whole ? ExitStatus::incomplete : accurate ? status_of(report.tally) : ExitStatus::inaccurate;
