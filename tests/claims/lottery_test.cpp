@@ -67,7 +67,7 @@ TEST(Lottery, MachinesEndRightOrSayThatTheyDoNot) {
         EXPECT_FALSE(ticket.false_alarm(brief())) << "machine " << number << " is right and called unreliable";
     }
 }
-TEST(NightlyLottery, FortyMachinesEndRightOrSayThatTheyDoNot) { play_honestly(0, 40, brief()); }
+TEST(NightlyLotteryOfForty, MachinesEndRightOrSayThatTheyDoNot) { play_honestly(0, 40, brief()); }
 
 /// Steps of rigid pins err by more than 1 %: losses and slip of all that finish must be within 2 %, small slips within 0.004 points
 /// (docs/detail.md). One in forty may be right and called unreliable (the balance is off by 0.3 % of the losses, the losses by 0.5 %).
@@ -87,9 +87,12 @@ void play_rigid(long count) {
     EXPECT_LE(40 * alarms, count);
 }
 TEST(Lottery, MachinesOfRigidPinsEndWithinTheErrorOfTheirStep) { play_rigid(cvtflow::test::depth(2L, 10L)); }
-TEST(NightlyLottery, FortyMachinesOfRigidPinsEndWithinTheErrorOfTheirStep) { play_rigid(40); }
+TEST(NightlyLotteryOfForty, MachinesOfRigidPinsEndWithinTheErrorOfTheirStep) { play_rigid(40); }
 
-TEST(NightlyLottery, FourHundredMachinesEndRightOrSayThatTheyDoNot) { play_honestly(40, 400, {}); }
+/// Four hundred, forty at a time.
+class NightlyLottery : public testing::TestWithParam<long> {};
+TEST_P(NightlyLottery, FortyMachinesOverLongerTimesEndRightOrSayThatTheyDoNot) { play_honestly(GetParam(), 40, {}); }
+INSTANTIATE_TEST_SUITE_P(From, NightlyLottery, testing::Range(40L, 440L, 40L));
 
 TEST(Lottery, DrawsTheSameMachineForTheSameSeedAndAnotherForEveryNumber) {
     EXPECT_EQ(bench::lottery_machine(3, 5).settings, bench::lottery_machine(3, 5).settings);

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <regex>
 #include <set>
 #include <sstream>
@@ -123,6 +124,27 @@ TEST(SecurityPage, HasTheNightsOfTheTable) {
         const std::string cells = std::regex_replace(line, std::regex(","), " | ");
         EXPECT_NE(text.find("\n| " + cells + " |\n"), std::string::npos) << cells;
     }
+}
+
+// Every nightly suite belongs to one night.
+
+TEST(Nights, HaveEverySuiteOnce) {
+    std::multiset<std::string> listed;
+    const std::string script = text_of(CVTFLOW_SOURCE_DIR "/.ci/run");
+    static const std::regex list(R"(\n[a-z]+\+?='\|?(\w+(\|\w+)*)')"), word(R"(\w+)"), suite(R"(\nTEST(?:_[FP])?\(Nightly(\w+),)");
+    for (std::sregex_iterator found(script.begin(), script.end(), list), end; found != end; ++found) {
+        const std::string names = (*found)[1];
+        for (std::sregex_iterator name(names.begin(), names.end(), word); name != end; ++name) listed.insert(name->str());
+    }
+    std::multiset<std::string> written;
+    for (const auto& file : std::filesystem::recursive_directory_iterator(CVTFLOW_SOURCE_DIR "/tests")) {
+        if (file.path().extension() != ".cpp") continue;
+        const std::string text = text_of(file.path().string());
+        std::set<std::string> suites;
+        for (std::sregex_iterator found(text.begin(), text.end(), suite), end; found != end; ++found) suites.insert((*found)[1]);
+        written.insert(suites.begin(), suites.end());
+    }
+    EXPECT_EQ(listed, written);
 }
 
 /// Seconds per simulated second of a row of bench/results/speeds.csv, by a regular expression for the fields before the median.

@@ -81,9 +81,9 @@ protected:
     /// Runs the commands on a forged copy of a file, in a folder of its own.
     void survive(const Target& target, const Forge& forge);
     /// Drawn changes of contents whose hashes are right, and of structure.
-    void survive_drawn(std::uint64_t seeds);
-    /// `count` of all changes of all objects and attributes; all of them if the seed of samples is "all".
-    void survive_objects(std::size_t count);
+    void survive_drawn(std::uint64_t first, std::uint64_t seeds);
+    /// `count` of all changes of all objects and attributes, all of them if the seed of samples is "all"; of these one of equal parts.
+    void survive_objects(std::size_t count, std::size_t part = 0, std::size_t parts = 1);
 
     void expect_survived(const Words& words, const std::string& what);
 };
@@ -124,15 +124,15 @@ void Forgery::survive(const Target& target, const Forge& forge) {
     }
 }
 
-void Forgery::survive_drawn(std::uint64_t seeds) {
+void Forgery::survive_drawn(std::uint64_t first, std::uint64_t seeds) {
     const std::vector<Target> all = targets();
-    for (std::uint64_t seed = 0; seed < seeds && !HasFailure(); ++seed) {
+    for (std::uint64_t seed = first; seed < first + seeds && !HasFailure(); ++seed) {
         const Target& target = all[seed % all.size()];
         survive(target, [&](const std::string& path) { return "seed " + std::to_string(seed) + ": " + forge(path, target.kind, seed); });
     }
 }
 
-void Forgery::survive_objects(std::size_t count) {
+void Forgery::survive_objects(std::size_t count, std::size_t part, std::size_t parts) {
     using Pair = std::pair<const Target*, ObjectForgery>;
     const std::vector<Target> all = targets();
     std::vector<Pair> forgeries;
@@ -140,7 +140,8 @@ void Forgery::survive_objects(std::size_t count) {
         for (const ObjectForgery& each : forgeries_of((folder_ / target.file).string())) forgeries.emplace_back(&target, each);
     }
     const std::vector<Pair> taken = test::sample(forgeries, count, "forgeries");
-    for (const auto& [target, forgery] : taken) {
+    for (; part < taken.size(); part += parts) {
+        const auto& [target, forgery] = taken[part];
         survive(*target, [&forgery = forgery](const std::string& path) { return forgery.make(path), forgery.text(); });
         if (HasFailure()) break;
     }
@@ -148,21 +149,21 @@ void Forgery::survive_objects(std::size_t count) {
 }
 
 TEST_F(Forgery, NeitherCrashesNorSwellsACommand) {
-    survive_drawn(test::depth(3, 12));
+    survive_drawn(0, test::depth(3, 12));
     survive_objects(test::depth(3, 12));
 }
 
-using NightlyForgery = Forgery;
+/// 2,000 drawn ones, 3,000 of objects.
+class NightlyForgery : public Forgery, public testing::WithParamInterface<std::size_t> {
+protected:
+    static constexpr std::size_t parts = 20;
+};
 
-/// How many, for other machines and sanitizers. @param name  of a variable of the environment
-std::size_t count_of(const char* name, std::size_t otherwise) {
-    const char* count = std::getenv(name);
-    return count != nullptr ? std::strtoull(count, nullptr, 10) : otherwise;
-}
+TEST_P(NightlyForgery, OfDrawnContentsNeitherCrashesNorSwellsACommand) { survive_drawn(GetParam() * 2000 / parts, 2000 / parts); }
 
-TEST_F(NightlyForgery, OfDrawnContentsNeitherCrashesNorSwellsACommand) { survive_drawn(count_of("FORGERIES", 2000)); }
+TEST_P(NightlyForgery, OfObjectsNeitherCrashesNorSwellsACommand) { survive_objects(3000, GetParam(), parts); }
 
-TEST_F(NightlyForgery, OfEveryObjectNeitherCrashesNorSwellsACommand) { survive_objects(count_of("FORGERIES", 3000)); }
+INSTANTIATE_TEST_SUITE_P(Parts, NightlyForgery, testing::Range<std::size_t>(0, 20));
 
 /// One change each, as it was found; the program must say what is wrong.
 class ForgedRecord : public Program {
