@@ -20,7 +20,7 @@ enum class CaseStatus { ok, unreliable, diverged, budget, bad_parameters, crashe
 /// Contents of a row.
 [[nodiscard]] std::span<const std::string_view> status_names() noexcept;
 [[nodiscard]] std::string_view status_name(CaseStatus status) noexcept;
-/// Whether a case has run to its end, so that its scalars are what its status calls them.
+/// Whether a case has run completely, so that its scalars are what its status calls them.
 [[nodiscard]] constexpr bool has_scalars(CaseStatus status) noexcept {
     return status == CaseStatus::ok || status == CaseStatus::not_steady || status == CaseStatus::cycle_missed;
 }

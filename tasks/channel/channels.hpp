@@ -91,7 +91,7 @@ struct EfficiencyChannels {
     std::array<std::vector<std::string_view>, sums> energies;
 };
 [[nodiscard]] std::span<const EfficiencyChannels> efficiency_channels();
-/// Those of a channel; nullptr: it is no efficiency.
+/// Sums of one channel; nullptr: it is no efficiency.
 [[nodiscard]] const EfficiencyChannels* efficiency_channels_of(std::string_view name);
 /// Mean of an efficiency over a time, a quotient of energies. @param changes of its sums in that time [J]
 [[nodiscard]] double efficiency_of(std::span<const double, EfficiencyChannels::sums> changes) noexcept;

@@ -242,8 +242,8 @@ enum class Change { none, drift, trend, brief, energy };
     return {};
 }
 
-/// What a controller does in the last fifth of a run; where its target changes, in all of it: the share of time at its limit, and the
-/// fifth in which it misses the target most.
+/// Limit and miss of a controller in the last fifth of a run; where its target changes, in all of it: the share of time at its limit, and
+/// the fifth in which it misses the target most.
 struct Controlled {
     explicit Controlled(const RunMeans& means) {
         const SpanMeans whole = means.all(), last = means.fifth(4);

@@ -93,7 +93,7 @@ TEST_F(Info, ACycleThatIsMissedIsTheStatusOfRunRecordAndCase) {
     EXPECT_EQ(batch({"-q"}).status, 5);
     EXPECT_EQ(column("status").at(0), "cycle_missed");
     EXPECT_THAT(column("notes").at(0), HasSubstr("cycle_missed"));
-    EXPECT_NE(column("ratio_mean").at(0), "nan") << "a case that has run to its end has scalars";
+    EXPECT_NE(column("ratio_mean").at(0), "nan") << "a case that has run completely has scalars";
     EXPECT_NEAR(taken("out/records/case-000000.h5"), 5e-6, 1e-6) << "of rigid pins";
 }
 

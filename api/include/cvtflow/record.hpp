@@ -62,8 +62,7 @@ private:
     std::unique_ptr<Impl> impl_;
 };
 
-/// Channels of energies so far [J], in five sums, from whose changes the mean of an efficiency follows; empty for other channels. Those
-/// that a machine has not count as zero.
+/// Channels of energies so far [J], in five sums, from whose changes the mean of an efficiency follows; empty for other channels. A machine may lack some: zero.
 [[nodiscard]] CVTFLOW_EXPORT std::vector<std::vector<std::string>> energies_of_efficiency(const std::string& channel);
 /// Mean of an efficiency over a time, the quotient of energies; NaN where none flows. @param changes of these sums in that time [J]
 /// @throws Error (argument) for another number of sums

@@ -70,7 +70,7 @@ struct EnergySums {
     [[nodiscard]] double lost() const noexcept;
     /// Linear between two sums, at a time between theirs. time [s]
     [[nodiscard]] static EnergySums between(const EnergySums& from, const EnergySums& to, double time) noexcept;
-    /// What has flown through the variator since `before`.
+    /// Energies through the variator since `before`.
     [[nodiscard]] EnergyFlow since(const EnergySums& before) const noexcept;
     /// Likewise from outside to outside: of the works before the drag of the shafts, which is lost.
     [[nodiscard]] EnergyFlow outside_since(const EnergySums& before) const noexcept;

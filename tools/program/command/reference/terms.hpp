@@ -38,9 +38,7 @@ inline constexpr Term terms[] = {
     {"steady", "Of a run with run.until = \"steady\": means over the last half of its time have errors below run.steady."},
     {"not_steady", "Status of such a run that was not steady within run.steady_limit revolutions of the chain."},
     {"cycle_missed", "Status of a run whose shaft 2 is off what its cycle needs by more than 2 %, in speed or work of the whole run."},
-    {"efficiency",
-     "1 - losses/input: a quotient of energies over whole pin periods; undefined where no energy flows. tiny has less than 90 % at small "
-     "loads."},
+    {"efficiency", "1 - losses/input: a quotient of energies over whole pin periods; undefined where none flows. tiny has below 90 %."},
     {"archard", "Law of wear: worn volume is wear.coefficient times normal force times sliding distance (cvtflow plot --wear)."},
     {"rainflow", "Counting of load cycles by ASTM E1049 (cvtflow table --rainflow)."},
     {"scene", "File of a machine, its inputs and a run (TOML)."},
