@@ -35,13 +35,13 @@ private:
 };
 
 void compare(const SpanMeans& brief, const SpanMeans& late, LongerTicket& ticket) {
-    constexpr double min_slip = 3e-3, min_share_of_tight = 0.1, known_ratio = 0.1;  // shares
+    constexpr double min_slip = 3e-3, min_share_of_tight = 0.1;
     const auto thrust = [](const SpanMeans& m) { return m.clamping[1] != 0.0 ? m.clamping[0] / m.clamping[1] : 0.0; };
     const auto put = [&](std::string_view quantity, double is, double was, double least) {
         const double off = std::abs(is - was) / std::max(std::abs(was), least);
         if (off > ticket.off) ticket.off = off, ticket.quantity = quantity;
     };
-    put("ratio", brief.ratio, late.ratio, std::abs(late.ratio) / known_ratio - std::abs(late.ratio));
+    put("ratio", brief.ratio, late.ratio, 0.0);
     put("thrust ratio", thrust(brief), thrust(late), 0.0);
     put("tight tension", brief.tight, late.tight, 0.0);
     put("slack tension", brief.slack, late.slack, min_share_of_tight * late.tight);

@@ -16,12 +16,14 @@ struct LongerTicket {
     std::string later;          ///< fault of the longer run
     std::string notes;          ///< names of what is odd about the short run
     std::string_view quantity;  ///< whose mean differs most from that of the longer run
-    double off = 0.0;           ///< its difference over its mean; below 0.1 % of slip and a tenth of the tight strand, over these [1]
+    double off = 0.0;           ///< its difference over its mean; below 0.3 % of slip and a tenth of the tight strand, over these [1]
     double wall = 0.0;          ///< [s]
 
     [[nodiscard]] bool compared() const noexcept { return status == "finished" && later.empty(); }
-    /// Whether a note calls the means unsteady.
-    [[nodiscard]] bool noted() const noexcept { return notes.find("unsteady") != std::string::npos; }
+    /// Whether a note states that the means are no results.
+    [[nodiscard]] bool noted() const noexcept {
+        return notes.find("unsteady") != std::string::npos || notes.find("uncertain") != std::string::npos;
+    }
 };
 
 /// Machines first … first + count - 1 with rules.longer above 1, on `threads` threads.

@@ -74,7 +74,8 @@ TableColumn key_column(const Axis& axis, std::size_t key) {
 /// Column of a scalar's error: of verified cases, or stated by cases that end when they are steady.
 TableColumn error_column(const Sweep& sweep, const Scalar& scalar) {
     const char* meaning =
-        sweep.steady() ? "relative error of its mean, by trend and scatter" : "relative error against the reference run; NaN: not verified";
+        sweep.steady() ? "relative error of its mean, by trend and scatter; of an efficiency relative to the losses' share, at least 2 %"
+                       : "relative error against the reference run; NaN: not verified";
     return {std::string(error_prefix) + scalar.column, "1", fmt::format("{}: {}", scalar.text, meaning)};
 }
 
@@ -102,7 +103,7 @@ engine::RowLayout result_layout(const Sweep& sweep) {
          {"energy_suspicion", "1",
           "residual of the energy balance over its tolerance, settling included; above 1 the status is unreliable"},
          {"notes", "",
-          "remarks: gross_slip, control_limit, target_missed, slack_strand, efficiency, unsteady, standstill, no_load, unresolved",
+          "remarks: gross_slip, control_limit, target_missed, slack_strand, efficiency, unsteady, uncertain, standstill, no_load, unresolved",
           Type::text, 96},
          {"start", "", "start of the case: scene, geometric, settled, shared or continued", Type::text, 16},
          {"start_state", "", "hash of the state that the case began with; none: it settled by itself", Type::text, 16},

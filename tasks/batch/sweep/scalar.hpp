@@ -50,6 +50,8 @@ struct Scalar {
     [[nodiscard]] std::string description() const;
     /// Whether all terms are averages over time, whose errors batches of it show.
     [[nodiscard]] bool averages() const noexcept;
+    /// What the error of its mean is relative to, as run.steady is: the value, or the losses' share of the input for an efficiency.
+    [[nodiscard]] double error_scale(double value) const noexcept;
 };
 
 /// Name of a column in a table: letters and digits, every run of others one underscore: load.torque, "slip mean", tips/axial_force[*].

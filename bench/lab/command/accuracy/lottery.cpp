@@ -55,11 +55,11 @@ ExitStatus compare_longer(const LotteryArguments& a) {
         ++compared;
         ++fields[t.noted()][t.off > rules.tolerance];
     }
-    to_stderr(
-        fmt::format("{} machines, {:g} ms compared with {:g}: {} without the note unsteady are right to {:g} %, {} are off; {} with it are "
-                    "right, {} off\n",
-                    compared, 1e3 * rules.duration, 1e3 * rules.longer * rules.duration, fields[0][0], 100.0 * rules.tolerance,
-                    fields[0][1], fields[1][0], fields[1][1]));
+    to_stderr(fmt::format(
+        "{} machines, {:g} ms compared with {:g}: {} without a note (unsteady, uncertain) are right to {:g} %, {} are off; {} with it are "
+        "right, {} off\n",
+        compared, 1e3 * rules.duration, 1e3 * rules.longer * rules.duration, fields[0][0], 100.0 * rules.tolerance, fields[0][1],
+        fields[1][0], fields[1][1]));
     return fields[0][1] == 0 ? ExitStatus::finished : ExitStatus::fault;
 }
 
@@ -116,7 +116,7 @@ Action declare_lottery(CLI::App& app) {
         ->check(CLI::PositiveNumber)
         ->type_name("S");
     app.add_option("--longer", arguments->rules.longer,
-                   "Compare means and the note unsteady with means of the last half of runs that are longer by this factor")
+                   "Compare means and notes on them with means of the last half of runs that are longer by this factor")
         ->check(CLI::Range(2.0, 1000.0))
         ->type_name("FACTOR");
     app.add_flag("--settings", arguments->settings, "Print the settings of the machines and run nothing");
