@@ -96,27 +96,27 @@ engine::RowLayout result_layout(const Sweep& sweep) {
         if (sweep.accuracy.target > 0.0 || sweep.steady()) columns.push_back(error_column(sweep, scalar));
     }
     if (sweep.steady()) columns.push_back({"settled_for", "s", "time until the begin of the means, which are over as long again"});
-    columns.insert(
-        columns.end(),
-        {{"efficiency", "1", "1 - losses/input over whole pin periods, from outputs.from on; none without load"},
-         {"energy_residual", "1", "|change of stored energy - work + losses| over the losses of the run"},
-         {"energy_suspicion", "1",
-          "residual of the energy balance over its tolerance, settling included; above 1 the status is unreliable"},
-         {"notes", "",
-          "remarks: gross_slip, control_limit, target_missed, slack_strand, efficiency, unsteady, uncertain, standstill, no_load, unresolved",
-          Type::text, 96},
-         {"start", "", "start of the case: scene, geometric, settled, shared or continued", Type::text, 16},
-         {"start_state", "", "hash of the state that the case began with; none: it settled by itself", Type::text, 16},
-         {"steps", "1", "accepted steps", Type::integer},
-         {"evaluations", "1", "evaluations of the right-hand side", Type::integer},
-         {"transitions", "1", "changes of phase of tips", Type::integer},
-         {"truncated", "1", "steps cut at a transition", Type::integer},
-         {"settling_evaluations", "1", "evaluations while settling", Type::integer},
-         {"wall", "s", "wall time of this case, all sessions"},
-         {"threads", "1", "largest number of threads at once", Type::integer},
-         {"program", "", "version and commit of the program that ran the case", Type::text, program_width},
-         {"hash", "", "of the final state and phases", Type::text, 16},
-         {"error", "", "message of the fault", Type::text, error_width}});
+    columns.insert(columns.end(),
+                   {{"efficiency", "1", "1 - losses/input over whole pin periods, from outputs.from on; none without load"},
+                    {"energy_residual", "1", "|change of stored energy - work + losses| over the losses of the run"},
+                    {"energy_suspicion", "1",
+                     "residual of the energy balance over its tolerance, settling included; above 1 the status is unreliable"},
+                    {"notes", "",
+                     "remarks: gross_slip, control_limit, target_missed, slack_strand, efficiency, unsteady, uncertain, standstill, "
+                     "no_load, unresolved",
+                     Type::text, 96},
+                    {"start", "", "start of the case: scene, geometric, settled, shared or continued", Type::text, 16},
+                    {"start_state", "", "hash of the state that the case began with; none: it settled by itself", Type::text, 16},
+                    {"steps", "1", "accepted steps", Type::integer},
+                    {"evaluations", "1", "evaluations of the right-hand side", Type::integer},
+                    {"transitions", "1", "changes of phase of tips", Type::integer},
+                    {"truncated", "1", "steps cut at a transition", Type::integer},
+                    {"settling_evaluations", "1", "evaluations while settling", Type::integer},
+                    {"wall", "s", "wall time of this case, all sessions"},
+                    {"threads", "1", "largest number of threads at once", Type::integer},
+                    {"program", "", "version and commit of the program that ran the case", Type::text, program_width},
+                    {"hash", "", "of the final state and phases", Type::text, 16},
+                    {"error", "", "message of the fault", Type::text, error_width}});
     return engine::RowLayout(std::move(columns));
 }
 
