@@ -56,8 +56,9 @@ void RepeatedCases::add(const engine::RowLayout& layout, std::span<const std::by
     for (std::size_t i = 0; i < largest_.size(); ++i) {
         const std::string& column = sweep_.scalars[i].column;
         const double value = layout.real(row, layout.column(column)), difference = std::abs(value - again.scalars[i]);
-        const double size =
-            stated_ ? layout.real(row, layout.column(std::string(error_prefix) + column)) * std::abs(value) : std::abs(again.scalars[i]);
+        const double size = stated_
+                                ? layout.real(row, layout.column(std::string(error_prefix) + column)) * sweep_.scalars[i].error_scale(value)
+                                : std::abs(again.scalars[i]);
         const bool less = stated_ ? difference * size_[i] <= largest_[i] * size : difference < largest_[i] || difference == 0.0;
         if (!std::isfinite(size) || (cases_ > 1 && less)) continue;
         largest_[i] = difference;

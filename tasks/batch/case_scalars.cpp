@@ -81,7 +81,8 @@ void CaseScalars::write_steady(std::size_t i, CaseResult& result) const {
     result.scalars[i] = all.result(scalar);
     if (means.batches == 0) return;
     result.settled_for = means_.all().begin;
-    if (scalar.averages() && result.scalars[i] != 0.0) result.errors[i] = error_of_mean(values).sum() / std::abs(result.scalars[i]);
+    if (!scalar.averages() || result.scalars[i] == 0.0) return;
+    result.errors[i] = means.off_target + error_of_mean(values).sum() / scalar.error_scale(result.scalars[i]);
 }
 
 void CaseScalars::save(std::vector<double>& memory) const {

@@ -55,7 +55,8 @@ struct Channel {
         of_control = 64 | on_demand | without_chain,    ///< recorded in every run with a controller also
         of_drag = 32 | on_demand | without_chain,       ///< recorded in every run whose shafts have drag also
         of_guide = 128 | on_demand,                     ///< recorded in every run with guides also
-        unaveraged = 256,  ///< record.means leaves it as it is: a sum so far, a mean since the last output, an angle or a place
+        unaveraged =
+            256,  ///< record.means leaves it as it is: a sum so far, what is stored, a mean since the last output, an angle or a place
         so_far = without_chain | unaveraged,
     };
 

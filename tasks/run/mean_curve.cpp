@@ -161,13 +161,20 @@ namespace {
 
 constexpr std::size_t max_blocks = 8, min_blocks = 4;
 /// Quantiles of Student's distribution, two-sided 95 %, by degrees of freedom.
-constexpr double quantile[max_blocks - 1] = {0, 12.71, 4.30, 3.18, 2.78, 2.57, 2.45};
+constexpr double quantile[max_blocks - 2] = {0, 12.71, 4.30, 3.18, 2.78, 2.57};
 constexpr double sag_counts = 1.5;            ///< a swing that turns has no trend: by its bend, the mean is off by about that much
-constexpr double share_of_efficiency = 0.02;  ///< of the tolerance of other means
 constexpr double noticed_alternation = 5e-4;  ///< of the tension: machines that do not alternate stay below 3e-4
+constexpr double noticed_swing = 1e-3;        ///< of the tight tension
+constexpr double growth_of_swing = 1.05;      ///< from one half of the window to the other
+constexpr double min_revolutions = 3.0;       ///< before means are steady: swings of strands grow within tenths of a second from nothing
+constexpr double rail_scatter = 0.25;         ///< of the loss by guides, 95 %, in a mean over rail_time: impacts are correlated so long,
+constexpr double rail_time = 0.1;             ///< longer than a short run shows [s]
+constexpr double often_limited = 0.05;        ///< share of time: control that has reached its limit holds nothing
 constexpr double most_slip = 0.1;           ///< a chain that holds creeps by a hundredth; by more than this, load or clamping decide alone
 constexpr double growth_of_sliding = 1.1;   ///< from one half of the window to the other: a slip that is imposed does not grow
-constexpr double min_trend_slip = 5e-4;     ///< slips below are compared with this [1]
+constexpr double min_steady_slip = 5e-4;    ///< slips below are compared with this [1]
+constexpr double min_noted_slip = 3e-3;     ///< likewise: steps are exact to 3e-5 of a speed
+constexpr double share_of_ratio = 0.1;      ///< of the tolerance of other means, which follow a ratio that moves
 constexpr double min_share_of_tight = 0.1;  ///< likewise a slack strand, with a share of the tight one
 
 struct Block {
@@ -185,58 +192,7 @@ constexpr std::size_t losses = 6, efficiency = 7;
              end.energy.since(begin.energy).efficiency()}};
 }
 
-/// Scale of a quantity, from its mean over the window and that of the tight strand.
-[[nodiscard]] double scale_of(std::size_t quantity, double mean, double tight) noexcept {
-    if (quantity == 3) return std::max(std::abs(mean), min_share_of_tight * std::abs(tight));
-    return quantity == 4 || quantity == 5 ? std::max(std::abs(mean), min_trend_slip) : std::abs(mean);
-}
-
-/// Least squares. blocks [count]; window: length in blocks [1]
-[[nodiscard]] MeanTrend trend_of(const Block* blocks, std::size_t count, double window, std::size_t quantity) noexcept {
-    const double n = static_cast<double>(count), middle = 0.5 * (n - 1.0);
-    double mean = 0.0, tight = 0.0, slope = 0.0, spread = 0.0, scatter = 0.0;
-    for (std::size_t k = 0; k < count; ++k) {
-        mean += blocks[k].mean[quantity] / n;
-        tight += blocks[k].mean[2] / n;
-    }
-    for (std::size_t k = 0; k < count; ++k) {
-        const double x = static_cast<double>(k) - middle;
-        slope += x * (blocks[k].mean[quantity] - mean);
-        spread += x * x;
-    }
-    slope /= spread;
-    for (std::size_t k = 0; k < count; ++k) {
-        const double rest = blocks[k].mean[quantity] - mean - slope * (static_cast<double>(k) - middle);
-        scatter += rest * rest;
-    }
-    const double scale = scale_of(quantity, mean, tight), error = quantile[count - 2] * std::sqrt(scatter / (n - 2.0) / spread);
-    if (!(scale > 0.0)) return {quantities[quantity]};
-    return {quantities[quantity], window * slope / scale, window * error / scale};
-}
-
 }  // namespace
-
-double MeanTrend::least() const noexcept { return std::max(0.0, std::abs(change) - uncertainty); }
-
-MeanTrend largest_trend(const MeanCurve& curve, double from, double to) noexcept {
-    const double period = curve.pin_period(), periods = period > 0.0 ? std::floor((to - from) / period * (1.0 + 1e-9)) : 0.0;
-    if (periods < static_cast<double>(min_blocks)) return {};
-    const auto count = static_cast<std::size_t>(std::min(periods, static_cast<double>(max_blocks)));
-    const double length = std::floor(periods / static_cast<double>(count)) * period;
-    Block blocks[max_blocks];
-    MeanPoint begin = curve.at(to - static_cast<double>(count) * length);
-    for (std::size_t k = 0; k < count; ++k) {
-        const MeanPoint end = curve.at(to - static_cast<double>(count - 1 - k) * length);
-        blocks[k] = block_of(begin, end);
-        begin = end;
-    }
-    MeanTrend largest;
-    for (std::size_t quantity = 0; quantity <= losses; ++quantity) {
-        const MeanTrend trend = trend_of(blocks, count, (to - from) / length, quantity);
-        if (trend.least() > largest.least()) largest = trend;
-    }
-    return largest;
-}
 
 double min_swing(const MeanCurve& curve, double from, double to) noexcept {
     constexpr double max_parts = 4.0, min_periods = 2.0, max_periods = 64.0;
@@ -278,10 +234,31 @@ MeanError error_of_mean(std::span<const double> values) noexcept {
         scatter += rest * rest;
     }
     const double change = n * slope, sag = n * n / 6.0 * bend;  // of the trend over all; of its parabola, at the ends
-    return {mean, std::hypot(change, sag_counts * sag), quantile[values.size() - 3] * std::sqrt(scatter / (n - 3.0) / n)};
+    return {mean, std::hypot(change, sag_counts * sag), quantile[values.size() - 3] * std::sqrt(scatter / (n - 3.0) / n), change};
 }
 
-std::string_view SteadyMeans::name(std::size_t quantity) noexcept { return quantities[quantity]; }
+std::string_view MeanErrors::name(std::size_t quantity) noexcept { return quantities[quantity]; }
+
+void MeanErrors::judge(double tolerance, double of_ratio, double small_slip, std::size_t judged) noexcept {
+    share = moved = 0.0;
+    const auto allowed = [&](std::size_t quantity) {
+        const double mean = std::abs(error[quantity].mean);
+        switch (quantity) {
+            case 0: return of_ratio * mean;
+            case 3: return std::max(mean, min_share_of_tight * std::abs(error[2].mean));
+            case 4:
+            case 5: return std::max(mean, small_slip);
+            case efficiency: return std::max(share_of_efficiency, 1.0 - error[quantity].mean);
+            default: return mean;
+        }
+    };
+    for (std::size_t quantity = 0; quantity < count; ++quantity) {
+        if (quantity >= losses && quantity != judged) continue;
+        const double most = tolerance * allowed(quantity), over = error[quantity].sum() / most, by = error[quantity].certain() / most;
+        if (over > share) share = over, worst = quantity;
+        if (by > moved) moved = by, moving = quantity;
+    }
+}
 
 namespace {
 
@@ -290,13 +267,82 @@ namespace {
     return 2.0 * std::hypot(end.mean_since(begin, Mean::half_cosine), end.mean_since(begin, Mean::half_sine));
 }
 
-/// Largest error of the mean of a quantity [its unit].
-[[nodiscard]] double allowed(std::size_t quantity, double tolerance, const SteadyMeans& means) noexcept {
-    if (quantity == efficiency) return tolerance * std::max(share_of_efficiency, 1.0 - means.error[efficiency].mean);
-    return tolerance * scale_of(quantity, means.error[quantity].mean, means.error[2].mean);
+/// Root mean square of what means of pin periods differ by from the ones before, over the root of two: a swing that is no trend. The
+/// passing of the pins is not in it. points [periods + 1]
+[[nodiscard]] double swing(std::span<const MeanPoint> points, Mean quantity) noexcept {
+    double squares = 0.0;
+    for (std::size_t k = 2; k < points.size(); ++k) {
+        const double change = points[k].mean_since(points[k - 1], quantity) - points[k - 1].mean_since(points[k - 2], quantity);
+        squares += 0.5 * change * change;
+    }
+    return std::sqrt(squares / static_cast<double>(points.size() - 2));
+}
+
+void fill_errors(std::span<const Block> blocks, MeanErrors& errors) noexcept {
+    errors.batches = blocks.size();
+    for (std::size_t quantity = 0; quantity < MeanErrors::count; ++quantity) {
+        std::array<double, max_blocks> values{};
+        for (std::size_t k = 0; k < blocks.size(); ++k) values[k] = blocks[k].mean[quantity];
+        errors.error[quantity] = error_of_mean({values.data(), blocks.size()});
+    }
+}
+
+/// Adds how irregular the rails of guides are to the errors of losses and efficiency.
+void add_rails(const MeanPoint& begin, const MeanPoint& end, MeanErrors& errors) noexcept {
+    constexpr auto guide = static_cast<std::size_t>(model::Loss::guide);
+    const double span = end.time - begin.time, lost = (end.energy.loss[guide] - begin.energy.loss[guide]) / span;
+    const double scatter = lost * std::min(1.0, rail_scatter * std::sqrt(rail_time / span));
+    MeanError &losses_of = errors.error[losses], &efficiency_of = errors.error[efficiency];
+    losses_of.noise = std::hypot(losses_of.noise, scatter);
+    if (losses_of.mean > 0.0) efficiency_of.noise = std::hypot(efficiency_of.noise, scatter * (1.0 - efficiency_of.mean) / losses_of.mean);
+}
+
+/// Whether tensions swing more and more. points: of the window [periods + 1]
+void judge_swing(std::span<const MeanPoint> points, SteadyMeans& means) noexcept {
+    const std::size_t last = points.size() - 1, quarter = last / 4 * 2;  // even numbers of periods
+    const double tight = means.error[2].mean;
+    if (!(tight > 0.0)) return;
+    const double before = alternation(points[last - 2 * quarter], points[last - quarter]);
+    const double after = alternation(points[last - quarter], points[last]);
+    means.alternation = after / tight;
+    means.grows = means.alternation > noticed_alternation && after > before;
+    for (const Mean quantity : {Mean::tight, Mean::slack}) {
+        const double earlier = swing(points.first(last / 2 + 1), quantity), later = swing(points.last(last / 2 + 1), quantity);
+        means.swing = std::max(means.swing, later / tight);
+        means.grows = means.grows || (later > noticed_swing * tight && later > growth_of_swing * earlier);
+    }
 }
 
 }  // namespace
+
+MeanErrors mean_errors(const MeanCurve& curve) noexcept {
+    MeanErrors errors;
+    if (curve.empty()) return errors;
+    const double period = curve.pin_period(), end = curve.last().time, span = end - curve.first().time;
+    const double all = period > 0.0 ? std::floor(span / period * (1.0 + 1e-9)) : 0.0;
+    if (all < static_cast<double>(min_blocks)) return errors;
+    double count = 0.0, length = 0.0;
+    for (std::size_t n = max_blocks; n >= min_blocks; --n) {  // those that leave out least
+        const double number = static_cast<double>(n), each = std::floor(all / number);
+        if (number * each > count * length) count = number, length = each;
+    }
+    std::array<Block, max_blocks> blocks{};
+    const MeanPoint first = curve.at(end - count * length * period);
+    MeanPoint begin = first;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
+        const MeanPoint next = curve.at(end - (count - 1.0 - static_cast<double>(k)) * length * period);
+        blocks[k] = block_of(begin, next);
+        begin = next;
+    }
+    fill_errors({blocks.data(), static_cast<std::size_t>(count)}, errors);
+    add_rails(first, begin, errors);
+    return errors;
+}
+
+MeanErrors noted_errors(MeanErrors errors, double tolerance) noexcept {
+    errors.judge(tolerance, share_of_ratio, min_noted_slip, losses);
+    return errors;
+}
 
 SteadyMeans steady_means(const MeanCurve& curve, const SteadyRule& rule) noexcept {
     const std::span<const MeanPoint> points = curve.points();
@@ -304,31 +350,26 @@ SteadyMeans steady_means(const MeanCurve& curve, const SteadyRule& rule) noexcep
     SteadyMeans means;
     const std::size_t batches = std::min(max_blocks, periods / 2 / unit);
     if (batches < min_blocks || static_cast<double>(periods) < rule.pins) return means;
-    means.batches = batches;
+    means.early = static_cast<double>(periods) < std::min(min_revolutions * rule.pins, rule.limit);
     means.batch = periods / 2 / batches / unit * unit;
     means.begin = periods - batches * means.batch;
     std::array<Block, max_blocks> blocks{};
     for (std::size_t k = 0; k < batches; ++k)
         blocks[k] = block_of(points[means.begin + k * means.batch], points[means.begin + (k + 1) * means.batch]);
-    for (std::size_t quantity = 0; quantity < SteadyMeans::count; ++quantity) {
-        double values[max_blocks];
-        for (std::size_t k = 0; k < batches; ++k) values[k] = blocks[k].mean[quantity];
-        means.error[quantity] = error_of_mean({values, batches});
+    fill_errors({blocks.data(), batches}, means);
+    const MeanPoint &begin = points[means.begin], &end = points.back();
+    add_rails(begin, end, means);
+    const bool held = rule.holds_ratio && end.mean_since(begin, Mean::limited) <= often_limited;
+    means.off_target = held ? std::abs(end.mean_since(begin, Mean::missed)) : 0.0;
+    for (std::size_t quantity = 0; quantity < SteadyMeans::count; ++quantity) {  // what is held decides the others
+        MeanError& error = means.error[quantity];
+        error.drift += means.off_target * std::abs(quantity == efficiency ? 1.0 - error.mean : error.mean);
     }
-    for (std::size_t quantity = 0; quantity < SteadyMeans::count; ++quantity) {
-        const double share = means.error[quantity].sum() / allowed(quantity, rule.tolerance, means);
-        if (quantity == losses || !(share > means.share)) continue;
-        means.share = share;
-        means.worst = quantity;
-    }
-    const std::size_t quarter = (periods - means.begin) / 4 * 2, last = periods;  // even numbers of periods
-    const double before = alternation(points[last - 2 * quarter], points[last - quarter]);
-    const double after = alternation(points[last - quarter], points[last]), tight = means.error[2].mean;
-    means.alternation = tight > 0.0 ? after / tight : 0.0;
-    means.alternates = means.alternation > noticed_alternation && after > before;
+    means.judge(rule.tolerance, held ? share_of_ratio : 1.0, min_steady_slip, efficiency);
+    judge_swing(points.subspan(means.begin), means);
     const MeanPoint& middle = points[means.begin + batches / 2 * means.batch];
-    const double earlier = std::abs(middle.mean_since(points[means.begin], Mean::friction_slip));
-    const double later = std::abs(points[last].mean_since(middle, Mean::friction_slip));
+    const double earlier = std::abs(middle.mean_since(begin, Mean::friction_slip));
+    const double later = std::abs(end.mean_since(middle, Mean::friction_slip));
     if (rule.tolerance > 0.0 && later > most_slip && later > growth_of_sliding * earlier) means.sliding = later;
     return means;
 }

@@ -1,6 +1,7 @@
 #pragma once
-/// Integrals of a run over time, of which means come, and what the means of equal times show: trends, errors, whether they are steady.
+/// Integrals of a run over time, of which means come, and what the means of equal times show: errors, whether they are steady.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <span>
@@ -61,10 +62,11 @@ struct MeanPoint {
 
 /// When means are steady: every error of theirs is below a tolerance. A rule without tolerance is none.
 struct SteadyRule {
-    double tolerance = 0.0;  ///< relative to each mean; of the efficiency to the losses' share, at least a fiftieth [1]
-    double limit = 0.0;      ///< pin periods after which a run ends that is not steady [1]
-    double pins = 0.0;       ///< pin periods of a revolution [1]
-    double repeats = 1.0;    ///< pin periods after which the machine repeats itself: all of a revolution where it is imperfect [1]
+    double tolerance = 0.0;    ///< relative to each mean; of the efficiency to the losses' share, at least a fiftieth [1]
+    double limit = 0.0;        ///< pin periods after which a run ends that is not steady [1]
+    double pins = 0.0;         ///< pin periods of a revolution [1]
+    double repeats = 1.0;      ///< pin periods after which the machine repeats itself: all of a revolution where it is imperfect [1]
+    bool holds_ratio = false;  ///< ratio control: the ratio is steady at its target, to a tenth of the tolerance
 };
 
 /// By the trapezoidal rule over samples, which may lie at any distance from each other.
@@ -116,20 +118,6 @@ private:
     bool marks_ = false;
 };
 
-/// A quantity that moves. Shares of its mean.
-struct MeanTrend {
-    std::string_view quantity;
-    double change = 0.0;       ///< of the line from the begin to the end of the window [1]
-    double uncertainty = 0.0;  ///< of that, 95 % [1]
-
-    /// Smallest change that is certain [1].
-    [[nodiscard]] double least() const noexcept;
-};
-
-/// The one that has changed most of ratio, thrust ratio, tensions, slips and losses; none: fewer than four pin periods.
-/// @param from, to of `curve` [s]
-[[nodiscard]] MeanTrend largest_trend(const MeanCurve& curve, double from, double to) noexcept;
-
 /// Swing of a clamping force that a controller makes: standard deviation over mean, within each of up to four parts of the time, the least
 /// of them, so that a single change is none. The larger one of both shafts; 0: without control, or in less than two pin periods [1].
 /// @param from, to of `curve`: of these the end, at most 64 pin periods for each part [s]
@@ -138,29 +126,55 @@ struct MeanTrend {
 /// Error of the mean of a series. [unit of the series]
 struct MeanError {
     double mean = 0.0;
-    double drift = 0.0;  ///< change of the trend over all, and half as much again as the bend of the trend
-    double noise = 0.0;  ///< 95 %, of the scatter about that trend
+    double drift = 0.0;   ///< change of the trend over all, and half as much again as the bend of the trend
+    double noise = 0.0;   ///< 95 %, of the scatter about that trend
+    double change = 0.0;  ///< of the straight line from begin to end
 
     [[nodiscard]] double sum() const noexcept { return std::hypot(drift, noise); }
+    /// Change that scatter cannot have made: that of a line through many means is uncertain by the root of twelve times their mean's noise.
+    [[nodiscard]] double certain() const noexcept { return std::max(0.0, std::abs(change) - std::sqrt(12.0) * noise); }
 };
 /// @param values four to eight means of equal times that follow each other
 [[nodiscard]] MeanError error_of_mean(std::span<const double> values) noexcept;
 
-/// Means of the last half of a run, in equal batches of whole pin periods, and their errors.
-struct SteadyMeans {
+/// Errors of an efficiency are relative to the losses' share of the input, at least to this [1].
+inline constexpr double share_of_efficiency = 0.02;
+
+/// Errors of the means of a span of time, by equal batches of whole pin periods.
+struct MeanErrors {
     static constexpr std::size_t count = 8;
     /// "ratio", "thrust ratio", "tight tension", …, "efficiency".
     [[nodiscard]] static std::string_view name(std::size_t quantity) noexcept;
 
-    std::size_t begin = 0, batch = 0, batches = 0;  ///< of the curve's points: first, number of periods in each, number; 0: too short
-    double share = 0.0;                             ///< largest error over what the rule allows for it; 0: not known [1]
-    std::size_t worst = 0;                          ///< the quantity that has it
-    std::array<MeanError, count> error{};           ///< not a number: there is no such mean
-    double alternation = 0.0;                       ///< amplitude of the tight tension at half the pin frequency over its mean [1]
-    bool alternates = false;                        ///< it is noticeable and grows: what follows has other means
-    double sliding = 0.0;                           ///< slip by friction of a chain that slides, and ever faster; else 0 [1]
+    std::size_t batches = 0;               ///< 0: too short
+    double share = 0.0;                    ///< largest error over what is allowed for it; 0: not known [1]
+    std::size_t worst = 0;                 ///< the quantity that has it
+    double moved = 0.0;                    ///< largest change that is certain, likewise over what is allowed [1]
+    std::size_t moving = 0;                ///< the quantity that has changed so
+    std::array<MeanError, count> error{};  ///< not a number: there is no such mean
 
-    [[nodiscard]] bool steady() const noexcept { return batches > 0 && share > 0.0 && share <= 1.0 && !alternates; }
+    /// Finds the largest error and change over what a tolerance allows: of each mean, of the ratio a share of that; slips below
+    /// `small_slip` and slack strands below a tenth of the tight one count as these. @param judged the quantity by which losses are judged
+    void judge(double tolerance, double of_ratio, double small_slip, std::size_t judged) noexcept;
+};
+
+/// Errors of the means over the time that is seen; fewer than four pin periods: none.
+[[nodiscard]] MeanErrors mean_errors(const MeanCurve& curve) noexcept;
+/// Judges errors as notes do: the ratio to a tenth of the tolerance, slips below 0.3 % to that share of 0.3 %, as far as a step resolves
+/// them.
+[[nodiscard]] MeanErrors noted_errors(MeanErrors errors, double tolerance) noexcept;
+
+/// Means of the last half of a run, in equal batches of whole pin periods, and their errors.
+struct SteadyMeans : MeanErrors {
+    std::size_t begin = 0, batch = 0;  ///< of the curve's points: first, number of periods in each batch
+    double off_target = 0.0;           ///< deviation of a ratio that is held, in front of which the ratio is still under way [1]
+    double alternation = 0.0;          ///< amplitude of the tight tension at half the pin frequency over its mean [1]
+    double swing = 0.0;                ///< root mean square of the tensions' differences from period to period, over the tight one [1]
+    bool early = false;                ///< before three revolutions: a swing may not show yet
+    bool grows = false;                ///< either is noticeable and grows: what follows has other means
+    double sliding = 0.0;              ///< slip by friction of a chain that slides, and ever faster; else 0 [1]
+
+    [[nodiscard]] bool steady() const noexcept { return batches > 0 && share > 0.0 && share <= 1.0 && !grows && !early; }
 };
 /// @param curve one that marks periods
 [[nodiscard]] SteadyMeans steady_means(const MeanCurve& curve, const SteadyRule& rule) noexcept;

@@ -29,7 +29,7 @@ struct RunReport : RunHistory {
     double settling_residual = 0.0;    ///< relative residual of the energy balance of settling
     SpanMeans whole, first_fifth, last_fifth;  ///< of the run; with run.until = "steady" of its last half
     CycleMiss cycle_miss;                      ///< largest, of a run with a cycle
-    SteadyMeans steady;                        ///< with run.until = "steady": errors of those means
+    MeanErrors errors;                         ///< of `whole`
     double revolutions = 0.0;                  ///< likewise, of the chain, until their begin [1]
     std::vector<CouplingReport> couplings;     ///< of the shafts that have one
     model::TripSums trip{};                    ///< of the cycle at the end; zero without one

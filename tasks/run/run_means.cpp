@@ -17,10 +17,9 @@ constexpr double gross_slip = 0.03;    ///< creep of a holding chain stays below
 constexpr double often = 0.05;         ///< share of time
 constexpr double misses = 0.01;        ///< of a controller's target
 constexpr double swings = 0.05;        ///< a controlled force: standard deviation over mean
-constexpr double moves = 0.01;         ///< a mean, from begin to end of the window: it is no result to 1 %
+constexpr double known = 0.01;         ///< error of a mean beyond which it is no result to 1 %
 constexpr double misses_cycle = 0.02;  ///< speed of shaft 2 follows ECE-15 within 1.5 %
 constexpr double varies = 1e-6;        ///< a target that is a table, from fifth to fifth
-constexpr double drifts_ratio = 0.01, drifts_slip = 0.2, slip_threshold = 5e-4;
 constexpr double standing_speed = 0.1;   ///< of shafts, 5 mm/s at the chain: of the order of the speeds at which tips creep [rad/s]
 constexpr double resolved_share = 0.05;  ///< of the losses, that the balance may leave whatever they are
 constexpr double takes_energy = 0.02;    ///< of the input; 7e-4 over 11 pin periods of the settled baseline
@@ -38,9 +37,12 @@ constexpr NoteKind kinds[] = {
     {"clamping_limit", "a clamping force was above wear.clamping_limit at the slip speed at some time"},
     {"efficiency", "more is lost than comes in, in the whole run or in its last fifth: there is no efficiency"},
     {"unsteady",
-     "the state changes: ratio of the first and the last fifth differ by more than 1 %, slip by more than a fifth of it; a line through "
-     "means of pin periods changes by more than 1 % in ratio, thrust ratio, tensions, slip or losses; the stored energy changes by more "
-     "than 2 % of the input; or it was seen for less than a pin period"},
+     "the state changes: a mean of thrust ratio, tensions, slips or losses certainly moves by more than 1 % of it (slips below 0.3 %: of "
+     "0.3 %) from begin to end, of the ratio by more than 0.1 %; the stored energy changes by more than 2 % of the input; or it was seen "
+     "for less than a pin period"},
+    {"uncertain",
+     "means are not known to 1 %: an error of those means, by trend and scatter, is above these limits, or there are fewer than four pin "
+     "periods, which do not show it"},
     {"standstill", "the shafts turn by less than 0.1 rad/s: slip is noise"},
     {"no_load", "drive and load transfer less power than the machine loses: slip and efficiency are those of idling"},
     {"cycle_missed", "speed or work of shaft 2 are off what the cycle needs by more than 2 % of the run's; the status of the run as well"},
@@ -137,7 +139,9 @@ SpanMeans RunMeans::span(double from, double to) const {
     return means;
 }
 
-MeanTrend RunMeans::trend() const { return curve_.empty() ? MeanTrend{} : largest_trend(curve_, begin(), end()); }
+MeanErrors RunMeans::errors() const noexcept {
+    return noted_errors(steady_.batches > 0 ? MeanErrors(steady_) : mean_errors(curve_), std::max(known, rule_.tolerance));
+}
 
 double RunMeans::begin() const noexcept { return steady_.batches == 0 ? curve_.first().time : curve_.points()[steady_.begin].time; }
 
@@ -152,7 +156,9 @@ SteadyRule steady_rule(const Scene& scene) noexcept {
     const int pitches = static_cast<int>(p.chain.pitch.size()), pins = p.chain.pins;
     const bool turns_matter = p.imperfection.runout != 0.0 || p.imperfection.attachment != 1.0 || p.imperfection.unbalance != 0.0 ||
                               p.imperfection.pin_length_spread != 0.0 || pins % pitches != 0;
-    return {scene.run.steady, scene.run.steady_limit * pins, static_cast<double>(pins), static_cast<double>(turns_matter ? pins : pitches)};
+    const bool holds_ratio = p.control.enabled && p.control.quantity == model::ControlledQuantity::ratio;
+    return {scene.run.steady, scene.run.steady_limit * pins, static_cast<double>(pins), static_cast<double>(turns_matter ? pins : pitches),
+            holds_ratio};
 }
 
 void RunMeans::clear() noexcept {
@@ -206,38 +212,39 @@ std::span<const double> RunMeans::load(std::span<const double> memory) {
 
 namespace {
 
-/// Why means are over a changing state.
-enum class Change { none, drift, trend, brief, energy };
+[[nodiscard]] std::string percent(double share) { return fmt::format("{:.3g} %", 100.0 * share); }
 
-[[nodiscard]] Change change_of(const RunMeans& means) {
-    const SpanMeans whole = means.all(), first = means.fifth(0), last = means.fifth(4);
-    const bool ratio_drifts = std::abs(last.ratio - first.ratio) > drifts_ratio * std::abs(whole.ratio);
-    const bool slip_drifts = std::abs(last.slip - first.slip) > drifts_slip * std::abs(whole.slip) + slip_threshold;
-    if (ratio_drifts || slip_drifts) return Change::drift;
-    if (means.trend().least() > moves) return Change::trend;
-    if (means.curve().pin_period() > 0.0 && whole.periods < 1.0) return Change::brief;
-    return std::abs(whole.stored) > takes_energy ? Change::energy : Change::none;
+/// Why means are no results.
+enum class Doubt { none, moves, brief, energy, few, uncertain };
+
+[[nodiscard]] Doubt doubt_of(const RunMeans& means, const MeanErrors& errors) noexcept {
+    const SpanMeans whole = means.all();
+    const bool counts = means.curve().pin_period() > 0.0;
+    if (errors.moved > 1.0) return Doubt::moves;
+    if (counts && whole.periods < 1.0) return Doubt::brief;
+    if (std::abs(whole.stored) > takes_energy) return Doubt::energy;
+    if (counts && errors.batches == 0) return Doubt::few;
+    return errors.share > 1.0 ? Doubt::uncertain : Doubt::none;
 }
 
-[[nodiscard]] std::string trend_text(Change change, const RunMeans& means) {
-    const SpanMeans whole = means.all(), first = means.fifth(0), last = means.fifth(4);
-    const auto percent = [](double share) { return fmt::format("{:.3g} %", 100.0 * share); };
-    switch (change) {
-        case Change::drift:
-            return fmt::format("means are over a changing state: ratio {:.5g} … {:.5g}, slip {} … {}", first.ratio, last.ratio,
-                               percent(first.slip), percent(last.slip));
-        case Change::trend: {
-            const MeanTrend moving = means.trend();
-            return fmt::format("means are over a changing state: change of {} from begin to end {} ± {}", moving.quantity,
-                               percent(moving.change), percent(moving.uncertainty));
-        }
-        case Change::brief:
+[[nodiscard]] std::string doubt_text(Doubt doubt, const RunMeans& means, const MeanErrors& errors) {
+    const SpanMeans whole = means.all();
+    const auto of_mean = [](double value, const MeanError& error) { return percent(value / std::abs(error.mean)); };
+    switch (doubt) {
+        case Doubt::moves:
+            return fmt::format("means are over a changing state: change of {} from begin to end {}", MeanErrors::name(errors.moving),
+                               of_mean(errors.error[errors.moving].change, errors.error[errors.moving]));
+        case Doubt::brief:
             return fmt::format("means are over less than the {:.3g} ms in which a pin takes the place of the next one",
                                1e3 * means.curve().pin_period());
-        case Change::energy:
+        case Doubt::energy:
             return fmt::format("means are over a changing state: the stored energy has {} {} of the input",
                                whole.stored > 0.0 ? "taken" : "given", percent(std::abs(whole.stored)));
-        case Change::none: break;
+        case Doubt::few: return fmt::format("means are over {:.0f} pin periods: fewer than 4 do not show their errors", whole.periods);
+        case Doubt::uncertain:
+            return fmt::format("means are not known to 1 %: {} ± {}: run longer, or run.until=steady", MeanErrors::name(errors.worst),
+                               of_mean(errors.error[errors.worst].sum(), errors.error[errors.worst]));
+        case Doubt::none: break;
     }
     return {};
 }
@@ -276,6 +283,8 @@ struct Controlled {
     const auto lives_on_itself = [](const SpanMeans& span) { return span.input > 0.0 && span.lost > span.input; };
     const bool stands = whole.turning < standing_speed;
     const Controlled control(means);
+    const Doubt doubt = doubt_of(means, means.errors());
+    const bool uncertain = doubt == Doubt::few || doubt == Doubt::uncertain;
     return {std::abs(last.slip) > gross_slip && !stands,
             control.limited > often,
             std::abs(control.missed) > misses && !stands,
@@ -283,7 +292,8 @@ struct Controlled {
             last.loose > often,
             whole.beyond > 0.0,
             !whole.no_load && (lives_on_itself(whole) || lives_on_itself(last)),
-            change_of(means) != Change::none && !stands,
+            doubt != Doubt::none && !uncertain && !stands,
+            uncertain && !stands,
             stands,
             (whole.no_load || (whole.input > 0.0 && whole.carried < 1.0)) && !stands,
             whole.cycle_missed(),
@@ -297,7 +307,8 @@ std::vector<Note> notes(const RunMeans& means, const EnergyBalance& balance, boo
     if (!pulleys) std::fill(found.begin(), found.end() - 1, false);
     const SpanMeans whole = means.all(), last = means.fifth(4);
     const Controlled control(means);
-    const auto percent = [](double share) { return fmt::format("{:.3g} %", 100.0 * share); };
+    const MeanErrors errors = means.errors();
+    const std::string doubts = doubt_text(doubt_of(means, errors), means, errors);
     const std::string texts[] = {
         fmt::format("the chain slips by {}", percent(last.slip)),
         fmt::format("control is at the limit of its authority ({} of the {})", percent(control.limited),
@@ -311,7 +322,8 @@ std::vector<Note> notes(const RunMeans& means, const EnergyBalance& balance, boo
         fmt::format("there is no efficiency: {:.3g} W are lost of {:.3g} W that come in ({:.3g} of {:.3g} W in the last fifth), and what "
                     "moves gives the rest",
                     whole.lost, whole.input, last.lost, last.input),
-        trend_text(change_of(means), means),
+        doubts,
+        doubts,
         "the machine is at rest: slip is noise",
         fmt::format("no load: drive and load transfer {} of the losses{}", percent(whole.carried),
                     whole.no_load ? ": there is no efficiency, and slip is that of idling" : ": slip and efficiency are those of idling"),

@@ -1,7 +1,6 @@
 #pragma once
 /// Means of a run over time, over all of it and over its first and last fifth, what is odd about them, and whether they are reliable. They
-/// come from integrals over time, whose memory does not grow with the run; a straight line through means of blocks of whole pin periods
-/// shows whether they still move.
+/// come from integrals over time, whose memory does not grow with the run; means of blocks of whole pin periods show their errors.
 
 #include <array>
 #include <cmath>
@@ -100,8 +99,8 @@ public:
     /// k: 0 … 4, the last one
     [[nodiscard]] SpanMeans fifth(int k) const { return span(0.2 * k, k < 4 ? 0.2 * (k + 1) : 1.0); }
     [[nodiscard]] const CycleMiss& cycle_miss() const noexcept { return miss_; }
-    /// Largest change of a mean from begin to end of the window.
-    [[nodiscard]] MeanTrend trend() const;
+    /// Errors of all(); no batches: too short to know them.
+    [[nodiscard]] MeanErrors errors() const noexcept;
 
     /// For checkpoints: continues bitwise. load() returns the rest of the memory. @throws std::invalid_argument for a malformed memory
     void save(std::vector<double>& memory) const;

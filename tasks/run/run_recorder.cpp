@@ -269,8 +269,8 @@ void RunRecorder::finish(const Simulation& simulation, RunReport& report, double
     report.first_fifth = means_.fifth(0);
     report.last_fifth = means_.fifth(4);
     report.cycle_miss = means_.cycle_miss();
-    report.steady = means_.steady();
-    report.revolutions = static_cast<double>(report.steady.begin) / std::max(1.0, means_.rule().pins);
+    report.errors = means_.errors();
+    report.revolutions = static_cast<double>(means_.steady().begin) / std::max(1.0, means_.rule().pins);
     report.notes = notes(means_, report.energy, report.has_pulleys);
     if (!file_) return;
     file_->set_attribute({std::string(step_taken_attribute), report.step});

@@ -94,15 +94,17 @@ std::string periods_text(const SpanMeans& means) {
     return means.periods > 0.0 ? fmt::format("{:.0f} pin periods", means.periods) : "less than a pin period";
 }
 
-/// Errors of the means of a run that ends when they are steady.
-std::string steady_lines(const RunReport& r) {
-    if (r.steady.batches == 0) return {};
-    const auto error = [&r](std::size_t k) { return r.steady.error[k].sum(); };
+/// Errors of the means, and when those begin that a run waits for.
+std::string error_of_means_lines(const RunReport& r) {
+    if (r.errors.batches == 0) return {};
+    const auto error = [&r](std::size_t k) { return r.errors.error[k].sum(); };
     std::string text = fmt::format("  errors of means     tight ± {:.1f} N   slack ± {:.1f} N   thrust ratio ± {:.4f}   ratio ± {:.5f}\n",
                                    error(2), error(3), error(1), error(0));
     text += fmt::format("                      slip ± {:.4f} %   by friction ± {:.4f} %", 100.0 * error(4), 100.0 * error(5));
     if (std::isfinite(error(7))) text += fmt::format("   efficiency ± {:.3f} %", 100.0 * error(7));
-    return text + fmt::format("\n  settled for         {:.4g} ms, {:.2f} revolutions of the chain; means are over as long again\n",
+    text += fmt::format("   lost ± {:.3g} W\n", error(6));
+    if (r.revolutions == 0.0) return text;
+    return text + fmt::format("  settled for         {:.4g} ms, {:.2f} revolutions of the chain; means are over as long again\n",
                               1e3 * (r.whole.begin - r.begin), r.revolutions);
 }
 
@@ -137,7 +139,7 @@ std::string operating_point(const RunReport& r) {
     }
     line("last fifth          slip {:.3f} %      efficiency {}      tight {:.1f} N      slack {:.1f} N", 100.0 * r.last_fifth.slip,
          percent(r.last_fifth), r.last_fifth.tight, r.last_fifth.slack);
-    text += steady_lines(r);
+    text += error_of_means_lines(r);
     text += outside_lines(r);
     return text;
 }

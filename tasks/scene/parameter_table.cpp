@@ -450,7 +450,7 @@ std::span<const Parameter> parameter_table() {
      "Channels recorded in addition to the usual ones, or groups such as tips/*; cvtflow list channels shows all."},
     {"record.means", "", 0, 0, {}, of<&RunSettings::means>,
      "An output is the mean over the time since the output before, by ten samples per pin period at least, and not the value of its "
-     "instant. Sums so far, angles and places stay those of the instant."},
+     "instant. Sums so far, stored energies, angles and places stay those of the instant."},
         // clang-format on
     };
     return table;

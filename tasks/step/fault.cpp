@@ -21,7 +21,7 @@ std::string unsteady_text(const std::string& when, double value, double revoluti
         return fmt::format("the chain slides {}, and ever faster: it slips by {:.3g} %, and no mean of that is steady", when,
                            100.0 * value);
     if (value == 0.0) return fmt::format("the chain moves too little {} for means of whole pin periods", when);
-    if (value <= 1.0) return fmt::format("the means alternate with every other pin {}, and more and more", when);
+    if (value <= 1.0) return fmt::format("the tensions swing from pin to pin {}, and more and more", when);
     return fmt::format(
         "the means are not steady {}, after {:.3g} revolutions of the chain (run.steady_limit): their largest error is {:.2g} times "
         "run.steady",

@@ -170,6 +170,24 @@ void draw_extras(Urn urn, const Scene& scene, LotteryMachine& machine) {
     settings.push_back(fmt::format("imperfection.runout={:.6g} um", runout));
 }
 
+/// Ratio control and strand guides, from an urn of their own. A machine without control drifts for seconds.
+std::vector<std::string> drawn_holders(Urn urn, const Scene& scene) {
+    std::vector<std::string> settings;
+    const double held = urn.draw(), guided = urn.draw(), stiffness = urn.draw(5.0, 6.3), clearance = urn.draw(0.05, 0.5);
+    const double offset = urn.draw(0.1, 0.3), friction = urn.draw(0.05, 0.3);
+    if (held < 0.9) {
+        settings.insert(settings.end(),
+                        {"control.enabled=true", "control.quantity=ratio", "control.gains=found", "control.authority=40 kN"});
+        settings.push_back(fmt::format("control.ratio={:.6g}", 1.002 * scene.parameters.start.ratio));
+    }
+    if (guided >= 1.0 / 3.0) return settings;
+    settings.push_back(fmt::format("guide.stiffness={:.6g}", std::pow(10.0, stiffness)));
+    settings.push_back(fmt::format("guide.clearance={:.6g} mm", clearance));
+    settings.push_back(fmt::format("guide.offset={:.6g} mm", offset));
+    settings.push_back(fmt::format("guide.friction_coefficient={:.6g}", friction));
+    return settings;
+}
+
 }  // namespace
 
 LotteryMachine lottery_machine(std::uint64_t seed, long number) {
@@ -182,6 +200,24 @@ LotteryMachine lottery_machine(std::uint64_t seed, long number) {
     draw_hydraulics(urn, machine.settings);
     draw_extras(Urn(seed + 31, number), scene, machine);
     return machine;
+}
+
+Scene lottery_scene(std::uint64_t seed, long number, const LotteryRules& rules) {
+    LotteryMachine machine = lottery_machine(seed, number);
+    Scene scene = machine.scene.empty() ? Scene() : read_scene(find_scene(machine.scene));
+    scene.name = fmt::format("machine {}", number);
+    scene.run = RunSettings();
+    std::vector<std::string>& settings = machine.settings;
+    settings.push_back(fmt::format("start.settling_time={}", rules.settling_time));
+    settings.push_back(fmt::format("start.ramp_time={}", 0.25 * rules.settling_time));
+    settings.push_back(fmt::format("run.until={}", rules.duration * std::max(1.0, rules.longer)));
+    settings.emplace_back("run.output_interval=20 us");
+    settings.emplace_back("run.schedule=serial");
+    if (!rules.detail.empty()) settings.insert(settings.end(), {"start.state=", "joint.law=linear"});  // of any level
+    set_values(scene, settings);
+    if (!rules.detail.empty()) apply_detail(scene, rules.detail);
+    if (rules.longer > 0.0) set_values(scene, drawn_holders(Urn(seed + 62, number), scene));
+    return scene;
 }
 
 double LotteryTicket::slip_error(const LotteryRules& rules) const noexcept {
@@ -212,24 +248,6 @@ public:
 private:
     model::Observer observer_;
 };
-
-/// The machine as a scene.
-[[nodiscard]] Scene lottery_scene(std::uint64_t seed, long number, const LotteryRules& rules) {
-    LotteryMachine machine = lottery_machine(seed, number);
-    Scene scene = machine.scene.empty() ? Scene() : read_scene(find_scene(machine.scene));
-    scene.name = fmt::format("machine {}", number);
-    scene.run = RunSettings();
-    std::vector<std::string>& settings = machine.settings;
-    settings.push_back(fmt::format("start.settling_time={}", rules.settling_time));
-    settings.push_back(fmt::format("start.ramp_time={}", 0.25 * rules.settling_time));
-    settings.push_back(fmt::format("run.until={}", rules.duration));
-    settings.emplace_back("run.output_interval=20 us");
-    settings.emplace_back("run.schedule=serial");
-    if (!rules.detail.empty()) settings.insert(settings.end(), {"start.state=", "joint.law=linear"});  // of any level
-    set_values(scene, settings);
-    if (!rules.detail.empty()) apply_detail(scene, rules.detail);
-    return scene;
-}
 
 [[nodiscard]] std::string_view pin_words(model::PinDetail pins) noexcept { return pins == model::PinDetail::rigid ? "rigid " : ""; }
 

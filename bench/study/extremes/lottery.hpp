@@ -16,6 +16,7 @@ struct LotteryRules {
     double duration = 20e-3;       ///< [s]
     double refinement = 4.0;       ///< factor by which steps of the comparison are shorter [1]
     double tolerance = 0.01;       ///< of slip and losses [1]
+    double longer = 0.0;           ///< 0, or the means of `duration` are compared with those of a run longer by this factor [1]
     double min_slip = 5e-4;  ///< slip below this is compared with this: 1 % of it are 5e-6, less than speeds of shafts are measured to [1]
 };
 
@@ -56,6 +57,9 @@ struct LotteryTicket {
     /// Right, and called unreliable.
     [[nodiscard]] bool false_alarm(const LotteryRules& rules) const noexcept { return status == "unreliable" && right(rules); }
 };
+
+/// The machine as a scene; where longer times are compared, nine of ten hold their ratio by control, and a third have strand guides.
+[[nodiscard]] tasks::Scene lottery_scene(std::uint64_t seed, long number, const LotteryRules& rules);
 
 /// Settles and runs a machine with defaults, and once more with shorter steps.
 [[nodiscard]] LotteryTicket play(std::uint64_t seed, long number, const LotteryRules& rules);

@@ -74,7 +74,8 @@ TableColumn key_column(const Axis& axis, std::size_t key) {
 /// Column of a scalar's error: of verified cases, or stated by cases that end when they are steady.
 TableColumn error_column(const Sweep& sweep, const Scalar& scalar) {
     const char* meaning =
-        sweep.steady() ? "relative error of its mean, by trend and scatter" : "relative error against the reference run; NaN: not verified";
+        sweep.steady() ? "relative error of its mean, by trend and scatter; of an efficiency relative to the losses' share, at least 2 %"
+                       : "relative error against the reference run; NaN: not verified";
     return {std::string(error_prefix) + scalar.column, "1", fmt::format("{}: {}", scalar.text, meaning)};
 }
 

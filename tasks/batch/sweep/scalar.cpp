@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "engine/base/text.hpp"
+#include "tasks/run/mean_curve.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/units.hpp"
 #include "tasks/step/step_method.hpp"
@@ -138,6 +139,11 @@ std::string Scalar::description() const {
 }
 
 bool Scalar::averages() const noexcept { return std::ranges::all_of(terms, &ScalarTerm::over_time); }
+
+double Scalar::error_scale(double value) const noexcept {
+    const bool efficiency = terms.size() == 1 && terms[0].reduction == Reduction::mean && terms[0].channel->name == "efficiency";
+    return efficiency ? std::max(share_of_efficiency, 1.0 - value) : std::abs(value);
+}
 
 Scalar parse_scalar(const std::string& text, Position position, std::vector<Problem>& problems) {
     Scalar scalar;

@@ -55,6 +55,8 @@ struct Scalar {
     [[nodiscard]] bool averages() const noexcept;
     /// Whether it is undefined where no energy flows, which is no fault of a case.
     [[nodiscard]] bool may_be_undefined() const noexcept { return std::ranges::any_of(terms, &ScalarTerm::efficiency); }
+    /// What the error of its mean is relative to, as run.steady is: the value, or the losses' share of the input for an efficiency.
+    [[nodiscard]] double error_scale(double value) const noexcept;
 };
 
 /// Name of a column in a table: letters and digits, every run of others one underscore: load.torque, "slip mean", tips/axial_force[*].

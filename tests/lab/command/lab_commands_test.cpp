@@ -47,6 +47,16 @@ TEST_F(LabCommands, LotteryPrintsSettingsAsWordsOfAShell) {
     EXPECT_GT(settings, 400);
 }
 
+/// One machine, some pin periods.
+TEST_F(LabCommands, LotteryComparesNotesWithLongerRuns) {
+    const Outcome outcome =
+        run({"lottery", "--detail", "rigid", "--machines", "1", "--settling", "0.002", "--duration", "0.002", "--longer", "2", "--csv"});
+    EXPECT_THAT(outcome.out, StartsWith("machine,status,later,notes,quantity,off,wall\n0,finished,,"));
+    EXPECT_THAT(outcome.err,
+                HasSubstr("1 machines, 2 ms compared with 4: 0 without a note (unsteady, uncertain) are right to 1 %, 0 are off"));
+    EXPECT_EQ(outcome.status, 0) << "eight pin periods of a start that moves have a note";
+}
+
 TEST_F(LabCommands, LocalErrorShowsTheOrder) {
     const Outcome outcome = run({"local-error", "tiny", "--settle", "--set", "start.settling_time=1ms", "--set", "start.ramp_time=0.5ms",
                                  "--friction", "both", "--steps", "80ns,160ns"});

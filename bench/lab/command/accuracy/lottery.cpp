@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "bench/lab/command/command.hpp"
-#include "bench/study/extremes/lottery.hpp"
+#include "bench/study/extremes/longer.hpp"
 #include "tasks/scene/csv.hpp"
 #include "tools/program/guard.hpp"
 
@@ -40,6 +40,29 @@ std::string heading(bool csv) {
                        "slip", "off by", "losses", "off by", "residual", "finer", "suspicion", "notes");
 }
 
+/// Notes against errors of means, in four fields.
+ExitStatus compare_longer(const LotteryArguments& a) {
+    const LotteryRules& rules = a.rules;
+    long fields[2][2] = {}, compared = 0;
+    if (a.csv) fmt::print("machine,status,later,notes,quantity,off,wall\n");
+    for (const LongerTicket& t : play_longer(a.seed, a.first, a.machines, a.threads, rules)) {
+        if (a.csv)
+            fmt::print("{},{},{},{},{},{:.3g},{:.3f}\n", t.number, tasks::csv_cell(t.status, true), t.later, tasks::csv_cell(t.notes, true),
+                       t.quantity, t.off, t.wall);
+        else
+            fmt::print("{:>5} {:<12} {:>8.2f} %  {:<16} {} {}\n", t.number, t.status, 100.0 * t.off, t.quantity, t.notes, t.later);
+        if (!t.compared()) continue;
+        ++compared;
+        ++fields[t.noted()][t.off > rules.tolerance];
+    }
+    to_stderr(fmt::format(
+        "{} machines, {:g} ms compared with {:g}: {} without a note (unsteady, uncertain) are right to {:g} %, {} are off; {} with it are "
+        "right, {} off\n",
+        compared, 1e3 * rules.duration, 1e3 * rules.longer * rules.duration, fields[0][0], 100.0 * rules.tolerance, fields[0][1],
+        fields[1][0], fields[1][1]));
+    return fields[0][1] == 0 ? ExitStatus::finished : ExitStatus::fault;
+}
+
 ExitStatus lottery(const LotteryArguments& arguments) {
     if (arguments.settings) {
         for (long k = 0; k < arguments.machines; ++k) {
@@ -50,6 +73,7 @@ ExitStatus lottery(const LotteryArguments& arguments) {
         }
         return ExitStatus::finished;
     }
+    if (arguments.rules.longer > 0.0) return compare_longer(arguments);
     const auto tickets = play_all(arguments.seed, arguments.first, arguments.machines, arguments.threads, arguments.rules);
     fmt::print("{}", heading(arguments.csv));
     std::map<std::string, int> statuses;
@@ -85,6 +109,16 @@ Action declare_lottery(CLI::App& app) {
     app.add_option("--tolerance", arguments->rules.tolerance, "Largest error of slip and losses of a finished run (default: 0.01)")
         ->check(CLI::PositiveNumber)
         ->type_name("SHARE");
+    app.add_option("--settling", arguments->rules.settling_time, "Time for which machines settle [s] (default: 0.02)")
+        ->check(CLI::PositiveNumber)
+        ->type_name("S");
+    app.add_option("--duration", arguments->rules.duration, "Time for which machines run [s] (default: 0.02)")
+        ->check(CLI::PositiveNumber)
+        ->type_name("S");
+    app.add_option("--longer", arguments->rules.longer,
+                   "Compare means and notes on them with means of the last half of runs that are longer by this factor")
+        ->check(CLI::Range(2.0, 1000.0))
+        ->type_name("FACTOR");
     app.add_flag("--settings", arguments->settings, "Print the settings of the machines and run nothing");
     app.add_flag("--csv", arguments->csv, "Print a CSV table");
     app.footer(
