@@ -81,7 +81,7 @@ TEST_F(HostilePlace, KnowsTheRecordOfAnotherFileWithTheSameName) {
     EXPECT_EQ(run(Words{"run", "a/x.toml"} + brief).status, 0) << "the same file, edited";
     const Outcome other = run(Words{"run", "b/x.toml"} + brief);
     EXPECT_EQ(other.status, 1);
-    EXPECT_THAT(other.err, HasSubstr("results/tiny.h5: already exists and is not a record of the scene 'tiny'; --force replaces it"));
+    EXPECT_THAT(other.err, HasSubstr("results/x.h5: already exists and is not a record of the scene 'tiny'; --force replaces it"));
 }
 
 TEST_F(HostilePlace, AppendsWhereTheShellAppends) {

@@ -157,7 +157,7 @@ std::vector<Writer> EveryWriter::writers() {
     return {
         {"run -o", Words{"run", "tiny", "-o", "t.h5"} + brief_run, "t.h5"},
         {"run", Words{"run", "tiny"} + brief_run, "results/tiny.h5", {"own record"}},
-        {"run --checkpoint", Words{"run", "tiny", "-o", "t.h5", "--checkpoint-every", "1 h", "--checkpoint", "c.h5"} + brief_run, "c.h5"},
+        {"run --checkpoint", Words{"run", "tiny", "-o", "t.h5", "--checkpoint-every", "1 us", "--checkpoint", "c.h5"} + brief_run, "c.h5"},
         {"settle -o", brief_settle + Words{"-o", "t.h5"}, "t.h5"},
         {"settle", brief_settle, "tiny_state.h5", {"state"}},
         {"resume -o", {"resume", "k.checkpoint.h5", "-q", "-o", "t.h5"}, "t.h5"},
@@ -230,12 +230,12 @@ TEST_F(EveryWriter, LosesNoFileThatIsNotOfTheSameKindAndRun) {
 }
 
 #ifdef CVTFLOW_FAULTS  // not under sanitizers, whose runtime has to be loaded before any other library
-/// Every command once, with another program's file that takes the name while the command works.
+/// Every command, with a foreign file that takes the name while it works; not those that continue or create a file, nor slow tuning.
 TEST_F(EveryWriter, LosesNoFileThatAppearsMeanwhile) {
     const auto nothing = files();
     for (const Writer& writer : writers()) {
-        const std::vector<std::string> environment{preload(CVTFLOW_FAULTS), "CVTFLOW_APPEARS=" + (folder_ / writer.target).string()};
-        const Outcome outcome = Child(writer.words, folder_, environment, 100).wait();
+        if (writer.name == "resume -o" || writer.name == "batch" || writer.name.starts_with("tune")) continue;
+        const Outcome outcome = run(writer.words, {preload(CVTFLOW_FAULTS), "CVTFLOW_APPEARS=" + (folder_ / writer.target).string()});
         EXPECT_EQ(outcome.status, 1) << writer.name << ": " << outcome.err;
         EXPECT_THAT(outcome.err, HasSubstr(writer.target + ": a")) << writer.name;
         const std::size_t part = outcome.err.find("meanwhile and it stays; the file of this one is ");

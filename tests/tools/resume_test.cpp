@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include <csignal>
+#include <cstring>
 #include <random>
 
 #include "engine/record/hdf5/file_seal.hpp"
@@ -20,7 +21,11 @@ protected:
         const engine::RunReader a = record(left), b = record(right);
         ASSERT_EQ(a.rows(), b.rows());
         EXPECT_EQ(a.times(), b.times());
-        for (const engine::ChannelInfo& channel : a.channels()) EXPECT_EQ(a.channel(channel.name), b.channel(channel.name)) << channel.name;
+        for (const engine::ChannelInfo& channel : a.channels()) {  // bits: some have no number where no energy flows
+            const std::vector<double> numbers = a.channel(channel.name), others = b.channel(channel.name);
+            ASSERT_EQ(numbers.size(), others.size());
+            EXPECT_EQ(std::memcmp(numbers.data(), others.data(), numbers.size() * sizeof(double)), 0) << channel.name;
+        }
         EXPECT_EQ(a.state_times(), b.state_times());
         EXPECT_EQ(a.state(a.state_times().size() - 1), b.state(b.state_times().size() - 1));
         EXPECT_EQ(a.table("transitions"), b.table("transitions"));
