@@ -50,7 +50,7 @@ class Folder(unittest.TestCase):
         """A record of tiny, made by a simulation; once for all tests."""
         if (settings, until) not in RECORDED:
             simulation = cvtflow.Simulation(tiny('start.state=""', "run.state_interval=20 us", *settings))
-            with cvtflow.Recording(simulation, self.file) as recording:
+            with cvtflow.Recording(simulation, self.file, replace=True) as recording:
                 simulation.advance_to(0.0)
                 simulation.advance_to("20 us")  # where calls end does not matter
                 simulation.advance_to(until)
