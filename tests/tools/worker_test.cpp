@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
@@ -163,7 +164,8 @@ TEST_F(Worker, ThatIsStoppedIsContinuedByAnyCommandForTheFolder) {
 TEST_F(Worker, KeepsItsPlaceWhenACaseTakesItsProcessDown) {
     write_sweep(twenty, "0.2 ms");
     const auto worker = start();
-    ASSERT_TRUE(eventually([&] { return rows("0001") >= 1; }));
+    ASSERT_TRUE(eventually([&] { return rows("0001") >= 1 && read("out/workers/claims").size() >= 2u * 35u; }));
+    usleep(50'000);  // into the second case, which takes five times as long
     ASSERT_GT(worker->worker(), 0);
     ASSERT_EQ(kill(worker->worker(), SIGSEGV), 0);
     const Outcome outcome = worker->wait();
