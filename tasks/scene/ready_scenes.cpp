@@ -1,8 +1,6 @@
 #include "tasks/scene/ready_scenes.hpp"
 
 #include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cinttypes>
@@ -40,11 +38,12 @@ fs::path own_folder() {
     return {};
 }
 
-/// First line of a plain file that belongs to this user or to root; empty: another file, or none. Folders above a program may be
-/// everyone's.
+/// First line of a plain file in a folder in which not everyone may write; empty: another file, or none.
 std::string own_note(const fs::path& path) {
-    struct stat file {};
-    if (lstat(path.c_str(), &file) != 0 || !S_ISREG(file.st_mode) || (file.st_uid != 0 && file.st_uid != geteuid())) return {};
+    std::error_code unknown;
+    const fs::perms folder = fs::status(path.parent_path(), unknown).permissions();
+    const bool everyones = unknown || (folder & fs::perms::others_write) != fs::perms::none;
+    if (everyones || !fs::is_regular_file(fs::symlink_status(path, unknown))) return {};
     try {
         const std::string text = engine::read_text_input(path.string(), 4096);
         return text.substr(0, text.find('\n'));

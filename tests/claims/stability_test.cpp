@@ -178,8 +178,7 @@ TEST(ProgramStability, ReachIsWhatTheCatalogueDeclares) {
 
 /// h ω of a leapfrog: 2.
 TEST(ProgramStability, OscillationIsLimitedAsByTheExplicitPart) {
-    EXPECT_EQ(programs_for(TestEquation::oscillator).size(), 4U)
-        << "with stages by RKC and Chebyshev, with sweeps; rigid pins";
+    EXPECT_EQ(programs_for(TestEquation::oscillator).size(), 4U) << "with stages by RKC and Chebyshev, with sweeps; rigid pins";
     for (const MethodProgram& program : programs_for(TestEquation::oscillator))
         EXPECT_NEAR(bench::reach(bench::analysis_of(program).stability(), 0.0, 0.0, 1.0, 0.0), 2.0, 0.04) << program.name;
 }

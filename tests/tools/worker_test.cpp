@@ -217,7 +217,7 @@ TEST_F(Worker, RefusesAFolderOfAnotherKindOrSweep) {
 }
 
 /// Equal machines settle the same state in the same time.
-TEST_F(Worker, GoesOnWhereAnotherWritesTheSameSharedStart) {
+TEST_F(Worker, SettlesByItselfWhereAnotherWritesTheSameSharedStart) {
     write_sweep();
     std::string text = read("sweep.toml");
     write("sweep.toml", text.replace(text.find("\"settle\""), 8, "\"shared\""));

@@ -62,7 +62,8 @@ private:
     std::unique_ptr<Impl> impl_;
 };
 
-/// Channels of energies so far [J], in five sums, from whose changes the mean of an efficiency follows; empty for other channels. A machine may lack some: zero.
+/// Channels of energies so far [J], in five sums, from whose changes the mean of an efficiency follows; empty for other channels. A
+/// machine may lack some: they count as zero.
 [[nodiscard]] CVTFLOW_EXPORT std::vector<std::vector<std::string>> energies_of_efficiency(const std::string& channel);
 /// Mean of an efficiency over a time, the quotient of energies; NaN where none flows. @param changes of these sums in that time [J]
 /// @throws Error (argument) for another number of sums

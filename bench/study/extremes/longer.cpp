@@ -34,7 +34,7 @@ private:
     double until_, from_;  ///< [s]
 };
 
-void compare(const SpanMeans& brief, const SpanMeans& late, LongerTicket& ticket) {
+void compare_means(const SpanMeans& brief, const SpanMeans& late, LongerTicket& ticket) {
     constexpr double min_slip = 3e-3, min_share_of_tight = 0.1;
     const auto thrust = [](const SpanMeans& m) { return m.clamping[1] != 0.0 ? m.clamping[0] / m.clamping[1] : 0.0; };
     const auto put = [&](std::string_view quantity, double is, double was, double least) {
@@ -62,7 +62,7 @@ void settle_and_run(const Scene& scene, const LotteryRules& rules, LongerTicket&
     name_notes(means.brief, simulation.workspace().energy.balance(), ticket.notes);
     fault = simulation.advance({.until = rules.longer * rules.duration}, means, never);
     ticket.later = fault ? fault.name() : "";
-    if (!fault) compare(means.brief.all(), means.late.all(), ticket);
+    if (!fault) compare_means(means.brief.all(), means.late.all(), ticket);
 }
 
 [[nodiscard]] LongerTicket play_machine(std::uint64_t seed, long number, const LotteryRules& rules) {

@@ -135,7 +135,8 @@ MeasuredStep measured_stable_step(const model::Variator& variator, const engine:
 
 namespace {
 
-constexpr double disturbance = 1e-6;  ///< largest velocity of one [m/s]; saturation speeds are thousands of it
+constexpr double disturbance =
+    1e-5;  ///< largest velocity of one [m/s]: floats inside a step round 1e-3 of it, saturation speeds are 500 of it
 constexpr double held_disturbances[] = {1e-7, 1e-6, 1e-5, 1e-8, 1e-9};  ///< [m/s]
 
 [[nodiscard]] Scene with_method(Scene scene, std::string_view method) {

@@ -55,7 +55,7 @@ struct Scalar {
     [[nodiscard]] bool averages() const noexcept;
     /// Whether it is undefined where no energy flows, which is no fault of a case.
     [[nodiscard]] bool may_be_undefined() const noexcept { return std::ranges::any_of(terms, &ScalarTerm::efficiency); }
-    /// What the error of its mean is relative to, as run.steady is: the value, or the losses' share of the input for an efficiency.
+    /// Scale of the error of its mean, as of run.steady: the value, or the losses' share of the input for an efficiency.
     [[nodiscard]] double error_scale(double value) const noexcept;
 };
 

@@ -126,7 +126,8 @@ TEST(Channels, SumsAreLeftAsTheyAreByMeansOfOutputs) {
     long sums = 0;
     for (const Channel& channel : channels()) {
         const bool stated = channel.description.find(" so far") != std::string_view::npos ||
-                            channel.description.find("since the last output") != std::string_view::npos || channel.name.starts_with("energy/");
+                            channel.description.find("since the last output") != std::string_view::npos ||
+                            channel.name.starts_with("energy/");
         EXPECT_TRUE(!stated || channel.is(Channel::unaveraged)) << channel.name;
         sums += stated ? 1 : 0;
         const Channel* integral = channel.integral();

@@ -1,0 +1,273 @@
+/// Errors of means by batches of pin periods, and when a run is steady.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "tasks/run/mean_curve.hpp"
+#include "tasks/run/run.hpp"
+#include "tasks/run/run_means.hpp"
+#include "tasks/scene/ready_scenes.hpp"
+
+namespace cvtflow::tasks {
+namespace {
+
+constexpr double period = 7e-4, pins = 80.0;  // [s], [1]
+constexpr SteadyRule one_percent{0.01, 20.0 * pins, pins, 1.0};
+
+/// A machine at 100 rad/s whose tight tension is a function of time [N]; everything else is constant.
+template <class Tension>
+RunMeans means_of(const Tension& tension, double until, const SteadyRule& rule = one_percent, double pin_period = period,
+                  double slip_rate = 0.0, double slip = 0.003) {
+    RunMeans means;
+    means.seek_steady(rule);
+    for (double time = 0.0; time <= until && !means.ended(); time += period / 10.3) {  // samples lie at no fixed place of a period
+        model::Observation now;
+        now.time = time;
+        now.ratio = 1.0;
+        now.speed = {100.0, 100.0};
+        now.tight = tension(time);
+        now.slack = 500.0;
+        now.slip = now.friction_slip = slip + slip_rate * time + 0.01 * slip * std::sin(3000.0 * time);
+        now.clamping = {25e3, 20e3};
+        EnergySums sums;
+        sums.time = time;
+        sums.work = {1e4 * time, -9.8e3 * time};
+        sums.loss[0] = 200.0 * time;
+        means.add(now, sums, pin_period);
+    }
+    return means;
+}
+
+double ripple(double time) { return 40.0 * std::cos(2.0 * std::numbers::pi * time / period + 0.3); }
+
+TEST(ErrorOfMean, OfALineIsItsWholeChange) {
+    const MeanError error = error_of_mean(std::vector{1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0});
+    EXPECT_NEAR(error.mean, 4.5, 1e-14);
+    EXPECT_NEAR(error.drift, 8.0, 1e-12);
+    EXPECT_NEAR(error.noise, 0.0, 1e-12);
+}
+
+/// A decay nearly as slow as the window; in some phases of a swing, of which the window sees less than a third, a fifth is missing.
+TEST(ErrorOfMean, CoversWhatADecayOrASwingHasLeft) {
+    const auto share = [](const auto& left) {  // of a mean of zero; eight means of a window of unit length
+        std::vector<double> values(8);
+        for (std::size_t k = 0; k < 8; ++k)
+            for (int fine = 0; fine < 100; ++fine) values[k] += 0.01 * left(0.125 * (static_cast<double>(k) + 0.01 * (fine + 0.5)));
+        const MeanError error = error_of_mean(values);
+        return error.sum() / std::abs(error.mean);
+    };
+    for (const double decay : {0.05, 0.1, 0.25, 0.5, 0.8}) EXPECT_GT(share([=](double t) { return std::exp(-t / decay); }), 1.0) << decay;
+    for (double phase = 0.0; phase < 3.1; phase += 0.2)
+        EXPECT_GT(share([=](double t) { return std::exp(-1.5 * t) * std::cos(2.0 * t + phase); }), 0.8) << phase;
+}
+
+/// Noise seldom makes a change certain that is larger than the one that was made.
+TEST(ErrorOfMean, IsBesideAChangeThatIsCertain) {
+    std::mt19937 chance(11);
+    std::normal_distribution<double> noise(0.0, 0.5);
+    int above = 0;
+    for (int trial = 0; trial < 2000; ++trial) {
+        std::vector<double> values(8);
+        for (std::size_t k = 0; k < 8; ++k) values[k] = 10.0 + 0.25 * static_cast<double>(k) + noise(chance);  // a change of 2
+        above += error_of_mean(values).certain() > 2.0;
+    }
+    EXPECT_LE(above, 0.03 * 2000);  // half of 5 %, on one side
+}
+
+TEST(ErrorOfMean, CoversTheMeanOfNoise) {
+    std::mt19937 chance(7);
+    std::normal_distribution<double> noise;
+    int outside = 0;
+    for (int trial = 0; trial < 2000; ++trial) {
+        std::vector<double> values(8);
+        for (double& value : values) value = noise(chance);
+        const MeanError error = error_of_mean(values);
+        outside += std::abs(error.mean) > error.sum();
+    }
+    EXPECT_LE(outside, 0.01 * 2000);  // 95 % by the scatter alone; the trends of noise add
+}
+
+TEST(SteadyMeans, AreOfWholePinPeriodsWhateverRippleAndSamplesDo) {
+    const RunMeans means = means_of([](double time) { return 2000.0 + ripple(time); }, 1.0);
+    ASSERT_TRUE(means.ended());
+    EXPECT_TRUE(means.steady().steady());
+    EXPECT_FALSE(means.steady_fault());
+    EXPECT_NEAR(means.all().tight, 2000.0, 0.2);                       // a hundredth of the ripple's amplitude, over a sample at each end
+    EXPECT_NEAR(means.all().end, 3.0 * pins * period, 16.0 * period);  // after three revolutions, at the first of checks every sixteenth
+    EXPECT_NEAR(means.all().begin, 0.5 * means.all().end, 8.0 * period);
+    EXPECT_NEAR(means.all().periods * period, means.all().end - means.all().begin, 1e-9);
+    EXPECT_LT(means.steady().alternation, 1e-4);
+}
+
+TEST(SteadyMeans, WaitUntilATransientIsWithinTheTolerance) {
+    for (const double decay : {0.02, 0.05, 0.1}) {
+        std::mt19937 chance(3);
+        std::normal_distribution<double> noise(0.0, 4.0);
+        const RunMeans means =
+            means_of([&](double time) { return 2000.0 - 300.0 * std::exp(-time / decay) + ripple(time) + noise(chance); }, 1.1);
+        ASSERT_TRUE(means.ended());
+        EXPECT_FALSE(means.steady_fault());
+        const MeanError& tight = means.steady().error[2];
+        EXPECT_LE(tight.sum(), 0.01 * tight.mean);
+        EXPECT_LE(std::abs(means.all().tight - 2000.0), tight.sum()) << decay;
+        EXPECT_GT(means.all().end, 2.0 * decay) << decay;
+    }
+}
+
+TEST(SteadyMeans, OfAGrowingAlternationAreNotSteady) {
+    const auto alternating = [](double growth) {
+        return means_of(
+            [=](double time) { return 2000.0 + ripple(time) + 4.0 * std::exp(growth * time) * std::sin(std::numbers::pi * time / period); },
+            0.6, {0.01, 10.0 * pins, pins, 1.0});
+    };
+    const RunMeans constant = alternating(0.0), growing = alternating(3.0);
+    EXPECT_FALSE(constant.steady_fault());
+    EXPECT_NEAR(constant.steady().alternation, 4.0 / 2000.0, 0.05 * 4.0 / 2000.0);  // ten samples per period see sin x/x at pi/20
+    EXPECT_TRUE(growing.ended());
+    EXPECT_TRUE(growing.steady().grows);
+    EXPECT_EQ(growing.steady_fault().kind, FaultKind::not_steady);
+    EXPECT_THAT(growing.steady_fault().message(), testing::HasSubstr("swing from pin to pin"));
+}
+
+/// A swing that is no multiple of half the pin frequency, as two modes of a strand have. One that stays as it is has a mean.
+TEST(SteadyMeans, OfAGrowingSwingAreNotSteady) {
+    const auto swinging = [](double growth) {
+        return means_of(
+            [=](double time) {
+                return 2000.0 + ripple(time) + 6.0 * std::exp(growth * time) * std::sin(0.56 * std::numbers::pi * time / period);
+            },
+            0.6, {0.01, 10.0 * pins, pins, 1.0});
+    };
+    EXPECT_FALSE(swinging(0.0).steady_fault());
+    EXPECT_GT(swinging(0.0).steady().swing, 1e-3);
+    const RunMeans growing = swinging(4.0);
+    EXPECT_TRUE(growing.steady().grows);
+    EXPECT_FALSE(growing.steady().alternation > 1e-3);
+    EXPECT_THAT(growing.steady_fault().message(), testing::HasSubstr("swing from pin to pin"));
+}
+
+/// Control with an integral time of 0.2 s has 0.3 % to go: by the line through the means alone, an early end has a tenth of that left.
+TEST(SteadyMeans, OfARatioThatIsHeldAreAtItsTarget) {
+    const auto ending = [](bool holds) {
+        RunMeans means;
+        means.seek_steady({0.01, 60.0 * pins, pins, 1.0, holds});
+        for (double time = 0.0; !means.ended(); time += period / 10.3) {
+            model::Observation now;
+            now.time = time;
+            now.ratio = 1.4 * (1.0 + 0.003 * std::exp(-time / 0.2));
+            now.control = {1.4, now.ratio};
+            now.speed = {100.0, 100.0};
+            now.tight = 2000.0;
+            EnergySums sums;
+            sums.time = time;
+            sums.work = {1e4 * time, -9.8e3 * time};
+            sums.loss[0] = 200.0 * time;
+            means.add(now, sums, period);
+        }
+        return means;
+    };
+    const RunMeans free = ending(false), held = ending(true);
+    EXPECT_GT(std::abs(free.all().ratio - 1.4), 0.001 * 1.4);  // steady to 1 %
+    EXPECT_FALSE(held.steady_fault());
+    EXPECT_LE(held.steady().error[0].sum(), 0.001 * 1.4);
+    EXPECT_LE(std::abs(held.all().ratio - 1.4), held.steady().error[0].sum());
+}
+
+TEST(SteadyMeans, OfAChainThatSlidesEndEarly) {
+    const SteadyRule rule{0.01, 16.0 * pins, pins, 1.0};
+    const RunMeans sliding = means_of([](double) { return 2000.0; }, 10.0, rule, period, 1.0),
+                   backwards = means_of([](double) { return 2000.0; }, 10.0, rule, period, -1.0),
+                   creeping = means_of([](double) { return 2000.0; }, 10.0, rule, period, 0.1);
+    EXPECT_GT(sliding.steady().sliding, 0.1);
+    EXPECT_GT(backwards.steady().sliding, 0.1);
+    EXPECT_EQ(creeping.steady().sliding, 0.0);
+    const RunMeans imposed = means_of([](double) { return 2000.0; }, 10.0, rule, period, 0.0, 0.15);
+    EXPECT_TRUE(imposed.steady().steady());
+    const RunMeans confirming = means_of([](double) { return 2000.0; }, 0.5, {0.0, 1e9, pins, 1.0}, period, 1.0);
+    EXPECT_FALSE(confirming.ended());                             // a run without a tolerance has no end of its own
+    EXPECT_NEAR(sliding.all().end, 0.097 / 0.875, 9.0 * period);  // the last quarter's mean slip is a tenth; a check each eight periods
+    EXPECT_EQ(sliding.steady_fault().kind, FaultKind::not_steady);
+    EXPECT_THAT(sliding.steady_fault().message(), testing::StartsWith("the chain slides at t = "));
+    EXPECT_THAT(creeping.steady_fault().message(), testing::HasSubstr("after 16 revolutions"));
+}
+
+TEST(SteadyMeans, OfADriftEndAtTheLimit) {
+    const RunMeans means = means_of([](double time) { return 1000.0 + 4000.0 * time; }, 10.0, {0.01, 6.0 * pins, pins, 1.0});
+    ASSERT_TRUE(means.ended());
+    EXPECT_EQ(means.steady_fault().kind, FaultKind::not_steady);
+    EXPECT_GT(means.steady_fault().value, 10.0);  // half of the run: 13 %
+    EXPECT_EQ(means.steady().worst, 2u);
+    EXPECT_NEAR(means.all().end, 6.0 * pins * period, period);
+}
+
+/// Means of an imperfect machine are over whole revolutions, at least four of them.
+TEST(SteadyMeans, OfAnImperfectMachineAreOverRevolutions) {
+    const double turn = pins * period;
+    const RunMeans means = means_of([=](double time) { return 2000.0 + 200.0 * std::sin(2.0 * std::numbers::pi * time / turn); }, 2.0,
+                                    {0.01, 20.0 * pins, pins, pins});
+    ASSERT_TRUE(means.ended());
+    EXPECT_FALSE(means.steady_fault());
+    EXPECT_EQ(means.steady().batch, static_cast<std::size_t>(pins));
+    EXPECT_NEAR(means.all().tight, 2000.0, 1.0);
+    EXPECT_NEAR(means.all().end, 8.0 * turn, 0.07 * 8.0 * turn);  // at the first check of those every sixteenth
+}
+
+TEST(SteadyMeans, OfAChainAtRestDoNotExist) {
+    const RunMeans means = means_of([](double) { return 2000.0; }, 1.0, one_percent, 0.0);
+    EXPECT_TRUE(means.ended());
+    EXPECT_THAT(means.steady_fault().message(), testing::HasSubstr("moves too little"));
+}
+
+TEST(SteadyMeans, ContinueFromACheckpoint) {
+    const auto tension = [](double time) { return 2000.0 - 300.0 * std::exp(-time / 0.03) + ripple(time); };
+    RunMeans whole, second;
+    whole.seek_steady(one_percent);
+    second.seek_steady(one_percent);
+    for (int k = 0; k < 3000 && !whole.ended(); ++k) {
+        model::Observation now;
+        now.time = k * period / 9.7;
+        now.tight = tension(now.time);
+        if (k == 500) {
+            std::vector<double> memory;
+            whole.save(memory);
+            EXPECT_TRUE(second.load(memory).empty());
+        }
+        whole.add(now, {now.time, {}, {}}, period);
+        if (k >= 500) second.add(now, {now.time, {}, {}}, period);
+    }
+    ASSERT_TRUE(whole.ended());
+    EXPECT_TRUE(second.ended());
+    EXPECT_EQ(whole.all().tight, second.all().tight);
+    EXPECT_EQ(whole.steady().share, second.steady().share);
+}
+
+/// A point far from its limits: what a run states when it ends holds three times as long.
+TEST(SteadyRun, StatesErrorsThatThreeTimesItsTimeConfirms) {
+    Scene scene = read_scene(find_scene("control"), StartState::ignored);
+    apply_detail(scene, "rigid");
+    set_values(scene, std::vector<std::string>{"start.state=\"\"", "start.settling_time=30 ms", "run.until=steady", "run.steady=2 %",
+                                               "drive.speed=3000 rpm", "run.output_interval=200 us"});
+    const RunReport report = run_scene(scene, {});
+    ASSERT_EQ(report.status(), "finished") << report.fault.message();
+    EXPECT_GT(report.revolutions, 0.45);
+    EXPECT_NEAR(report.whole.end, 2.0 * report.whole.begin, 0.1 * report.whole.end);
+    EXPECT_THAT(summary(report), testing::HasSubstr("errors of means"));
+    set_values(scene, std::vector<std::string>{"run.until=" + std::to_string(3.0 * report.end), "run.max_steps=0"});
+    const RunReport longer = run_scene(scene, {});
+    const auto& error = report.errors.error;
+    const SpanMeans &is = report.whole, &late = longer.last_fifth;
+    EXPECT_NEAR(is.tight, late.tight, error[2].sum());
+    EXPECT_NEAR(is.slack, late.slack, error[3].sum());
+    EXPECT_NEAR(is.clamping[0] / is.clamping[1], late.clamping[0] / late.clamping[1], error[1].sum());
+    EXPECT_NEAR(is.friction_slip, late.friction_slip, error[5].sum());
+}
+
+}  // namespace
+}  // namespace cvtflow::tasks
