@@ -129,7 +129,7 @@ TEST_F(Claims, OfProcessesSideBySideCoverEveryCaseOnce) {
     EXPECT_EQ(sum, 2000) << "without a gap";
 }
 
-TEST_F(Claims, GoOnBeforeWhatAKillOrAPowerCutHasTorn) {
+TEST_F(Claims, ContinueBeforeWhatAKillOrAPowerCutHasTorn) {
     const std::string file = path("claims");
     EXPECT_EQ(claim_cases(file, 3, 20, 1).first, 0);
     EXPECT_EQ(claim_cases(file, 12, 20, 1).first, 1);
