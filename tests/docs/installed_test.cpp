@@ -53,7 +53,9 @@ TEST_F(DeepReadme, IsFollowedFromAnInstallationAndShowsNumbersThatAnEngineerBeli
         if (++blocks == 1) shown = output();
     }
     EXPECT_GE(blocks, 4) << "simulation, variant, sweep, program";
-    EXPECT_EQ(shown.find("note "), std::string::npos) << shown;
+    const std::size_t note = shown.find("note ");  // seven pin periods know slip to some per cent only, and the summary states so
+    EXPECT_TRUE(note == std::string::npos || shown.find("means are not known to 1 %") == shown.find_first_not_of(' ', note + 5)) << shown;
+    EXPECT_EQ(shown.rfind("note "), note) << shown;
     EXPECT_NE(shown.find("efficiency 98."), std::string::npos) << shown;
     EXPECT_EQ(run("cvtflow table first --column efficiency --column notes --column slip_mean | tail -n +3 | head -2"), 0) << output();
     std::istringstream rows(output());
