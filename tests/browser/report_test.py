@@ -121,10 +121,15 @@ class RunReport(Page):
         rows = self.value("""[...document.querySelectorAll("#figures tbody tr")].map((r) =>
             [r.dataset.channel, r.cells[1].textContent, ...[...r.querySelectorAll("[data-value]")].map((c) => Number(c.dataset.value))])""")
         self.assertGreater(len(rows), 4)
-        for name, unit, mean, _, least, largest in rows:
+        for name, unit, *figures in rows:
             values = self.record["channels/" + name][:] * shown_factor(name)
             values = values[numpy.isfinite(values)]  # a share of nothing is none
-            of_energies = "efficiency" in name       # its mean is a quotient of energies (python_results_test)
+            self.assertEqual(unit == "%", in_percent(name) == 100, name)
+            self.assertEqual(len(figures) == 0, len(values) == 0, name)
+            if not figures:
+                continue
+            mean, _, least, largest = figures
+            of_energies = "efficiency" in name  # its mean is a quotient of energies (python_results_test)
             for shown, true in ((mean, mean if of_energies else values.mean()), (least, values.min()), (largest, values.max())):
                 self.assertAlmostEqual(shown, true, delta=1e-8 * abs(true) + 1e-300)  # nine digits
 

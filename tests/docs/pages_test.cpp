@@ -76,8 +76,7 @@ std::string as_block(const std::string& file, const std::string& signature) {
 
 TEST(ArchitecturePage, ShowsTheStepsAsTheyStandInTheSource) {
     const std::string shown = page("ARCHITECTURE.md").text;
-    EXPECT_THAT(shown,
-                testing::HasSubstr(as_block("tasks/method/friction/sweep_leapfrog.cpp", "CycleSequence SweepLeapfrog::step() {")));
+    EXPECT_THAT(shown, testing::HasSubstr(as_block("tasks/method/friction/sweep_leapfrog.cpp", "CycleSequence SweepLeapfrog::step() {")));
     EXPECT_THAT(shown, testing::HasSubstr(as_block("tasks/method/friction/rigid_leapfrog.cpp", "CycleSequence RigidLeapfrog::step() {")));
 }
 

@@ -91,7 +91,7 @@ TEST_F(Run, SumsUpWhatThePumpTakes) {
     EXPECT_THAT(outcome.out, HasSubstr(fmt::format("\n  hydraulics          pump {:.1f} W: mechanical {:.1f}  ", power, lost)));
     EXPECT_NEAR(last("pump/power"), power, 0.1 * power);
     const Outcome loaded = run(Words{"run", "tiny", "--detail", "rigid", "-o", "none", "--until", "0.2 ms"} +
-                               set_all({"start.settling_time=2ms", "hydraulics.mode=force"}));
+                               set_all({"start.settling_time=2ms", "start.ramp_time=1ms", "hydraulics.mode=force"}));
     EXPECT_THAT(loaded.out, HasSubstr(" % of the variator; "));
 }
 
