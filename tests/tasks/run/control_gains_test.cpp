@@ -66,7 +66,8 @@ double swing(const Machine& machine, const std::string& gains, double until) {
     return fault ? INFINITY : swing.share();
 }
 
-/// Swings of several per cent are irregular: those of two halves of a run differ by up to a twentieth.
+/// A twentieth is what two windows of one run differ by: at 1050 rpm, ratio 2, load 80 % with given gains, swings in windows of 0.2 s rise
+/// from 3.46 to 3.70 % in 1.4 s.
 void expect_quiet(const std::vector<Machine>& machines, double until) {
     for (const Machine& each : machines) {
         const double found = swing(each, "found", until), given = swing(each, "given", until);
