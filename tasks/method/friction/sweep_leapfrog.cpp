@@ -95,7 +95,7 @@ void SweepSystem::record(Workspace& w, const model::ContactDrift& drift, int seg
     edges_[kept_edges].give(columns_, fields(segment).of[kept_before()], segment);
 }
 
-void SweepSystem::sweep(const Workspace& w, model::SweepPart part, double ahead, int number, int segment) noexcept {
+void SweepSystem::sweep(const Workspace& w, model::SweepPart part, double opening, int number, int segment) noexcept {
     Fields& f = fields(segment);
     const auto edges = [this](int pass) -> SegmentEdges& { return edges_[velocity_edges + at(pass % 2)]; };
     if (part == model::SweepPart::opening) {
@@ -105,7 +105,7 @@ void SweepSystem::sweep(const Workspace& w, model::SweepPart part, double ahead,
         edges(number - 1).take(columns_, f.of[velocity], segment);
     }
     const model::FrictionSweep sweep{.part = part,
-                                     .ahead = static_cast<float>(ahead),
+                                     .ahead = static_cast<float>(opening),
                                      .responses = &responses_,
                                      .base = &f.of[base],
                                      .start = &f.of[start],

@@ -48,8 +48,8 @@ public:
     /// Contacts of a segment's links at the stage state of workspace.step.row, and all other forces there.
     /// @param search as for KickSystem::record
     void record(Workspace& workspace, const model::ContactDrift& drift, int segment, model::TipSearch* search) noexcept;
-    /// Pass `number` of the step, from 0 on. @param ahead FrictionSweep::ahead
-    void sweep(const Workspace& workspace, model::SweepPart part, double ahead, int number, int segment) noexcept;
+    /// Pass `number` of the step, from 0 on. @param opening FrictionSweep::ahead
+    void sweep(const Workspace& workspace, model::SweepPart part, double opening, int number, int segment) noexcept;
 
     /// Losses by friction in the accounts of an observe cycle become what the forces of the last step have done; while all is at rest.
     void enter_losses(Workspace& workspace) noexcept;
