@@ -8,6 +8,7 @@
 
 #include "tasks/scene/scene.hpp"
 #include "tasks/step/step_method.hpp"
+#include "tasks/step/workspace.hpp"
 
 namespace cvtflow::tasks {
 
@@ -179,6 +180,12 @@ void RunMeans::add(const model::Observation& now, const EnergySums& sums, double
     const double off = needed_speed != 0.0 ? now.speed[1] / needed_speed - 1.0 : 0.0;
     if (std::abs(off) > std::abs(miss_.share)) miss_ = {now.time, off};
     if (rule_.limit > 0.0 && !ended_) check_steady();
+}
+
+void RunMeans::add(const model::Observation& now, const Workspace& w, double time) {
+    const model::Parameters& p = w.parameters;
+    const double needed = w.trip.points() > 0 ? p.drive.speed.at(time) / p.control.ratio.at(time) : 0.0;
+    add(now, w.energy.sums(time), w.pin_period(now.chain_speed), w.energy.mark(), needed);
 }
 
 /// Checks are few, since each may find by chance what is not so.

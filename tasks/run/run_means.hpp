@@ -14,6 +14,8 @@
 
 namespace cvtflow::tasks {
 
+class Workspace;
+
 /// Means over a span of time: over its last whole pin periods, where it has one; zero where nothing was seen.
 struct SpanMeans {
     double begin = 0.0, end = 0.0;         ///< [s]
@@ -82,6 +84,8 @@ public:
     /// @param needed_speed of shaft 2, by a cycle; 0: none [rad/s]
     void add(const model::Observation& now, const EnergySums& sums, double pin_period, const EnergyMark& mark = {},
              double needed_speed = 0.0);
+    /// The sample of a workspace at `time` [s], as `now` observes it.
+    void add(const model::Observation& now, const Workspace& workspace, double time);
     /// Whether the run should end: its means are steady, will not become so within the rule's limit, or have no pin periods.
     [[nodiscard]] bool ended() const noexcept { return ended_; }
     /// Checks at the end of a run that another rule ended.

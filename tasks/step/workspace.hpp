@@ -236,9 +236,4 @@ void add_up(Workspace& w, const Segment& own) noexcept;
 /// Angular momentum of both shafts with their sheaves; zero without pulleys [N·m·s].
 [[nodiscard]] std::array<double, 2> shaft_momentum(const Workspace& w) noexcept;
 
-/// Speed of shaft 2 that a cycle needs: of shaft 1 over the ratio, by their tables; 0 without a cycle [rad/s]. time [s]
-[[nodiscard]] inline double needed_speed(const Workspace& w, double time) noexcept {
-    return w.trip.points() > 0 ? w.parameters.drive.speed.at(time) / w.parameters.control.ratio.at(time) : 0.0;
-}
-
 }  // namespace cvtflow::tasks
