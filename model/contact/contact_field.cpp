@@ -12,7 +12,7 @@ void ContactField::make_columns(int count) {
     arms = Columns(3 * tips_per_link, count);
     for (int corner = 0; corner < tips_per_link; ++corner) {  // a tip that has never touched must not divide by zero
         for (int column = 0; column < columns.stride(); ++column)
-            *columns.at(components.tip(corner) + ContactComponents::Tip::least, column) = float(1);
+            *columns.at(components.tip(corner) + ContactComponents::Tip::least, column) = 1.0F;
     }
 }
 

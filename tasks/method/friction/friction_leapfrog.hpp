@@ -23,8 +23,8 @@
 namespace cvtflow::tasks {
 
 /// Friction inside a step: velocities of all links under friction and constant accelerations, everything else frozen, are a small system of
-/// ordinary differential equations that a table of stages integrates, by segments. Increments of a link's velocities are floats,
-/// rounded to 6e-8 of themselves.
+/// ordinary differential equations that a table of stages integrates, by segments. Increments of a link's velocities are floats, rounded to
+/// 6e-8 of themselves.
 class FrictionLeapfrog final : public StepMethod, private KickSystem {
 public:
     /// Slots of the workspace that the method uses.

@@ -28,7 +28,7 @@ SegmentEdges::SegmentEdges(int rows) : rows_(rows) {
 }
 
 void SegmentEdges::make_room(int segments) {
-    if (packed_.size() < place(segments, 0)) packed_.resize(place(segments, 0), float(0));
+    if (packed_.size() < place(segments, 0)) packed_.resize(place(segments, 0), 0.0F);
 }
 
 void SegmentEdges::give(const SegmentColumns& columns, const model::FloatColumns& field, int segment) noexcept {
@@ -65,7 +65,7 @@ KickSystem::Fields KickSystem::make_fields(int width) const {
     Fields fields{width, model::ContactField(friction_.chain()), {}, {}};
     fields.contacts.make_columns(width);
     for (const int rows : rows_) fields.of.emplace_back(rows, width);
-    fields.scratch.resize(at(friction_.scratch_size(width)), float(0));
+    fields.scratch.resize(at(friction_.scratch_size(width)), 0.0F);
     return fields;
 }
 
@@ -115,7 +115,7 @@ void KickSystem::record(Workspace& w, const model::ContactDrift& drift, std::siz
     model::LinkLoad* loads = normal_loads_.data() + own.first;
     friction_.record(range, drift, {w.states[0] + begin, f.contacts, f.of[frictionless], f.of[start]}, loads, search);
     for (int row = 0; row < rows_[mean_tip_forces]; ++row)
-        std::fill_n(f.of[mean_tip_forces].at(row, SegmentColumns::first), own.size(), float(0));
+        std::fill_n(f.of[mean_tip_forces].at(row, SegmentColumns::first), own.size(), 0.0F);
     contact_edges_.give(columns_, f.contacts.columns, segment);
 }
 
@@ -166,11 +166,11 @@ void KickSystem::add_loads(Workspace& w, int segment) const noexcept {
 }
 
 void KickSystem::clear(std::size_t field) noexcept {
-    for_numbers(*this, field, [](float& number) { number = float(0); });
+    for_numbers(*this, field, [](float& number) { number = 0.0F; });
 }
 
 void KickSystem::save(std::size_t field, std::vector<double>& memory) const {
-    for_numbers(*this, field, [&](const float& number) { memory.push_back(number); });
+    for_numbers(*this, field, [&](float number) { memory.push_back(number); });
 }
 
 void KickSystem::load(std::size_t field, std::span<const double>& memory) {

@@ -70,6 +70,7 @@ private:
     model::LineVector<float> packed_;  ///< [segments][2][stride]
 };
 
+/// Velocities inside a step are floats, which count from those of the record.
 class KickSystem {
 public:
     /// Memory of segments, after every change of the partition.

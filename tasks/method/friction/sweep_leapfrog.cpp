@@ -127,7 +127,7 @@ void SweepSystem::find_losses() const noexcept {
         for (int row = 0; row < friction_.chain().layout().link_size(); ++row) {
             const float *before = f.of[start].at(row, SegmentColumns::first), *after = f.of[result].at(row, SegmentColumns::first);
             float* mean = means_[at(s)].at(row, SegmentColumns::first);
-            for (int link = 0; link < columns_.segment(s).size(); ++link) mean[link] = float(0.5) * (before[link] + after[link]);
+            for (int link = 0; link < columns_.segment(s).size(); ++link) mean[link] = 0.5F * (before[link] + after[link]);
         }
         mean_edges_.give(columns_, means_[at(s)], s);
     }

@@ -79,6 +79,7 @@ private:
     mutable std::vector<model::FrictionPowers> powers_;  ///< [links] of the last step
 };
 
+/// The method: a record in the middle of the step, passes of friction, the end (see above).
 class SweepLeapfrog final : public StepMethod {
 public:
     /// Slots of the workspace that the method uses.
