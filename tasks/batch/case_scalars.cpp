@@ -38,7 +38,7 @@ void CaseScalars::reduce(const CaseInstant& at, const Occasion& when) {
     const Workspace& w = at.workspace;
     const Instant now{chain ? w.observed_by(at.observer, at.time) : w.shafts_observed_by(at.observer, at.time), w, at.counters,
                       at.followed_pin, at.observer};
-    if (when.sample) means_.add(now.observation, w, at.time);
+    if (when.sample) add_sample(means_, now.observation, w, at.time);
     const std::span<Reducer> present = present_reducers();
     for (std::size_t i = 0; i < present.size(); ++i) present[i].read(sweep_.scalars[i], now, when, values_);
 }

@@ -182,12 +182,6 @@ void RunMeans::add(const model::Observation& now, const EnergySums& sums, double
     if (rule_.limit > 0.0 && !ended_) check_steady();
 }
 
-void RunMeans::add(const model::Observation& now, const Workspace& w, double time) {
-    const model::Parameters& p = w.parameters;
-    const double needed = w.trip.points() > 0 ? p.drive.speed.at(time) / p.control.ratio.at(time) : 0.0;
-    add(now, w.energy.sums(time), w.pin_period(now.chain_speed), w.energy.mark(), needed);
-}
-
 /// Checks are few, since each may find by chance what is not so.
 void RunMeans::check_steady() noexcept {
     constexpr double later = 1.0 / 16.0, min_periods = 4.0;
@@ -351,6 +345,12 @@ void name_notes(const RunMeans& means, const EnergyBalance& balance, std::string
     for (std::size_t k = 0; k < found.size(); ++k) {
         if (found[k]) names.append(names.empty() ? "" : " ").append(kinds[k].name);
     }
+}
+
+void add_sample(RunMeans& means, const model::Observation& now, const Workspace& w, double time) {
+    const model::Parameters& p = w.parameters;
+    const double needed = w.trip.points() > 0 ? p.drive.speed.at(time) / p.control.ratio.at(time) : 0.0;
+    means.add(now, w.energy.sums(time), w.pin_period(now.chain_speed), w.energy.mark(), needed);
 }
 
 }  // namespace cvtflow::tasks

@@ -84,8 +84,6 @@ public:
     /// @param needed_speed of shaft 2, by a cycle; 0: none [rad/s]
     void add(const model::Observation& now, const EnergySums& sums, double pin_period, const EnergyMark& mark = {},
              double needed_speed = 0.0);
-    /// The sample of a workspace at `time` [s], as `now` observes it.
-    void add(const model::Observation& now, const Workspace& workspace, double time);
     /// Whether the run should end: its means are steady, will not become so within the rule's limit, or have no pin periods.
     [[nodiscard]] bool ended() const noexcept { return ended_; }
     /// Checks at the end of a run that another rule ended.
@@ -133,5 +131,8 @@ struct NoteKind {
 [[nodiscard]] std::vector<Note> notes(const RunMeans& means, const EnergyBalance& balance, bool pulleys = true);
 /// Their names, blank between them, in `names`.
 void name_notes(const RunMeans& means, const EnergyBalance& balance, std::string& names);
+
+/// Adds the sample of a workspace at `time` [s], as `now` observes it.
+void add_sample(RunMeans& means, const model::Observation& now, const Workspace& workspace, double time);
 
 }  // namespace cvtflow::tasks

@@ -168,7 +168,7 @@ void RunRecorder::output(double time, const Workspace& workspace, const Counters
     if (begin_ < 0.0) return;  // settling is not recorded
     const model::Observation& now = workspace.observed_by(observer_, time);
     ++outputs_;
-    means_.add(now, workspace, time);
+    add_sample(means_, now, workspace, time);
     if (!file_) return;
     read({now, workspace, counters, followed_pin_, observer_});
     if (output_means_.on()) output_means_.add(time, row_), output_means_.take(row_);
@@ -204,7 +204,7 @@ void RunRecorder::transition(const TransitionRecord& record) {
 
 void RunRecorder::sample(double time, const Workspace& workspace, const Counters& counters) {
     const model::Observation& now = workspace.observed_by(observer_, time);
-    means_.add(now, workspace, time);
+    add_sample(means_, now, workspace, time);
     if (!output_means_.on()) return;
     read({now, workspace, counters, followed_pin_, observer_});
     output_means_.add(time, row_);
