@@ -248,6 +248,7 @@ namespace {
 ChainPlacer::ChainPlacer(const Parameters& p, double pretension, PathOf path_of, double guess)
     : path_of_(std::move(path_of)),
       ring_(p.start.layout == StartLayout::ring),
+      pitch_lines_(p.detail.pins == PinDetail::rigid),
       guess_(guess),
       arm_(p.joint.radius - 0.5 * p.half.width),
       diameter_(2.0 * p.joint.radius - (p.detail.pins == PinDetail::halves ? pretension / p.joint.stiffness : 0.0)) {
@@ -317,7 +318,7 @@ double ChainPlacer::relax(const std::vector<Point>& pins, double rise, std::vect
     }
     for (std::size_t i = 0; i < n; ++i) {
         const Point link = chain.front[(i + 1) % n] - chain.rear[i];
-        const Point turned = unit(link);
+        const Point turned = unit(pitch_lines_ ? pins[(i + 1) % n] - pins[i] : link);
         const double climb = rise * (chain.along[(i + 1) % n] - chain.along[i]);
         const double error = portable_hypot(norm(link), climb) - length_[i];
         worst = std::max({worst, std::abs(error), norm(turned - direction[i]) * length_[i]});

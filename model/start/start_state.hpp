@@ -54,6 +54,7 @@ private:
 
     PathOf path_of_;
     bool ring_;                   ///< no pulleys
+    bool pitch_lines_;            ///< halves turn with the line between their pins, not with their link
     double guess_;                ///< [m]
     double arm_, diameter_;       ///< [m]
     std::vector<double> length_;  ///< of the links [m]

@@ -125,14 +125,16 @@ TEST_P(GeometricStart, EveryPlateHasTheLengthOfItsPretension) {
 TEST(GeometricStartOfEveryLevel, CarriesItsPretensionInEveryLink) {
     std::vector<std::string> all = levels();
     all.emplace_back("rigid");
+    const std::vector<double> pitch{8.12e-3};
     for (const std::string& level : all) {
-        for (const model::Parameters& p : {at_level(ring(84, {8.12e-3}), level)}) {
+        for (const model::Parameters& machine : {ring(84, pitch), around_pulleys(1.0, pitch), around_pulleys(2.4, pitch)}) {
+            const model::Parameters p = at_level(machine, level);
             const model::StartState start = model::start_state(p);
             const model::Variator variator(p);
             model::Observer observer(variator);
             const double expected = pretension(p);  // 1e-12 m of 1e9 N/m are a millinewton, lengths are found to 1e-14 m
             for (const double tension : observer.observe(0.0, start.state.data(), start.phases.data()).tension)
-                ASSERT_NEAR(tension, expected, 1e-3) << level;
+                ASSERT_NEAR(tension, expected, 1e-3) << level << " at ratio " << p.start.ratio;
         }
     }
 }
