@@ -127,12 +127,21 @@ public:
     [[nodiscard]] std::span<const double> load(std::span<const double> memory, double time);  ///< @param time of the last output [s]
 
 private:
+    /// States of the reducers at a sample of the first pin periods, in one of which whole ones begin.
+    struct Early {
+        double time;  ///< [s]
+        std::vector<Reducer> reducers;
+    };
     void reduce(const CaseInstant& now, const Occasion& when);
+    void keep_early();
+    [[nodiscard]] Reducer over_periods(std::size_t scalar, double begin) const;
     [[nodiscard]] std::span<Reducer> present_reducers();
     void write_steady(std::size_t scalar, CaseResult& result) const;
 
     const Sweep& sweep_;
     std::vector<Reducer> reducers_;  ///< [scalars], or of every pin period [periods x scalars]
+    std::vector<Early> early_;       ///< the first early_count_ of them, whose memory other cases have left
+    std::size_t early_count_ = 0;
     RunMeans means_;
     double output_before_ = 0.0;  ///< time of the last output [s]
     std::vector<double> values_;  ///< of one channel [width of the channel]

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -16,6 +17,7 @@ constexpr Occasion each_sample{.sample = true, .output = true, .last = true};
 void CaseScalars::clear() {
     reducers_.resize(sweep_.scalars.size());
     for (Reducer& reducer : reducers_) reducer.clear();
+    early_count_ = 0;
     means_.clear();
     output_before_ = -std::numeric_limits<double>::infinity();
 }
@@ -41,6 +43,30 @@ void CaseScalars::reduce(const CaseInstant& at, const Occasion& when) {
     if (when.sample) add_sample(means_, now.observation, w, at.time);
     const std::span<Reducer> present = present_reducers();
     for (std::size_t i = 0; i < present.size(); ++i) present[i].read(sweep_.scalars[i], now, when, values_);
+    if (when.sample && !by_periods()) keep_early();
+}
+
+/// Pin periods are counted back from the end, by their length there.
+void CaseScalars::keep_early() {
+    constexpr double kept = 2.0;  // pin periods: a machine that slows down to half of its speed
+    const MeanCurve& curve = means_.curve();
+    if (curve.last().time - curve.first().time > kept * curve.pin_period()) return;
+    if (early_.size() == early_count_) early_.emplace_back();
+    Early& here = early_[early_count_++];
+    here.time = curve.last().time;
+    here.reducers = reducers_;
+}
+
+/// A scalar over whole pin periods, as in the summary of a run.
+Reducer CaseScalars::over_periods(std::size_t scalar, double begin) const {
+    Reducer whole = reducers_[scalar];
+    const std::span<const Early> early = std::span(early_).first(early_count_);
+    if (early.empty()) return whole;
+    const auto after = std::ranges::lower_bound(early, begin, {}, &Early::time);
+    const Early& later = after == early.end() ? early.back() : *after;
+    const Early& earlier = after == early.begin() ? later : after[-1];
+    whole.begin_at(sweep_.scalars[scalar], begin, earlier.reducers[scalar], later.reducers[scalar]);
+    return whole;
 }
 
 /// Where periods count, each has its own. Integrals begin at the last sample of the period before: they add up.
@@ -52,11 +78,12 @@ std::span<Reducer> CaseScalars::present_reducers() {
 }
 
 void CaseScalars::write(CaseResult& result) const {
+    const double begin = means_.all().begin;
     for (std::size_t i = 0; i < sweep_.scalars.size(); ++i) {
         if (by_periods())
             write_steady(i, result);
         else
-            result.scalars[i] = reducers_[i].result(sweep_.scalars[i]);
+            result.scalars[i] = over_periods(i, begin).result(sweep_.scalars[i]);
         if (result.status != CaseStatus::ok || std::isfinite(result.scalars[i]) || sweep_.scalars[i].may_be_undefined()) continue;
         result.status = CaseStatus::undefined;
         result.error = fmt::format("{} is not a finite number", sweep_.scalars[i].text);
@@ -86,6 +113,11 @@ void CaseScalars::write_steady(std::size_t i, CaseResult& result) const {
 void CaseScalars::save(std::vector<double>& memory) const {
     memory.push_back(static_cast<double>(reducers_.size()));
     for (const Reducer& reducer : reducers_) reducer.save(memory);
+    memory.push_back(static_cast<double>(early_count_));
+    for (const auto& [time, reducers] : std::span(early_).first(early_count_)) {
+        memory.push_back(time);
+        for (const Reducer& reducer : reducers) reducer.save(memory);
+    }
     means_.save(memory);
 }
 
@@ -93,6 +125,13 @@ std::span<const double> CaseScalars::load(std::span<const double> memory, double
     output_before_ = time;
     reducers_.resize(static_cast<std::size_t>(pop_integer(memory, 0, std::numeric_limits<int>::max())));
     for (Reducer& reducer : reducers_) memory = reducer.load(memory);
+    early_count_ = static_cast<std::size_t>(pop_integer(memory, 0, 1000));
+    early_.resize(early_count_);
+    for (auto& [when, reducers] : early_) {
+        when = pop_front(memory, 1)[0];
+        reducers.resize(sweep_.scalars.size());
+        for (Reducer& reducer : reducers) memory = reducer.load(memory);
+    }
     return means_.load(memory);
 }
 

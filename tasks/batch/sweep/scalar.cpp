@@ -251,6 +251,15 @@ TermSum TermSum::continued(const ScalarTerm& term) const {
     return later;
 }
 
+void TermSum::begin_at(const ScalarTerm& term, double begin, const TermSum& before, const TermSum& after) noexcept {
+    if (!term.over_time() || count == 0) return;
+    const double apart = after.time - before.time, share = apart > 0.0 ? (begin - before.time) / apart : 0.0;
+    const auto there = [share](double at_before, double at_after) { return at_before + share * (at_after - at_before); };
+    value -= there(before.value, after.value);
+    span -= there(before.span, after.span);
+    for (std::size_t k = 0; term.efficiency && k < energy_sums; ++k) all[k] -= there(before.all[k], after.all[k]);
+}
+
 double TermSum::result(const ScalarTerm& term) const {
     if (count == 0) return std::numeric_limits<double>::quiet_NaN();
     if (term.efficiency) return efficiency_of(std::span(all).first<energy_sums>());
@@ -312,6 +321,11 @@ Reducer Reducer::continued(const Scalar& scalar) const {
     return later;
 }
 
+void Reducer::begin_at(const Scalar& scalar, double begin, const Reducer& before, const Reducer& after) noexcept {
+    for (std::size_t term = 0; term < scalar.terms.size(); ++term)
+        sums[term].begin_at(scalar.terms[term], begin, before.sums[term], after.sums[term]);
+}
+
 double Reducer::result(const Scalar& scalar) const {
     const double first = sums[0].result(scalar.terms[0]);
     return scalar.terms.size() == 1 ? first : first / sums[1].result(scalar.terms[1]);
@@ -327,7 +341,7 @@ void Reducer::clear() noexcept {
 
 namespace {
 
-constexpr double layout_of_sums = -2.0;  ///< in front of them; former ones began with a count
+constexpr double layout_of_sums = -3.0;  ///< in front of them; former ones began with a count
 
 }  // namespace
 

@@ -83,6 +83,8 @@ struct TermSum {
     void add(const ScalarTerm& term, const TermSum& later);
     /// A sum over the time after it: an integral continues from its last sample.
     [[nodiscard]] TermSum continued(const ScalarTerm& term) const;
+    /// Lets an integral over time begin later, linear between two states that it had. begin [s]
+    void begin_at(const ScalarTerm& term, double begin, const TermSum& before, const TermSum& after) noexcept;
     /// Not a number if no output counted.
     [[nodiscard]] double result(const ScalarTerm& term) const;
 };
@@ -102,6 +104,8 @@ struct Reducer {
     void add(const Scalar& scalar, const Reducer& later);
     /// A scalar over the time after it: integrals continue from their last samples.
     [[nodiscard]] Reducer continued(const Scalar& scalar) const;
+    /// Lets integrals over time begin later, between two states that they had. begin [s]
+    void begin_at(const Scalar& scalar, double begin, const Reducer& before, const Reducer& after) noexcept;
     [[nodiscard]] double result(const Scalar& scalar) const;
     /// Ready for another case.
     void clear() noexcept;
