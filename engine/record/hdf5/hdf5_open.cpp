@@ -172,6 +172,7 @@ void limit_child() {
 /// Inspects the file. The parent must not open a file that HDF5 rejects here: after an error in the middle of a list, HDF5 frees pointers
 /// that it has never set, which ends one process and not the other.
 [[noreturn]] void be_the_child(const std::function<void()>& inspect, int to_parent) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);  // it holds the locks of its parent's files, too
     try_files_first(false);
     int status = 0;
     try {
