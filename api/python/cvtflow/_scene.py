@@ -1,6 +1,5 @@
 """Scenes in Python: resolution of key names, values to and from TOML, the list of keys."""
 
-import difflib
 import json
 import os
 from collections.abc import Mapping
@@ -10,6 +9,7 @@ from html import escape
 import numpy as np
 
 from ._cvtflow import Scene, SceneError, scene_keys
+from ._known import suggestion
 
 
 @lru_cache(maxsize=None)
@@ -82,12 +82,6 @@ def resolve(scene, name):
     if acting:
         raise _wrong(f"{name}: {' or '.join(acting)}? (in keywords write __ for the dot)")
     raise _wrong(f"{name}: unknown key" + suggestion(key, {each.split(".")[1] for each in all_keys()} | set(all_keys())))
-
-
-def suggestion(name, names):
-    """` (did you mean "..."?)`, or nothing."""
-    near = difflib.get_close_matches(name, sorted(names), 1)
-    return f' (did you mean "{near[0]}"?)' if near else ""
 
 
 def flat(scene, values):

@@ -15,18 +15,6 @@ namespace {
 
 constexpr const char* mark_colour = "#e3342f";
 
-/// The load of safety factor 1, on the side of zero on which the case's load is [N*m].
-std::optional<double> load_limit(const SweepView& sweep, std::size_t row) {
-    std::optional<tasks::Scene> scene = sweep.scene_of_case(row);
-    if (!scene) return {};
-    model::Parameters& p = scene->parameters;
-    if (p.clamping.safety > 0.0) return {};  // the clamping force follows the load
-    if (p.control.enabled) p.start.ratio = p.control.ratio.at(tasks::latest_end(*scene));
-    const auto least = least_safety(*scene);
-    if (!least) return {};
-    return p.load.torque.at(0.0) + std::copysign(least->limit, least->load) - least->load;
-}
-
 /// Limits of loads above zero and below it, over the other axis, in units of display.
 using Limits = std::array<std::map<double, double>, 2>;
 
@@ -70,6 +58,17 @@ bool verified(const SweepView& sweep, std::size_t row) {
 }
 
 }  // namespace
+
+std::optional<double> load_limit(const SweepView& sweep, std::size_t row) {
+    std::optional<tasks::Scene> scene = sweep.scene_of_case(row);
+    if (!scene) return {};
+    model::Parameters& p = scene->parameters;
+    if (p.clamping.safety > 0.0) return {};  // the clamping force follows the load
+    if (p.control.enabled) p.start.ratio = p.control.ratio.at(tasks::latest_end(*scene));
+    const auto least = least_safety(*scene);
+    if (!least) return {};
+    return p.load.torque.at(0.0) + std::copysign(least->limit, least->load) - least->load;
+}
 
 std::vector<Series> map_marks(const SweepView& sweep, std::size_t x, std::size_t y) {
     std::vector<Series> marks;

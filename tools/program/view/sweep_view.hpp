@@ -88,6 +88,9 @@ struct Measured {
 /// @throws UsageError as above, and where several cases fall on one point, with the axes in which they differ
 [[nodiscard]] Plot sweep_map(const SweepView& sweep, const std::string& x, const std::string& y, const std::string& colour);
 
+/// The load of safety factor 1 of a case, on the side of zero on which its load is [N*m]; none where it depends on the run.
+[[nodiscard]] std::optional<double> load_limit(const SweepView& sweep, std::size_t row);
+
 /// Series above a map, in units of display. "torque limit": where one axis is load.torque, the load of safety factor 1 over the other
 /// axis, by the scenes of the cases; absent where it is outside of their loads, where it depends on more than the other axis, and where the
 /// clamping force or the load follows from the run. "verified": cases that also ran at reference quality.
