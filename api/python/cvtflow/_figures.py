@@ -13,7 +13,7 @@ import matplotlib
 import numpy as np
 
 STYLE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "cvtflow.mplstyle")
-_LEGEND = 30  # characters of a line of a legend
+_LEGEND = 26  # characters of a name in a legend beside the frame
 _WIDTH, _HEIGHT, _LOW = 8.6, 5.4, 3.0  # of a picture with one panel, of one of several [inch]
 _DASHES = ["solid", "dashed", "dotted", "dashdot"]
 
@@ -25,7 +25,7 @@ class Line:
     name: str
     x: np.ndarray
     y: np.ndarray
-    style: dict = dataclasses.field(default_factory=dict)  # of Axes.plot; {"stairs": edges} draws steps
+    style: dict = dataclasses.field(default_factory=dict)  # of Axes.plot; {"stairs": edges} draws steps, {"bar": (offset, width)} bars
     sets_ends: bool = True  # whether axes reach its points
 
 
@@ -89,9 +89,12 @@ def figure(width, height):
     pyplot = sys.modules.get("matplotlib.pyplot")
     if pyplot is not None:
         return pyplot.figure(figsize=(width, height), layout="constrained")
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    return Figure(figsize=(width, height), layout="constrained")
+    made = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(made)
+    return made
 
 
 def plain(text):
@@ -99,10 +102,11 @@ def plain(text):
     return str(text).replace("$", r"\$")
 
 
-def wrapped(name, width=_LEGEND):
+def wrapped(name, width=90):
     """A name in lines of a legend, also broken behind slashes of a path."""
-    lines = textwrap.wrap(name.replace("/", "/\u200b"), width, break_on_hyphens=False, break_long_words=True) if len(name) > width else [name]
-    return plain("\n".join(lines).replace("\u200b", ""))
+    if len(name) <= width:
+        return plain(name)
+    return plain("\n".join(textwrap.wrap(name.replace("/", "/\u200b"), width, break_on_hyphens=False)).replace("\u200b", ""))
 
 
 def draw(panels, heading="", ax=None):
@@ -112,30 +116,31 @@ def draw(panels, heading="", ax=None):
             axes = list(np.atleast_1d(ax).flat)
             made = axes[0].figure
         else:
-            heights = [panel.height or (_LOW if len(panels) > 1 else _HEIGHT) for panel in panels]
+            heights = [(panel.height or (_LOW if len(panels) > 1 else _HEIGHT)) + _legend_height(panel) for panel in panels]
             lines = textwrap.wrap(heading, 118)
             made = figure(_WIDTH, sum(heights) + 0.18 * len(lines))
             axes = made.subplots(len(panels), 1, squeeze=False, gridspec_kw={"height_ratios": heights})[:, 0]
             if lines:
                 made.suptitle(plain("\n".join(lines)), x=0.01, ha="left", fontsize=8.5, color="#555555")
-            for first, other in zip(itertools.repeat(0), range(1, len(panels))):
-                if panels[other].x == panels[first].x and panels[other].scales[0] == panels[first].scales[0]:
-                    axes[other].sharex(axes[first])
+            for axis, panel in list(zip(axes, panels))[1:]:
+                if panel.x == panels[0].x and panel.scales[0] == panels[0].scales[0] and not panel.bars:
+                    axis.sharex(axes[0])
         if len(axes) < len(panels):
             raise ValueError(f"ax: {len(panels)} panels require as many Axes")
         for axis, panel in zip(axes, panels):
-            _fill(axis, panel)
+            below = panels[panels.index(panel) + 1:]
+            _fill(axis, panel, ax is not None or not (below and below[0].x == panel.x and below[0].scales[0] == panel.scales[0]))
         made.panels = panels
     return made
 
 
-def _fill(axis, panel):
+def _fill(axis, panel, is_last):
     axis.set_title(plain(panel.title), wrap=False)
     for which, scale in zip("xy", panel.scales):
         kind, *more = [scale] if isinstance(scale, str) else scale
         getattr(axis, f"set_{which}scale")(kind, **({"linthresh": more[0]} if more else {}))
-        if kind == "log" and which in "xy" and panel.fields:
-            _plain_log(getattr(axis, f"{which}axis"))
+        if kind != "linear":
+            _plain_numbers(getattr(axis, f"{which}axis"), kind == "log" and bool(panel.fields))
     for name, tint, x, y, inside in panel.regions:
         _region(axis, name, tint, x, y, inside)
     if panel.bars:
@@ -144,7 +149,7 @@ def _fill(axis, panel):
         _field(axis, field, panel.scales)
     _lines(axis, panel)
     if not panel.bars:
-        axis.set_xlabel(plain(panel.x))
+        axis.set_xlabel(plain(panel.x) if is_last else "")
         axis.set_ylabel(plain(panel.y))
     if panel.x_ends:
         axis.set_xlim(*panel.x_ends)
@@ -153,18 +158,42 @@ def _fill(axis, panel):
     if panel.equal:
         axis.set_aspect("equal", adjustable="datalim")
     if axis.get_legend_handles_labels()[0]:
-        axis.legend(loc="upper left", bbox_to_anchor=(1.0 if not panel.fields else 0.0, 1.0 if not panel.fields else -0.16),
-                    borderaxespad=0.4, ncols=3 if panel.fields else 1)
+        _legend(axis, panel, is_last)
 
 
-def _plain_log(axis):
-    """A speed ratio over one decade or two: 0.5, 1, 2 instead of powers."""
-    from matplotlib.ticker import FuncFormatter, LogLocator
+def _legend_columns(panel):
+    """Columns of a legend below the frame; 0: it has room beside it."""
+    longest = max((len(name) for name in [line.name for line in panel.lines] + panel.kinds if name), default=0)
+    return max(1, min(4, 100 // (longest + 8))) if longest > _LEGEND else 0
 
-    axis.set_major_locator(LogLocator(10.0, subs=(1.0, 2.0, 5.0)))
-    axis.set_minor_locator(LogLocator(10.0, subs=(1.5, 3.0, 4.0, 7.0)))
+
+def _legend_height(panel):
+    """Of a legend below the frame [inch]."""
+    names = sum(1 for line in panel.lines if line.name) + len(panel.kinds)
+    columns = _legend_columns(panel)
+    return 0.1 + 0.19 * math.ceil(names / columns) if columns else 0.0
+
+
+def _legend(axis, panel, is_last):
+    """Beside the frame; below it where names are long, and of a map, whose colours are beside it."""
+    from matplotlib.transforms import ScaledTranslation
+
+    columns = 4 if panel.fields else _legend_columns(panel)
+    if columns:
+        under = axis.transAxes + ScaledTranslation(0.0, -0.5 if is_last else -0.3, axis.figure.dpi_scale_trans)
+        axis.legend(loc="upper left", bbox_to_anchor=(0.0, 0.0), bbox_transform=under, borderaxespad=0.0, ncols=columns)
+    else:
+        axis.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.4)
+
+
+def _plain_numbers(axis, ratio):
+    """0.01 and 100 instead of powers. ratio: of speeds, over one decade or two: 0.5, 1, 2."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    if ratio:
+        axis.set_major_locator(LogLocator(10.0, subs=(1.0, 1.5, 2.0, 3.0, 5.0, 7.0)))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axis.set_minor_formatter(FuncFormatter(lambda value, _: ""))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def _region(axis, name, tint, x, y, inside):
@@ -199,12 +228,12 @@ def _lines(axis, panel):
             number = next(free)
             look |= {"color": colour(number)} | ({"linestyle": dashes(number)} if "linestyle" not in look and dashes(number) != "solid" else {})
         label = wrapped(line.name) if line.name else None
-        edges = look.pop("stairs", None)
-        if edges is not None:
-            fill = look.pop("fill", False)
-            axis.stairs(line.y, edges, label=label, **look)
-            if fill:
-                axis.stairs(line.y, edges, fill=True, alpha=0.15, color=look["color"])
+        if "stairs" in look:
+            axis.stairs(line.y, look.pop("stairs"), label=label, **look)
+            continue
+        if "bar" in look:
+            offset, width = look.pop("bar")
+            axis.bar(line.x + offset, line.y, width, label=label, **look)
             continue
         ends = axis.axis() if not line.sets_ends else None
         axis.plot(line.x, line.y, label=label, **look)
@@ -213,42 +242,84 @@ def _lines(axis, panel):
 
 
 def _levels(low, high):
-    """Round levels of a map, about eight; a map of one value has one colour."""
+    """Round levels of a map within its values, about eight; none of a map of one value."""
     from matplotlib.ticker import MaxNLocator
 
-    if not high > low or high - low < 1e-9 * max(abs(low), abs(high)):
-        pad = max(abs(low), 1e-12) * 1e-3
-        return np.array([low - pad, low + pad])
-    return MaxNLocator(9, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
+    if not high - low > 1e-9 * max(abs(low), abs(high)):
+        return np.empty(0)
+    levels = MaxNLocator(9, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
+    return levels[(levels > low) & (levels < high)]
 
 
 def _field(axis, field, scales):
-    """Colours with labelled contours, by triangles between the cases; cases at one line, or fewer than four: coloured points."""
+    """Colours with labelled contours, between the cases of a grid or by triangles; cases on one line, or fewer than four: coloured points."""
+    from matplotlib.colors import Normalize
+
     finite = np.isfinite(field.values) & np.isfinite(field.x) & np.isfinite(field.y)
     x, y, values = field.x[finite], field.y[finite], field.values[finite]
-    if not len(values):
-        _bad_cases(axis, field, None)
-        return
-    levels = _levels(*(field.range or (values.min(), values.max())))
-    triangles = _triangles(x, y, scales) if len(values) > 3 and len(levels) > 2 else None
+    norm = Normalize(*(field.range or (values.min(), values.max())))
+    if not norm.vmax > norm.vmin:
+        norm.vmin, norm.vmax = norm.vmin - 1e-3 * abs(norm.vmin) - 1e-12, norm.vmax + 1e-3 * abs(norm.vmax) + 1e-12
+    triangles = _triangles(x, y, scales) if len(values) > 3 else None
     if triangles is None:
-        drawn = axis.scatter(x, y, c=values, s=40, vmin=levels[0], vmax=levels[-1], zorder=2)
+        drawn = axis.scatter(x, y, c=values, s=40, norm=norm, zorder=2)
+        levels = np.empty(0)
     else:
-        smooth = np.linspace(levels[0], levels[-1], 8 * (len(levels) - 1) + 1)
-        drawn = axis.tricontourf(triangles, values, levels=smooth, zorder=1)
-        for part in drawn.collections if hasattr(drawn, "collections") else [drawn]:
-            part.set_edgecolor("face")  # no white seams between the colours
-        lines = axis.tricontour(triangles, values, levels=levels, colors="white", zorder=1.5)
-        axis.clabel(lines, fontsize=9, colors="black", inline=True)
-        for text in lines.labelTexts:
-            text.set_bbox({"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 0.8})
+        levels = _levels(norm.vmin, norm.vmax)
+        drawn = _coloured(axis, _grid(field, triangles, values, scales) or (triangles, values), norm, levels)
         axis.plot(x, y, ".", color="black", markersize=2.5, zorder=2)
-    bar = axis.figure.colorbar(drawn, ax=axis, pad=0.02, aspect=30)
-    if len(levels) > 2:
-        bar.set_ticks([level for level in levels if levels[0] <= level <= levels[-1]])
+    bar = axis.figure.colorbar(drawn, ax=axis, pad=0.02, aspect=30, format=lambda value, _: f"{value:.6g}")
+    if len(levels):
+        bar.set_ticks(levels)
     bar.set_label(plain(field.label))
     bar.outline.set_visible(False)
-    _bad_cases(axis, field, triangles)
+    _bad_cases(axis, field, drawn)
+    axis.use_sticky_edges = False
+    axis.margins(0.03)
+
+
+def _is_light(tint):
+    return np.dot(tint[:3], (0.299, 0.587, 0.114)) > 0.5
+
+
+def _coloured(axis, what, norm, levels):
+    """Colours of a grid (x, y, values) or of triangles with values, contours above them that differ from the colour below."""
+    smooth = np.linspace(norm.vmin, norm.vmax, 81)
+    by_triangles = len(what) == 2
+    drawn = (axis.tricontourf if by_triangles else axis.contourf)(*what, levels=smooth, norm=norm, zorder=1)
+    for part in drawn.collections:
+        part.set_edgecolor("face")  # no white seams between the colours
+    if len(levels):
+        tints = ["#222222" if _is_light(drawn.cmap(norm(level))) else "white" for level in levels]
+        lines = (axis.tricontour if by_triangles else axis.contour)(*what, levels=levels, colors=tints, linewidths=0.9, zorder=1.5)
+        axis.clabel(lines, fontsize=9, colors=tints, fmt=lambda value: f"{value:.6g}", inline_spacing=3)
+    return drawn
+
+
+def _grid(field, triangles, values, scales):
+    """Values between the cases of a grid, finer; places without a value by the triangles around them. None: the cases form no grid."""
+    from matplotlib.tri import LinearTriInterpolator
+
+    xs, ys = (np.unique(each[np.isfinite(each)]) for each in (field.x, field.y))
+    if len(xs) * len(ys) > 2 * len(field.values) or len(xs) < 2 or len(ys) < 2:
+        return None
+    table = np.full((len(ys), len(xs)), np.nan)
+    table[np.searchsorted(ys, field.y), np.searchsorted(xs, field.x)] = field.values
+    across, up = np.meshgrid(xs, ys)
+    between = LinearTriInterpolator(triangles, values)(across, up).filled(np.nan)
+    table = np.where(np.isfinite(table), table, between)
+    for axis, (places, scale) in enumerate(((ys, scales[1]), (xs, scales[0]))):
+        steps = np.arange(0.0, len(places) - 1.0 + 1e-9, 1.0 / max(1, 160 // len(places)))
+        below = np.minimum(steps.astype(int), len(places) - 2)
+        share = steps - below
+        first, second = np.take(table, below, axis), np.take(table, below + 1, axis)
+        weight = share[:, None] if axis == 0 else share[None, :]
+        table = np.where(weight == 0.0, first, np.where(weight == 1.0, second, first + weight * (second - first)))
+        placed = np.log(places) if scale == "log" else places
+        finer = placed[below] + share * (placed[below + 1] - placed[below])
+        finer = np.exp(finer) if scale == "log" else finer
+        xs, ys = (finer, ys) if axis else (xs, finer)
+    return xs, ys, np.ma.masked_invalid(table)
 
 
 def _placed(values, scale):
@@ -274,18 +345,19 @@ def _triangles(x, y, scales):
     return made
 
 
-def _bad_cases(axis, field, triangles):
+def _bad_cases(axis, field, drawn):
     """Cells of cases that failed, or whose means are not steady: hatched, counted in the legend."""
     xs, ys = np.unique(field.x[np.isfinite(field.x)]), np.unique(field.y[np.isfinite(field.y)])
     for name, rows, hatch in field.bad:
         for row in rows:
-            box = [_cell(value, sorted_values, scale) for value, sorted_values, scale in
+            box = [_cell(value, places, scale) for value, places, scale in
                    ((field.x[row], xs, axis.get_xscale()), (field.y[row], ys, axis.get_yscale()))]
             if all(box):
                 (left, right), (bottom, top) = box
-                axis.fill([left, right, right, left], [bottom, bottom, top, top], fill=False, hatch=hatch, linewidth=0.0, edgecolor="#444444",
-                          zorder=1.8)
-        axis.fill([], [], fill=False, hatch=hatch, edgecolor="#444444", label=f"{name} ({len(rows)})")
+                dark = np.isfinite(field.values[row]) and not _is_light(drawn.cmap(drawn.norm(field.values[row])))
+                axis.fill([left, right, right, left], [bottom, bottom, top, top], fill=False, hatch=hatch, linewidth=0.0,
+                          edgecolor="#bbbbbb" if dark else "#555555", zorder=1.8)
+        axis.fill([], [], fill=False, hatch=hatch, edgecolor="#555555", label=f"{name} ({len(rows)})")
 
 
 def _cell(value, values, scale):

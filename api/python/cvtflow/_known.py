@@ -10,6 +10,12 @@ class Misuse(ValueError):
     """An option that the data do not have: exit status 2 of the program."""
 
 
+class UnknownName(Misuse, KeyError):
+    """A channel or column that does not exist."""
+
+    __str__ = Misuse.__str__
+
+
 received = {}  # by such a process: "display", "dimensions", "channels", "efficiencies", "dials"
 
 

@@ -109,12 +109,39 @@ class Series:
     def _pin_period(self):
         """[s]; None where it is not known."""
 
-    def plot(self, *channels, **options):
-        """Draws channels over time, or over another channel, with Matplotlib, as `cvtflow plot` does. Returns the Figure. Options: those of
-        plots.curves()."""
-        from . import plots
+    def plot(self, *channels, x="time", others=(), measured=None, every_output=False, si=False, ax=None, **style):
+        """Draws channels over time, or over another channel, with Matplotlib, as `cvtflow plot` does: those of one unit in one panel, panels
+        with a shared horizontal axis. Returns the Figure.
 
-        return plots.curves([self], channels, **options)
+        channels  channels, groups ("shaft_1"), or numbers of one ("links/tension[3]"); none: the main quantities of a run
+        x         channel along the horizontal axis
+        others    further records in the same picture
+        measured  measured data as points: a CSV with headings such as "time [ms]", or a mapping (a DataFrame) with such keys
+        every_output  draws every output, also of runs of more than 60 pin periods, of which means over each are drawn otherwise
+        si        whether units are SI, as those of the values, instead of bar, l/min, rpm, kN, mm and %
+        ax        Axes, one for each panel; None: a new figure
+        style     is passed to Axes.plot
+        """
+        from . import _measured, plots
+
+        points = None if measured is None else _measured.Measured(measured)
+        return plots.curves([self, *others], channels, x, points, every_output, si, ax, **style)
+
+    path, scene, pin_frequency = "", None, None
+
+    @property
+    def attributes(self):
+        """Of the whole file, by name."""
+        return {}
+
+    @property
+    def rows(self):
+        """Number of rows."""
+        return len(self["time"])
+
+    def read(self, channel, first=0, count=None):
+        """Rows of a channel: [count] or [count, width]."""
+        return self[channel][first:None if count is None else first + count]
 
 
 class States:
@@ -198,30 +225,40 @@ class Record(Series, Mapping):
     transitions = property(lambda self: self._file.transitions(),
                            doc="Changes of a tip's phase: an array with fields time, pin, tip, phase_from, phase_to.")
 
-    def plot_orders(self, *channels, **options):
-        """Draws amplitudes over multiples of the pin passing frequency, as `cvtflow plot --orders` does. Returns the Figure. Options: those of
-        plots.orders()."""
+    def plot_orders(self, *channels, others=(), si=False, ax=None, **style):
+        """Draws amplitudes of channels over multiples of the pin passing frequency, as `cvtflow plot --orders` does; over the frequency [Hz]
+        where no pins pass. Returns the Figure. Parameters as of plot(). Raises ValueError for fewer than 8 rows, or rows further apart than
+        half a pin period."""
         from . import plots
 
-        return plots.orders([self], channels, **options)
+        return plots.orders([self, *others], channels, si, ax, **style)
 
-    def plot_losses(self, **options):
-        """Draws mean losses by kind as bars, as `cvtflow plot --losses` does. Returns the Figure. Options: those of plots.losses()."""
+    def plot_losses(self, others=(), ax=None):
+        """Draws the mean losses by kind [W] as bars with their shares, the largest first, as `cvtflow plot --losses` does; those of other
+        records beside them. Returns the Figure. Raises ValueError for a record without losses."""
         from . import plots
 
-        return plots.losses([self], **options)
+        return plots.losses([self, *others], ax)
 
-    def plot_round(self, **options):
-        """Draws the place of the followed pin, as `cvtflow plot --round` does. Returns the Figure. Options: those of plots.round_of_pin()."""
+    def plot_round(self, others=(), si=False, ax=None):
+        """Draws where the followed pin is as it goes round, as `cvtflow plot --round` does. Returns the Figure."""
         from . import plots
 
-        return plots.round_of_pin([self], **options)
+        return plots.round_of_pin([self, *others], si, ax)
 
-    def plot_wear(self, **options):
-        """Draws wear() over the sheaves' radii and over the tips, as `cvtflow plot --wear` does. Returns the Figure."""
+    def plot_differences(self, other, *channels, si=False, ax=None):
+        """Draws other - self over time, as means over pin periods with the band of their scatter within each. Returns the Figure. channels,
+        si, ax: as in plot()."""
         from . import plots
 
-        return plots.wear(self, **options)
+        return plots.differences([self, other], channels, si, ax)
+
+    def plot_wear(self, ax=None):
+        """Draws wear() in four panels, as `cvtflow plot --wear` does: over the radius of each sheave friction energy, pressure times sliding
+        speed and worn depth, and the number of tips by worn depth. Returns the Figure. Raises ValueError as wear() does."""
+        from . import plots
+
+        return plots.wear(self, ax)
 
     def wear(self):
         """Wear by Archard's law, of a record with the channels wear/* (record.channels=wear/*), as `cvtflow plot --wear` states it:

@@ -5,13 +5,7 @@ import re
 
 import numpy as np
 
-from ._known import Misuse, is_key, quantity, suggestion
-
-
-class UnknownColumn(Misuse, KeyError):
-    """A column that the table does not have."""
-
-    __str__ = Misuse.__str__
+from ._known import UnknownName, is_key, quantity, suggestion
 
 
 COUNTS = ("case", "steps", "evaluations", "transitions", "truncated", "settling_evaluations", "threads")
@@ -52,7 +46,7 @@ class Results(dict):
             return plain
         if len(meant := [key for key in self if is_key(key) and key.endswith("_" + plain)]) == 1:
             return meant[0]
-        raise UnknownColumn(f"{name}: the table {self.path} has no such column" + suggestion(plain, self))
+        raise UnknownName(f"{name}: the table {self.path} has no such column" + suggestion(plain, self))
 
     def where(self, **values):
         """The Results of the cases with these values, numbers in SI or texts with a unit: where(load__torque="6 N*m", status="ok"). A list
@@ -77,33 +71,51 @@ class Results(dict):
         some.limits = None if self.limits is None else self.limits[kept]
         return some
 
-    def plot(self, x, y, **options):
+    def plot(self, x, y, by=None, others=(), measured=None, si=False, ax=None, **style):
         """Draws a column over another with Matplotlib, one line for each value of the others that vary, as `cvtflow plot` does. Returns the
-        Figure. Options: those of maps.lines()."""
+        Figure.
+
+        by        a column, or a list of them, that lines are drawn for; None: every key of the scene that varies beside x
+        others    Results of further sweeps in the same frame
+        measured  measured data as points: a CSV with headings such as "slip_mean [%]", or a mapping (a DataFrame) with such keys
+        si        whether units are SI, as those of the values, instead of bar, l/min, rpm, kN, mm and %
+        ax        Axes; None: a new figure
+        style     is passed to Axes.plot
+        """
+        from . import _measured, maps
+
+        points = None if measured is None else _measured.Measured(measured)
+        return maps.lines([self, *others], x, y, by, points, si, ax=ax, **style)
+
+    def map(self, x, y, value, others=(), si=False, ax=None):
+        """Draws a column as colours with contours over two others, which may be results, as `cvtflow plot --colour` does. Cases that failed, or
+        are not steady, are hatched. Returns the Figure. others: further sweeps below it, with the same colours. Raises ValueError for several
+        cases at one point: where() chooses among them."""
         from . import maps
 
-        return maps.lines([self], x, y, **options)
-
-    def map(self, x, y, value, **options):
-        """Draws a column as colours with contours over two others, as `cvtflow plot --colour` does. Returns the Figure. Options: those of
-        maps.maps()."""
-        from . import maps
-
-        return maps.maps([self], x, y, value, **options)
+        return maps.maps([self, *others], x, y, value, si, ax=ax)
 
     def pivot(self, index, columns, values):
         """A pandas.DataFrame of one column over two others, in SI units. Raises ValueError for several cases at one point."""
         index, columns, values = (self.column(name) for name in (index, columns, values))
         return self.frame().pivot(index=index, columns=columns, values=values)
 
-    def axes(self, but=()):
-        """The columns of keys of the scene that vary and distinguish the cases: one that only follows another, or those in `but`, is left out."""
-        found, known = list(but), len(set(zip(*(self[each] for each in but)))) if but else 1
-        for name in [name for name in self if is_key(name) and name not in but]:
+    def axes(self, along=None, but=()):
+        """The columns of keys of the scene that vary and distinguish the cases: one that only follows another, the column `along`, or those in
+        `but`, is left out."""
+        found, known = [], 1
+        for name in [name for name in self if is_key(name) and name != along and name not in but and not self._follows(name, along)]:
             distinct = len(set(zip(*(self[each] for each in [*found, name]))))
             if distinct > known:
                 found, known = [*found, name], distinct
-        return found[len(but):]
+        return found
+
+    def _follows(self, name, along):
+        """Whether a column changes with another one, as keys of one axis do; such a column makes no line of its own."""
+        if along is None:
+            return False
+        own, given = set(self[name]), set(self[along])
+        return len(own) >= len(given) and len(set(zip(self[along], self[name]))) == len(given)
 
     def to_xarray(self):
         """An xarray.Dataset with a dimension for each of axes() and a variable for each other column; points without a case are NaN, or

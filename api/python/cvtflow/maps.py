@@ -75,7 +75,7 @@ def lines(sweeps, x, y, by=None, measured=None, si=False, where=(), ax=None, **s
         across, up = _numbers(results, x, si)[1], _numbers(results, y, si)[1]
         names = [results.column(x), results.column(y)]
         if by is None:
-            groups = [name for name in results.axes((names[0],)) if name != names[1]]
+            groups = results.axes(names[0], names)
         else:
             groups = [results.column(name) for name in ([by] if isinstance(by, str) else by)]
         cases = list(zip(*(results[name] for name in groups))) if groups else [()] * len(across)
@@ -88,6 +88,9 @@ def lines(sweeps, x, y, by=None, measured=None, si=False, where=(), ax=None, **s
                 name = f"{name}, {results.name}" if name else results.name
                 own["color"] = colour(place if groups else number)
             panel.lines.append(Line(name, across[rows], up[rows], own | style))
+    along = np.concatenate([line.x[np.isfinite(line.x)] for line in panel.lines] or [np.zeros(1)])
+    margin = 0.03 * np.ptp(along)
+    panel.x_ends = (along.min() - margin, along.max() + margin) if margin > 0.0 and measured is None else ()
     if measured is not None:
         info = [(sweeps[0].column(name), sweeps[0].info[sweeps[0].column(name)].unit) for name in (x, y)]
         points = [shown(name, unit, si)[1] * measured.column(name, unit) for name, unit in info]
@@ -155,7 +158,7 @@ def _map(results, x, y, value, si):
     used = good | (unsteady & np.isfinite(values))
     places = list(zip(across[used], up[used]))
     if len(set(places)) < len(places):
-        among = ", ".join(results.axes(names[:2])) or "the columns"
+        among = ", ".join(results.axes(but=names[:2])) or "the columns"
         raise _known.Misuse(f"several cases at one point of {names[0]} and {names[1]}: choose with --where COLUMN=VALUE among {among}")
     failed = np.flatnonzero(~good & ~unsteady)
     bad = [("failed", failed, "xxx")] if len(failed) else []
@@ -167,7 +170,7 @@ def _map(results, x, y, value, si):
     panel.lines.append(Line("", across[[largest]], up[[largest]], {"marker": "o", "markersize": 10, "markerfacecolor": "none", "color": _LIMIT,
                                                                    "linestyle": "none", "zorder": 4}))
     for axis, other in ((0, 1), (1, 0)):
-        if names[axis] == "load_torque":
+        if names[axis] == "load_torque" and _known.is_key(names[other]):
             panel.lines += _limits(results, names[axis], names[other], axis == 0, si)
     if len(verified := np.flatnonzero(_verified(results))):
         panel.lines.append(Line("verified", across[verified], up[verified], {"marker": "D", "color": _LIMIT, "linestyle": "none", "zorder": 4}))
@@ -184,7 +187,4 @@ def maps(sweeps, x, y, value, si=False, where=(), ax=None):
         panel.fields[0].range = (float(np.nanmin(everything)), float(np.nanmax(everything)))
         if len(made) > 1:
             panel.title, panel.height = f"{panel.title}: {results.name}", 4.6
-        if panel.scales[0] == "linear":
-            finite = panel.fields[0].x[np.isfinite(panel.fields[0].x)]
-            panel.x_ends = (finite.min(), finite.max()) if np.ptp(finite) > 0.0 else ()
     return draw([panel for panel, _ in made], "; ".join([*(heading for _, heading in made), *where]), ax)

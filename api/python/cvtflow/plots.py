@@ -42,12 +42,14 @@ def step_text(record):
 
 def conditions(record):
     """baseline, fine, rk4, step 50 ns."""
+    if not record.attributes:
+        return ""
     level = [record.scene["detail.level"] or "own detail"] if record.scene is not None else []
     return ", ".join([name_of(record), *level, str(record.attributes.get("method", "unknown")), f"step {step_text(record)}"])
 
 
 def _heading(records):
-    return "; ".join(dict.fromkeys(conditions(record) for record in records))
+    return "; ".join(dict.fromkeys(filter(None, map(conditions, records))))
 
 
 def _differing(records):
@@ -104,7 +106,7 @@ def find(record, word):
     if channel in record.info:
         width = record.info[channel].width
         if element is not None and element >= width:
-            raise _known.Misuse(f"{word}: {channel} has {width} elements, numbered from 0")
+            raise _known.UnknownName(f"{word}: {channel} has {width} elements, numbered from 0")
         return [word] if element is not None or width == 1 else _parts(channel, width)
     if word.endswith("]"):
         if element is None:
@@ -113,7 +115,7 @@ def find(record, word):
     group = [part for name, column in record.info.items() if name.startswith(word + "/") for part in _parts(name, column.width)]
     if group and element is None:
         return group
-    raise _known.Misuse(f"{word}: {missing(record, word)}")
+    raise _known.UnknownName(f"{word}: {missing(record, word)}")
 
 
 def missing(record, word):
@@ -289,7 +291,7 @@ def curves(records, channels=(), x="", measured=None, every_output=False, si=Fal
     if measured is not None:
         _add_measured(panels, records[0], channels, measured, across, scale)
     removed = _remove_small(panels.found, channels)
-    return draw(panels.finished(), "; ".join([_heading(records), *filter(None, notes)]) + removed, ax)
+    return draw(panels.finished(), "; ".join(filter(None, [_heading(records), *notes])) + removed, ax)
 
 
 def _controls_ratio(record):
@@ -459,8 +461,8 @@ def wear(record, ax=None):
             ("sheave_depth", 1e6, "depth [µm]", f"Worn depth of the sheaves in 1,000 hours, Archard's coefficient {coefficient:.3g} 1/Pa")):
         panel = Panel(title, "radius [mm]", label, x_ends=ends)
         for number, (sheave, numbers) in enumerate(zip(_wear.SHEAVES, found[name])):
-            panel.lines.append(Line(f"sheave {sheave}", 0.5 * (edges[1:] + edges[:-1]), np.where(numbers > 0.0, factor * numbers, np.nan),
-                                    {"stairs": edges, "color": colour(number), "linewidth": 1.8, "fill": True}))
+            bar = {"bar": (1e3 * width * (number - 1.5) * 0.22, 1e3 * width * 0.2), "color": colour(number)}
+            panel.lines.append(Line(f"sheave {sheave}", 1e3 * found["radius"], np.where(numbers > 0.0, factor * numbers, np.nan), bar))
         panels.append(panel)
     panels.append(_worn_tips(found["tip_depth"]))
     heading = f"{conditions(record)}; {_wear.rounds_text(found)}{_wear.sampled(record, found, width)}"
@@ -478,7 +480,7 @@ def _worn_tips(depth):
     for tip, name in enumerate(("rear half, −z", "rear half, +z", "front half, −z", "front half, +z")):
         own = 1e6 * depth[tip::4]
         counts = np.histogram(np.clip(own[np.isfinite(own)], edges[0], edges[-1]), edges)[0].astype(float)
-        panel.lines.append(Line(name, 0.5 * (edges[1:] + edges[:-1]), counts, {"stairs": edges, "color": colour(tip), "linewidth": 1.8, "fill": True}))
+        panel.lines.append(Line(name, 0.5 * (edges[1:] + edges[:-1]), counts, {"stairs": edges, "color": colour(tip), "linewidth": 1.6}))
     return panel
 
 
