@@ -89,10 +89,10 @@ def _plot(request):
 def made(request):
     """The bytes of the file that a request describes."""
     if request["command"] == "report":
-        from . import report
+        from . import pages
 
         receive(request)
-        return report.requested(request)
+        return pages.requested(request)
     from . import _figures
 
     if request["command"] == "chart":

@@ -138,7 +138,7 @@ class Keys(Mapping):
         return list(self._keys)
 
     def _rows(self):
-        return [(key.name, _default(key), _range(key), key.help) for key in self._keys.values()]
+        return [(key.name, default_text(key), _range(key), key.help) for key in self._keys.values()]
 
     def __repr__(self):
         rows = [("key", "default", "range", "help"), *self._rows()]
@@ -155,7 +155,8 @@ def _unit(key):
     return "" if key.unit in ("", "1") else " " + key.unit
 
 
-def _default(key):
+def default_text(key):
+    """The default of a KeyInfo, as it is entered."""
     value = key.default
     return value if isinstance(value, str) else (f"{value:.6g}" if isinstance(value, float) else toml(value)) + _unit(key)
 
@@ -168,4 +169,4 @@ def _range(key):
 def key_repr(key):
     """Display of a KeyInfo."""
     range_text = "one of " + _range(key) if key.choices and not key.range else _range(key)
-    return f"<cvtflow.KeyInfo {key.name}: default {_default(key)}{range_text and ', ' + range_text}; {key.help}>"
+    return f"<cvtflow.KeyInfo {key.name}: default {default_text(key)}{range_text and ', ' + range_text}; {key.help}>"

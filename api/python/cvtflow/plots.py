@@ -52,7 +52,7 @@ def _heading(records):
     return "; ".join(dict.fromkeys(filter(None, map(conditions, records))))
 
 
-def _differing(records):
+def differing(records):
     """Keys in which the scenes of records differ; None where a scene cannot be read. Of two levels of detail, the level alone."""
     scenes = [record.scene for record in records]
     if any(scene is None for scene in scenes):
@@ -73,7 +73,7 @@ def labels(records):
     """By which records of one picture are told apart: their paths, and the key in which alone they differ."""
     if len(records) == 1:
         return [""]
-    keys = _differing(records)
+    keys = differing(records)
     setting = [f" ({keys[0]} {_known.value_text(record, keys[0])})" if keys and len(keys) == 1 else "" for record in records]
     return [f"{record.path}{text}" for record, text in zip(records, setting)]
 
@@ -272,7 +272,7 @@ def curves(records, channels=(), x="", measured=None, every_output=False, si=Fal
         notes[sampling(record)] = None
         across, x_label, scale = _across(record, x, si, end)
         for name in _chosen(record, channels):
-            if name == across or (across == "time" and name == "control/target" and "ratio" in channels and _controls_ratio(record)):
+            if name == across or (across == "time" and name == "control/target" and "ratio" in channels and controls_ratio(record)):
                 continue
             info = _info(record, name)
             panel, factor = panels.of(name, info.unit)
@@ -280,7 +280,7 @@ def curves(records, channels=(), x="", measured=None, every_output=False, si=Fal
             time, numbers, period = course(record, name, every_output or (across != "time" and _info(record, across).unit == "m"))
             notes[f"means over pin periods ({time_text(period)})" if period else ""] = None
             if across == "time":
-                if name == "ratio" and _controls_ratio(record) and "control/target" in record.info:
+                if name == "ratio" and controls_ratio(record) and "control/target" in record.info:
                     panel.lines.append(Line(_named("control/target", label), *thinned(scale * record["time"], record["control/target"], _COLUMNS),
                                             {"color": "#555555", "linestyle": "dashed"}))
                 along, columns = scale * time, _COLUMNS
@@ -294,7 +294,7 @@ def curves(records, channels=(), x="", measured=None, every_output=False, si=Fal
     return draw(panels.finished(), "; ".join(filter(None, [_heading(records), *notes])) + removed, ax)
 
 
-def _controls_ratio(record):
+def controls_ratio(record):
     return record.scene is not None and record.scene["control.quantity"] == "ratio" and bool(record.scene["control.enabled"])
 
 

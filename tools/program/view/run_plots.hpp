@@ -84,23 +84,4 @@ struct DrawnCurve {
 /// @throws UsageError if the record lacks channels of the group wear, or a scene that this program can read
 [[nodiscard]] std::vector<Plot> wear_plots(const RecordedRun& run);
 
-/// Where the pins are at the states of a record and what they carry.
-struct ChainMotion {
-    std::size_t recorded = 0;      ///< states of the record; more than `times` where they were thinned
-    std::vector<double> times;     ///< [s]
-    std::vector<float> x, y, z;    ///< [states * pins], of the middles of the pins' rear halves [m]
-    std::vector<float> pin_force;  ///< axial force of a pin on its sheaves, mean of both sides [N]; empty: not recorded
-    std::vector<float> tension;    ///< of the link behind the pin [N]; empty: not recorded
-    std::vector<float> slip;       ///< 1 - Ω/ω of a pin that touches sheaves, Ω about their axis; 0 elsewhere; empty: no pulleys
-    std::vector<float> side;       ///< 0: free, 1, 2: between the sheaves of that shaft
-    std::array<std::vector<float>, 2> angle, radius;  ///< per state: of the shafts [rad]; mean of the pins on them [m]
-};
-
-/// Motion over at most `max_states` states, equally spaced among the recorded ones. Without times if the record has no states or no
-/// readable scene.
-[[nodiscard]] ChainMotion chain_motion(const RecordedRun& run, std::size_t max_states);
-
-/// Axial force of the pins over the angle about the shaft: mean over all states, with minimum and maximum. @param motion of the run
-[[nodiscard]] Plot pin_force_plot(const RecordedRun& run, const ChainMotion& motion);
-
 }  // namespace cvtflow::tools
