@@ -47,7 +47,7 @@ class Measured:
             raise Misuse(f"--with {self.path}: no column '{name}', only {self.names()}")
         own, given, numbers, *dimension = self._columns[_plain(name)]
         if dimension:
-            expected = received["dimensions"].get(unit, "")
+            expected = received["dimensions"].get(unit or "1", "")
             if given and dimension[0] != expected:
                 raise Misuse(f"{self.path}: {own} [{given}]: {expected} expected ({unit})")
             return numbers
