@@ -3,6 +3,7 @@
 Exit status 0; 1: the message states why; 2: an option is invalid.
 """
 
+import importlib
 import importlib.util
 import json
 import os

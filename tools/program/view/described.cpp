@@ -56,8 +56,7 @@ Json known_json() {
 }
 
 Json described(const RecordedRun& run) {
-    Json made{{"file", path_for_python(run.path())}, {"path", run.path()}, {"name", run.name()}, {"conditions", run.conditions()}};
-    made["level"] = run.scene() ? level_text(*run.scene()) : "";
+    Json made{{"file", path_for_python(run.path())}, {"path", run.path()}, {"name", run.name()}};
     add_scene(made, run.scene());
     return made;
 }

@@ -10,7 +10,7 @@ namespace cvtflow::tools {
 
 /// Name and unit by name of channel, in which quantities are shown; which channels there are; energies of efficiencies.
 [[nodiscard]] nlohmann::json known_json();
-/// "file", "path", "name", "conditions", "level", "scene" (values by key in SI, null if it cannot be read), "texts" (the same, readable).
+/// "file", "path", "name", "scene" (values by key in SI, null if it cannot be read), "texts" (the same, readable).
 [[nodiscard]] nlohmann::json described(const RecordedRun& run);
 /// "path", "name", "level", "columns" with "values" in SI, "limits": the load of safety factor 1 by case [N*m], null where there is none.
 [[nodiscard]] nlohmann::json described(const SweepView& sweep);
