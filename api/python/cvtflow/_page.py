@@ -124,7 +124,7 @@ def written(template, scripts, data, **values):
     return _environment().get_template(template).render(
         policy=f"default-src 'none'; script-src {' '.join(hashes) or repr('none')}; style-src 'unsafe-inline'; img-src data: blob:; "
                "base-uri 'none'; form-action 'none'",
-        style=style, scripts=bodies, data=_in_script(data), licences=asset("licenses.txt") if foreign else "", **values)
+        style=style, scripts=bodies, data=_in_script(data), licences=asset("licenses.txt").partition("\n--")[0] + "\n" if foreign else "", **values)
 
 
 def section(key, title, blocks, part="blocks", **more):

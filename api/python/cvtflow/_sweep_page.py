@@ -74,30 +74,46 @@ def _result_names(results):
 
 
 def _frames(results, x, y, si):
-    """The cases by the values of the keys that vary beside x and y, a map each: of one key with few values, else all cases in one."""
-    others = [name for name in results if _known.is_key(name) and name not in (x, y) and _varies(results, name)]
-    values = sorted(set(results[others[0]].tolist())) if len(others) == 1 and is_number(results, others[0]) else []
-    if not 1 < len(values) <= _MOST_FRAMES or len(results["case"]) < 4 * len(values):
+    """The cases that a map over x and y shows: all where only these vary, else those of each value of a third key, of many values some; every
+    other key must follow from the third one and y. None: there is no such key."""
+    keys = [name for name in results if _known.is_key(name) and name not in (x, y) and _varies(results, name)]
+
+    def follow(rows, names):
+        places = list(zip(*(np.asarray(results[name])[rows].tolist() for name in (y, *names))))
+        return len(set(places)) == len({place[0] for place in places})
+
+    if follow(slice(None), keys):
         return [results]
-    label, factor = _shown(results, others[0], si)
-    frames = [results.where(**{others[0]: value}) for value in values]
-    for frame, value in zip(frames, values):
-        frame.name = f"{label.partition(' [')[0]} {factor * value:.4g} {label.partition(' [')[2].rstrip(']')}".rstrip()
-    return frames
+    for third in (name for name in keys if is_number(results, name)):
+        column = np.asarray(results[third])
+        values = np.unique(column).tolist()
+        if all(follow(column == value, [name for name in keys if name != third]) for value in values):
+            chosen = [values[k * (len(values) - 1) // (_MOST_FRAMES - 1)] for k in range(_MOST_FRAMES)] if len(values) > _MOST_FRAMES else values
+            return [_framed(results.where(**{third: value}), third, value, si) for value in chosen]
+    return None
+
+
+def _framed(frame, key, value, si):
+    """Results named by the value of a key."""
+    label, factor = _shown(frame, key, si)
+    words, _, unit = label.partition(" [")
+    frame.name = f"{words} {factor * value:.4g} {unit.rstrip(']')}".rstrip()
+    return frame
 
 
 def _maps(results, si):
-    """Maps over the last axis and the first other axis with one case at each point; none where there are several."""
+    """Maps over the last axis and another one with one case at each point; none where there are several."""
     axes = [name for name in results if is_number(results, name) and _known.is_key(name) and _varies(results, name)]
     for other in reversed(axes[:-1]):
         frames, found = _frames(results, axes[-1], other, si), []
         try:
-            for name in _result_names(results):
+            for name in _result_names(results) if frames else []:
                 if len(found) < _MOST_MAPS and not all(maps.is_trivial(frame, axes[-1], other, name) for frame in frames):
                     found.append(maps.maps(frames, axes[-1], other, name, si=si))
         except _known.Misuse:  # several cases at one point; the picture above shows them all
             continue
-        return found
+        if found:
+            return found
     return []
 
 

@@ -2,7 +2,7 @@
 
 import os
 
-from . import _known, _page, _run_page, _sweep_page
+from . import _known, _page
 
 _LONGEST = 160  # characters of a value that is shown completely
 
@@ -65,7 +65,7 @@ def brief(value):
 
 def requested(request):
     """The bytes of the page that the program requests."""
-    from . import _requested
+    from . import _requested, _run_page, _sweep_page
 
     facts, measured, si = Facts(request), _requested.measured(request), request["options"]["si"]
     if "sweeps" in request:
@@ -89,6 +89,7 @@ def report(of, output=None, with_=None, si=False):
 
     Returns the page as text.
     """
+    from . import _run_page, _sweep_page
     from ._measured import Measured
     from ._series import Record
     from ._tables import Results
