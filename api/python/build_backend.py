@@ -101,9 +101,9 @@ def contents(folder, bundle=False):
     package = folder / "python" / PACKAGE
     if not list(package.glob("_cvtflow*.so")):
         raise RuntimeError("cvtflow: no Python module was built; CMake's output lists what is missing (Debian: python3-dev, pybind11-dev)")
-    for file in sorted(package.iterdir()):
-        if file.is_file():
-            yield f"{PACKAGE}/{file.name}", file
+    for file in sorted(package.rglob("*")):
+        if file.is_file() and "__pycache__" not in file.parts:
+            yield f"{PACKAGE}/{file.relative_to(package)}", file
     library = folder / os.readlink(folder / "libcvtflow.so")  # by the name that the module looks for
     yield f"{PACKAGE}/lib/{library.name}", library
     for file in needed(library) if bundle else []:

@@ -281,9 +281,13 @@ void RunRecorder::finish(const Simulation& simulation, RunReport& report, double
     file_->set_attribute({"energy_residual", report.energy.residual()});
     file_->set_attribute({"energy_residual_relative", report.energy.relative()});
     file_->set_attribute({"energy_suspicion", report.balance_error_ratio});
-    std::string notes;
-    for (const Note& note : report.notes) notes += (notes.empty() ? "" : "; ") + std::string(note.name);
+    std::string notes, texts;
+    for (const Note& note : report.notes) {
+        notes += (notes.empty() ? "" : "; ") + std::string(note.name);
+        texts += fmt::format("{}: {}\n", note.name, note.text);
+    }
     file_->set_attribute({"notes", notes});
+    file_->set_attribute({"note_texts", texts});
     file_->set_attribute({"state_hash", engine::hex(report.hash)});
     file_->set_attribute({"wall_seconds", report.wall});
     file_->close();

@@ -97,12 +97,6 @@ constexpr std::array<UsualUnits, 13> usual_table{{
     {"K", {celsius}},
 }};
 
-/// How a quantity is shown whose name contains `part` ('_' for '/' and '.'); the first row that applies counts.
-struct DisplayRow {
-    std::string_view si, part, shown;
-    double factor;
-};
-
 constexpr double degrees = 180.0 / std::numbers::pi;
 constexpr std::array<DisplayRow, 23> display_table{{
     {"1", "slip", "%", 100.0},
@@ -299,6 +293,8 @@ std::vector<std::string_view> usual_units(std::string_view unit) {
     }
     return {};
 }
+
+std::span<const DisplayRow> display_rows() noexcept { return display_table; }
 
 DisplayUnit display_unit(std::string_view name, std::string_view unit) {
     std::string plain(name);

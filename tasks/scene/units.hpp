@@ -3,6 +3,7 @@
 /// shortest text of a value.
 
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -54,6 +55,13 @@ struct DisplayUnit {
     std::string_view unit;  ///< as given, if none is more usual
     double factor = 1.0;    ///< from the SI unit
 };
+
+/// How a quantity is shown whose name contains `part` ('_' for '/' and '.'); the first row that applies counts.
+struct DisplayRow {
+    std::string_view si, part, shown;
+    double factor;  ///< from the SI unit
+};
+[[nodiscard]] std::span<const DisplayRow> display_rows() noexcept;
 
 /// As engineers read it: pressures in bar, flows in l/min, speeds of shafts in rpm, slip in %. The only table of these units.
 /// @param name of a channel, a column or a key: forces of the chain are in kN, those of a tip in N   @param unit SI unit; empty: none

@@ -1,6 +1,5 @@
 """Wear and load cycles of a record, as the program states them."""
 
-import csv
 import json
 
 from python_fixture import main, program, tiny
@@ -15,26 +14,28 @@ WORN = "record.channels=wear/*", "run.output_interval=1 us", "wear.coefficient=1
 
 class Wear(Folder):
     @matplotlib_only
-    def test_is_drawn_as_the_program_draws_it(self):
+    def test_is_drawn_over_the_radius_and_over_the_tips_of_a_link(self):
         record, _ = self.recorded(*WORN)
-        there = {}
-        program("plot", self.file, "--wear", "-o", self.folder + "/w.csv")
-        with open(self.folder + "/w.csv", newline="") as file:
-            for row in csv.DictReader(file):
-                there.setdefault(row["plot"], {}).setdefault(row["series"], []).append((float(row["x"]), float(row["y"])))
-        axes = record.plot_wear()
-        self.assertEqual([axis.get_title().split("\n")[0] for axis in axes.flat], list(there))
-        self.assertRegex(axes[0, 0].get_title(), r"\n51 outputs sum to [\d.e-]+ J of the [\d.e-]+ J that friction of tips dissipated")
-        for axis, curves in zip(axes.flat[:3], there.values()):
-            drawn = {line.get_label(): np.transpose(line.get_data()) for line in axis.lines}
-            self.assertEqual(list(drawn), list(curves))
-            for name, points in drawn.items():
-                np.testing.assert_allclose(points[np.isfinite(points[:, 1])], curves[name], rtol=1e-8)  # with 9 digits
-        steps = axes[1, 1].patches[0].get_data()
-        (staircase,) = there["Worn depth of the tips in 1,000 hours"].values()
-        np.testing.assert_allclose(np.repeat(steps.edges, 2), [x for x, _ in staircase], rtol=1e-8)
-        np.testing.assert_array_equal([0.0, *np.repeat(steps.values, 2), 0.0], [y for _, y in staircase])
-        self.assertIs(record.plot_wear(ax=axes), axes)
+        figure, worn = record.plot_wear(), record.wear()
+        self.assertRegex(figure._suptitle.get_text().replace("\n", " "), r"sums over [\d.e-]+ rounds of the chain; 51 outputs sum to [\d.e-]+ J "
+                         r"of the [\d.e-]+ J that friction of tips dissipated")
+        self.assertIn("coefficient 1e-16", figure.axes[2].get_title(loc="left"))
+        for axis, name, factor in zip(figure.axes, ("energy", "pressure_speed", "sheave_depth"), (1e-3, 1e-6, 1e6)):
+            self.assertEqual([bars.get_label()[:9] for bars in axis.containers], ["sheave 1-", "sheave 1+", "sheave 2-", "sheave 2+"])
+            np.testing.assert_allclose([np.nan_to_num(bars.datavalues) for bars in axis.containers], factor * worn[name])
+        counts = [steps.get_data().values.sum() for steps in figure.axes[3].patches]
+        pressed = np.isfinite(worn["tip_depth"]).reshape(-1, 4).sum(axis=0)
+        np.testing.assert_array_equal(counts, pressed)  # every tip that pressed is counted once, in its group
+        self.assertEqual(figure.axes[3].get_legend().get_texts()[3].get_text(), "front half, +z")
+
+    def test_sums_are_over_whole_rounds_of_the_chain(self):
+        class Run(dict):
+            scene, pin_frequency = {"chain.pins": 10}, 10.0  # a round of 1 s
+
+        first, rounds = cvtflow._wear.whole_rounds(Run(time=np.arange(0.0, 2.45, 0.1)))
+        self.assertEqual(first, 4)
+        self.assertAlmostEqual(rounds, 2.0)
+        self.assertEqual(cvtflow._wear.whole_rounds(Run(time=np.array([0.0, 0.6]))), (0, 0.6))
 
     def test_is_a_depth_in_a_thousand_hours(self):
         record, _ = self.recorded(*WORN)
@@ -54,13 +55,10 @@ class Wear(Folder):
     def test_without_wear_panels_are_empty(self):
         record, _ = self.recorded(*WORN[:2], "wear.coefficient=0")
         self.assertEqual(np.nanmax(record.wear()["tip_depth"]), 0.0)
-        self.assertEqual(len(record.plot_wear()[1, 1].patches), 0)
-        program("plot", self.file, "--wear", "-o", self.folder + "/w.csv")
-        with open(self.folder + "/w.csv", newline="") as file:
-            self.assertNotIn("Worn depth of the tips in 1,000 hours", [row["plot"] for row in csv.DictReader(file)])
+        self.assertEqual(len(record.plot_wear().axes[3].patches), 0)
 
     def test_requires_its_channels_and_two_rows(self):
-        with self.assertRaisesRegex(ValueError, r"no channel wear/friction_power; record it with record.channels=wear/\*"):
+        with self.assertRaisesRegex(ValueError, r"no channel wear/friction_power; record it with --set record.channels=wear/\*"):
             self.recorded()[0].wear()
         with self.assertRaisesRegex(ValueError, "wear requires 2 rows at least"):
             self.recorded("record.channels=wear/*", "run.output_interval=1 ms", "run.state_interval=1 ms")[0].wear()

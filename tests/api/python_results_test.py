@@ -141,8 +141,8 @@ class Sweeps(Folder):
             self.assertEqual(results[name].dtype, np.int64, name)
         self.assertEqual(results["load_torque"].dtype, np.float64)
         self.assertEqual(results.where(steps=int(results["steps"][0]), case=[0])["case"].tolist(), [0])
-        sweep = importlib.import_module("cvtflow._sweep")
-        self.assertEqual(sweep._column("steps", np.array([1.0, np.nan])).dtype, np.float64)  # a case that did not run has none
+        tables = importlib.import_module("cvtflow._tables")
+        self.assertEqual(tables._column("steps", np.array([1.0, np.nan])).dtype, np.float64)  # a case that did not run has none
 
     def test_axes_are_rows_of_a_file_samples_and_ranges(self):
         Path(self.folder, "points.csv").write_text("M,force [kN]\n6 N*m,5\n9 N*m,5.5\n12 N*m,6\n")

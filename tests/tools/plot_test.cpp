@@ -3,9 +3,8 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
-#include <regex>
-#include <set>
 #include <sstream>
+#include <tuple>
 
 #include "engine/record/run/run_reader.hpp"
 #include "tests/tools/program_fixture.hpp"
@@ -53,43 +52,6 @@ TEST_F(PlotCommand, DrawsEveryKindOfPictureOfARecord) {
         EXPECT_EQ(outcome.out, "p.svg\n");
         EXPECT_THAT(read("p.svg"), StartsWith("<svg"));
     }
-}
-
-/// The energy by radius adds up to the friction of the tips over the record, by the same rule.
-TEST_F(PlotCommand, DrawsWearOverTheRadius) {
-    EXPECT_THAT(run({"plot", "run.h5", "--wear", "-o", "w.svg"}).err, HasSubstr("--set record.channels=wear/*"));
-    const Outcome outcome = run_briefly({"-o", "worn.h5", "--set", "run.output_interval=1 us", "--until", "20 us", "--set",
-                                         "record.channels=wear/*", "--set", "wear.coefficient=1e-16"});
-    ASSERT_EQ(outcome.status, 0) << outcome.err;
-    ASSERT_EQ(run({"plot", "worn.h5", "--wear", "-o", "w.csv"}).status, 0);
-    EXPECT_EQ(run({"plot", "worn.h5", "--wear", "-o", "w.svg"}).status, 0);
-    EXPECT_THAT(read("w.svg"), HasSubstr("coefficient 1e-16"));
-    EXPECT_THAT(read("w.svg"), HasSubstr("; 21 outputs sum to "));
-    const engine::RunReader record((folder_ / "worn.h5").string());
-    const std::vector<double> power = record.channel("loss/tip_friction"), times = record.times();
-    double rubbed = 0.0, mapped = 0.0;
-    for (std::size_t k = 1; k < times.size(); ++k) rubbed += 0.5 * (power[k] + power[k - 1]) * (times[k] - times[k - 1]);
-    const std::string csv = read("w.csv");
-    for (const char* sheave : {"sheave 1- (fixed)", "sheave 1+ (movable)", "sheave 2- (movable)", "sheave 2+ (fixed)"}) {
-        for (const auto& [radius, energy] : points_of(csv, sheave, "Friction energy of the tips by radius")) {
-            if (std::isfinite(energy)) mapped += energy * 12.0 / 32.0;  // J/mm over rings of 12 mm/32
-        }
-    }
-    EXPECT_GT(rubbed, 0.0);
-    EXPECT_NEAR(mapped, rubbed, 1e-5 * rubbed);  // CSV has some digits only
-    const auto steps = points_of(csv, "Worn depth of the tips in 1,000 hours");
-    double tips = 0.0;
-    for (std::size_t k = 1; k + 1 < steps.size(); k += 2) tips += steps[k].second;  // both ends of a step have its number
-    const std::vector<double> pressure = record.channel("wear/tip_pressure");
-    const std::size_t count = pressure.size() / times.size();
-    double pressing = 0.0;
-    for (std::size_t tip = 0; tip < count; ++tip) {
-        double most = 0.0;
-        for (std::size_t row = 0; row < times.size(); ++row) most = std::max(most, pressure[row * count + tip]);
-        pressing += most > 0.0;
-    }
-    EXPECT_GT(pressing, 0.0);
-    EXPECT_EQ(tips, pressing) << "every tip that pressed is counted once";
 }
 
 TEST_F(PlotCommand, TheCsvHasTheNumbersOfTheRecord) {
@@ -253,7 +215,7 @@ TEST_F(PlotCommand, DrawsSweepsAsCurvesAndAsMaps) {
     ASSERT_EQ(run(axes + std::vector<std::string>{"slip mean"}).status, 0);
     EXPECT_EQ(read("p.svg"), by_column) << "as in the sweep's file";
     ASSERT_EQ(run(axes + std::vector<std::string>{"start.ratio", "--colour", "slip_mean"}).status, 0);
-    EXPECT_THAT(read("p.svg"), HasSubstr("class=\"contour\""));
+    EXPECT_THAT(read("p.svg"), testing::AllOf(HasSubstr(">mean slip over load torque and start ratio<"), HasSubstr(">failed (1)<")));
 }
 
 TEST_F(PlotCommand, TakesConditionsWithUnits) {
@@ -276,7 +238,9 @@ TEST_F(PlotCommand, DrawsMeasuredDataAsPoints) {
     EXPECT_NEAR(slip[1].second, 1.6, 1e-12);
     EXPECT_EQ(points_of(read("p.csv"), "shaft_1/speed, bench.csv", "shaft_1/speed").size(), 1U) << "an empty cell is no point";
     const Words plot{"plot", "run.h5", "-o", "q.svg", "--with", "bench.csv"};
-    EXPECT_THAT(run(plot + Words{"ratio"}).err, HasSubstr("--with bench.csv: its columns are none of the channels that are drawn"));
+    EXPECT_THAT(
+        run(plot + Words{"ratio"}).err,
+        HasSubstr("--with bench.csv: its columns (time, slip, shaft_1_speed, oil) are none of the channels that are drawn (ratio)"));
     EXPECT_EQ(run(plot + Words{"--losses"}).status, 2);
     write("bench.csv", "time [us],slip [N]\n0,1.5\n");
     EXPECT_THAT(run(plot + Words{"slip"}).err, HasSubstr("bench.csv: slip [N]: a plain number expected (1)"));
@@ -298,48 +262,7 @@ TEST_F(PlotCommand, DrawsMeasuredDataBesideASweep) {
     EXPECT_EQ(run(plot + Words{"--y", "start.ratio", "--colour", "slip_mean"}).status, 2);
 }
 
-TEST_F(PlotCommand, LegendOfTheShippedSweepLeavesThePicture) {
-    const std::string sweep = CVTFLOW_SOURCE_DIR "/scenes/sweeps/slip_efficiency_results.csv";
-    ASSERT_EQ(run({"plot", sweep, "--x", "load_torque", "--y", "efficiency", "-o", "p.svg"}).status, 0);
-    const std::string text = read("p.svg");
-    std::smatch frame;
-    ASSERT_TRUE(std::regex_search(text, frame, std::regex("<clipPath[^>]*><rect x=\"[0-9.]+\" y=\"[0-9.]+\" width=\"([0-9.]+)\"")));
-    EXPECT_GT(std::stod(frame[1]), 700.0) << "of 860 pixels; 120 were left";
-    EXPECT_THAT(text, testing::AllOf(HasSubstr(">start ratio 2.4, clamping driven 10 kN<"), testing::Not(HasSubstr("control ratio")),
-                                     HasSubstr(">efficiency [%]<"), HasSubstr("class=\"x\">100<")));
-}
-
-TEST_F(PlotCommand, ClassesOfColouredPointsHoldTheirPoints) {
-    const std::string sweep = CVTFLOW_SOURCE_DIR "/scenes/sweeps/slip_efficiency_results.csv";
-    ASSERT_EQ(run({"plot", sweep, "--x", "load_torque", "--y", "clamping_driven", "--colour", "slip_mean", "-o", "p.svg"}).status, 0);
-    EXPECT_THAT(read("p.svg"), testing::AllOf(HasSubstr(">below 7.5<"), HasSubstr(">7.5 … 12.5<"), HasSubstr(">above 12.5<")));
-}
-
-TEST_F(PlotCommand, PanelsBelowOneAnotherHaveTheirTimeAtTheSamePlace) {
-    ASSERT_EQ(run({"plot", "run.h5", "tight_tension", "ratio", "loss", "-o", "p.svg"}).status, 0);
-    const std::string text = read("p.svg");
-    static const std::regex frame("<clipPath[^>]*><rect x=\"([0-9.]+)\" y=\"[0-9.]+\" width=\"([0-9.]+)\"");
-    std::set<std::string> places;
-    std::size_t panels = 0;
-    for (std::sregex_iterator each(text.begin(), text.end(), frame), end; each != end; ++each, ++panels)
-        places.insert((*each)[1].str() + " " + (*each)[2].str());
-    EXPECT_GE(panels, 3U);
-    EXPECT_EQ(places.size(), 1U);
-}
-
-TEST_F(PlotCommand, CurvesNeverHaveTheSameStyle) {
-    ASSERT_EQ(run({"plot", "run.h5", "energy", "dissipated", "work", "-o", "p.svg"}).status, 0);
-    const std::string text = read("p.svg");
-    static const std::regex entry("<g transform=[^>]*><path d=\"M-12 0h24\" ([^/]*)/>");
-    std::set<std::string> styles;
-    std::size_t entries = 0;
-    for (std::sregex_iterator each(text.begin(), text.end(), entry), end; each != end; ++each, ++entries) styles.insert((*each)[1].str());
-    EXPECT_GT(entries, 8U) << "more than there are colours";
-    EXPECT_EQ(styles.size(), entries);
-}
-
-/// The bars are as long as the means of the record, the largest first, and kinds that are zero are only named: the cylinders
-/// do not damp.
+/// Bars are means of the record, and kinds that are zero are only named: the cylinders do not damp.
 TEST_F(PlotCommand, LossesAreBars) {
     const Words settings{"--set", "pulley.cylinder_damping=0", "--set", "run.output_interval=1 us", "--until", "20 us"};
     ASSERT_EQ(run_briefly(Words{"-o", "free.h5"} + settings).status, 0);
@@ -358,14 +281,6 @@ TEST_F(PlotCommand, LossesAreBars) {
     const auto at = csv.find(row);
     ASSERT_NE(at, std::string::npos);
     EXPECT_NEAR(std::stod(csv.substr(csv.find(',', at + row.size()) + 1)), mean("loss/tip_friction"), 1e-7 * mean("loss/tip_friction"));
-    static const std::regex bar("class=\"bar\" x=\"[0-9.]+\" y=\"[0-9.]+\" width=\"([0-9.]+)\"");
-    double before = INFINITY;
-    std::size_t bars = 0;
-    for (std::sregex_iterator each(text.begin(), text.end(), bar), end; each != end; ++each, ++bars) {
-        EXPECT_LE(std::stod((*each)[1]), before);
-        before = std::stod((*each)[1]);
-    }
-    EXPECT_GT(bars, 4U);
 }
 
 TEST_F(PlotCommand, CurvesThatAreZeroAreNamedInTheSubtitleAlone) {
@@ -439,6 +354,18 @@ TEST_F(PlotCommand, OfASweepStatesItsLevelAndWhereAMapIsLargest) {
                                                   testing::Not(HasSubstr("<td><code>load.torque</code></td>"))));
 }
 
+/// Pins of tiny pass every 2.5 ms.
+TEST_F(PlotCommand, OutputsThatPinsOvertakeAreSamplesWithoutOrders) {
+    const Words slow{"--until", "20 ms", "--step", "200 ns", "--set", "run.output_interval=2 ms", "--set", "run.state_interval=2 ms"};
+    const Outcome outcome = run_briefly(Words{"-o", "slow.h5"} + slow);
+    ASSERT_THAT(outcome.status, testing::AnyOf(0, 6)) << outcome.err;
+    ASSERT_EQ(run({"plot", "slow.h5", "slip", "-o", "slow.svg"}).status, 0);
+    EXPECT_THAT(read("slow.svg"), testing::ContainsRegex("outputs are 2 ms apart, and pins pass at [0-9.]+ Hz: curves are samples"));
+    const Outcome orders = run({"plot", "slow.h5", "slip", "--orders"});
+    EXPECT_EQ(orders.status, 2);
+    EXPECT_THAT(orders.err, HasSubstr("spectra require run.output_interval below "));
+}
+
 TEST_F(PlotCommand, ReportsHowAChannelIsRecordedThatExists) {
     const Outcome outcome = run({"plot", "run.h5", "shaft_1/slip"});
     EXPECT_EQ(outcome.status, 2);
@@ -474,10 +401,45 @@ TEST_F(PlotCommand, ReportsWhatIsWrong) {
     complains({"run.h5", "-o", "none/p.svg"}, 1, "none/p.svg: cannot create: the folder 'none' does not exist");
 }
 
-TEST_F(PlotCommand, WithoutTheProgramForPngReportsWhatToInstall) {
-    const Outcome outcome = run({"plot", "run.h5", "-o", "p.png"}, {"PATH=" + folder_.string()});
-    EXPECT_EQ(outcome.status, 1);
-    EXPECT_THAT(outcome.err, HasSubstr("librsvg2-bin"));
+TEST_F(PlotCommand, WithoutPythonOrALibraryReportsWhatToInstall) {
+    write("bare", "#!/bin/sh\nexec /usr/bin/python3 -S \"$@\"\n");  // without the packages of Debian
+    std::filesystem::permissions(folder_ / "bare", std::filesystem::perms::owner_all);
+    const std::string bare = (folder_ / "bare").string(), none = (folder_ / "none").string();
+    for (const auto& [python, status, text] :
+         {std::tuple{none, 1, "pictures and pages require Python, and " + none + " cannot be started: No such file or directory"},
+          {bare, 1, "pictures and pages require numpy, matplotlib, h5py for /usr/bin/python3 (Debian: apt-get install python3-numpy "},
+          {"./bare", 2, "CVTFLOW_PYTHON=./bare: expected an absolute path"}}) {
+        const Outcome outcome = run({"plot", "run.h5", "-o", "p.png"}, {"CVTFLOW_PYTHON=" + python});
+        EXPECT_EQ(outcome.status, status);
+        EXPECT_THAT(outcome.err, HasSubstr(text));
+        EXPECT_FALSE(std::filesystem::exists(folder_ / "p.png"));
+    }
+}
+
+/// Modules, settings and packages of the working folder, of PYTHONPATH, of a home that nobody can write; another locale.
+TEST_F(PlotCommand, TheEnvironmentOfAUserHasNoEffect) {
+    ASSERT_EQ(run({"plot", "run.h5", "slip", "-o", "p.svg"}).status, 0);
+    const std::string drawn = read("p.svg"), here = folder_.string();
+    for (const char* file : {"matplotlib.py", "numpy.py", "json.py", "cvtflow.py", "sitecustomize.py", "matplotlibrc"})
+        write(file, "raise SystemExit('of the working folder')\n");
+    for (const std::vector<std::string>& settings : std::vector<std::vector<std::string>>{
+             {"PYTHONPATH=" + here, "PYTHONHOME=" + here, "MATPLOTLIBRC=" + here, "MPLBACKEND=module://evil", "PATH=" + here},
+             {"HOME=/proc/none", "LANG=de_DE.UTF-8", "LC_ALL=de_DE.UTF-8"},
+             {"HOME=", "LC_ALL=C", "MPLCONFIGDIR=" + here}}) {
+        const Outcome outcome = run({"plot", "run.h5", "slip", "-o", "p.svg"}, settings);
+        EXPECT_EQ(outcome.status, 0) << outcome.err;
+        EXPECT_EQ(outcome.err, "");
+        EXPECT_EQ(read("p.svg"), drawn);
+    }
+}
+
+TEST_F(PlotCommand, TakesPathsOfAnyBytes) {
+    for (const std::string name : {"a b%s.h5", "line\nbreak.h5", "\xc3\xbcml\xc3\xa4ut.h5", "latin\xfc.h5", "<b>&$x$.h5"}) {
+        std::filesystem::copy_file(folder_ / "run.h5", folder_ / name);
+        const Outcome outcome = run({"plot", name, "run.h5", "slip", "-o", "p.svg", "--force"});
+        EXPECT_EQ(outcome.status, 0) << outcome.err;
+        EXPECT_THAT(read("p.svg"), StartsWith("<svg"));
+    }
 }
 
 TEST_F(PlotCommand, OverwritesNothingThatItReads) {

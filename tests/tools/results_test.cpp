@@ -1,5 +1,6 @@
 /// Commands that read results: `info`, `table --rainflow` and `diff`; a status that all of them state.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <hdf5.h>
 
@@ -210,6 +211,10 @@ TEST_F(Diff, NamesColumnsCasesAndTheLargestDifference) {
     const Outcome tolerant = run({"diff", "out", "longer", "--column", "slip_mean", "--tolerance", "1"});
     EXPECT_EQ(tolerant.status, 1) << "cases are missing";
     EXPECT_THAT(tolerant.out, HasSubstr("1 columns compared, 0 differ by more than 1 of the value\n"));
+    const std::string shown = run({"diff", "out", "longer", "--column", "slip_mean"}).out;
+    const std::string change = columns["slip_mean"]["example"];  // in SI: "…: 0.001 -> 0.002"
+    const double before = std::stod(change.substr(change.rfind(": ") + 2)), after = std::stod(change.substr(change.rfind("> ") + 2));
+    EXPECT_THAT(shown, HasSubstr(fmt::format("{:.8g} -> {:.8g}", 100.0 * before, 100.0 * after))) << "slip_mean [%]";
 }
 
 TEST_F(Diff, ReadsTheCsvOfATable) {

@@ -22,6 +22,7 @@ from ._fit import Fit, fit
 from ._results import Record, Rows, run
 from ._scene import ready_scenes
 from ._sweep import Results, Sweep
+from .pages import report
 
 __version__ = library_version()
 

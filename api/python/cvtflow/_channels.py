@@ -4,8 +4,7 @@ import re
 import weakref
 from collections.abc import Mapping
 
-from ._cvtflow import display_unit
-from ._scene import suggestion
+from ._known import display_unit, suggestion
 
 REDUCTIONS = ("mean", "median", "max", "min", "final", "rms")
 

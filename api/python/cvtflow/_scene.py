@@ -1,6 +1,5 @@
 """Scenes in Python: resolution of key names, values to and from TOML, the list of keys."""
 
-import difflib
 import json
 import os
 from collections.abc import Mapping
@@ -10,6 +9,7 @@ from html import escape
 import numpy as np
 
 from ._cvtflow import Scene, SceneError, scene_keys
+from ._known import suggestion
 
 
 @lru_cache(maxsize=None)
@@ -84,12 +84,6 @@ def resolve(scene, name):
     raise _wrong(f"{name}: unknown key" + suggestion(key, {each.split(".")[1] for each in all_keys()} | set(all_keys())))
 
 
-def suggestion(name, names):
-    """` (did you mean "..."?)`, or nothing."""
-    near = difflib.get_close_matches(name, sorted(names), 1)
-    return f' (did you mean "{near[0]}"?)' if near else ""
-
-
 def flat(scene, values):
     """Key and value of nested or dotted names."""
     for name, value in values.items():
@@ -144,7 +138,7 @@ class Keys(Mapping):
         return list(self._keys)
 
     def _rows(self):
-        return [(key.name, _default(key), _range(key), key.help) for key in self._keys.values()]
+        return [(key.name, default_text(key), _range(key), key.help) for key in self._keys.values()]
 
     def __repr__(self):
         rows = [("key", "default", "range", "help"), *self._rows()]
@@ -161,7 +155,8 @@ def _unit(key):
     return "" if key.unit in ("", "1") else " " + key.unit
 
 
-def _default(key):
+def default_text(key):
+    """The default of a KeyInfo, as it is entered."""
     value = key.default
     return value if isinstance(value, str) else (f"{value:.6g}" if isinstance(value, float) else toml(value)) + _unit(key)
 
@@ -174,4 +169,4 @@ def _range(key):
 def key_repr(key):
     """Display of a KeyInfo."""
     range_text = "one of " + _range(key) if key.choices and not key.range else _range(key)
-    return f"<cvtflow.KeyInfo {key.name}: default {_default(key)}{range_text and ', ' + range_text}; {key.help}>"
+    return f"<cvtflow.KeyInfo {key.name}: default {default_text(key)}{range_text and ', ' + range_text}; {key.help}>"

@@ -1,5 +1,5 @@
 #pragma once
-/// A picture of numbers as data: series, a region, two axes. Drawn as SVG by svg(), without any library.
+/// A picture of numbers as data: series, a region, two axes. The Python package draws it (tools/program/drawing.hpp).
 
 #include <functional>
 #include <optional>
@@ -46,43 +46,24 @@ struct Region {
     std::string colour = "#dbe7f3";
 };
 
-/// Values over a grid, between whose points they are interpolated: colours, and contours at round values.
-struct Field {
-    std::string label;           ///< of the values, with their unit: "slip [%]"
-    std::vector<double> x, y;    ///< ascending, two at least
-    std::vector<double> values;  ///< [y][x]; cells with a corner that is not finite stay empty
-};
-
-/// A horizontal bar, with its name before it and a text behind it.
-struct Bar {
-    std::string name;
-    double value;      ///< in the unit of Plot::y
-    std::string text;  ///< "123 W (45 %)"
-};
-
 struct Plot {
     std::string title;
     std::string subtitle;  ///< conditions, in smaller letters; may be empty
     Axis x, y;
     std::vector<Series> series{};
-    std::vector<Region> regions{};             ///< below the series, in this order
-    std::vector<Field> fields{};               ///< above the regions, below the series
-    std::vector<Bar> bars{};                   ///< if there are any, they are the picture, from top to bottom
-    double width = 860.0, height = 540.0;      ///< of the picture [px], without a legend below it
-    double left_room = 0.0, right_room = 0.0;  ///< beside the frame, at least: aligns pictures below one another [px]
+    std::vector<Region> regions{};  ///< below the series, in this order
+    double height = 540.0;          ///< of the picture, which is 860 wide [px], without a legend below it
 };
 
-/// The plot as an SVG document: white background, grid, ticks with round numbers. The legend is at the right; below the picture, which
-/// becomes higher by it, where it would take more than a third of the width.
-/// @throws std::invalid_argument if an axis has no length, or a symlog axis no linear part
+/// The plot as an SVG document, the same every time.
+/// @throws std::runtime_error see drawn()
 [[nodiscard]] std::string svg(const Plot& plot);
-
 /// Pictures below one another as one SVG document; those with the same horizontal axis have it at the same place.
 [[nodiscard]] std::string svg(const std::vector<Plot>& plots);
+/// Rows "plot, series, x, y, labels of both axes" of the same points.
+[[nodiscard]] std::string csv(const std::vector<Plot>& plots);
 
-/// The colour that the series of that number gets if it names none: eight, distinguishable by colour-blind readers. Where colours repeat,
-/// lines differ: solid, dashed, dotted.
+/// The colour that the series of that number gets if it names none: eight, distinguishable by colour-blind readers.
 [[nodiscard]] std::string palette(std::size_t number);
-[[nodiscard]] Line palette_line(std::size_t number);
 
 }  // namespace cvtflow::tools

@@ -1,9 +1,6 @@
 #pragma once
-/// Texts inside HTML, SVG and XML, and SHA-256, by which a page's policy names the scripts that may run.
+/// Texts inside HTML, SVG and XML.
 
-#include <array>
-#include <cstddef>
-#include <span>
 #include <string>
 #include <string_view>
 
@@ -11,7 +8,5 @@ namespace cvtflow::tools {
 
 /// A text, escaped for use between tags or in an attribute.
 [[nodiscard]] std::string html(std::string_view text);
-
-[[nodiscard]] std::array<std::byte, 32> sha256(std::span<const std::byte> bytes);
 
 }  // namespace cvtflow::tools

@@ -1,5 +1,5 @@
 #pragma once
-/// A record for pictures, pages and exports: channels by name, the scene, states, and differences between two records.
+/// A record for pictures, pages and exports: channels by name, the scene, states.
 /// A channel may be undefined (NaN) at some outputs: only finite numbers count.
 
 #include <cmath>
@@ -39,8 +39,6 @@ public:
     [[nodiscard]] const engine::RunReader& reader() const noexcept { return reader_; }
     /// Empty if this program cannot read it.
     [[nodiscard]] const std::optional<tasks::Scene>& scene() const noexcept { return scene_; }
-    /// "baseline, fine, rk4, step 50 ns".
-    [[nodiscard]] std::string conditions() const;
     /// Times of the rows [s].
     [[nodiscard]] const std::vector<double>& times() const noexcept { return times_; }
 
@@ -49,29 +47,16 @@ public:
     /// All numbers of a channel, row after row; empty if it was not recorded.
     [[nodiscard]] std::vector<double> values(const std::string& channel) const;
 
-    /// All numbers of a channel; of one with more than four, three curves: its minimum, mean and maximum. @param each all numbers as well
-    [[nodiscard]] std::vector<Curve> curves(const engine::ChannelInfo& channel, bool each = false) const;
+    /// All numbers of a channel.
+    [[nodiscard]] std::vector<Curve> curves(const engine::ChannelInfo& channel) const;
     /// Curves of a channel, a group ("shaft_1"), or one number of a channel ("links/tension[12]").
     /// @throws UsageError with the closest name
-    [[nodiscard]] std::vector<Curve> find(const std::string& word, bool each = false) const;
-    /// Scalar channels outside any group: the main quantities of a run.
-    [[nodiscard]] std::vector<Curve> overview() const;
+    [[nodiscard]] std::vector<Curve> find(const std::string& word) const;
     /// Channels of one group, in order of declaration.
-    [[nodiscard]] std::vector<Curve> group(const std::string& name, bool each = false) const;
-
-    /// Mean of an efficiency: the quotient of the energies of the whole pin periods between two times of the record [s]; NaN where none
-    /// flows. Empty for another channel.
-    [[nodiscard]] std::optional<double> efficiency(const std::string& name, double begin, double end) const;
+    [[nodiscard]] std::vector<Curve> group(const std::string& name) const;
 
     /// Pins that pass a place, by the mean speed of the chain and its mean pitch [Hz]; empty if the record does not contain them.
     [[nodiscard]] std::optional<double> pin_frequency() const;
-    /// How far outputs are apart where that is more than half a pin period: curves are samples of what passing pins do. Empty if less.
-    [[nodiscard]] std::string sparse() const;
-    /// Whether curves through such outputs are samples, or means over their interval (record.means). Empty if they are not so far apart.
-    [[nodiscard]] std::string sampling() const;
-    /// Why outputs are too far apart for spectra, with the interval that they require: passing pins would be aliased. Empty if they are
-    /// not.
-    [[nodiscard]] std::string unresolved() const;
 
 private:
     std::string path_;
@@ -80,19 +65,6 @@ private:
     std::vector<double> times_;
 };
 
-/// The value at a time of a line through points. @param times ascending, in the unit of `time`, which lies within them
-[[nodiscard]] double on_line(const std::vector<double>& times, const std::vector<double>& values, double time);
-
-/// The last time of all records [s].
-[[nodiscard]] double last_time(const std::vector<RecordedRun>& runs);
-
-/// Keys of two scenes with different values. Name and description of the scene are no difference; of two levels of detail, detail.level
-/// replaces the dials that these set.
-[[nodiscard]] std::vector<tasks::KeyDifference> differing_keys(const tasks::Scene& a, const tasks::Scene& b);
-
-/// "load.torque 8 N*m" of one of several records whose scenes differ in one key alone; otherwise empty.
-[[nodiscard]] std::string only_difference(const std::vector<RecordedRun>& runs, const RecordedRun& run);
-
 /// One state of a record. Its size and phases are compared with the machine, because the file may be forged.
 /// @throws engine::RecordError for another number of unknowns or phases, and for invalid phases
 [[nodiscard]] engine::RecordedState machine_state(const std::string& path, const engine::RunReader& run, std::size_t number,
@@ -100,31 +72,6 @@ private:
 
 /// Whether all unknowns are finite.
 [[nodiscard]] bool finite(const engine::RecordedState& recorded);
-
-/// A mean of both, and their difference.
-struct MeanDifference {
-    double a = 0.0, b = 0.0;  ///< in the unit of the channel
-    [[nodiscard]] double absolute() const noexcept { return b - a; }
-    /// b - a over the magnitude of a; not a number if a is 0 [1].
-    [[nodiscard]] double relative() const noexcept;
-};
-
-/// A channel of the overview that both records have.
-struct ChannelDifference {
-    Curve curve;                ///< its values: B - A
-    MeanDifference all, last;   ///< over all common rows, over the last fifth of them
-    double largest = 0.0;       ///< largest |B - A|, in the unit of the channel
-    double largest_time = 0.0;  ///< when [s]
-};
-
-struct RunDifference {
-    std::vector<double> times;                ///< rows of A within the time that both have [s]
-    std::vector<ChannelDifference> channels;  ///< in the order of A; B is interpolated linearly to the times of A
-    std::vector<std::string> only_a, only_b;  ///< channels of the overview of one alone
-};
-
-/// Without a common row there are no channels.
-[[nodiscard]] RunDifference difference(const RecordedRun& a, const RecordedRun& b);
 
 /// Positions of the least and of the largest finite value of a range; both its first position where none is finite.
 /// @param value of an element

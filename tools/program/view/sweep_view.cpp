@@ -18,8 +18,6 @@
 #include "tasks/scene/toml_tree.hpp"
 #include "tasks/scene/units.hpp"
 #include "tools/program/guard.hpp"
-#include "tools/program/plot/axis_scale.hpp"
-#include "tools/program/plot/field.hpp"
 #include "tools/program/text/scene_text.hpp"
 #include "tools/program/text/text.hpp"
 
@@ -98,133 +96,6 @@ SweepView from_table(const std::string& path) {
     return view;
 }
 
-std::size_t numbers_of(const SweepView& sweep, const std::string& word) {
-    const std::size_t column = sweep.column(word);
-    if (!sweep.columns[column].number) throw UsageError(fmt::format("{}: the cells of this column are not numbers", word));
-    return column;
-}
-
-std::string heading_of(const SweepColumn& column) { return shown(column.name, column.unit).label; }
-
-/// "load torque" of a column.
-std::string title_of(const SweepColumn& column) {
-    const std::string heading = heading_of(column);
-    return heading.substr(0, heading.find(" ["));
-}
-
-/// "start ratio 2.4", "clamping driven 10000 N".
-std::string setting_text(const SweepView& sweep, std::size_t row, std::size_t column) {
-    const SweepColumn& key = sweep.columns[column];
-    const double value = sweep.number(row, column);
-    if (!std::isfinite(value)) return fmt::format("{} {}", title_of(key), sweep.cells[row][column]);
-    const bool plain = key.unit.empty() || key.unit == "1";
-    return fmt::format("{} {}", title_of(key), plain ? sweep.cells[row][column] : tasks::quantity_text(value, key.unit));
-}
-
-/// "153 of 160 cases".
-std::string counts_text(const SweepView& sweep, std::size_t good) {
-    return good == sweep.cells.size() ? fmt::format("{} cases", good)
-                                      : fmt::format("{} of {} cases, those that ended well", good, sweep.cells.size());
-}
-
-/// Axes other than the given columns that the cases differ in.
-std::vector<std::size_t> others(const SweepView& sweep, const std::set<std::size_t>& but) {
-    std::vector<std::size_t> found;
-    for (std::size_t c = 0; c < sweep.columns.size(); ++c) {
-        if (sweep.columns[c].axis && !but.contains(c) && sweep.varies(c)) found.push_back(c);
-    }
-    return found;
-}
-
-/// Columns that distinguish the cases: a column that only follows the others is left out.
-std::vector<std::size_t> distinguishing(const SweepView& sweep, const std::vector<std::size_t>& columns) {
-    std::vector<std::size_t> kept;
-    std::vector<std::string> names(sweep.cells.size());
-    for (const std::size_t c : columns) {
-        std::vector<std::string> finer = names;
-        for (std::size_t row = 0; row < finer.size(); ++row) finer[row] += "\n" + sweep.cells[row][c];
-        if (std::set(finer.begin(), finer.end()).size() == std::set(names.begin(), names.end()).size()) continue;
-        names = std::move(finer);
-        kept.push_back(c);
-    }
-    return kept;
-}
-
-struct Chosen {
-    SweepView good;
-    Plot plot;
-};
-
-/// "fine, "; empty where the cases differ in it or it is not known.
-std::string level_of(const SweepView& sweep) {
-    const bool varies =
-        std::ranges::any_of(sweep.columns, [](const auto& column) { return column.axis && column.name.starts_with("detail_"); });
-    return sweep.scene && !varies ? level_text(*sweep.scene) + ", " : "";
-}
-
-/// Cases that ended well, all if the table has no status, and a plot without series. @throws UsageError if there is none
-Chosen begin_plot(const SweepView& sweep, const SweepColumn& x, const SweepColumn& y, const std::string& title) {
-    Chosen made{sweep, {.title = title, .subtitle = {}, .x = {heading_of(x)}, .y = {heading_of(y)}}};
-    auto& cells = made.good.cells;
-    const auto status = std::ranges::find(sweep.columns, "status", &SweepColumn::name);
-    if (status != sweep.columns.end())
-        std::erase_if(cells, [c = status - sweep.columns.begin()](const auto& row) { return row[c] != "ok"; });
-    if (cells.empty()) throw UsageError(sweep.path + ": no case ended well");
-    made.plot.subtitle = fmt::format("sweep {}, {}{}", sweep.name, level_of(sweep), counts_text(sweep, cells.size()));
-    return made;
-}
-
-/// Points whose colours tell a value, in eight steps.
-void add_points(Plot& plot, const SweepView& sweep, std::size_t x, std::size_t y, std::size_t colour, const std::string& label) {
-    Field values{label, {0.0, 1.0}, {0.0, 1.0}, {}};
-    for (std::size_t row = 0; row < sweep.cells.size(); ++row) values.values.push_back(value_of(sweep, row, colour));
-    std::vector<double> levels = contour_levels(values);
-    if (levels.empty()) levels.push_back(values.values.empty() ? 0.0 : values.values.front());
-    const double step = levels.size() > 1 ? levels[1] - levels[0] : 1.0;
-    for (std::size_t k = 0; k < levels.size(); ++k) {
-        const double share = levels.size() > 1 ? static_cast<double>(k) / static_cast<double>(levels.size() - 1) : 0.5;
-        const std::string from = tick_label(levels[k] - 0.5 * step, 0.1 * step), to = tick_label(levels[k] + 0.5 * step, 0.1 * step);
-        const bool first = k == 0, last = k + 1 == levels.size();  // what lies beyond the levels belongs to the nearest
-        const std::string name = first && last ? "all" : first ? "below " + to : last ? "above " + from : from + " … " + to;
-        Series series{name, {}, Mark::dot, Line::none, heat_colour(share)};
-        for (std::size_t row = 0; row < sweep.cells.size(); ++row) {
-            const double value = value_of(sweep, row, colour);
-            const auto nearest =
-                static_cast<std::size_t>(std::clamp(std::lround((value - levels[0]) / step), 0L, static_cast<long>(levels.size()) - 1));
-            if (std::isfinite(value) && nearest == k) series.points.push_back({value_of(sweep, row, x), value_of(sweep, row, y)});
-        }
-        plot.series.push_back(std::move(series));
-    }
-}
-
-std::vector<double> distinct(const SweepView& sweep, std::size_t column) {
-    std::set<double> values;
-    for (std::size_t row = 0; row < sweep.cells.size(); ++row) values.insert(value_of(sweep, row, column));
-    return {values.begin(), values.end()};
-}
-
-/// The cases by their places. @throws UsageError for two at one place
-std::map<std::pair<double, double>, double> by_place(const SweepView& sweep, std::size_t x, std::size_t y, std::size_t colour) {
-    std::map<std::pair<double, double>, double> places;
-    for (std::size_t row = 0; row < sweep.cells.size(); ++row) {
-        const auto [at, added] = places.insert({{value_of(sweep, row, x), value_of(sweep, row, y)}, value_of(sweep, row, colour)});
-        if (added) continue;
-        std::string differ;
-        for (const std::size_t c : others(sweep, {x, y, colour})) differ += (differ.empty() ? "" : ", ") + sweep.columns[c].name;
-        throw UsageError(fmt::format("several cases at one point of {} and {}: choose with --where COLUMN=VALUE among {}",
-                                     sweep.columns[x].name, sweep.columns[y].name, differ.empty() ? "the columns" : differ));
-    }
-    return places;
-}
-
-/// A speed ratio: 1/2 is as far from 1 as 2 is, because the pulleys change places. Every other axis is linear.
-Scale map_scale(const SweepView& sweep, std::size_t column) {
-    const std::string& name = sweep.columns[column].name;
-    const bool ratio = name == "start_ratio" || name == "control_ratio" || name.starts_with("ratio_");
-    const auto positive = [&](const auto& cells) { return as_number(cells[column]) > 0.0; };
-    return ratio && std::ranges::all_of(sweep.cells, positive) ? Scale::logarithmic : Scale::linear;
-}
-
 /// Values of a column as they are entered, in the order of cases, the first few: "12 kN, 16 kN, 20 kN".
 std::string values_text(const std::vector<std::vector<std::string>>& cells, const SweepColumn& column, std::size_t number) {
     constexpr std::size_t few = 6;
@@ -242,10 +113,6 @@ std::string values_text(const std::vector<std::vector<std::string>>& cells, cons
 }
 
 }  // namespace
-
-double value_of(const SweepView& sweep, std::size_t row, std::size_t column) {
-    return sweep.number(row, column) * shown(sweep.columns[column].name, sweep.columns[column].unit).factor;
-}
 
 Measured read_measured(const std::string& path) {
     const auto lines = lines_of(path);
@@ -265,36 +132,6 @@ Measured read_measured(const std::string& path) {
     return measured;
 }
 
-std::string Measured::names() const {
-    std::string names;
-    for (const MeasuredColumn& column : columns) names += (names.empty() ? "" : ", ") + column.name;
-    return names;
-}
-
-const MeasuredColumn* Measured::find(const std::string& heading, const std::string& unit) const {
-    const auto found =
-        std::ranges::find(columns, tasks::column_name(heading), [](const auto& column) { return tasks::column_name(column.name); });
-    if (found == columns.end()) return nullptr;
-    const std::string si = unit.empty() ? "1" : unit;
-    if (!found->unit.empty() && tasks::dimension_of(found->unit) != tasks::dimension_of(si))
-        throw UsageError(fmt::format("{}: {} [{}]: {} expected ({})", path, found->name, found->unit,
-                                     tasks::dimension_name(tasks::dimension_of(si)), si));
-    return &*found;
-}
-
-const MeasuredColumn& Measured::at(const std::string& heading, const std::string& unit) const {
-    if (const MeasuredColumn* column = find(heading, unit)) return *column;
-    throw UsageError(fmt::format("--with {}: no column '{}', only {}", path, heading, names()));
-}
-
-Series Measured::points(const Quantities& x, const Quantities& y, const std::string& series) const {
-    const MeasuredColumn &across = at(x.name, x.unit), &up = at(y.name, y.unit);
-    const double fx = shown(x.name, x.unit).factor, fy = shown(y.name, y.unit).factor;
-    Series drawn{series, {}, Mark::ring, Line::none, "#222222"};
-    for (std::size_t k = 0; k < up.values.size(); ++k) drawn.points.push_back({fx * across.values[k], fy * up.values[k]});
-    return drawn;
-}
-
 std::size_t SweepView::column(const std::string& word) const {
     const std::string heading = tasks::column_name(word);
     std::vector<std::string> names;
@@ -307,10 +144,6 @@ std::size_t SweepView::column(const std::string& word) const {
 }
 
 double SweepView::number(std::size_t row, std::size_t column) const { return as_number(cells[row][column]); }
-
-bool SweepView::varies(std::size_t column) const {
-    return std::ranges::any_of(cells, [&](const auto& row) { return row[column] != cells.front()[column]; });
-}
 
 std::optional<tasks::Scene> SweepView::scene_of_case(std::size_t row) const {
     std::optional<tasks::Scene> made = scene;
@@ -383,63 +216,15 @@ SweepView read_sweep(const std::string& path) {
     return view;
 }
 
-Plot sweep_curves(const SweepView& sweep, const std::string& x, const std::string& y, const Measured* measured) {
-    const std::size_t xc = numbers_of(sweep, x), yc = numbers_of(sweep, y);
-    Chosen made = begin_plot(sweep, sweep.columns[xc], sweep.columns[yc],
-                             fmt::format("{} over {}", title_of(sweep.columns[yc]), title_of(sweep.columns[xc])));
-    const std::vector<std::size_t> rest = distinguishing(made.good, others(made.good, {xc, yc}));
-    std::map<std::string, std::vector<Point>> curves;
-    std::vector<std::string> order;
-    for (std::size_t row = 0; row < made.good.cells.size(); ++row) {
-        std::string name;
-        for (const std::size_t c : rest) name += (name.empty() ? "" : ", ") + setting_text(made.good, row, c);
-        if (!curves.contains(name)) order.push_back(name);
-        curves[name].push_back({value_of(made.good, row, xc), value_of(made.good, row, yc)});
-    }
-    for (const std::string& name : order) {
-        auto& points = curves[name];
-        std::stable_sort(points.begin(), points.end(), [](const Point& a, const Point& b) { return a.x < b.x; });
-        made.plot.series.push_back({name, points, Mark::dot, Line::solid, "", 1.4});
-    }
-    const SweepColumn &across = sweep.columns[xc], &up = sweep.columns[yc];
-    if (measured != nullptr) made.plot.series.push_back(measured->points({across.name, across.unit}, {up.name, up.unit}, measured->name));
-    return made.plot;
-}
-
-Plot sweep_map(const SweepView& sweep, const std::string& x, const std::string& y, const std::string& colour) {
-    const std::size_t xc = numbers_of(sweep, x), yc = numbers_of(sweep, y), cc = numbers_of(sweep, colour);
-    const std::string label = heading_of(sweep.columns[cc]);
-    Chosen made =
-        begin_plot(sweep, sweep.columns[xc], sweep.columns[yc],
-                   fmt::format("{} over {} and {}", title_of(sweep.columns[cc]), title_of(sweep.columns[xc]), title_of(sweep.columns[yc])));
-    made.plot.x.scale = map_scale(made.good, xc);
-    made.plot.y.scale = map_scale(made.good, yc);
-    const auto places = by_place(made.good, xc, yc, cc);
-    const std::vector<Series> marks = map_marks(made.good, xc, yc);
-    Field field{label, distinct(made.good, xc), distinct(made.good, yc), {}};
-    const std::size_t grid = field.x.size() * field.y.size();
-    if (field.x.size() < 2 || field.y.size() < 2 || 2 * places.size() < grid) {  // hardly a grid
-        made.plot.series.push_back({label, {}, Mark::none, Line::none, "#000000"});
-        add_points(made.plot, made.good, xc, yc, cc, label);
-        made.plot.series.insert(made.plot.series.end(), marks.begin(), marks.end());
-        return made.plot;
-    }
-    Series cases{"", {}, Mark::small_dot, Line::none, "#ffffff"};
-    for (const double row : field.y) {
-        for (const double column : field.x) {
-            const auto found = places.find({column, row});
-            field.values.push_back(found == places.end() ? NAN : found->second);
-            if (found != places.end()) cases.points.push_back({column, row});
-        }
-    }
-    made.plot.series.push_back(std::move(cases));
-    const auto most =
-        std::ranges::max_element(places, {}, [](const auto& place) { return std::isfinite(place.second) ? place.second : -INFINITY; });
-    made.plot.series.push_back({"", {{most->first.first, most->first.second}}, Mark::ring, Line::none, "#e3342f"});
-    made.plot.series.insert(made.plot.series.end(), marks.begin(), marks.end());
-    made.plot.subtitle += fmt::format("; ring: largest, {:.4g}", most->second);
-    made.plot.fields.push_back(std::move(field));
-    return made.plot;
+std::optional<double> load_limit(const SweepView& sweep, std::size_t row) {
+    std::optional<tasks::Scene> scene = sweep.scene_of_case(row);
+    if (!scene) return {};
+    model::Parameters& p = scene->parameters;
+    if (p.clamping.safety > 0.0) return {};  // the clamping force follows the load
+    if (p.control.enabled) p.start.ratio = p.control.ratio.at(tasks::latest_end(*scene));
+    const auto least = least_safety(*scene);
+    if (!least) return {};
+    return p.load.torque.at(0.0) + std::copysign(least->limit, least->load) - least->load;
 }
 
 }  // namespace cvtflow::tools

@@ -23,7 +23,6 @@
 #include "tools/program/plot/plot.hpp"
 #include "tools/program/text/report_columns.hpp"
 #include "tools/program/text/text.hpp"
-#include "tools/program/view/run_plots.hpp"
 
 namespace cvtflow::bench {
 

@@ -41,7 +41,7 @@ tasks::Scene recorded_scene(const std::string& path, const engine::RunReader& ru
 std::vector<Curve> columns_of(const RecordedRun& run, const std::vector<std::string>& words) {
     std::vector<Curve> columns;
     for (const std::string& word : words) {
-        for (Curve& curve : run.find(word, true)) columns.push_back(std::move(curve));
+        for (Curve& curve : run.find(word)) columns.push_back(std::move(curve));
     }
     for (const engine::ChannelInfo& channel : run.reader().channels()) {
         if (words.empty() && channel.width == 1) columns.push_back(run.curves(channel).front());

@@ -1,39 +1,33 @@
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
-#include <zlib.h>
 
 #include <CLI/CLI.hpp>
-#include <cerrno>
-#include <cstdint>
-#include <cstdio>
-#include <cstring>
+#include <algorithm>
 #include <filesystem>
 #include <memory>
-#include <stdexcept>
+#include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "engine/base/text.hpp"
 #include "tools/program/arguments.hpp"
+#include "tools/program/drawing.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output.hpp"
 #include "tools/program/program.hpp"
 #include "tools/program/text/text.hpp"
-#include "tools/program/view/run_plots.hpp"
-#include "tools/program/view/sweep_view.hpp"
-
-extern char** environ;
+#include "tools/program/view/described.hpp"
 
 namespace cvtflow::tools {
 
 namespace {
 
+using Json = nlohmann::json;
+
 struct PlotArguments {
     std::vector<std::string> words;
     std::string output, x, y, colour, with;
     std::vector<std::string> where;
-    bool orders = false, round = false, losses = false, wear = false, every_output = false, force = false;
+    bool orders = false, round = false, losses = false, wear = false, every_output = false, si = false, force = false;
 };
 
 /// Files come first, then channels.
@@ -51,107 +45,52 @@ PlotWords sorted_words(const std::vector<std::string>& words) {
     return sorted;
 }
 
-std::optional<Measured> measured_of(const PlotArguments& arguments) {
-    return arguments.with.empty() ? std::nullopt : std::optional(read_measured(arguments.with));
-}
-
-std::vector<Plot> plots_of_runs(const PlotArguments& arguments, const PlotWords& words, std::string& of) {
+Json records_of(const PlotArguments& arguments, const PlotWords& words) {
     if (!arguments.y.empty() || !arguments.colour.empty() || !arguments.where.empty())
         throw UsageError("--y, --colour and --where are for sweeps; " + words.files.front() + " is not a sweep");
-    std::vector<RecordedRun> runs;
-    for (const std::string& file : words.files) runs.emplace_back(file);
-    of = runs.front().name();
-    const std::optional<Measured> measured = measured_of(arguments);
-    if ((measured || !arguments.x.empty()) && (arguments.wear || arguments.round || arguments.orders || arguments.losses))
+    if ((!arguments.with.empty() || !arguments.x.empty()) && (arguments.wear || arguments.round || arguments.orders || arguments.losses))
         throw UsageError("--with and --x are for curves of channels, and for sweeps");
-    if (arguments.wear && runs.size() > 1) throw UsageError("--wear draws one record");
-    if (arguments.wear) return wear_plots(runs.front());
-    if (arguments.round) return {round_plot(runs)};
-    if (arguments.orders) return order_plots(runs, words.channels);
-    if (!arguments.losses) return time_plots(runs, words.channels, arguments.every_output, measured ? &*measured : nullptr, arguments.x);
-    std::vector<Plot> plots;
-    for (const RecordedRun& run : runs) plots.push_back(loss_plot(run));
-    return plots;
+    Json records = Json::array();
+    for (const std::string& file : words.files) records.push_back(described(RecordedRun(file)));
+    return records;
 }
 
-/// @param of receives the name of the sweep, or of the scene above
-std::vector<Plot> plots_of_sweeps(const PlotArguments& arguments, const PlotWords& words, std::string& of) {
+Json sweeps_of(const PlotArguments& arguments, const PlotWords& words) {
     if (arguments.orders || arguments.round || arguments.losses || arguments.wear || !words.channels.empty())
         throw UsageError("channels, --orders, --round, --losses and --wear are for records; " + words.files.front() + " is a sweep");
     if (arguments.x.empty() || arguments.y.empty())
         throw UsageError("a sweep needs --x COLUMN and --y COLUMN; cvtflow table shows its columns");
-    const std::optional<Measured> measured = measured_of(arguments);
-    if (measured && !arguments.colour.empty()) throw UsageError("--with adds points to curves, not to a map (--colour)");
-    std::vector<Plot> plots;
+    if (!arguments.with.empty() && !arguments.colour.empty()) throw UsageError("--with adds points to curves, not to a map (--colour)");
+    Json sweeps = Json::array();
     for (const std::string& file : words.files) {
         SweepView sweep = read_sweep(file);
-        if (of.empty()) of = sweep.name;
         for (const std::string& condition : arguments.where) sweep.keep(condition);
-        plots.push_back(arguments.colour.empty() ? sweep_curves(sweep, arguments.x, arguments.y, measured ? &*measured : nullptr)
-                                                 : sweep_map(sweep, arguments.x, arguments.y, arguments.colour));
-        for (const std::string& condition : arguments.where) plots.back().subtitle += ", " + condition;
+        sweeps.push_back(described(sweep));
     }
-    return plots;
+    return sweeps;
 }
 
-using TemporaryFile = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
-
-/// An anonymous temporary file that contains the text, positioned at its beginning.
-TemporaryFile file_with(const std::string& text) {
-    TemporaryFile file(std::tmpfile(), std::fclose);
-    if (!file || std::fwrite(text.data(), 1, text.size(), file.get()) != text.size() || std::fflush(file.get()) != 0)
-        throw std::runtime_error(fmt::format("cannot write a temporary file: {}", std::strerror(errno)));
-    std::rewind(file.get());
-    return file;
-}
-
-std::string contents_of(std::FILE* file) {
-    std::rewind(file);
-    std::string bytes;
-    char block[65536];
-    for (std::size_t count = 0; (count = std::fread(block, 1, sizeof block, file)) > 0;) bytes.append(block, count);
-    return bytes;
-}
-
-std::string big_endian(std::uint32_t number) {
-    std::string bytes;
-    for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(number >> shift & 0xFFU);
-    return bytes;
-}
-
-/// A text behind the first chunk, which the format fixes at 33 bytes.
-std::string with_text(std::string png, const std::string& text) {
-    constexpr std::size_t behind_header = 33;
-    if (png.size() < behind_header) return png;
-    const std::string chunk = "tEXtSoftware" + std::string(1, '\0') + text;
-    const auto sum = crc32(0, reinterpret_cast<const Bytef*>(chunk.data()), static_cast<uInt>(chunk.size()));
-    png.insert(behind_header,
-               big_endian(static_cast<std::uint32_t>(chunk.size() - 4)) + chunk + big_endian(static_cast<std::uint32_t>(sum)));
-    return png;
-}
-
-/// A picture as PNG, by rsvg-convert, with a text chunk that contains `mark`. @param path in messages
-/// @throws std::runtime_error if rsvg-convert is missing (names the package) or fails
-std::string png_of(const std::string& path, const std::string& svg, const std::string& mark) {
-    const TemporaryFile input = file_with(svg), output = file_with("");
-    std::string program = "rsvg-convert", format = "--format=png", zoom = "--zoom=2";
-    char* words[] = {program.data(), format.data(), zoom.data(), nullptr};
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_adddup2(&actions, fileno(input.get()), STDIN_FILENO);
-    posix_spawn_file_actions_adddup2(&actions, fileno(output.get()), STDOUT_FILENO);
-    pid_t child = -1;
-    const int failed = posix_spawnp(&child, words[0], &actions, nullptr, words, environ);
-    posix_spawn_file_actions_destroy(&actions);
-    if (failed == ENOENT)
-        throw std::runtime_error(path +
-                                 ": PNG requires the program rsvg-convert (Debian: apt-get install librsvg2-bin); SVG and CSV do not");
-    if (failed != 0) throw std::runtime_error(fmt::format("{}: cannot run rsvg-convert: {}", path, std::strerror(failed)));
-    int status = 0;
-    while (waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
-    std::string png = contents_of(output.get());
-    if (status != 0 || png.empty()) throw std::runtime_error(path + ": rsvg-convert could not make it");
-    return with_text(std::move(png), mark);
+/// The drawing function of the package, and its options.
+Json request_of(const PlotArguments& arguments, const PlotWords& words) {
+    const bool sweep = is_sweep(words.files.front());
+    const std::pair<bool, const char*> kinds[] = {{!arguments.colour.empty(), "map"}, {sweep, "cases"},
+                                                  {arguments.wear, "wear"},           {arguments.round, "round"},
+                                                  {arguments.orders, "orders"},       {arguments.losses, "losses"}};
+    const auto* kind = std::ranges::find(kinds, true, &std::pair<bool, const char*>::first);
+    Json request{{"command", "plot"},
+                 {"known", known_json()},
+                 {"kind", kind == std::end(kinds) ? "curves" : kind->second},
+                 {"options",
+                  {{"channels", words.channels},
+                   {"x", arguments.x},
+                   {"y", arguments.y},
+                   {"colour", arguments.colour},
+                   {"where", arguments.where},
+                   {"every_output", arguments.every_output},
+                   {"si", arguments.si}}}};
+    request[sweep ? "sweeps" : "records"] = sweep ? sweeps_of(arguments, words) : records_of(arguments, words);
+    if (!arguments.with.empty()) request["with"] = described(read_measured(arguments.with));
+    return request;
 }
 
 ExitStatus plot(const PlotArguments& arguments) {
@@ -164,15 +103,14 @@ ExitStatus plot(const PlotArguments& arguments) {
     if (!arguments.with.empty()) files.push_back(arguments.with);
     const std::vector<std::filesystem::path> inputs = read_files(files);
     engine::require_no_input(path, inputs);
-    std::string of;
-    const std::vector<Plot> plots =
-        is_sweep(words.files.front()) ? plots_of_sweeps(arguments, words, of) : plots_of_runs(arguments, words, of);
-    if (plots.empty()) throw UsageError("nothing to draw: name a channel (cvtflow info " + words.files.front() + ")");
-    const std::string text = kind == ".csv" ? csv(plots) : marked(svg(plots), mark_of("picture", of));
+    Json request = request_of(arguments, words);
+    const std::string of = request[request.contains("sweeps") ? "sweeps" : "records"][0]["name"].get<std::string>();
+    request["format"] = kind.substr(1);
+    request["mark"] = mark_of("picture", of);
     const engine::Permit permit(path, kind == ".csv"
                                           ? engine::OutputRule{.inputs = inputs, .force = arguments.force, .named = true, .devices = true}
                                           : marked_rule("picture", of, inputs, arguments.force));
-    engine::write_whole(permit, kind == ".png" ? png_of(path, text, mark_of("picture", of)) : text);
+    engine::write_whole(permit, drawn(request));
     fmt::print("{}\n", engine::visible(path));
     return ExitStatus::finished;
 }
@@ -200,7 +138,7 @@ Action declare_plot(CLI::App& app) {
     app.add_option("--with", arguments->with, "Measured data as points: a CSV with headings such as \"time [ms]\", \"slip [%]\"")
         ->type_name("FILE");
     declare_repeated(app, "--where", arguments->where, "Sweeps: only cases with that value; may be repeated", "COLUMN=VALUE");
-    app.add_flag_callback("--si", show_si, si_meaning);
+    app.add_flag("--si", arguments->si, si_meaning);
     app.add_flag("--force", arguments->force, force_meaning);
     app.footer(
         "cvtflow plot run.h5 slip efficiency          cvtflow plot a.h5 b.h5 shaft_1/speed   (both in one picture)\n"
@@ -208,7 +146,7 @@ Action declare_plot(CLI::App& app) {
         "cvtflow plot SWEEP --x load.torque --y start.ratio --colour slip_mean --where clamping.driven=20000\n"
         "cvtflow plot run.h5 --x ratio slip           cvtflow plot run.h5 --x shaft_1/speed efficiency tight_tension\n"
         "cvtflow plot run.h5 slip --with bench.csv    cvtflow plot SWEEP --x load.torque --y efficiency --with bench.csv\n"
-        "For channels of more than four numbers, minimum, mean and maximum are drawn. PNG requires rsvg-convert (librsvg2-bin).\n"
+        "For channels of more than four numbers, minimum, mean and maximum are drawn. Python draws (python3-matplotlib, python3-h5py).\n"
         "A picture of the same scene or sweep is replaced, any other file only with --force.");
     return [arguments] { return plot(*arguments); };
 }

@@ -19,7 +19,7 @@
 #include "tasks/scene/units.hpp"
 #include "tools/program/command/reference/terms.hpp"
 #include "tools/program/guard.hpp"
-#include "tools/program/html/page.hpp"
+#include "tools/program/embedded.hpp"
 #include "tools/program/program.hpp"
 #include "tools/program/text/text.hpp"
 
@@ -172,7 +172,7 @@ std::string units() {
            "\"2.5e10 N/m^1.5\".\nTorques also as Nm, kNm, Nmm; temperatures as degC, °C.\n";
 }
 
-std::string licenses() { return std::string(asset("licenses.txt")); }
+std::string licenses() { return std::string(embedded("licenses.txt")); }
 
 struct Listing {
     std::string_view name;

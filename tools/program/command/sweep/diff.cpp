@@ -31,7 +31,7 @@ struct ColumnDifference {
     double factor = 1.0;  ///< from SI to that unit
     long cases = 0;
     double largest = 0.0, relative = 0.0;  ///< largest |a - b| [SI] and |a - b| / max(|a|, |b|); NaN if texts differ
-    std::string example;                   ///< the case of the largest relative difference, and both cells
+    std::string example, shown;            ///< the case of the largest relative difference, and both cells: in SI, in `unit`
 };
 
 /// @param tolerance with one, hashes of cases do not count: they differ where any bit does
@@ -66,9 +66,16 @@ std::vector<std::string> common_keys(const SweepView& a, const SweepView& b) {
     return keys;
 }
 
-std::string cell_text(const SweepView& sweep, std::size_t row, std::size_t column) {
-    const double value = sweep.number(row, column);
+/// @param factor from SI to the unit in which a column is shown
+std::string cell_text(const SweepView& sweep, std::size_t row, std::size_t column, double factor) {
+    const double value = factor * sweep.number(row, column);
     return std::isfinite(value) ? fmt::format("{:.8g}", value) : sweep.cells[row][column].empty() ? "nothing" : sweep.cells[row][column];
+}
+
+/// Two cells in one unit, SI for files.
+std::string change_text(const SweepView& a, const SweepView& b, const std::string& column, const Pair& pair, double factor) {
+    return fmt::format("{}: {} -> {}", pair.name, cell_text(a, pair.a, a.column(column), factor),
+                       cell_text(b, pair.b, b.column(column), factor));
 }
 
 /// Counts the cases whose cells differ by more than `tolerance`.
@@ -76,7 +83,7 @@ ColumnDifference column_difference(const SweepView& a, const SweepView& b, const
                                    double tolerance) {
     const std::size_t ca = a.column(name), cb = b.column(name);
     const Shown how = shown(name, a.columns[ca].unit);
-    ColumnDifference found{name, how.unit, how.factor, 0, 0.0, 0.0, ""};
+    ColumnDifference found{name, how.unit, how.factor, 0, 0.0, 0.0, "", ""};
     for (const Pair& pair : pairs) {
         const std::string &left = a.cells[pair.a][ca], &right = b.cells[pair.b][cb];
         if (left == right) continue;
@@ -85,7 +92,8 @@ ColumnDifference column_difference(const SweepView& a, const SweepView& b, const
         if (relative <= tolerance) continue;
         if (++found.cases == 1 || !(relative <= found.relative)) {
             found.relative = relative;
-            found.example = fmt::format("{}: {} -> {}", pair.name, cell_text(a, pair.a, ca), cell_text(b, pair.b, cb));
+            found.example = change_text(a, b, name, pair, 1.0);
+            found.shown = change_text(a, b, name, pair, how.factor);
         }
         found.largest = std::isnan(x - y) || std::abs(x - y) > found.largest ? std::abs(x - y) : found.largest;
     }
@@ -102,7 +110,7 @@ std::vector<ReportColumn<ColumnDifference>> difference_columns() {
         {"largest", "largest difference", [](const Row& row) { return row.largest; },
          [number](const Row& row) { return number(row.factor * row.largest); }},
         {"relative", "relative", [](const Row& row) { return row.relative; }, [number](const Row& row) { return number(row.relative); }},
-        {"example", "where", [](const Row& row) { return row.example; }, [](const Row& row) { return row.example; }, Align::left}};
+        {"example", "where", [](const Row& row) { return row.example; }, [](const Row& row) { return row.shown; }, Align::left}};
 }
 
 struct DiffArguments {

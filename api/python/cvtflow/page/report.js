@@ -88,7 +88,8 @@ for (const table of document.querySelectorAll("table.sortable")) {
 /** Panels of curves over time with one zoom. */
 class Curves {
   constructor(runs) {
-    this.runs = runs.map((run) => ({label: run.label, t: unpacked(run.t, Float64Array), curves: new Map(run.curves.map((c) => [c.n, c]))}));
+    this.runs = runs.map((run) => ({label: run.label, t: unpacked(run.t, Float64Array), targets: run.targets || {},
+                                    curves: new Map(run.curves.map((c) => [c.n, c]))}));
     this.values = new Map();
     this.charts = [];
     this.chosen = new Set();
@@ -178,21 +179,30 @@ class Curves {
     for (const [key, names] of this.panels()) {
       const panel = element("div", {class: "panel", role: "img", "aria-label": names.join(", ") + " over time"});
       place.append(element("div", {}, panel));
-      this.charts.push(this.chart(panel, key, names));
+      this.charts.push(this.chart(panel, key, this.withTargets(names)));
     }
+  }
+
+  /** Names of a panel, and of what controllers hold in it. */
+  withTargets(names) {
+    const targets = names.map((name) => this.runs[0].targets[name]).filter((target) => target && !names.includes(target));
+    return [...names, ...targets];
   }
 
   chart(panel, key, names) {
     const time = `time [${data.time.u}]`, labels = [time];
     for (const run of this.runs)
       for (const name of names) labels.push(this.runs.length > 1 ? name + ", " + run.label : name);
+    const dashed = Object.fromEntries(labels.slice(1).filter((label) => this.runs.some((run) => Object.values(run.targets).some(
+        (target) => label === target || label === target + ", " + run.label))).map((label) => [label, {strokePattern: [6, 4], strokeWidth: 1.6}]));
     const style = getComputedStyle(root), unit = this.runs[0].curves.get(names[0]).u;
     return new Dygraph(panel, this.rows(names), {
       labels,
+      series: dashed,
       colors: colours,
       connectSeparatedPoints: true,
       strokeWidth: 1.2,
-            labelsSeparateLines: true,
+      labelsSeparateLines: true,
       legend: labels.length > 2 ? "always" : "onmouseover",
       xlabel: time,
       ylabel: escaped(unit === "" ? key : unit === "%" ? key + " [%]" : "[" + unit + "]"),
@@ -206,6 +216,20 @@ class Curves {
       zoomCallback: (from, to) => this.show([from, to]),
     });
   }
+}
+
+// Pictures and tables that are wider than the page ----------------------------------------------------------------------------------
+
+/** Whether there is more to the left or to the right, for the edges that style shows. */
+function showEdges(scroller) {
+  const rest = scroller.scrollWidth - scroller.clientWidth - scroller.scrollLeft;
+  scroller.parentElement.toggleAttribute("data-before", scroller.scrollLeft > 1);
+  scroller.parentElement.toggleAttribute("data-behind", rest > 1);
+}
+const scrollers = [...document.querySelectorAll(".scroller")];
+for (const scroller of scrollers) {
+  scroller.addEventListener("scroll", () => showEdges(scroller), {passive: true});
+  if (window.ResizeObserver) new ResizeObserver(() => showEdges(scroller)).observe(scroller);
 }
 
 showTheme();

@@ -15,7 +15,13 @@ function roundTicks(least, largest) {
   return ticks;
 }
 
-/** y over x of a sweep's cases, coloured by a third column; cases that differ in x alone are joined. */
+/** A circle, square, triangle or diamond about a point. */
+function mark(kind, x, y) {
+  return [`M${x - 4.5} ${y}a4.5 4.5 0 1 0 9 0a4.5 4.5 0 1 0 -9 0`, `M${x - 4} ${y - 4}h8v8h-8z`, `M${x} ${y - 5}l5 9h-10z`,
+          `M${x} ${y - 6}l6 6l-6 6l-6 -6z`][kind % 4];
+}
+
+/** y over x of the cases of sweeps, coloured by a third column; cases that differ in x alone are joined. */
 class SweepPicture {
   constructor(sweep) {
     this.sweep = sweep;
@@ -40,7 +46,8 @@ class SweepPicture {
     const [x, y, colour] = ["x", "y", "colour"].map((what) => this.columns.get(this.choices[what]));
     const others = this.axes.filter((axis) => axis !== x && axis !== y);
     return this.sweep.cases
-        .map((status, k) => ({status, number: k, x: x.v[k], y: y.v[k], c: colour.v[k], line: others.map((o) => o.v[k]).join()}))
+        .map((status, k) => ({status, number: k, x: x.v[k], y: y.v[k], c: colour.v[k], of: this.sweep.of[k],
+                              line: [this.sweep.of[k], ...others.map((o) => o.v[k])].join()}))
         .filter((p) => p.status === "ok" && [p.x, p.y, p.c].every(Number.isFinite));
   }
 
@@ -67,14 +74,30 @@ class SweepPicture {
         Map.groupBy ? Map.groupBy(points, (p) => p.line) : points.reduce((m, p) => m.set(p.line, [...(m.get(p.line) || []), p]), new Map());
     for (const line of lines.values()) {
       const path = line.sort((a, b) => a.x - b.x).map((p, k) => `${k ? "L" : "M"}${px(p.x).toFixed(1)} ${py(p.y).toFixed(1)}`).join("");
-      picture.append(drawn("path", {d: path, fill: "none", stroke: heatText(share(line[0].c)), "stroke-opacity": 0.5}));
+      picture.append(drawn("path", {d: path, fill: "none", stroke: heatText(share(line[0].c)), "stroke-opacity": 0.5,
+                                     "stroke-dasharray": line[0].of % 2 ? "6 4" : "none"}));
     }
     for (const p of points) {
-      const dot = drawn("circle", {cx: px(p.x), cy: py(p.y), r: 4.5, fill: heatText(share(p.c)), "data-case": p.number});
-      dot.append(drawn("title", {}, `case ${p.number}: ${readable(p.x)}, ${readable(p.y)}, ${readable(p.c)}`));
+      const dot = drawn("path", {d: mark(p.of, px(p.x), py(p.y)), fill: heatText(share(p.c)), class: "case", "data-case": p.number});
+      const of = this.sweep.names.length > 1 ? this.sweep.names[p.of] + ", " : "";
+      dot.append(drawn("title", {}, `${of}case ${this.number(p)}: ${readable(p.x)}, ${readable(p.y)}, ${readable(p.c)}`));
       picture.append(dot);
     }
+    this.legend(picture);
     this.scale(picture, c);
+  }
+
+  /** A case's number in its own sweep. */
+  number(p) {
+    return this.columns.has("case") ? this.columns.get("case").v[p.number] : p.number;
+  }
+
+  /** Marks of the sweeps, if there are several. */
+  legend(picture) {
+    if (this.sweep.names.length < 2) return;
+    this.sweep.names.forEach((name, k) => {
+      picture.append(drawn("path", {d: mark(k, 722, 232 + 20 * k), fill: "#666"}), drawn("text", {x: 734, y: 236 + 20 * k}, name));
+    });
   }
 
   heading(what) {

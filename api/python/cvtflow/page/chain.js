@@ -52,7 +52,7 @@ class RunningChain extends DrawnChain {
       this.show(Number(moment.value));
     });
     document.getElementById("play").addEventListener("click", () => this.play(!this.playing));
-    window.addEventListener("resize", () => this.resize());
+    moment.max = this.t.length - 1;
     lookAround(this.canvas, (...by) => this.look(...by), (e) => this.click(e));
   }
 
@@ -135,12 +135,30 @@ class RunningChain extends DrawnChain {
   }
 }
 
-if (data.motion) {
+/** Runs the chain of a record; its controls begin anew. */
+function runChain(number) {
+  const view = document.getElementById("chain-view"), fresh = pristine.cloneNode(true);
+  if (window.chain instanceof RunningChain) {
+    window.chain.play(false);
+    window.chain.renderer.forceContextLoss();
+  }
+  view.replaceWith(fresh);
+  const record = document.getElementById("chain-record");
+  if (record) {
+    record.value = number;
+    record.addEventListener("change", () => runChain(Number(record.value)));
+  }
+  window.chain = new RunningChain(data.motions[number]);
+}
+const pristine = document.getElementById("chain-view") && document.getElementById("chain-view").cloneNode(true);
+
+if (data.motions) {
   try {
-    window.chain = new RunningChain(data.motion);
+    runChain(0);
     document.addEventListener("theme", () => window.chain.frame());
+    window.addEventListener("resize", () => window.chain.resize());
   } catch (error) {
-    if (window.chain || !/WebGL/.test(String(error))) throw error;
+    if (window.chain instanceof RunningChain || !/WebGL/.test(String(error))) throw error;
     document.getElementById("chain").replaceWith(element("p", {}, "This browser has no WebGL; the chain cannot be shown."));
   }
 }

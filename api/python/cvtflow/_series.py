@@ -1,0 +1,307 @@
+"""Results over time with units, frames and plots, and records of runs, read on demand. Needs no compiled module (_draw.py)."""
+
+import math
+import re
+from collections.abc import Mapping
+
+import numpy as np
+
+from . import _known, _wear
+from ._channels import Channels, Columns, split, unknown
+from ._numbers import cycles, mean
+
+
+def seconds(value):
+    """A time: a number in s, or a text with its unit."""
+    return _known.quantity(value, "s") if isinstance(value, str) else value
+
+
+def _names(channels):
+    """One name, or several."""
+    return [channels] if isinstance(channels, str) else channels
+
+
+class Series:
+    """Arrays over time by name, "time" [s] among them. Derived classes define __getitem__ and info (name -> Column)."""
+
+    def frame(self, channels=None):
+        """A pandas.DataFrame with the time [s] as index; channels of several numbers become columns "links/tension[0]", ...
+
+        channels  a name or several; None: all of one number per row
+        Units by column are in frame.attrs["units"]. Raises ImportError where pandas is not installed.
+        """
+        import pandas
+
+        names = [name for name, column in self.info.items() if column.width == 1] if channels is None else _names(channels)
+        columns, units = {}, {}
+        for name in names:
+            values = self[name]
+            parts = {name: values} if values.ndim == 1 else {f"{name}[{k}]": values[:, k] for k in range(values.shape[1])}
+            columns.update(parts)
+            units.update(dict.fromkeys(parts, self.info[split(name)[0]].unit))
+        frame = pandas.DataFrame(columns, index=pandas.Index(self["time"], name="time"))
+        frame.attrs["units"] = units
+        return frame
+
+    def to_xarray(self, channels=None):
+        """An xarray.Dataset over the time [s]; links/tension has the dimensions time and links_tension_number. Units are attributes.
+        channels as in frame(). Raises ImportError where xarray is not installed."""
+        import xarray
+
+        names = [name for name, column in self.info.items() if column.width == 1] if channels is None else _names(channels)
+        made = {}
+        for name in names:
+            values, column = self[name], self.info[split(name)[0]]
+            axes = ["time"] if values.ndim == 1 else ["time", f"{name.replace('/', '_')}_number"]
+            made[name] = (axes, values, {"units": column.unit, "long_name": column.description})
+        return xarray.Dataset(made, coords={"time": ("time", self["time"], {"units": "s"})})
+
+    def means(self, begin=None):
+        """Means of all channels of one number from `begin` [s] (a text carries its unit; None: the middle) to the end, by the trapezoidal
+        rule: a dict by name, in SI. Of a Record, `begin` moves to where whole pin periods remain. Rows that are not finite count as none.
+        An efficiency is the quotient of the energies in that time, as in the summary of a run; NaN where none flows. Raises ValueError for
+        fewer than two rows from there on."""
+        time = self["time"]
+        begin = 0.5 * (time[0] + time[-1]) if begin is None else seconds(begin)
+        if period := self._pin_period():
+            begin = time[-1] - period * max(1, math.floor((time[-1] - begin) / period * (1.0 + 1e-9)))
+        rows = time >= begin - 1e-9 * (time[-1] - time[0])
+        if np.count_nonzero(rows) < 2:
+            raise ValueError(f"means: fewer than two rows from {begin:.6g} s on")
+        made = {}
+        for name in (name for name, column in self.info.items() if column.width == 1 and name != "time"):
+            if sums := _known.energies(name):
+                made[name] = _known.efficiency_of([sum(self._gained(energy, begin) for energy in energies) for energies in sums])
+                continue
+            values = self[name]
+            finite = rows & np.isfinite(values)
+            weight = np.gradient(time[finite]) if np.count_nonzero(finite) > 1 else np.ones(np.count_nonzero(finite))
+            weight[[0, -1]] *= 0.5 if len(weight) > 1 else 1.0
+            made[name] = float(weight @ values[finite] / weight.sum()) if weight.size else math.nan
+        return made
+
+    def _energy(self, name):
+        """A channel of energy so far; None: not recorded."""
+        return self[name] if name in self.info else None
+
+    def _gained(self, name, begin):
+        """Of a channel of energy, from `begin` [s] to the end; 0 where it is not recorded."""
+        energy = self._energy(name)
+        return 0.0 if energy is None else float(energy[-1] - np.interp(begin, self["time"], energy))
+
+    def rainflow(self, channel, begin=None, until=None):
+        """Load cycles of a channel of one number, as `cvtflow table --rainflow` counts them (ASTM E1049): an array with the fields range
+        and mean [unit of the channel], count (1; 0.5 for half a cycle), from_time and to_time [s].
+
+        begin  of the rows that count [s] (a text carries its unit); None: 0
+        until  likewise their end; None: that of all rows
+
+        Rows that are not finite count as none. Raises ValueError for a channel of several numbers.
+        """
+        time, values = self["time"], self[channel]
+        if values.ndim > 1:
+            raise ValueError(f"{channel}: choose one number, such as {channel}[0]")
+        rows = np.isfinite(values) & (time >= (0.0 if begin is None else seconds(begin)))
+        if until is not None:
+            rows &= time <= seconds(until)
+        return cycles(time[rows], values[rows])
+
+    def _pin_period(self):
+        """[s]; None where it is not known."""
+
+    def plot(self, *channels, x="time", others=(), measured=None, every_output=False, si=False, ax=None, **style):
+        """Draws channels over time, or over another channel, with Matplotlib, as `cvtflow plot` does: those of one unit in one panel, panels
+        with a shared horizontal axis. Returns the Figure.
+
+        channels  channels, groups ("shaft_1"), or numbers of one ("links/tension[3]"); none: the main quantities of a run
+        x         channel along the horizontal axis
+        others    further records in the same picture
+        measured  measured data as points: a CSV with headings such as "time [ms]", or a mapping (a DataFrame) with such keys
+        every_output  draws every output, also of runs of more than 60 pin periods, of which means over each are drawn otherwise
+        si        whether units are SI, as those of the values, instead of bar, l/min, rpm, kN, mm and %
+        ax        Axes, one for each panel; None: a new figure
+        style     is passed to Axes.plot
+        """
+        from . import _measured, plots
+
+        points = None if measured is None else _measured.Measured(measured)
+        return plots.curves([self, *others], channels, x, points, every_output, si, ax, **style)
+
+    path, scene, pin_frequency = "", None, None
+
+    @property
+    def attributes(self):
+        """Of the whole file, by name."""
+        return {}
+
+    @property
+    def rows(self):
+        """Number of rows."""
+        return len(self["time"])
+
+    def read(self, channel, first=0, count=None):
+        """Rows of a channel: [count] or [count, width]."""
+        return self[channel][first:None if count is None else first + count]
+
+
+class States:
+    """The recorded states: states[3] are the unknowns of the fourth, states.unknowns those of all, states.phases the phases of the tips."""
+
+    def __init__(self, file):
+        self._file = file
+        self.time = file.state_times()
+
+    def __len__(self):
+        return len(self.time)
+
+    def __getitem__(self, number):
+        count = len(self)
+        if not -count <= number < count:
+            raise IndexError(f"state {number} of {count}")
+        return self._file.state(number % count)
+
+    @property
+    def unknowns(self):
+        """[states, unknowns], in the order of Simulation.unknowns()."""
+        return np.array([self._file.state(number) for number in range(len(self))])
+
+    @property
+    def phases(self):
+        """[states, tips]: 0 free, 1 touching, 2 sticking, 3 slipping."""
+        return np.array([self._file.phases(number) for number in range(len(self))])
+
+    def __repr__(self):
+        span = f" from {self.time[0]:.6g} to {self.time[-1]:.6g} s" if len(self) else ""
+        return f"<cvtflow.States: {len(self)}{span}>"
+
+
+class Record(Series, Mapping):
+    """The record of a run as a mapping from names of channels to arrays; "time" [s] is among them.
+
+        record = cvtflow.Record("results/tiny.h5")
+        record["links/tension"]            # all rows, [rows, links]; read now
+        record["links/tension[3]"]         # of the fourth link, [rows]
+        record.read("ratio", 50, 20)       # 20 rows from row 50 on
+        record.frame()                     # a pandas.DataFrame
+        record.plot("slip")                # with Matplotlib; over another channel: record.plot("slip", x="ratio")
+
+    Numbers are in SI units.
+    """
+
+    def __init__(self, path):
+        self.path = str(path)
+        self._file = _known.record_file(path)
+        self._columns = self._file.channels()
+        self._kept = {"time": self._file.read("time")}
+
+    @property
+    def scene(self):
+        """What the run simulated, a mapping from keys to values in SI; None where this version of cvtflow cannot read it."""
+        return self._once("scene", lambda: _known.scene_of(self))
+
+    @property
+    def pin_frequency(self):
+        """Pins that pass a place, by the mean speed of the chain and its mean pitch [Hz]; None where the record does not contain them."""
+        return self._once("pin_frequency", self._pin_frequency)
+
+    def _once(self, name, found):
+        if name not in self._kept:
+            self._kept[name] = found()
+        return self._kept[name]
+
+    def _pin_frequency(self):
+        speed = mean(self["chain_speed"]) if self.scene is not None and "chain_speed" in self.info else 0.0
+        return speed / np.resize(np.atleast_1d(self.scene["chain.pitch"]), self.scene["chain.pins"]).mean() if speed > 0.0 else None
+
+    def _pin_period(self):
+        return 1.0 / self.pin_frequency if self.pin_frequency else None
+
+    status = property(lambda self: self._file.status, doc="finished, running, unreliable, cycle_missed: …, or the cause of an early end.")
+    attributes = property(lambda self: self._file.attributes(), doc="Of the whole file, by name.")
+    channels = property(lambda self: Channels(self.__getitem__, Columns(self._columns)), doc="Arrays by name; channels.info: their units.")
+    info = property(lambda self: {row.name: row for row in self._columns}, doc="Column (unit, description, width) of channels, by name.")
+    rows = property(lambda self: self._file.rows(), doc="Number of rows when the file was opened.")
+    states = property(lambda self: States(self._file), doc="The recorded states: time, unknowns, phases.")
+    transitions = property(lambda self: self._file.transitions(),
+                           doc="Changes of a tip's phase: an array with fields time, pin, tip, phase_from, phase_to.")
+
+    def plot_orders(self, *channels, others=(), si=False, ax=None, **style):
+        """Draws amplitudes of channels over multiples of the pin passing frequency, as `cvtflow plot --orders` does; over the frequency [Hz]
+        where no pins pass. Returns the Figure. Parameters as of plot(). Raises ValueError for fewer than 8 rows, or rows further apart than
+        half a pin period."""
+        from . import plots
+
+        return plots.orders([self, *others], channels, si, ax, **style)
+
+    def plot_losses(self, others=(), ax=None):
+        """Draws the mean losses by kind [W] as bars with their shares, the largest first, as `cvtflow plot --losses` does; those of other
+        records beside them. Returns the Figure. Raises ValueError for a record without losses."""
+        from . import plots
+
+        return plots.losses([self, *others], ax)
+
+    def plot_round(self, others=(), si=False, ax=None):
+        """Draws where the followed pin is as it goes round, as `cvtflow plot --round` does. Returns the Figure."""
+        from . import plots
+
+        return plots.round_of_pin([self, *others], si, ax)
+
+    def plot_differences(self, other, *channels, si=False, ax=None):
+        """Draws other - self over time, as means over pin periods with the band of their scatter within each. Returns the Figure. channels,
+        si, ax: as in plot()."""
+        from . import plots
+
+        return plots.differences([self, other], channels, si, ax)
+
+    def plot_wear(self, ax=None):
+        """Draws wear() in four panels, as `cvtflow plot --wear` does: over the radius of each sheave friction energy, pressure times sliding
+        speed and worn depth, and the number of tips by worn depth. Returns the Figure. Raises ValueError as wear() does."""
+        from . import plots
+
+        return plots.wear(self, ax)
+
+    def wear(self):
+        """Wear by Archard's law, of a record with the channels wear/* (record.channels=wear/*), as `cvtflow plot --wear` states it:
+        a dict of arrays in SI.
+
+        radius          middles of the rings of a sheave [rings], m
+        energy          friction energy of the tips per radius, of sheaves 1-, 1+, 2-, 2+ [4, rings], J/m
+        pressure_speed  largest Hertz pressure of a tip times its sliding speed [4, rings], Pa m/s
+        sheave_depth    worn in 1,000 hours of what the record shows, with wear.coefficient [4, rings], m
+        tip_depth       likewise [tips], m; NaN for tips that never pressed
+
+        Raises ValueError without these channels, or for fewer than 2 rows.
+        """
+        return _wear.wear(self)
+
+    def read(self, channel, first=0, count=None):
+        """Rows of a channel, or of an element: [count] or [count, width]."""
+        name, element = split(channel)
+        rows = self._file.read(name, first, count)
+        if element is None:
+            return rows
+        if rows.ndim == 1 or element >= rows.shape[1]:
+            raise KeyError(f"{channel}: {name} has {1 if rows.ndim == 1 else rows.shape[1]} elements")
+        return rows[:, element]
+
+    def __getitem__(self, name):
+        if name == "time":
+            return self._kept["time"].copy()
+        if split(name)[0] not in self.info:
+            raise unknown(name, ["time", *self.info])
+        return self.read(name)
+
+    def __iter__(self):
+        yield "time"
+        yield from self.info
+
+    def __len__(self):
+        return 1 + len(self._columns)
+
+    def _ipython_key_completions_(self):
+        return list(self)
+
+    def __repr__(self):
+        return f"<cvtflow.Record {self.path}: {self.status}, {self.rows} rows of {len(self._columns)} channels>"
+
+

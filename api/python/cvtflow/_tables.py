@@ -1,0 +1,142 @@
+"""Results of sweeps as columns, with units, frames and plots. Needs no compiled module (_draw.py)."""
+
+import os
+import re
+
+import numpy as np
+
+from ._known import UnknownName, is_key, quantity, suggestion
+
+
+COUNTS = ("case", "steps", "evaluations", "transitions", "truncated", "settling_evaluations", "threads")
+
+
+def _column(name, values):
+    """Counts as int64 where every case has one."""
+    return values.astype(np.int64) if name in COUNTS and np.isfinite(values).all() else values
+
+
+class Results(dict):
+    """Results of a sweep: arrays [cases] (lists for texts) by column, in the order of cases; counts (steps, evaluations, …) are int64. info
+    contains units and descriptions by column."""
+
+    def __init__(self, table):
+        if not hasattr(table, "columns") or isinstance(table, (str, bytes, os.PathLike)):
+            raise TypeError(f"Results() takes a Table, not {type(table).__name__}; Sweep.results(folder) reads a sweep's folder")
+        super().__init__((column.name, _column(column.name, table.read(column.name))) for column in table.columns())
+        self.info = {column.name: column for column in table.columns()}
+        attributes = table.attributes()
+        self.path, self.name, self.level = getattr(table, "path", "the table"), str(attributes.get("sweep", "")), getattr(table, "level", "")
+        self.limits = getattr(table, "limits", None)
+
+    def frame(self):
+        """A pandas.DataFrame with the case as index; units by column are in frame.attrs["units"]. Raises ImportError without pandas."""
+        import pandas
+
+        frame = pandas.DataFrame(self).set_index("case")
+        frame.attrs["units"] = {name: column.unit for name, column in self.info.items()}
+        return frame
+
+    def column(self, name):
+        """The name of a column: slip_mean also as "slip mean", load_torque as "load.torque", or as "torque" where no other key ends so."""
+        if not isinstance(name, str):
+            raise TypeError(f"a column is named by a text, not by {type(name).__name__} {name!r}")
+        plain = re.sub(r"\W+", "_", name).strip("_")
+        if plain in self:
+            return plain
+        if len(meant := [key for key in self if is_key(key) and key.endswith("_" + plain)]) == 1:
+            return meant[0]
+        raise UnknownName(f"{name}: the table {self.path} has no such column" + suggestion(plain, self))
+
+    def where(self, **values):
+        """The Results of the cases with these values, numbers in SI or texts with a unit: where(load__torque="6 N*m", status="ok"). A list
+        means any of its values. Raises ValueError for a number that no case has."""
+        kept = np.ones(len(self["case"]), dtype=bool)
+        for name, value in values.items():
+            name = self.column(name.replace("__", "_"))
+            unit = self.info[name].unit
+            own, allowed = np.asarray(self[name]), value if isinstance(value, (list, tuple, np.ndarray)) else [value]
+            if unit:
+                allowed = [quantity(each, unit) if isinstance(each, str) else each for each in allowed]
+                matches = np.any([np.isclose(own, each, rtol=1e-12, atol=0.0) for each in allowed], axis=0)
+                if not np.any(matches):
+                    there = ", ".join(f"{each:.6g}" for each in np.unique(own)[:6])
+                    raise ValueError(f"no case has {name} = {value!r}; in {unit} there are {there}{', …' if len(np.unique(own)) > 6 else ''}")
+            else:
+                matches = np.any([own == each for each in allowed], axis=0)
+            kept &= matches
+        some = dict.__new__(Results)
+        some.update({name: np.asarray(column)[kept] for name, column in self.items()})
+        some.info, some.path, some.name, some.level = self.info, self.path, self.name, self.level
+        some.limits = None if self.limits is None else self.limits[kept]
+        return some
+
+    def plot(self, x, y, by=None, others=(), measured=None, si=False, ax=None, **style):
+        """Draws a column over another with Matplotlib, one line for each value of the others that vary, as `cvtflow plot` does. Returns the
+        Figure.
+
+        by        a column, or a list of them, that lines are drawn for; None: every key of the scene that varies beside x
+        others    Results of further sweeps in the same frame
+        measured  measured data as points: a CSV with headings such as "slip_mean [%]", or a mapping (a DataFrame) with such keys
+        si        whether units are SI, as those of the values, instead of bar, l/min, rpm, kN, mm and %
+        ax        Axes; None: a new figure
+        style     is passed to Axes.plot
+        """
+        from . import _measured, maps
+
+        points = None if measured is None else _measured.Measured(measured)
+        return maps.lines([self, *others], x, y, by, points, si, ax=ax, **style)
+
+    def map(self, x, y, value, others=(), si=False, ax=None):
+        """Draws a column as colours with contours over two others, which may be results, as `cvtflow plot --colour` does. Cases that failed, or
+        are not steady, are hatched. Returns the Figure. others: further sweeps below it, with the same colours. Raises ValueError for several
+        cases at one point: where() chooses among them."""
+        from . import maps
+
+        return maps.maps([self, *others], x, y, value, si, ax=ax)
+
+    def pivot(self, index, columns, values):
+        """A pandas.DataFrame of one column over two others, in SI units. Raises ValueError for several cases at one point."""
+        index, columns, values = (self.column(name) for name in (index, columns, values))
+        return self.frame().pivot(index=index, columns=columns, values=values)
+
+    def axes(self, along=None, but=()):
+        """The columns of keys of the scene that vary and distinguish the cases: one that only follows another, the column `along`, or those in
+        `but`, is left out."""
+        found, known = [], 1
+        for name in [name for name in self if is_key(name) and name != along and name not in but and not self._follows(name, along)]:
+            distinct = len(set(zip(*(self[each] for each in [*found, name]))))
+            if distinct > known:
+                found, known = [*found, name], distinct
+        return found
+
+    def _follows(self, name, along):
+        """Whether a column changes with another one, as keys of one axis do; such a column makes no line of its own."""
+        if along is None:
+            return False
+        own, given = set(self[name]), set(self[along])
+        return len(own) >= len(given) and len(set(zip(self[along], self[name]))) == len(given)
+
+    def to_xarray(self):
+        """An xarray.Dataset with a dimension for each of axes() and a variable for each other column; points without a case are NaN, or
+        empty texts. Units are attributes. Raises ImportError where xarray is not installed, ValueError for several cases at one point."""
+        import xarray
+
+        axes = self.axes()
+        points = [np.unique(self[name], return_inverse=True) for name in axes]
+        place, shape = tuple(inverse for _, inverse in points), tuple(len(values) for values, _ in points)
+        if len(set(zip(*place))) < len(self["case"]):
+            raise ValueError(f"several cases at one point of {', '.join(axes)}: choose with where()")
+        made = {}
+        for name, column in self.items():
+            if name not in axes:
+                text = isinstance(column[0], str)
+                grid = np.full(shape, "" if text else np.nan, dtype=object if text else float)
+                grid[place] = column
+                grid = grid if text or np.isnan(grid).any() else grid.astype(np.asarray(column).dtype)  # counts
+                made[name] = (axes, grid, {"units": self.info[name].unit, "long_name": self.info[name].description})
+        coords = {name: (name, values, {"units": self.info[name].unit}) for name, (values, _) in zip(axes, points)}
+        return xarray.Dataset(made, coords=coords)
+
+    def __repr__(self):
+        return f"<cvtflow.Results: {len(self['case'])} cases of {', '.join(self)}>"

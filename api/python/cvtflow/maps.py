@@ -1,0 +1,190 @@
+"""Pictures of sweeps: lines over a column, maps over two. Each function returns the Matplotlib figure."""
+
+import numpy as np
+
+from . import _known
+from ._channels import shown
+from ._figures import Field, Line, Panel, colour, draw
+from .plots import _MARKS
+
+_LIMIT = "#D00000"
+_SAME_LIMIT = 1e-3  # less than the width of a line
+
+
+def _numbers(results, name, si=False):
+    """Label and values of a column of numbers as pictures show them. Raises Misuse."""
+    column = results.column(name)
+    label, factor = shown(column, results.info[column].unit, si)
+    try:
+        values = np.asarray(results[column], dtype=float)
+    except ValueError:
+        values = np.array([np.nan])
+    if not np.isfinite(values).any():
+        raise _known.Misuse(f"{name}: the cells of this column are not numbers")
+    return label, factor * values
+
+
+def _words(label):
+    return label.partition(" [")[0]
+
+
+def _states(results):
+    """Whether cases ended well, and whether they ended without means that are steady: [cases] each. A table without status has good ones."""
+    status = np.asarray(results.get("status", ["ok"] * len(next(iter(results.values())))), dtype=object)
+    notes = np.asarray(results.get("notes", [""] * len(status)), dtype=object)
+    unsteady = (status == "not_steady") | np.array(["unsteady" in str(note) for note in notes])
+    return status == "ok", unsteady
+
+
+def _heading(results, good):
+    level = f"{results.level}, " if results.level and not any(name.startswith("detail_") for name in results.axes()) else ""
+    count = f"{len(good)} cases" if good.all() else f"{good.sum()} of {len(good)} cases, those that ended well"
+    return f"sweep {results.name}, {level}{count}"
+
+
+def _setting(results, name, value, si):
+    """load torque 6 N·m, of a legend."""
+    label, factor = shown(name, results.info[name].unit, si)
+    unit = label.partition(" [")[2].rstrip("]")
+    return f"{_words(label)} {value if isinstance(value, str) else f'{factor * value:.6g}'} {unit}".rstrip()
+
+
+def _require_cases(results, good):
+    if not good.any():
+        raise _known.Misuse(f"{results.path}: no case ended well")
+
+
+def lines(sweeps, x, y, by=None, measured=None, si=False, where=(), ax=None, **style):
+    """A column over another, one line for each value of the others that vary; of several sweeps in one frame.
+
+    sweeps    Results of sweeps, one or more
+    by        a column, or a list of them, that lines are drawn for; None: every key of the scene that varies beside x
+    measured  Measured data as points
+    si        shows SI units instead of bar, l/min, rpm, kN, mm and %
+    where     conditions that chose the cases, for the heading
+    ax        Axes; None: a new figure
+    style     is passed to Axes.plot
+    """
+    x_label, y_label = _numbers(sweeps[0], x, si)[0], _numbers(sweeps[0], y, si)[0]
+    panel = Panel(f"{_words(y_label)} over {_words(x_label)}", x_label, y_label)
+    headings = []
+    for number, results in enumerate(sweeps):
+        good = _states(results)[0]
+        _require_cases(results, good)
+        headings.append(_heading(results, good))
+        across, up = _numbers(results, x, si)[1], _numbers(results, y, si)[1]
+        names = [results.column(x), results.column(y)]
+        if by is None:
+            groups = results.axes(names[0], names)
+        else:
+            groups = [results.column(name) for name in ([by] if isinstance(by, str) else by)]
+        cases = list(zip(*(results[name] for name in groups))) if groups else [()] * len(across)
+        own = {"marker": "os^Dv"[number % 5]} | ({"linestyle": ["solid", "dashed", "dotted"][number % 3]} if number else {})
+        for place, group in enumerate(sorted({case for case, fine in zip(cases, good) if fine}, key=_sortable)):
+            rows = np.array([row for row, case in enumerate(cases) if case == group and good[row]])
+            rows = rows[np.argsort(across[rows], kind="stable")]
+            name = ", ".join(_setting(results, each, value, si) for each, value in zip(groups, group))
+            if len(sweeps) > 1:
+                name = f"{name}, {results.name}" if name else results.name
+                own["color"] = colour(place if groups else number)
+            panel.lines.append(Line(name, across[rows], up[rows], own | style))
+    along = np.concatenate([line.x[np.isfinite(line.x)] for line in panel.lines] or [np.zeros(1)])
+    margin = 0.03 * np.ptp(along)
+    panel.x_ends = (along.min() - margin, along.max() + margin) if margin > 0.0 and measured is None else ()
+    if measured is not None:
+        info = [(sweeps[0].column(name), sweeps[0].info[sweeps[0].column(name)].unit) for name in (x, y)]
+        points = [shown(name, unit, si)[1] * measured.column(name, unit) for name, unit in info]
+        panel.lines.append(Line(measured.name, *points, dict(_MARKS["measured"])))
+    return draw([panel], "; ".join([*headings, *where]), ax)
+
+
+def _sortable(case):
+    """Numbers by size, texts behind them."""
+    return [(1, 0.0, value) if isinstance(value, str) else (0, value, "") for value in case]
+
+
+def is_trivial(results, x, y, value):
+    """Whether a map would only draw one of its own axes: a mean ratio over the start ratio that it keeps."""
+    colours = _numbers(results, value)[1]
+    for name in (x, y):
+        along = _numbers(results, name)[1]
+        both = np.isfinite(colours) & np.isfinite(along)
+        span = np.ptp(along[both]) if both.any() else 0.0
+        if span > 0.0 and np.abs(colours - along)[both].max() < 0.02 * span:
+            return True
+    return False
+
+
+def _scale(name, values):
+    """A speed ratio: 1/2 is as far from 1 as 2 is, because the pulleys change places. Every other axis is linear."""
+    ratio = name in ("start_ratio", "control_ratio") or name.startswith("ratio_")
+    return "log" if ratio and (values[np.isfinite(values)] > 0.0).all() else "linear"
+
+
+def _limits(results, load, other, across, si):
+    """The load of safety factor 1 over the other axis as lines, for loads above zero and below it; none where two cases at one place have two
+    limits, or no case reaches it."""
+    if results.limits is None:
+        return []
+    factor = shown(load, results.info[load].unit, si)[1]
+    places, loads = _numbers(results, other, si)[1], _numbers(results, load, si)[1]
+    made = []
+    for sign in (1.0, -1.0):
+        found = {}
+        for place, limit in zip(places, factor * results.limits):
+            if np.isfinite(limit) and np.isfinite(place) and np.copysign(1.0, limit) == sign:
+                if not abs(found.setdefault(place, limit) - limit) <= _SAME_LIMIT * abs(limit):
+                    return []
+        limits = np.array(sorted(found.items()))
+        if len(limits) < 2 or limits[:, 1].min() > np.nanmax(loads) or limits[:, 1].max() < np.nanmin(loads):
+            continue
+        x, y = (limits[:, 1], limits[:, 0]) if across else (limits[:, 0], limits[:, 1])
+        style = {"color": _LIMIT, "linestyle": "dashed", "linewidth": 2.2, "zorder": 3}
+        made.append(Line("" if made else "torque limit", x, y, style, sets_ends=False))
+    return made
+
+
+def _verified(results):
+    """Cases that also ran at reference quality: their rows have measured errors. Cases that end when they are steady state errors, too."""
+    errors = [np.asarray(results[name], dtype=float) for name in results if name.startswith("error_of_")]
+    return np.isfinite(errors).any(axis=0) if errors and "settled_for" not in results else np.zeros(len(next(iter(results.values()))), bool)
+
+
+def _map(results, x, y, value, si):
+    names = [results.column(name) for name in (x, y, value)]
+    (x_label, across), (y_label, up), (label, values) = (_numbers(results, name, si) for name in (x, y, value))
+    good, unsteady = _states(results)
+    _require_cases(results, good | unsteady)
+    used = good | (unsteady & np.isfinite(values))
+    places = list(zip(across[used], up[used]))
+    if len(set(places)) < len(places):
+        among = ", ".join(results.axes(but=names[:2])) or "the columns"
+        raise _known.Misuse(f"several cases at one point of {names[0]} and {names[1]}: choose with --where COLUMN=VALUE among {among}")
+    failed = np.flatnonzero(~good & ~unsteady)
+    bad = [("failed", failed, "xxx")] if len(failed) else []
+    bad += [("not steady", np.flatnonzero(unsteady), "//")] if unsteady.any() else []
+    panel = Panel(f"{_words(label)} over {_words(x_label)} and {_words(y_label)}", x_label, y_label,
+                  scales=(_scale(names[0], across), _scale(names[1], up)))
+    panel.fields.append(Field(label, across, up, np.where(used, values, np.nan), bad))
+    largest = int(np.nanargmax(np.where(used, values, np.nan)))
+    panel.lines.append(Line("", across[[largest]], up[[largest]], {"marker": "o", "markersize": 10, "markerfacecolor": "none", "color": _LIMIT,
+                                                                   "linestyle": "none", "zorder": 4}))
+    for axis, other in ((0, 1), (1, 0)):
+        if names[axis] == "load_torque" and _known.is_key(names[other]):
+            panel.lines += _limits(results, names[axis], names[other], axis == 0, si)
+    if len(verified := np.flatnonzero(_verified(results))):
+        panel.lines.append(Line("verified", across[verified], up[verified], {"marker": "D", "color": _LIMIT, "linestyle": "none", "zorder": 4}))
+    return panel, f"{_heading(results, good)}; ring: largest, {values[largest]:.4g}"
+
+
+def maps(sweeps, x, y, value, si=False, where=(), ax=None):
+    """A column as colours with labelled contours over two others, which may be measured quantities: by triangles between the cases. Cases that
+    failed, or whose means are not steady, are hatched and counted. Above it the torque limit, where one axis is load.torque, and the cases
+    that also ran at reference quality. Several sweeps have one scale of colours. Parameters as of lines()."""
+    made = [_map(results, x, y, value, si) for results in sweeps]
+    everything = np.concatenate([panel.fields[0].values for panel, _ in made])
+    for (panel, _), results in zip(made, sweeps):
+        panel.fields[0].range = (float(np.nanmin(everything)), float(np.nanmax(everything)))
+        if len(made) > 1:
+            panel.title, panel.height = f"{panel.title}: {results.name}", 4.6
+    return draw([panel for panel, _ in made], "; ".join([*(heading for _, heading in made), *where]), ax)

@@ -1,0 +1,93 @@
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "tools/program/drawing.hpp"
+#include "tools/program/plot/plot.hpp"
+
+namespace cvtflow::tools {
+
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr int region_points = 320;  ///< along either axis, at which a region is evaluated
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+Json end_of(const std::optional<double>& end) { return end ? Json(*end) : Json(); }
+
+Json axis_json(const Axis& axis) {
+    constexpr const char* names[] = {"linear", "log", "symlog"};
+    return {{"label", axis.label},
+            {"scale", names[static_cast<int>(axis.scale)]},
+            {"linear_up_to", axis.linear_up_to},
+            {"from", end_of(axis.from)},
+            {"to", end_of(axis.to)}};
+}
+
+Json series_json(const Series& series) {
+    constexpr const char* marks[] = {"none", "dot", "small_dot", "ring", "square", "diamond", "triangle", "cross"};
+    constexpr const char* lines[] = {"none", "solid", "dashed", "dotted"};
+    Json x = Json::array(), y = Json::array();
+    for (const Point& point : series.points) x.push_back(number(point.x)), y.push_back(number(point.y));
+    return {{"name", series.name},
+            {"x", std::move(x)},
+            {"y", std::move(y)},
+            {"mark", marks[static_cast<int>(series.mark)]},
+            {"line", lines[static_cast<int>(series.line)]},
+            {"colour", series.colour},
+            {"width", series.width},
+            {"sets_ends", series.sets_ends}};
+}
+
+/// Places along an axis: between its ends, or those of the points.
+std::vector<double> places(const Plot& plot, const Axis& axis, double Point::*coordinate) {
+    double from = INFINITY, to = -INFINITY;
+    for (const Series& series : plot.series)
+        for (const Point& point : series.points)
+            if (std::isfinite(point.*coordinate)) from = std::min(from, point.*coordinate), to = std::max(to, point.*coordinate);
+    from = axis.from.value_or(from), to = axis.to.value_or(to);
+    std::vector<double> all;
+    for (int k = 0; from < to && k < region_points; ++k) all.push_back(from + (to - from) * k / (region_points - 1));
+    return all;
+}
+
+Json region_json(const Plot& plot, const Region& region) {
+    const std::vector<double> x = places(plot, plot.x, &Point::x), y = places(plot, plot.y, &Point::y);
+    Json rows = Json::array();
+    for (const double up : y) {
+        Json row = Json::array();
+        for (const double across : x) row.push_back(region.inside(across, up) ? 1 : 0);
+        rows.push_back(std::move(row));
+    }
+    return {{"name", region.name}, {"colour", region.colour}, {"x", x}, {"y", y}, {"inside", std::move(rows)}};
+}
+
+std::string made(const std::vector<Plot>& plots, const char* format) {
+    Json panels = Json::array();
+    for (const Plot& plot : plots) {
+        Json series = Json::array(), regions = Json::array();
+        for (const Series& each : plot.series) series.push_back(series_json(each));
+        for (const Region& each : plot.regions) regions.push_back(region_json(plot, each));
+        panels.push_back({{"title", plot.title},
+                          {"x", axis_json(plot.x)},
+                          {"y", axis_json(plot.y)},
+                          {"series", std::move(series)},
+                          {"regions", std::move(regions)},
+                          {"height", plot.height}});
+    }
+    return drawn({{"command", "chart"},
+                  {"format", format},
+                  {"heading", plots.empty() ? "" : plots.front().subtitle},
+                  {"panels", std::move(panels)}});
+}
+
+}  // namespace
+
+std::string svg(const Plot& plot) { return svg(std::vector{plot}); }
+std::string svg(const std::vector<Plot>& plots) { return made(plots, "svg"); }
+std::string csv(const std::vector<Plot>& plots) { return made(plots, "csv"); }
+std::string palette(std::size_t number) { return "C" + std::to_string(number); }
+
+}  // namespace cvtflow::tools
