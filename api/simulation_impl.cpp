@@ -16,7 +16,7 @@ namespace {
 
 /// nullptr: none.
 template <class Function>
-[[nodiscard]] std::shared_ptr<const Function> shared(Function&& function) {
+[[nodiscard]] std::shared_ptr<const Function> shared(Function function) {
     return function ? std::make_shared<const Function>(std::move(function)) : nullptr;
 }
 

@@ -26,7 +26,7 @@ public:
     /// @param rows of the matrix, of which the lower triangle is read
     WideInverse(const double* rows, int size) noexcept;
     [[nodiscard]] Extended operator()(int row, int column) const noexcept {
-        return columns_[static_cast<std::size_t>(column * size_ + row)];
+        return columns_[static_cast<std::size_t>(column) * static_cast<std::size_t>(size_) + static_cast<std::size_t>(row)];
     }
 
 private:

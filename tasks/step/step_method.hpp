@@ -16,6 +16,8 @@ namespace cvtflow::tasks {
 
 class StepMethod {
 public:
+    StepMethod(const StepMethod&) = delete;
+    StepMethod& operator=(const StepMethod&) = delete;
     virtual ~StepMethod() = default;
 
     /// One step from workspace.states[0] at workspace.step.time over workspace.step.h: yields the cycles that it needs. At its end
@@ -60,8 +62,6 @@ public:
 
 protected:
     StepMethod() = default;
-    StepMethod(const StepMethod&) = delete;
-    StepMethod& operator=(const StepMethod&) = delete;
 
 private:
     static constexpr std::size_t frame_bytes = 2048;  ///< more than any step() has

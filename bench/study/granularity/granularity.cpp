@@ -186,7 +186,10 @@ engine::TaskGraph stencil_graph(int levels, int tasks) {
     return graph;
 }
 
-double ideal_share(int tasks, int threads) noexcept { return static_cast<double>((tasks + threads - 1) / threads) / tasks; }
+double ideal_share(int tasks, int threads) noexcept {
+    const int rounds = (tasks + threads - 1) / threads;
+    return static_cast<double>(rounds) / tasks;
+}
 
 double effective_granularity(std::span<const GranularityPoint> curve, double share) noexcept {
     const auto low = std::find_if(curve.rbegin(), curve.rend(), [=](const GranularityPoint& p) { return p.efficiency.median < share; });

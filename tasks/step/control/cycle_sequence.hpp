@@ -71,7 +71,7 @@ public:
         static void* operator new(std::size_t bytes, Owner& owner, Arguments&...) {
             return FrameMemory::take(bytes, owner.frame_memory());
         }
-        static void operator delete(void* frame) noexcept { FrameMemory::give_back(frame); }
+        static void operator delete(void* frame) noexcept { FrameMemory::give_back(frame); }  // NOLINT: its operator new is the template
         CycleSequence get_return_object() noexcept { return CycleSequence(std::coroutine_handle<promise_type>::from_promise(*this)); }
         static std::suspend_always initial_suspend() noexcept { return {}; }
         static std::suspend_always final_suspend() noexcept { return {}; }
