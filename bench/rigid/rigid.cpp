@@ -115,7 +115,7 @@ void print_head() {
 }
 
 void print_row(const Options& options, const std::string& detail, const Means& m) {
-    const double n = static_cast<double>(m.outputs);
+    const auto n = static_cast<double>(m.outputs);
     std::string scene = options.scene;
     for (const std::string& setting : options.settings) scene += " " + setting;
     fmt::print("{},{},{:.3f},{:.3f},{:.3f},{:.3f},{:.1f},{:.1f},{:.4f},{:.5f},{:.4f},{:.4f},{:.4f},{:.3f},{:.1f},{:.2e}", scene, detail,

@@ -132,11 +132,11 @@ private:
         double time;  ///< [s]
         std::vector<Reducer> reducers;
     };
-    void reduce(const CaseInstant& now, const Occasion& when);
+    void reduce(const CaseInstant& at, const Occasion& when);
     void keep_early();
     [[nodiscard]] Reducer over_periods(std::size_t scalar, double begin) const;
     [[nodiscard]] std::span<Reducer> present_reducers();
-    void write_steady(std::size_t scalar, CaseResult& result) const;
+    void write_steady(std::size_t i, CaseResult& result) const;
 
     const Sweep& sweep_;
     std::vector<Reducer> reducers_;  ///< [scalars], or of every pin period [periods x scalars]

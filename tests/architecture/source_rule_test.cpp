@@ -1,6 +1,7 @@
 /// Rules that no compiler checks: numbers without a locale, files written through the rule for files, local names unlike those of headers,
 /// functions defined where their header is.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <map>
@@ -194,7 +195,8 @@ DeclaredNames names_of(const std::string& text) {
         } else if (line.starts_with("}")) {
             unnamed = false;
         } else if (!in_body && !line.empty() && line.front() != ' ') {
-            for (const std::string& name : declared(line)) (unnamed ? names.local : names.shared).insert(outer + "::" + name);
+            for (const std::string& name : declared(line))
+                (unnamed ? names.local : names.shared).insert(fmt::format("{}::{}", outer, name));
         }
         if (!line.empty() && line.front() != ' ' && !line.starts_with("namespace") && line.find_last_not_of(' ') != std::string::npos)
             in_body = in_body || line[line.find_last_not_of(' ')] == '{';

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <ctime>
+#include <ranges>
 #include <utility>
 #include <variant>
 
@@ -293,7 +294,7 @@ std::vector<LadderPoint> ladder_points(const DetailArguments& arguments) {
     tasks::set_values(times, std::vector<std::string>{"start.settling_time=" + arguments.settle, "run.until=" + arguments.average});
     const double begin = times.parameters.start.settling_time, end = begin + times.run.until;
     points.push_back(
-        {"load_ramp", "baseline", {fmt::format("load.torque=[[{:.9g}, \"150 N*m\"], [{:.9g}, \"230 N*m\"]]", begin, end)}, false});
+        {"load_ramp", "baseline", {fmt::format(R"(load.torque=[[{:.9g}, "150 N*m"], [{:.9g}, "230 N*m"]])", begin, end)}, false});
     return points;
 }
 
@@ -311,9 +312,9 @@ Ladder measure_ladder(const DetailArguments& arguments, const LadderPoint& point
     if (!ladder.reference.fault.empty())
         throw tasks::SimulationError(fmt::format("{}: the reference, {}, {} {}", point.name, ladder.reference.variant.name(),
                                                  ladder.reference.status == "unreliable" ? "is" : "ended:", ladder.reference.fault));
-    for (auto preset = presets.rbegin(); preset != presets.rend(); ++preset) {
+    for (const tasks::DetailPreset& preset : std::views::reverse(presets)) {
         if (catch_interrupts().requested()) return ladder;
-        ladder.levels.push_back({measure.measure(level_variant(*preset, 1.0), ladder.reference.ratio)});
+        ladder.levels.push_back({measure.measure(level_variant(preset, 1.0), ladder.reference.ratio)});
     }
     time_in_turns(ladder.levels);
     return ladder;

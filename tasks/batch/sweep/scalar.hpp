@@ -4,6 +4,7 @@
 /// shaft_1/chain_torque mean`.
 
 #include <algorithm>
+#include <array>
 #include <span>
 #include <string>
 #include <vector>
@@ -91,7 +92,7 @@ struct TermSum {
 
 /// A scalar in the making.
 struct Reducer {
-    TermSum sums[2];
+    std::array<TermSum, 2> sums;
 
     /// Whether the terms that take an instant need the chain.
     [[nodiscard]] bool needs_chain(const Scalar& scalar, double time, const Occasion& when, const Counters& counters) const noexcept;
