@@ -70,7 +70,9 @@ void advance_to(Stepper& self, const Quantity& time) {
     return py::array_t<double>(static_cast<py::ssize_t>(now.size()), now.data());
 }
 
-[[nodiscard]] Array rhs(Stepper& self, double t, const Array& x) {
+/// Takes lists, and arrays of numbers that are doubles without loss; not dates, which a cast would make numbers of.
+[[nodiscard]] Array rhs(Stepper& self, double t, const py::array_t<double, py::array::c_style>& x) {
+    if (x.ndim() != 1) throw py::type_error("rhs: x is one row of numbers");
     Array out(x.size());
     const std::span from(x.data(), static_cast<std::size_t>(x.size()));
     const std::span to(out.mutable_data(), static_cast<std::size_t>(out.size()));

@@ -113,6 +113,9 @@ class Results(unittest.TestCase):
         slope = simulation.rhs(simulation.time, x)
         np.testing.assert_array_equal(slope, simulation.rhs(simulation.time, list(x)))
         self.assertTrue(np.isfinite(slope).all())
+        for wrong in (x.reshape(2, -1), np.zeros(len(x), dtype="datetime64[s]"), "x"):
+            with self.assertRaises(TypeError):
+                simulation.rhs(simulation.time, wrong)
 
 
 class Running(unittest.TestCase):

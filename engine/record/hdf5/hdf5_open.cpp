@@ -92,7 +92,7 @@ void require_kind(hid_t file, const std::string& path, const FileKind& kind) {
 /// The file that was checked; another one may have taken its name since.
 Handle open_that(const std::string& path, const InputFile& checked) {
     Handle file = open_closed_or_live(path);
-    if (!checked.same_as(descriptor_of(file.id()))) throw Failure("the file was replaced while it was opened");
+    if (!checked.same_as(descriptor_of(file.id()))) throw RecordError(path + ": another program has just replaced it; try again");
     return file;
 }
 
