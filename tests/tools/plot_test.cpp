@@ -354,6 +354,18 @@ TEST_F(PlotCommand, OfASweepStatesItsLevelAndWhereAMapIsLargest) {
                                                   testing::Not(HasSubstr("<td><code>load.torque</code></td>"))));
 }
 
+/// Pins of tiny pass every 2.5 ms.
+TEST_F(PlotCommand, OutputsThatPinsOvertakeAreSamplesWithoutOrders) {
+    const Words slow{"--until", "20 ms", "--step", "200 ns", "--set", "run.output_interval=2 ms", "--set", "run.state_interval=2 ms"};
+    const Outcome outcome = run_briefly(Words{"-o", "slow.h5"} + slow);
+    ASSERT_THAT(outcome.status, testing::AnyOf(0, 6)) << outcome.err;
+    ASSERT_EQ(run({"plot", "slow.h5", "slip", "-o", "slow.svg"}).status, 0);
+    EXPECT_THAT(read("slow.svg"), testing::ContainsRegex("outputs are 2 ms apart, and pins pass at [0-9.]+ Hz: curves are samples"));
+    const Outcome orders = run({"plot", "slow.h5", "slip", "--orders"});
+    EXPECT_EQ(orders.status, 2);
+    EXPECT_THAT(orders.err, HasSubstr("spectra require run.output_interval below "));
+}
+
 TEST_F(PlotCommand, ReportsHowAChannelIsRecordedThatExists) {
     const Outcome outcome = run({"plot", "run.h5", "shaft_1/slip"});
     EXPECT_EQ(outcome.status, 2);

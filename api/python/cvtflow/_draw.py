@@ -79,4 +79,4 @@ if __name__ == "__main__":
             raise
         text = str(error.args[0] if isinstance(error, KeyError) and error.args else error) or type(error).__name__
         print(text if isinstance(error, (ValueError, KeyError, ImportError, OSError)) else f"{type(error).__name__}: {text}", file=sys.stderr)
-        sys.exit(2 if type(error).__name__ == "Misuse" else 1)
+        sys.exit(2 if "Misuse" in [kind.__name__ for kind in type(error).__mro__] else 1)

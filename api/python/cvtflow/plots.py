@@ -44,8 +44,9 @@ def conditions(record):
     """baseline, fine, rk4, step 50 ns."""
     if not record.attributes:
         return ""
-    level = [record.scene["detail.level"] or "own detail"] if record.scene is not None else []
-    return ", ".join([name_of(record), *level, str(record.attributes.get("method", "unknown")), f"step {step_text(record)}"])
+    level = record.scene["detail.level"] if record.scene is not None else None
+    levels = [] if level is None else ["own detail" if level in ("", "given") else level]
+    return ", ".join([name_of(record), *levels, str(record.attributes.get("method", "unknown")), f"step {step_text(record)}"])
 
 
 def _heading(records):
