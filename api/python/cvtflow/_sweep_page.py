@@ -103,15 +103,15 @@ def _framed(frame, key, value, si):
 
 def _maps(results, si):
     """Maps over the last axis and another one with one case at each point; none where there are several."""
-    axes = [name for name in results if is_number(results, name) and _known.is_key(name) and _varies(results, name)]
+    axes = [name for name in results.axes() if is_number(results, name)]
     for other in reversed(axes[:-1]):
         frames, found = _frames(results, axes[-1], other, si), []
-        try:
-            for name in _result_names(results) if frames else []:
+        for name in _result_names(results) if frames else []:
+            try:
                 if len(found) < _MOST_MAPS and not all(maps.is_trivial(frame, axes[-1], other, name) for frame in frames):
                     found.append(maps.maps(frames, axes[-1], other, name, si=si))
-        except _known.Misuse:  # several cases at one point; the picture above shows them all
-            continue
+            except _known.Misuse:  # several cases at one point, which the picture above shows; or no number in a frame
+                pass
         if found:
             return found
     return []
