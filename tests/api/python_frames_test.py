@@ -255,6 +255,17 @@ class Records(Folder):
                 self.recorded(*settings, until=until)[0].plot_orders("slip")
 
 
+    @unittest.skipUnless(importlib.util.find_spec("xarray") and importlib.util.find_spec("h5netcdf"), "xarray or h5netcdf is not installed")
+    def test_records_open_with_named_times_and_units_without_this_package(self):
+        import xarray
+
+        record, _ = self.recorded()
+        with xarray.open_dataset(self.file, engine="h5netcdf", group="channels") as there:
+            self.assertEqual((there.slip.dims, there.time.attrs["units"], there.tight_tension.attrs["units"]), (("time",), "s", "N"))
+            np.testing.assert_array_equal(there.time, record["time"])
+            np.testing.assert_array_equal(there.slip, record["slip"])
+
+
 class Sweeps(Folder):
     def results(self, **more):
         scene = tiny("run.until=0.05 ms", "start.settling_time=0.1 ms", "start.ramp_time=0.1 ms")
