@@ -408,6 +408,18 @@ def csv(panels):
 
 def picture(made, kind, mark=""):
     """A figure as bytes of SVG or PNG, the same every time. mark: text in its head"""
+    engine = made.get_layout_engine()
+    if engine is not None:  # savefig would draw everything once more for it
+        with style():
+            engine.execute(made)
+        made.set_layout_engine("none")
+    try:
+        return _saved(made, kind, mark)
+    finally:
+        made.set_layout_engine(engine)
+
+
+def _saved(made, kind, mark):
     with style():
         text = io.BytesIO()
         if kind == "png":

@@ -11,7 +11,7 @@ from ._page import heading, number, pairs, picture, provenance, section, table, 
 
 _BOOKKEEPING = {"case", "energy_residual", "energy_suspicion", "steps", "evaluations", "transitions", "truncated", "settling_evaluations", "wall",
                 "threads"}
-_MOST_MAPS, _MOST_FRAMES = 6, 4
+_MOST_MAPS, _MOST_FRAMES = 12, 4  # with all their frames; frames of one result
 
 
 def statuses(sweeps):
@@ -108,7 +108,7 @@ def _maps(results, si):
         frames, found = _frames(results, axes[-1], other, si), []
         for name in _result_names(results) if frames else []:
             try:
-                if len(found) < _MOST_MAPS and not all(maps.is_trivial(frame, axes[-1], other, name) for frame in frames):
+                if len(found) < min(6, _MOST_MAPS // len(frames)) and not all(maps.is_trivial(frame, axes[-1], other, name) for frame in frames):
                     found.append(maps.maps(frames, axes[-1], other, name, si=si))
             except _known.Misuse:  # several cases at one point, which the picture above shows; or no number in a frame
                 pass
