@@ -266,7 +266,8 @@ def _field(axis, field, scales):
         levels = np.empty(0)
     else:
         levels = _levels(norm.vmin, norm.vmax)
-        drawn = _coloured(axis, _grid(field, triangles, values, scales) or (triangles, values), norm, levels)
+        within = levels[(levels > values.min()) & (levels < values.max())]  # of several maps with one scale
+        drawn = _coloured(axis, _grid(field, triangles, values, scales) or (triangles, values), norm, within)
         axis.plot(x, y, ".", color="black", markersize=2.5, zorder=2)
     bar = axis.figure.colorbar(drawn, ax=axis, pad=0.02, aspect=30, format=lambda value, _: f"{value:.6g}")
     if len(levels):
