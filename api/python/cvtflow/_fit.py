@@ -11,7 +11,7 @@ import numpy as np
 
 from ._cvtflow import Scene, quantity
 from ._scene import all_keys, resolve
-from ._sweep import Sweep
+from ._sweep import Sweep, opened
 
 
 class Fit:
@@ -47,7 +47,7 @@ def fit(scene: Scene | str, parameters: Mapping[str, tuple[Any, Any]], measured:
     from scipy.optimize import least_squares
     from scipy.stats import t as student
 
-    scene = Sweep(scene, {}, [])._scene().with_(settings or {})
+    scene = opened(scene).with_(settings or {})
     columns = {name: np.asarray(measured[name], dtype=float) for name in measured}
     points = {name: each for name, each in columns.items() if name in all_keys()}
     targets = {name: each for name, each in columns.items() if name not in points}

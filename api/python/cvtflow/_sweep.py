@@ -63,9 +63,7 @@ class Sweep:
 
     def _scene(self):
         """The scene, for the resolution of short keys."""
-        if isinstance(self.scene, Scene):
-            return self.scene
-        return Scene.read(self.scene) if _is_path(self.scene) else Scene.ready(self.scene)
+        return opened(self.scene)
 
     def _place(self):
         """The scene's entry in a sweep file, which may be in any folder."""
@@ -242,6 +240,13 @@ def _ends(key, ends):
     if not isinstance(ends, Mapping) and not (isinstance(ends, (tuple, list)) and len(ends) == 2):
         raise TypeError(f"axes: {key} takes (from, to), not {ends!r}")
     return ends if isinstance(ends, Mapping) else {"from": ends[0], "to": ends[1]}
+
+
+def opened(scene):
+    """A Scene, of its own, by the name of a ready one, or from a file."""
+    if isinstance(scene, Scene):
+        return scene
+    return Scene.read(scene) if _is_path(scene) else Scene.ready(scene)
 
 
 def _is_path(scene):
