@@ -18,16 +18,24 @@ def signature(doc):
     first, _, rest = (doc or "").partition("\n")
     found = re.match(r"\w+(\(.*\)) -> (.*)$", first)
     if not found:
-        return "(*args, **kwargs) -> Any", doc or ""
+        return "(*args: Any, **kwargs: Any) -> Any", doc or ""
     arguments, result = (re.sub(r"\b(cvtflow\.)?_cvtflow\.|pybind11_builtins\.\w+", "", part) for part in found.groups())
     arguments = re.sub(r"numpy\.ndarray\[[^]]*\]", "numpy.ndarray", arguments)
-    arguments = re.sub(r" = <[^>]*>", " = ...", arguments).replace("os.PathLike", "Union[str, os.PathLike]")
+    arguments = re.sub(r" = <[^>]*>", " = ...", arguments).replace("os.PathLike", "Union[str, os.PathLike[str]]")
     result = "Any" if result == "object" else re.sub(r"numpy.ndarray.*", "numpy.ndarray", result)
-    return f"{arguments} -> {result}", rest.strip()
+    return strict(f"{arguments} -> {result}"), rest.strip()
+
+
+def strict(text):
+    """A signature with the parameters of generic types that strict checking requires."""
+    text = re.sub(r"\bnumpy\.ndarray\b", "numpy.ndarray[Any, Any]", text)
+    text = re.sub(r"(\*\*kwargs|\*args)(?=[,)])", r"\1: Any", re.sub(r"\bIterator\b(?!\[)", "Iterator[Any]", text))
+    return re.sub(r"\bdict\b(?!\[)", "Dict[str, Any]", re.sub(r"\blist\b(?!\[)", "List[Any]", text))
 
 
 def function(name, member, depth, static=False):
     text, doc = signature(member.__doc__)
+    text = re.sub(r"-> .*", "-> None", text) if name == "__init__" else text
     lines = [INDENT * depth + "@staticmethod"] if static else []
     lines += [INDENT * depth + f"def {name}{text}:"]
     lines += [INDENT * (depth + 1) + f'"""{doc}"""'] if doc else []
@@ -38,6 +46,7 @@ def value(name, member):
     found = re.search(r"-> (.*)", (member.fget.__doc__ if member.fget else "") or "")
     kind = re.sub(r"\b(cvtflow\.)?_cvtflow\.", "", found.group(1)) if found and found.group(1) != "object" else "Any"
     lines = [INDENT + "@property", INDENT + f"def {name}(self) -> {kind}:"]
+    lines[-1] = strict(lines[-1])
     return lines + ([INDENT * 2 + f'"""{member.__doc__.strip()}"""'] if member.__doc__ else []) + [INDENT * 2 + "..."]
 
 
@@ -47,6 +56,8 @@ def type_lines(name, made):
     if made.__doc__ and not made.__doc__.startswith("Members:"):
         lines.append(INDENT + f'"""{made.__doc__.strip()}"""')
     for key, member in vars(made).items():
+        if key == "__doc__":
+            continue
         if isinstance(member, property):
             lines += value(key, member)
         elif isinstance(member, made):

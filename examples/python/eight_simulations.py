@@ -9,14 +9,14 @@ from concurrent.futures import ThreadPoolExecutor
 import cvtflow
 
 
-def slip_under(load, until):
+def slip_under(load: float, until: float) -> tuple[float, float, float]:
     """Mean slip [1] under a load [N m]."""
     scene = cvtflow.Scene.ready("tiny").with_(load__torque=load)
     rows = cvtflow.run(scene, until, channels=["slip", "shaft_2/torque"])
-    return load, rows["slip"].mean(), rows["shaft_2/torque"].mean()
+    return load, float(rows["slip"].mean()), float(rows["shaft_2/torque"].mean())
 
 
-def main(milliseconds):
+def main(milliseconds: float) -> None:
     loads = [4.0 + 2.0 * number for number in range(8)]
     with ThreadPoolExecutor(8) as pool:
         for load, slip, torque in pool.map(slip_under, loads, [1e-3 * milliseconds] * 8):

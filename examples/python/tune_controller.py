@@ -4,6 +4,7 @@
 """
 
 import sys
+from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize
@@ -13,7 +14,7 @@ import cvtflow
 WANTED, SPAN = 1.005, 2e-3  # [1], [s]
 
 
-def settled(scene):
+def settled(scene: cvtflow.Scene) -> cvtflow.Simulation:
     """A settled state, from which every trial begins; gains belong to the scene, so each has its own."""
     simulation = cvtflow.Simulation(scene)
     simulation.advance_to(0.0)
@@ -21,7 +22,7 @@ def settled(scene):
     return simulation
 
 
-def error(logarithms, scene):
+def error(logarithms: Any, scene: cvtflow.Scene) -> float:
     """Mean square distance of the ratio from the target one."""
     gain, integral = np.exp(logarithms)
     trial = settled(scene.with_(proportional=gain, integral=integral))
@@ -29,7 +30,7 @@ def error(logarithms, scene):
     return float(np.mean((rows["ratio"] - WANTED) ** 2))
 
 
-def main(evaluations):
+def main(evaluations: int) -> None:
     scene = cvtflow.Scene.ready("tiny").with_(control={"enabled": True, "ratio": 1}, start={"settling_time": "1 ms", "ramp_time": "0.5 ms"})
     begin = np.log([scene["control.proportional"], scene["control.integral"]])
     found = minimize(error, begin, args=(scene,), method="Nelder-Mead", options={"maxfev": evaluations, "xatol": 0.05, "fatol": 1e-12})

@@ -68,6 +68,8 @@ TEST_F(Package, IsFoundAndUsedByAFreshProjectAlsoAfterItWasMoved) {
     std::getline(file, program);
     EXPECT_EQ(program, (folder_ / "moved/bin/cvtflow").string());
     EXPECT_THAT(run(program + " check baseline"), testing::HasSubstr((folder_ / "moved/share/cvtflow/scenes/baseline.toml").string()));
+    EXPECT_THAT(run(program + " run tiny --until '20 us' -q -o r.h5 && " + program + " plot r.h5 slip -o r.svg"),
+                testing::HasSubstr("r.svg"));
 }
 
 TEST_F(Package, IsFoundByPkgConfig) {
@@ -137,6 +139,8 @@ TEST_F(Package, OfAProgramAloneNamesWhatWasNotBuilt) {
     for (const char* target : {"cvtflow_library", "cvtflow_manual"})
         EXPECT_THAT(output, testing::HasSubstr("/b' --target " + std::string(target) + ")"));
     EXPECT_THAT(run("p/bin/cvtflow check tiny"), testing::HasSubstr("share/cvtflow/scenes/tiny.toml"));
+    EXPECT_THAT(run("p/bin/cvtflow run tiny --until '20 us' -q -o r.h5 && p/bin/cvtflow plot r.h5 slip -o r.png"),
+                testing::HasSubstr("r.png"));
     EXPECT_EQ(run("ls p/include p/lib/*/libcvtflow* 2>/dev/null || true"), "");
 }
 

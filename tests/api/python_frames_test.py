@@ -4,6 +4,7 @@ import contextlib
 import csv
 import importlib.util
 import os
+import shutil
 import sys
 import tempfile
 import types
@@ -253,6 +254,18 @@ class Records(Folder):
                                        (sparse, "20 ms", "spectra require run.output_interval below 1.2")):
             with self.assertRaisesRegex(ValueError, words):
                 self.recorded(*settings, until=until)[0].plot_orders("slip")
+
+
+    @unittest.skipUnless(importlib.util.find_spec("xarray") and importlib.util.find_spec("h5netcdf"), "xarray or h5netcdf is not installed")
+    def test_records_open_with_named_times_and_units_without_this_package(self):
+        import xarray
+
+        record, _ = self.recorded()
+        alone = shutil.copy(self.file, self.folder + "/alone.h5")  # HDF5 opens one file in one way
+        with xarray.open_dataset(alone, engine="h5netcdf", group="channels") as there:
+            self.assertEqual((there.slip.dims, there.time.attrs["units"], there.tight_tension.attrs["units"]), (("time",), "s", "N"))
+            np.testing.assert_array_equal(there.time, record["time"])
+            np.testing.assert_array_equal(there.slip, record["slip"])
 
 
 class Sweeps(Folder):

@@ -232,7 +232,7 @@ class SeveralRecords(Pages):
 
     def test_has_one_table_of_key_figures_with_differences_and_their_scatter(self):
         with h5py.File("run.h5") as a, h5py.File("other.h5") as b:
-            rows = [file["channels/tight_tension"][17:] * 1e-3 for file in (a, b)]  # of 0 to 20 us the last fifth [kN]
+            rows = [file["channels/tight_tension"][16:] * 1e-3 for file in (a, b)]  # of 0 to 20 us the last fifth [kN]
         shown = numbers(self.text, 'data-difference="tight_tension"')
         gap = rows[1] - rows[0]
         for value, true in zip(shown, (rows[0].mean(), rows[1].mean(), gap.mean(), gap.std(ddof=1), 100.0 * gap.mean() / rows[0].mean())):
@@ -295,7 +295,7 @@ class Sweeps(Pages):
         for words in ("<b>ok</b>: 1 of 2 cases", "<b>deep_tip</b>: 1 of 2 cases", "<b>note unsteady</b>: 2 of 2 cases",
                       "<b>note gross_slip</b>: 1 of 2 cases", 'id="cases-table"', "slip_mean [%]</th>"):
             self.has(text, words)
-        self.matches(text, r'data-value="10">10</td><td class="number" data-value="10">', "a slip of 0.1 is 10 %, a torque of 10 is 10")
+        self.has(text, 'data-value="10">10</td><td class="number" data-value="10">')  # a slip of 0.1 is 10 %, a torque of 10 is 10
 
     def test_has_maps_of_cases_with_one_at_each_point(self):
         grid = "case,status,start_ratio,load_torque,slip_mean\n0,ok,1,10,0.1\n1,ok,1,20,0.2\n2,ok,2,10,0.3\n3,ok,2,20,0.4\n"
@@ -307,7 +307,7 @@ class Sweeps(Pages):
 
     def test_has_a_map_for_each_value_of_a_third_key(self):
         text = page(SWEEP)
-        for ratio in ("2.4", "1", "0.4167"):
+        for ratio in ("2.4", "1", "0.417"):
             self.matches(text, f"mean slip over load torque and clamping driven: start ratio {re.escape(ratio)}<")
 
     def test_shows_two_in_one_picture(self):

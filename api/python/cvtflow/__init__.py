@@ -17,12 +17,18 @@ from . import _classes
 _classes.install()  # before the names below are taken
 
 from ._cvtflow import *  # noqa: E402,F401,F403
-from ._cvtflow import Scene, Simulation, library_version
-from ._fit import Fit, fit
-from ._results import Record, Rows, run
-from ._scene import ready_scenes
-from ._sweep import Results, Sweep
-from .pages import report
+from ._cvtflow import Scene as Scene
+from ._cvtflow import Simulation as Simulation
+from ._cvtflow import library_version as library_version
+from ._fit import Fit as Fit
+from ._fit import fit as fit
+from ._results import Rows as Rows
+from ._results import run as run
+from ._scene import ready_scenes as ready_scenes
+from ._series import Record as Record
+from ._sweep import Sweep as Sweep
+from ._tables import Results as Results
+from .pages import report as report
 
 __version__ = library_version()
 

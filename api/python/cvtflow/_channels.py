@@ -1,8 +1,11 @@
 """Channels by name, of a simulation now and of records over time."""
 
+from __future__ import annotations
+
 import re
 import weakref
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 from ._known import display_unit, suggestion
 
@@ -44,34 +47,34 @@ class Columns:
         return self._below[prefix]
 
 
-class Channels(Mapping):
+class Channels(Mapping[str, Any]):
     """Values by the names of channels: channels["slip"], channels["links/tension[3]"], channels.shaft_1.torque; channels.info has their
     units."""
 
-    def __init__(self, read, columns, prefix=""):
+    def __init__(self, read: Any, columns: Any, prefix: str = "") -> None:
         self._read, self._columns, self._prefix = read, columns, prefix
 
     @property
-    def info(self):
+    def info(self) -> dict[str, Any]:
         """Column (name, unit, description, width) of every channel, by name."""
         return dict(self._names()[0])
 
     def _names(self):
         return self._columns.below(self._prefix)
 
-    def __getitem__(self, name):
+    def __getitem__(self, name: str) -> Any:
         return self._read(self._prefix + name if self._prefix else name)
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[str]:
         return iter(self._names()[0])
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self._names()[0])
 
-    def __contains__(self, name):
+    def __contains__(self, name: object) -> bool:
         return name in self._names()[0]
 
-    def __getattr__(self, name):
+    def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):
             raise AttributeError(name)
         info, groups = self._names()

@@ -266,7 +266,8 @@ def _field(axis, field, scales):
         levels = np.empty(0)
     else:
         levels = _levels(norm.vmin, norm.vmax)
-        drawn = _coloured(axis, _grid(field, triangles, values, scales) or (triangles, values), norm, levels)
+        within = levels[(levels > values.min()) & (levels < values.max())]  # of several maps with one scale
+        drawn = _coloured(axis, _grid(field, triangles, values, scales) or (triangles, values), norm, within)
         axis.plot(x, y, ".", color="black", markersize=2.5, zorder=2)
     bar = axis.figure.colorbar(drawn, ax=axis, pad=0.02, aspect=30, format=lambda value, _: f"{value:.6g}")
     if len(levels):
@@ -408,6 +409,18 @@ def csv(panels):
 
 def picture(made, kind, mark=""):
     """A figure as bytes of SVG or PNG, the same every time. mark: text in its head"""
+    engine = made.get_layout_engine()
+    if engine is not None:  # savefig would draw everything once more for it
+        with style():
+            engine.execute(made)
+        made.set_layout_engine("none")
+    try:
+        return _saved(made, kind, mark)
+    finally:
+        made.set_layout_engine(engine)
+
+
+def _saved(made, kind, mark):
     with style():
         text = io.BytesIO()
         if kind == "png":

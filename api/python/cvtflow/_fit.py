@@ -1,19 +1,24 @@
 """Keys of a scene by measured values."""
 
+from __future__ import annotations
+
 import math
 import tempfile
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
-from ._cvtflow import quantity
+from ._cvtflow import Scene, quantity
 from ._scene import all_keys, resolve
-from ._sweep import Sweep
+from ._sweep import Sweep, opened
 
 
 class Fit:
     """Result of fit(): values by key in SI, confidence intervals by key, residuals (simulated less measured) by column, and the scene."""
 
-    def __init__(self, scene, values, confidence, residuals, level):
+    def __init__(self, scene: Scene, values: dict[str, float], confidence: dict[str, tuple[float, float]], residuals: dict[str, Any],
+                 level: float) -> None:
         self.scene, self.values, self.confidence, self.residuals, self.level = scene, values, confidence, residuals, level
 
     def __repr__(self):
@@ -23,7 +28,9 @@ class Fit:
         return f"<cvtflow.Fit {', '.join(lines)}; residuals {', '.join(rest)}>"
 
 
-def fit(scene, parameters, measured, *, deviations=None, level=0.95, settings=None, threads=0, step=0.02):
+def fit(scene: Scene | str, parameters: Mapping[str, tuple[Any, Any]], measured: Mapping[str, Any], *,
+        deviations: Mapping[str, Any] | None = None, level: float = 0.95, settings: Mapping[str, Any] | None = None, threads: int = 0,
+        step: float = 0.02) -> Fit:
     """Adjusts keys of a scene to measured values by least squares (scipy.optimize.least_squares). Returns a Fit.
 
     fit("baseline", {"tip.friction_coefficient": (0.05, 0.14)}, {"load.torque": [60, 120, 180], "slip mean": [0.0015, 0.0028, 0.0046]})
@@ -40,7 +47,7 @@ def fit(scene, parameters, measured, *, deviations=None, level=0.95, settings=No
     from scipy.optimize import least_squares
     from scipy.stats import t as student
 
-    scene = Sweep(scene, {}, [])._scene().with_(settings or {})
+    scene = opened(scene).with_(settings or {})
     columns = {name: np.asarray(measured[name], dtype=float) for name in measured}
     points = {name: each for name, each in columns.items() if name in all_keys()}
     targets = {name: each for name, each in columns.items() if name not in points}

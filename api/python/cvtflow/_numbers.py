@@ -1,8 +1,12 @@
 """Arithmetic on courses over time: means over pin periods, spectra, load cycles, thinning."""
 
 import math
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
 
 _CYCLE = [(name, float) for name in ("range", "mean", "count", "from_time", "to_time")]
 

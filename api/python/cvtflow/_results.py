@@ -1,19 +1,24 @@
 """Results over time: a run as one call."""
 
+from __future__ import annotations
+
 import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
 from ._channels import split
-from ._cvtflow import Simulation, Threads
+from ._cvtflow import Scene, Simulation, Threads
 from ._known import energies
+from ._numbers import Array
 from ._series import Record, Series, seconds  # noqa: F401 (Record: of recordings)
 
 
-class Rows(Series, dict):
+class Rows(Series, dict[str, Array]):
     """Result of run(): arrays over time by name. info contains their units; frame() and plot() as for a Record."""
 
-    def __init__(self, values, info, energies=None):
+    def __init__(self, values: Mapping[str, Array], info: Mapping[str, Any], energies: Any = None) -> None:
         super().__init__(values)
         self.info, self._energies = info, energies or {}
 
@@ -24,7 +29,9 @@ class Rows(Series, dict):
         return f"<cvtflow.Rows: {len(self['time'])} rows of {', '.join(self)}>"
 
 
-def run(scene, until=None, *, channels=("ratio", "slip", "efficiency"), interval=None, inputs=None, threads=None):
+def run(scene: Scene | Simulation | str, until: float | str | None = None, *,
+        channels: str | Sequence[str] = ("ratio", "slip", "efficiency"), interval: float | str | None = None,
+        inputs: Callable[[float, Simulation], Mapping[str, float] | None] | None = None, threads: Threads | None = None) -> Rows:
     """Runs a scene and returns a dict of arrays over time: "time" [s] and the channels, [rows] or [rows, width], in SI units.
 
     until     end ("0.1 ms"; numbers are in s); None: run.until of the scene

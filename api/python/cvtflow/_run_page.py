@@ -238,12 +238,16 @@ def without_spectra(record):
     return ""
 
 
+def _moves(values):
+    finite = values[np.isfinite(values)]
+    return len(finite) > 0 and np.ptp(finite) > 0.0
+
+
 def _spectra(records, si):
     for record in records:
         if why := without_spectra(record):
             return [text(f"No spectra: {record.path}: {why}.")]
-    names = [name for name in plots.overview(records[0]) if np.ptp(values := records[0][name][np.isfinite(records[0][name])]) > 0.0 and len(values)]
-    names = [name for name in names if all(name in record.info for record in records)]
+    names = [name for name in plots.overview(records[0]) if all(name in record.info for record in records) and _moves(records[0][name])]
     return [picture(plots.orders(records, names, si=si), "spectra")] if names else [text("No spectra: every quantity is constant.")]
 
 

@@ -1,5 +1,7 @@
 """Scenes in Python: resolution of key names, values to and from TOML, the list of keys."""
 
+from __future__ import annotations
+
 import json
 import os
 from collections.abc import Mapping
@@ -18,7 +20,7 @@ def all_keys():
     return {key.name: key for key in scene_keys()}
 
 
-def ready_scenes():
+def ready_scenes() -> dict[str, str]:
     """The scenes that Scene.ready() finds, as a dict: their descriptions by name. They come with cvtflow, or are in ./scenes or in the
     folders of the environment variable CVTFLOW_SCENES. Scenes that cannot be read are left out."""
     found = {}

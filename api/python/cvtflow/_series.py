@@ -1,17 +1,20 @@
 """Results over time with units, frames and plots, and records of runs, read on demand. Needs no compiled module (_draw.py)."""
 
+from __future__ import annotations
+
 import math
-import re
-from collections.abc import Mapping
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
 from . import _known, _wear
 from ._channels import Channels, Columns, split, unknown
-from ._numbers import cycles, mean
+from ._numbers import Array, cycles, mean
 
 
-def seconds(value):
+def seconds(value: float | str) -> float:
     """A time: a number in s, or a text with its unit."""
     return _known.quantity(value, "s") if isinstance(value, str) else value
 
@@ -24,7 +27,7 @@ def _names(channels):
 class Series:
     """Arrays over time by name, "time" [s] among them. Derived classes define __getitem__ and info (name -> Column)."""
 
-    def frame(self, channels=None):
+    def frame(self, channels: str | Sequence[str] | None = None) -> Any:
         """A pandas.DataFrame with the time [s] as index; channels of several numbers become columns "links/tension[0]", ...
 
         channels  a name or several; None: all of one number per row
@@ -43,7 +46,7 @@ class Series:
         frame.attrs["units"] = units
         return frame
 
-    def to_xarray(self, channels=None):
+    def to_xarray(self, channels: str | Sequence[str] | None = None) -> Any:
         """An xarray.Dataset over the time [s]; links/tension has the dimensions time and links_tension_number. Units are attributes.
         channels as in frame(). Raises ImportError where xarray is not installed."""
         import xarray
@@ -56,7 +59,7 @@ class Series:
             made[name] = (axes, values, {"units": column.unit, "long_name": column.description})
         return xarray.Dataset(made, coords={"time": ("time", self["time"], {"units": "s"})})
 
-    def means(self, begin=None):
+    def means(self, begin: float | str | None = None) -> dict[str, float]:
         """Means of all channels of one number from `begin` [s] (a text carries its unit; None: the middle) to the end, by the trapezoidal
         rule: a dict by name, in SI. Of a Record, `begin` moves to where whole pin periods remain. Rows that are not finite count as none.
         An efficiency is the quotient of the energies in that time, as in the summary of a run; NaN where none flows. Raises ValueError for
@@ -89,7 +92,7 @@ class Series:
         energy = self._energy(name)
         return 0.0 if energy is None else float(energy[-1] - np.interp(begin, self["time"], energy))
 
-    def rainflow(self, channel, begin=None, until=None):
+    def rainflow(self, channel: str, begin: float | str | None = None, until: float | str | None = None) -> Array:
         """Load cycles of a channel of one number, as `cvtflow table --rainflow` counts them (ASTM E1049): an array with the fields range
         and mean [unit of the channel], count (1; 0.5 for half a cycle), from_time and to_time [s].
 
@@ -109,7 +112,8 @@ class Series:
     def _pin_period(self):
         """[s]; None where it is not known."""
 
-    def plot(self, *channels, x="time", others=(), measured=None, every_output=False, si=False, ax=None, **style):
+    def plot(self, *channels: str, x: str = "time", others: Sequence[Series] = (), measured: Any = None, every_output: bool = False,
+             si: bool = False, ax: Any = None, **style: Any) -> Any:
         """Draws channels over time, or over another channel, with Matplotlib, as `cvtflow plot` does: those of one unit in one panel, panels
         with a shared horizontal axis. Returns the Figure.
 
@@ -127,19 +131,22 @@ class Series:
         points = None if measured is None else _measured.Measured(measured)
         return plots.curves([self, *others], channels, x, points, every_output, si, ax, **style)
 
-    path, scene, pin_frequency = "", None, None
+    path: str = ""
+    scene: Any = None
+    pin_frequency: Any = None
+    info: Any
 
     @property
-    def attributes(self):
+    def attributes(self) -> dict[str, Any]:
         """Of the whole file, by name."""
         return {}
 
     @property
-    def rows(self):
+    def rows(self) -> int:
         """Number of rows."""
         return len(self["time"])
 
-    def read(self, channel, first=0, count=None):
+    def read(self, channel: str, first: int = 0, count: int | None = None) -> Array:
         """Rows of a channel: [count] or [count, width]."""
         return self[channel][first:None if count is None else first + count]
 
@@ -147,26 +154,26 @@ class Series:
 class States:
     """The recorded states: states[3] are the unknowns of the fourth, states.unknowns those of all, states.phases the phases of the tips."""
 
-    def __init__(self, file):
+    def __init__(self, file: Any) -> None:
         self._file = file
         self.time = file.state_times()
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self.time)
 
-    def __getitem__(self, number):
+    def __getitem__(self, number: int) -> Array:
         count = len(self)
         if not -count <= number < count:
             raise IndexError(f"state {number} of {count}")
         return self._file.state(number % count)
 
     @property
-    def unknowns(self):
+    def unknowns(self) -> Array:
         """[states, unknowns], in the order of Simulation.unknowns()."""
         return np.array([self._file.state(number) for number in range(len(self))])
 
     @property
-    def phases(self):
+    def phases(self) -> Array:
         """[states, tips]: 0 free, 1 touching, 2 sticking, 3 slipping."""
         return np.array([self._file.phases(number) for number in range(len(self))])
 
@@ -175,7 +182,7 @@ class States:
         return f"<cvtflow.States: {len(self)}{span}>"
 
 
-class Record(Series, Mapping):
+class Record(Series, Mapping[str, Array]):
     """The record of a run as a mapping from names of channels to arrays; "time" [s] is among them.
 
         record = cvtflow.Record("results/tiny.h5")
@@ -188,19 +195,19 @@ class Record(Series, Mapping):
     Numbers are in SI units.
     """
 
-    def __init__(self, path):
+    def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = str(path)
         self._file = _known.record_file(path)
         self._columns = self._file.channels()
         self._kept = {"time": self._file.read("time")}
 
     @property
-    def scene(self):
+    def scene(self) -> Any:
         """What the run simulated, a mapping from keys to values in SI; None where this version of cvtflow cannot read it."""
         return self._once("scene", lambda: _known.scene_of(self))
 
     @property
-    def pin_frequency(self):
+    def pin_frequency(self) -> float | None:
         """Pins that pass a place, by the mean speed of the chain and its mean pitch [Hz]; None where the record does not contain them."""
         return self._once("pin_frequency", self._pin_frequency)
 
@@ -225,7 +232,7 @@ class Record(Series, Mapping):
     transitions = property(lambda self: self._file.transitions(),
                            doc="Changes of a tip's phase: an array with fields time, pin, tip, phase_from, phase_to.")
 
-    def plot_orders(self, *channels, others=(), si=False, ax=None, **style):
+    def plot_orders(self, *channels: str, others: Sequence[Series] = (), si: bool = False, ax: Any = None, **style: Any) -> Any:
         """Draws amplitudes of channels over multiples of the pin passing frequency, as `cvtflow plot --orders` does; over the frequency [Hz]
         where no pins pass. Returns the Figure. Parameters as of plot(). Raises ValueError for fewer than 8 rows, or rows further apart than
         half a pin period."""
@@ -233,34 +240,34 @@ class Record(Series, Mapping):
 
         return plots.orders([self, *others], channels, si, ax, **style)
 
-    def plot_losses(self, others=(), ax=None):
+    def plot_losses(self, others: Sequence[Series] = (), ax: Any = None) -> Any:
         """Draws the mean losses by kind [W] as bars with their shares, the largest first, as `cvtflow plot --losses` does; those of other
         records beside them. Returns the Figure. Raises ValueError for a record without losses."""
         from . import plots
 
         return plots.losses([self, *others], ax)
 
-    def plot_round(self, others=(), si=False, ax=None):
+    def plot_round(self, others: Sequence[Series] = (), si: bool = False, ax: Any = None) -> Any:
         """Draws where the followed pin is as it goes round, as `cvtflow plot --round` does. Returns the Figure."""
         from . import plots
 
         return plots.round_of_pin([self, *others], si, ax)
 
-    def plot_differences(self, other, *channels, si=False, ax=None):
+    def plot_differences(self, other: Series, *channels: str, si: bool = False, ax: Any = None) -> Any:
         """Draws other - self over time, as means over pin periods with the band of their scatter within each. Returns the Figure. channels,
         si, ax: as in plot()."""
         from . import plots
 
         return plots.differences([self, other], channels, si, ax)
 
-    def plot_wear(self, ax=None):
+    def plot_wear(self, ax: Any = None) -> Any:
         """Draws wear() in four panels, as `cvtflow plot --wear` does: over the radius of each sheave friction energy, pressure times sliding
         speed and worn depth, and the number of tips by worn depth. Returns the Figure. Raises ValueError as wear() does."""
         from . import plots
 
         return plots.wear(self, ax)
 
-    def wear(self):
+    def wear(self) -> dict[str, Any]:
         """Wear by Archard's law, of a record with the channels wear/* (record.channels=wear/*), as `cvtflow plot --wear` states it:
         a dict of arrays in SI.
 
@@ -274,7 +281,7 @@ class Record(Series, Mapping):
         """
         return _wear.wear(self)
 
-    def read(self, channel, first=0, count=None):
+    def read(self, channel: str, first: int = 0, count: int | None = None) -> Array:
         """Rows of a channel, or of an element: [count] or [count, width]."""
         name, element = split(channel)
         rows = self._file.read(name, first, count)
@@ -284,18 +291,18 @@ class Record(Series, Mapping):
             raise KeyError(f"{channel}: {name} has {1 if rows.ndim == 1 else rows.shape[1]} elements")
         return rows[:, element]
 
-    def __getitem__(self, name):
+    def __getitem__(self, name: str) -> Array:
         if name == "time":
             return self._kept["time"].copy()
         if split(name)[0] not in self.info:
             raise unknown(name, ["time", *self.info])
         return self.read(name)
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[str]:
         yield "time"
         yield from self.info
 
-    def __len__(self):
+    def __len__(self) -> int:
         return 1 + len(self._columns)
 
     def _ipython_key_completions_(self):

@@ -1,5 +1,7 @@
 """Many variants of a scene, as `cvtflow batch` and the scripts for Slurm run them."""
 
+from __future__ import annotations
+
 import math
 import os
 import sys
@@ -7,6 +9,7 @@ import tempfile
 import threading
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import Any
 
 from ._cvtflow import RecordError, Scene, SceneError, SweepFile, Table
 from ._scene import flat, resolve, toml
@@ -38,14 +41,18 @@ class Sweep:
     budget    largest wall time of a case ("10 min"; numbers are in s), or {"steps": 100000, "wall": "10 min"}
     accuracy  limit of the error of every scalar ("1 %"), or {"target": "1 %", "verify": 5, "seed": 1}: the sweep chooses detail, method and
               step, and columns error_of_... contain the errors of the cases that it verifies
-    Malformed axes raise TypeError or ValueError, keys and values that a sweep file cannot have SceneError in run() and write().
+    Malformed axes raise TypeError or ValueError, keys, values and scalars that a sweep file cannot have SceneError.
     write() gives the file that `cvtflow batch` and tools/slurm/submit take; results() reads what they left, of one machine or of many.
     """
 
-    def __init__(self, scene, axes, scalars, *, settings=None, detail=None, start=None, from_=None, name=None, budget=None, accuracy=None):
+    def __init__(self, scene: Scene | str | os.PathLike[str], axes: Any, scalars: str | Iterable[str], *,
+                 settings: Mapping[str, Any] | None = None, detail: str | None = None, start: str | Mapping[str, Any] | None = None,
+                 from_: float | str | None = None, name: str | None = None, budget: str | float | Mapping[str, Any] | None = None,
+                 accuracy: str | float | Mapping[str, Any] | None = None) -> None:
         self.scene, self.axes, self.scalars = scene, _axes(axes), [scalars] if isinstance(scalars, str) else list(scalars)
         self.settings, self.detail, self.start, self.from_ = dict(settings or {}), detail, start, from_
         self.name, self.budget, self.accuracy = name, budget, accuracy
+        _check(self._files(Path("sweep.toml")))
 
     def __repr__(self):
         counts = [len(values) if isinstance(values, list) else values.get("count", "?") for _, values in self.axes]
@@ -56,16 +63,14 @@ class Sweep:
 
     def _scene(self):
         """The scene, for the resolution of short keys."""
-        if isinstance(self.scene, Scene):
-            return self.scene
-        return Scene.read(self.scene) if _is_path(self.scene) else Scene.ready(self.scene)
+        return opened(self.scene)
 
     def _place(self):
         """The scene's entry in a sweep file, which may be in any folder."""
         return os.path.abspath(self.scene) if _is_path(self.scene) else self.scene
 
     @property
-    def text(self):
+    def text(self) -> str:
         """The sweep file."""
         return self._text("sweep.scene.toml" if isinstance(self.scene, Scene) else self._place())
 
@@ -106,7 +111,7 @@ class Sweep:
             axis["keys"] = [{"key": resolve(scene, key), **_ends(key, ends)} for key, ends in axis["keys"].items()]
         return axis
 
-    def write(self, path):
+    def write(self, path: str | os.PathLike[str]) -> SweepFile:
         """Writes the sweep file, and a Scene beside it, and checks the sweep. Raises SceneError with every problem.
 
         Existing files are replaced only if a Sweep has written them, which their first line states. Raises RecordError for others.
@@ -124,7 +129,7 @@ class Sweep:
         scene = path.with_name(name + ".scene.toml")
         return {path: MARK + self._text(scene.name), scene: MARK + self.scene.text}
 
-    def run(self, folder, threads=0, progress=True):
+    def run(self, folder: str | os.PathLike[str], threads: int = 0, progress: Any = True) -> Results:
         """Runs what is missing in the folder, on so many threads (0: all), and returns results(folder).
 
         progress  True: one line that replaces itself, where stderr is a terminal or in a notebook, else nothing; False or None: nothing;
@@ -143,12 +148,12 @@ class Sweep:
         return self.results(folder)
 
     @staticmethod
-    def results(folder):
+    def results(folder: str | os.PathLike[str]) -> Results:
         """The Results in a folder or a table."""
         path = Path(folder)
         return Results(Table(str(path / "cases.h5" if path.is_dir() else path)))
 
-    def submit(self, folder, *arguments):
+    def submit(self, folder: str | os.PathLike[str], *arguments: str) -> str:
         """Hands the sweep to Slurm by the installed script. Returns what it printed. The sweep file is FOLDER.toml; one of another sweep,
         which a job may be reading, is not replaced (RecordError)."""
         import subprocess
@@ -235,6 +240,13 @@ def _ends(key, ends):
     if not isinstance(ends, Mapping) and not (isinstance(ends, (tuple, list)) and len(ends) == 2):
         raise TypeError(f"axes: {key} takes (from, to), not {ends!r}")
     return ends if isinstance(ends, Mapping) else {"from": ends[0], "to": ends[1]}
+
+
+def opened(scene):
+    """A Scene, of its own, by the name of a ready one, or from a file."""
+    if isinstance(scene, Scene):
+        return scene
+    return Scene.read(scene) if _is_path(scene) else Scene.ready(scene)
 
 
 def _is_path(scene):

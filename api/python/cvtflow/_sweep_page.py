@@ -11,7 +11,7 @@ from ._page import heading, number, pairs, picture, provenance, section, table, 
 
 _BOOKKEEPING = {"case", "energy_residual", "energy_suspicion", "steps", "evaluations", "transitions", "truncated", "settling_evaluations", "wall",
                 "threads"}
-_MOST_MAPS, _MOST_FRAMES = 6, 4
+_MOST_MAPS, _MOST_FRAMES = 12, 4  # with all their frames; frames of one result
 
 
 def statuses(sweeps):
@@ -103,15 +103,15 @@ def _framed(frame, key, value, si):
 
 def _maps(results, si):
     """Maps over the last axis and another one with one case at each point; none where there are several."""
-    axes = [name for name in results if is_number(results, name) and _known.is_key(name) and _varies(results, name)]
+    axes = [name for name in results.axes() if is_number(results, name)]
     for other in reversed(axes[:-1]):
         frames, found = _frames(results, axes[-1], other, si), []
-        try:
-            for name in _result_names(results) if frames else []:
-                if len(found) < _MOST_MAPS and not all(maps.is_trivial(frame, axes[-1], other, name) for frame in frames):
+        for name in _result_names(results) if frames else []:
+            try:
+                if len(found) < min(6, _MOST_MAPS // len(frames)) and not all(maps.is_trivial(frame, axes[-1], other, name) for frame in frames):
                     found.append(maps.maps(frames, axes[-1], other, name, si=si))
-        except _known.Misuse:  # several cases at one point; the picture above shows them all
-            continue
+            except _known.Misuse:  # several cases at one point, which the picture above shows; or no number in a frame
+                pass
         if found:
             return found
     return []

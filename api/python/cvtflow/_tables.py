@@ -1,7 +1,11 @@
 """Results of sweeps as columns, with units, frames and plots. Needs no compiled module (_draw.py)."""
 
+from __future__ import annotations
+
 import os
 import re
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -16,11 +20,11 @@ def _column(name, values):
     return values.astype(np.int64) if name in COUNTS and np.isfinite(values).all() else values
 
 
-class Results(dict):
+class Results(dict[str, Any]):
     """Results of a sweep: arrays [cases] (lists for texts) by column, in the order of cases; counts (steps, evaluations, …) are int64. info
     contains units and descriptions by column."""
 
-    def __init__(self, table):
+    def __init__(self, table: Any) -> None:
         if not hasattr(table, "columns") or isinstance(table, (str, bytes, os.PathLike)):
             raise TypeError(f"Results() takes a Table, not {type(table).__name__}; Sweep.results(folder) reads a sweep's folder")
         super().__init__((column.name, _column(column.name, table.read(column.name))) for column in table.columns())
@@ -29,7 +33,7 @@ class Results(dict):
         self.path, self.name, self.level = getattr(table, "path", "the table"), str(attributes.get("sweep", "")), getattr(table, "level", "")
         self.limits = getattr(table, "limits", None)
 
-    def frame(self):
+    def frame(self) -> Any:
         """A pandas.DataFrame with the case as index; units by column are in frame.attrs["units"]. Raises ImportError without pandas."""
         import pandas
 
@@ -37,7 +41,7 @@ class Results(dict):
         frame.attrs["units"] = {name: column.unit for name, column in self.info.items()}
         return frame
 
-    def column(self, name):
+    def column(self, name: str) -> str:
         """The name of a column: slip_mean also as "slip mean", load_torque as "load.torque", or as "torque" where no other key ends so."""
         if not isinstance(name, str):
             raise TypeError(f"a column is named by a text, not by {type(name).__name__} {name!r}")
@@ -48,7 +52,7 @@ class Results(dict):
             return meant[0]
         raise UnknownName(f"{name}: the table {self.path} has no such column" + suggestion(plain, self))
 
-    def where(self, **values):
+    def where(self, **values: Any) -> Results:
         """The Results of the cases with these values, numbers in SI or texts with a unit: where(load__torque="6 N*m", status="ok"). A list
         means any of its values. Raises ValueError for a number that no case has."""
         kept = np.ones(len(self["case"]), dtype=bool)
@@ -71,7 +75,8 @@ class Results(dict):
         some.limits = None if self.limits is None else self.limits[kept]
         return some
 
-    def plot(self, x, y, by=None, others=(), measured=None, si=False, ax=None, **style):
+    def plot(self, x: str, y: str, by: str | Sequence[str] | None = None, others: Sequence[Results] = (), measured: Any = None,
+             si: bool = False, ax: Any = None, **style: Any) -> Any:
         """Draws a column over another with Matplotlib, one line for each value of the others that vary, as `cvtflow plot` does. Returns the
         Figure.
 
@@ -87,7 +92,7 @@ class Results(dict):
         points = None if measured is None else _measured.Measured(measured)
         return maps.lines([self, *others], x, y, by, points, si, ax=ax, **style)
 
-    def map(self, x, y, value, others=(), si=False, ax=None):
+    def map(self, x: str, y: str, value: str, others: Sequence[Results] = (), si: bool = False, ax: Any = None) -> Any:
         """Draws a column as colours with contours over two others, which may be results, as `cvtflow plot --colour` does. Cases that failed, or
         are not steady, are hatched. Returns the Figure. others: further sweeps below it, with the same colours. Raises ValueError for several
         cases at one point: where() chooses among them."""
@@ -95,12 +100,12 @@ class Results(dict):
 
         return maps.maps([self, *others], x, y, value, si, ax=ax)
 
-    def pivot(self, index, columns, values):
+    def pivot(self, index: str, columns: str, values: str) -> Any:
         """A pandas.DataFrame of one column over two others, in SI units. Raises ValueError for several cases at one point."""
         index, columns, values = (self.column(name) for name in (index, columns, values))
         return self.frame().pivot(index=index, columns=columns, values=values)
 
-    def axes(self, along=None, but=()):
+    def axes(self, along: str | None = None, but: Sequence[str] = ()) -> list[str]:
         """The columns of keys of the scene that vary and distinguish the cases: one that only follows another, the column `along`, or those in
         `but`, is left out."""
         found, known = [], 1
@@ -117,7 +122,7 @@ class Results(dict):
         own, given = set(self[name]), set(self[along])
         return len(own) >= len(given) and len(set(zip(self[along], self[name]))) == len(given)
 
-    def to_xarray(self):
+    def to_xarray(self) -> Any:
         """An xarray.Dataset with a dimension for each of axes() and a variable for each other column; points without a case are NaN, or
         empty texts. Units are attributes. Raises ImportError where xarray is not installed, ValueError for several cases at one point."""
         import xarray

@@ -1,6 +1,7 @@
 """Pages of records and of sweeps, as `cvtflow report` makes them: one file of HTML that needs no network."""
 
 import os
+from typing import Any
 
 from . import _known, _page
 
@@ -78,7 +79,7 @@ def _written(parts):
     return _page.written("page.html", parts.pop("scripts"), parts.pop("data"), **parts).encode()
 
 
-def report(of, output=None, with_=None, si=False):
+def report(of: Any, output: Any = None, with_: Any = None, si: bool = False) -> Any:
     """Writes a page: status and notes, key figures, scene, curves, running chain, losses, spectra and provenance of records; maps and cases of
     sweeps. Several are shown beside each other.
 

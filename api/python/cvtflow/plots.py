@@ -6,180 +6,17 @@ import numpy as np
 
 from . import _known
 from ._channels import shown, split
+from ._courses import (chosen, conditions, course, differing, find, heading, info_of, labels, missing, name_of, named, overview, sampling, sparse,
+                       time_text, values)  # noqa: F401 (also of pages)
 from ._figures import Line, Panel, colour, dashes, draw
 from ._numbers import mean, pattern_length, period_means, spectrum, thinned
 
 _COLUMNS = 1500  # of pixels, or of half pixels
 _STRETCHES = 10000  # of a curve that is drawn over another one
-_LONG_RUN = 60.0  # pin periods beyond which vibrations would be a solid band
 _MAX_ORDER, _END_ORDER = 20, 12.5  # up to which multiples are marked; where the axis ends
 _MAX_PATTERN = 6  # links of a pattern whose multiples can still be distinguished
 _VISIBLE = 0.01  # of the largest of a group
 _MARKS = {"measured": {"color": "#222222", "marker": "o", "markerfacecolor": "none", "linestyle": "none"}}
-
-
-def time_text(value):
-    """2.25 ms."""
-    for unit, size in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6)):
-        if abs(value) >= 0.99995 * size:
-            return f"{value / size:.4g} {unit}"
-    return f"{value / 1e-9:.4g} ns" if value else "0 s"
-
-
-def name_of(record):
-    """The name of its scene."""
-    return str(record.attributes.get("scene", ""))
-
-
-def step_text(record):
-    """auto (2 us)."""
-    setting, taken = (float(record.attributes.get(name, 0.0)) for name in ("step", "step_taken"))
-    set_text, used = time_text(setting) if setting > 0.0 else "auto", time_text(taken) if taken > 0.0 else ""
-    if used in ("", set_text):
-        return set_text
-    return f"{set_text} ({used} taken)" if setting > 0.0 else f"auto ({used})"
-
-
-def conditions(record):
-    """baseline, fine, rk4, step 50 ns."""
-    if not record.attributes:
-        return ""
-    level = record.scene["detail.level"] if record.scene is not None else None
-    levels = [] if level is None else ["own detail" if level in ("", "given") else level]
-    return ", ".join([name_of(record), *levels, str(record.attributes.get("method", "unknown")), f"step {step_text(record)}"])
-
-
-def _heading(records):
-    return "; ".join(dict.fromkeys(filter(None, map(conditions, records))))
-
-
-def differing(records):
-    """Keys in which the scenes of records differ; None where a scene cannot be read. Of two levels of detail, the level alone."""
-    scenes = [record.scene for record in records]
-    if any(scene is None for scene in scenes):
-        return None
-    keys = [key for key in _known.keys(scenes[0]) if not key.startswith("scene.")]
-    found = [key for key in keys if any(not _same(scene[key], scenes[0][key]) for scene in scenes)]
-    levels = {scene["detail.level"] for scene in scenes}
-    if len(levels) > 1 and all(levels):
-        found = [key for key in found if not key.startswith("detail.") or key in ("detail.level", "detail.pulleys")]
-    return found
-
-
-def _same(a, b):
-    return np.array_equal(a, b) if isinstance(a, (list, np.ndarray)) or isinstance(b, (list, np.ndarray)) else a == b
-
-
-def labels(records):
-    """By which records of one picture are told apart: their paths, and the key in which alone they differ."""
-    if len(records) == 1:
-        return [""]
-    keys = differing(records)
-    setting = [f" ({keys[0]} {_known.value_text(record, keys[0])})" if keys and len(keys) == 1 else "" for record in records]
-    return [f"{record.path}{text}" for record, text in zip(records, setting)]
-
-
-def _named(name, label):
-    return f"{name}, {label}" if label else name
-
-
-def sparse(record):
-    """How far outputs are apart where that is more than half a pin period; empty if less."""
-    time = record["time"]
-    if not record.pin_frequency or len(time) < 2:
-        return ""
-    between = (time[-1] - time[0]) / (len(time) - 1)
-    if 2.0 * record.pin_frequency * between < 1.0:
-        return ""
-    return f"outputs are {time_text(between)} apart, and pins pass at {record.pin_frequency:.4g} Hz"
-
-
-def sampling(record):
-    """Whether curves through such outputs are samples, or means over their interval (record.means); empty if they are not so far apart."""
-    how = sparse(record)
-    means = how and record.scene is not None and record.scene["record.means"]
-    return "outputs are means over their interval" if means else how and how + ": curves are samples"
-
-
-def find(record, word):
-    """Names of what a word means: a channel, or its parts; a group; one number of a channel. Raises Misuse with the closest name."""
-    channel, element = split(word)
-    if channel in record.info:
-        width = record.info[channel].width
-        if element is not None and element >= width:
-            raise _known.UnknownName(f"{word}: {channel} has {width} elements, numbered from 0")
-        return [word] if element is not None or width == 1 else _parts(channel, width)
-    if word.endswith("]"):
-        if element is None:
-            raise _known.Misuse(f"{word}: the element number is not valid")
-        word = channel
-    group = [part for name, column in record.info.items() if name.startswith(word + "/") for part in _parts(name, column.width)]
-    if group and element is None:
-        return group
-    raise _known.UnknownName(f"{word}: {missing(record, word)}")
-
-
-def missing(record, word):
-    """Why a record has no channel or group of that name, and how to record it."""
-    on_demand = _known.is_on_demand(word)
-    if on_demand is None:
-        return f"neither a file nor a channel of {record.path}{_known.suggestion(word, record.info)}"
-    group = "" if word in _known.received["channels"] else "/*"
-    how = f"record it with --set record.channels={word}{group}" if on_demand else "the machine has no pulleys"
-    return f"{record.path} was recorded without this channel ({how})"
-
-
-def _parts(channel, width):
-    """Of more than four numbers, three curves."""
-    if width == 1:
-        return [channel]
-    return [f"{channel}[{k}]" for k in range(width)] if width <= 4 else [f"{channel} ({part})" for part in ("least", "mean", "largest")]
-
-
-_EXTREMES = {"least": np.fmin.reduce, "mean": None, "largest": np.fmax.reduce}
-
-
-def values(record, name):
-    """Numbers of what find() names, [rows]. Wide channels are read in blocks: a long run has gigabytes of them."""
-    channel, _, part = name.partition(" (")
-    if not part:
-        return record[name]
-    found, block = [], max(1, 2**20 // record.info[channel].width)
-    for first in range(0, record.rows, block):
-        rows = record.read(channel, first, min(block, record.rows - first))
-        with np.errstate(invalid="ignore"):
-            finite = np.isfinite(rows)
-            sums = np.where(finite, rows, 0.0).sum(axis=1) / finite.sum(axis=1)
-        found.append(_EXTREMES[part[:-1]](rows, axis=1) if _EXTREMES[part[:-1]] else sums)
-    return np.concatenate(found)
-
-
-def _info(record, name):
-    return record.info[split(name.partition(" (")[0])[0]]
-
-
-def overview(record):
-    """Names of scalar channels outside any group: the main quantities of a run."""
-    return [name for name, column in record.info.items() if column.width == 1 and "/" not in name]
-
-
-def _chosen(record, words):
-    return [name for word in words for name in find(record, word)] if words else overview(record)
-
-
-def _averaged(record, unit, every_output=False):
-    """The pin period of a run that is longer than 60 of them [s]; 0: every output is drawn, also of lengths, whose swings such means hide."""
-    time, pins = record["time"], record.pin_frequency
-    span = time[-1] - time[0]
-    long = pins and span * pins >= _LONG_RUN and len(time) >= 4.0 * span * pins
-    return 1.0 / pins if long and unit != "m" and not every_output else 0.0
-
-
-def course(record, name, every_output=False):
-    """Times [s] and values in SI of a curve, and the pin period over which they are means; 0: every output."""
-    period = _averaged(record, _info(record, name).unit, every_output)
-    time, numbers = record["time"], values(record, name)
-    return (*(period_means(time, numbers, period) if period else (time, numbers)), period)
 
 
 class Panels:
@@ -252,7 +89,7 @@ def _across(record, x, si, end):
     names = find(record, x)
     if len(names) > 1:
         raise _known.Misuse(f"--x {x}: {len(names)} curves; choose one number, such as {names[0]}")
-    return (names[0], *shown(names[0], _info(record, names[0]).unit, si))
+    return (names[0], *shown(names[0], info_of(record, names[0]).unit, si))
 
 
 def curves(records, channels=(), x="", measured=None, every_output=False, si=False, ax=None, **style):
@@ -272,27 +109,27 @@ def curves(records, channels=(), x="", measured=None, every_output=False, si=Fal
     for record, label in zip(records, labels(records)):
         notes[sampling(record)] = None
         across, x_label, scale = _across(record, x, si, end)
-        for name in _chosen(record, channels):
+        for name in chosen(record, channels):
             if name == across or (across == "time" and name == "control/target" and "ratio" in channels and controls_ratio(record)):
                 continue
-            info = _info(record, name)
+            info = info_of(record, name)
             panel, factor = panels.of(name, info.unit)
             panel.x = x_label
-            time, numbers, period = course(record, name, every_output or (across != "time" and _info(record, across).unit == "m"))
+            time, numbers, period = course(record, name, every_output or (across != "time" and info_of(record, across).unit == "m"))
             notes[f"means over pin periods ({time_text(period)})" if period else ""] = None
             if across == "time":
                 if name == "ratio" and controls_ratio(record) and "control/target" in record.info:
-                    panel.lines.append(Line(_named("control/target", label), *thinned(scale * record["time"], record["control/target"], _COLUMNS),
+                    panel.lines.append(Line(named("control/target", label), *thinned(scale * record["time"], record["control/target"], _COLUMNS),
                                             {"color": "#555555", "linestyle": "dashed"}))
                 along, columns = scale * time, _COLUMNS
             else:
                 along, columns = scale * values(record, across), _STRETCHES
                 along = along if not period else scale * period_means(record["time"], values(record, across), period)[1]
-            panel.lines.append(Line(_named(name, label), *thinned(along, factor * numbers, columns), dict(style)))
+            panel.lines.append(Line(named(name, label), *thinned(along, factor * numbers, columns), dict(style)))
     if measured is not None:
         _add_measured(panels, records[0], channels, measured, across, scale)
     removed = _remove_small(panels.found, channels)
-    return draw(panels.finished(), "; ".join(filter(None, [_heading(records), *notes])) + removed, ax)
+    return draw(panels.finished(), "; ".join(filter(None, [heading(records), *notes])) + removed, ax)
 
 
 def controls_ratio(record):
@@ -301,15 +138,15 @@ def controls_ratio(record):
 
 def _add_measured(panels, record, channels, measured, across, scale):
     """Points of the measured columns among the curves of the first record."""
-    drawn = _chosen(record, channels)
-    there = [name for name in drawn if measured.has(name, _info(record, name).unit)]
+    drawn = chosen(record, channels)
+    there = [name for name in drawn if measured.has(name, info_of(record, name).unit)]
     if not there:
         raise _known.Misuse(f"--with {measured.path}: its columns ({measured.names()}) are none of the channels that are drawn "
                             f"({', '.join(drawn[:8])}{', …' if len(drawn) > 8 else ''})")
-    along = measured.column(across, "s" if across == "time" else _info(record, across).unit)
+    along = measured.column(across, "s" if across == "time" else info_of(record, across).unit)
     for name in there:
-        panel, factor = panels.of(name, _info(record, name).unit)
-        up = measured.column(name, _info(record, name).unit)
+        panel, factor = panels.of(name, info_of(record, name).unit)
+        up = measured.column(name, info_of(record, name).unit)
         panel.lines.append(Line(f"{name}, {measured.name}", scale * along, factor * up, dict(_MARKS["measured"])))
 
 
@@ -357,17 +194,17 @@ def orders(records, channels=(), si=False, ax=None, **style):
     unit = marks[0][1] if marks else 1.0
     end = math.inf
     for record, label in zip(records, labels(records)):
-        for name in _chosen(record, channels):
+        for name in chosen(record, channels):
             if how := sparse(record):
                 limit = time_text(0.5 / record.pin_frequency)
                 raise _known.Misuse(f"{record.path}: {how}: spectra require run.output_interval below {limit}")
             if record.rows < 8:
                 raise _known.Misuse(f"{record.path}: orders need 8 rows at least")
             frequency, amplitude = spectrum(record["time"], values(record, name))
-            panel, factor = panels.of(name, _info(record, name).unit)
+            panel, factor = panels.of(name, info_of(record, name).unit)
             panel.x = "order of the passing pins" if marks else "frequency [Hz]"
             end = min(end, frequency[-1] / unit)
-            panel.lines.append(Line(_named(name, label), frequency / unit, factor * amplitude, dict(style)))
+            panel.lines.append(Line(named(name, label), frequency / unit, factor * amplitude, dict(style)))
     end = min(end, _END_ORDER) if marks else end
     for panel in panels.found.values():
         panel.y = f"amplitude of {panel.y}" if len(panel.lines) == 1 else f"amplitude, {panel.y}"
@@ -376,7 +213,7 @@ def orders(records, channels=(), si=False, ax=None, **style):
     for panel in found:
         if len(panel.title) > 80:
             panel.title = f"{len(panel.lines)} channels"
-    return draw(list(found), _heading(records) + ("; " + orders_text(marks) if marks else ""), ax)
+    return draw(list(found), heading(records) + ("; " + orders_text(marks) if marks else ""), ax)
 
 
 def _finish_orders(panel, marks, end):
@@ -410,7 +247,7 @@ def round_of_pin(records, si=False, ax=None):
         panel.lines.append(Line(name, rows[:, 0], rows[:, 1]))
     spans = [np.ptp(np.concatenate([np.asarray(getattr(line, axis)) for line in panel.lines])) or 1.0 for axis in "xy"]
     panel.height = min(9.0, max(2.4, 1.2 + 7.6 * spans[1] / spans[0]))
-    return draw([panel], _heading(records), ax)
+    return draw([panel], heading(records), ax)
 
 
 def loss_kinds(record):
@@ -441,7 +278,7 @@ def losses(records, ax=None):
     panel = Panel(title, "", "mean power dissipated [W]", bars=rows or [("all kinds", [(0.0, "0 W")] * len(records))],
                   kinds=labels(records) if len(records) > 1 else [])
     panel.height = max(2.2, 1.0 + (0.34 if len(records) == 1 else 0.3 * len(records)) * max(1, len(rows)))
-    return draw([panel], _heading(records) + (f"; zero: {', '.join(zeros)}" if zeros else ""), ax)
+    return draw([panel], heading(records) + (f"; zero: {', '.join(zeros)}" if zeros else ""), ax)
 
 
 def wear(record, ax=None):
@@ -493,8 +330,8 @@ def differences(records, channels=(), si=False, ax=None):
     period = 1.0 / a.pin_frequency if a.pin_frequency and (end - begin) * a.pin_frequency >= 4.0 else 0.0
     panels = Panels(si)
     x_label, scale = ("time [s]", 1.0) if si or end >= 1.0 else ("time [ms]", 1e3)
-    for name in [name for name in _chosen(a, channels) if split(name.partition(" (")[0])[0] in b.info]:
-        panel, factor = panels.of(name, _info(a, name).unit)
+    for name in [name for name in chosen(a, channels) if split(name.partition(" (")[0])[0] in b.info]:
+        panel, factor = panels.of(name, info_of(a, name).unit)
         panel.x = x_label
         time = a["time"][(a["time"] >= begin) & (a["time"] <= end)]
         if not len(time):

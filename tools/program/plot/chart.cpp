@@ -41,7 +41,21 @@ Json series_json(const Series& series) {
             {"sets_ends", series.sets_ends}};
 }
 
-/// Places along an axis: between its ends, or those of the points.
+/// Where an axis places a value, up to a factor; and back.
+double placed(const Axis& axis, double value) {
+    if (axis.scale == Scale::linear) return value;
+    if (axis.scale == Scale::logarithmic) return std::log10(value);
+    const double size = std::abs(value) / axis.linear_up_to;
+    return std::copysign(size <= 1.0 ? size : 1.0 + std::log10(size), value);
+}
+double value_at(const Axis& axis, double place) {
+    if (axis.scale == Scale::linear) return place;
+    if (axis.scale == Scale::logarithmic) return std::pow(10.0, place);
+    const double size = std::abs(place);
+    return std::copysign(axis.linear_up_to * (size <= 1.0 ? size : std::pow(10.0, size - 1.0)), place);
+}
+
+/// Values along an axis, equally spaced in the picture: between its ends, or those of the points.
 std::vector<double> places(const Plot& plot, const Axis& axis, double Point::*coordinate) {
     double from = INFINITY, to = -INFINITY;
     for (const Series& series : plot.series)
@@ -49,7 +63,8 @@ std::vector<double> places(const Plot& plot, const Axis& axis, double Point::*co
             if (std::isfinite(point.*coordinate)) from = std::min(from, point.*coordinate), to = std::max(to, point.*coordinate);
     from = axis.from.value_or(from), to = axis.to.value_or(to);
     std::vector<double> all;
-    for (int k = 0; from < to && k < region_points; ++k) all.push_back(from + (to - from) * k / (region_points - 1));
+    const double first = placed(axis, from), last = placed(axis, to);
+    for (int k = 0; from < to && k < region_points; ++k) all.push_back(value_at(axis, first + (last - first) * k / (region_points - 1)));
     return all;
 }
 

@@ -146,7 +146,7 @@ Action declare_plot(CLI::App& app) {
         "cvtflow plot SWEEP --x load.torque --y start.ratio --colour slip_mean --where clamping.driven=20000\n"
         "cvtflow plot run.h5 --x ratio slip           cvtflow plot run.h5 --x shaft_1/speed efficiency tight_tension\n"
         "cvtflow plot run.h5 slip --with bench.csv    cvtflow plot SWEEP --x load.torque --y efficiency --with bench.csv\n"
-        "For channels of more than four numbers, minimum, mean and maximum are drawn. Python draws (python3-matplotlib, python3-h5py).\n"
+        "For channels of more than four numbers, minimum, mean and maximum are drawn.\n"
         "A picture of the same scene or sweep is replaced, any other file only with --force.");
     return [arguments] { return plot(*arguments); };
 }
