@@ -3,7 +3,7 @@
 
     tests/browser/report_test.py CVTFLOW SOURCE_DIR
 
-Needs Debian's chromium and python3-h5py, and a cvtflow that was built with libjs-dygraphs and libjs-three.
+Needs Debian's chromium, python3-h5py, python3-matplotlib, python3-jinja2, libjs-dygraphs and libjs-three.
 """
 
 import csv
@@ -16,7 +16,7 @@ import unittest
 
 from browser import SKIPPED, Browser, BrowserError, require
 
-require("h5py", "python3-h5py", "numpy", "python3-numpy")
+require("h5py", "python3-h5py", "numpy", "python3-numpy", "matplotlib", "python3-matplotlib", "jinja2", "python3-jinja2")
 import h5py
 import numpy
 
@@ -39,6 +39,8 @@ if made.returncode != 0:
     sys.exit(made.stderr)
 cvtflow("report", "run.h5", "run.h5", "-o", "both.html")
 cvtflow("report", os.path.join(SOURCE, "scenes/sweeps/slip_efficiency_results.csv"), "-o", "sweep.html")
+cvtflow("run", "control", "--until", "0.1 ms", "-o", "control.h5", "-q")
+cvtflow("report", "control.h5")
 
 
 MARKUP = ["<img src=x onerror=window.ran=1>", "\"><svg onload=window.ran=1>", "'-window.ran=1-'", "javascript:window.ran=1"]
@@ -144,6 +146,33 @@ class RunReport(Page):
             s.getBoundingClientRect().width / s.viewBox.baseVal.width)""")
         self.assertTrue(scales)
         self.assertGreater(min(scales), 0.99, "letters of 12 px")
+        figures = self.value("""(() => { const box = document.querySelector("#figures table").getBoundingClientRect();
+            return [box.top, box.bottom, document.querySelectorAll("#figures tbody tr").length]; })()""")
+        self.assertGreater(figures[2], 4)
+        self.assertLess(figures[1] - figures[0], 844, "one screen")
+
+    def test_what_is_wider_than_a_phone_has_an_edge_until_it_is_scrolled_to_its_end(self):
+        metrics = {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True}
+        self.browser.call("Emulation.setDeviceMetricsOverride", metrics)
+        self.addCleanup(self.browser.call, "Emulation.setDeviceMetricsOverride",
+                        {"width": 1200, "height": 900, "deviceScaleFactor": 1, "mobile": False})
+        self.browser.open(self.page)
+        edges = self.value("""(async () => {
+            const wide = document.querySelector("#losses figure"), scroller = wide.querySelector(".scroller"), seen = [];
+            const look = () => new Promise((done) => setTimeout(() => done(seen.push(["::before", "::after"].map(
+                (side) => Number(getComputedStyle(wide, side).opacity)))), 200));
+            await look();
+            scroller.scrollLeft = 1e6;
+            await look();
+            return seen; })()""")
+        self.assertEqual(edges, [[0, 1], [1, 0]])
+
+    def test_what_a_controller_holds_is_dashed_in_the_panel_of_the_ratio(self):
+        self.browser.open("control.html")
+        labels = self.value("curves.charts[0].getLabels()")
+        self.assertEqual(labels[1:], ["ratio", "control/target"])
+        self.assertEqual(self.value("curves.charts[0].getOption('strokePattern', 'control/target')"), [6, 4])
+        self.assertIsNone(self.value("curves.charts[0].getOption('strokePattern', 'ratio')"))
 
     def test_labels_of_an_axis_leave_its_ticks_alone(self):
         self.value("""(() => { curves.chosen = new Set(["ratio", "slip"]); curves.draw(); })()""")
@@ -282,6 +311,15 @@ class Comparison(Page):
         self.assertEqual(self.value("curves.charts[0].getLabels().length"), 3)
         self.assertIn("run.h5", self.value("document.querySelector('.dygraph-legend').textContent"))  # which is which is seen at once
 
+    def test_the_chain_of_the_other_record_runs_where_it_is_chosen(self):
+        self.value("chain.pick(1); chain.show(1); window.first = chain; 0")
+        self.value("(() => { const s = document.getElementById('chain-record'); s.value = 1; s.dispatchEvent(new Event('change')); })()")
+        self.assertEqual(self.value("[chain !== first, chain.moment, document.getElementById('chain-record').value]"), [True, 0, "1"])
+        self.value("document.getElementById('play').click()")
+        moved = self.value("(async () => { for (let k = 0; k < 300 && chain.moment === 0; ++k)"
+                           "await new Promise((done) => setTimeout(done, 100)); return [chain.moment > 0, first.moment]; })()")
+        self.assertEqual(moved, [True, 1])
+
 
 class SweepReport(Page):
     page = "sweep.html"
@@ -303,11 +341,11 @@ class SweepReport(Page):
         self.assertEqual(self.column("slip_mean"), sorted(before, reverse=True))
 
     def test_the_picture_shows_every_case_that_ended_well(self):
-        self.assertEqual(self.value("document.querySelectorAll('#map-view circle').length"), 36)
+        self.assertEqual(self.value("document.querySelectorAll('#map-view .case').length"), 36)
         self.value("""(() => { const s = document.getElementById("map-y"); s.value = "efficiency";
             s.dispatchEvent(new Event("change")); })()""")
         self.assertIn("efficiency", self.value("document.getElementById('map-view').textContent"))
-        self.assertEqual(self.value("document.querySelectorAll('#map-view circle').length"), 36)
+        self.assertEqual(self.value("document.querySelectorAll('#map-view .case').length"), 36)
 
 
 class Forged(Page):

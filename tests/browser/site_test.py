@@ -77,6 +77,16 @@ class Site(unittest.TestCase):
             self.assertTrue(any(wide for wide, _ in scrolls), page)
             self.assertTrue(all(wide == moved for wide, moved in scrolls), page)
 
+    def test_tables_fit_a_screen_and_options_keep_their_hyphens(self):
+        browser.resize(1280, 900)
+        self.addCleanup(browser.resize, 1200, 900)
+        for page in ("docs/scene_reference.html", "docs/channel_reference.html", "docs/index.html"):
+            self.open(page)
+            self.assertEqual(browser.value("""[...document.querySelectorAll(".wy-table-responsive")].filter(
+                (box) => box.scrollWidth > box.clientWidth + 1).length"""), 0, page)
+        self.open("docs/commands.html" if os.path.exists(os.path.join(HTML, "docs/commands.html")) else "docs/index.html")
+        self.assertNotIn("\u2013scene", browser.value("document.body.textContent"))
+
     def test_a_click_leads_to_the_page_and_marks_it(self):
         self.open("docs/index.html")
         box = browser.value(f"""(() => {{ const b = {LINKS}[2].getBoundingClientRect();
